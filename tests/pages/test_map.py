@@ -3,6 +3,7 @@
 # Tests: pages/browser/explore/map/map.js, pages/browser/explore/map/map_drawing.js
 # Tests: pages/browser/explore/map/map_rows.js, pages/browser/explore/map/map_outputs.js
 # Tests: pages/browser/explore/map/map_files.js, pages/browser/explore/map/ranking.js
+# Tests: pages/browser/explore/map/map_contour.js, pages/browser/explore/map/map_limit.js
 
 import io
 import math
@@ -13,14 +14,14 @@ import pytest
 from PIL import Image
 
 from chain_impact import load_scene, simulate, sweep
-from tests.pages.in_pages import ANGLE_AXIS, MAP, draw_map, saved, until, until_told
+from tests.pages.in_pages import ANGLE_AXIS, MAP, draw_map, enter, saved, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 EMPTY = """(() => {
-  const copy = new OffscreenCanvas(41, 41).getContext('2d', { willReadFrequently: true });
+  const copy = new OffscreenCanvas(80, 80).getContext('2d', { willReadFrequently: true });
   copy.drawImage(document.getElementById('map-canvas'), 0, 0);
-  return [...copy.getImageData(0, 0, 41, 41).data].filter((value, k) => k % 4 === 3 && value === 0).length;
+  return [...copy.getImageData(0, 0, 80, 80).data].filter((value, k) => k % 4 === 3 && value === 0).length;
 })()"""
 """The number of runs of a map without a colour."""
 READ = re.compile(
@@ -32,7 +33,9 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
     page = show("rod_drop", MAP)
     page.get_by_role("button", name="Map…").click()
     page.locator("#map-text").get_by_text("A preview of 9 × 9 runs. Press Simulate for 41 × 41.").wait_for()
-    assert page.locator("#map-canvas").get_attribute("width") == "9"
+    assert page.locator("#map-canvas").get_attribute("width") == "16", (
+        "outer runs end at the ends of the axes"
+    )
     outputs = page.locator("#map-output option").evaluate_all("options => options.map(({ value }) => value)")
     assert page.locator("#map-output").input_value() == "peak_force"
     shown = page.locator("#map-output option").all_inner_texts()
@@ -84,7 +87,7 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
     until_told(page, f"{count} impact")
     assert page.evaluate("chainImpact.parameters['contact.restitution']") == "0.95"
     colours = page.evaluate("""new Set(new Uint32Array(document.getElementById('map-canvas')
-      .getContext('2d').getImageData(0, 0, 41, 41).data.buffer)).size""")
+      .getContext('2d').getImageData(0, 0, 80, 80).data.buffer)).size""")
     assert colours > 3
 
 
@@ -95,7 +98,7 @@ def test_the_preview_stays_below_the_rows_that_come(show):
     others = page.locator("#map-scales text:not(.map-value)")
     titles = others.all_text_contents()
     page.evaluate("document.getElementById('map-run').click()")  # at once, before any row
-    assert page.locator("#map-canvas").get_attribute("width") == "41"
+    assert page.locator("#map-canvas").get_attribute("width") == "80"
     assert page.evaluate(EMPTY) == 0
     assert others.all_text_contents() == titles
     page.locator("#map-text").get_by_text("1681 runs in").wait_for()
@@ -159,6 +162,27 @@ RANKED = """[...document.querySelectorAll('.effect')].map((row) =>
 """The parameters that a ranking lists, each with its effect as text."""
 
 
+def share_by_step(ranking, *, exactly=False):
+    """Return the relative effects [%] of steps of 1°, and of 1 % of what is no angle, the largest first.
+
+    The effects are to first order, but ``exactly`` those on the largest force come from runs.
+    """
+    size = ranking.effects[0].change / ranking.share(ranking.effects[0]) / 100.0
+    scene, step = load_scene("four_link_box"), math.radians(1.0)
+
+    def change(effect):
+        size = step if effect.unit == "rad" else 0.01 * effect.value
+        if not exactly:
+            return effect.derivative * size
+        values = {effect.parameter: effect.value + size}
+        return simulate(scene.with_values(values)).impacts["peak_force"].max() - before
+
+    before = simulate(scene).impacts["peak_force"].max()
+    varied = [effect for effect in ranking.effects if effect.value or effect.unit == "rad"]
+    shares = {effect.parameter: change(effect) / size for effect in varied}
+    return dict(sorted(shares.items(), key=lambda entry: -abs(entry[1])))
+
+
 def test_a_ranking_has_the_effects_of_the_ranking_of_a_result(show):
     page = show()
     page.get_by_role("button", name="Map…").click()
@@ -167,15 +191,22 @@ def test_a_ranking_has_the_effects_of_the_ranking_of_a_result(show):
     told = page.evaluate(RANKED)
     result = simulate("four_link_box", sensitivities=["*"])
     ranking = result.ranking("peak_force")
-    assert [name for name, _ in told] == [effect.parameter for effect in ranking.effects[:10]]
-    shares = [float(text.replace("−", "-").removesuffix("\u202f%")) for _, text in told]
-    assert shares == pytest.approx([100 * ranking.share(effect) for effect in ranking.effects[:10]], rel=0.1)
+    shares = {name: float(text.replace("−", "-").removesuffix("\u202f%")) for name, text in told[:10]}
+    expected = share_by_step(ranking, exactly=True)
+    assert list(shares) == list(expected)[:10]
+    assert list(shares.values()) == pytest.approx(list(expected.values())[:10], rel=0.1)
+    steps = page.locator(".effect small").all_inner_texts()
+    assert {"+ 1\u202f%", "+ 1°"} <= set(steps[:10])
+    assert all(step.startswith("+ 0.01") for step in steps[10:]), "parameters that are 0 come last"
+    table = saved(page, "Ranking as CSV").read_text().splitlines()
+    assert table[0].startswith("parameter,value,step,change of peak_force")
+    assert len(table) > 1 + len(steps)
     page.locator("#map-output").select_option("max_penetration")
     page.locator("#map-ranking-text").get_by_text("Largest penetration = ").wait_for()
-    deeper = result.ranking("max_penetration").effects
-    assert [name for name, _ in page.evaluate(RANKED)][:2] == [effect.parameter for effect in deeper[:2]]
+    deeper = list(share_by_step(result.ranking("max_penetration")))
+    assert [name for name, _ in page.evaluate(RANKED)][:2] == deeper[:2]
     page.locator(".effect").first.click()
-    assert page.locator("#map-x-name").input_value() == deeper[0].parameter
+    assert page.locator("#map-x-name").input_value() == deeper[0]
     assert page.locator("#map-canvas").is_visible()
     assert not page.locator("#map-ranking").is_visible()
 
@@ -216,7 +247,7 @@ def test_a_map_of_rigid_stops_counts_impacts_and_has_no_force_of_0(show):
     assert "; grey runs have only impulses." in page.locator("#map-text").inner_text()
     box = page.locator("#map-canvas").bounding_box()
     page.locator("#map-canvas").hover(position={"x": 0.6 * box["width"], "y": 0.5 * box["height"]})
-    page.locator("#map-text").get_by_text("only impulses with newton_impact").wait_for()
+    page.locator("#map-text").get_by_text("only impulses with Newton (1687)").wait_for()
 
 
 def test_a_map_whose_runs_all_fail_tells_why_and_what_is_changed(show):
@@ -336,5 +367,18 @@ def test_a_map_tells_when_where_and_how_hard_the_first_impact_is(show):
         assert found["place"][run][2] == f"{first['point']} floor"
     texts = page.locator("#map-scales text:not(.map-value)").all_text_contents()
     assert texts[-3:] == ["0 floor", "1 floor", "First impact: point and wall"]
+    assert page.locator(".map-swatch").count() == 2, "a colour for each class"
+    assert page.locator("#map-limit").is_disabled()
+    page.locator("#map-output").select_option("impact[1].peak_force")
+    middle = np.median([float(row[2]) for row in found["peak_force"]])
+    for text in (f"{middle / 1e3:.6g}", f"{middle:.6g} N"):
+        enter(page, "Limit", text)
+        page.locator("#map-text").get_by_text("50\u202f% of them are within the limit").wait_for()
+        assert page.locator(".map-contour").count() == 2, "in the map and on the scale of colours"
+    for kind in ("linear", "logarithmic"):
+        page.locator("#map-scale").select_option(kind)
+        titles = page.locator("#map-scales text:not(.map-value)").all_text_contents()
+        assert ("(logarithmic scale)" in titles[-1]) == (kind == "logarithmic")
+    page.locator("#map-output").select_option("impact[1].place")
     page.locator("#map-canvas").hover(position={"x": 5, "y": 5})
     page.locator("#map-text").get_by_text("First impact: point and wall = 0 floor").wait_for()

@@ -18,9 +18,12 @@ LIBRARIES = ("vendor/uPlot.iife.min.js", "vendor/svg.min.js")
 FRAGMENTS = ("stage", "panels", "playback")
 IMPORT = re.compile(r'^import [^;]+ from "([^"]+)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
-# pattern of what a script does not need: comments, // or /** … */, that take whole lines, empty lines, and
-# spaces at the start of a line; no module may have a template literal of several lines
-STRIPPED_FROM_SCRIPTS = re.compile(r"^(?:\s+|//.*\n|/\*\*[\s\S]*?\*/\n)+", re.MULTILINE)
+# pattern of what a script does not need: comments, // or /** … */, that take whole lines, empty lines, spaces
+# at the start of a line, and comments at the end of a line after one of ;,{}()[]; no module may have a
+# template literal of several lines, or such a comment in a string
+STRIPPED_FROM_SCRIPTS = re.compile(
+    r"^(?:\s+|//.*\n|/\*\*[\s\S]*?\*/\n)+|(?<=[;,{}()\[\]]) +// .*$", re.MULTILINE
+)
 # pattern of what a style sheet does not need: comments, except of licences, and spaces at the start of a line
 STRIPPED_FROM_STYLES = re.compile(r"/\*(?!!).*?\*/\n?|^ +", re.MULTILINE | re.DOTALL)
 SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)

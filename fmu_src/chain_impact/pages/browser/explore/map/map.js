@@ -2,11 +2,13 @@
 
 import { find } from "../../base/dom.js";
 import { numberText, readable, textWithUnit } from "../../base/format.js";
+import { lawText } from "../../scene/words.js";
 import { presentlyShown } from "../parameters/parameter_fields.js";
 import { mainParametersOf, withControls, wordsFor } from "../parameters/main_parameters.js";
 import { colourScale } from "./map_colours.js";
 import { MapDrawing } from "./map_drawing.js";
 import { connectFiles } from "./map_files.js";
+import { limitIn, withinText } from "./map_limit.js";
 import { failureOf, mainOutput, outputIn, outputsOf, presentOutputs, runIn, takeOutput, wordsOfRun } from "./map_outputs.js";
 import { completed, hasAreaOf, rowOrder, valuesAt } from "./map_rows.js";
 import { areaOf, axisScale, isLogarithmic, limitOf, quantityOf, rangeOf, refused, scaledTo, titleOf } from "./map_scales.js";
@@ -33,7 +35,7 @@ export class GridMap {
     this.canvas = find("map-canvas");
     this.drawing = new MapDrawing(this.canvas, find("map-scales"), find("map-frame"));
     this.inputs = ["x", "y"].map((axis) => ["name", "from", "to"].map((part) => find(`map-${axis}-${part}`)));
-    this.output = find("map-output");
+    [this.output, this.scaleKind, this.limitField] = ["map-output", "map-scale", "map-limit"].map(find);
     this.inputs.forEach(([name], k) => name.addEventListener("change", () => this.#range(k)));
     find("map-open").addEventListener("click", () => this.open());
     this.#fill();
@@ -41,6 +43,7 @@ export class GridMap {
     find("map-run").addEventListener("click", () => (this.#isRunning ? this.#stop() : this.run()));
     this.inputs.flat().forEach((field) => field.addEventListener("change", () => this.#preview()));
     this.output.addEventListener("change", () => (this.shown ? this.#recolour() : this.#preview()));
+    [this.scaleKind, this.limitField].forEach((field) => field.addEventListener("change", () => this.shown && this.#recolour()));
     connectFiles(this);
     new ResizeObserver(() => this.shown && this.#drawScales()).observe(find("map-frame"));
     this.dialog.addEventListener("close", () => this.#stop());
@@ -172,7 +175,7 @@ export class GridMap {
     const coarse = this.shown?.points === COARSE && hasAreaOf(this.shown, request) ? this.shown : undefined;
     const shown = { ...request, points, coarse, runs: Array(points * points), faults: new Map(), known: new Map(), rows: 0 };
     this.shown = shown;
-    Object.assign(this.canvas, { width: points, height: points });
+    Object.assign(this.canvas, { width: 2 * (points - 1), height: 2 * (points - 1) });
     this.#draw();
     shown.began = performance.now();
     shown.fault = await this.#simulate(shown).then(() => "", (error) => `${error.message}.`);
@@ -195,7 +198,8 @@ export class GridMap {
     const ring = this.#hasRing ? " The ring is the present run." : "";
     const inputs = Object.keys(this.changes.inputSteps).length ? " Inputs keep their start values." : "";
     const others = Object.keys(this.changes.inputSteps).length || this.#isOfPresent() ? ring : " Other parameters have changed since then.";
-    const done = `${summary}${inputs}${others} ${matchMedia("(hover: none)").matches ? BY_FINGER : BY_MOUSE}`;
+    const within = withinText(this.limitField, shown);
+    const done = `${summary}${within}${inputs}${others} ${matchMedia("(hover: none)").matches ? BY_FINGER : BY_MOUSE}`;
     const stopped = `Stopped after ${rows} of ${points} rows. A pale run is not simulated: it has the colour of the nearest run.`;
     this.#say(shown.fault || (rows === points ? failureOf(shown) || done : stopped));
   }
@@ -293,7 +297,7 @@ export class GridMap {
     takeOutput([shown.coarse, shown].filter(Boolean), this.output.value);
     const results = completed(shown);
     const present = [...shown.known.values()].filter(({ status }) => !status).map(({ values }) => outputIn(values, shown.output));
-    shown.scale = colourScale([...results, ...present], shown.output.integer);
+    shown.scale = colourScale([...results, ...present], shown.output.integer, this.scaleKind.value);
     this.drawing.drawRuns(shown, results);
     find("map-files").hidden = shown.points !== POINTS || shown.rows === 0;
     this.#drawScales();
@@ -308,7 +312,7 @@ export class GridMap {
     const run = this.shown.known.get(at.join());
     const present = this.#isOfPresent() ? { at, value: run && !run.status ? outputIn(run.values, this.shown.output) : null } : null;
     const inWords = { ...this.shown, names: names.map((name) => this.wordsOf(name)) };
-    this.#hasRing = this.drawing.drawScales(inWords, units, { present, chosen: this.#chosen });
+    this.#hasRing = this.drawing.drawScales(inWords, units, { present, chosen: this.#chosen, limit: limitIn(this.limitField, this.shown) });
   }
 
   /** Return whether all changed values, except those of the map's two parameters, equal those of the map; false if inputs have steps. */
@@ -320,8 +324,8 @@ export class GridMap {
   /** Return the index of the run at a pointer's position; undefined if the run is not simulated yet. */
   #runAt({ clientX, clientY }) {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
-    const points = this.canvas.width;
-    const numberAt = (share) => Math.min(Math.max(Math.floor(share * points), 0), points - 1);
+    const points = this.canvas.width / 2 + 1;
+    const numberAt = (share) => Math.min(Math.max(Math.round(share * (points - 1)), 0), points - 1);
     const [column, row] = [numberAt((clientX - left) / width), points - 1 - numberAt((clientY - top) / height)];
     const index = row * points + column;
     return this.shown?.results[index] === undefined ? undefined : index;
@@ -341,10 +345,7 @@ export class GridMap {
     if (!this.shown || (right === undefined && event.key !== "Enter")) return;
     event.preventDefault();
     const { points } = this.shown;
-    if (event.key === "Enter") {
-      this.#open(this.#chosen);
-      return;
-    }
+    if (event.key === "Enter") return this.#open(this.#chosen);
     const [column, row] = this.#chosen === undefined ? this.#first
       : [this.#chosen % points + right, Math.floor(this.#chosen / points) + up].map((number) => Math.min(Math.max(number, 0), points - 1));
     this.#mark(row * points + column);
@@ -365,7 +366,7 @@ export class GridMap {
     const at = valuesAt(this.shown, index);
     const shownOf = (name) => presentlyShown(this.changes, name, { ...this.shown.values, ...at });
     const textOf = ([name, given]) => `${this.wordsOf(name)} = ${textWithUnit(given, shownOf(name))}`;
-    const unknown = output.rigid ? `only impulses with ${output.rigid}` : "no such impact";
+    const unknown = output.rigid ? `only impulses with ${lawText(output.rigid)}` : "no such impact";
     const reason = faults.has(index) ? `the run fails: ${faults.get(index)}` : unknown;
     const number = textWithUnit(value, scaledTo(output, scale));
     const told = value === null ? reason : `${quantityOf(output.name)} = ${output.places?.[value] ?? number}`;

@@ -6,6 +6,12 @@ import { axisScale } from "./map_scales.js";
 
 // colours at equal distances along viridis, a colour map of matplotlib (CC0), as [red, green, blue]
 export const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+// colours of classes, which have no order: Okabe & Ito, Color Universal Design (2008), and further ones for more classes
+const CLASS_COLOURS = [
+  [0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [213, 94, 0], [240, 228, 66], [110, 80, 160],
+];
+/** The colours of runs without an output, and of runs that fail, as [red, green, blue, opacity]. */
+export const [WITHOUT, FAILED] = [[128, 128, 128, 70], [128, 128, 128, 200]];
 const { BEYOND_QUANTILES, LARGE_QUANTILE, MOST_COLOURS, WIDE_COLOURS } = SHARED.mapColours;
 
 const KNOTS = 9; // number of values between which colours of crowded values lie
@@ -17,6 +23,16 @@ export function colourAt(share) {
   const position = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
   const at = Math.min(Math.floor(position), VIRIDIS.length - 2);
   return VIRIDIS[at].map((part, k) => Math.round(part + (position - at) * (VIRIDIS[at + 1][k] - part)));
+}
+
+/** Return the colour of the class with a number, from 0; more classes than CLASS_COLOURS have the same colours again. */
+export function classColour(number) {
+  return CLASS_COLOURS[number % CLASS_COLOURS.length];
+}
+
+/** Return the colour of a number that is written on a colour: black or white, by the luminance of the colour. */
+export function inkOn([red, green, blue]) {
+  return 0.299 * red + 0.587 * green + 0.114 * blue > 128 ? "#000" : "#fff";
 }
 
 /** Return [lower, upper] quantile of increasing values: those at 1 − LARGE_QUANTILE and at LARGE_QUANTILE. */
@@ -74,13 +90,19 @@ function countBins(least, most) {
 /**
  * Return the scale of the colours for the outputs of a map; null without finite outputs. It has the `extremes` of the outputs, the values
  * at the `ends` of the colours, `shareOf`, a function from a value to a fraction of the scale, and either `bins` (for different counts: the
- * limits of the colours) or `isLogarithmic`, with `knots` for values that crowd: values between which about equally many runs lie.
+ * limits of the colours) or `isLogarithmic`, with `knots` for values that crowd: values between which about equally many runs lie. The
+ * `asked` scale is "linear", "logarithmic" or, for the one that fits the outputs, "": only positive outputs have a logarithmic scale.
  */
-export function colourScale(outputs, areCounts) {
+export function colourScale(outputs, areCounts, asked = "") {
   const values = outputs.filter(Number.isFinite).sort((a, b) => a - b);
   if (!values.length) return null;
   const extremes = [values[0], values.at(-1)];
   if (areSame(...extremes)) return { extremes, ends: extremes, isLogarithmic: false, shareOf: () => 0.5 };
+  if (asked && !areCounts) {
+    const hasDecades = asked === "logarithmic" && extremes[0] > 0;
+    const limits = colourEnds(values, hasDecades);
+    return { extremes, ends: limits, isLogarithmic: hasDecades, shareOf: axisScale(...limits, hasDecades).shareOf };
+  }
   if (areCounts) {
     const bins = countBins(...extremes);
     const shareOf = (value) => bins.findLastIndex((limit) => limit < value) / (bins.length - 2);

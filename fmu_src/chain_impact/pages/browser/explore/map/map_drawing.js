@@ -2,7 +2,8 @@
 
 import { digits, numberText, ticksOf, withMinus } from "../../base/format.js";
 import { ticksBetween } from "../../base/ticks.js";
-import { colourAt, VIRIDIS } from "./map_colours.js";
+import { classColour, colourAt, FAILED, VIRIDIS, WITHOUT } from "./map_colours.js";
+import { contourOf } from "./map_contour.js";
 import { markRuns } from "./map_marks.js";
 import { axisScale, decadesBetween, quantityOf, scaledTo, titleOf } from "./map_scales.js";
 
@@ -11,7 +12,8 @@ const GAP = 8; // [pixels] least distance between two numbers at the scale of th
 const LINE = 13; // [pixels] distance of two lines of the title of the colours
 const PALER = 150; // opacity (0 to 255) of runs that are not simulated yet, whose outputs are those of near runs
 // [pixels] free space around the canvas for axes and scale; the rule of #map-canvas in the style sheet must have the same lengths
-const EDGE = { left: 64, right: 16, top: 8, bottom: 100 };
+const EDGE = { left: 64, right: 16, top: 8, bottom: 114 };
+const SWATCH = 11; // [pixels] side of the square with the colour of a class
 
 export class MapDrawing {
   constructor(canvas, scales, frame) {
@@ -26,17 +28,23 @@ export class MapDrawing {
   /**
    * Draw the runs of a map with the `scale` of its colours. `filled`: for each run, the output that its colour shows. A run that is not
    * simulated yet (without an entry in `results`) shows the output of a near run in a paler colour, or nothing if `filled` has no output.
+   * The colours of the outer runs end at the ends of the axes: such a run takes one pixel of the canvas, any other run two.
    */
-  drawRuns({ results, points, scale }, filled) {
+  drawRuns({ results, points, scale, output, faults }, filled) {
     const context = this.canvas.getContext("2d");
-    const image = context.createImageData(points, points);
-    filled.forEach((value, index) => {
-      const [column, row] = [index % points, points - 1 - Math.floor(index / points)];
-      if (value === undefined) return; // nothing is drawn for a run without an output
+    const size = 2 * (points - 1);
+    const image = context.createImageData(size, size);
+    const coloursOf = (value, index) => {
+      if (!Number.isFinite(value)) return faults.has(index) ? FAILED : WITHOUT;
       const opacity = results[index] === undefined ? PALER : 255;
-      const colour = Number.isFinite(value) ? [...colourAt(scale.shareOf(value)), opacity] : [128, 128, 128, 60];
-      image.data.set(colour, 4 * (row * points + column));
-    });
+      return [...(output.places ? classColour(value) : colourAt(scale.shareOf(value))), opacity];
+    };
+    const colours = filled.map((value, index) => value !== undefined && coloursOf(value, index));
+    for (let pixel = 0; pixel < size * size; pixel += 1) {
+      const [column, row] = [pixel % size, size - 1 - Math.floor(pixel / size)].map((at) => Math.floor((at + 1) / 2));
+      const colour = colours[row * points + column]; // false for a run without an output, for which nothing is drawn
+      if (colour) image.data.set(colour, 4 * pixel);
+    }
     context.putImageData(image, 0, 0);
   }
 
@@ -47,15 +55,16 @@ export class MapDrawing {
    * @param units the units of both axes, from `shownIn`, and whether each axis is logarithmic.
    * @param marks `present`: `at`, the present values of both parameters, and the output `value` of the run with them, if it is known;
    * `present` is null if other parameters differ from those of the map. `chosen`: the index of the run that the reader has marked, if any.
+   * `limit`: the output of the contour, if the reader has given a limit.
    */
-  drawScales({ names, axes, output, scale, points, results }, units, { present, chosen }) {
+  drawScales({ names, axes, output, scale, points, results, faults }, units, { present, chosen, limit }) {
     const { scales, frame: { clientWidth, clientHeight } } = this;
     const [width, height] = [clientWidth - EDGE.left - EDGE.right, clientHeight - EDGE.top - EDGE.bottom];
     if (!(width > 0 && height > 0)) return false;
     scales.clear().size(clientWidth, clientHeight).viewbox(0, 0, clientWidth, clientHeight);
     const bottom = EDGE.top + height;
     const at = (k, value) => {
-      const share = ((points - 1) * axisScale(axes[k][0], axes[k].at(-1), units[k].isLogarithmic).shareOf(value) + 0.5) / points;
+      const share = axisScale(axes[k][0], axes[k].at(-1), units[k].isLogarithmic).shareOf(value);
       return k ? bottom - share * height : EDGE.left + share * width;
     };
     names.forEach((name, k) => {
@@ -73,11 +82,31 @@ export class MapDrawing {
     });
     scales.rect(width, height).move(EDGE.left, EDGE.top).addClass("map-tick");
     this.#drawColours(EDGE.left, bottom + 52, width, output, scale);
+    const isWithout = (value, index) => value === null && !faults.has(index);
+    const none = output.rigid ? "only impulses" : "no such impact";
+    const last = this.#drawClasses(EDGE.left, bottom + 52 + (output.places ? 0 : 56), width, [
+      ...(output.places ?? []).map((place, k) => [classColour(k), place]),
+      ...(results.some(isWithout) ? [[WITHOUT, none]] : []),
+      ...(faults.size ? [[FAILED, "run fails"]] : []),
+    ]);
+    if (output.places) this.#writeTitle(quantityOf(output.name), "", EDGE.left + width / 2, last + 20);
     if (!scale) return false;
+    if (Number.isFinite(limit)) {
+      const screen = ([column, row]) => `${EDGE.left + (column / (points - 1)) * width} ${bottom - (row / (points - 1)) * height}`;
+      const path = contourOf(results, points, limit).map(([from, to]) => `M${screen(from)}L${screen(to)}`).join("");
+      ["map-contour-edge", "map-contour"].forEach((kind) => path && scales.path(path).addClass(kind));
+      const share = scale.shareOf(limit);
+      if (!scale.bins && share >= 0 && share <= 1) {
+        const x = EDGE.left + width * share;
+        scales.line([[x, bottom + 41], [x, bottom + 56]]).addClass("map-contour-edge");
+        scales.line([[x, bottom + 41], [x, bottom + 56]]).addClass("map-contour");
+      }
+    }
     const [x, y] = present?.at.map((value, k) => at(k, value)) ?? [];
     const isSeen = x >= EDGE.left && x <= EDGE.left + width && y >= EDGE.top && y <= bottom;
     const marked = { present: isSeen ? { at: [x, y], value: present.value } : null, chosen };
     markRuns(scales, { results, points, output, scale }, { left: EDGE.left, top: EDGE.top, width, height }, marked);
+    if (output.places) return isSeen;
     const values = [[present?.value, "map-present-edge"], [present?.value, "map-present"], [results[chosen], "map-at"]];
     values.filter(([value]) => Number.isFinite(value ?? NaN)).forEach(([value, kind]) => {
       const share = Math.min(Math.max(scale.shareOf(value), 0), 1);
@@ -101,8 +130,27 @@ export class MapDrawing {
     this.#write(note.replace(/^,? /, ""), middle, y + LINE, "middle");
   }
 
-  /** Draw the scale of colours, with numbers and title; the title also has the extremes that `beyondEnds` tells. */
+  /** Draw squares with the colours of classes and their names, `classes`, in lines from `left`, `top` on; return y of the last line. */
+  #drawClasses(left, top, width, classes) {
+    let [x, y] = [left, top];
+    classes.forEach(([[red, green, blue, opacity = 255], name]) => {
+      const text = this.#write(name, 0, 0, "start");
+      const wide = SWATCH + 5 + text.node.getComputedTextLength() + 16;
+      if (x > left && x + wide > left + width) [x, y] = [left, y + LINE + 2];
+      this.scales.rect(SWATCH, SWATCH).move(x, y - SWATCH + 1).addClass("map-swatch")
+        .fill({ color: `rgb(${red},${green},${blue})`, opacity: opacity / 255 });
+      text.attr({ x: x + SWATCH + 5, y });
+      x += wide;
+    });
+    return y;
+  }
+
+  /**
+   * Draw the scale of colours, with numbers and title; the title also has the extremes that `beyondEnds` tells, and how the scale goes.
+   * Classes have squares instead (`#drawClasses`).
+   */
   #drawColours(left, top, width, output, scale) {
+    if (output.places) return;
     const { factor, text } = scaledTo(output, scale);
     const colours = this.scales.gradient("linear", (add) => gradientStops(scale).forEach((stop) => add.stop(...stop)));
     this.scales.rect(width, 9).move(left, top - 8).fill(colours);
@@ -115,8 +163,8 @@ export class MapDrawing {
       this.#write(label, at, top + 17, "middle");
     });
     const beyond = scale ? beyondEnds(scale, factor) : "";
-    const equal = scale?.knots ? " (an equal number of runs for each colour)" : "";
-    this.#writeTitle(titleOf(quantityOf(output.name), text), beyond + equal, left + width / 2, top + 32);
+    const kind = scale?.knots ? " (an equal number of runs for each colour)" : scale?.isLogarithmic ? " (logarithmic scale)" : "";
+    this.#writeTitle(titleOf(quantityOf(output.name), text), beyond + kind, left + width / 2, top + 32);
   }
 }
 
@@ -130,8 +178,7 @@ function gradientStops(scale) {
 }
 
 /** Return the labels of the scale of colours as pairs [text, fraction of the scale at which it stands]. */
-function labelsOf({ ends, bins, knots, isLogarithmic, shareOf }, factor, { integer: areCounts, places }) {
-  if (places) return places.map((place, k) => [place, (k + 0.5) / places.length]);
+function labelsOf({ ends, bins, knots, isLogarithmic, shareOf }, factor, { integer: areCounts }) {
   if (knots) return knots.filter((_, k) => k % 2 === 0).map((knot) => [digits(factor * knot), shareOf(knot)]);
   if (bins) {
     return bins.slice(1).map((above, k) => {

@@ -1,6 +1,7 @@
 // The marks on a map: the outputs of runs as numbers, a ring at the present run, and a frame at the chosen run.
 
 import { digits, numberText, withMinus } from "../../base/format.js";
+import { classColour, colourAt, inkOn } from "./map_colours.js";
 import { scaledTo } from "./map_scales.js";
 
 const [BETWEEN, NUMBERS_ABOVE] = [10, 38]; // [pixels] least space beside a number, and least distance of two numbers above each other
@@ -8,7 +9,6 @@ const [LEAST_WIDTH, NUMBER_HEIGHT] = [34, 11]; // [pixels] least width that a nu
 const SIGN = 7; // [pixels] width of a sign of a number or of the label of a run
 const RING_SIZE = 13; // [pixels] diameter of the ring at the present run
 const MARK_RIM = 2; // [pixels] width of the mark around a run
-const BLACK_FROM = 0.45; // fraction of the scale of colours from which on a number is black
 const LABEL_PAD = 5; // [pixels] free space at both sides of the label of a run
 
 /** Return an output as short text: the name of a place, or the number in the map's unit; the text has no unit. */
@@ -29,6 +29,13 @@ function ringOf([x, y], { left, width }, wide) {
   return { from: x + side * RING_SIZE, middle: x + side * 1.3 * RING_SIZE, y, anchor };
 }
 
+/** Return the corners of the mark around a cell with the middle `at` and a `size`, of which the map shows the part in `place`. */
+function cellAt(at, size, { left, top, width, height }) {
+  const limits = [[left, left + width], [top, top + height]];
+  return [Math.max, Math.min].map((inner, end) => at.map((middle, k) =>
+    inner(middle + (end - 0.5) * size[k], limits[k][end]) + (2 * end - 1) * MARK_RIM));
+}
+
 /**
  * Draw into the group `scales` the outputs of some runs as numbers, a ring with its output at the present run, and a frame with its output
  * at the run with the index `chosen`, if it is simulated. `place` is the rectangle { left, top, width, height } of the map on the screen.
@@ -36,35 +43,38 @@ function ringOf([x, y], { left, width }, wide) {
  */
 export function markRuns(scales, map, place, { present, chosen }) {
   const { results, points, scale } = map;
-  const [width, height] = [place.width / points, place.height / points];
-  const middle = (index) => [place.left + (index % points + 0.5) * width, place.top + (points - Math.floor(index / points) - 0.5) * height];
+  const [width, height] = [place.width / (points - 1), place.height / (points - 1)];
+  const middle = (index) => [place.left + (index % points) * width, place.top + (points - 1 - Math.floor(index / points)) * height];
+  const colourOf = (value) => (map.output.places ? classColour(value) : colourAt(scale.shareOf(value)));
   const write = (value, [x, y], kind, anchor = "middle", below = value) => scales.plain(outputText(value, map))
-    .attr({ x, y: y + 4, "text-anchor": anchor, fill: scale.shareOf(below) > BLACK_FROM ? "#000" : "#fff" }).addClass(`map-value ${kind}`);
+    .attr({ x, y: y + 4, "text-anchor": anchor, fill: inkOn(colourOf(below)) }).addClass(`map-value ${kind}`);
   const texts = results.filter(Number.isFinite).map((value) => outputText(value, map));
   const wide = texts.reduce((most, { length }) => Math.max(most, SIGN * length), LEAST_WIDTH);
   const steps = [Math.ceil((wide + BETWEEN) / width), Math.ceil(NUMBERS_ABOVE / height)];
   const isWritten = (number, k) => number % steps[k] === Math.floor(steps[k] / 2);
   const ring = present && ringOf(present.at, place, wide);
   const written = ring ? [[ring.middle, ring.y]] : []; // the middles of all numbers
+  const [rightmost, lowest] = [place.left + place.width - wide / 2, place.top + place.height - NUMBER_HEIGHT];
   results.forEach((value, index) => {
-    const at = middle(index);
+    const [x, y] = middle(index); // the number of an outer run lies inside the map
+    const at = [Math.min(Math.max(x, place.left + wide / 2), rightmost), Math.min(Math.max(y, place.top + NUMBER_HEIGHT), lowest)];
     const isFree = !ring || Math.abs(at[0] - ring.middle) > 0.85 * (wide + BETWEEN) || Math.abs(at[1] - ring.y) > RING_SIZE;
     const isThere = isWritten(index % points, 0) && isWritten(Math.floor(index / points), 1);
-    const isInside = Math.min(at[0] - place.left, place.left + place.width - at[0]) >= wide / 2;
-    if (!isThere || !isFree || !isInside || !Number.isFinite(value)) return;
+    if (!isThere || !isFree || !Number.isFinite(value)) return;
     write(value, at, "");
     written.push(at);
   });
   if (ring) {
     ["map-present-edge", "map-present"].forEach((kind) => scales.circle(RING_SIZE).center(...present.at).addClass(kind));
-    const row = points - 1 - Math.floor((ring.y - place.top) / height);
-    const below = results[Math.max(row, 0) * points + Math.floor((ring.middle - place.left) / width)]; // the output below the number
+    const row = points - 1 - Math.round((ring.y - place.top) / height);
+    const below = results[Math.max(row, 0) * points + Math.round((ring.middle - place.left) / width)]; // the output below the number
     if (Number.isFinite(present.value ?? NaN)) write(present.value, [ring.from, ring.y], "of-present", ring.anchor, below ?? present.value);
   }
   if (results[chosen] === undefined) return;
   const [x, y] = middle(chosen);
+  const [[left, top], [right, bottom]] = cellAt([x, y], [width, height], place);
   ["map-present-edge", "map-present map-chosen"].forEach((kind) =>
-    scales.rect(width + 2 * MARK_RIM, height + 2 * MARK_RIM).center(x, y).addClass(kind));
+    scales.rect(right - left, bottom - top).move(left, top).addClass(kind));
   if (Number.isFinite(results[chosen])) writeLabel(scales, map, place, { value: results[chosen], x, y, height, written, wide });
 }
 

@@ -1,29 +1,49 @@
-// What drives an output of the map: the parameters in the order of their effects, each from a run with this parameter changed by 1 %.
+// What drives an output of the map: the parameters in the order of their effects, each from a run with a small step of this parameter.
 
 import { find, make } from "../../base/dom.js";
-import { digits, withMinus } from "../../base/format.js";
+import { digits, unitText, withMinus } from "../../base/format.js";
+import { save } from "../export.js";
 import { outputIn, presentOutputs, runIn, wordsOfRun } from "./map_outputs.js";
 import { quantityOf, scaledTo } from "./map_scales.js";
 
-const STEP_SHARE = 0.01; // change of each parameter, relative to its value
+// the step of each parameter, relative to its value or, for a value of 0, in its SI unit (PART in recording/sensitivity.py)
+const STEP_SHARE = 0.01;
+const ANGLE_STEP = Math.PI / 180; // step of each angle [rad]: its value depends on the direction from which it is counted
+const MOST_AT_ZERO = 4; // largest number of parameters with the value 0 in the list
 const LEAST_SHARE = 1e-6; // an effect that is at most this, relative to the output, can be an error of the solver, and counts as none
 const MOST_EFFECTS = 10; // largest number of parameters in the list
 // parameters that are no part of the mechanism, and exponents, which change the unit of a stiffness
 const NOT_RANKED = /^(solver|simulation)\.|\.exponent$/;
 
 /**
- * Return a parameter's `name`, its `value` times 1.01, with the `sign` 1, or, if the scene refuses this value, times 0.99, with the `sign`
- * −1; undefined if the value is 0, or the scene refuses both values.
+ * Return a parameter's `name`, its `value` after a step, with the `sign` 1, or, if the scene refuses this value, after the opposite step,
+ * with the `sign` −1; undefined if the scene refuses both. The `text` tells the step: 1 % of the value, 1° for an angle, or for a value of
+ * 0 (`isAtZero`) a hundredth of the unit.
  */
 function stepOf(changes, name) {
-  const steps = [1, -1].map((sign) => ({ name, sign, value: changes.valueOf(name) * (1 + sign * STEP_SHARE) }));
+  const { unit } = changes.parameters.get(name);
+  const before = changes.valueOf(name);
+  const isAngle = unit === "rad";
+  const isAtZero = before === 0 && !isAngle;
+  const step = isAngle ? ANGLE_STEP : isAtZero ? STEP_SHARE : Math.abs(before) * STEP_SHARE;
+  const size = isAngle ? "1°" : isAtZero ? `${STEP_SHARE}\u202f${unitText(unit)}`.trim() : "1\u202f%";
+  const upwards = before < 0 && !isAngle ? -1 : 1; // 1 % more of a negative value is a more negative value
+  const steps = [1, -1].map((sign) => ({ name, sign, isAtZero, value: before + sign * upwards * step, text: `+ ${size}` }));
   return steps.find(({ value }) => {
     try {
-      return value !== 0 && changes.with({ [name]: value });
+      return changes.with({ [name]: value });
     } catch {
       return false;
     }
   });
+}
+
+/** Return effects as CSV: for each parameter its step, and the change of the `output` in its SI unit, also relative to its value `base`. */
+function csvOfRanking(changes, effects, output, base) {
+  const lines = effects.map(({ name, text, change }) =>
+    [name, changes.valueOf(name), `"${text.slice(2)}"`, change, base ? change / Math.abs(base) : ""]);
+  return [["parameter", "value", "step", `change of ${output.name}`, "relative change"], ...lines, ""].map((line) =>
+    (line ? line.join(",") : "")).join("\r\n");
 }
 
 export class Ranking {
@@ -39,6 +59,8 @@ export class Ranking {
     this.button.addEventListener("click", () => this.#show(this.text.hidden));
     find("map-output").addEventListener("change", () => this.#draw());
     find("map").addEventListener("close", () => this.#show(false));
+    find("map-rank-csv").addEventListener("click", () =>
+      save(new Blob([this.csv], { type: "text/csv" }), `${changes.scene.name}-ranking.csv`));
   }
 
   /** Begin the list, which takes the place of the map when the list has entries; if `isShown` is false, show the map again. */
@@ -53,7 +75,7 @@ export class Ranking {
   /** Fill the list, which is shown in place of the map if it has entries. */
   #fill(rows) {
     this.list.replaceChildren(...rows);
-    this.list.hidden = !rows.length;
+    this.list.hidden = find("map-rank-csv").hidden = !rows.length;
     ["map-frame", "map-text"].forEach((part) => (find(part).hidden = rows.length > 0));
   }
 
@@ -62,7 +84,7 @@ export class Ranking {
     this.#engines = [];
   }
 
-  /** Simulate with the present parameters, and with each in turn changed by 1 % (`stepOf`), and list the effects. */
+  /** Simulate with the present parameters, and with a step of each in turn (`stepOf`), and list the effects. */
   async #rank() {
     const { changes } = this;
     const reals = changes.scene.parameters.filter(({ name, type, word }) => type === "real" && word >= 0 && !NOT_RANKED.test(name));
@@ -71,7 +93,7 @@ export class Ranking {
     const words = wordsOfRun(changes.scene, outputs);
     const [{ name: first }] = steps;
     const waiting = [{ name: first, sign: 0, value: changes.valueOf(first) }, ...steps];
-    const shown = { outputs, runs: [], count: waiting.length };
+    const shown = { outputs, runs: [], count: waiting.length, refused: reals.length - steps.length };
     this.shown = shown;
     const work = async (engine) => {
       while (waiting.length) {
@@ -102,29 +124,38 @@ export class Ranking {
     const write = (value, count) =>
       [withMinus(output.integer ? String(value) : digits(factor * value, count)), unit].filter(Boolean).join("\u202f");
     const effects = shown.runs.filter((run) => run.sign && valueOf(run) !== null)
-      .map((run) => ({ name: run.name, change: run.sign * (valueOf(run) - base) }))
+      .map((run) => ({ ...run, change: run.sign * (valueOf(run) - base) }))
       .sort((one, other) => Math.abs(other.change) - Math.abs(one.change));
     const some = effects.filter(({ change }) => Math.abs(change) > LEAST_SHARE * Math.abs(base));
-    const largest = Math.abs(some[0]?.change);
-    this.#fill((base === null ? [] : some.slice(0, MOST_EFFECTS)).map(({ name, change }) => {
+    const [usual, zeros] = [false, true].map((wanted) => some.filter(({ isAtZero }) => isAtZero === wanted));
+    const listed = base === null ? [] : [...usual.slice(0, MOST_EFFECTS), ...zeros.slice(0, MOST_AT_ZERO)];
+    const largest = Math.max(...listed.map(({ change }) => Math.abs(change)));
+    this.csv = csvOfRanking(this.changes, effects, output, base);
+    const rows = listed.map(({ name, change, text: step }) => {
       const ends = [50, 50 + (50 * change) / largest].sort((a, b) => a - b).map((end) => `${end}%`);
       const bar = make("span", { className: `effect-bar ${change < 0 ? "less" : ""}` });
       ["--from", "--to"].forEach((key, k) => bar.style.setProperty(key, ends[k]));
       const sign = change > 0 ? "+" : "";
       const share = base ? `${sign}${withMinus(digits((100 * change) / Math.abs(base), 2))}\u202f%` : "";
       const row = make("button", { type: "button", className: "effect", title: `Vary ${name} in the map, to the right` },
-        make("span", { textContent: this.wordsOf(name) }), bar, make("span", { textContent: sign + write(change, 2) }),
+        make("span", {}, this.wordsOf(name), " ", make("small", { textContent: step })), bar,
+        make("span", { textContent: sign + write(change, 2) }),
         make("span", { textContent: share }));
       row.addEventListener("click", () => {
         this.#show(false);
         this.choose(name);
       });
       return row;
-    }));
-    const others = [some.length > MOST_EFFECTS && `${some.length - MOST_EFFECTS} more with smaller effects`,
-      effects.length > some.length && `${effects.length - some.length} without any`].filter(Boolean).join(", ");
-    const effect = "Effects of 1\u00a0% more of a parameter, each from a run";
-    const told = `${effect}${others && `; ${others}`}. Choose one to vary it in the map.`;
+    });
+    const atZero = rows.splice(Math.min(usual.length, MOST_EFFECTS));
+    const textContent = "Parameters that are 0, for which the size of a step is arbitrary:";
+    const head = make("p", { className: "note", textContent });
+    this.#fill([...rows, ...(atZero.length ? [head, ...atZero] : [])]);
+    const others = [some.length > listed.length && `${some.length - listed.length} more with smaller effects`,
+      effects.length > some.length && `${effects.length - some.length} without any effect`,
+      shown.refused && `${shown.refused} not varied, because the scene refuses both steps`].filter(Boolean).join(", ");
+    const effect = "Effects of a small step of a parameter, each from a run";
+    const told = `${effect}${others && `; ${others}`}. Choose one to vary it in the map, to the right.`;
     text.textContent = base === null ? `${quantityOf(output.name)} is not known ${output.isPlace ? "as a number" : "in this run"}.`
       : `${quantityOf(output.name)} = ${write(base, 4)}. ${told}`;
   }
