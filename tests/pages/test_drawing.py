@@ -1,7 +1,7 @@
 """The drawing of a recording: arrows of forces and their scale, friction, stops and the trace."""
 
 # Tests: pages/browser/drawing/chain_drawing.js, pages/browser/drawing/trace.js
-# Tests: pages/browser/drawing/scale_strip.js
+# Tests: pages/browser/drawing/scale_strip.js, pages/browser/drawing/slider_rail.js
 
 import math
 import re
@@ -291,6 +291,8 @@ def test_no_force_is_written_on_the_rail_of_a_slider(show_recording):
             assert box["y"] > bar["y"] + bar["height"] or box["y"] + box["height"] < bar["y"] + 1
             texts += 1
     assert texts
+    numbers = page.locator("#scene .point-number").all_text_contents()
+    assert {"min −0.4\u202fm", "max 0.4\u202fm"} <= set(numbers), "positions of the carriage at its stops"
 
 
 def test_a_motion_without_forces_at_walls_has_no_ruler(show_recording):

@@ -203,6 +203,8 @@ def test_the_shapes_of_a_scene_and_the_rate_of_its_frames(script, source):
         for here, there in zip(found["rail"]["lines"], rail.lines(bases), strict=True):
             close(here, there, size=10.0)
         close(found["rail"]["carriage"], rail.carriage(np.zeros(2)))
+        ends = {"slider_min": rail.low, "slider_max": rail.high}
+        assert found["rail"]["limits"] == {name: end for name, end in ends.items() if np.isfinite(end)}
         stops = free_sides(rail.stops)
         assert found["rail"]["stops"].keys() == stops.keys()
         for name, stop in stops.items():

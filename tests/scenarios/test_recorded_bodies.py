@@ -160,5 +160,5 @@ def test_a_page_has_bodies_and_the_line_of_a_slider(run):
     assert dict(found["touching"]) == run.touching_radii
     assert bool(found["rail"]) == (run.name == "Cart")
     if found["rail"]:
-        assert [*found["rail"]["stops"]] == ["slider_min", "slider_max"]
+        assert [*found["rail"]["stops"]] == [*found["rail"]["limits"]] == ["slider_min", "slider_max"]
         assert not found["pinned"]

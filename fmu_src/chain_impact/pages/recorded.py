@@ -20,6 +20,7 @@ from chain_impact.recording.pacing import frame_rate, frame_times, slow_spans
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import ball_of, radius_of
 from chain_impact.scene.half_planes import HalfPlane
+from chain_impact.scene.words.names import SLIDER_STOPS
 
 RECORDED_PROGRAM = "player/recorded_page.js"
 MOST_PAGE_ROWS = 80_000  # of a recording with more rows, a page leaves out some (``thinned``)
@@ -129,7 +130,7 @@ def _range(joint: int, limits: JointRange) -> dict[str, Any]:
 
 
 def _rail(recording: Recording) -> dict[str, Any] | None:
-    """Return a slider for the page: its line with marks of the stops, the stops, and the carriage's corners.
+    """Return a slider for the page: its line with marks of the stops, its positions there, and more.
 
     The corners are relative to the base. The result is None if the recording has no ``rail``.
     """
@@ -139,6 +140,11 @@ def _rail(recording: Recording) -> dict[str, Any] | None:
         if rail is None
         else {
             "lines": [line.tolist() for line in rail.lines(recording.points[:, 0])],
+            "limits": {
+                name: limit
+                for name, limit in zip(SLIDER_STOPS, (rail.low, rail.high), strict=True)
+                if math.isfinite(limit)
+            },
             "carriage": rail.carriage(np.zeros(2)).tolist(),
             "stops": free_sides(rail.stops),
         }

@@ -10,6 +10,7 @@ import { Camera } from "./camera.js";
 import { isCrossed, LabelSpace, positionsAround } from "./label_positions.js";
 import { isOwnPlace, recentImpacts, ringsOf } from "./rings.js";
 import { belowStrip, drawKey, drawRuler, drawScaleBar, STRIP } from "./scale_strip.js";
+import { drawRail } from "./slider_rail.js";
 import { traceFinder, traceOf } from "./trace.js";
 
 const LABEL_FROM = 14; // [pixels] an arrow that is shorter has no label
@@ -147,8 +148,8 @@ export class ChainDrawing {
     this.walls = this.ground.group();
     this.#drawWalls(0);
     this.pin = this.recording.pin.map((line) => [line, this.ground.polyline().addClass("pin")]);
-    this.rail = (this.recording.rail?.lines ?? []).map((line) => belowStrip(this.#toScreen(line)));
-    this.rail.forEach((line) => this.ground.polyline(line).addClass("pin"));
+    const { lines = [], limits = {} } = this.recording.rail ?? {};
+    this.rail = drawRail(this.ground, lines.map((line) => belowStrip(this.#toScreen(line))), limits);
     const free = this.recording.drawn.loads.length ? drawKey(this.ground, width) : width;
     const rulerEnd = this.recording.peakForce > 0 ? drawRuler(this.ground, this.arrowScale, free) : 0;
     drawScaleBar(this.ground, this.camera.scale, free, rulerEnd);

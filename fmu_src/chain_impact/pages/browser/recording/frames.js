@@ -89,7 +89,7 @@ function ofStops({ n, columns: { moment } }) {
  * @param rows.touching the points that may touch: [point, its radius [m]].
  * @param rows.pointNames the points that have a name: [point, its name].
  * @param rows.bodies the links with points: [link, corners [m] in the link's axes].
- * @param rows.rail the slider: { lines, carriage, stops }; null without a slider.
+ * @param rows.rail the slider: { lines, limits, carriage, stops }; null without a slider.
  * @param rows.pinned whether the base is pinned.
  * @param frames times, the times of the frames [s], and frameRate, the number of frames per second on the screen; the frames are
  *   the rows if the times are the array `rows.time` itself.

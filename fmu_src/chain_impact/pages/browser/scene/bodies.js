@@ -48,9 +48,9 @@ export function bodiesOf({ sites, contactPoints: touching }, valueOf) {
 }
 
 /**
- * Return the `lines` of a slider and its stops, the corners of the `carriage` relative to the base, and the free sides of the `stops`; null
- * without a slider. A stop is drawn half a carriage beyond the last position that the base can reach. `bases`: position of the base in each
- * row, `size`: size of the motion [m].
+ * Return the `lines` of a slider and its stops, its positions at the stops (`limits`), the corners of the `carriage` relative to the
+ * base, and the free sides of the `stops`; null without a slider. A stop is drawn half a carriage beyond the last position that
+ * the base can reach. `bases`: position of the base in each row, `size`: size of the motion [m].
  */
 export function railOf(bases, size, valueOf) {
   const angle = valueOf("slider.angle");
@@ -60,15 +60,15 @@ export function railOf(bases, size, valueOf) {
   const reached = bases.map(([x, y]) => (x - x0) * c + (y - y0) * s);
   const at = (along, left) => [x0 + c * along - s * left, y0 + s * along + c * left];
   const half = STOP_MARK * size;
-  const [low, high] = [["min", -half], ["max", half]].map(([stop, beyond]) => {
-    const position = valueOf(`slider.${stop}`);
-    return position === undefined ? undefined : position + beyond;
-  });
+  const stops = [["slider_min", -half], ["slider_max", half]]
+    .map(([name, beyond]) => [name, valueOf(name.replace("_", ".")), beyond]);
+  const [low, high] = stops.map(([, position, beyond]) => (position === undefined ? undefined : position + beyond));
   const ends = [low ?? Math.min(...reached) - FREE_END * size, high ?? Math.max(...reached) + FREE_END * size];
   const ticks = [low, high].filter((end) => end !== undefined).map((end) => [-1, 1].map((side) => at(end, side * half)));
   const start = x0 * c + y0 * s;
   return {
     lines: [ends.map((end) => at(end, 0)), ...ticks],
+    limits: Object.fromEntries(stops.filter(([, position]) => position !== undefined)), // name → position [m]
     carriage: CARRIAGE.map(([along, left]) =>
       [half * (c * along - s * left), half * (s * along + c * left)]),
     stops: {
