@@ -78,6 +78,10 @@ def test_the_longest_names_fit_their_panels_at_each_width(kind, width):
         heading, name, inside = axes.title, axes.yaxis.label, axes.get_window_extent()
         assert heading.get_window_extent().width <= inside.width
         assert name.get_window_extent().height <= inside.height
+    panels = [axes for axes in page.axes if axes.get_title() and kind != "samples"]
+    numbered = [axes for axes in panels if axes.xaxis.get_tick_params()["labelbottom"]]
+    lowest = min((axes.get_position().y0 for axes in panels), default=0.0)
+    assert all(axes.get_position().y0 == pytest.approx(lowest) for axes in numbered)
 
 
 @pytest.mark.full("takes long")

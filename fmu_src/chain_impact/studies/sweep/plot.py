@@ -62,6 +62,7 @@ from chain_impact.studies.sweep.variation import Variation
 from chain_impact.text import plural
 
 MOST_MAPS = 9  # the largest number of maps if three parameters vary
+SAME_ENDS = 1e-6  # the largest difference of the ends of equal axes, relative to the ends
 MOST_DRAWN = 2**18  # largest number of runs that a picture can show
 
 
@@ -147,22 +148,23 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
         draw_samples(panels, runs, quantities, varying)
     else:
         draw_maps(figure, panels, runs, quantities, (first, *others))
-    if is_narrow(figure):
-        name_once(figure)
+    name_once(figure)
     figure.align_ylabels()
     settle(figure)
 
 
 def name_once(figure: Figure) -> None:
-    """Remove the label of a horizontal axis if the next axes below, in the same column, have it, too."""
-    below: dict[int, str] = {}
+    """Remove label and numbers of a horizontal axis if the next axes below have the same label and ends."""
+    below: dict[int, tuple[str, tuple[float, float]]] = {}
     for axes in reversed(figure.axes):
         cell = axes.get_subplotspec()
         if cell is None or not (name := axes.get_xlabel()):
             continue
-        if below.get(cell.colspan.start) == name:
+        under, ends = below.get(cell.colspan.start, ("", (0.0, 0.0)))
+        below[cell.colspan.start] = name, axes.get_xlim()
+        if under == name and np.allclose(ends, axes.get_xlim(), rtol=SAME_ENDS, atol=0.0):
             axes.set_xlabel("")
-        below[cell.colspan.start] = name
+            axes.tick_params(which="both", labelbottom=False)
 
 
 def marked_parameters(runs: Runs, varying: list[Variation]) -> list[Variation]:
