@@ -56,6 +56,13 @@ def test_a_result_without_impacts_has_an_empty_table():
 
 
 @needs_interop
+def test_a_table_has_the_unit_of_a_given_input():
+    table = simulate("pinned_arm", 0.01, inputs={"joint[1].torque": 2.0}).to_dataframe()
+    assert table.attrs["units"]["joint[1].torque"] == "N.m"
+    assert set(table["joint[1].torque"]) == {2.0}
+
+
+@needs_interop
 def test_a_dataset_has_dimensions_and_units(result):
     data = result.to_xarray()
     assert dict(data.sizes) == {"time": 601, "point": 5, "axis": 2, "link": 4, "contact": 20}

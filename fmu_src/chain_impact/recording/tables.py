@@ -33,7 +33,7 @@ def dataframe(prepared: PreparedScene, time: np.ndarray, columns: Mapping[str, n
     """
     pandas = require("pandas", "pandas")
     table = pandas.DataFrame(columns, index=pandas.Index(time, name="time"))
-    units = {variable.name: variable.unit for variable in prepared.outputs}
+    units = {variable.name: variable.unit for variable in (*prepared.inputs, *prepared.outputs)}
     table.attrs["units"] = {name: units[name] for name in columns}
     return table
 
