@@ -168,7 +168,7 @@ def test_a_value_that_cannot_be_is_told_and_changes_nothing(show):
     before = page.evaluate("chainImpact.parameters")
     page.get_by_role("button", name="Edit…").click()
     edit(page, "link[2].mass", "heavy")
-    assert refusal(page) == "Not taken: chain.links[2].mass = 'heavy' must be a finite number >\xa00 [kg]."
+    assert refusal(page) == "Not taken: Mass of link 2 = 'heavy' must be a finite number >\xa00 [kg]."
     assert page.evaluate("chainImpact.parameters") == before
     edit(page, "link[2].mass", "3")
     until(page, "chainImpact.parameters['link[2].mass'] === '3'")
@@ -208,7 +208,7 @@ def test_a_refused_text_stays_until_it_is_mended_or_given_up(show):
         "it follows its link"
     )
     reasons = page.locator("#edit .told .refusal").all_inner_texts()
-    assert ["chain.links[1].mass" in reasons[0], "joint_max" in reasons[1]] == [True, True]
+    assert ["Mass of link 1" in reasons[0], "Stop to of link 2" in reasons[1]] == [True, True]
     edit(page, "link[2].joint_min", "30°")
     assert refused_fields(page) == [["link[1].mass", "heavy"]], "what another edit allows is taken"
     until(page, "chainImpact.parameters['link[2].joint_max'] === '1'")

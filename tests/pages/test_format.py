@@ -86,9 +86,10 @@ def test_a_typed_quantity_may_have_units_and_arithmetic(script):
         ("1.5 rad", "rad", 1.5), ("120 cm", "m", 1.2), ("35 mm/s", "m/s", 0.035), ("200 g", "kg", 0.2),
         ("2*0.6", "m", 1.2), ("-1/2*-3+1", "1", 2.5), ("1e-3", "s", 1e-3), ("0,5", "1", 0.5),
         ("pi/2", "rad", np.pi / 2), ("-2*pi", "rad/s", -2 * np.pi), ("pi", "m", np.pi),
-        ("5 MN/m^1.5", "N/m¹·⁵", 5e6),
+        ("5 MN/m^1.5", "N/m¹·⁵", 5e6), ("2 kN/mm^1.5", "N/m¹·⁵", 2e3 / 1e-3**1.5), ("5 cm2", "m2", 5e-4),
+        ("-1 g", "m/s2", -9.80665),
     ]  # fmt: skip
-    wrong = [("45 grad", "rad"), ("2 kg", "m"), ("5 cm2", "m2"), ("2 3", "m"), ("", "m")]
+    wrong = [("45 grad", "rad"), ("2 kg", "m"), ("5 N", "N/m¹·⁵"), ("2 3", "m"), ("", "m")]
     found = script.evaluate("(cases) => cases.map(([text, unit]) => typed(text, unit))", [*cases, *wrong])
     assert found[:-5] == pytest.approx([value for *_, value in cases], rel=1e-15)
     assert found[-5:] == [text for text, _ in wrong]

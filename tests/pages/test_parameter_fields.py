@@ -90,7 +90,11 @@ def test_an_empty_field_and_a_wrong_word_for_degrees_are_told(show):
     page = show("pinned_arm")
     page.locator("#list-of-parameters summary").click()
     for name, text, told in (
-        ("contact.stiffness", "1e8 N/cm", 'the unit "N/cm" is not understood'),
+        (
+            "contact.stiffness",
+            "1e8 N/cm",
+            'the unit "N/cm" is not understood; write N/m¹·⁵, kN/m¹·⁵, N/mm¹·⁵',
+        ),
         ("contact.restitution", "", "Restitution is empty"),
         ("initial.angle[1]", "45 grad", "[°]; an angle in rad ends with rad"),
     ):

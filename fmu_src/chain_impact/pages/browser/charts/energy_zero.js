@@ -26,9 +26,9 @@ export function movedBy(energies, offset) {
     [name, offset && MOVED.includes(name) ? values.map((value) => value + offset) : values]));
 }
 
-/** Return an energy's name in the chart's legend; that of a moved energy (MOVED) contains the offset [J], such as "total + 22 J". */
-export function energyText(name, offset) {
-  return offset && MOVED.includes(name) ? `${name} ${offset > 0 ? "+" : "−"} ${digits(Math.abs(offset), 2)}\u202fJ` : name;
+/** Return the end of the chart's title: the unit and, except for 0, the offset [J] with the names of the moved energies (MOVED). */
+export function offsetText(offset) {
+  return offset ? `J; shown: ${MOVED.join(" and ")} ${offset > 0 ? "+" : "−"} ${digits(Math.abs(offset), 2)}\u202fJ` : "J";
 }
 
 /** Return the size [J] of the range that contains 0 and all values of all energies. */

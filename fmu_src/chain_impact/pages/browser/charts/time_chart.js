@@ -1,11 +1,11 @@
 // Charts of quantities over the time of a recording or over a part of it, among them the chart of the energies.
 
-import { make } from "../base/dom.js";
+import { find, make } from "../base/dom.js";
 import { fixed, ticksOf, withMinus } from "../base/format.js";
 import {
   axisOptions, Chart, drawCompared, labelledWidth, largestIn, styleColour, ticksUpwards, timeTexts, timeTicks, writerOf,
 } from "./chart.js";
-import { energyOffset, energyText, movedBy } from "./energy_zero.js";
+import { energyOffset, movedBy, offsetText } from "./energy_zero.js";
 
 const WIDTHS = { total: 2.4 };
 const DENSE = 0.4; // a curve with more turns than this for each pixel of the chart's width fills an area
@@ -177,7 +177,8 @@ export class EnergyChart extends TimeChart {
     const isSame = names.join() === this.names.join() && this.offset === before;
     // the supplied energy has dots: where the motion repeats, its curve lies on that of the dissipated energy
     const curveOf = (name) =>
-      ({ name, words: energyText(name, this.offset), stroke: name, dash: name === "supplied" ? [2, 3] : undefined });
+      ({ name, words: name, stroke: name, dash: name === "supplied" ? [2, 3] : undefined });
+    find("energy-unit").textContent = offsetText(this.offset);
     if (!isSame) this.makeCurves(names.map(curveOf), data);
     this.setData(data);
     this.written = writerOf(data.slice(1));

@@ -8,6 +8,7 @@ import {
   addLink, addPoint, addWall, moveToLink, ownPoint, removeLink, removePoint, removeWall, setBase, setBox, setOfLink, setOrRemove,
 } from "../scene/edits.js";
 import { STOPS } from "../scene/geometry.js";
+import { boxWallText, capitalized } from "../scene/words.js";
 import { contentsIn, sitesOf } from "../scene/scene_file.js";
 import { fieldAfter, partsOf } from "./edited_scene.js";
 
@@ -84,7 +85,7 @@ export class Editor {
       return removed.length ? `The edit also removes: ${removed.join(", ")}.` : "";
     }, "", (error) => {
       onFault(error);
-      return refusalText(error);
+      return this.#refusalText(error);
     });
   }
 
@@ -110,7 +111,7 @@ export class Editor {
   /** Apply the text of a field to the scene; a refused text stays in the field. */
   #take(name, text) {
     this.#refused.delete(name);
-    this.#change(this.#editOf(name, text), (error) => this.#refused.set(name, { text, told: refusalText(error) }));
+    this.#change(this.#editOf(name, text), (error) => this.#refused.set(name, { text, told: this.#refusalText(error) }));
   }
 
   /** Apply the refused texts again, because another edit may allow them or change why they are refused. */
@@ -121,7 +122,7 @@ export class Editor {
       try {
         this.#apply(this.#editOf(name, text));
       } catch (error) {
-        this.#refused.set(name, { text, told: refusalText(error) });
+        this.#refused.set(name, { text, told: this.#refusalText(error) });
       }
     });
   }
@@ -129,6 +130,19 @@ export class Editor {
   /** Return the function that puts the text of a field into a scene file. */
   #editOf(name, text) {
     return (file) => this.#edits.get(name)(file, text);
+  }
+
+  /** Return why the editor refuses something, with words in place of paths of the file: "Length of link 1" for chain.links[1].length. */
+  #refusalText({ message }) {
+    const { tables, changes: { valueOf } } = this;
+    const label = (table, key) => tables[table][key]?.label ?? capitalized(key.replaceAll("_", " "));
+    const named = message
+      .replace(/\bchain\.links\[(\d+)\]\.points\[(\d+)\]\.(\w+)/g, (_, link, point, key) =>
+        `${label("point", key)} of point ${point} of link ${link}`)
+      .replace(/\bchain\.links\[(\d+)\]\.(\w+)/g, (_, link, key) => `${label("link", key)} of link ${link}`)
+      .replace(/\bchain\.slider\.(\w+)/g, (_, key) => `${label("slider", key)} of the slider`)
+      .replace(/\bbox\.([xy]_(?:min|max))\b/g, (_, wall) => `Position of the ${boxWallText(wall, valueOf)}`);
+    return readable(inShownUnit(`Not taken: ${named}.`));
   }
 
   /** Give up the refused text of a field: the field shows the value of the scene again. */
@@ -305,9 +319,6 @@ export class Editor {
   }
 }
 
-function refusalText(error) {
-  return readable(inShownUnit(`Not taken: ${error.message}.`));
-}
 
 /** Return a cell that stores the head of its column: on a narrow screen the style sheet shows the head above the cell. */
 function withHead(cell, head) {

@@ -2,6 +2,7 @@
 // (assembly.py), so no two modules may have the same name at the top level.
 
 import { find, make } from "../base/dom.js";
+import { numberText } from "../base/format.js";
 import { Player } from "../player/player.js";
 import { Recording } from "../recording/recording.js";
 import { Changes } from "../scene/changes.js";
@@ -27,6 +28,7 @@ import { keepChartsWhole } from "./whole_charts.js";
 
 // The present view stays if the next view lies inside it and is larger than this fraction of it; the size of a view is its longer side.
 const KEPT = 0.5;
+const SPEED_BAR = 50; // [pixels] largest length of the bar that is the scale of the arrows of velocities
 const FILES_OF_RUN = ["csv", "impacts-csv", "png"]; // buttons that save what only a run has
 
 const { file, kit, command } = JSON.parse(find("data").textContent);
@@ -36,9 +38,16 @@ const comparedMotions = new ComparedMotions(player, find("pins"), find("pin-tabl
 const handles = new Handles(player, changes, find("scene"));
 const dragLine = make("p", { className: "by-hand-line" }); // tells in the drawing what the reader can drag
 find("view").append(dragLine);
+const [speedBar, speedWords] = [make("span", { className: "speed-bar" }), make("span")];
 const showByHand = () => {
   find("by-hand").setAttribute("aria-pressed", handles.areShown);
   dragLine.hidden = !handles.areShown;
+  if (dragLine.hidden || !player.recording) return;
+  // a bar for a speed of 1, 2 or 5 times a power of ten, at most SPEED_BAR long
+  const power = 10 ** Math.floor(Math.log10(SPEED_BAR / handles.arrowScale));
+  const speed = [5, 2, 1].map((factor) => factor * power).find((one) => one * handles.arrowScale <= SPEED_BAR) ?? power;
+  speedBar.style.width = `${speed * handles.arrowScale}px`;
+  speedWords.textContent = `${numberText(Number(speed.toPrecision(1)))}\u202fm/s`;
 };
 const refusedStart = new RefusedStart(player.drawing);
 player.layers.push(comparedMotions, handles, refusedStart, { draw: showByHand }); // the handles clear what the refused start adds to them
@@ -129,9 +138,9 @@ find("by-hand").addEventListener("click", ({ detail }) => {
 const tellByHand = () => {
   const hasWalls = Object.keys(changes.scene.walls).length > 0;
   const dragged = hasWalls ? "joints, arrows of velocity, and walls" : "joints and arrows of velocity";
-  find("by-hand").title = find("by-hand-text").textContent = `At the start, drag ${dragged}.`;
-  const otherwise = make("span", { className: "wide", textContent: ", or use Tab and arrow keys; playing ends this" });
-  dragLine.replaceChildren(`Drag ${dragged.replace("velocity", "velocity (green)")}`, otherwise);
+  find("by-hand").title = find("by-hand-text").textContent = `At the start, drag ${dragged}. Playing ends this.`;
+  const otherwise = make("span", { className: "wide", textContent: "; or use arrow keys" });
+  dragLine.replaceChildren(`Drag ${dragged.replace("velocity", "velocity (green)")}`, otherwise, speedBar, speedWords);
 };
 changes.onOpen(tellByHand);
 tellByHand();

@@ -82,6 +82,9 @@ export class Handles {
     return this.changes.parameters.has(SLIDER_VELOCITY) ? [Math.cos(angle), Math.sin(angle)] : null;
   }
 
+  /** Return how long the arrow of 1 m/s is [pixels]. */
+  get arrowScale() { return this.#arrowTime(this.#start.velocity) * this.player.drawing.camera.scale; }
+
   /**
    * Return the time t [s] that scales the arrows of velocities: the arrow of a velocity v has the length v·t. The time is shorter for fast
    * motions, so that no arrow is too long, and does not change while a handle is dragged.

@@ -14,6 +14,8 @@ export const ALL_DIGITS = 17;
 const [SUM, TOKEN] = [/^([-+*/\s]|pi|π|(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)*/i, /[-+*/]|pi|π|[\d.]+(?:e[-+]?\d+)?/gi];
 const PI = /^(pi|π)$/i;
 const SI_PREFIXES = { n: 1e-9, µ: 1e-6, u: 1e-6, m: 1e-3, c: 1e-2, d: 0.1, "": 1, k: 1e3, M: 1e6, G: 1e9 };
+const STANDARD_GRAVITY = 9.80665; // [m/s²]
+const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 const ROOM = 9; // number of characters for which the field of a parameter has room
 
 /** Return the number in a `unit` (rad, rad/s, rad/s2) for a text such as "90 deg"; return any other value unchanged. */
@@ -45,12 +47,34 @@ function calculated(tokens) {
 
 /** Return the factor from a typed unit `word` to a `unit`: no word stands for the unit that is shown; NaN for an unknown word. */
 function factorOf(word, unit) {
-  const [plain, whole] = [word, unit].map((text) => raised(text).replaceAll("²", "2").replaceAll("·", "."));
+  const digitOf = (one) => SUPERSCRIPTS.indexOf(one);
+  const [plain, whole] = [word, unit].map((text) => raised(text).replaceAll("·", ".").replace(/[⁰¹²³⁴-⁹]/g, digitOf));
   if (unit in IN_DEGREES) return plain === unit ? 1 : ["", IN_DEGREES[unit].word, unit.replace("rad", "°")].includes(plain) ? DEGREE : NaN;
   if (plain === "") return 1;
-  const [base, own] = unit.startsWith("kg") ? [whole.slice(1), SI_PREFIXES.k] : [whole, 1];
-  const prefix = plain.endsWith(base) && /^[a-z]+($|[./])/i.test(base) ? plain.slice(0, -base.length) : "none";
-  return (SI_PREFIXES[prefix] ?? NaN) / own;
+  if (plain === "g" && whole === "m/s2") return STANDARD_GRAVITY;
+  const [words, parts] = [plain, whole].map((text) => text.split("/"));
+  if (words.length !== parts.length) return NaN;
+  return parts.map((part, k) => prefixFactor(words[k], part)).reduce((above, below) => above / below);
+}
+
+/** Return the factor from a `word` to a `part` of a unit with perhaps another prefix, as mm^1.5 for m^1.5; NaN for other words. */
+function prefixFactor(word, part) {
+  const [, stem, power = ""] = /^([a-z]+)(\^?[\d.]+)?$/i.exec(part) ?? [part, part];
+  if (word === part) return 1;
+  const [base, own] = stem.startsWith("kg") ? [stem.slice(1), SI_PREFIXES.k] : [stem, 1];
+  const isLike = word.endsWith(base + power) && /^[a-z]/i.test(base);
+  const factor = isLike ? SI_PREFIXES[word.slice(0, word.length - (base + power).length)] : NaN;
+  return ((factor ?? NaN) / own) ** (Number(power.replace("^", "")) || 1);
+}
+
+/** Return words for units that `typed` understands for a `unit`: "m, cm, mm" for m, "N/m^1.5, kN/m^1.5, N/mm^1.5" for N/m^1.5. */
+function understood(unit) {
+  if (unit in IN_DEGREES) return `${unitText(unit).replace("rad", "°")}, ${unitText(unit)}`;
+  const plain = raised(unit).replaceAll(".", "·").replace(/(?<=\d)·(?=\d)/, ".");
+  const some = { m: ["m", "cm", "mm"], s: ["s", "ms"], kg: ["kg", "g"], "m/s2": ["m/s²", "g"] }[unit];
+  const isWord = /^[a-z]/i.test(plain);
+  const others = isWord ? [plain, `k${plain.replace(/^kg/, "g")}`, plain.replace("/m", "/mm")] : [];
+  return (some ?? [...new Set(others)]).join(", ");
 }
 
 /** Return {tokens, word, factor} of what a reader types: numbers and signs, a unit's word, and the factor from it to a `unit`. */
@@ -67,7 +91,9 @@ function typedParts(given, unit) {
 export function notUnderstood(given, unit) {
   if (/\d,\d/.test(withPoint(given))) return "; this comma may separate thousands; the decimal sign is a point";
   const { tokens, word, factor } = typedParts(given, unit);
-  return Number.isNaN(factor) && Number.isFinite(calculated(tokens)) ? `; the unit "${word}" is not understood` : "";
+  if (!Number.isNaN(factor) || !Number.isFinite(calculated(tokens))) return "";
+  const known = understood(unit);
+  return `; the unit "${word}" is not understood${known ? `; write ${known}` : "; this value has no unit"}`;
 }
 
 /**
