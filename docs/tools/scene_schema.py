@@ -15,7 +15,7 @@ from chain_impact.scene.reading import entry_type
 from chain_impact.scene.rules.key_rules import Derived, keys, simple_default, without_none
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.angles import DEGREES, degrees_pattern
-from chain_impact.scene.words.unit_text import in_brackets
+from chain_impact.scene.words.unit_text import bracketed_unit
 
 LIMITS = {"minimum": "minimum", "above": "exclusiveMinimum", "maximum": "maximum"}
 ALTERNATIVES = {Wall: ("angle", "normal"), Initial: ("angles", "joint_angles")}
@@ -66,7 +66,7 @@ def _key(entry: Any) -> dict[str, Any]:
         inner = _table(entry_type(entry.type))
         return {"type": "object", "description": inner["description"], "additionalProperties": inner}
     rule = entry.metadata
-    text = rule["description"] + in_brackets(rule["unit"])
+    text = rule["description"] + bracketed_unit(rule["unit"])
     default = simple_default(rule)
     if isinstance(default, Derived):
         text += f"; default: {default.text}"

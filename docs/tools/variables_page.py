@@ -15,7 +15,7 @@ from chain_impact.variables.kind import LINE, Kind
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import METHODS, PARAMETERS
-from chain_impact.variables.words import GENERAL, LOSSES, OF_STOPS
+from chain_impact.variables.words import GENERAL, LOSSES, STOP_WORDS
 from docs.tools.markdown_text import code, short_description
 
 
@@ -46,7 +46,7 @@ def _variables(meaning: str, kinds: Sequence[Kind]) -> str:
 
 SCENE_KEY = "scene key"  # the list has these words for parameters that the page of the scene file explains
 IN_GENERAL = {
-    **OF_STOPS,
+    **STOP_WORDS,
     **GENERAL,
     "axis": "x and y",
     "n": "i",

@@ -12,9 +12,9 @@ import numpy as np
 # [1] colours, except those of counts, are logarithmic if the ratio of the largest to the least value
 # (``spread``) is at least this; with linear colours, values below a tenth of the largest would look the same
 WIDE_COLOURS = 10.0
-# [1] the colours end at a quantile if the extreme value is farther from this quantile than BEYOND_QUANTILES
+# [1] the colours end at a quantile if the extreme value is farther from this quantile than QUANTILE_MARGIN
 # times the difference of both quantiles, if not 0; otherwise the colours end at the extreme value
-BEYOND_QUANTILES = 1.0
+QUANTILE_MARGIN = 1.0
 # the quantile that stands for large values; 1 minus this stands for small values, so that a few extremes do
 # not count
 LARGE_QUANTILE = 0.95
@@ -34,13 +34,13 @@ def colour_ends(values: np.ndarray, *, logarithmic: bool = False) -> tuple[float
     """Return the least and the largest value on the scale of colours.
 
     The ends are the least and the largest of ``values``. If the least value is far from nearly all others
-    (BEYOND_QUANTILES), the quantile 1 − LARGE_QUANTILE replaces it; for the largest, LARGE_QUANTILE does. A
+    (QUANTILE_MARGIN), the quantile 1 − LARGE_QUANTILE replaces it; for the largest, LARGE_QUANTILE does. A
     value beyond an end of the scale has the colour of this end. If ``logarithmic``, logarithms are compared.
     """
     scaled = np.log(values) if logarithmic else values
     whole, extremes = ([part.min(), part.max()] for part in (values, scaled))
     ends = np.quantile(scaled, [1.0 - LARGE_QUANTILE, LARGE_QUANTILE])
-    is_far = (np.ptp(ends) > 0.0) & (np.abs(extremes - ends) > BEYOND_QUANTILES * np.ptp(ends))
+    is_far = (np.ptp(ends) > 0.0) & (np.abs(extremes - ends) > QUANTILE_MARGIN * np.ptp(ends))
     low, high = np.where(is_far, np.exp(ends) if logarithmic else ends, whole).tolist()
     return low, high
 

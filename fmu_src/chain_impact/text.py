@@ -114,9 +114,9 @@ def as_html(parts: Iterable[str | TextTable]) -> str:
 def html_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return a table of texts as HTML; each row is one line of the HTML."""
     cells = [("th", head), *(("td", row) for row in rows)]
-    lines = ("".join(f"<{tag}>{_in_html(cell)}</{tag}>" for cell in row) for tag, row in cells)
+    lines = ("".join(f"<{tag}>{_html_lines(cell)}</{tag}>" for cell in row) for tag, row in cells)
     return "<table>" + "\n".join(f"<tr>{line}</tr>" for line in lines) + "</table>"
 
 
-def _in_html(text: str) -> str:
+def _html_lines(text: str) -> str:
     return escape(text).replace("\n", "<br>")

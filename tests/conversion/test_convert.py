@@ -1,6 +1,6 @@
 """Conversion of robots in URDF and MJCF into scenes, and back; a scene compared with MuJoCo."""
 
-# Tests: conversion/to_mjcf.py, conversion/mjcf.py, conversion/mjcf_files.py, conversion/urdf.py
+# Tests: conversion/mjcf_writing.py, conversion/mjcf.py, conversion/mjcf_files.py, conversion/urdf.py
 
 import numpy as np
 import pytest
@@ -8,8 +8,8 @@ import pytest
 from chain_impact import SceneError, load_scene, model_names, simulate
 from chain_impact.cli import main
 from chain_impact.conversion.convert import convert, scene_of_robot
+from chain_impact.conversion.mjcf_writing import mjcf_of
 from chain_impact.conversion.planar import Choices
-from chain_impact.conversion.to_mjcf import mjcf_of
 from chain_impact.scene.files.models import models_folder
 from chain_impact.scene.scene import scene_from_dict, scene_of
 from tests.tiers import needs_interop

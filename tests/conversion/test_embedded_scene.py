@@ -8,8 +8,8 @@ import pytest
 
 from chain_impact import SceneError
 from chain_impact.conversion.convert import scene_of_robot
+from chain_impact.conversion.mjcf_writing import mjcf_of
 from chain_impact.conversion.planar import Choices
-from chain_impact.conversion.to_mjcf import mjcf_of
 from chain_impact.scene.scene import parse_scene, scene_of
 from tests.tiers import needs_interop
 

@@ -11,8 +11,8 @@ from chain_impact.conversion.differences import Effect, lines
 from chain_impact.conversion.mjcf_fields import (
     DISABLED,
     FIELD_REMARKS,
+    IGNORED_FLAGS,
     USED_FIELDS,
-    WITHOUT_EFFECT_FLAGS,
     fields,
     treatments,
     unsupported_fields,
@@ -78,7 +78,7 @@ def test_the_table_has_no_field_that_mujoco_does_not_have():
 def test_each_flag_of_mujoco_is_honoured_or_has_no_effect():
     bits = [*mujoco.mjtDisableBit.__members__, *mujoco.mjtEnableBit.__members__]
     names = {bit.partition("_")[2] for bit in bits if "_" in bit}
-    assert names == {*DISABLED, *WITHOUT_EFFECT_FLAGS.split()}
+    assert names == {*DISABLED, *IGNORED_FLAGS.split()}
 
 
 @pytest.mark.parametrize("row", FIELD_REMARKS, ids=lambda row: row.field)

@@ -10,10 +10,10 @@ import pytest
 
 from chain_impact import SceneError, extras, load_scene
 from chain_impact.conversion.mjcf import read_mjcf
+from chain_impact.conversion.mjcf_writing import mjcf_of
 from chain_impact.conversion.planar import Choices
 from chain_impact.conversion.proposals import chain_of
 from chain_impact.conversion.robot import Body, Joint, Plane, Robot
-from chain_impact.conversion.to_mjcf import mjcf_of
 from chain_impact.conversion.urdf import read_urdf
 from chain_impact.extras import MissingExtraError
 from chain_impact.scene.scene import scene_from_dict

@@ -38,9 +38,9 @@ from chain_impact.recording.pacing import frame_rate, frame_times, rate_text, sl
 from chain_impact.recording.view import framed, free_room, pin_mark, places_of, radius_of
 from chain_impact.scene.display.bodies import outlines_from, rail_from
 from chain_impact.scene.half_planes import half_planes
-from chain_impact.scene.words.angles import in_radians
+from chain_impact.scene.words.angles import radians_of
 from chain_impact.scene.words.similar_names import proposed
-from chain_impact.scene.words.unit_text import of_power, unit_text
+from chain_impact.scene.words.unit_text import stiffness_unit, unit_text
 from tests.helpers.campaigns import random_scenes
 from tests.helpers.scenes.friction import sled
 from tests.helpers.scenes.stops import knee
@@ -288,13 +288,13 @@ def test_words_of_rates_units_and_angles(script):
     assert script.evaluate("(units) => units.map(unitText)", units) == list(map(unit_text, units))
     for exponent in (1.0, 1.5, 2.25):
         text = script.evaluate('(exponent) => unitOfPower("N/m^exponent", exponent)', exponent)
-        assert text == of_power("N/m", exponent)
+        assert text == stiffness_unit("N/m", exponent)
     texts = ["90 deg", "-12.5deg/s", " +.5e1 deg ", "1 deg/s2", "deg", "90", "1 rad", "90 degs"]
     for unit in ("rad", "rad/s", "rad/s2", "m"):
         found = script.evaluate(
             "([texts, unit]) => texts.map((text) => inRadians(text, unit))", [texts, unit]
         )
-        assert found == [in_radians(text, unit) for text in texts]
+        assert found == [radians_of(text, unit) for text in texts]
 
 
 def test_colours_of_films_are_those_of_pages():

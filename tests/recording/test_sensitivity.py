@@ -94,7 +94,9 @@ def test_a_table_has_them_and_can_be_read_again(tmp_path):
         head, *rows = csv.reader(file)
     column = head.index(f"sensitivity.{name}.point[0].y")
     written = np.array([float(row[column]) for row in rows])
-    assert np.array_equal(written, recording.sensitivities.of_output("point[0].y", name), equal_nan=True)
+    assert np.array_equal(
+        written, recording.sensitivities.output_derivatives("point[0].y", name), equal_nan=True
+    )
     assert np.isnan(written).any()
     again = read_csv(path, scene)
     assert np.array_equal(again.columns["point[0].y"], recording.columns["point[0].y"])

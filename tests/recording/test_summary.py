@@ -10,7 +10,7 @@ from rich.table import Table
 
 from chain_impact import load_scene, simulate
 from chain_impact.cli import screen
-from chain_impact.recording.joint_peaks import BY_ROW, SAMPLED, joint_peaks
+from chain_impact.recording.joint_peaks import LARGEST_OF_ROWS, SAMPLED, joint_peaks
 from chain_impact.recording.summary import LISTED_IMPACTS, LISTED_IN_SHORT, energy_lines
 from chain_impact.text import plural
 from tests.helpers.scenes.problems import dropped_ball
@@ -82,7 +82,7 @@ def test_a_largest_force_without_its_time_has_a_row():
     scene = load_scene("pinned_arm").with_values({"outputs.loads": True})
     for output in (["joint[*].peak_force"], ["joint[*].peak_force", "joint[*].force.*"]):
         first, _ = joint_peaks(result := simulate(scene, 0.6, 0.02, output=output))
-        assert (first.joint, first.time, first.kind) == (2, pytest.approx(0.5), BY_ROW)
+        assert (first.joint, first.time, first.kind) == (2, pytest.approx(0.5), LARGEST_OF_ROWS)
         assert first.force == pytest.approx(669.895, abs=1e-3)
         assert "at most 669.895 N in joint[2], by 0.5 s" in repr(result)
     sampled = simulate(scene, 0.6, 0.02, output=["joint[*].force.*"])

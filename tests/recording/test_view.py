@@ -5,21 +5,21 @@
 import numpy as np
 import pytest
 
-from chain_impact.recording.view import NEAR_WALL, PIN, pin_mark, seen
+from chain_impact.recording.view import PIN, WALL_DISTANCE, pin_mark, seen
 from chain_impact.scene.display.bodies import Rail
 from chain_impact.scene.half_planes import half_planes
 
 SQUARE = np.array([[[0.0, 0.0], [2.0, 2.0]], [[0.0, 2.0], [2.0, 0.0]]])
 
 
-@pytest.mark.parametrize("gap", [0.0, 0.1, 0.9 * 2.0 * NEAR_WALL])
+@pytest.mark.parametrize("gap", [0.0, 0.1, 0.9 * 2.0 * WALL_DISTANCE])
 def test_a_wall_that_is_near_is_in_view(gap):
     view, near = seen(SQUARE, half_planes({"x_max": 2.0 + gap}, {}))
     assert len(near) == 1
     assert view.tolist() == [[0.0, 0.0], [2.0 + gap, 2.0]]
 
 
-@pytest.mark.parametrize("gap", [1.1 * 2.0 * NEAR_WALL, -2.1])
+@pytest.mark.parametrize("gap", [1.1 * 2.0 * WALL_DISTANCE, -2.1])
 def test_a_wall_far_from_the_motion_is_not(gap):
     view, near = seen(SQUARE, half_planes({"x_max": 2.0 + gap}, {}))
     assert near == {}
@@ -82,7 +82,7 @@ def test_a_room_that_is_open_on_a_side_is_not_closed():
 
 
 def test_a_carriage_touches_the_drawn_stop_when_its_base_is_at_its_stop():
-    rail = Rail.between(np.array([0.3, -0.2]), 0.4, -0.5, 0.7, 2.0)
+    rail = Rail.with_stops(np.array([0.3, -0.2]), 0.4, -0.5, 0.7, 2.0)
     bases = rail.origin + np.array([[-0.5], [0.7]]) * rail.direction
     line, *marks = rail.lines(bases)
     for base, end, mark, stop in zip(bases, line, marks, rail.stops.values(), strict=True):

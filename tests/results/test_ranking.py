@@ -10,8 +10,8 @@ import pytest
 from matplotlib.text import Text
 
 from chain_impact import SceneError, UnknownNameError, load_scene, simulate
-from chain_impact.results.ranking import by_step, ranking_of
-from chain_impact.scene.words.unit_text import of_power
+from chain_impact.results.ranking import ranking_of, split_by_step
+from chain_impact.scene.words.unit_text import stiffness_unit
 from chain_impact.text import signed
 from tests.helpers.scenes.stops import knee
 from tests.helpers.tools.differences import slope
@@ -53,7 +53,7 @@ def test_the_unit_of_a_stiffness_has_the_exponent_of_the_scene(result):
     assert result.sensitivities.units["sensitivity.contact.stiffness.point[2].x"] == "m/(N/m^1.5)"
     stop = simulate(load_scene("kneed_leg"), 0.4, sensitivities=["stop.stiffness"])
     exponent = stop.scene.stops.exponent
-    assert stop.sensitivities.units["stop.stiffness"] == of_power("N.m/rad", exponent)
+    assert stop.sensitivities.units["stop.stiffness"] == stiffness_unit("N.m/rad", exponent)
 
 
 def test_an_exponent_is_ranked_only_if_asked_for(result):
@@ -116,7 +116,7 @@ def test_a_ranking_shows_itself_in_80_columns_and_as_bars_to_both_sides(result, 
 
 def test_bars_of_other_sizes_have_scales_of_their_own(result):
     ranking = result.ranking("peak_force")
-    of_value, at_zero = by_step(ranking.effects)
+    of_value, at_zero = split_by_step(ranking.effects)
     small = [effect._replace(change=1e-4 * effect.change) for effect in at_zero]
     page = replace(ranking, effects=(*of_value, *small)).plot()
     for axes in page.axes:
@@ -126,7 +126,7 @@ def test_bars_of_other_sizes_have_scales_of_their_own(result):
 
 def test_the_picture_has_bars_of_parameters_that_are_zero(result):
     ranking = result.ranking("peak_force")
-    of_value, at_zero = by_step(ranking.effects)
+    of_value, at_zero = split_by_step(ranking.effects)
     page = replace(ranking, effects=(*(5 * of_value), *(5 * at_zero))).plot()
     assert [len(axes.patches) for axes in page.axes] == [12, 4]
     few = replace(ranking, effects=(*of_value[:2], *(5 * at_zero))).plot()

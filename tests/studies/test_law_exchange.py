@@ -60,7 +60,7 @@ def test_the_contact_of_an_impact_is_that_of_its_wall_or_of_the_stops():
 def test_laws_are_compared_at_a_stop(up):
     scene = knee(**UP) if up else knee()
     found = compare(scene, laws=["flores", "zhang_sharf", "newton_impact"])
-    assert found.at_stop
+    assert found.is_at_stop
     assert found.contact.restitution == 0.5
     assert " kg·m² at " in heading(found)
     assert heading(found).endswith("rad/s")
@@ -80,7 +80,7 @@ def test_laws_are_compared_at_a_wall_where_stops_keep_their_law(kept):
     assert result.scene.wall_names[result.impacts["wall"][0]] == "joint_min"
     at_wall = result.impacts[result.impacts["wall"] == 1][0]
     assert found.first_impact.tobytes() == at_wall.tobytes()
-    assert not found.at_stop
+    assert not found.is_at_stop
     assert found.contact.restitution == 0.25
     assert f"first impact at a wall at {at_wall['onset']:.6g} s" in heading(found)
     assert law_table(found).head[2] == "peak, kN"

@@ -223,7 +223,7 @@ def test_enumerations_number_laws_and_methods_as_the_kernel_does():
 def test_limits_come_from_the_scene():
     found = variables(SCENES["rod_drop"])
     assert (found["contact.restitution"].minimum, found["contact.restitution"].maximum) == (0.0, 1.0)
-    assert found["link[1].mass"].above == 0.0
+    assert found["link[1].mass"].exclusive_minimum == 0.0
     assert found["link[1].mass"].allowed == "a finite number > 0 [kg]"
     assert found["contact.model"].allowed.startswith("one of 1 (hertz), 2 (hunt_crossley), ")
     tunable = {name for name, variable in found.items() if variable.variability == "tunable"}

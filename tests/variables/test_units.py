@@ -5,7 +5,7 @@ from collections import Counter
 
 import pytest
 
-from chain_impact.variables.units import UNITS, in_order, quotient, unit_of
+from chain_impact.variables.units import UNITS, quotient, sorted_units, unit_of
 
 # derived units in kg, m, s
 DERIVED = {"N": {"kg": 1, "m": 1, "s": -2}, "J": {"kg": 1, "m": 2, "s": -2}, "Hz": {"s": -1}, "1": {}}
@@ -48,7 +48,7 @@ def test_the_powers_of_a_quotient_are_differences(above, below):
 
 
 def test_units_are_listed_in_one_order():
-    assert in_order({"", "m/(kg)", "m", "J", "J/(kg)", "1"}) == ["1", "m", "J", "J/(kg)", "m/(kg)"]
+    assert sorted_units({"", "m/(kg)", "m", "J", "J/(kg)", "1"}) == ["1", "m", "J", "J/(kg)", "m/(kg)"]
 
 
 def test_an_unknown_unit_is_named():

@@ -31,7 +31,7 @@ from chain_impact.cli import (
     validate,
 )
 from chain_impact.cli.named_options import typed_in, with_option
-from chain_impact.cli.options import UsageError, near_file, style_of
+from chain_impact.cli.options import UsageError, similar_file_hint, style_of
 from chain_impact.cli.progress import complain, out, say
 from chain_impact.compilation.errors import BuildError
 from chain_impact.extras import MissingExtraError
@@ -82,7 +82,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     except OSError as error:
         what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
-        remedy = near_file(error.filename) if error.errno == ENOENT else REMEDIES.get(error.errno or 0)
+        remedy = (
+            similar_file_hint(error.filename) if error.errno == ENOENT else REMEDIES.get(error.errno or 0)
+        )
         complain(with_option(f"{what}; {remedy}" if remedy else what, typed))
         return 2
     except KeyboardInterrupt:

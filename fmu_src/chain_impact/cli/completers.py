@@ -64,7 +64,7 @@ def is_fmu(source: str) -> bool:
 def settings(source: str) -> Offer:
     """Return the names that ``--set`` takes; for a scene, also the choices of each enumeration."""
     if is_fmu(source):
-        return _of_fmu(source, "parameter")
+        return _fmu_variable_names(source, "parameter")
     from chain_impact.scene.scene import load_scene
 
     scene = load_scene(source)
@@ -87,7 +87,7 @@ def differentiable(source: str) -> Offer:
 def outputs(source: str) -> Offer:
     """Return the names of the outputs of a scene or an FMU."""
     if is_fmu(source):
-        return _of_fmu(source, "output")
+        return _fmu_variable_names(source, "output")
     return Offer(_model(source).outputs_by_name)
 
 
@@ -105,7 +105,7 @@ def laws(source: str) -> Offer:
     return Offer(load_scene(source).law_names)
 
 
-def _of_fmu(source: str, causality: str) -> Offer:
+def _fmu_variable_names(source: str, causality: str) -> Offer:
     """Return the names of those variables of an FMU that have a causality, such as ``output``."""
     from chain_impact.fmu.importer import read_fmu
 

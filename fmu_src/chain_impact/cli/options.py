@@ -130,12 +130,12 @@ def inputs_of(options: argparse.Namespace) -> InputTable | None:
     if options.inputs is None and options.interpolation is not None:
         raise UsageError("--interpolation: only a table of inputs is interpolated: give --inputs FILE too")
     if options.inputs is not None and not options.inputs.exists():
-        hint = near_file(options.inputs) or "must be a CSV or Parquet table"
+        hint = similar_file_hint(options.inputs) or "must be a CSV or Parquet table"
         raise UsageError(f"--inputs {options.inputs}: there is no such file; {hint}")
     return None if options.inputs is None else InputTable(options.inputs, options.interpolation)
 
 
-def near_file(missing: Any) -> str:
+def similar_file_hint(missing: Any) -> str:
     """Return a hint with the file that is most similar to ``missing``, a file that does not exist.
 
     The file is in the same folder and has the same suffix. The result is "" if no name is similar.

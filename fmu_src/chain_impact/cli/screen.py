@@ -27,7 +27,7 @@ from chain_impact.recording.summary import (
     energy_lines,
     impact_list,
     load_lines,
-    through_walls_lines,
+    passed_wall_lines,
 )
 from chain_impact.results.result import Result
 from chain_impact.scene.keys.tables import Box
@@ -134,7 +134,7 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
     for part in tabulated(impact_list(recording, LISTED_IMPACTS)):
         yield f"{part}; --impacts FILE writes all" if isinstance(part, str) else part
     yield from meanings(recording)
-    yield from through_walls_lines(recording)
+    yield from passed_wall_lines(recording)
     yield from stick_slip_table(recording)
     yield from rest_lines(recording)
     yield from load_lines(recording)

@@ -116,7 +116,7 @@ _DECLARED_ABOVE = re.compile(
     re.M,
 )
 _LEFT_OPEN = re.compile(rf"^(declare|define) (?=[^\n]*@({'|'.join([*LAW, *HOOKS])})\()", re.M)
-_OF_NUMBA = re.compile(r"undefined symbol: _?numba_(\w+)")
+_MISSING_NUMBA_SYMBOL = re.compile(r"undefined symbol: _?numba_(\w+)")
 
 
 def add_prelude(module: str, scope: KernelScope, registers: str = REGISTERS) -> str:
@@ -220,7 +220,7 @@ def link(parts: Collection[Path], library: Path, platform: str, law: Path | None
         beside = write_stubs(library, law, derivatives=len(parts) > 1)
         _zig_library(platform, library, *parts, *interface_sources(), *beside)
     except BuildError as error:
-        missing = _OF_NUMBA.search(str(error))
+        missing = _MISSING_NUMBA_SYMBOL.search(str(error))
         if law and missing:
             raise LawError(f"calls {missing[1]}, which a kernel does not have") from None
         raise

@@ -140,7 +140,7 @@ def _lower(function: Any, code: Code, *kinds: types.Type) -> None:
     lower_builtin(function, *kinds)(lowered)
 
 
-def _of_numbers(context: Any, builder: ir.IRBuilder, function: Any, *numbers: ir.Value) -> ir.Value:
+def _ordinary_value(context: Any, builder: ir.IRBuilder, function: Any, *numbers: ir.Value) -> ir.Value:
     """Return the LLVM value of ``function`` for ordinary ``numbers``, by numba's own code."""
     typed = context.typing_context.resolve_function_type(function, (float64,) * len(numbers), {})
     return context.get_function(function, typed)(builder, numbers)
@@ -148,7 +148,7 @@ def _of_numbers(context: Any, builder: ir.IRBuilder, function: Any, *numbers: ir
 
 # ---- arithmetic -------------------------------------------------------------------------------------------
 
-_IN_PLACE = {
+_AUGMENTED_OPERATORS = {
     operator.add: operator.iadd,
     operator.sub: operator.isub,
     operator.mul: operator.imul,
@@ -207,7 +207,7 @@ _CODES = {
 _KINDS = ((Dual, Dual), (Dual, types.Float), (types.Float, Dual))
 
 for _function, _codes in _CODES.items():
-    for _one in (_function, _IN_PLACE[_function]):
+    for _one in (_function, _AUGMENTED_OPERATORS[_function]):
         _declare(_one, DUAL)
         for _kinds, _code in zip(_KINDS, _codes, strict=True):
             _lower(_one, _code, *_kinds)
@@ -265,7 +265,7 @@ def _chain(function: Any, slope: Code) -> None:
 
     def code(context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
         a, da = _parts(builder, x)
-        value = _of_numbers(context, builder, function, a)
+        value = _ordinary_value(context, builder, function, a)
         return _made(builder, value, _times(builder, slope(context, builder, a, value), da))
 
     _declare(function, DUAL)
@@ -302,7 +302,7 @@ _lower(operator.neg, _negated, Dual)
 
 
 def _finite(context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
-    return _of_numbers(context, builder, math.isfinite, builder.extract_value(x, 0))
+    return _ordinary_value(context, builder, math.isfinite, builder.extract_value(x, 0))
 
 
 _declare(math.isfinite, boolean)
@@ -311,7 +311,7 @@ _lower(math.isfinite, _finite, Dual)
 
 def _hypot(context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
     (a, da), (b, db) = _parts(builder, x), _parts(builder, y)
-    length = _of_numbers(context, builder, math.hypot, a, b)
+    length = _ordinary_value(context, builder, math.hypot, a, b)
     # derivative of √(a² + b²): (a a′ + b b′)/√(a² + b²)
     slopes = builder.fadd(_times(builder, a, da), _times(builder, b, db))
     zero = ir.Constant(length.type, 0.0)

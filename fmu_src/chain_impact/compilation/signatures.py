@@ -46,24 +46,24 @@ SIGNATURES = {
 }
 """Name of each C function of a kernel → its signature."""
 HEADER_WIDTH = 110  # largest number of characters of a line in the C header
-_OF_CTYPES = {"int32": ctypes.c_int32, "int64": ctypes.c_int64, "double": ctypes.c_double}
-_OF_C = {"int32": "int32_t ", "int64": "int64_t ", "double": "double "}
-_OF_C |= {"record*": "Word *", "double*": "double *", "int64*": "int64_t *"}
+_TYPES_OF_CTYPES = {"int32": ctypes.c_int32, "int64": ctypes.c_int64, "double": ctypes.c_double}
+_TYPES_OF_C = {"int32": "int32_t ", "int64": "int64_t ", "double": "double "}
+_TYPES_OF_C |= {"record*": "Word *", "double*": "double *", "int64*": "int64_t *"}
 
 
 def declare(library: Any) -> None:
     """Declare the functions of a library that ctypes has loaded; callers give an address for a pointer."""
     for name, (result, arguments) in SIGNATURES.items():
         function = getattr(library, name)
-        function.restype = _OF_CTYPES[result]
-        function.argtypes = [_OF_CTYPES.get(kind, ctypes.c_void_p) for kind in arguments.values()]
+        function.restype = _TYPES_OF_CTYPES[result]
+        function.argtypes = [_TYPES_OF_CTYPES.get(kind, ctypes.c_void_p) for kind in arguments.values()]
 
 
 def declarations() -> str:
     """Return the C declarations of a kernel's functions; ``Word`` is the C type of a number in a record."""
     lines = []
     for name, (result, arguments) in SIGNATURES.items():
-        given = ", ".join(f"{_OF_C[kind]}{argument}" for argument, kind in arguments.items())
-        line = f"extern {_OF_C[result]}{name}({given});"
+        given = ", ".join(f"{_TYPES_OF_C[kind]}{argument}" for argument, kind in arguments.items())
+        line = f"extern {_TYPES_OF_C[result]}{name}({given});"
         lines += textwrap.wrap(line, HEADER_WIDTH, subsequent_indent="    ")
     return "\n".join(lines)

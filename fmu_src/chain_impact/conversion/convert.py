@@ -11,10 +11,10 @@ import tomlkit
 from chain_impact.conversion.differences import DIFFERS, LEFT_OUT, WARNING
 from chain_impact.conversion.embedded_scene import EmbeddedScene, merge_embedded_scene, read_embedded_scene
 from chain_impact.conversion.mjcf import read_mjcf
+from chain_impact.conversion.mjcf_writing import mjcf_of
 from chain_impact.conversion.planar import Choices, Converted
 from chain_impact.conversion.proposals import chain_of
 from chain_impact.conversion.robot import Robot, identifier
-from chain_impact.conversion.to_mjcf import mjcf_of
 from chain_impact.conversion.urdf import local_name, read_urdf, xml_of
 from chain_impact.scene.errors import SceneError, SceneWarning
 from chain_impact.scene.files.models import model_names

@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 from chain_impact.conversion.differences import LINE_NAMES
 from chain_impact.conversion.mjcf import read_mjcf_text
 from chain_impact.conversion.mjcf_contacts import point_name
+from chain_impact.conversion.mjcf_writing import mjcf_of
 from chain_impact.conversion.planar import Choices, Converted, planar_chain
 from chain_impact.conversion.robot import identifier
-from chain_impact.conversion.to_mjcf import mjcf_of
 from chain_impact.scene.scene import Scene, scene_from_dict, scene_to_dict
 from chain_impact.scene.words.names import input_key
 from chain_impact.text import few

@@ -55,8 +55,8 @@ def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
     if directions is not None:
         x, y = _chosen(axis, directions, source)
     else:
-        up = _across(Z, axis)
-        y = up if np.linalg.norm(up) > PARALLEL_ANGLE else _across(Y, axis)
+        up = _component_across(Z, axis)
+        y = up if np.linalg.norm(up) > PARALLEL_ANGLE else _component_across(Y, axis)
         y = y / np.linalg.norm(y)
         x = np.cross(y, axis)
         x = x * (_sign(x[0]) or _sign(x[1]))
@@ -64,7 +64,7 @@ def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
     return Plan(x, y, np.cross(x, y))
 
 
-def _across(direction: np.ndarray, axis: np.ndarray) -> np.ndarray:
+def _component_across(direction: np.ndarray, axis: np.ndarray) -> np.ndarray:
     """Return the component of a vector that is at right angles to the unit vector ``axis``."""
     return np.asarray(direction - np.dot(direction, axis) * axis)
 
@@ -93,7 +93,7 @@ def _chosen(axis: np.ndarray, directions: str, source: str) -> tuple[np.ndarray,
     return x, y
 
 
-def near(value: float) -> float:
+def rounded_to_zero(value: float) -> float:
     """Return ``value``, or 0 if its magnitude is below NUMBER_ROUND_OFF."""
     return 0.0 if abs(value) < NUMBER_ROUND_OFF else value
 

@@ -204,7 +204,7 @@ def _check_slides(robot: Robot, slides: list[Moving], order: list[Moving], sourc
     in both cases before the first hinge. ``order`` are all moving joints, in the order of the bodies.
     """
     first = next(moved for moved in order if moved.joint.kind == "hinge")
-    before = [moved for moved in order[: order.index(first)] if moved.body in above(robot, first.body)]
+    before = [moved for moved in order[: order.index(first)] if moved.body in ancestors(robot, first.body)]
     along = [abs(float(np.dot(slide.axis, first.axis))) for slide in slides]
     square = len(slides) == 2 and abs(float(np.dot(slides[0].axis, slides[1].axis))) < PARALLEL_ANGLE  # noqa: PLR2004
     if slides and (
@@ -224,7 +224,7 @@ def _check_slides(robot: Robot, slides: list[Moving], order: list[Moving], sourc
 
 def _check_serial(robot: Robot, hinges: list[Moving], source: str) -> None:
     for before, hinge in pairwise(hinges):
-        if before.body == hinge.body or before.body not in above(robot, hinge.body):
+        if before.body == hinge.body or before.body not in ancestors(robot, hinge.body):
             names = [before.joint.name, hinge.joint.name]
             raise NoChainError(
                 f"{source}: joints {names[0]} and {names[1]} do not follow one another: a scene has one "
@@ -233,7 +233,7 @@ def _check_serial(robot: Robot, hinges: list[Moving], source: str) -> None:
             )
 
 
-def above(robot: Robot, b: int) -> Iterator[int]:
+def ancestors(robot: Robot, b: int) -> Iterator[int]:
     """Yield the index ``b`` of a body, then the indices of the bodies between this body and the world."""
     while b >= 0:
         yield b

@@ -120,7 +120,7 @@ class _Reader:
         """Return the robot, whose notes begin with ``notes``; ``name`` is used if the file gives no name."""
         model = self.model
         bodies = [self.body(b) for b in range(1, model.nbody)]
-        weightless = self._off("GRAVITY")
+        weightless = self._disables("GRAVITY")
         self.differences += [
             *self.drives.differences,
             *couplings(self.mujoco, model),
@@ -138,7 +138,7 @@ class _Reader:
             differences=self.differences,
         )
 
-    def _off(self, *flags: str) -> bool:
+    def _disables(self, *flags: str) -> bool:
         """Return whether the file disables at least one feature of ``flags``, such as "GRAVITY"."""
         bits = (getattr(self.mujoco.mjtDisableBit, f"mjDSBL_{flag}") for flag in flags)
         return any(self.model.opt.disableflags & bit for bit in bits)
@@ -150,7 +150,7 @@ class _Reader:
         joints = range(model.body_jntadr[b], model.body_jntadr[b] + model.body_jntnum[b])
         sites = (s for s in range(model.nsite) if model.site_bodyid[s] == b)
         position, rotation = self._pose(b)
-        passive = not (self._off("SPRING") and self._off("DAMPER"))
+        passive = not (self._disables("SPRING") and self._disables("DAMPER"))
         return Body(
             name=model.body(b).name or f"{b}",
             parent=int(model.body_parentid[b]) - 1,
@@ -191,12 +191,12 @@ class _Reader:
             kinds(model.jnt_type[j]), "free"
         )
         name = model.joint(j).name or f"{j}"
-        zero, constrained = float(model.qpos0[at]), not self._off("CONSTRAINT")
+        zero, constrained = float(model.qpos0[at]), not self._disables("CONSTRAINT")
         low, high = -math.inf, math.inf
-        if model.jnt_limited[j] and constrained and not self._off("LIMIT"):
+        if model.jnt_limited[j] and constrained and not self._disables("LIMIT"):
             low, high = (float(limit) for limit in model.jnt_range[j])
             self._tell_soft(name, "limits are", "[contact]" if kind == "slide" else "[stops]")
-        friction = float(model.dof_frictionloss[dof]) * (constrained and not self._off("FRICTIONLOSS"))
+        friction = float(model.dof_frictionloss[dof]) * (constrained and not self._disables("FRICTIONLOSS"))
         if friction:
             where = "[chain.slider]" if kind == "slide" else "[[chain.links]]"
             self._tell_soft(name, "dry friction is", where)
@@ -208,8 +208,8 @@ class _Reader:
             anchor=np.array(model.jnt_pos[j]),
             low=low - zero if low > -NO_LIMIT else -math.inf,
             high=high - zero if high < NO_LIMIT else math.inf,
-            damping=0.0 if self._off("DAMPER") else float(model.dof_damping[dof]),
-            stiffness=0.0 if self._off("SPRING") else float(model.jnt_stiffness[j]),
+            damping=0.0 if self._disables("DAMPER") else float(model.dof_damping[dof]),
+            stiffness=0.0 if self._disables("SPRING") else float(model.jnt_stiffness[j]),
             rest=float(model.qpos_spring[at]) - zero,
             friction=friction,
             armature=float(model.dof_armature[dof]),

@@ -272,13 +272,13 @@ class Drives:
         for drive in drives:
             if drive.stiffness and abs(drive.gain / drive.stiffness - 1.0) > EQUAL_GAINS:
                 text = f"the target angle is {drive.gain / drive.stiffness:.6g} times its control"
-                yield _of_servo(drive.name, text, about)
+                yield _servo_difference(drive.name, text, about)
         servos = {drive.name for drive in drives if drive.is_servo}
         for a in self.at[j]:
             if self._clamps(a) and self._name(a) in servos:
                 low, high = self.model.actuator_ctrlrange[self.model.actuator_ctrladr[a]]
                 text = f"its control is from {low:.6g} to {high:.6g}; targets of a scene have no limits"
-                yield _of_servo(self._name(a), text, about)
+                yield _servo_difference(self._name(a), text, about)
 
     def _tell_joint(self, joint: Joint, text: str, effect: Effect) -> None:
         self.differences.append(joint_difference(joint.name, text, effect, differs=True))
@@ -324,7 +324,7 @@ class Drives:
         return None if math.isinf(limit) else float(limit)
 
 
-def _of_servo(name: str, text: str, joints: frozenset[str]) -> Difference:
+def _servo_difference(name: str, text: str, joints: frozenset[str]) -> Difference:
     """Return a difference between the control of servo ``name`` in the file and the target in the scene.
 
     ``text`` follows "actuator" and ``name`` in the sentence; ``joints``: names of the joints of the servo.

@@ -35,7 +35,7 @@ USED_FIELDS = """
 """The fields that the conversion reads: their values are used for the scene, or reported by the code that
 reads them."""
 
-WITHOUT_EFFECT = {
+IGNORED_FIELDS = {
     "counts, addresses and names": """
         n* name_* paths *adr *rownnz *rowadr *colind signature body_dofnum body_geomnum body_rootid
         body_treeid body_sameframe body_simple tree_body* tree_dof* dof_bodyid dof_jntid dof_parentid
@@ -88,7 +88,7 @@ DISABLED = {
     "ACTUATION": "no actuators",
 }
 """Flag by which a file disables a feature → words for the note, which says that the scene lacks it, too."""
-WITHOUT_EFFECT_FLAGS = """
+IGNORED_FLAGS = """
     WARMSTART FILTERPARENT REFSAFE SENSOR MIDPHASE EULERDAMP AUTORESET NATIVECCD ISLAND MULTICCD
     OVERRIDE ENERGY FWDINV INVDISCRETE SLEEP DIAGEXACT IPC SPECULATIVE
 """
@@ -222,7 +222,7 @@ def _difference_of_field(model: Any, row: FieldRemark, i: int) -> Difference:
 def treatments(field: str) -> list[str]:
     """Return how a field is treated, as a list: "used" or "remarked", else the reasons why it has no effect.
 
-    The reasons are the keys of WITHOUT_EFFECT with a pattern that matches the field. The list is empty for an
+    The reasons are the keys of IGNORED_FIELDS with a pattern that matches the field. The list is empty for an
     unknown field. ``field`` is the name of a field of the model, or ``opt.<name>`` for an option.
     """
     named = ["used"] * (field in USED_FIELDS.split()) + ["remarked"] * any(
@@ -230,7 +230,7 @@ def treatments(field: str) -> list[str]:
     )
     patterns = (
         why
-        for why, names in WITHOUT_EFFECT.items()
+        for why, names in IGNORED_FIELDS.items()
         if any(fnmatchcase(field, pattern) for pattern in names.split())
     )
     return named or list(patterns)

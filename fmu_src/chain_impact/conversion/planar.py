@@ -19,8 +19,8 @@ from chain_impact.conversion.differences import (
     line,
     lines,
 )
-from chain_impact.conversion.flat import ZERO_LENGTH, Plan, near, plan_of
-from chain_impact.conversion.joints import Chosen, Moving, NoChainError, above, chosen_joints
+from chain_impact.conversion.flat import ZERO_LENGTH, Plan, plan_of, rounded_to_zero
+from chain_impact.conversion.joints import Chosen, Moving, NoChainError, ancestors, chosen_joints
 from chain_impact.conversion.robot import JOINT_KEYS, Body, Joint, Robot, scene_values
 from chain_impact.conversion.walls import Walls
 from chain_impact.scene.errors import UnknownNameError
@@ -93,7 +93,7 @@ class _Conversion:
 
     def run(self) -> Converted:
         """Return the data of the scene, and the remarks on the conversion."""
-        gravity = [near(float(part)) for part in self.plan.flat(self._gravity())]
+        gravity = [rounded_to_zero(float(part)) for part in self.plan.flat(self._gravity())]
         places = [self.plan.flat(hinge.anchor) for hinge in self.hinges]
         places.append(places[-1] + self._tip())
         links: list[dict[str, Any]] = []
@@ -146,7 +146,7 @@ class _Conversion:
         """Return the indices of the bodies that move with a slide of the base, and belong to no link."""
         before = {slide.body for slide in self.slides}
         bodies = range(len(self.robot.bodies))
-        return [b for b in bodies if self.link_of[b] < 0 and before & {*above(self.robot, b)}]
+        return [b for b in bodies if self.link_of[b] < 0 and before & {*ancestors(self.robot, b)}]
 
     def _parts(self) -> tuple[dict[int, int], list[list[int]]]:
         """Return index of a body → index of its link, −1 for no link; and the bodies of each link.
@@ -299,7 +299,7 @@ class _Conversion:
             sign = 1.0 if np.dot(hinge.axis, self.plan.axis) > 0.0 else -1.0
             if sign < 0.0:
                 turned.append(hinge.joint.name)
-            offset = near(math.remainder(direction - before, 2.0 * math.pi))
+            offset = rounded_to_zero(math.remainder(direction - before, 2.0 * math.pi))
             start = self._joint(link, hinge.joint, offset, sign, grounded=i > 0 or self.chosen.base != "free")
             angle, speed, before = angle + start, speed + sign * hinge.joint.speed, direction
             angles.append(angle)
@@ -326,9 +326,9 @@ class _Conversion:
             return start
         values = scene_values(joint, offset + sign * joint.rest, low, high)
         link |= {JOINT_KEYS[key].link: value for key, value in values.items()}
-        return self._within(joint, low, start, high, "rad")
+        return self._start_within_stops(joint, low, start, high, "rad")
 
-    def _within(self, joint: Joint, low: float, start: float, high: float, unit: str) -> float:
+    def _start_within_stops(self, joint: Joint, low: float, start: float, high: float, unit: str) -> float:
         """Return ``start`` [rad or m], or the stop beyond which ``start`` lies; this change is reported."""
         stop = min(max(start, low), high)
         if stop != start:
@@ -357,7 +357,7 @@ class _Conversion:
         ways = [self.plan.flat(slide.axis) for slide in self.slides]
         if self.chosen.base == "slider":
             (way,), joint = ways, self.slides[0].joint
-            at = self._within(joint, joint.low, joint.start, joint.high, "m")
+            at = self._start_within_stops(joint, joint.low, joint.start, joint.high, "m")
             start = {"position": (anchor + way * at).tolist(), "slider_velocity": joint.speed}
             return {"slider": self._slider(joint, way, at, gravity)}, start
         position, velocity = anchor.copy(), np.zeros(2)
@@ -396,4 +396,4 @@ def _rounded(data: Any) -> Any:
         return {key: _rounded(value) for key, value in data.items()}
     if isinstance(data, list):
         return [_rounded(value) for value in data]
-    return near(float(f"{data:.{SCENE_DIGITS}g}")) if isinstance(data, float) else data
+    return rounded_to_zero(float(f"{data:.{SCENE_DIGITS}g}")) if isinstance(data, float) else data

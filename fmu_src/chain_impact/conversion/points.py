@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from chain_impact.conversion.flat import ZERO_LENGTH, Plan, near
+from chain_impact.conversion.flat import ZERO_LENGTH, Plan, rounded_to_zero
 from chain_impact.conversion.joints import PARALLEL_ANGLE
 from chain_impact.conversion.robot import LinkShape
 
@@ -158,7 +158,10 @@ def tables_of(balls: Sequence[Ball], joint: np.ndarray, along: np.ndarray) -> li
         name = ball.name
         seen[name] += 1
         x, y = ball.at - joint
-        table = {"x": near(float(along @ (x, y))), "y": near(float(along[0] * y - along[1] * x))}
+        table = {
+            "x": rounded_to_zero(float(along @ (x, y))),
+            "y": rounded_to_zero(float(along[0] * y - along[1] * x)),
+        }
         label = {"name": name if counts[name] == 1 else f"{name}_{seen[name]}"} if name else {}
         tables.append({**table, "radius": ball.radius, **label})
     return tables

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-from chain_impact.conversion.joints import Moving, NoChainError, above, joints_at_start, parallel_groups
+from chain_impact.conversion.joints import Moving, NoChainError, ancestors, joints_at_start, parallel_groups
 from chain_impact.conversion.planar import Choices, Converted, planar_chain
 from chain_impact.conversion.robot import Robot
 from chain_impact.scene.errors import SceneError
@@ -77,7 +77,7 @@ def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
     for group in parallel_groups([moved for moved in pool if moved.joint.kind == "hinge"]):
         paths += _paths(robot, group)
     for path in sorted(paths, key=len, reverse=True):
-        before = set(above(robot, path[0].body))
+        before = set(ancestors(robot, path[0].body))
         slides = [moved for moved in pool if moved.joint.kind == "slide" and moved.body in before]
         if slides:
             yield [moved.joint.name for moved in (*slides, *path)]
@@ -91,6 +91,6 @@ def _paths(robot: Robot, group: Sequence[Moving]) -> Iterator[list[Moving]]:
     order from the base outwards.
     """
     for last in group:
-        before = set(above(robot, last.body))
-        if not any(last.body in set(above(robot, moved.body)) - {moved.body} for moved in group):
+        before = set(ancestors(robot, last.body))
+        if not any(last.body in set(ancestors(robot, moved.body)) - {moved.body} for moved in group):
             yield [moved for moved in group if moved.body in before]

@@ -44,7 +44,7 @@ def check_elements(root: Element, path: Path) -> None:
     """
     for part in (*root.findall("link"), *root.findall("joint")):
         name = f"{path}: {part.tag} {part.get('name')}"
-        known = [found for found in _below(part, f"robot/{part.tag}") if found[0] in USED_ATTRIBUTES]
+        known = [found for found in _inner_elements(part, f"robot/{part.tag}") if found[0] in USED_ATTRIBUTES]
         for where, count in Counter(where for where, _ in known).items():
             if count > 1:
                 raise SceneError(f"{name}: has {count} elements {where.rpartition('/')[2]}, must have one")
@@ -85,14 +85,14 @@ def other_elements(root: Element) -> Iterator[Difference]:
             yield Difference(kind=f"element {part.tag}", name=name, text=text, effect=Effect.NONE)
             continue
         yield from _attributes(part, f"robot/{part.tag}", part)
-        for path, element in _below(part, f"robot/{part.tag}"):
+        for path, element in _inner_elements(part, f"robot/{part.tag}"):
             if path not in USED_ATTRIBUTES and element.tag not in (*GEOMETRIES, *UNUSED_ELEMENTS):
                 yield _difference(part, element.tag, MOVES.get(element.tag, ""), _values(element))
             else:
                 yield from _attributes(element, path, part)
 
 
-def _below(part: Element, path: str) -> Iterator[tuple[str, Element]]:
+def _inner_elements(part: Element, path: str) -> Iterator[tuple[str, Element]]:
     """Yield path and element for all elements inside ``part``, which has the path ``path``.
 
     Elements inside an element that is not in USED_ATTRIBUTES are left out, because such an element is
@@ -103,7 +103,7 @@ def _below(part: Element, path: str) -> Iterator[tuple[str, Element]]:
             inside = f"{path}/{element.tag}"
             yield inside, element
             if inside in USED_ATTRIBUTES:
-                yield from _below(element, inside)
+                yield from _inner_elements(element, inside)
 
 
 def _attributes(element: Element, path: str, part: Element) -> Iterator[Difference]:

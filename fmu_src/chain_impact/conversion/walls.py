@@ -13,7 +13,7 @@ import numpy as np
 
 from chain_impact.conversion.differences import Difference, Effect
 from chain_impact.conversion.flat import ZERO_LENGTH, Plan
-from chain_impact.conversion.joints import PARALLEL_ANGLE, Chosen, above
+from chain_impact.conversion.joints import PARALLEL_ANGLE, Chosen, ancestors
 from chain_impact.conversion.points import (
     OUTLINED,
     Ball,
@@ -270,7 +270,7 @@ class Walls:
         for i in sorted(touching):
             self._tell_reach(i, balls[i])
         for b, body in enumerate(self.robot.bodies):
-            slid = {slide.body for slide in self.chosen.slides} & {*above(self.robot, b)}
+            slid = {slide.body for slide in self.chosen.slides} & {*ancestors(self.robot, b)}
             if b not in self.link_of and slid and any(shape.walls for shape in body.shapes):
                 self._tell(
                     "body",

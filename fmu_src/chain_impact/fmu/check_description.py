@@ -50,7 +50,7 @@ NAME_PATTERNS = {
 See FMI 2.0.4, section 2.2.9, and FMI 3.0, section 2.4.7.5.1.
 """
 # matches the beginning of fmpy's sentence on a fault against the XML schema; the group is the line's number
-_OF_SCHEMA = re.compile(r"^ERROR \(line (\d+), column \d+\): ")
+_SCHEMA_ERROR = re.compile(r"^ERROR \(line (\d+), column \d+\): ")
 # matches the words in fmpy's sentence on a fault that name a variable; the group is the name
 _NAMED = re.compile(r'[Vv]ariable (?:name )?"([^"]+)"')
 
@@ -87,16 +87,16 @@ def description_findings(path: Path) -> list[Finding]:
     for file, content in terminals.items():
         faults += terminal_findings(content, names, file)
     structure = Structure(root, variables)
-    # fmpy (in ``_of_fmpy``) would raise IndexError or KeyError for a reference to a missing variable
+    # fmpy (in ``_fmpy_faults``) would raise IndexError or KeyError for a reference to a missing variable
     if not (lost := list(structure.lost())):
         faults += structure.findings()
         # a fault that the XML schema refuses causes other faults, so it is listed first
-        faults = _of_fmpy(path, known=bool(faults)) + faults
+        faults = _fmpy_faults(path, known=bool(faults)) + faults
     # two references to the same variable may give the same finding, which is listed once
     return list(dict.fromkeys(lost + faults))
 
 
-def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
+def _fmpy_faults(path: Path, *, known: bool) -> list[Finding]:
     """Return the faults that fmpy finds in the model description.
 
     ``known`` tells whether a fault of the FMU is already known. If fmpy then fails with an unexpected error,
@@ -118,7 +118,7 @@ def _of_fmpy(path: Path, *, known: bool) -> list[Finding]:
         problems = [str(error) if plain else f"fmpy cannot read it: {type(error).__name__}: {error}"]
     else:
         return []
-    problems = [_OF_SCHEMA.sub(r"line \1: ", " ".join(problem.split())) for problem in problems]
+    problems = [_SCHEMA_ERROR.sub(r"line \1: ", " ".join(problem.split())) for problem in problems]
     named = [_NAMED.search(problem) for problem in problems]
     return [
         Finding(problem, variable=name[1] if name else "")
@@ -138,11 +138,11 @@ def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]
         for key in ("name", "value")
         for finding in twice((child.attrib[key] for child in parent if key in child.attrib), key, path)
     )
-    named = _of_names(root.get("variableNamingConvention", "flat"), variables)
-    return [*repeated, *_of_modes(root), *_of_types(root, variables), *named, *_of_experiment(root)]
+    named = _name_faults(root.get("variableNamingConvention", "flat"), variables)
+    return [*repeated, *_mode_faults(root), *_type_faults(root, variables), *named, *_experiment_faults(root)]
 
 
-def _of_modes(root: Element) -> Iterator[Finding]:
+def _mode_faults(root: Element) -> Iterator[Finding]:
     """Yield a fault if a description has no FMI mode, and for each model identifier that is no name in C."""
     modes = [mode for kind in FMI_MODES for mode in root.iterfind(kind)]
     if not modes:
@@ -154,7 +154,7 @@ def _of_modes(root: Element) -> Iterator[Finding]:
             yield Finding(fault, attribute=mode.tag)
 
 
-def _of_types(root: Element, variables: Sequence[Variable]) -> Iterator[Finding]:
+def _type_faults(root: Element, variables: Sequence[Variable]) -> Iterator[Finding]:
     """Yield the faults of declared types: of limits, of units, and of names that a variable has, too."""
     names = {variable.name for variable in variables}
     units = {
@@ -165,12 +165,12 @@ def _of_types(root: Element, variables: Sequence[Variable]) -> Iterator[Finding]
         path_of_type = f"TypeDefinitions/{definition.name}"
         for attribute, text in limit_findings(definition):
             yield Finding(text, attribute=f"{path_of_type}/{attribute}")
-        yield from _of_unit(definition, units, path_of_type)
+        yield from _unit_faults(definition, units, path_of_type)
         if definition.name in names:
             yield Finding("a variable has the same name", attribute=path_of_type)
 
 
-def _of_names(convention: str, variables: Sequence[Variable]) -> Iterator[Finding]:
+def _name_faults(convention: str, variables: Sequence[Variable]) -> Iterator[Finding]:
     """Yield a fault if there are several independent variables, and for each name that is not allowed.
 
     ``convention`` is the naming convention that the model description claims to follow.
@@ -186,7 +186,7 @@ def _of_names(convention: str, variables: Sequence[Variable]) -> Iterator[Findin
             yield Finding(fault, variable=variable.name, attribute="name")
 
 
-def _of_unit(
+def _unit_faults(
     variable: Variable, units: Mapping[str, Container[str | None]], attribute: str
 ) -> Iterator[Finding]:
     """Yield a fault if the unit or the display unit of a declared type is not defined.
@@ -202,7 +202,7 @@ def _of_unit(
         yield Finding(text, attribute=f"{attribute}/displayUnit")
 
 
-def _of_experiment(root: Element) -> Iterator[Finding]:
+def _experiment_faults(root: Element) -> Iterator[Finding]:
     node, attribute = root.find("DefaultExperiment"), "DefaultExperiment"
     given = {"startTime": "0"} | (dict(node.items()) if node is not None else {})
     try:

@@ -19,7 +19,7 @@ from chain_impact.text import few
 OUTPUT_LIST, DERIVATIVE_LIST, INITIAL_LIST = "Outputs", "Derivatives", "InitialUnknowns"
 _THIRD = {OUTPUT_LIST: "Output", DERIVATIVE_LIST: "ContinuousStateDerivative", INITIAL_LIST: "InitialUnknown"}
 """Name of a list in FMI 2.0 → name in FMI 3.0 of each element that replaces the list."""
-_FROM_OUTSIDE = ("input", "independent", "parameter", "structuralParameter")
+_OUTSIDE_CAUSALITIES = ("input", "independent", "parameter", "structuralParameter")
 
 
 class Structure:
@@ -138,7 +138,9 @@ class Structure:
             variable = self.known[name]
             state = not states or name in states or variable.attributes.get("variability") == "discrete"
             if not (
-                variable.causality in _FROM_OUTSIDE or (variable.exact if initial else state) or debugging
+                variable.causality in _OUTSIDE_CAUSALITIES
+                or (variable.exact if initial else state)
+                or debugging
             ):
                 what = "known at the start" if initial else "an input, a parameter or a state"
                 yield Finding(f"{name} is {variable.name}, which is not {what}", attribute=path)

@@ -84,7 +84,7 @@ class Variable:
             return math.inf if name == "max" else -math.inf
         return float(self.value(text))
 
-    def beyond(self, value: float) -> str:
+    def passed_limit(self, value: float) -> str:
         """Return words for the limit that ``value`` is beyond; "" within the limits, or if min > max."""
         low, high = self.bound("min"), self.bound("max")
         if low > high:  # limits in the wrong order are a fault of their own, which ``limit_findings`` reports
@@ -150,9 +150,9 @@ def variable_findings(root: Element, variables: Sequence[Variable]) -> list[Find
         for variable in variables
         for attribute, text in (
             *limit_findings(variable),
-            *_of_start(variable),
-            *_of_type(variable, types),
-            *_of_use(variable, root),
+            *_start_pairs(variable),
+            *_type_pairs(variable, types),
+            *_attribute_pairs(variable, root),
         )
     ]
     return findings + (_aliases(variables) if is_fmi_2(root.get("fmiVersion")) else [])
@@ -165,14 +165,14 @@ def limit_findings(variable: Variable) -> Iterator[tuple[str, str]]:
         yield "min", f"min = {low:.9g} must not be above max = {high:.9g}"
 
 
-def _of_type(variable: Variable, types: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+def _type_pairs(variable: Variable, types: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     declared = variable.attributes.get("declaredType", "")
     if types.get(declared, variable.type) != variable.type:
         said = f"is a type of {types[declared]}, and the variable is of {variable.type}"
         yield "declaredType", f"declaredType = {declared!r} {said}"
 
 
-def _of_use(variable: Variable, root: Element) -> Iterator[tuple[str, str]]:
+def _attribute_pairs(variable: Variable, root: Element) -> Iterator[tuple[str, str]]:
     """Yield a pair, attribute and sentence, for each attribute that a variable must not have.
 
     The reason is the variable's causality or, in FMI 2.0, that the FMU is not for model exchange.
@@ -188,7 +188,7 @@ def _of_use(variable: Variable, root: Element) -> Iterator[tuple[str, str]]:
             yield name, f"{name} is for model exchange only"
 
 
-def _of_start(variable: Variable) -> Iterator[tuple[str, str]]:
+def _start_pairs(variable: Variable) -> Iterator[tuple[str, str]]:
     start = variable.start
     if (
         start
@@ -199,7 +199,7 @@ def _of_start(variable: Variable) -> Iterator[tuple[str, str]]:
         yield "start", f"there are {len(start)} values, and the dimensions make {variable.size}"
     for text in start if variable.type not in (*TEXTS, "Boolean") else ():
         value = float(variable.value(text))
-        if side := variable.beyond(value):
+        if side := variable.passed_limit(value):
             yield "start", f"start = {text} is {side}"
         elif variable.choices and value not in variable.choices:
             yield "start", f"start = {text} is not a value of the enumeration"

@@ -77,15 +77,15 @@ def page(prepared: PreparedScene, fmi: int) -> str:
 
     scene, variables = prepared.scene, prepared.variables
 
-    def of(causality: str) -> list[Variable]:
+    def variables_with(causality: str) -> list[Variable]:
         return [variable for variable in variables if variable.causality == causality]
 
     settable = [
         (v.name, prepared.start_text(v), unit_text(v.unit), v.variability, v.allowed, v.description)
-        for v in of("parameter")
+        for v in variables_with("parameter")
     ]
-    inputs = [(v.name, unit_text(v.unit), v.description) for v in of("input")]
-    outputs = [(v.name, unit_text(v.unit), v.variability, v.description) for v in of("output")]
+    inputs = [(v.name, unit_text(v.unit), v.description) for v in variables_with("input")]
+    outputs = [(v.name, unit_text(v.unit), v.variability, v.description) for v in variables_with("output")]
     choices = [
         (v.name, str(number), item.name, item.description)
         for v in variables

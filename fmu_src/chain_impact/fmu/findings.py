@@ -84,7 +84,7 @@ def archive_findings(path: Path) -> list[Finding]:
     """
     with zipfile.ZipFile(path) as fmu:
         entries = fmu.infolist()
-    findings = [finding for entry in entries for finding in _of_entry(entry)]
+    findings = [finding for entry in entries for finding in _entry_findings(entry)]
     size = sum(entry.file_size for entry in entries)
     if size > LARGEST_SUM:
         largest = max(entries, key=lambda entry: entry.file_size)
@@ -106,7 +106,7 @@ def archive_findings(path: Path) -> list[Finding]:
     ]
 
 
-def _of_entry(entry: zipfile.ZipInfo) -> Iterator[Finding]:
+def _entry_findings(entry: zipfile.ZipInfo) -> Iterator[Finding]:
     name = entry.orig_filename.replace("\0", "")
     if "\\" in name:
         yield Finding("the path contains a backslash: it must have slashes only", name)

@@ -143,8 +143,8 @@ def loaded(description: Any, folder: str) -> Any:
     named = {"guid": description.guid, "modelIdentifier": modes.modelIdentifier, "unzipDirectory": folder}
     stepped = modes is description.coSimulation
     if not is_fmi_2(description.fmiVersion):
-        return _in_place(fmi3.FMU3Slave if stepped else fmi3.FMU3Model)(**named)
-    return _in_place(fmi2.FMU2Slave if stepped else fmi2.FMU2Model)(**named)
+        return _keep_working_folder(fmi3.FMU3Slave if stepped else fmi3.FMU3Model)(**named)
+    return _keep_working_folder(fmi2.FMU2Slave if stepped else fmi2.FMU2Model)(**named)
 
 
 def instantiate(fmu: Any) -> None:
@@ -187,7 +187,7 @@ def _callbacks() -> Any:
 
 
 @cache
-def _in_place(kind: type) -> type:
+def _keep_working_folder(kind: type) -> type:
     """Return a subclass of ``kind``, a class of fmpy's instances, that does not change the working folder.
 
     fmpy's constructor changes the working folder of the whole process to load the library, and does not

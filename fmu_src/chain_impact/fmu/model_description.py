@@ -14,7 +14,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.angles import DEGREES
 from chain_impact.scene.words.names import DataPath
 from chain_impact.variables.prepared import PreparedScene
-from chain_impact.variables.units import UNITS, in_order, unit_of
+from chain_impact.variables.units import UNITS, sorted_units, unit_of
 from chain_impact.variables.variable import Variable
 
 TOKEN = {FMI_2: "guid", FMI_3: "instantiationToken"}
@@ -65,7 +65,8 @@ def model_description(prepared: PreparedScene, tool: str, fmi: int, **capabiliti
         capabilities: attributes of the element CoSimulation that replace or add to CAPABILITIES.
     """
     root = Element(
-        "fmiModelDescription", {"fmiVersion": f"{fmi}.0", TOKEN[fmi]: "", **about(prepared.scene, tool)}
+        "fmiModelDescription",
+        {"fmiVersion": f"{fmi}.0", TOKEN[fmi]: "", **root_attributes(prepared.scene, tool)},
     )
     name = {"modelIdentifier": prepared.scene.name}
     SubElement(root, "CoSimulation", {**name, **CAPABILITIES[fmi], **capabilities})
@@ -169,7 +170,7 @@ def _dependencies(numbered: Sequence[tuple[int, Variable]]) -> list[tuple[str, s
 # --- parts that FMI 2.0 and FMI 3.0 have in common -------------------------------------------------------
 
 
-def about(scene: Scene, tool: str) -> dict[str, str]:
+def root_attributes(scene: Scene, tool: str) -> dict[str, str]:
     """Return the attributes of the root element, except the GUID and the version of FMI.
 
     ``tool`` is the program that makes the FMU. Author, version, copyright and license are those of the scene.
@@ -188,7 +189,7 @@ def about(scene: Scene, tool: str) -> dict[str, str]:
 def add_units(root: Element, variables: Sequence[Variable]) -> None:
     """Add the definition of each unit that a variable has."""
     used, units = {variable.unit for variable in variables}, SubElement(root, "UnitDefinitions")
-    for name in in_order(used):
+    for name in sorted_units(used):
         powers, definition = unit_of(name).powers, SubElement(units, "Unit", name=name)
         if powers is not None:
             SubElement(definition, "BaseUnit", {base: str(power) for base, power in powers.items()})
@@ -199,7 +200,7 @@ def add_units(root: Element, variables: Sequence[Variable]) -> None:
 def quantities(variables: Sequence[Variable]) -> dict[str, dict[str, str]]:
     """Return the declared types of real numbers, one for each unit: name of the quantity → attributes."""
     used, types = {variable.unit for variable in variables}, {}
-    for name in in_order(used):
+    for name in sorted_units(used):
         quantity = unit_of(name).quantity
         types[quantity] = {"quantity": quantity, "unit": name}
         if name in DEGREES:
@@ -245,7 +246,7 @@ def values_of(prepared: PreparedScene) -> list[dict[str, str]]:
             value = {"declaredType": type_name(variable)}
         # FMI knows only limits that are allowed values. A limit that is not allowed itself is written all the
         # same, and the FMU refuses a value equal to this limit.
-        low = variable.above if variable.minimum is None else variable.minimum
+        low = variable.exclusive_minimum if variable.minimum is None else variable.minimum
         limits = {"min": low, "max": variable.maximum}
         value |= {name: repr(limit) for name, limit in limits.items() if limit is not None}
         if variable.causality != "output":

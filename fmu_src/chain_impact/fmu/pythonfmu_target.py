@@ -36,7 +36,7 @@ def pythonfmu_files(prepared: PreparedScene, kernels: Mapping[str, Path]) -> dic
     """
     tool = f"chain-impact {version('chain-impact')} with PythonFMU {version('pythonfmu')}"
     sources = {"script": SCRIPT.encode(), "slave": slave_source()}
-    files = sources | _of_pythonfmu(prepared.scene.name, kernels)
+    files = sources | _pythonfmu_files(prepared.scene.name, kernels)
     for platform, library in sorted(kernels.items()):
         files[f"resources/kernel-{platform}{library.suffix}"] = library.read_bytes()
     description = model_description(prepared, tool, FMI_2)
@@ -60,7 +60,7 @@ def slave_source() -> bytes:
     return included("fmu/slave.py", "fmu_src/slave.py").read_bytes()
 
 
-def _of_pythonfmu(name: str, platforms: Mapping[str, Path]) -> dict[str, bytes]:
+def _pythonfmu_files(name: str, platforms: Mapping[str, Path]) -> dict[str, bytes]:
     """Return pythonfmu's Python modules, and its wrappers as binaries with the name ``name``."""
     # from the installed package, because a module `pythonfmu` that this process has loaded may come from an
     # FMU

@@ -25,12 +25,12 @@ from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.reading import nearest_choice
 from chain_impact.scene.settings import value_of
-from chain_impact.scene.words.angles import in_radians, or_degrees
+from chain_impact.scene.words.angles import or_degrees, radians_of
 from chain_impact.scene.words.names import (
     SLIDER_STOPS,
     STOPS,
-    by_owner,
     fmu_name,
+    grouped_by_owner,
     input_hint,
     input_key,
     signal_hint,
@@ -195,7 +195,7 @@ def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:
     box = {wall: values[f"box.{wall}"] for wall in WALLS if f"box.{wall}" in values}
     lines = {
         name: (wall["x"], wall["y"], wall["angle"])
-        for (owner, _, name), wall in by_owner(values).items()
+        for (owner, _, name), wall in grouped_by_owner(values).items()
         if owner == "wall" and "angle" in wall
     }
     return half_planes(box, lines)
@@ -214,7 +214,7 @@ def _named(variable: Any, value: float) -> float | str:
 def _known(name: str, parameters: Mapping[str, Any]) -> Any:
     if name not in parameters:
         given = input_hint(name, "in a table, --inputs FILE")
-        signals = {label for owner, _, label in by_owner(parameters) if owner == "signal"}
+        signals = {label for owner, _, label in grouped_by_owner(parameters) if owner == "signal"}
         hint = given if input_key(name) else start_hint(name) or signal_hint(name, signals)
         raise UnknownNameError("", name, [*parameters, *TIMES], "not a parameter", hint)
     return parameters[name]
@@ -242,7 +242,7 @@ def _start_value(variable: Any, value: Any) -> float | int:
             return int(number)
         meant = nearest_choice(value, numbers)
         raise SceneError(f"= {value} must be one of {', '.join(numbers)}{meant}")
-    number = in_radians(value, variable.unit or "")
+    number = radians_of(value, variable.unit or "")
     if not _is_number(number):
         needed = f"a number{or_degrees(variable.unit or '')}"
         raise SceneError(f"= {value} must be {needed}")

@@ -186,7 +186,7 @@ class Trial:
             for value in (
                 values.get(variable.name, []) if variable.type in (*REALS, "Integer", "Enumeration") else ()
             ):
-                if side := variable.beyond(float(value)):
+                if side := variable.passed_limit(float(value)):
                     self.found(f"is {_text(value)} after a step of {step:.9g} s, {side}", variable)
         if not self.description.coSimulation.canGetAndSetFMUstate:
             return

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.scene.words.names import by_owner
+from chain_impact.scene.words.names import grouped_by_owner
 from chain_impact.variables.outputs import OUTPUTS
 
 _QUANTITIES = {(kind.parts.owner, kind.parts.quantity) for block in OUTPUTS for kind in block.kinds}
@@ -31,7 +31,7 @@ DRAWN: Mapping[tuple[str, str], tuple[str, str]] = {
 slider as joint 0."""
 GROUPS = tuple(dict.fromkeys(group for group, _ in DRAWN.values()))
 """The names of the groups; an entry of a group has the quantities of one owner."""
-OF_IMPACT = {
+IMPACT_QUANTITIES = {
     "speed": "impact_speed",
     "rebound": "separation_speed",
     "peak": "peak_force",
@@ -56,7 +56,7 @@ def drawn_entries(columns: Mapping[str, np.ndarray]) -> dict[str, list[dict[str,
     ``columns``: name of the quantity → values, shape (T,). Entries that cannot be drawn are left out.
     """
     groups: dict[str, dict[tuple[int, str], dict[str, np.ndarray]]] = {group: {} for group in GROUPS}
-    for (owner, n, name), quantities in by_owner(columns).items():
+    for (owner, n, name), quantities in grouped_by_owner(columns).items():
         for quantity, values in quantities.items():
             if (owner, quantity) in DRAWN:
                 group, drawn = DRAWN[owner, quantity]

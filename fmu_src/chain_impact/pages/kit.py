@@ -33,7 +33,7 @@ from chain_impact.scene.rules.key_rules import Derived, allowed, keys, without_n
 from chain_impact.scene.rules.rule_language import Tree, tree
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import driven_alone, quantities_driven_by
-from chain_impact.scene.words.names import AT, DataPath
+from chain_impact.scene.words.names import INDEX_PLACE, DataPath
 from chain_impact.variables.indices import PEAKS, layout_of, word_index
 from chain_impact.variables.kind import LETTERS, MOTION, Block, Kind, filled
 from chain_impact.variables.listing import choices_of
@@ -44,7 +44,7 @@ from chain_impact.variables.signal_filling import input_at
 from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
 from chain_impact.variables.words import GENERAL, LOSSES
 
-IN_TEMPLATES = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
+TEMPLATE_WORDS = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
 """Word in the texts of parameters and inputs → the word in braces, which the page replaces for each owner."""
 LONGEST_TIME = 1e9
 """[s] The longest stop time, and the longest communication step, that a reader can set."""
@@ -57,9 +57,9 @@ COUNTED = {
 number."""
 PATHS: dict[str, DataPath] = {
     **{name: written.path for name, written in RECORD_NUMBERS.items()},
-    **{f"signal_{key}": ("signal", key, AT) for key in signal_dtype(1, 1).names or ()},
-    **{f"knot_{key}": ("knot", key, AT) for key in ("given_time", "given_value", "time")},
-    **{f"knot_power_{p}": ("knot", "powers", AT, p) for p in range(SIGNAL_DEGREE + 1)},
+    **{f"signal_{key}": ("signal", key, INDEX_PLACE) for key in signal_dtype(1, 1).names or ()},
+    **{f"knot_{key}": ("knot", key, INDEX_PLACE) for key in ("given_time", "given_value", "time")},
+    **{f"knot_power_{p}": ("knot", "powers", INDEX_PLACE, p) for p in range(SIGNAL_DEGREE + 1)},
 }
 """Name → path in the record, for the values that the page sets by these names, not as named parameters.
 
@@ -108,11 +108,11 @@ def kit(scene: Scene) -> dict[str, Any]:
         ],
         "outputs": [_group(block, _output_row) for block in OUTPUTS],
         "tables": tables_of(scene),
-        "driven": [word_terms(("output", "signal", AT, order)) for order in range(3)],
+        "driven": [word_terms(("output", "signal", INDEX_PLACE, order)) for order in range(3)],
         "fields": {name: {"word": word_terms(path), "real": _is_real(path)} for name, path in PATHS.items()},
         "size": [*_affine(lambda record: record.itemsize // WORD), 0],
         "layout": _layout(),
-        "points": [word_terms(("output", "point_position", AT, axis)) for axis in (0, 1)],
+        "points": [word_terms(("output", "point_position", INDEX_PLACE, axis)) for axis in (0, 1)],
     }
 
 
@@ -228,7 +228,7 @@ def _setting_row(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str,
     ``choices``: name of an enumeration → its items.
     """
     items, rule = choices.get(kind.choices, ()), kind.derived
-    variable = Variable.of(kind, Owner(), IN_TEMPLATES, items=tuple(items))
+    variable = Variable.from_kind(kind, Owner(), TEMPLATE_WORDS, items=tuple(items))
     row = variable_row(variable, 0, 0)
     table = kind.name.rpartition(".")[0]
     return _name_and_condition(kind) | {
@@ -300,7 +300,7 @@ def _is_real(path: DataPath) -> bool:
     """Return whether the numbers at a path in the record are real numbers, not integers."""
     kind = layout_of(*SAMPLES[0])
     for step in path:
-        kind = kind[step] if isinstance(step, str) and step != AT else kind.base
+        kind = kind[step] if isinstance(step, str) and step != INDEX_PLACE else kind.base
     return kind.base == np.float64
 
 

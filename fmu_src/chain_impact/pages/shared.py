@@ -26,11 +26,11 @@ from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.rows.geometry import BOX_NORMALS, STOP_CODES, WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STARTS_INSIDE_WALL, STATUS_TEXT
-from chain_impact.pages.drawn import GROUPS, OF_IMPACT
+from chain_impact.pages.drawn import GROUPS, IMPACT_QUANTITIES
 from chain_impact.recording import curves, joint_stops, pacing, view
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene import errors
-from chain_impact.scene.checks.signal_checks import AT_REST
+from chain_impact.scene.checks.signal_checks import REST_TOLERANCE
 from chain_impact.scene.contents import PARALLEL_COSINE
 from chain_impact.scene.display import bodies
 from chain_impact.scene.keys import chain_tables
@@ -56,12 +56,16 @@ CONSTANTS = {
     ),
     "view": (
         view,
-        "ALONE DECADES FILM_MARGIN LEAST_VIEW LONGEST_ARROW NEAR_WALL PIN PIN_LINES ROOM SAME_LENGTH UPRIGHT",
+        "ALONE DECADES FILM_MARGIN LEAST_VIEW LONGEST_ARROW PIN PIN_LINES ROOM SAME_LENGTH UPRIGHT"
+        " WALL_DISTANCE",
     ),
     "jointStops": (joint_stops, "OPEN RANGE_POINTS RANGE_RADIUS RANGE_TICK"),
     "bodies": (bodies, "CARRIAGE CIRCLE_CORNERS FREE_END STOP_MARK"),
-    "curves": (curves, "CLOSE_BEFORE EARLIEST_SHARE EARLY_TIMES FOLLOWED LONG_CONTACT WITHIN"),
-    "mapColours": (map_colours, "BEYOND_QUANTILES LARGE_QUANTILE MOST_COLOURS WIDE_COLOURS"),
+    "curves": (
+        curves,
+        "CLOSE_BEFORE EARLIEST_SHARE EARLY_TIMES LONG_CONTACT MOST_REFINED_IMPACTS TIMES_WITHIN_IMPACT",
+    ),
+    "mapColours": (map_colours, "QUANTILE_MARGIN LARGE_QUANTILE MOST_COLOURS WIDE_COLOURS"),
 }
 """Name of a part of ``SHARED`` → a module, and the names of the module's constants that are in the part."""
 
@@ -107,7 +111,7 @@ def shared() -> dict[str, Any]:
             "STEP_ROUND_OFF": STEP_ROUND_OFF,
         },
         "signals": {
-            "AT_REST": AT_REST,
+            "REST_TOLERANCE": REST_TOLERANCE,
             "FORMS": list(FORMS),
             "SHAPES": SHAPES,
             "NUMBERS": NUMBERS,
@@ -127,7 +131,7 @@ def shared() -> dict[str, Any]:
             "STOP_CODES": STOP_CODES,
             "STATUS_TEXT": {str(status): text for status, text in STATUS_TEXT.items()},
         },
-        "drawn": {"GROUPS": GROUPS, "OF_IMPACT": OF_IMPACT},
+        "drawn": {"GROUPS": GROUPS, "IMPACT_QUANTITIES": IMPACT_QUANTITIES},
         "contactLog": {"REALS": [name for name in LOG_DTYPE.names or () if LOG_DTYPE[name] == np.float64]},
         "packed": {"FINEST": FINEST},
         "quantities": {

@@ -28,7 +28,7 @@ from chain_impact.pictures.drawing.style import (
 
 # [inch] the width of the figure; the sum of the spaces above and below all bars; the space between two
 # blocks of bars; the height for one bar
-BARS_WIDTH, AROUND_BARS, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
+BARS_WIDTH, BARS_MARGIN, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
 BAR_MARGIN = 0.03  # the space between the longest bar and the axis' end, relative to the range of the values
 # [points] the space between the axes and the heading of the texts, and between the axes and a title above it
 HEADING_SPACE, TITLE_SPACE = 3.0, 16.0
@@ -104,7 +104,7 @@ def axis_ends(values: Sequence[float], marks: Sequence[float | None]) -> tuple[f
 
 def bars_size(counts: Sequence[int]) -> tuple[float, float]:
     """Return the default size of a figure [inches] for the number of bars in each block."""
-    return BARS_WIDTH, AROUND_BARS + BLOCK_SPACE * max(len(counts) - 1, 0) + BAR_HEIGHT * max(sum(counts), 2)
+    return BARS_WIDTH, BARS_MARGIN + BLOCK_SPACE * max(len(counts) - 1, 0) + BAR_HEIGHT * max(sum(counts), 2)
 
 
 @styled()

@@ -20,7 +20,7 @@ MARKED = {"N": "force", "N.m": "moment", "N.s": "impulse"}
 """The units of curves whose largest values are written → quantity."""
 # a number stands at the inner side of its curve if another curve is nearer at the outer side, and nearer than
 # this, relative to the range of all curves in the panel
-NEAR_CURVE = 0.15
+LABEL_DISTANCE = 0.15
 
 
 def drawn_peaks(recording: Recording, curves: Curves) -> list[Peak]:
@@ -58,7 +58,7 @@ def extremes(
 
     The label of the largest |value| is first. A curve without a value other than 0 has no label; if ``unit``
     is not in MARKED, there are no labels. A label stands at the side of its curve where no other curve is
-    near (NEAR_CURVE), so that it does not read as the number of this other curve.
+    near (LABEL_DISTANCE), so that it does not read as the number of this other curve.
 
     Args:
         time: the times in the unit of the axis, shape (T,).
@@ -67,7 +67,7 @@ def extremes(
         scale: the factor from values to the numbers of the axis.
     """
     found = []
-    near = NEAR_CURVE * float(np.ptp(_finite(lines)))
+    near = LABEL_DISTANCE * float(np.ptp(_finite(lines)))
     for k, (values, style) in enumerate(lines if unit in MARKED else ()):
         if (row := largest_row(np.abs(values))) is not None:
             value = float(values[row])

@@ -42,12 +42,12 @@ from chain_impact.recording.contact_times import has_impulses
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.words.names import AXES, name_parts
-from chain_impact.scene.words.unit_text import in_brackets, unit_text
+from chain_impact.scene.words.unit_text import bracketed_unit, unit_text
 from chain_impact.text import LOAD_UNITS, few, plural
 
 # the largest number of curves in a panel, and the largest number of panels in a picture
 MOST_CURVES, MOST_PANELS = len(PALETTE) * len(DASHES), 8
-AROUND_PANELS = 1.1  # [inch] the sum of the spaces above and below all panels
+PANELS_MARGINS = 1.1  # [inch] the sum of the spaces above and below all panels
 # the largest number of characters of a curve's name in the label of a panel with one curve; a longer name
 # stands in a legend above the panel
 LONGEST_LEGEND_NAME = 28
@@ -71,14 +71,14 @@ LEGEND_HEIGHT = 0.2  # [inch] the height of a row of the legend above a panel
 PREFIX_BELOW = 0.1  # [m] if all |values| of a panel are smaller, the unit m has a prefix, as in mm
 LONGEST_LABEL = 14  # a name with more characters has two lines as the label of a panel with one curve
 # the lower end of an axis whose values are all >= 0, relative to the upper end: a line at 0 is visible
-BELOW_ZERO = -0.03
+LEAST_ZERO_SHARE = -0.03
 
 
 def curves_size(curves: Curves) -> tuple[float, float]:
     """Return the default size of a figure with curves: width and height [inches]."""
     told = TOLD_HEIGHT if largest_vectors(curves) else 0.0
     height = PANEL_HEIGHT + LEGEND_HEIGHT
-    return FULL, max(3.8, AROUND_PANELS + told + height * len(clear_panels(curves)))
+    return FULL, max(3.8, PANELS_MARGINS + told + height * len(clear_panels(curves)))
 
 
 def clear_panels(curves: Curves) -> list[list[str]]:
@@ -122,16 +122,16 @@ def check_curves(curves: Curves) -> None:
 def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str | None = "") -> None:
     """Draw the curves on an empty figure.
 
-    If the title is "", the headline names the impact around which the curves are drawn (``in_view``); for
-    curves of the whole run, it tells the largest force that is drawn, and summarizes the run. None means no
-    headline.
+    If the title is "", the headline names the impact around which the curves are drawn
+    (``shown_impact_words``); for curves of the whole run, it tells the largest force that is drawn, and
+    summarizes the run. None means no headline.
 
     Raises:
         ValueError: as ``check_curves``.
     """
     check_curves(curves)
     if title is not None:
-        seen = in_view(recording, curves)
+        seen = shown_impact_words(recording, curves)
         summary = f"{recording.name}: {seen}" if seen else ""
         told = (seen if title else "", largest_vectors(curves))
         most = peak_of(recording, curves.number - 1) if seen else drawn_peaks(recording, curves)
@@ -168,7 +168,7 @@ def lacks_impulses(recording: Recording, curves: Curves) -> bool:
     return is_force and bool(is_seen.any()) and has_impulses(recording.parameters.get("contact.model", ""))
 
 
-def in_view(recording: Recording, curves: Curves) -> str:
+def shown_impact_words(recording: Recording, curves: Curves) -> str:
     """Return words for the impact around which the curves are drawn; "" for curves of the whole run."""
     if not curves.number:
         return ""
@@ -254,7 +254,7 @@ def draw_all(
         found.append(extremes(time[seen], told, own, scale))
         quantity = shared_part(names) or QUANTITIES.get(own) or vector_of(names)
         is_alone = len(names) == 1 and len(names[0]) <= LONGEST_LEGEND_NAME
-        axes.set_ylabel(f"{whole_name(names[0]) if is_alone else quantity}{in_brackets(unit)}".lstrip())
+        axes.set_ylabel(f"{whole_name(names[0]) if is_alone else quantity}{bracketed_unit(unit)}".lstrip())
         if curves.onset is None:
             shade_rests(axes, shown)
         axes.set_xlim(*ends)
@@ -262,7 +262,7 @@ def draw_all(
         axes.set_xlabel("; ".join(filter(None, (of_time, label))))
         axes.margins(y=0.16 if own in MARKED else 0.08)
         if own in MARKED and all(not (values[seen] < 0.0).any() for values in drawn):
-            axes.set_ylim(BELOW_ZERO * axes.get_ylim()[1])
+            axes.set_ylim(LEAST_ZERO_SHARE * axes.get_ylim()[1])
         if any(values.any() for values in drawn):
             give_ticks(axes)
         else:

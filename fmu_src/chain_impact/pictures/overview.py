@@ -17,8 +17,8 @@ from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.drawing.style import broken, is_narrow, styled, write_foot
 from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
-from chain_impact.pictures.motion.along_line import draw_along_line, line_of_motion
 from chain_impact.pictures.motion.impact_rings import number_rings
+from chain_impact.pictures.motion.line_motion import draw_along_line, line_of_motion
 from chain_impact.pictures.motion.motion import draw_motion
 from chain_impact.pictures.motion.view import is_flat
 from chain_impact.pictures.over_time.dry_friction import draw_stick_slip
@@ -31,7 +31,7 @@ from chain_impact.pictures.words.headline import write_head
 from chain_impact.pictures.words.point_names import full_names
 from chain_impact.recording.recording import Recording
 
-BESIDE_LEGEND = 1.1  # the room for a legend beside the motion, relative to the width of the legend
+LEGEND_ROOM = 1.1  # the room for a legend beside the motion, relative to the width of the legend
 # NUMBER: [points] how far the picture shows the area beyond a wall, where numbers of impacts stand;
 # MOST_BAND: the largest width of this area, relative to the longer side of the view without margins
 NUMBER, MOST_BAND = 30.0, 0.25
@@ -117,7 +117,7 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     settle(figure, scaled)
     if motion is not None:
         room = motion.get_position(original=True).transformed(figure.transFigure)
-        free = room.width - BESIDE_LEGEND * legend.get_window_extent().width if legend else 0.0
+        free = room.width - LEGEND_ROOM * legend.get_window_extent().width if legend else 0.0
         is_slim = free >= ratio * room.height
         motion.clear()
         width = free if is_slim else room.width

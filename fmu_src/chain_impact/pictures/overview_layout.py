@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from chain_impact.pictures.drawing.figures import FIGURE_SIZE
 from chain_impact.pictures.drawing.sizes import Size, figure_size
 from chain_impact.pictures.drawing.style import COLUMN, FULL, WIDE
-from chain_impact.pictures.motion.along_line import line_of_motion
+from chain_impact.pictures.motion.line_motion import line_of_motion
 from chain_impact.pictures.motion.view import view_of
 from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, rubbing_places
 from chain_impact.recording.recording import Recording
@@ -20,18 +20,18 @@ from chain_impact.recording.recording import Recording
 # Ratios of width to height of the motion. SLIM, BROAD: the least and the largest ratio that the panel of
 # motion has beside other panels. BROADEST_BESIDE: a motion with a larger ratio has the whole width of the
 # figure, above the other panels. BROADEST_HIGH: on a figure with a width of COLUMN or less, a motion with a
-# larger ratio has a lower panel than ABOVE_TIME.
+# larger ratio has a lower panel than MOTION_ABOVE_HEIGHT.
 SLIM, BROAD, BROADEST_BESIDE, BROADEST_HIGH = 0.6, 1.0, 1.6, 1.7
 BROADEST_FLAT = 3.5  # a larger ratio counts as this ratio when panels are arranged
 # ``motion_share`` of a motion that is as high as wide, in a wide and in a narrow figure; it sets the width of
 # the panel only
 WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # RUBBING: the height of the panel of dry friction without rows; RUBBING_ROW: the height of each row, for one
-# contact or joint; ALONG_LINE: the height of the panel of a ball that moves along a line; CLOCK_SHARE: the
-# height of the axis that shows the colours of time; ABOVE_TIME: the largest height of the panel of motion
-# above other panels, on a figure with a width of COLUMN or less. All are relative to the height of the panel
-# of energies.
-RUBBING, RUBBING_ROW, ALONG_LINE, CLOCK_SHARE, ABOVE_TIME = 0.15, 0.32, 1.4, 0.06, 2.0
+# contact or joint; LINE_MOTION_HEIGHT: the height of the panel of a ball that moves along a line;
+# CLOCK_SHARE: the height of the axis that shows the colours of time; MOTION_ABOVE_HEIGHT: the largest height
+# of the panel of motion above other panels, on a figure with a width of COLUMN or less. All are relative to
+# the height of the panel of energies.
+RUBBING, RUBBING_ROW, LINE_MOTION_HEIGHT, CLOCK_SHARE, MOTION_ABOVE_HEIGHT = 0.15, 0.32, 1.4, 0.06, 2.0
 # If the panel of dry friction has more than HIGH_ROWS rows, each has the height LOW_ROW, relative to the
 # height of the panel of energies.
 HIGH_ROWS, LOW_ROW = 2, 0.24
@@ -96,7 +96,7 @@ def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
     colours of time comes last. ``shown`` has the names of all panels.
     """
     timed = [name for name in shown if is_in_column(recording, name)]
-    known = {"motion": ALONG_LINE, "friction": RUBBING}
+    known = {"motion": LINE_MOTION_HEIGHT, "friction": RUBBING}
     if len(recording.impacts) <= FEW_IMPACTS:
         known["impacts"] = LOW_IMPACTS
     if "friction" in timed:
@@ -178,7 +178,7 @@ def _height_above(ratio: float, width: float) -> float:
     ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
     """
     if width <= COLUMN:
-        return ABOVE_TIME * min(1.0, BROADEST_HIGH / ratio)
+        return MOTION_ABOVE_HEIGHT * min(1.0, BROADEST_HIGH / ratio)
     return _whole_height(ratio, width) / ENERGY_HEIGHT
 
 

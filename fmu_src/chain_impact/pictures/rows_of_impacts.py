@@ -15,16 +15,16 @@ def calm(recording: Recording) -> np.ndarray:
     A parameter also shifts impacts in time. Within an impact, where quantities change fast, the derivatives
     are therefore very large.
     """
-    return ~within(recording, recording.impacts)
+    return ~rows_within(recording, recording.impacts)
 
 
 def short_contacts(recording: Recording) -> np.ndarray:
     """Return whether each row is within an impact too short to be visible (SEEN_CONTACT), shape (T,)."""
     impacts, span = recording.impacts, np.ptp(recording.time)
-    return within(recording, impacts[impacts["duration"] < SEEN_CONTACT * span])
+    return rows_within(recording, impacts[impacts["duration"] < SEEN_CONTACT * span])
 
 
-def within(recording: Recording, impacts: np.ndarray) -> np.ndarray:
+def rows_within(recording: Recording, impacts: np.ndarray) -> np.ndarray:
     """Return whether each row is within one of ``impacts``, except those without an end, shape (T,)."""
     rows = np.zeros(len(recording.time), bool)
     for impact in impacts:

@@ -43,7 +43,7 @@ from chain_impact.pictures.words.headline import conditions, time_unit
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities, differs
 from chain_impact.scene.words.names import AXES
-from chain_impact.scene.words.unit_text import in_brackets, with_unit
+from chain_impact.scene.words.unit_text import bracketed_unit, with_unit
 from chain_impact.text import WHOLE, number, readable
 
 # a change up to this, relative to the range of the output, counts as round-off
@@ -52,7 +52,7 @@ NO_CHANGE = 1e-12
 RANGE_ROUND_OFF = 1e-9
 # the largest number of parameters with coloured curves, those with the largest effects; other curves are grey
 LARGEST_EFFECTS = 4
-TO_FIRST_ORDER = "changes to first order"
+FIRST_ORDER_CHANGES = "changes to first order"
 ENDED = "a curve or row ends where a change exceeds the range of an output in the run"
 # the steps of parameters that are 0 are so small that in any panel, their curves reach at most MOST_OF_ZERO
 # times as far from 0 as all other curves; STEP_PARTS are the tried factors of these steps
@@ -62,8 +62,8 @@ LOW_TABLE = 0.6  # if the panels form one column: the height of the table below,
 SHIFT_NOTE = "gaps: the change shifts an impact"
 # the largest height of the sentences on missing derivatives at the foot, relative to that of the figure
 MOST_LIMITS = 0.4
-IN_RUN: dict[str, Any] = {"marker": "D", "markersize": 5.0, "linestyle": "", "color": INK, "zorder": 4.0}
-IN_RUN |= {"markeredgecolor": INK, "markeredgewidth": 0.8}
+RUN_LOOK: dict[str, Any] = {"marker": "D", "markersize": 5.0, "linestyle": "", "color": INK, "zorder": 4.0}
+RUN_LOOK |= {"markeredgecolor": INK, "markeredgewidth": 0.8}
 """The mark of a change in a run with a changed parameter, with matplotlib's names."""
 Looks = list[dict[str, Any]]
 
@@ -100,7 +100,7 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     message, checked = finding(recording, sensitivities, names, parts)
     start, end = recording.time[[0, -1]].tolist()
     lines = impact_lines(recording, start, end)
-    told = [TO_FIRST_ORDER, SHIFT_NOTE if lines else "", "" if known.all() else ENDED]
+    told = [FIRST_ORDER_CHANGES, SHIFT_NOTE if lines else "", "" if known.all() else ENDED]
     headline(figure, message, conditions(recording, *told))
     looks = looks_of(sensitivities, relative)
     across = 1 if is_narrow(figure) else 2
@@ -123,7 +123,7 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     draw_impact_changes(table, recording, sensitivities, looks, known)
     handles = panels[0].get_legend_handles_labels()[0]
     if checked:
-        handles = [*handles, Line2D([], [], label="change in a run", **IN_RUN)]
+        handles = [*handles, Line2D([], [], label="change in a run", **RUN_LOOK)]
     legend_at_head(figure, handles)
     if sensitivities.limits:
         write_foot(figure, "\n".join(sensitivities.limits), most=MOST_LIMITS)
@@ -342,7 +342,7 @@ def draw_changes(
     for k, (values, look) in enumerate(zip(changes.T, looks, strict=True)):
         if len(grey) <= MOST_GREY or k not in grey:
             axes.plot(recording.time, values, **look)
-    axes.set_ylabel(f"Δ {output}{in_brackets(unit)}")
+    axes.set_ylabel(f"Δ {output}{bracketed_unit(unit)}")
     axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
     if max(-low, high) > NO_CHANGE * np.ptp(recording.columns[output]):
         axes.set_ylim(scale * low, scale * high)
@@ -355,7 +355,7 @@ def draw_changes(
 def mark_run(axes: Axes, time: float, change: float, look: dict[str, Any]) -> None:
     """Draw a diamond at the change in a run, in the colour of the parameter's curve."""
     low, high = axes.get_ylim()
-    axes.plot([time], [change], **IN_RUN | {"color": look["color"]})
+    axes.plot([time], [change], **RUN_LOOK | {"color": look["color"]})
     axes.set_ylim(min(low, 1.1 * change), max(high, 1.1 * change))
 
 

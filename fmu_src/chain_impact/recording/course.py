@@ -9,7 +9,7 @@ from typing import Any, Protocol, Self
 
 import numpy as np
 
-from chain_impact.recording.joint_stops import at_joint_stop
+from chain_impact.recording.joint_stops import is_scene_joint_stop
 from chain_impact.recording.pacing import impact_ends
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.words.names import STOPS
@@ -133,7 +133,7 @@ def contact_output(prepared: PreparedScene, impact: np.void) -> tuple[int, float
     which is positive at ``joint_min`` and negative at ``joint_max``.
     """
     pairs, scene = prepared.candidates, prepared.scene
-    if not at_joint_stop(scene, impact["wall"]):
+    if not is_scene_joint_stop(scene, impact["wall"]):
         return pairs.index((impact["point"], impact["wall"])), 1.0
     first = len(point_wall_pairs(scene))
     of_joint = [joint for joint, _ in pairs[first:]].index(impact["point"])

@@ -13,8 +13,9 @@ from chain_impact.recording.recording import Recording
 from chain_impact.scene.errors import names_matching
 from chain_impact.variables.hints import series_hint
 
-# WITHIN: number of additional times within an impact; FOLLOWED: largest number of impacts that get them
-WITHIN, FOLLOWED = 50, 400
+# TIMES_WITHIN_IMPACT: number of additional times within an impact; MOST_REFINED_IMPACTS: largest number of
+# impacts that get them
+TIMES_WITHIN_IMPACT, MOST_REFINED_IMPACTS = 50, 400
 # In films and pages, a contact that lasts longer than LONG_CONTACT, relative to the run's duration, has
 # EARLY_TIMES further times in geometric progression, from EARLIEST_SHARE times its duration after the onset
 # on, because its largest force may come soon.
@@ -95,7 +96,9 @@ def curves_of(
     time = recording.time
     if rerun:
         seen = time[(time >= low) & (time <= high)]
-        time = np.unique(np.concatenate([seen, between(recording, low, high, close=around is not None)]))
+        time = np.unique(
+            np.concatenate([seen, times_between(recording, low, high, close=around is not None)])
+        )
         time, moving = refined(time, rerun.series, chosen)
     else:
         rows = (time >= low) & (time <= high)
@@ -182,17 +185,17 @@ def impact_numbers(count: int) -> str:
     return f"from 1 to {count}: the run has {count} impacts"
 
 
-def between(recording: Recording, low: float, high: float, *, close: bool) -> np.ndarray:
+def times_between(recording: Recording, low: float, high: float, *, close: bool) -> np.ndarray:
     """Return the times [s] between ``low`` and ``high`` at which curves are computed besides the rows.
 
     If ``close``, the view shows one impact, and the times are equally spaced. Otherwise it shows the whole
-    run, and WITHIN times lie in each of the first FOLLOWED impacts, except in impulses, which have no
-    duration, and in contacts that last to the end of the run.
+    run, and TIMES_WITHIN_IMPACT times lie in each of the first MOST_REFINED_IMPACTS impacts, except in
+    impulses, which have no duration, and in contacts that last to the end of the run.
     """
     if close:
         return np.linspace(low, high, CLOSE_TIMES)
-    impacts = recording.impacts[:FOLLOWED]
+    impacts = recording.impacts[:MOST_REFINED_IMPACTS]
     # the end of a contact that lasts is NaN
     ended = impacts[np.nan_to_num(impacts["end"]) > impacts["onset"]]
-    inside = np.linspace(ended["onset"], ended["end"], WITHIN).ravel()
+    inside = np.linspace(ended["onset"], ended["end"], TIMES_WITHIN_IMPACT).ravel()
     return np.asarray(inside[(inside >= low) & (inside <= high)])

@@ -91,7 +91,7 @@ def _names(walls: tuple[str, ...]) -> np.ndarray:
     return np.array(["", *walls, ""], IMPACT_DTYPE["wall_name"])
 
 
-def in_order(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+def sorted_impacts(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
     """Join logs of contacts; return the indices that sort their rows, and the sorted table (``named``).
 
     The order is by onset; at the same onset, by point and then wall.

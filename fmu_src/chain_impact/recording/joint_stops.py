@@ -53,7 +53,7 @@ def ranges_of(values: Mapping[str, Any]) -> dict[int, JointRange]:
     return ranges
 
 
-def at_joint_stop(scene: Scene, wall: int) -> bool:
+def is_scene_joint_stop(scene: Scene, wall: int) -> bool:
     """Return whether ``scene.wall_names[wall]`` is a stop of joints: joint_min or joint_max."""
     return is_joint_stop(wall, scene.wall_names, bool(scene.chain.stops))
 

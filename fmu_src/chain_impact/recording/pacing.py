@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from chain_impact.recording.recording import Recording
-from chain_impact.scene.words.names import by_owner
+from chain_impact.scene.words.names import grouped_by_owner
 
 IMPACT_TIME = 0.6  # [s] default time on the screen for one impact
 SPEED_RAMP = 0.05  # [s] simulated time in which a film slows down before an impact, or speeds up after it
@@ -97,7 +97,7 @@ def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndar
 def fastest_sine(recording: Recording) -> float:
     """Return the largest frequency [Hz] of the sines that drive inputs during the run; 0 without a sine."""
     stop, fastest = float(recording.time[-1]), 0.0
-    for (owner, _, _), signal in by_owner(recording.parameters).items():
+    for (owner, _, _), signal in grouped_by_owner(recording.parameters).items():
         if owner == "signal" and "frequency" in signal:
             begin, value = float(signal.get("start", 0.0)), float(signal["frequency"])
             if begin >= stop or float(signal.get("amplitude", 1.0)) == 0.0:

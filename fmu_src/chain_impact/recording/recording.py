@@ -24,7 +24,7 @@ from chain_impact.recording.tables import save_impacts
 from chain_impact.scene.display.bodies import Rail, outlines_from, rail_from
 from chain_impact.scene.errors import names_matching
 from chain_impact.scene.half_planes import HalfPlane
-from chain_impact.scene.words.names import AXES, SLIDER_STOPS, by_owner
+from chain_impact.scene.words.names import AXES, SLIDER_STOPS, grouped_by_owner
 from chain_impact.system import written_whole
 from chain_impact.text import plural
 from chain_impact.variables.hints import output_hint
@@ -89,7 +89,7 @@ class Recording(OlderNames):
     @cached_property
     def _quantities(self) -> dict[tuple[str, int, str], dict[str, np.ndarray]]:
         """The columns by (owner, number, name of a wall or signal), and then by quantity."""
-        return by_owner(self.columns)
+        return grouped_by_owner(self.columns)
 
     def columns_of(self, owner: str) -> dict[tuple[int, str], dict[str, np.ndarray]]:
         """Return the columns of owners of a kind, such as ``contact``: (number, name) → quantity → values.

@@ -11,7 +11,7 @@ import numpy as np
 from chain_impact.recording.equality import same
 from chain_impact.scene.errors import UnknownNameError
 from chain_impact.scene.words.names import sensitivity_name, value_at_start
-from chain_impact.scene.words.unit_text import in_brackets, of_scene, with_unit
+from chain_impact.scene.words.unit_text import bracketed_unit, scene_unit, with_unit
 from chain_impact.text import TextTable, as_html, plural
 from chain_impact.variables.listing import derivatives
 from chain_impact.variables.prepared import PreparedScene
@@ -91,7 +91,7 @@ class Sensitivities:
         prepared = self.prepared
         added = derivatives(prepared.motion, self.varied)
         variables = (*prepared.parameters, *prepared.inputs, *prepared.outputs, *added)
-        return {variable.name: of_scene(variable.unit, prepared.scene) for variable in variables}
+        return {variable.name: scene_unit(variable.unit, prepared.scene) for variable in variables}
 
     @cached_property
     def columns(self) -> dict[str, int]:
@@ -120,7 +120,7 @@ class Sensitivities:
             "parameter",
             "value",
             "change",
-            *(f"{name}{in_brackets(self.units[name])}" for name in outputs),
+            *(f"{name}{bracketed_unit(self.units[name])}" for name in outputs),
         )
         rows = [
             (
@@ -132,11 +132,11 @@ class Sensitivities:
         title = ["Changes of outputs at the end, to first order"] if outputs else []
         return as_html([repr(self), *title, TextTable(head, rows), *self.limits])
 
-    def of_output(self, quantity: str, parameter: str) -> np.ndarray:
+    def output_derivatives(self, quantity: str, parameter: str) -> np.ndarray:
         """Return the derivative of an output with respect to a parameter, at all times, shape (T,)."""
         return self.slopes[:, self.columns[self._output(quantity)], self._number(parameter)]
 
-    def of_impacts(self, quantity: str, parameter: str) -> np.ndarray:
+    def impact_derivatives(self, quantity: str, parameter: str) -> np.ndarray:
         """Return the derivative of a quantity of impacts with respect to a parameter, shape (I,)."""
         if quantity not in self.impact_slopes:
             what = "not a quantity of impacts with derivatives"

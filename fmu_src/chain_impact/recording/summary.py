@@ -11,12 +11,12 @@ from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.joint_peaks import EXACT, SAMPLED, joint_peaks
-from chain_impact.recording.joint_stops import at_joint_stop
+from chain_impact.recording.joint_stops import is_scene_joint_stop
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_lines
 from chain_impact.recording.stick_slip import element_label
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.unit_text import of_power
+from chain_impact.scene.words.unit_text import stiffness_unit
 from chain_impact.text import TextTable, few, plural
 from chain_impact.variables.impact_units import unit_at
 
@@ -76,7 +76,7 @@ def summary_lines(result: Recording, outputs: int, facts: list[str], most: int) 
     """
     yield _headline(result, outputs)
     yield from impact_list(result, most)
-    yield from through_walls_lines(result)
+    yield from passed_wall_lines(result)
     yield from _friction_lines(result)
     yield from rest_lines(result)
     yield from load_lines(result)
@@ -93,7 +93,7 @@ def impact_list(result: Recording, most: int) -> Iterator[str | TextTable]:
         yield f"… and {plural(more, 'more impact')}"
 
 
-def through_walls_lines(result: Recording) -> Iterator[str]:
+def passed_wall_lines(result: Recording) -> Iterator[str]:
     """Yield a line for each wall that points pass through without touching it."""
     yield from (f"note     {sentence}" for sentence in result.points_through_walls)
 
@@ -204,7 +204,7 @@ def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
     The sentence names the wall, or the stop of a slider, with the deepest penetration, which is too soft
     for the motion. Stops of joints do not count. If no penetration is so large, the list is empty.
     """
-    walls = [number for number in range(len(scene.wall_names)) if not at_joint_stop(scene, number)]
+    walls = [number for number in range(len(scene.wall_names)) if not is_scene_joint_stop(scene, number)]
     depths = np.where(np.isin(impacts["wall"], walls), impacts["max_penetration"], 0.0)
     body = smallest_body(scene)
     if depths.max(initial=0.0) <= body.deep:
@@ -213,7 +213,7 @@ def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
     material = scene.contact.wall.get(wall)
     given = material.stiffness if material else None
     name, stiffness = ("contact", scene.contact.stiffness) if given is None else (f"wall.{wall}", given)
-    unit = of_power("N/m", scene.contact.exponent)
+    unit = stiffness_unit("N/m", scene.contact.exponent)
     return [
         f"a point goes {depths.max():.3g} m beyond {wall}, and {body.words} is {body.size:g} m: "
         f"{name}.stiffness = {stiffness:g} [{unit}] is small for this motion"

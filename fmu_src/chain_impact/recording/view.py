@@ -16,7 +16,7 @@ from chain_impact.scene.half_planes import HalfPlane
 
 # [1] a wall at a larger distance from the motion is not near; the distance is relative to the longer side of
 # the rectangle around the motion
-NEAR_WALL = 0.2
+WALL_DISTANCE = 0.2
 # [1] if walls enclose a room that ends within this distance from the motion, an animation shows the whole
 # room; relative to the size of the motion
 ROOM = 1.0
@@ -67,7 +67,7 @@ def seen(
     walls: Mapping[Key, HalfPlane],
     radius: float = 0.0,
     *,
-    near: float = NEAR_WALL,
+    near: float = WALL_DISTANCE,
     room: float = 0.0,
     pinned: bool = False,
 ) -> tuple[np.ndarray, dict[Key, HalfPlane]]:

@@ -59,7 +59,7 @@ def quantity_named(recording: Recording, sensitivities: Sensitivities, name: str
         return _joint_force(recording, sensitivities)
     owner, number, _, quantity = name_parts(name)
     if owner == "impact" and "[" in name:
-        return _of_impact(recording, sensitivities, number, FMU_NAMES.get(quantity, quantity))
+        return _impact_quantity(recording, sensitivities, number, FMU_NAMES.get(quantity, quantity))
     if name not in sensitivities.columns:
         quantities = (*PEAKS, JOINT_FORCE, *sensitivities.columns)
         of_peak = re.sub(r"\w*$", r"peak_\g<0>", name, count=1)
@@ -70,7 +70,7 @@ def quantity_named(recording: Recording, sensitivities: Sensitivities, name: str
         raise SceneError(
             f"{recording.name}: {name} is not a quantity that can be ranked; {hint}, or impact[n].…"
         )
-    return _of_output(recording, sensitivities, name)
+    return _final_output(recording, sensitivities, name)
 
 
 def _largest(
@@ -87,7 +87,7 @@ def _largest(
         hits = np.flatnonzero(np.isfinite(values)) + 1
         impulses = f" but by impulses: rank impact[{hits[0]}].impulse" if len(hits) else ""
         raise SceneError(f"{recording.name}: {name} is 0: nothing presses against {surface}{impulses}")
-    found = _of_impact(recording, sensitivities, int(np.nanargmax(values)) + 1, field)
+    found = _impact_quantity(recording, sensitivities, int(np.nanargmax(values)) + 1, field)
     return found._replace(value_in=partial(_largest_in, field=field, at_stops=at_stops))
 
 
@@ -103,7 +103,9 @@ def _largest_in(recording: Recording, field: str, *, at_stops: bool) -> float:
     return float(np.nanmax(_values_of(recording, field, at_stops=at_stops), initial=0.0))
 
 
-def _of_impact(recording: Recording, sensitivities: Sensitivities, number: int, field: str) -> RankedQuantity:
+def _impact_quantity(
+    recording: Recording, sensitivities: Sensitivities, number: int, field: str
+) -> RankedQuantity:
     """Return the quantity ``field`` of the impact with a number, from 1, with its derivatives."""
     impacts, slopes = recording.impacts, sensitivities.impact_slopes
     if not 1 <= number <= len(impacts):
@@ -143,7 +145,7 @@ def _joint_force(recording: Recording, sensitivities: Sensitivities) -> RankedQu
         )
     name = max(names, key=lambda column: recording.columns[column][-1])
     where = f"joint[{name_parts(name).n}], the largest of the run"
-    found = _of_output(recording, sensitivities, name)
+    found = _final_output(recording, sensitivities, name)
     return found._replace(where=where, value_in=partial(_largest_end_in, names=names))
 
 
@@ -153,7 +155,7 @@ def _is_joint_force(name: str) -> bool:
     return of.owner == "joint" and of.quantity == "peak_force"
 
 
-def _of_output(recording: Recording, sensitivities: Sensitivities, name: str) -> RankedQuantity:
+def _final_output(recording: Recording, sensitivities: Sensitivities, name: str) -> RankedQuantity:
     """Return the value of an output at the end of the run, with its derivatives."""
     values = recording.columns[name]
     size = max(abs(float(values[-1])), float(np.ptp(values)))

@@ -16,7 +16,7 @@ from chain_impact.recording.sensitivity import FIRST_ORDER, PART, Sensitivities,
 from chain_impact.recording.summary import digits
 from chain_impact.results.quantity import quantity_named
 from chain_impact.scene.errors import names_matching
-from chain_impact.scene.words.unit_text import in_brackets, unit_text, with_unit
+from chain_impact.scene.words.unit_text import bracketed_unit, unit_text, with_unit
 from chain_impact.text import TextTable, as_html, as_text, plural, readable, signed
 from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 
@@ -71,7 +71,7 @@ class Effect(NamedTuple):
         return with_unit(f"{self.value:.6g}", self.unit) if self.value else f"0 + {self.step}"
 
 
-def by_step(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
+def split_by_step(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
     """Return two lists: effects of steps of 1 %, and effects of fixed steps, for parameters that are 0.
 
     The sizes of effects in different lists cannot be compared.
@@ -130,9 +130,9 @@ class Ranking:
         if checked:
             yield f"check    {self.verdict(checked)}"
         yield "effect   of 1 % of each parameter, to first order"
-        of_value, at_zero = by_step(self.effects)
+        of_value, at_zero = split_by_step(self.effects)
         if self._only_runs_hold:
-            of_value, at_zero = _by_run(of_value), _by_run(at_zero)
+            of_value, at_zero = _sorted_by_run(of_value), _sorted_by_run(at_zero)
         yield from self._tables(of_value)
         if at_zero:
             yield f"effect   of {PART:g} of its unit added to a parameter that is 0: not comparable"
@@ -165,7 +165,7 @@ class Ranking:
                 f"{effect.change:+.3g}",
                 signed(100.0 * self.share(effect)) if self.value else "—",
                 f"{effect.derivative:.4g}",
-                *((("" if effect.simulated is None else _in_run(effect)),) if checked else ()),
+                *((("" if effect.simulated is None else _simulated_text(effect)),) if checked else ()),
             )
             for effect in effects
         ]
@@ -234,7 +234,7 @@ class Ranking:
         warning = f"{told} (hollow bars; the diamond is the run)" if any(e.differs for e in drawn) else ""
         if self._only_runs_hold:
             warning = f"{told}: the bars are the runs, not first order"
-            blocks = list(map(_in_runs, blocks))
+            blocks = list(map(_simulated_first, blocks))
         changes = [[effect.change for effect in effects] for effects in blocks]
         marks = [list(map(_mark, effects)) for effects in blocks]
         reach = [max(map(abs, ends)) for ends in map(pictures.axis_ends, changes, marks)]
@@ -272,11 +272,11 @@ class Ranking:
         return "joint force" if self.quantity == JOINT_FORCE else self.quantity
 
     def _blocks(self) -> list[list[Effect]]:
-        """Return the largest effects, at most MOST_BARS, in lists as ``by_step``; an empty list is left out.
+        """Return the largest effects, at most MOST_BARS, as ``split_by_step``; an empty list is left out.
 
         The list of fixed steps has at most a quarter of MOST_BARS effects, or more if there are few of 1 %.
         """
-        of_value, at_zero = by_step(self.effects)
+        of_value, at_zero = split_by_step(self.effects)
         at_zero = at_zero[: max(MOST_BARS - len(of_value), MOST_BARS // 4)]
         return list(filter(None, (of_value[: MOST_BARS - len(at_zero)], at_zero)))
 
@@ -292,12 +292,12 @@ class Ranking:
             return f"{signed(100.0 * change / abs(self.value))} %" if self.value else signed(factor * change)
 
         texts = [
-            f"{change_text(effect.change)} (run: {_in_run(effect, change_text)})"
+            f"{change_text(effect.change)} (run: {_simulated_text(effect, change_text)})"
             if effect.differs
             else change_text(effect.change)
             for effect in effects
         ]
-        label = f"change{in_brackets(unit)}"
+        label = f"change{bracketed_unit(unit)}"
         steps = list(dict.fromkeys(effect.step for effect in effects))
         words = " or ".join(steps) if len(steps) <= NAMED_STEPS else f"{PART:g} in SI units"
         why = " of the value" if effects[0].value else ", as the value is 0: not comparable"
@@ -313,17 +313,19 @@ def _mark(effect: Effect) -> float | None:
     return effect.simulated if effect.differs else None
 
 
-def _in_runs(effects: Sequence[Effect]) -> list[Effect]:
+def _simulated_first(effects: Sequence[Effect]) -> list[Effect]:
     """Return effects whose ``change`` is the change in the run, the largest first, without ``simulated``."""
-    return [effect._replace(change=effect.simulated or 0.0, simulated=None) for effect in _by_run(effects)]
+    return [
+        effect._replace(change=effect.simulated or 0.0, simulated=None) for effect in _sorted_by_run(effects)
+    ]
 
 
-def _by_run(effects: Sequence[Effect]) -> list[Effect]:
+def _sorted_by_run(effects: Sequence[Effect]) -> list[Effect]:
     """Return effects by the changes in their runs, the largest first; effects without a run come last."""
     return sorted(effects, key=lambda effect: (effect.simulated is None, -abs(effect.simulated or 0.0)))
 
 
-def _in_run(effect: Effect, told: Callable[[float], str] = "{:+.3g}".format) -> str:
+def _simulated_text(effect: Effect, told: Callable[[float], str] = "{:+.3g}".format) -> str:
     """Return ``simulated``, the change in a run, as text (``told``); "none" if it is None or NaN."""
     return "none" if effect.simulated is None or math.isnan(effect.simulated) else told(effect.simulated)
 

@@ -270,7 +270,7 @@ class Result(SceneRecording):
         Raises:
             UnknownNameError: when the result has no derivatives for one of the names.
         """
-        return self._derivatives.of_output(quantity, parameter)
+        return self._derivatives.output_derivatives(quantity, parameter)
 
     def impact_sensitivity(self, quantity: str, parameter: str) -> np.ndarray:
         """Return the derivative of a quantity of the impacts, as ``sensitivity`` does, shape (len(impacts),).
@@ -283,7 +283,7 @@ class Result(SceneRecording):
         Raises:
             UnknownNameError: when the result has no derivatives for one of the names.
         """
-        return self._derivatives.of_impacts(quantity, parameter)
+        return self._derivatives.impact_derivatives(quantity, parameter)
 
     def ranking(self, quantity: str, parameters: str | Sequence[str] = "*") -> Ranking:
         """Return parameters and inputs in the order of their effects on a quantity, the largest effect first.

@@ -14,10 +14,10 @@ import numpy as np
 from chain_impact.recording.course import Course, Repeatable, course_of
 from chain_impact.recording.curves import Curves, curves_of, impact_numbers
 from chain_impact.recording.impacts import NO_IMPACTS
+from chain_impact.recording.passed_walls import points_through_walls
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES
-from chain_impact.recording.through_walls import points_through_walls
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.errors import SceneError, SceneWarning, UnknownNameError, names_matching
 from chain_impact.scene.scene import Scene

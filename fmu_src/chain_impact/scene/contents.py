@@ -162,17 +162,17 @@ class Contents:
         initial.position.
         """
         x, y = self.initial.position
-        return self._at_start("base.x", x), self._at_start("base.y", y)
+        return self._start_value("base.x", x), self._start_value("base.y", y)
 
     @property
     def walls_at_start(self) -> dict[str, HalfPlane]:
         """Name of each existing wall → its free side at t = 0; a signal may have displaced the wall."""
         return {
-            name: replace(plane, offset=plane.offset + self._at_start(f"wall.{name}.displacement", 0.0))
+            name: replace(plane, offset=plane.offset + self._start_value(f"wall.{name}.displacement", 0.0))
             for name, plane in self.half_planes.items()
         }
 
-    def _at_start(self, name: str, otherwise: float) -> float:
+    def _start_value(self, name: str, otherwise: float) -> float:
         """Return the value of the input ``name`` at t = 0; ``otherwise`` if no signal drives the input."""
         for signal in self.signals.values():
             if name in signal.input:

@@ -19,14 +19,14 @@ from chain_impact.kernel.rows.geometry import AT_WALL, STOP_CODES
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.keys.chain_tables import Link, Slider
-from chain_impact.scene.keys.default_rules import OFF
+from chain_impact.scene.keys.default_rules import ZERO_RULE
 from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.rules.key_rules import keys
 from chain_impact.scene.rules.rule_language import (
     holds,
+    member_lookups,
     members_in,
     number_in,
-    of_members,
     value_at,
     value_within,
 )
@@ -35,13 +35,13 @@ from chain_impact.scene.words.names import INPUTS_OF, DataPath
 
 ALWAYS = "always"
 """The name of the fact that is true for all scenes."""
-_OFF_KEYS = {
+_DEFAULT_KEYS = {
     entry.name
     for table in (Link, Slider, Contact)
     for entry in keys(table)
-    if entry.metadata["default"] is OFF
+    if entry.metadata["default"] is ZERO_RULE
 }
-"""The names of keys with the default OFF. A key of this kind that the file lacks has the value 0 in the
+"""The names of keys with the default ZERO_RULE. A key of this kind that the file lacks has the value 0 in the
 scene, but is missing for a rule."""
 
 
@@ -192,23 +192,23 @@ class SceneFacts(dict[str, Any]):
         """Return the value that ``name`` has in a rule; None if the value is missing.
 
         A name with a dot is a key of the scene's file, any other name a fact or a list of ``LISTS``. The
-        value of a key with the default ``OFF`` is missing unless the file gives the key.
+        value of a key with the default ``ZERO_RULE`` is missing unless the file gives the key.
         """
         if "." not in name:
             return self[name]
         if name == "chain.links":
             return self._links
-        return None if tuple(name.split(".")) in self._off else value_at(self.scene, name)
+        return None if tuple(name.split(".")) in self._unused_paths else value_at(self.scene, name)
 
     @cached_property
-    def _off(self) -> frozenset[DataPath]:
-        return frozenset(path for path in self.scene.derived_paths if path[-1] in _OFF_KEYS)
+    def _unused_paths(self) -> frozenset[DataPath]:
+        return frozenset(path for path in self.scene.derived_paths if path[-1] in _DEFAULT_KEYS)
 
     @cached_property
     def _links(self) -> tuple[Link, ...]:
-        """The links as rules see them: a key in ``_OFF_KEYS`` that the file does not give is None."""
+        """The links as rules see them: a key in ``_DEFAULT_KEYS`` that the file does not give is None."""
         missing: dict[int, dict[str, Any]] = {}
-        for path in self._off:
+        for path in self._unused_paths:
             match path:
                 case "chain", "links", int(i), str(key):
                     missing.setdefault(i, {})[key] = None
@@ -222,7 +222,7 @@ class SceneFacts(dict[str, Any]):
         computed by its rule in ``row.values``.
         """
         found = list[dict[str, Any]]()
-        for order, of_member in enumerate(of_members(members_in(row.over, self.value_of), self.value_of)):
+        for order, of_member in enumerate(member_lookups(members_in(row.over, self.value_of), self.value_of)):
             if holds(row.has, of_member):
                 values = dict[str, Any]()
                 for key, rule in row.values.items():

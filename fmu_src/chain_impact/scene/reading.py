@@ -14,7 +14,7 @@ from typing import Any, get_args, get_origin
 from chain_impact.scene.errors import SceneError, refusal, refused, value_text
 from chain_impact.scene.rules.key_rules import Derived, allowed, extended, keeps, keys, without_none
 from chain_impact.scene.rules.refusals import sentence
-from chain_impact.scene.words.angles import in_radians, or_degrees
+from chain_impact.scene.words.angles import or_degrees, radians_of
 from chain_impact.scene.words.names import DataPath, path_text
 from chain_impact.scene.words.similar_names import nearest, one_typo, proposed
 from chain_impact.scene.words.unit_text import number_hint, power_hint
@@ -105,7 +105,7 @@ class Reader:
             return self._list(kind, metadata, value, path, tables)
         if origin is Mapping:
             return self._tables(kind, value, path, tables)
-        result = _convert(kind, in_radians(value, metadata["unit"]))
+        result = _convert(kind, radians_of(value, metadata["unit"]))
         if result is None or not keeps(result, metadata):
             choices, unit = metadata["choices"], metadata["unit"]
             needed = allowed(kind, metadata) + or_degrees(unit)

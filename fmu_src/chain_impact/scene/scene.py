@@ -19,7 +19,7 @@ from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.scene import complete_scene, shapes
 from chain_impact.scene.checks import checks
 from chain_impact.scene.contents import Contents, named_point_hint, slider_hint
-from chain_impact.scene.derived import above, path_in_file, paths_in_scene, rule_at, rule_of, without_derived
+from chain_impact.scene.derived import path_in_file, paths_in_scene, rule_at, rule_of, tables, without_derived
 from chain_impact.scene.display import drawing, scene_text
 from chain_impact.scene.errors import SceneError, UnknownNameError, value_text
 from chain_impact.scene.facts import SceneFacts, friction_joints
@@ -176,7 +176,7 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     by_path = in_file or _has_counts(data)
 
     def label(path: DataPath) -> str:
-        return path_text(path) if by_path else name_of(shapes.among_all_points(path, data), names)
+        return path_text(path) if by_path else name_of(shapes.scene_point_path(path, data), names)
 
     scene: Scene | None = None
     try:
@@ -295,10 +295,10 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[A
 def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     """Return the scene after changes, pairs (path, new value), with all data read and checked again."""
     data, paths = _plain(scene), [path for path, _ in values]
-    if JOINT_ANGLES_PATH in paths and complete_scene.ANGLES not in above(paths):
+    if JOINT_ANGLES_PATH in paths and complete_scene.ANGLES not in tables(paths):
         del data["initial"]["angles"]
     # if one entry of a derived list is given, all entries of the list become given values
-    without_derived(data, scene.derived_paths, kept=above(paths))
+    without_derived(data, scene.derived_paths, kept=tables(paths))
     shapes.set_corners_apart(data)
     for path, value in values:
         shapes.refuse_corner(scene, path)

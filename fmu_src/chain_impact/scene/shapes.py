@@ -65,7 +65,7 @@ def without_corners(data: Any) -> Any:
     return data
 
 
-def among_all_points(path: DataPath, data: Any) -> DataPath:
+def scene_point_path(path: DataPath, data: Any) -> DataPath:
     """Return the path in the scene of the value that has ``path`` in ``data``, the scene's plain data.
 
     In the scene, the first points of a box are its corners, which the plain data do not have. So the index of

@@ -301,7 +301,7 @@ class Approximator:
         while after - before > until:
             middle = np.array([0.5 * (before + after)])
             value = self._called(middle, costly=True)
-            misses = [float((np.abs(piece.at(middle) - value) / scale).max()) for piece in (left, right)]
+            misses = [float((np.abs(part.values_at(middle) - value) / scale).max()) for part in (left, right)]
             if max(misses) <= max(DROPPED * float(np.min(self._accuracy)), FUNCTION_ROUND_OFF):
                 return float(middle[0]), float(middle[0])
             if until > self._shortest and min(misses) > NEARER * max(misses):
@@ -382,7 +382,7 @@ class Approximator:
         rough |= (np.abs(missed) > 2.0 * allowed[:, np.newaxis]).any(axis=1)
         for k, seen in enumerate(itertools.starmap(slice, self._times.searchsorted(times[:, POINTS:]))):
             if seen.start < seen.stop:
-                missed = pieces[k].at(self._times[seen]) - self._values[seen]
+                missed = pieces[k].values_at(self._times[seen]) - self._values[seen]
                 rough[k] |= (np.abs(missed) > 2.0 * allowed[k]).any(axis=0)
         self._refused += rough.sum(axis=0)
         return [None if failed else piece for failed, piece in zip(rough.any(axis=1), pieces, strict=True)]

@@ -36,14 +36,14 @@ def bends_at_start(record: Any, driven: tuple[Driven, ...]) -> list[int]:
         d.signal.lap[j] = 0
         for k in range(d.signal.first_knot[j] + 1, d.signal.last_knot[j] + 1):
             if d.knot.time[k] == 0.0:
-                before, after = _at_start(d, j, k - 1), _at_start(d, j, k)
+                before, after = _start_derivatives(d, j, k - 1), _start_derivatives(d, j, k)
                 watched = _watched(each.input)
                 if not np.allclose(before[watched], after[watched], rtol=SAME_DERIVATIVE, atol=0.0):
                     found.append(k)
     return found
 
 
-def _at_start(d: Any, j: int, segment: int) -> np.ndarray:
+def _start_derivatives(d: Any, j: int, segment: int) -> np.ndarray:
     d.signal.segment[j] = segment
     return np.array(signal_at(d, j, 0.0))
 

@@ -15,14 +15,14 @@ import numpy as np
 
 from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.status import OK
-from chain_impact.recording.impacts import LOG_DTYPE, in_order
+from chain_impact.recording.impacts import LOG_DTYPE, sorted_impacts
 from chain_impact.recording.stick_slip import CHANGE_DTYPE, phases_of
 from chain_impact.results.result import Result
 from chain_impact.scene.asked_inputs import how_asked
 from chain_impact.scene.errors import SceneError, UnknownNameError, names_matching, value_text
 from chain_impact.scene.scene import Scene, SceneSource, fixed_hint, scene_of
 from chain_impact.scene.warning import warn
-from chain_impact.scene.words.angles import in_radians, or_degrees
+from chain_impact.scene.words.angles import or_degrees, radians_of
 from chain_impact.scene.words.names import input_key
 from chain_impact.simulation.chain_access import Access, Selection, access_to, with_present_values
 from chain_impact.simulation.chain_rows import ChainRows
@@ -113,7 +113,7 @@ class Chain:
         # ``open_contacts`` ends the solver's last step at the present time; the copy ``before`` undoes this
         lasting = self._instance.open_contacts()
         self._reals[:] = before
-        return in_order([*self._impacts, lasting], self.scene.wall_names)[1]
+        return sorted_impacts([*self._impacts, lasting], self.scene.wall_names)[1]
 
     @property
     def stick_slip(self) -> np.ndarray:
@@ -341,7 +341,9 @@ class Chain:
             for name in names
             for match in names_matching(self.scene.name, name, self._accesses, "not a variable", self._hint)
         ]
-        selection = self._selections[key] = Selection.of([self._accesses[name] for name in selected])
+        selection = self._selections[key] = Selection.from_accesses(
+            [self._accesses[name] for name in selected]
+        )
         return selection
 
     def _checked_value(self, name: str, value: Any) -> tuple[Access, float]:
@@ -360,7 +362,7 @@ class Chain:
             raise SceneError(f"{self.scene.name}: {name} {what}")
         try:
             number = access.choices.index(value) + 1 if value in access.choices else value
-            number = in_radians(number, access.unit)
+            number = radians_of(number, access.unit)
             kept = access.row.low <= number <= access.row.high and (not access.whole or number == int(number))
         except (TypeError, ValueError):
             kept = False

@@ -46,7 +46,7 @@ class Selection:
     observed: bool
 
     @classmethod
-    def of(cls, accesses: Sequence[Access]) -> Self:
+    def from_accesses(cls, accesses: Sequence[Access]) -> Self:
         """Return the selection of the variables with these ``accesses``."""
         rows = [access.row for access in accesses]
         return cls(

@@ -20,8 +20,8 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.trust import JOINT, NO_IMPACT, TRUSTED
 from chain_impact.recording.equality import same
 from chain_impact.recording.impact_words import touching_part_name
-from chain_impact.recording.impacts import LOG_DTYPE, POSITION, in_order
-from chain_impact.recording.joint_stops import at_joint_stop
+from chain_impact.recording.impacts import LOG_DTYPE, POSITION, sorted_impacts
+from chain_impact.recording.joint_stops import is_scene_joint_stop
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.scene.words.names import DataPath
@@ -36,7 +36,7 @@ from chain_impact.simulation.derivative_limits import (
     REASONS_OF_FRICTION,
 )
 from chain_impact.simulation.errors import SimulationError
-from chain_impact.simulation.inputs import Given, InputSchedule, by_name, input_schedule
+from chain_impact.simulation.inputs import Given, InputSchedule, input_schedule, inputs_by_name
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import WordRows
 from chain_impact.variables.indices import first_word, word_index
@@ -51,7 +51,7 @@ LEAST_REPORTED_SHARE = 1e-5
 """[1] An error of derivatives that dry friction causes is told to users if it is larger than this, relative
 to the largest derivative of a position; the solver's tolerance allows smaller errors anyway."""
 # quantities of an impact that are known when it begins; all others are known at its end
-AT_ONSET = ("onset", "impact_speed", "effective_mass", *POSITION)
+ONSET_QUANTITIES = ("onset", "impact_speed", "effective_mass", *POSITION)
 
 
 class DifferentiatedInstance(Instance):
@@ -183,14 +183,16 @@ class DifferentiatedInstance(Instance):
             slopes = self._log[name]["slope"][:, slots].transpose(1, 0, 2)
             kept[name] = slopes.reshape(len(rows), self._directions)[:, : len(self.parameters)]
             until = (
-                rows["onset"] if name in AT_ONSET else np.where(np.isnan(rows["end"]), self.time, rows["end"])
+                rows["onset"]
+                if name in ONSET_QUANTITIES
+                else np.where(np.isnan(rows["end"]), self.time, rows["end"])
             )
             kept[name][~valid | (until >= distrusted) | ~np.isfinite(rows[name])] = np.nan
             kept[name][:, self._missing] = np.nan
         self._impact_slopes.append(kept)
 
     def slopes_of_impacts(self, order: np.ndarray) -> dict[str, np.ndarray]:
-        """Return quantity → derivatives, shape (I, P), in the order of impacts that ``in_order`` returned."""
+        """Return quantity → derivatives, shape (I, P), in the order that ``sorted_impacts`` returned."""
         together = np.concatenate([np.zeros(0, self._impact_layout), *self._impact_slopes])[order]
         return {name: together[name] for name in IMPACT_QUANTITIES}
 
@@ -231,7 +233,7 @@ class DifferentiatedInstance(Instance):
             scene, wall = self.prepared.scene, trust["wall"]
             touching = touching_part_name(int(trust["point"]), scene.stop_name(wall), scene.point_names)
             where = f", the {cause} of {touching} at {scene.wall_names[wall]}"
-            reasons = REASONS_AT_STOPS if at_joint_stop(scene, wall) else reasons
+            reasons = REASONS_AT_STOPS if is_scene_joint_stop(scene, wall) else reasons
         reason = reasons[int(trust["reason"])]
         ended = f"there are no derivatives from t = {trust['time']:.9g} s on{where}: {reason}"
         return ended, *told
@@ -298,7 +300,7 @@ class DifferentiatedRun:
         """
         self._prepared = PreparedScene(scene_of(scene))
         stop = self._prepared.scene.simulation.stop_time
-        self._inputs = {} if inputs is None else dict(by_name(inputs, stop))
+        self._inputs = {} if inputs is None else dict(inputs_by_name(inputs, stop))
         self._interpolation = interpolation
         varied = varied_by(self._prepared, parameters)
         self._paths = [variable.set_path for variable in varied]
@@ -338,7 +340,9 @@ class DifferentiatedRun:
 
     def _differentiated(self, slopes: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
         width, count = len(self._words), len(self._paths)
-        order, rows = in_order([np.zeros(0, LOG_DTYPE), *impacts], self._instance.prepared.scene.wall_names)
+        order, rows = sorted_impacts(
+            [np.zeros(0, LOG_DTYPE), *impacts], self._instance.prepared.scene.wall_names
+        )
         return Differentiated(
             values=slopes[:, :width],
             slopes=slopes[:, width:].reshape(len(slopes), width, count),

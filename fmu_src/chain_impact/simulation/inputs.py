@@ -94,7 +94,7 @@ class InputSchedule:
         signals = {order: self.pieces.derivatives_at(times, which, order) for order in orders}
         return {name: signals[order][:, column] for name, (column, order) in self.columns.items()}
 
-    def at(self, times: np.ndarray) -> InputSchedule:
+    def with_times(self, times: np.ndarray) -> InputSchedule:
         """Return the same inputs with other communication points: ``times`` [s], and the starts of pieces.
 
         Pieces that start after the last of ``times`` are left out.
@@ -158,7 +158,7 @@ def input_schedule(
         SceneError: when a name is not an input of the scene, or a signal is invalid.
     """
     scene = prepared.scene
-    inputs = by_name(inputs, scene.simulation.stop_time)
+    inputs = inputs_by_name(inputs, scene.simulation.stop_time)
     if interpolation not in INTERPOLATIONS:
         *others, last = INTERPOLATIONS
         allowed = f"must be {', '.join(others)} or {last}"
@@ -257,7 +257,7 @@ def _pieces_of(
     values = [
         np.zeros(len(grid))
         if name in followed
-        else _at_points(f"{scene.name}: {name}", signal, interpolation, grid, same)
+        else _signal_values(f"{scene.name}: {name}", signal, interpolation, grid, same)
         for name, signal in signals.items()
     ]
     values += [np.zeros(len(grid)) for _ in motions]
@@ -282,7 +282,7 @@ def _pieces_of(
     return pieces, moving
 
 
-def by_name(inputs: Given, stop: float) -> Mapping[str, InputSource]:
+def inputs_by_name(inputs: Given, stop: float) -> Mapping[str, InputSource]:
     """Return name → input over time; the columns of a table, for a run until ``stop`` [s], become samples."""
     if isinstance(inputs, Mapping) and TIME not in inputs:
         return cast("Mapping[str, InputSource]", inputs)
@@ -366,7 +366,7 @@ def inputs_text(inputs: Iterable[str]) -> str:
     return f"it has {', '.join(shown)}, and {how} make all that there can be"
 
 
-def _at_points(what: str, signal: Any, interpolation: str, times: np.ndarray, same: float) -> np.ndarray:
+def _signal_values(what: str, signal: Any, interpolation: str, times: np.ndarray, same: float) -> np.ndarray:
     """Return a signal's values at several times, shape (T,); ``linear`` joins samples, else they are held.
 
     A held sample acts from ``same`` [s] before its time on, until the next one acts; the first sample also

@@ -26,7 +26,7 @@ class Piece:
     end: float
     powers: np.ndarray
 
-    def at(self, times: np.ndarray) -> np.ndarray:
+    def values_at(self, times: np.ndarray) -> np.ndarray:
         """Return the values of the polynomials at times [s], shape (T, M)."""
         x = (2.0 * times - self.start - self.end) / (self.end - self.start)
         return np.asarray(np.vander(x, INPUT_DEGREE + 1, increasing=True) @ self.powers)

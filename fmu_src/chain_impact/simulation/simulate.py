@@ -18,7 +18,7 @@ from chain_impact.compilation import cache
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.status import OK
 from chain_impact.progress import Progress, silent
-from chain_impact.recording.impacts import in_order
+from chain_impact.recording.impacts import sorted_impacts
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES, phases_of
 from chain_impact.recording.summary import hints, smallest_body
@@ -30,7 +30,7 @@ from chain_impact.scene.signal_inputs import quantities_driven_by
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.errors import SimulationError
-from chain_impact.simulation.inputs import Given, InputSchedule, Interpolation, by_name, input_schedule
+from chain_impact.simulation.inputs import Given, InputSchedule, Interpolation, input_schedule, inputs_by_name
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import StepwiseColumns, WordRows, chosen_columns, structured
 from chain_impact.user_laws.law_file import LawError, parse_law, source_of
@@ -129,7 +129,7 @@ def simulate(
     changes = {name: value for name, value in settings.items() if value is not None}
     prepared = PreparedScene(with_values(scene, changes) if changes else scene_of(scene))
     varied = prepared.varied if sensitivities is None else varied_by(prepared, sensitivities)
-    given = {} if inputs is None else by_name(inputs, prepared.scene.simulation.stop_time)
+    given = {} if inputs is None else inputs_by_name(inputs, prepared.scene.simulation.stop_time)
     known = {variable.name for variable in prepared.inputs} if given else {}
     # the velocity and the acceleration of a motion follow from its position, so the result has these, too
     possible = [member for name in given if name in known for member in quantities_driven_by(name)]
@@ -142,7 +142,7 @@ def simulate(
     wanted = np.append(words, differentiated.slope_words(words[:width])) if differentiated else words
     rows = WordRows(len(schedule.times), wanted, of_state=indices.of_state and not differentiated)
     done, impacts = instance.run(schedule, rows, progress or silent)
-    order, sorted_impacts = in_order([*impacts, instance.open_contacts()], prepared.wall_names)
+    order, table = sorted_impacts([*impacts, instance.open_contacts()], prepared.wall_names)
     every = not schedule.paths or schedule.asked.all()
     asked = slice(done) if every else np.flatnonzero(schedule.asked[:done])
     numbers, over_time = rows.numbers[asked], schedule.values(np.arange(done))
@@ -153,7 +153,7 @@ def simulate(
             varied=varied,
             chosen=None if output is None else tuple(indices.motion),
             slopes=numbers[:, len(words) :].reshape(len(numbers), width, len(varied)),
-            impacts=sorted_impacts,
+            impacts=table,
             impact_slopes=differentiated.slopes_of_impacts(order),
             limits=differentiated.limits,
             given=[variable.name for variable in prepared.inputs if variable.record_path in schedule.paths],
@@ -162,7 +162,7 @@ def simulate(
         prepared=prepared,
         time=schedule.times[asked],
         outputs=structured(numbers, indices.row),
-        impacts=sorted_impacts,
+        impacts=table,
         statistics=instance.statistics,
         sensitivities=sensitive,
         stepwise=StepwiseColumns(numbers[:, width:], words[width:], indices.stepwise),
@@ -261,7 +261,7 @@ class Rerun:
 
         The array is shorter if the solver cannot continue, and empty if the run cannot start.
         """
-        schedule = self.schedule.at(times)
+        schedule = self.schedule.with_times(times)
         try:
             instance = Instance(self.prepared, schedule, ())
         except SimulationError:

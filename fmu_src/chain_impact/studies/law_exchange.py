@@ -10,7 +10,7 @@ import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.forces.lossless_contact import lossless_depth
-from chain_impact.recording.joint_stops import at_joint_stop
+from chain_impact.recording.joint_stops import is_scene_joint_stop
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.scene import Scene, with_values
@@ -60,7 +60,8 @@ def first_number(scene: Scene, impacts: np.ndarray) -> int | None:
     """
     differs = scene.stops.model is not None
     return next(
-        (k for k, row in enumerate(impacts) if not (differs and at_joint_stop(scene, row["wall"]))), None
+        (k for k, row in enumerate(impacts) if not (differs and is_scene_joint_stop(scene, row["wall"]))),
+        None,
     )
 
 
@@ -114,7 +115,7 @@ def contact_at(scene: Scene, impact: np.void) -> Contact:
     ``impact`` is a row of ``Result.impacts``.
     """
     contact, stops = scene.contact, scene.stops
-    if at_joint_stop(scene, impact["wall"]):
+    if is_scene_joint_stop(scene, impact["wall"]):
         keys = ("stiffness", "exponent", "restitution", "minimum_impact_speed")
         values = {name: getattr(stops, name) for name in keys}
         return replace(contact, **values, model=stops.model or contact.model, wall={})

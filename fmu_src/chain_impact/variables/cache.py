@@ -20,7 +20,7 @@ from chain_impact.scene.keys.chain_tables import ChainTable, Link, Slider
 from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.rules.key_rules import keys
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.names import AT, DataPath
+from chain_impact.scene.words.names import INDEX_PLACE, DataPath
 from chain_impact.variables.parameters import PARAMETERS
 
 Part = TypeVar("Part")
@@ -62,8 +62,8 @@ scenes share nothing if one of the read fields is not the same object in both.""
 def _decisive(table: type, path: DataPath) -> list[str]:
     """Return the keys of a table whose values may decide the layout of the record, or which variables exist.
 
-    ``path`` is the path of the table in a scene, with AT in place of an index. The other keys of the table
-    are those of parameters that each scene with this table has.
+    ``path`` is the path of the table in a scene, with INDEX_PLACE in place of an index. The other keys of the
+    table are those of parameters that each scene with this table has.
     """
     numbers = {
         kind.scene_path[-1]
@@ -74,12 +74,12 @@ def _decisive(table: type, path: DataPath) -> list[str]:
     return [key.name for key in keys(table) if key.name not in numbers]
 
 
-_of_contact = attrgetter(*_decisive(Contact, ("contact",)))
-_of_link = attrgetter(*_decisive(Link, ("chain", "links", AT)))
-_of_slider = attrgetter(*_decisive(Slider, ("chain", "slider")), "angle")
-"""``_of_contact``, ``_of_link``, ``_of_slider``: functions that read the values of the ``_decisive`` keys of
-[contact], of a link and of a slider. The angle of a slider is read, too, because it decides which walls the
-points can reach."""
+_contact_values = attrgetter(*_decisive(Contact, ("contact",)))
+_link_values = attrgetter(*_decisive(Link, ("chain", "links", INDEX_PLACE)))
+_slider_values = attrgetter(*_decisive(Slider, ("chain", "slider")), "angle")
+"""``_contact_values``, ``_link_values``, ``_slider_values``: functions that read the values of the
+``_decisive`` keys of [contact], of a link and of a slider. The angle of a slider is read, too, because it
+decides which walls the points can reach."""
 
 
 def shared_data_of(scene: Scene) -> SharedData:
@@ -125,7 +125,7 @@ def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
         return None
     if scene.signals and before.simulation is not scene.simulation:
         return None
-    if _differ(before.contact, scene.contact, _of_contact) or _chains_differ(before.chain, scene.chain):
+    if _differ(before.contact, scene.contact, _contact_values) or _chains_differ(before.chain, scene.chain):
         return None
     return [name for name in _NUMBERS if getattr(before, name) is not getattr(scene, name)]
 
@@ -137,7 +137,9 @@ def _chains_differ(first: ChainTable, second: ChainTable) -> bool:
     if first.base != second.base or len(first.links) != len(second.links):
         return True
     pairs = zip(first.links, second.links, strict=True)
-    return any(_differ(*pair, _of_link) for pair in pairs) or _differ(first.slider, second.slider, _of_slider)
+    return any(_differ(*pair, _link_values) for pair in pairs) or _differ(
+        first.slider, second.slider, _slider_values
+    )
 
 
 def _differ(first: Any, second: Any, decisive: Callable[[Any], tuple[Any, ...]]) -> bool:

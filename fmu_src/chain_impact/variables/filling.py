@@ -25,10 +25,10 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
 from chain_impact.scene.rules.key_rules import keys
 from chain_impact.scene.rules.rule_language import members_in, number_in, numbers_of
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.names import AT, ENTRY_AT, DataPath
+from chain_impact.scene.words.names import ENTRY_AT, INDEX_PLACE, DataPath
 from chain_impact.variables.cache import MOST_CACHED, SharedData, changed_numbers
 from chain_impact.variables.indices import layout_of, word_index
-from chain_impact.variables.kind import OF_SIGNALS, Kind, filled
+from chain_impact.variables.kind import SIGNAL_OWNERS, Kind, filled
 from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.owners import OWNER_KINDS, RECORD_NUMBERS, values_of
 from chain_impact.variables.parameters import METHODS, PARAMETERS
@@ -80,11 +80,11 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
     """
     value_of = values_of(structure.known, structure.lists, scene)
     for path, rule, over, at in RECORD_NUMBERS.values():
-        *parts, key = (step for step in path if step != AT)
+        *parts, key = (step for step in path if step != INDEX_PLACE)
         part = d
         for name in parts:
             part = part[name]
-        if AT not in path:
+        if INDEX_PLACE not in path:
             part[key] = number_in(rule, value_of)
         elif members := members_in(over, value_of):
             entries = slice(len(members)) if at == "order" else numbers_of(at, members, value_of)
@@ -102,7 +102,7 @@ def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
     readers: dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]] = {}
     for owner_kind, kinds in PARAMETERS:
         for kind in kinds:
-            if kind.scene_path and owner_kind not in ("material", *OF_SIGNALS):
+            if kind.scene_path and owner_kind not in ("material", *SIGNAL_OWNERS):
                 readers.setdefault(str(kind.scene_path[0]), []).append((kind, _reader(kind)))
     return readers
 
@@ -114,7 +114,7 @@ def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
     all owners' given values. A given value is the number DERIVED where the scene derives the value.
     """
     path = kind.scene_path or ()
-    if AT not in path and ENTRY_AT not in path:
+    if INDEX_PLACE not in path and ENTRY_AT not in path:
         return _reader_of_one(kind, path)
     members, part, paths = _members(path)
     has_given = attrgetter(kind.given_path_when)
@@ -170,7 +170,7 @@ def _members(
                 for j in range(len(link.points))
             ],
         )
-    split = path.index(AT)
+    split = path.index(INDEX_PLACE)
     whole, (before, after) = _getter(path[:split]), (path[:split], path[split + 1 :])
     return whole, _getter(after), lambda scene: [(*before, i, *after) for i in range(len(whole(scene)))]
 

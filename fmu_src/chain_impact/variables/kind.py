@@ -119,7 +119,7 @@ class Kind:
     @cached_property
     def pattern(self) -> str:
         """The name that stands for all variables of the kind: `link[i].length`, `contact[k].<wall>.force`."""
-        name = "<name>" if self.owner_kind in OF_SIGNALS else "<wall>"
+        name = "<name>" if self.owner_kind in SIGNAL_OWNERS else "<wall>"
         return self.name.format(n=LETTERS.get(self.owner_kind, "i"), of="i", name=name)
 
     @cached_property
@@ -128,7 +128,7 @@ class Kind:
         text = self.ended(f"{self.heading.text}: {self.text}" if self.heading.text else self.text)
         return text.replace("{axis}", self.axis)
 
-    def in_general(self, words: Mapping[str, Any]) -> str:
+    def general_description(self, words: Mapping[str, Any]) -> str:
         """Return one description for all variables of the kind.
 
         Args:
@@ -161,7 +161,7 @@ class Kind:
         return text if self.above is None else f"{text}; must be > {self.above:g}"
 
 
-OF_SIGNALS = ("signal", "step")
+SIGNAL_OWNERS = ("signal", "step")
 """The kinds of owners that belong to signals."""
 LETTERS = {"point": "k", "contact": "k", "site": "j", "step": "k"}
 """Kind of owner → the letter for an owner's number in names and texts for all owners; i for other kinds."""

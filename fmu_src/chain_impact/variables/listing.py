@@ -52,7 +52,7 @@ def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
                 if not kind.given_path_when or owner.conditions[kind.given_path_when]
                 else None
             )
-            yield Variable.of(
+            yield Variable.from_kind(
                 kind,
                 owner,
                 words,
@@ -73,7 +73,8 @@ def inputs(structure: Structure) -> Iterator[Variable]:
 def inputs_asked(structure: Structure) -> Iterator[Variable]:
     """Return the inputs that scenes with this structure ask for, also those that signals determine."""
     return (
-        Variable.of(*arguments, variability="continuous") for arguments in _owned_kinds(INPUTS, structure)
+        Variable.from_kind(*arguments, variability="continuous")
+        for arguments in _owned_kinds(INPUTS, structure)
     )
 
 
@@ -89,7 +90,7 @@ def outputs_of(structure: Structure) -> dict[str, Variable]:
     The results for the KEPT_STRUCTURES structures used last are cached, because to make one takes as long as
     a short simulation.
     """
-    variables = (Variable.of(*arguments) for arguments in _owned_kinds(OUTPUTS, structure))
+    variables = (Variable.from_kind(*arguments) for arguments in _owned_kinds(OUTPUTS, structure))
     return {variable.name: variable for variable in (*_driven(structure), *variables)}
 
 
@@ -107,7 +108,7 @@ def _driven(structure: Structure) -> Iterator[Variable]:
             output = replace(
                 kind, causality="output", record_path=("output", "signal", *driven), rate_of=rate_of
             )
-            yield Variable.of(output, owner, words)
+            yield Variable.from_kind(output, owner, words)
 
 
 def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iterator[Variable]:

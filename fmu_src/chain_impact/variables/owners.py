@@ -21,7 +21,7 @@ from chain_impact.scene.facts import ALWAYS, FACTS, LISTS, SceneFacts
 from chain_impact.scene.keys.tables import Inputs, Outputs
 from chain_impact.scene.rules.rule_language import ValueOf, holds, members_in, number_in, value_at
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.names import AT, DataPath
+from chain_impact.scene.words.names import INDEX_PLACE, DataPath
 
 REQUEST_KEYS = [
     f"{name}.{entry.name}"
@@ -135,10 +135,10 @@ class RecordNumber(NamedTuple):
     """One or several numbers in the record that are no parameters but follow from a rule.
 
     Attributes:
-        path: the path of the number in the record; with AT, of several numbers.
+        path: the path of the number in the record; with INDEX_PLACE, of several numbers.
         number: the rule for the number.
         over: the name of a list, each member of which has a number; or a rule for the count of the numbers.
-        at: for several numbers: the rule for the index that replaces AT for a member.
+        at: for several numbers: the rule for the index that replaces INDEX_PLACE for a member.
     """
 
     path: DataPath
@@ -158,22 +158,22 @@ RECORD_NUMBERS = {
     "interpolates": RecordNumber(("given_channel", "interpolates"), ALWAYS),
     "requested": RecordNumber(("latest", "requested"), "outputs.impacts"),
     "impulses": RecordNumber(("quadrature", "computed"), "impulses"),
-    "site_link": RecordNumber(("site", "link", AT), "link", "sites"),
-    "site_corner": RecordNumber(("site", "corner", AT), "corner", "sites"),
-    "candidate_point": RecordNumber(("candidate", AT, "point"), "n", "candidates"),
-    "candidate_wall": RecordNumber(("candidate", AT, "wall"), "wall", "candidates"),
-    "candidate_stop": RecordNumber(("candidate", AT, "stop"), "stop", "candidates"),
+    "site_link": RecordNumber(("site", "link", INDEX_PLACE), "link", "sites"),
+    "site_corner": RecordNumber(("site", "corner", INDEX_PLACE), "corner", "sites"),
+    "candidate_point": RecordNumber(("candidate", INDEX_PLACE, "point"), "n", "candidates"),
+    "candidate_wall": RecordNumber(("candidate", INDEX_PLACE, "wall"), "wall", "candidates"),
+    "candidate_stop": RecordNumber(("candidate", INDEX_PLACE, "stop"), "stop", "candidates"),
     "regularized": RecordNumber(("step", "regularized"), f"{NO_CONTACT}"),
     # a moving wall has two channels (prescribed motions): its displacement, and its motion as a belt
-    "belt": RecordNumber(("given_channel", "belt", AT), "1", "moving_walls", at=f"{_CHANNEL} + 1"),
+    "belt": RecordNumber(("given_channel", "belt", INDEX_PLACE), "1", "moving_walls", at=f"{_CHANNEL} + 1"),
     "candidate_channel": RecordNumber(
-        ("wall_motion", AT, "first_channel"),
+        ("wall_motion", INDEX_PLACE, "first_channel"),
         f"sum(moving_walls, (number == wall)*({_CHANNEL} + 1)) + -1",
         "candidates",
     ),
     "stop_law": RecordNumber(("stops", "law"), "sum(laws, (name == stops.model)*(order + 1))"),
     **{
-        f"wall_{key}": RecordNumber(("walls", key, AT), "-1", f"{len(WALLS)} + candidates")
+        f"wall_{key}": RecordNumber(("walls", key, INDEX_PLACE), "-1", f"{len(WALLS)} + candidates")
         for key in ("restitution", "friction", "static_friction")
     },
 }

@@ -20,7 +20,7 @@ from chain_impact.scene.keys.chain_tables import Link, Site, Slider
 from chain_impact.scene.keys.signal_tables import NUMBERS, Signal
 from chain_impact.scene.keys.tables import Box, Contact, Initial, Material, Simulation, Solver, Stops, Wall
 from chain_impact.scene.rules.key_rules import Derived, keys
-from chain_impact.scene.words.names import AT, AXES, ENTRY_AT, LINK_AT, DataPath, name_of
+from chain_impact.scene.words.names import AXES, ENTRY_AT, INDEX_PLACE, LINK_AT, DataPath, name_of
 from chain_impact.variables.kind import LINE, LINK, MOTION, SIGNAL, SITE, SLIDER, WALL, Kind, block
 
 LAWS, METHODS = "laws", "methods"
@@ -72,7 +72,7 @@ def _parameter(
     )
 
 
-def _of_table(
+def _table_kinds(
     table: type,
     *,
     scene_path: DataPath,
@@ -135,74 +135,77 @@ PARAMETERS = (
     ),
     block(
         "link",
-        *_of_table(
+        *_table_kinds(
             Link,
-            scene_path=("chain", "links", AT, KEY),
-            record_path=("chain", KEY, AT),
+            scene_path=("chain", "links", INDEX_PLACE, KEY),
+            record_path=("chain", KEY, INDEX_PLACE),
             names=[key for key in _metadata(Link) if key not in ("points", "shape")],
             height={"number_for_none": 0.0, "hint": HAS_ONE},
             center_of_mass_offset={"only_if_in_file": True, "hint": HAS_ONE},
-            center_of_mass={"given_path": ("chain", "given_center_of_mass", AT)},
-            inertia={"given_path": ("chain", "given_inertia", AT)},
-            joint_damping={"record_path": ("given", "drive_damping", AT), "tunable": "has_target"},
-            joint_stiffness={"record_path": ("given", "drive_stiffness", AT), "tunable": "has_target"},
+            center_of_mass={"given_path": ("chain", "given_center_of_mass", INDEX_PLACE)},
+            inertia={"given_path": ("chain", "given_inertia", INDEX_PLACE)},
+            joint_damping={"record_path": ("given", "drive_damping", INDEX_PLACE), "tunable": "has_target"},
+            joint_stiffness={
+                "record_path": ("given", "drive_stiffness", INDEX_PLACE),
+                "tunable": "has_target",
+            },
             joint_rest_angle={
-                "record_path": ("given", "target", AT),
+                "record_path": ("given", "target", INDEX_PLACE),
                 "when": ("target_is_parameter",),
                 "hint": HAS_TARGET,
             },
             joint_friction={
-                "record_path": ("drive", "friction_moment", AT),
+                "record_path": ("drive", "friction_moment", INDEX_PLACE),
                 "when": ("may_have_friction",),
                 "hint": HAS_FRICTION,
             },
             joint_armature={"only_if_in_file": True, "hint": HAS_ONE},
             joint_torque_limit={
-                "record_path": ("drive", "torque_limit", AT),
+                "record_path": ("drive", "torque_limit", INDEX_PLACE),
                 "number_for_none": math.inf,
                 "hint": HAS_ONE,
             },
-            joint_min={"record_path": ("drive", "min", AT), "number_for_none": -math.inf},
-            joint_max={"record_path": ("drive", "max", AT), "number_for_none": math.inf},
+            joint_min={"record_path": ("drive", "min", INDEX_PLACE), "number_for_none": -math.inf},
+            joint_max={"record_path": ("drive", "max", INDEX_PLACE), "number_for_none": math.inf},
         ),
         heading=LINK,
     ),
     block(
         "site",
-        *_of_table(
+        *_table_kinds(
             Site,
             scene_path=("chain", "links", LINK_AT, "points", ENTRY_AT, KEY),
-            record_path=("site", KEY, AT),
+            record_path=("site", KEY, INDEX_PLACE),
             names=("x", "y", "radius"),
-            radius={"given_path": ("site", "given_radius", AT)},
+            radius={"given_path": ("site", "given_radius", INDEX_PLACE)},
         ),
         heading=SITE,
         when=("in_file",),
     ),
     block(
         "slider",
-        *_of_table(
+        *_table_kinds(
             Slider,
             scene_path=("chain", "slider", KEY),
-            record_path=("drive", KEY, AT),
+            record_path=("drive", KEY, INDEX_PLACE),
             angle={"record_path": ("slider", "angle")},
             mass={"record_path": ("slider", "mass")},
-            damping={"record_path": ("given", "drive_damping", AT), "tunable": "has_target"},
-            stiffness={"record_path": ("given", "drive_stiffness", AT), "tunable": "has_target"},
+            damping={"record_path": ("given", "drive_damping", INDEX_PLACE), "tunable": "has_target"},
+            stiffness={"record_path": ("given", "drive_stiffness", INDEX_PLACE), "tunable": "has_target"},
             rest_position={
-                "record_path": ("given", "target", AT),
+                "record_path": ("given", "target", INDEX_PLACE),
                 "when": ("target_is_parameter",),
                 "hint": HAS_TARGET.replace("angle", "position"),
             },
             friction={
-                "record_path": ("drive", "friction_moment", AT),
+                "record_path": ("drive", "friction_moment", INDEX_PLACE),
                 "when": ("may_have_friction",),
                 "hint": HAS_FRICTION,
             },
             min={"number_for_none": -math.inf},
             max={"number_for_none": math.inf},
             force_limit={
-                "record_path": ("drive", "torque_limit", AT),
+                "record_path": ("drive", "torque_limit", INDEX_PLACE),
                 "number_for_none": math.inf,
                 "hint": HAS_ONE,
             },
@@ -220,7 +223,7 @@ PARAMETERS = (
         *(
             kind
             for w, wall in enumerate(WALLS)
-            for kind in _of_table(
+            for kind in _table_kinds(
                 Box,
                 scene_path=("box", KEY),
                 record_path=("chain", "box_wall", w),
@@ -232,15 +235,23 @@ PARAMETERS = (
     block(
         "line",
         *_vector(
-            Wall, scene_path=("walls", AT, "point"), record_path=("walls", AXIS, AT), text="{axis} of {}"
+            Wall,
+            scene_path=("walls", INDEX_PLACE, "point"),
+            record_path=("walls", AXIS, INDEX_PLACE),
+            text="{axis} of {}",
         ),
-        *_of_table(Wall, scene_path=("walls", AT, KEY), record_path=("walls", KEY, AT), names=("angle",)),
+        *_table_kinds(
+            Wall,
+            scene_path=("walls", INDEX_PLACE, KEY),
+            record_path=("walls", KEY, INDEX_PLACE),
+            names=("angle",),
+        ),
         heading=LINE,
         when=("contacts",),
     ),
     block(
         "one",
-        *_of_table(
+        *_table_kinds(
             Contact,
             scene_path=("contact", KEY),
             record_path=("given", "law"),
@@ -250,7 +261,7 @@ PARAMETERS = (
     ),
     block(
         "one",
-        *_of_table(
+        *_table_kinds(
             Contact,
             scene_path=("contact", KEY),
             record_path=("contact_settings", KEY),
@@ -259,7 +270,7 @@ PARAMETERS = (
             restitution={"record_path": ("given", "restitution"), "tunable": ALWAYS},
             minimum_impact_speed={"smooth": False},
         ),
-        *_of_table(
+        *_table_kinds(
             Contact,
             scene_path=("contact", KEY),
             record_path=("given", KEY),
@@ -271,10 +282,10 @@ PARAMETERS = (
     ),
     block(
         "material",
-        *_of_table(
+        *_table_kinds(
             Material,
             scene_path=("contact", "wall", "{name}", KEY),
-            record_path=("walls", KEY, AT),
+            record_path=("walls", KEY, INDEX_PLACE),
             # −1 in the record means that the value of [contact] applies to this wall; a static friction of −1
             # beside a sliding friction of the wall means that both are equal
             restitution={"number_for_none": -1.0},
@@ -287,7 +298,7 @@ PARAMETERS = (
     ),
     block(
         "one",
-        *_of_table(
+        *_table_kinds(
             Stops,
             scene_path=("stops", KEY),
             record_path=("stops", KEY),
@@ -328,8 +339,8 @@ PARAMETERS = (
             "link",
             _parameter(
                 _metadata(Initial)[key],
-                scene_path=("initial", key, AT),
-                record_path=("initial", name, AT),
+                scene_path=("initial", key, INDEX_PLACE),
+                record_path=("initial", name, INDEX_PLACE),
                 text="initial " + _metadata(Initial)[key]["description"].replace("each link", "link {n}"),
             ),
         )
@@ -337,10 +348,10 @@ PARAMETERS = (
     ),
     block(
         "signal",
-        *_of_table(
+        *_table_kinds(
             Signal,
             scene_path=("signals", "{name}", KEY),
-            record_path=("signal", KEY, AT),
+            record_path=("signal", KEY, INDEX_PLACE),
             names=NUMBERS,
         ),
         heading=SIGNAL,
@@ -350,18 +361,18 @@ PARAMETERS = (
         _parameter(
             _metadata(Signal)["times"],
             scene_path=("signals", "{name}", "times", ENTRY_AT),
-            record_path=("knot", "given_time", AT),
+            record_path=("knot", "given_time", INDEX_PLACE),
         ),
         _parameter(
             _metadata(Signal)["values"],
             scene_path=("signals", "{name}", "values", ENTRY_AT),
-            record_path=("knot", "given_value", AT),
+            record_path=("knot", "given_value", INDEX_PLACE),
         ),
         heading=SIGNAL,
     ),
     block(
         "one",
-        *_of_table(
+        *_table_kinds(
             Solver, scene_path=("solver", KEY), record_path=("solver", KEY), method={"choices": METHODS}
         ),
         smooth=False,
@@ -373,5 +384,5 @@ DERIVED_DURING_RUN = tuple(
 )
 """The fields of the record with values in use that follow from other values during a run, as long as the user
 does not give them: part of the record and field."""
-SIMULATION_KINDS = _of_table(Simulation, scene_path=("simulation", KEY), record_path=())
+SIMULATION_KINDS = _table_kinds(Simulation, scene_path=("simulation", KEY), record_path=())
 """The kinds for the keys of [simulation], which are no parameters: the record does not have their values."""

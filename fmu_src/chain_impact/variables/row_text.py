@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
-from chain_impact.scene.words.names import AT, AXES
+from chain_impact.scene.words.names import AXES, INDEX_PLACE
 from chain_impact.variables.kind import NEXT, Block, Kind, block
 
 
@@ -57,7 +57,7 @@ def _kind(part: str, owner_kind: str, axis: str, array: bool, cells: Sequence[st
     attributes |= dict(_attribute(attribute, unit) for cell in more for attribute in cell.split())
     name, field = (template.replace("{axis}", axis) for template in (name, attributes.pop("field")))
     steps = [int(step) if step.isdecimal() else step for step in field.split(".")]
-    index = [] if owner_kind in ("one", "slider") or AT in steps or NEXT in steps else [AT]
+    index = [] if owner_kind in ("one", "slider") or INDEX_PLACE in steps or NEXT in steps else [INDEX_PLACE]
     path = (part, *steps, *index)
     return Kind(name=name, unit=unit, text=text, record_path=path, axis=axis, **attributes)
 

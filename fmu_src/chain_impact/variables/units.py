@@ -69,7 +69,7 @@ def unit_of(name: str) -> Unit:
     return Unit(f"{above.quantity}Per{below.quantity}", powers)
 
 
-def in_order(names: set[str]) -> list[str]:
+def sorted_units(names: set[str]) -> list[str]:
     """Return names of units in the order in which FMUs list them: keys of ``UNITS``, then sorted quotients.
 
     The name "", which stands for no unit, is left out.

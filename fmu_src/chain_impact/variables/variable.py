@@ -69,7 +69,7 @@ class Variable:
     known: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @classmethod
-    def of(cls, kind: Kind, owner: Owner, words: Mapping[Any, Any], **other: Any) -> Variable:
+    def from_kind(cls, kind: Kind, owner: Owner, words: Mapping[Any, Any], **other: Any) -> Variable:
         """Return the variable of a kind that an owner has.
 
         ``words`` has the texts for words in braces in templates, and the numbers that ``minimum`` and
@@ -103,14 +103,14 @@ class Variable:
         return self.kind.causality
 
     @property
-    def above(self) -> float | None:
+    def exclusive_minimum(self) -> float | None:
         """The limit that the value must exceed; None for no such limit."""
         return self.kind.above
 
     @property
     def kind_description(self) -> str:
         """One description for all variables of the kind in this scene."""
-        text = self.kind.in_general(self.known)
+        text = self.kind.general_description(self.known)
         return f"{text}{UNLESS_SET}{self.rule.text}" if self.rule else text
 
     @property
@@ -159,7 +159,7 @@ class Variable:
         """The allowed values in words, for example "a finite number > 0 [m]"."""
         if self.items:
             return "one of " + ", ".join(f"{n} ({item.name})" for n, item in enumerate(self.items, 1))
-        limits = {"minimum": self.minimum, "above": self.above, "maximum": self.maximum}
+        limits = {"minimum": self.minimum, "above": self.exclusive_minimum, "maximum": self.maximum}
         return allowed(float, {"choices": None, "unit": self.unit, **limits})
 
 
@@ -196,8 +196,8 @@ def variable_row(variable: Variable, word: int, set_word: int) -> TableRow:
     low, high = -LARGEST_NUMBER, LARGEST_NUMBER
     if variable.items:
         low, high = 1, len(variable.items)
-    elif variable.above is not None:
-        low = math.nextafter(variable.above, math.inf)
+    elif variable.exclusive_minimum is not None:
+        low = math.nextafter(variable.exclusive_minimum, math.inf)
     elif variable.minimum is not None:
         low = variable.minimum
     if variable.maximum is not None:

@@ -11,7 +11,7 @@ from chain_impact.scene.keys.signal_tables import unit_of
 from chain_impact.variables.impact_units import unit_at
 from chain_impact.variables.structure import Structure
 
-OF_STOPS = {
+STOP_WORDS = {
     "its_joint": "; at a stop its joint",
     "in_rad_s": f"; at a stop in {unit_at('impact_speed', stop=True)}",
     "in_n_m": f"; at a stop the moment in {unit_at('peak_force', stop=True)}",
@@ -54,7 +54,7 @@ def scene_words(structure: Structure) -> dict[str, Any]:
         "wall_numbers_if_any": f"0 if there is none, {walls}",
         "statuses": "; ".join(f"{code} {text}" for code, text in statuses.items()),
         "losses": LOSSES if known["friction"] else "contacts and damping",
-        **(OF_STOPS if known["stops"] else dict.fromkeys(OF_STOPS, "")),
+        **(STOP_WORDS if known["stops"] else dict.fromkeys(STOP_WORDS, "")),
         "general": {
             **GENERAL,
             **({} if known["free"] else {"parent": f"the link before, or {_ground(structure)}"}),
@@ -69,28 +69,28 @@ def owner_words(owner_kind: str, structure: Structure, values: dict[str, Any]) -
     return words(structure, values) if words else {}
 
 
-def _of_joint(structure: Structure, joint: dict[str, Any]) -> dict[str, str]:
+def _joint_words(structure: Structure, joint: dict[str, Any]) -> dict[str, str]:
     if joint["n"] == 1:
         return {"before": "the base", "parent": _ground(structure), "from_x": ", from +x"}
     return {"before": f"link {joint['n'] - 1}", "parent": "the link before", "from_x": ""}
 
 
-def _of_contact(structure: Structure, contact: dict[str, Any]) -> dict[str, str]:
+def _contact_words(structure: Structure, contact: dict[str, Any]) -> dict[str, str]:
     point = contact["n"]
     return {"touching": "slider" if contact["stop"] else f"point {point}{_label(structure, point)}"}
 
 
-def _of_signal(_: Structure, signal: dict[str, Any]) -> dict[str, str]:
+def _signal_words(_: Structure, signal: dict[str, Any]) -> dict[str, str]:
     return {"unit": unit_of(signal["input"])}
 
 
 _WORDS_OF: dict[str, Callable[[Structure, dict[str, Any]], dict[str, str]]] = {
     "point": lambda structure, point: {"label": _label(structure, point["n"])},
-    "joint": _of_joint,
-    "contact": _of_contact,
+    "joint": _joint_words,
+    "contact": _contact_words,
     "touched wall": lambda _, wall: {"about": "the origin" if wall["name"] in WALLS else "its point"},
-    "signal": _of_signal,
-    "step": _of_signal,
+    "signal": _signal_words,
+    "step": _signal_words,
     "impact": lambda _, impact: {"but": f" but {impact['n'] - 1}" if impact["n"] > 1 else ""},
 }
 """Kind of owner → function of a structure and an owner's values that returns word → text; for all other kinds

@@ -11,7 +11,7 @@ from matplotlib.quiver import Quiver
 from chain_impact import load_scene, simulate
 from chain_impact.pictures import draw_chain
 from chain_impact.pictures.drawing.style import LOAD, PEAK_COLOUR
-from chain_impact.pictures.motion.impact_rings import RING_DISTANCE, by_speed
+from chain_impact.pictures.motion.impact_rings import RING_DISTANCE, fastest_first
 from chain_impact.pictures.motion.joint_forces import part_in_view
 from chain_impact.pictures.motion.poses import FAINT_POSES, MOST_STRONG_POSES, apart, strong_rows
 from chain_impact.pictures.words.headline import marked_peaks, peaks
@@ -45,7 +45,7 @@ def test_strong_poses_are_start_end_and_those_of_strong_impacts_apart(model):
     np.testing.assert_array_equal(end, recording.points[-1])
     times = recording.impacts["onset"][strong_rows(recording)].tolist()
     assert 0 < len(at_impacts) == len(times) <= MOST_STRONG_POSES
-    fastest = recording.impacts["onset"][by_speed(recording)[0]]
+    fastest = recording.impacts["onset"][fastest_first(recording)[0]]
     for time, pose in zip(times, at_impacts, strict=True):
         np.testing.assert_array_equal(pose, recording.pose_at(time))
         impact = recording.impacts[recording.impacts["onset"] == time][0]
@@ -57,7 +57,7 @@ def test_strong_poses_are_start_end_and_those_of_strong_impacts_apart(model):
         assert times == [recording.impacts["onset"][marked_peaks(recording)[0].row]]
         return
     kept, expected = [start, end], []
-    for onset in recording.impacts["onset"][by_speed(recording)]:
+    for onset in recording.impacts["onset"][fastest_first(recording)]:
         pose = recording.pose_at(onset)
         gap = min(np.hypot(*(pose - other).T).mean() for other in kept)
         if onset == fastest or gap >= 0.1 * size_of(recording):
@@ -202,7 +202,7 @@ def test_arrows_of_joint_forces_are_shorter_if_one_would_leave_the_view():
 def test_the_hardest_impact_is_numbered():
     for recording in (recorded("four_link_box"), crowd()):
         motion = motion_of(recording)
-        number = str(by_speed(recording)[0] + 1)
+        number = str(fastest_first(recording)[0] + 1)
         assert any(number in text.replace(",", " ").split() for text in texts(motion))
 
 

@@ -9,7 +9,7 @@ from matplotlib.colors import to_hex
 
 from chain_impact import simulate
 from chain_impact.pictures.motion.motion import colour_of_time
-from chain_impact.pictures.motion.walls import AT_TIMES_COLOUR
+from chain_impact.pictures.motion.walls import SHORT_TIMES_COLOUR
 from chain_impact.scene.scene import scene_from_dict
 from tests.pictures.pictures import drawn, motion_of
 
@@ -73,7 +73,7 @@ def test_the_chain_stands_in_what_is_free_at_its_time():
     motion = motion_of(recording)
     at_times, always = (
         next(patch for patch in motion.patches if to_hex(patch.get_facecolor()) == to_hex(colour))
-        for colour in (AT_TIMES_COLOUR, "white")
+        for colour in (SHORT_TIMES_COLOUR, "white")
     )
     assert at_times.get_xy()[:, 0].max() == pytest.approx(START)
     assert always.get_xy()[:, 0].max() == pytest.approx(START - SPEED)

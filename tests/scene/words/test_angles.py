@@ -17,7 +17,7 @@ from chain_impact import (
 )
 from chain_impact.scene.errors import value_text
 from chain_impact.scene.scene import scene_from_dict, scene_to_dict
-from chain_impact.scene.words.angles import in_radians, radians_hint
+from chain_impact.scene.words.angles import radians_hint, radians_of
 from chain_impact.studies.fit.parameters import parameters_of
 from chain_impact.studies.fit.scene_file import updated
 from chain_impact.studies.sweep.variation import variations_of
@@ -69,18 +69,18 @@ def arm():
     [("90 deg", 90.0), ("-45deg", -45.0), (" +1.5e1  deg ", 15.0), (".5 deg", 0.5), ("3. deg", 3.0)],
 )
 def test_degrees_are_radians(text, degrees):
-    assert in_radians(text, "rad") == math.radians(degrees)
-    assert in_radians(text.replace("deg", "deg/s"), "rad/s") == math.radians(degrees)
+    assert radians_of(text, "rad") == math.radians(degrees)
+    assert radians_of(text.replace("deg", "deg/s"), "rad/s") == math.radians(degrees)
 
 
 @pytest.mark.parametrize("value", ["90", "90 grad", "deg", "1_0 deg", "nan deg", "90 deg/s", 90, 1.5, None])
 def test_other_values_do_not_change(value):
-    assert in_radians(value, "rad") is value
+    assert radians_of(value, "rad") is value
 
 
 def test_only_angles_and_rates_have_degrees():
-    assert in_radians("90 deg", "rad/s") == "90 deg"
-    assert in_radians("90 deg", "m") == in_radians("90 deg", "") == "90 deg"
+    assert radians_of("90 deg", "rad/s") == "90 deg"
+    assert radians_of("90 deg", "m") == radians_of("90 deg", "") == "90 deg"
 
 
 # --- where values are given --------------------------------------------------------------------------------

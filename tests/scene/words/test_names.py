@@ -7,7 +7,14 @@ import re
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.scene.words.names import by_owner, input_key, name_of, name_parts, parameter_hint, path_text
+from chain_impact.scene.words.names import (
+    grouped_by_owner,
+    input_key,
+    name_of,
+    name_parts,
+    parameter_hint,
+    path_text,
+)
 from chain_impact.scene.words.similar_names import longer, nearest, one_typo
 from chain_impact.studies.sweep.variation import variations_of
 from tests.helpers.tools.refusal import refusal
@@ -142,7 +149,7 @@ def test_a_name_with_the_same_last_part_is_nearer():
 )
 def test_the_parts_of_a_name(name, parts):
     assert name_parts(name) == parts
-    assert by_owner({name: 1.0}) == {parts[:3]: {parts[3]: 1.0}}
+    assert grouped_by_owner({name: 1.0}) == {parts[:3]: {parts[3]: 1.0}}
 
 
 def test_a_longer_name_of_the_same_owner_is_nearest():

@@ -2,7 +2,13 @@
 
 import pytest
 
-from chain_impact.scene.words.unit_text import in_brackets, number_hint, of_power, power_hint, unit_text
+from chain_impact.scene.words.unit_text import (
+    bracketed_unit,
+    number_hint,
+    power_hint,
+    stiffness_unit,
+    unit_text,
+)
 from chain_impact.variables.units import UNITS
 
 
@@ -21,7 +27,7 @@ from chain_impact.variables.units import UNITS
 )
 def test_a_reader_sees_signs_of_products_and_powers(unit, text):
     assert unit_text(unit) == text
-    assert in_brackets(unit) == (f" [{text}]" if text else "")
+    assert bracketed_unit(unit) == (f" [{text}]" if text else "")
 
 
 def test_no_unit_of_an_fmu_has_another_form():
@@ -29,7 +35,7 @@ def test_no_unit_of_an_fmu_has_another_form():
 
 
 def test_an_exponent_of_one_is_not_written():
-    assert (of_power("N/m", 1.0), of_power("N/m", 1.5)) == ("N/m", "N/m^1.5")
+    assert (stiffness_unit("N/m", 1.0), stiffness_unit("N/m", 1.5)) == ("N/m", "N/m^1.5")
 
 
 @pytest.mark.parametrize(

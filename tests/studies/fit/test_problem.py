@@ -51,7 +51,7 @@ def test_slopes_are_those_of_the_residuals(both):
 def test_beyond_the_horizon_nothing_is_compared(both):
     found = both.evaluate(both.start, 0.52)
     np.testing.assert_array_equal(found.exists, both.value_times <= 0.52)
-    whole = both.until(both.evaluate(both.start), 0.52)
+    whole = both.cut_at_horizon(both.evaluate(both.start), 0.52)
     np.testing.assert_array_equal(whole.exists, found.exists)
     np.testing.assert_allclose(whole.residuals[found.exists], found.residuals[found.exists], atol=1e-7)
 

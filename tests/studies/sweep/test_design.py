@@ -72,7 +72,7 @@ def test_samples_are_scipys_whatever_block_is_asked_for(sampling, count):
         parts = qmc.LatinHypercube(2, seed=generator).random(count)
     else:
         parts = qmc.Sobol(2, seed=generator).random_base2(math.ceil(math.log2(count)))[:count]
-    whole = np.stack([one.at(part) for one, part in zip(variations, parts.T, strict=True)], axis=1)
+    whole = np.stack([one.values_at(part) for one, part in zip(variations, parts.T, strict=True)], axis=1)
     design = sampled(variations, "s", count=count, sampling=sampling, seed=7)
     for first, end in ((0, count), (count // 2, count), (count // 3, count // 2 + 1), (0, 1)):
         assert (design.values(first, end) == whole[first:end]).all()

@@ -9,7 +9,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.contacts import LOG_SIZE
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
-from chain_impact.recording.joint_stops import at_joint_stop
+from chain_impact.recording.joint_stops import is_scene_joint_stop
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene, scene_from_dict, with_values
 from chain_impact.scene.settings import with_settings
@@ -54,7 +54,7 @@ def check(scene, row, varied, outputs=()):
         columns = result.columns
         for name in ("energy.kinetic", "energy.potential", "energy.elastic", "energy.total", *outputs):
             assert row[name] == columns[name][-1], name
-    stops = np.array([at_joint_stop(scene, wall) for wall in result.impacts["wall"]], bool)
+    stops = np.array([is_scene_joint_stop(scene, wall) for wall in result.impacts["wall"]], bool)
     laws = result.scene.contact.model, result.scene.stops.model
     for columns, law, rows in zip((FORCES, AT_STOPS), laws, (~stops, stops), strict=True):
         for name, column in zip(FORCES, columns, strict=True):
@@ -175,8 +175,8 @@ def test_contacts_at_stops_have_columns_of_their_own():
     """Also test a contact that lasts at the end."""
     scene = knee()
     result = simulate(scene)
-    assert {at_joint_stop(scene, wall) for wall in result.impacts["wall"]} == {False, True}
-    first = next(row for row in result.impacts if at_joint_stop(scene, row["wall"]))
+    assert {is_scene_joint_stop(scene, wall) for wall in result.impacts["wall"]} == {False, True}
+    first = next(row for row in result.impacts if is_scene_joint_stop(scene, row["wall"]))
     found = sweep(scene, {"simulation.stop_time": [0.5 * (first["onset"] + first["end"]), 2.0]})
     for row in found.table:
         assert check(scene, row, found.varied) == "ok"

@@ -45,9 +45,9 @@ def test_choices_by_name_and_by_number():
 
 def test_an_interval_gives_values_at_fractions():
     parts = np.array([0.0, 0.5, 1.0 - 1e-16])
-    assert one("contact.restitution", "0.2:0.4").at(parts) == pytest.approx([0.2, 0.3, 0.4])
-    assert one("contact.stiffness", "1e6:1e8:log").at(parts) == pytest.approx([1e6, 1e7, 1e8])
-    assert one("contact.model", "flores,hertz").at(np.array([0.0, 0.49, 0.5])).tolist() == [10, 10, 1]
+    assert one("contact.restitution", "0.2:0.4").values_at(parts) == pytest.approx([0.2, 0.3, 0.4])
+    assert one("contact.stiffness", "1e6:1e8:log").values_at(parts) == pytest.approx([1e6, 1e7, 1e8])
+    assert one("contact.model", "flores,hertz").values_at(np.array([0.0, 0.49, 0.5])).tolist() == [10, 10, 1]
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
 MIXTURES = 41
 # the largest luminance that is required of a mixture with white; it is less than 1 because the luminance of
 # white is 1 only up to round-off
-NEAR_WHITE = 0.999
+LEAST_WHITE = 0.999
 LIGHTEST_TEXT, LIGHTEST_LINE = 0.5, 0.75
 GAMMA = 2.2  # the exponent γ from a colour's value to the brightness of a screen
 # colours of curves: UMBER, PLUM and OCHRE on white; YELLOW, SKY and ORANGE, which are too pale for lines on
@@ -56,7 +56,9 @@ TEXT_OUTLINE = 4.0
 # The name of the colour map for time. Its colours change on a dark ground, because lines are drawn in these
 # colours. Of any other colour map, only the colour for missing values changes.
 TIME = "time"
-ON_COLOUR = "on colour"  # the matplotlib identifier (gid) of a text that keeps its colour, on a coloured area
+COLOURED_GROUND = (
+    "on colour"  # the matplotlib identifier (gid) of a text that keeps its colour, on a coloured area
+)
 Colour = tuple[float, float, float, float]
 
 
@@ -67,7 +69,7 @@ class Ground(NamedTuple):
     text: Any
 
     @classmethod
-    def of_style(cls) -> Ground | None:
+    def current(cls) -> Ground | None:
         """Return the colours of the style in use; None if its ground is not dark."""
         ground = mpl.rcParams["figure.facecolor"]
         return cls(ground, mpl.rcParams["text.color"]) if is_dark(ground) else None
@@ -108,7 +110,7 @@ class Ground(NamedTuple):
                 colours = artist.get_facecolor(), artist.get_edgecolor()
                 artist.set_facecolor(self.suited(colours[0]))
                 artist.set_edgecolor(self.suited(colours[1]))
-            elif isinstance(artist, Text) and artist.get_gid() != ON_COLOUR:
+            elif isinstance(artist, Text) and artist.get_gid() != COLOURED_GROUND:
                 artist.set_color(self.suited(artist.get_color()))
                 if artist.get_path_effects():  # the outline of a text must have the colour of the ground
                     artist.set_path_effects([withStroke(linewidth=TEXT_OUTLINE, foreground=self.ground)])
@@ -191,13 +193,13 @@ def least_luminance(ground: Any, ratio: float) -> float:
 def lighter(colour: Any, least: float = 0.0) -> Colour:
     """Return a colour mixed with white: its luminance is at least LEAST_LUMINANCE and ``least``.
 
-    But at most NEAR_WHITE is required. Of MIXTURES parts of white, the least that is enough is taken. The
+    But at most LEAST_WHITE is required. Of MIXTURES parts of white, the least that is enough is taken. The
     opacity stays. A colour in REPLACED is replaced before it is mixed.
     """
     alpha = to_rgba(colour)[3]
     red, green, blue = to_rgb(REPLACED.get(to_hex(colour), colour))
     shares = np.linspace(0.0, 1.0, MIXTURES)
     mixed = [(*(part + share * (1.0 - part) for part in (red, green, blue)), alpha) for share in shares]
-    needed = min(max(LEAST_LUMINANCE, least), NEAR_WHITE)
+    needed = min(max(LEAST_LUMINANCE, least), LEAST_WHITE)
     r, g, b, a = next(mixture for mixture in mixed if luminance(mixture) >= needed)
     return r, g, b, a

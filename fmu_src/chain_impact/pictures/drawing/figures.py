@@ -22,7 +22,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.drawing.legends import fit_legends
-from chain_impact.pictures.drawing.line_breaks import COMMA, in_lines
+from chain_impact.pictures.drawing.line_breaks import COMMA, broken_lines
 from chain_impact.pictures.drawing.sizes import LEAST_SIZE, Size, figure_size
 from chain_impact.pictures.drawing.style import (
     DPI,
@@ -155,11 +155,13 @@ def fitting(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
     """
     height = usual[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual[0])))
     height = min(max(LEAST_SIZE, height), TALLEST)
-    found = at_least(fill, width, height, USUAL_AXES_HEIGHT)
-    return found if found.get_figheight() <= TALLEST else at_least(fill, width, TALLEST, FLAT_AXES_HEIGHT)
+    found = figure_at_least(fill, width, height, USUAL_AXES_HEIGHT)
+    return (
+        found if found.get_figheight() <= TALLEST else figure_at_least(fill, width, TALLEST, FLAT_AXES_HEIGHT)
+    )
 
 
-def at_least(fill: Fill, width: float, height: float, mean: float) -> Figure:
+def figure_at_least(fill: Fill, width: float, height: float, mean: float) -> Figure:
     """Return a figure with a width and a height [inches], or the higher one that its contents need.
 
     ``mean`` is as in ``lacking_height``.
@@ -302,7 +304,7 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
         inside = axes.get_window_extent()
         if has_heading(axes):
             axes.title.set_text(axes.title.get_text().replace("\n", " "))
-            in_lines(axes.title, inside.width, COMMA)
+            broken_lines(axes.title, inside.width, COMMA)
         label = axes.yaxis.label
         for whole, broken in ((" [", "\n["), (".", ".\n")):
             told = label.get_text()
@@ -317,7 +319,7 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
         longest = min(LONGER * inside.width, 2.0 * (middle - edge), 2.0 * (figure.bbox.x1 - edge - middle))
         if label.get_window_extent().width > longest:
             label.set_text(label.get_text().replace("\n", " "))
-            in_lines(label, longest, "; ")
+            broken_lines(label, longest, "; ")
     return labels_of(figure) != before
 
 

@@ -44,7 +44,9 @@ OWN_LINE = 4.5
 # [pixels] a pixel of a leader crosses a strong pixel, or a pixel of another leader, if the distance of both
 # pixels is at most this along x and along y
 CROSSING = 2
-BEYOND = 64.0  # [points] with leaders, a label may end at most this far beyond the right edge of its axes
+FARTHEST_OUTSIDE = (
+    64.0  # [points] with leaders, a label may end at most this far beyond the right edge of its axes
+)
 PAD = 1.0  # [points] the width of the border around a label that must be free, too
 APART = 5.0  # [points] the least space between two labels in a row, which would otherwise read as one label
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
@@ -213,7 +215,8 @@ def place_labels(
     attempt that leaves fewer labels without room is kept. If there is none, the first attempt is kept.
 
     Args:
-        axes: the axes of the labels; only with leaders, labels may stand beyond the right edge (BEYOND).
+        axes: the axes of the labels; only with leaders, labels may stand beyond the right edge
+            (FARTHEST_OUTSIDE).
         labels: the labels to write, the most important first.
         ink: the used pixels of the figure, which afterwards include the labels.
         lines: whether leaders are allowed: a label may then be far from its position, with a line from the
@@ -317,7 +320,9 @@ def _place(
     assert figure is not None
     point, inside = figure.dpi / 72.0, axes.get_window_extent()
     may_lead = LEADER_DISTANCES[-1] in steps
-    beyond = min(inside.x1 + BEYOND * point, figure.bbox.x1 - CLOSE * point) if may_lead else inside.x1
+    beyond = (
+        min(inside.x1 + FARTHEST_OUTSIDE * point, figure.bbox.x1 - CLOSE * point) if may_lead else inside.x1
+    )
     highest = np.array([max(inside.x1, beyond), inside.y1])
     at = np.asarray(axes.transData.transform(label.position))
     style: dict[str, Any] = {

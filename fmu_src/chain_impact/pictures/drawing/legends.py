@@ -10,12 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.offsetbox import HPacker, PackerBase, VPacker
 
-from chain_impact.pictures.drawing.line_breaks import HALVINGS, in_lines
+from chain_impact.pictures.drawing.line_breaks import HALVINGS, broken_lines
 from chain_impact.pictures.drawing.style import LEFT, foot_of, head_of, is_narrow, reserve
 
 LOOK: dict[str, Any] = {"borderpad": 0.1, "handlelength": 1.0, "handletextpad": 0.4}
-ABOVE_AXES: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
-BESIDE_AXES: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
+LEGEND_ABOVE: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
+LEGEND_BESIDE: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
 # the space between two entries in a row of a legend, and between two rows, relative to the font size
 ENTRY_GAP, ROW_GAP = 0.8, 0.2
 LOOKS = ("color", "facecolor", "linestyle", "marker")  # by which two entries with one label differ
@@ -35,7 +35,7 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None) -> None:
 
 def legend_beside(axes: Axes) -> Any:
     """Put a legend with one column at the right of axes, outside of the layout, and return the legend."""
-    legend = axes.legend(labelspacing=2.0 * ROW_GAP, **LOOK, **BESIDE_AXES)
+    legend = axes.legend(labelspacing=2.0 * ROW_GAP, **LOOK, **LEGEND_BESIDE)
     legend.set_in_layout(False)
     return legend
 
@@ -69,7 +69,7 @@ def _legend_of_figure(figure: Figure, handles: Sequence[Any], **options: Any) ->
     texts = legend.get_texts()
     beside = legend.get_window_extent().width - max(text.get_window_extent().width for text in texts)
     for text in texts:
-        in_lines(text, room - beside)
+        broken_lines(text, room - beside)
     _fill_rows(legend, room)
     return float(legend.get_window_extent().height / figure.bbox.height)
 
@@ -115,7 +115,7 @@ def _put(axes: Axes, entries: Sequence[tuple[Any, str]]) -> None:
     """
     if entries:
         handles, labels = zip(*entries, strict=True)
-        axes.legend(handles, labels, ncols=len(entries), **LOOK, **ABOVE_AXES).set_gid(MARK)
+        axes.legend(handles, labels, ncols=len(entries), **LOOK, **LEGEND_ABOVE).set_gid(MARK)
 
 
 def _fill_rows(legend: Any, room: float) -> None:

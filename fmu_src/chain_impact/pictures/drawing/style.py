@@ -22,7 +22,7 @@ from matplotlib.text import Text
 from matplotlib.ticker import AutoLocator, EngFormatter, FuncFormatter, MaxNLocator
 
 from chain_impact.pictures.drawing.dark_ground import PLUM, TIME, UMBER, Ground
-from chain_impact.pictures.drawing.line_breaks import COMMA, in_lines
+from chain_impact.pictures.drawing.line_breaks import COMMA, broken_lines
 from chain_impact.system import written_whole
 from chain_impact.text import LOAD_UNITS, prefixed
 
@@ -42,9 +42,9 @@ first four.
 """
 GREY, PALE, INK = "0.72", "0.9", "0.25"
 """Greys: GREY of curves in the background, PALE of a grid's lines, INK of text and outlines."""
-OUTSIDE_COLOUR, AT_TIMES_COLOUR = "0.93", "0.965"
+OUTSIDE_COLOUR, SHORT_TIMES_COLOUR = "0.93", "0.965"
 """The colours of the ground beyond walls, and where the chain may be only at some times."""
-FLAT = ("white", OUTSIDE_COLOUR, AT_TIMES_COLOUR)
+FLAT = ("white", OUTSIDE_COLOUR, SHORT_TIMES_COLOUR)
 """The colours of the ground on which labels may stand."""
 # Parts of the text's colour in mixtures with the ground (``faint``). SHADE: for a time in which nothing
 # moves; IMPACT_LINE: for the line at an impact.
@@ -161,7 +161,7 @@ class StyledFigure(Figure):
 
 def suit_figure(figure: Figure) -> None:
     """Change the colours of a figure from those for a white ground, if the style in use is dark."""
-    ground = Ground.of_style()
+    ground = Ground.current()
     if ground is None:
         return
     ground.suit(figure.findobj())
@@ -223,7 +223,7 @@ def headline(figure: Figure, message: str, conditions: str = "", *lines: tuple[s
     width, height = figure.get_size_inches()
     placement: dict[str, Any] = {"x": LEFT / width, "ha": "left", "in_layout": False}
     title = figure.suptitle(message, y=1.0 - TOP / height, va="top", **placement)
-    in_lines(title, (width - 2.0 * LEFT) * figure.dpi, COMMA, 0)
+    broken_lines(title, (width - 2.0 * LEFT) * figure.dpi, COMMA, 0)
     top = TOP + title.get_window_extent().height / figure.dpi + GAP
     for text, colour in lines:
         look: dict[str, Any] = {"fontsize": "small", "color": colour, "va": "top"}
@@ -253,10 +253,10 @@ def tells_peak(figure: Figure | None) -> bool:
 def broken(figure: Figure, text: str, more: int = 1) -> str:
     """Return a text in lines that fit between the margins of a figure in a small font.
 
-    ``more`` is as in ``in_lines``.
+    ``more`` is as in ``broken_lines``.
     """
     probe = figure.text(0.0, 0.0, text, fontsize="small")
-    in_lines(probe, (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi, more=more)
+    broken_lines(probe, (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi, more=more)
     probe.remove()
     return str(probe.get_text())
 

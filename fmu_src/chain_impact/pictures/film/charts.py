@@ -25,10 +25,11 @@ FORCE = "#d9480f"  # the colour of wall forces in a film
 CHARTS = (0.69, 0.12, 0.29, 0.6)
 """The room for the charts: left, bottom, width and height, relative to the size of the figure."""
 # Lengths relative to the axis of time. EVEN: positions that differ by less look equal; TICK_GAP: the least
-# distance of two numbers; AT_END: a number beyond an end of the axis by at most this counts as at this end.
-EVEN, TICK_GAP, AT_END = 0.01, 0.13, 1e-9
+# distance of two numbers; END_TOLERANCE: a number beyond an end of the axis by at most this counts as at this
+# end.
+EVEN, TICK_GAP, END_TOLERANCE = 0.01, 0.13, 1e-9
 # heights of the chart of forces and of the space above this chart, relative to the height of the figure
-STRIP, ABOVE_STRIP = 0.13, 0.075
+STRIP, STRIP_TOP_MARGIN = 0.13, 0.075
 
 
 def draw_charts(figure: Figure, recording: Recording, times: np.ndarray, top: float) -> list[Line2D]:
@@ -40,7 +41,7 @@ def draw_charts(figure: Figure, recording: Recording, times: np.ndarray, top: fl
     """
     left, low, width, high = CHARTS
     forces = largest_forces(recording)
-    lift = STRIP + ABOVE_STRIP if forces else 0.0
+    lift = STRIP + STRIP_TOP_MARGIN if forces else 0.0
     panels = [figure.add_axes((left, low + lift, width, high - lift))]
     if forces:
         panels.append(figure.add_axes((left, low, width, STRIP)))
@@ -66,11 +67,11 @@ def stretch(axes: Axes, times: np.ndarray) -> bool:
     """
     frames, ends = np.linspace(0.0, 1.0, len(times)), axes.get_xlim()
     give_ticks(axes)
-    is_whole = np.allclose(times[[0, -1]], ends, rtol=0.0, atol=AT_END * np.ptp(ends))
+    is_whole = np.allclose(times[[0, -1]], ends, rtol=0.0, atol=END_TOLERANCE * np.ptp(ends))
     if not is_whole or np.abs(frames - np.interp(times, ends, (0.0, 1.0))).max() < EVEN:
         return False
     ticks = axes.get_xticks()
-    ticks = ticks[np.abs(ticks - ticks.clip(*ends)) <= AT_END * np.ptp(ends)]
+    ticks = ticks[np.abs(ticks - ticks.clip(*ends)) <= END_TOLERANCE * np.ptp(ends)]
     at = np.interp(ticks, times, frames)
     axes.set_xscale(
         "function", functions=(lambda t: np.interp(t, times, frames), lambda k: np.interp(k, frames, times))

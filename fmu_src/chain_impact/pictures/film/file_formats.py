@@ -13,8 +13,8 @@ from chain_impact.extras import require
 
 SHADES = 6  # number of shades of each colour in a gif: the colour itself, and mixtures with the ground
 # A mixture with the ground is left out if each of its red, green and blue, from 0 to 1, differs by at most
-# NEAR_GROUND from that of the ground, because Pillow would give this mixture to pixels of the ground.
-NEAR_GROUND = 0.04
+# GROUND_DISTANCE from that of the ground, because Pillow would give this mixture to pixels of the ground.
+GROUND_DISTANCE = 0.04
 HOLD = 1.5  # [s] the time for which a gif shows its last frame before the film starts again
 GIF_END = b";"  # the last byte of a gif
 QUALITY = "20"  # the quality of H.264: 0 has no loss, 51 is the worst
@@ -39,7 +39,7 @@ def write_gif(
     share = np.linspace(0.0, 1.0, SHADES, endpoint=False)[:, None, None]
     back = np.array(to_rgb(ground))
     shades = np.concatenate([back[None], (full + share * (back - full)).reshape(-1, 3)])
-    shades = shades[(shades == back).all(axis=1) | (np.abs(shades - back) > NEAR_GROUND).any(axis=1)]
+    shades = shades[(shades == back).all(axis=1) | (np.abs(shades - back) > GROUND_DISTANCE).any(axis=1)]
     palette = Image.new("P", (1, 1))
     palette.putpalette(np.rint(255.0 * shades).astype(np.uint8).tobytes())
     options: dict[str, Any] = {"palette": palette, "dither": Image.Dither.NONE}

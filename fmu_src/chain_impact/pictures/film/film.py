@@ -85,9 +85,9 @@ class Film:
         """
         self.recording, self.times, self.ground = recording, times, ground
         self.points = np.stack(
-            [self._over_frames(point) for point in recording.all_points.transpose(1, 0, 2)], axis=1
+            [self._frame_values(point) for point in recording.all_points.transpose(1, 0, 2)], axis=1
         )
-        self.loads = {joint: self._over_frames(force) for joint, force in recording.loads.items()}
+        self.loads = {joint: self._frame_values(force) for joint, force in recording.loads.items()}
         self.rows = np.searchsorted(recording.time, times, side="right") - 1
         self.interactions, self.moving = recording.interactions, list[Any]()
         self.numbers, self.arrows = list[Number](), list[np.ndarray]()
@@ -155,7 +155,7 @@ class Film:
             self.ground.suit(figure.findobj())
             figure.set_facecolor(self.ground.ground)
 
-    def _over_frames(self, vectors: np.ndarray) -> np.ndarray:
+    def _frame_values(self, vectors: np.ndarray) -> np.ndarray:
         """Return vectors at the times of the frames, shape (F, 2), interpolated between rows, (T, 2)."""
         return np.stack([np.interp(self.times, self.recording.time, part) for part in vectors.T], axis=-1)
 

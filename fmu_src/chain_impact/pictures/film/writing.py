@@ -69,7 +69,7 @@ def write_film(
     rates = np.interp(shown, times, np.gradient(times) * usual * speed)
     pictures = draw_frames(recording, shown, rates, (width, height), progress)
     if path.suffix.lower() == ".gif":
-        ground = Ground.of_style()
+        ground = Ground.current()
         colours = [ground.suited(colour) for colour in FILM_COLOURS] if ground else FILM_COLOURS
         write_gif(pictures, path, rate, colours, ground.ground if ground else "white")
     else:
@@ -113,7 +113,7 @@ def draw_frames(
         size: width and height [pixels].
         progress: called with the finished fraction, 0 to 1.
     """
-    ground = Ground.of_style()
+    ground = Ground.current()
     with matplotlib.style.context(["default", FILM_STYLE]):
         dpi = resolution(size)
         figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)

@@ -30,7 +30,7 @@ SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact, a joint or a
 RING_DISTANCE = 0.03
 
 
-def by_speed(recording: Recording) -> np.ndarray:
+def fastest_first(recording: Recording) -> np.ndarray:
     """Return the rows of the impacts by ``recording.linear_impact_speeds``, from the largest on."""
     return np.argsort(-recording.linear_impact_speeds, kind="stable")
 
@@ -121,14 +121,14 @@ def _label_place(
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
     """Return the rings: position of a ring → rows of its impacts in ``recording.impacts``, fastest first.
 
-    The position of a ring is the ``spot`` of its fastest impact, by ``by_speed``. A slower impact at the same
-    wall or stop belongs to this ring if the distance from its spot to the ring's position is less than
+    The position of a ring is the ``spot`` of its fastest impact, by ``fastest_first``. A slower impact at the
+    same wall or stop belongs to this ring if the distance from its spot to the ring's position is less than
     RING_DISTANCE × the larger side of the view.
     """
     spacing = RING_DISTANCE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     hits_at: dict[tuple[float, float], list[int]] = {}
     walls = recording.impacts["wall"]
-    for row in by_speed(recording).tolist():
+    for row in fastest_first(recording).tolist():
         x, y = recording.impact_position(recording.impacts[row]).tolist()
         near = (
             spot

@@ -12,7 +12,7 @@ from matplotlib.colors import Normalize
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import INK, TIME_COLOURS, give_ticks, is_one_column, scale_numbers
 from chain_impact.pictures.motion.bodies import draw_bodies, draw_rail
-from chain_impact.pictures.motion.impact_rings import by_speed, draw_rings, draw_sticking
+from chain_impact.pictures.motion.impact_rings import draw_rings, draw_sticking, fastest_first
 from chain_impact.pictures.motion.joint_forces import draw_loads
 from chain_impact.pictures.motion.moving_walls import draw_moving
 from chain_impact.pictures.motion.poses import RIM_WIDTH, draw_chain, draw_faint, is_covered, strong_rows
@@ -75,7 +75,9 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
         draw_bodies(axes, recording, row, colour, linewidth=1.2)
         draw_chain(axes, recording.points[row], **style)
     if recording.stops:
-        hit = next((row for row in by_speed(recording).tolist() if recording.is_at_joint_stop[row]), None)
+        hit = next(
+            (row for row in fastest_first(recording).tolist() if recording.is_at_joint_stop[row]), None
+        )
         pose = recording.points[-1] if hit is None else recording.pose_at(recording.impacts["onset"][hit])
         lines = list(range_lines(pose, recording.stops))
         axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.0, zorder=3.5, label="stops"))

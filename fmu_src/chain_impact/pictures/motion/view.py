@@ -14,7 +14,8 @@ from chain_impact.scene.half_planes import HalfPlane
 
 # VIEW_MARGIN: the margin of the view around the motion; BAND: how far the view reaches beyond a wall by
 # default. Both are relative to the longer side of the view without margins. √2 BAND must be less than
-# NEAR_WALL of recording/view.py, so that the margins alone do not reach a wall farther away than NEAR_WALL.
+# WALL_DISTANCE of recording/view.py, so that the margins alone do not reach a wall farther away than
+# WALL_DISTANCE.
 VIEW_MARGIN, BAND = 0.04, 0.14
 # the view is not extended to a position of a moving wall that is farther from the motion than this, relative
 # to the size of the motion

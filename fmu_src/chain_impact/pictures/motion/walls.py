@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.patches import Polygon
 
-from chain_impact.pictures.drawing.style import AT_TIMES_COLOUR, INK, OUTSIDE_COLOUR
+from chain_impact.pictures.drawing.style import INK, OUTSIDE_COLOUR, SHORT_TIMES_COLOUR
 from chain_impact.pictures.motion.view import View, view_of, wall_extremes
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import free_room, pin_mark
@@ -19,21 +19,21 @@ from chain_impact.scene.half_planes import HalfPlane
 
 # a corner of the room in view lies on a wall if its distance from the wall, relative to the size of the view,
 # is less than this number
-ON_WALL = 1e-9
+WALL_TOLERANCE = 1e-9
 
 
 def draw_walls(axes: Axes, recording: Recording, view: View | None = None) -> None:
     """Draw the walls near the motion and the mark of a pinned base, and set the limits of the axes.
 
     ``view`` is by default the result of ``view_of``. This function leaves the lines of moving walls, and a
-    moving base, to ``draw_moving``. The ground is white where the chain may be at all times, AT_TIMES_COLOUR
-    where the chain may be only at some times, and OUTSIDE_COLOUR beyond walls.
+    moving base, to ``draw_moving``. The ground is white where the chain may be at all times,
+    SHORT_TIMES_COLOUR where the chain may be only at some times, and OUTSIDE_COLOUR beyond walls.
     """
     corners, near = view or view_of(recording)
     moving = moving_walls(recording, near)
     at_most, at_least = ([walls[name] for name in near] for walls in wall_extremes(recording))
     if moving:
-        axes.add_patch(Polygon(_corners(at_most, corners), facecolor=AT_TIMES_COLOUR, zorder=0.4))
+        axes.add_patch(Polygon(_corners(at_most, corners), facecolor=SHORT_TIMES_COLOUR, zorder=0.4))
     still = [wall for name, wall in zip(near, at_least, strict=True) if name not in moving]
     draw_room(axes, corners, at_least, still)
     if recording.pinned and not moves(recording.points[:, 0]):
@@ -98,4 +98,4 @@ def wall_line(wall: HalfPlane, walls: Sequence[HalfPlane], view: np.ndarray) -> 
     """
     corners = _corners(walls, view)
     gaps = corners @ np.array(wall.normal) - wall.offset
-    return np.asarray(corners[abs(gaps) < ON_WALL * np.ptp(view)])
+    return np.asarray(corners[abs(gaps) < WALL_TOLERANCE * np.ptp(view)])

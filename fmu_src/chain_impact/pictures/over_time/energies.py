@@ -16,7 +16,7 @@ from chain_impact.pictures.drawing.dark_ground import OCHRE
 from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band, hides, plot_curves
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import BLACK, BLUE, BROWN, GREEN, PURPLE, VIOLET
-from chain_impact.pictures.over_time.time_axis import mark_impacts, over_all_time
+from chain_impact.pictures.over_time.time_axis import mark_impacts, show_all_time
 from chain_impact.recording.recording import Recording
 
 # The curve of an energy except the total energy is dashed if, in at least the part MOSTLY of all rows, the
@@ -57,7 +57,7 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
         names = ", ".join(curves[k][1]["label"] for k in tiny)
         fill_band(axes, time, values, f"{names}: ≤ {np.abs(values).max():.2g} J")
     axes.set_ylabel("energy [J]")
-    over_all_time(axes, recording)
+    show_all_time(axes, recording)
     legend_above(axes)
 
 

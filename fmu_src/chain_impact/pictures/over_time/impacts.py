@@ -17,7 +17,7 @@ from matplotlib.transforms import ScaledTranslation
 from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import GREY, INK, PEAK_COLOUR, is_narrow, load_unit, scale_numbers
-from chain_impact.pictures.over_time.time_axis import over_all_time
+from chain_impact.pictures.over_time.time_axis import show_all_time
 from chain_impact.pictures.words.headline import marked_peaks, strengths
 from chain_impact.pictures.words.impact_numbers import (
     LISTED_OF_MANY,
@@ -118,7 +118,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         legend_above(axes, handles)
     else:
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=INK)
-    over_all_time(axes, recording)
+    show_all_time(axes, recording)
 
 
 def place_of_late_peaks(recording: Recording) -> str:

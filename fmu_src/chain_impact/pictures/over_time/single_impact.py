@@ -17,8 +17,9 @@ from chain_impact.text import prefixed
 from chain_impact.variables.impact_units import unit_at
 
 PEAK = 0.95  # a force counts as at its peak from PEAK × its largest value on
-# a long contact is shown for at least AFTER_PEAK × the time from its onset until its force is at its peak
-AFTER_PEAK = 4.0
+# a long contact is shown for at least PEAK_TIMES_SHOWN × the time from its onset until its force is at its
+# peak
+PEAK_TIMES_SHOWN = 4.0
 # a contact is long if it lasts more than MUCH_LONGER × the time for which ``shown_contact`` shows a long one
 MUCH_LONGER = 2.0
 # If a run cannot be repeated, the force of a contact is drawn from the recording's rows within the contact,
@@ -31,8 +32,8 @@ def shown_contact(impact: np.void, time: np.ndarray, force: np.ndarray) -> float
     """Return the time after the onset [s] for which a contact is shown; 0 if ``time`` is empty.
 
     The time is the duration of the contact or, if the contact is long (MUCH_LONGER), the longer one of
-    LONGEST_IMPACT × penetration / impact speed and AFTER_PEAK × the time from the onset until the force is
-    at its peak (PEAK).
+    LONGEST_IMPACT × penetration / impact speed and PEAK_TIMES_SHOWN × the time from the onset until the force
+    is at its peak (PEAK).
 
     ``impact`` is a row of ``impacts``; ``time`` [s] and ``force`` are those of the contact, shape (S,).
     """
@@ -41,7 +42,7 @@ def shown_contact(impact: np.void, time: np.ndarray, force: np.ndarray) -> float
     lasting = float(np.ptp(time))
     speed = max(impact["impact_speed"], SLOWEST)
     peak = float(time[np.argmax(force >= PEAK * force.max())] - time[0])
-    near = max(LONGEST_IMPACT * np.nan_to_num(impact["max_penetration"]) / speed, AFTER_PEAK * peak)
+    near = max(LONGEST_IMPACT * np.nan_to_num(impact["max_penetration"]) / speed, PEAK_TIMES_SHOWN * peak)
     return near if lasting > MUCH_LONGER * near else lasting
 
 

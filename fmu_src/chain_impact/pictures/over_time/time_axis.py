@@ -71,7 +71,7 @@ def name_time(axes: Axes, end: float) -> str:
     return f"time [{unit}]"
 
 
-def over_all_time(axes: Axes, recording: Recording) -> None:
+def show_all_time(axes: Axes, recording: Recording) -> None:
     """Shade the times in which nothing moves, and give ``axes`` enough numbers along x and y."""
     shade_rests(axes, shown_time(recording))
     give_ticks(axes)

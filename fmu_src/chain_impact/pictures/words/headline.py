@@ -23,10 +23,10 @@ from chain_impact.pictures.words.point_names import brief_hit, what_touches
 from chain_impact.recording.contact_times import has_impulses, peak_time
 from chain_impact.recording.impact_words import speed_unit
 from chain_impact.recording.impacts import lasts
-from chain_impact.recording.joint_peaks import BY_ROW, joint_peaks
+from chain_impact.recording.joint_peaks import LARGEST_OF_ROWS, joint_peaks
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.words.names import name_parts
-from chain_impact.scene.words.unit_text import of_power
+from chain_impact.scene.words.unit_text import stiffness_unit
 from chain_impact.text import number, plural, prefixed
 from chain_impact.variables.impact_units import unit_at
 
@@ -296,7 +296,7 @@ def load_text(recording: Recording) -> str:
     factor, unit = time_unit(float(recording.time[-1] - recording.time[0]))
     return (
         f"joint {largest.joint} bears up to {force_text(largest.force, 'N')} in the run, "
-        f"{'by' if largest.kind == BY_ROW else 'at'} {factor * largest.time:.5g} {unit}"
+        f"{'by' if largest.kind == LARGEST_OF_ROWS else 'at'} {factor * largest.time:.5g} {unit}"
     )
 
 
@@ -314,8 +314,8 @@ def conditions(recording: Recording, *first: str, touches: bool = True) -> str:
     """
     known = recording.parameters
     parts = [*filter(None, first), plural(recording.link_count, "link")]
-    parts += of_joints(recording)
-    parts += of_contacts(recording) if touches else []
+    parts += joint_words(recording)
+    parts += contact_words(recording) if touches else []
     if rubbing := [words for name, value in known.items() if (words := friction(name, value))]:
         parts.append(f"friction µ = {', '.join(rubbing)}")
     if touches and "stop.restitution" in known:
@@ -331,7 +331,7 @@ def conditions(recording: Recording, *first: str, touches: bool = True) -> str:
     return SEPARATOR.join(parts)
 
 
-def of_joints(recording: Recording) -> list[str]:
+def joint_words(recording: Recording) -> list[str]:
     """Return words for the largest damping and friction of joints: "joint damping ≤ 0.02 N·m·s/rad".
 
     The damping of a powered drive, with a target or a limit, is "servo damping": its work is work of the
@@ -348,7 +348,7 @@ def of_joints(recording: Recording) -> list[str]:
     return [f"{words} ≤ {most:g} {unit}" for (words, unit), most in sorted(largest.items())]
 
 
-def of_contacts(recording: Recording) -> list[str]:
+def contact_words(recording: Recording) -> list[str]:
     """Return words for the law, the restitution and the stiffness of walls, as far as known and in use."""
     known, parts = recording.parameters, []
     law = known.get("contact.model", "")
@@ -359,7 +359,7 @@ def of_contacts(recording: Recording) -> list[str]:
             parts.append(f"restitution e = {known['contact.restitution']:g}")
         # an impulsive law uses no stiffness
         if not has_impulses(law):
-            unit = raised(of_power("N/m", known["contact.exponent"]))
+            unit = raised(stiffness_unit("N/m", known["contact.exponent"]))
             parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
     return parts
 

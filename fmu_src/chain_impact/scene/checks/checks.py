@@ -24,14 +24,14 @@ from chain_impact.scene.kernel_view import chain_view
 from chain_impact.scene.keys.chain_tables import ChainTable
 from chain_impact.scene.keys.tables import Contact, Material, Stops
 from chain_impact.scene.rules.refusals import LAW_FACTS, REFUSALS
-from chain_impact.scene.rules.rule_language import ValueOf, holds, number_in, of_members, value_at
+from chain_impact.scene.rules.rule_language import ValueOf, holds, member_lookups, number_in, value_at
 from chain_impact.scene.words.angles import radians_hint, turns_hint
 from chain_impact.scene.words.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
 
 # LONG_LINK [m], LIGHT_LINK [kg/m]: The length of a link is probably given in mm if it is above LONG_LINK and
 # the mass per length is below LIGHT_LINK: in metres, only a long rope would be so light.
 LONG_LINK, LIGHT_LINK = 20.0, 0.2
-IN_MM = (9e3, 1.05e4)  # [m/s²] range of a gravity that is probably the earth's gravity in mm/s²
+GRAVITY_IN_MM = (9e3, 1.05e4)  # [m/s²] range of a gravity that is probably the earth's gravity in mm/s²
 # [1] the coordinates of a point of a link are probably in mm if the distance of this point from the link's
 # proximal joint is above FAR_POINT times the sum of the lengths of all links
 FAR_POINT = 30.0
@@ -107,9 +107,10 @@ def check_refusal_rules(scene: Contents) -> None:
     tables: dict[str, list[tuple[DataPath, ValueOf]]] = {
         "": [((), whole)],
         "link": [
-            (("chain", "links", i), of_link) for i, of_link in enumerate(of_members(scene.chain.links, whole))
+            (("chain", "links", i), of_link)
+            for i, of_link in enumerate(member_lookups(scene.chain.links, whole))
         ],
-        "law": [(path, table.get) for path, table in _of_laws(scene).items()],
+        "law": [(path, table.get) for path, table in _law_tables(scene).items()],
     }
     for rule in REFUSALS:
         for path, value_of in tables[rule.of]:
@@ -123,7 +124,7 @@ def check_refusal_rules(scene: Contents) -> None:
                 raise refusal((*path, *rule.key.split(".")), rule.fault, **words)
 
 
-def _of_laws(scene: Contents) -> dict[DataPath, dict[str, Any]]:
+def _law_tables(scene: Contents) -> dict[DataPath, dict[str, Any]]:
     """Return path → values of [contact], each table [contact.wall.<name>], and [stops] if a joint has a stop.
 
     The values are by their names in ``REFUSALS``: a key of the table, or a property of the contact law
@@ -132,13 +133,15 @@ def _of_laws(scene: Contents) -> dict[DataPath, dict[str, Any]]:
     contact = scene.contact
     tables: dict[DataPath, Contact | Material] = {("contact",): contact}
     tables |= {("contact", "wall", name): material for name, material in contact.wall.items()}
-    found = {path: _of_law(contact.model, own, *coefficients(contact, own)) for path, own in tables.items()}
+    found = {
+        path: _law_values(contact.model, own, *coefficients(contact, own)) for path, own in tables.items()
+    }
     if scene.chain.stops:
-        found["stops",] = _of_law(scene.stops.model or contact.model, scene.stops)
+        found["stops",] = _law_values(scene.stops.model or contact.model, scene.stops)
     return found
 
 
-def _of_law(
+def _law_values(
     model: str,
     table: Contact | Material | Stops,
     friction: float | None = None,
@@ -265,7 +268,7 @@ def hints(scene: Contents) -> list[str]:
 def size_hints(scene: Contents) -> list[str]:
     """Return the questions of ``length_hints``, and a question on gravity if it is probably in mm/s²."""
     texts, pull = length_hints(scene), math.hypot(*scene.gravity)
-    if IN_MM[0] < pull < IN_MM[1]:
+    if GRAVITY_IN_MM[0] < pull < GRAVITY_IN_MM[1]:
         strong = f"gravity = {list(scene.gravity)} m/s² is a thousand times as strong as on earth"
         texts.append(f"{strong}: is it in mm/s²?")
     return texts

@@ -24,7 +24,7 @@ from chain_impact.scene.words.unit_text import unit_text
 
 # [1] the speed of a sine at its start, divided by the largest speed of the sine, up to which the sine counts
 # as at rest at its start, because the speed may be round-off
-AT_REST = 1e-12
+REST_TOLERANCE = 1e-12
 
 
 def check_signals(scene: Contents) -> None:
@@ -154,7 +154,7 @@ def _check_motion(name: str, signal: Signal, driven: str) -> None:
         "order": order,
         "moves": moves,
         "steps_differ": len(set(signal.values or ())) > 1,
-        "starts_fast": abs(speed * math.cos(signal.phase or 0.0)) > AT_REST * speed,
+        "starts_fast": abs(speed * math.cos(signal.phase or 0.0)) > REST_TOLERANCE * speed,
     }
     for rule in SIGNAL_REFUSALS:
         if holds(rule.condition, lambda key: facts[key] if key in facts else getattr(signal, key)):

@@ -146,7 +146,7 @@ class Rail:
     size: float
 
     @classmethod
-    def between(
+    def with_stops(
         cls, origin: np.ndarray, angle: float, low: float | None, high: float | None, size: float
     ) -> Rail:
         """Return the line with stops at ``low`` and ``high`` [m]; None stands for a stop that is missing."""
@@ -228,4 +228,4 @@ def rail_from(points: np.ndarray, positions: np.ndarray | None, values: Mapping[
     along = np.array([math.cos(angle), math.sin(angle)])
     first = 0.0 if positions is None else float(positions[0])
     stops = values.get("slider.min"), values.get("slider.max")
-    return Rail.between(bases[0] - first * along, angle, *stops, size_of_motion(points))
+    return Rail.with_stops(bases[0] - first * along, angle, *stops, size_of_motion(points))

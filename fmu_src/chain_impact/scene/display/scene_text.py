@@ -9,7 +9,7 @@ from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.facts import friction_joints
 from chain_impact.scene.keys.tables import Material
-from chain_impact.scene.words.unit_text import of_power
+from chain_impact.scene.words.unit_text import stiffness_unit
 
 # largest number of entries of a list in the text of a scene; a longer list has its first entries, … and its
 # last one
@@ -34,7 +34,7 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
     box = [f"{wall} = {at:g} m" for wall in WALLS if (at := getattr(scene.box, wall)) is not None]
     yield "walls", ", ".join([*box, *(wall.name for wall in scene.walls)]) or "none"
     law = f"{contact.model}, e = {contact.restitution:g}"
-    stiffness = f"K = {contact.stiffness:g} {of_power('N/m', contact.exponent)}"
+    stiffness = f"K = {contact.stiffness:g} {stiffness_unit('N/m', contact.exponent)}"
     mu = _friction(contact.friction or None, contact.static_friction or None)
     yield "contact", f"{', '.join([law, stiffness, *mu])}; points {_listed(contact.points)}"
     materials = [line for name, material in contact.wall.items() if (line := _material(name, material))]
@@ -43,7 +43,7 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
     if scene.chain.stops:
         ends = scene.chain.joint_ranges.items()
         stops, law = scene.stops, scene.stops.model or contact.model
-        stiffness = f"K = {stops.stiffness:g} {of_power('N·m/rad', stops.exponent)}"
+        stiffness = f"K = {stops.stiffness:g} {stiffness_unit('N·m/rad', stops.exponent)}"
         ranges = [f"joint {joint} {_range(low, high)}" for joint, (low, high) in ends]
         ranges = ranges if len(ranges) <= SHOWN_ENTRIES else [*ranges[: SHOWN_ENTRIES - 2], "…", ranges[-1]]
         yield "stops", f"{law}, e = {stops.restitution:g}, {stiffness}; {', '.join(ranges)}"

@@ -39,7 +39,7 @@ def line_of(text: str, path: DataPath) -> int | None:
     inside = ""
     for number, line in enumerate(text.splitlines(), 1):
         if not inside and (head := _HEAD.match(line)):
-            table = _within(counts, _key_parts(head[2]))
+            table = _table_path(counts, _key_parts(head[2]))
             if head[1] == "[[":
                 counts[table] = counts.get(table, -1) + 1
                 table = (*table, counts[table])
@@ -56,7 +56,7 @@ def line_of(text: str, path: DataPath) -> int | None:
     return best[1]
 
 
-def _within(counts: dict[DataPath, int], steps: DataPath) -> DataPath:
+def _table_path(counts: dict[DataPath, int], steps: DataPath) -> DataPath:
     """Return the path of the table whose head has the keys ``steps``.
 
     A head has no indices. If one of its keys, except the last one, names a list, the table belongs to the

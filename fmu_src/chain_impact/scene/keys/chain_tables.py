@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, replace
 
 from chain_impact.scene.errors import refusal
-from chain_impact.scene.keys.default_rules import CONTACT_RADIUS, MIDDLE, OFF, ROD, SLIDER_TABLE
+from chain_impact.scene.keys.default_rules import CONTACT_RADIUS, MIDDLE, ROD, SLIDER_TABLE, ZERO_RULE
 from chain_impact.scene.rules.key_rules import IDENTIFIER, scene_key
 from chain_impact.scene.words.names import SLIDER_STOPS, STOPS
 
@@ -52,7 +52,7 @@ class Link:
     center_of_mass_offset: float = scene_key(
         "m",
         "distance of the centre of mass from the link's line, to its left",
-        OFF,
+        ZERO_RULE,
         label="Centre of mass left",
     )
     inertia: float = scene_key(
@@ -67,10 +67,13 @@ class Link:
     )
     joint_rest_angle: float = scene_key("rad", "angle of the joint at which its spring is slack", 0.0)
     joint_friction: float = scene_key(
-        "N.m", "moment of dry friction in the joint nearer to the base", OFF, minimum=0.0
+        "N.m", "moment of dry friction in the joint nearer to the base", ZERO_RULE, minimum=0.0
     )
     joint_armature: float = scene_key(
-        "kg.m2", "inertia of the rotor of the joint's drive, reflected through its gear", OFF, minimum=0.0
+        "kg.m2",
+        "inertia of the rotor of the joint's drive, reflected through its gear",
+        ZERO_RULE,
+        minimum=0.0,
     )
     joint_torque_limit: float | None = scene_key(
         "N.m", "limit of the torque of motor, spring and damper together", None, minimum=0.0
@@ -105,7 +108,7 @@ class Slider:
         "m", "position on the line at which the spring is slack", 0.0, label="Rest position"
     )
     friction: float = scene_key(
-        "N", "force of dry friction along the line", OFF, minimum=0.0, label="Friction"
+        "N", "force of dry friction along the line", ZERO_RULE, minimum=0.0, label="Friction"
     )
     min: float | None = scene_key("m", "stop at the least position of the carriage", None, label="Stop from")
     max: float | None = scene_key("m", "stop at the largest position of the carriage", None, label="Stop to")

@@ -29,16 +29,16 @@ def _quotient(text: str, *terms: tuple[str, ...], divisor: int, of_box: Derived 
 
 
 MIDDLE = _quotient("length / 2", ("length",), divisor=2)
-_ALONG, _ACROSS = ("mass", "length", "length"), ("mass", "height", "height")
-_RECTANGLE = _quotient("mass * (length^2 + height^2) / 12", _ALONG, _ACROSS, divisor=12)
-ROD = _quotient("mass * length^2 / 12", _ALONG, divisor=12, of_box=_RECTANGLE)
+_LENGTH_FACTORS, _HEIGHT_FACTORS = ("mass", "length", "length"), ("mass", "height", "height")
+_RECTANGLE = _quotient("mass * (length^2 + height^2) / 12", _LENGTH_FACTORS, _HEIGHT_FACTORS, divisor=12)
+ROD = _quotient("mass * length^2 / 12", _LENGTH_FACTORS, divisor=12, of_box=_RECTANGLE)
 MOVABLE = Derived("all that move", lambda known: tuple(known["chain"].movable_points))
-FROM_JOINTS = Derived(
+JOINT_SUMS = Derived(
     "the sums of joint_angles",
     lambda known: tuple(accumulate(known["joint_angles"])) if known["joint_angles"] else MISSING,
     or_key="joint_angles",
 )
-OFF = Derived("0", lambda _: 0.0, constant=True, off=0.0)
+ZERO_RULE = Derived("0", lambda _: 0.0, constant=True, off=0.0)
 ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links), constant=True)
 
 

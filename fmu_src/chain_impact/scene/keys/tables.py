@@ -9,7 +9,14 @@ from dataclasses import dataclass
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.ode.control import SOLVER_METHODS
 from chain_impact.kernel.record.contacts import LATEST_COUNT
-from chain_impact.scene.keys.default_rules import FROM_JOINTS, MOVABLE, OFF, ZEROS, as_in_contact, with_stops
+from chain_impact.scene.keys.default_rules import (
+    JOINT_SUMS,
+    MOVABLE,
+    ZERO_RULE,
+    ZEROS,
+    as_in_contact,
+    with_stops,
+)
 from chain_impact.scene.rules.key_rules import IDENTIFIER, scene_key
 from chain_impact.scene.words.names import INPUTS_OF
 
@@ -91,9 +98,12 @@ class Contact:
         above=0.0,
         alone=True,
     )
-    friction: float = scene_key("1", "coefficient of sliding friction", OFF, minimum=0.0)
+    friction: float = scene_key("1", "coefficient of sliding friction", ZERO_RULE, minimum=0.0)
     static_friction: float = scene_key(
-        "1", "coefficient of static friction, not less than friction; 0: equal to friction", OFF, minimum=0.0
+        "1",
+        "coefficient of static friction, not less than friction; 0: equal to friction",
+        ZERO_RULE,
+        minimum=0.0,
     )
     wall: Mapping[str, Material] = scene_key("", "materials of single walls, by the name of the wall", {})
 
@@ -190,7 +200,7 @@ class Initial:
         file_only=True,
     )
     angles: tuple[float, ...] = scene_key(
-        "rad", "angle of each link, absolute, from +x", FROM_JOINTS, per_link=True, alone=True
+        "rad", "angle of each link, absolute, from +x", JOINT_SUMS, per_link=True, alone=True
     )
     velocity: tuple[float, float] = scene_key("m/s", "velocity of the base", (0.0, 0.0), alone=True)
     angular_velocities: tuple[float, ...] = scene_key(

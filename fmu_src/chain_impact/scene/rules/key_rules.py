@@ -11,7 +11,7 @@ from pathlib import Path
 from types import NoneType
 from typing import Any, TypedDict, Unpack, get_args
 
-from chain_impact.scene.words.unit_text import in_brackets
+from chain_impact.scene.words.unit_text import bracketed_unit
 
 # name of a rule → function that tells whether a value keeps the rule; its arguments are the value, and the
 # rule's entry in the metadata
@@ -170,4 +170,4 @@ def allowed(kind: Any, metadata: Mapping[str, Any]) -> str:
         f"{signs[limit]} {metadata[limit]:g}" for limit in signs if metadata[limit] is not None
     )
     words = " ".join(filter(None, ("a whole number" if kind is int else "a finite number", bounds)))
-    return words + in_brackets(metadata["unit"])
+    return words + bracketed_unit(metadata["unit"])

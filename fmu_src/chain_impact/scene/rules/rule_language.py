@@ -52,12 +52,12 @@ _SIGNS: dict[type, str] = {
 """Operator of Python's syntax → its sign in a rule; a rule has no other operators."""
 _FUNCTIONS = {"given": 1, "any": 2, "sum": 2}
 """Name of a function in rules → its number of arguments."""
-_OF_ALL: dict[str, Callable[[Iterable[bool]], bool]] = {"and": all, "or": any}
-_OF_ONE: dict[str, Callable[[Any], bool]] = {
+_BOOLEAN_OPERATORS: dict[str, Callable[[Iterable[bool]], bool]] = {"and": all, "or": any}
+_UNARY_OPERATORS: dict[str, Callable[[Any], bool]] = {
     "not": lambda value: not _is_so(value),
     "given": lambda value: value is not None,
 }
-_OF_TWO: dict[str, Callable[[Any, Any], Any]] = {
+_BINARY_OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
     "+": operator.add,
     "*": operator.mul,
     "==": operator.eq,
@@ -68,8 +68,9 @@ _OF_TWO: dict[str, Callable[[Any, Any], Any]] = {
     ">=": operator.ge,
     "in": lambda value, entries: value in entries,
 }
-"""``_OF_ALL``, ``_OF_ONE``, ``_OF_TWO``: sign of an operator → function that computes the operator from the
-values of any number of operands, of one, or of two. A function of two operands never gets a missing value."""
+"""``_BOOLEAN_OPERATORS``, ``_UNARY_OPERATORS``, ``_BINARY_OPERATORS``: sign of an operator → function that
+computes the operator from the values of any number of operands, of one, or of two. A function of two operands
+never gets a missing value."""
 
 
 @cache
@@ -152,7 +153,7 @@ def numbers_of(rule: str, members: Iterable[Any], value_of: ValueOf) -> list[Any
     ``value_of`` gives the values that the members do not have (``value_within``).
     """
     number = partial(number_in, rule)
-    return _for_members(number, tuple(names_in(tree(rule))), members, value_of)
+    return _member_values(number, tuple(names_in(tree(rule))), members, value_of)
 
 
 def members_in(rule: str, value_of: ValueOf) -> Collection[Any]:
@@ -177,17 +178,17 @@ def _function_of(part: Tree) -> Callable[[ValueOf], Any]:
         return (lambda value_of: value_of(name)) if name else (lambda _: constant)
     sign, of = part["operator"], [_function_of(inner) for inner in part["parts"]]
     if sign in ("any", "sum"):
-        return partial(_of_members, sign, of[0], of[1], tuple(names_in(part["parts"][1])))
-    if sign in _OF_ALL:
-        of_all = _OF_ALL[sign]
+        return partial(_member_function, sign, of[0], of[1], tuple(names_in(part["parts"][1])))
+    if sign in _BOOLEAN_OPERATORS:
+        of_all = _BOOLEAN_OPERATORS[sign]
         return lambda value_of: of_all(_is_so(each(value_of)) for each in of)
-    if sign in _OF_ONE:
-        of_one, only = _OF_ONE[sign], of[0]
+    if sign in _UNARY_OPERATORS:
+        of_one, only = _UNARY_OPERATORS[sign], of[0]
         return lambda value_of: of_one(only(value_of))
-    return partial(_of_two, sign, of[0], of[1])
+    return partial(_binary_function, sign, of[0], of[1])
 
 
-def _of_members(
+def _member_function(
     sign: str,
     members: Callable[[ValueOf], Any],
     of: Callable[[ValueOf], Any],
@@ -206,13 +207,13 @@ def _of_members(
         names: the names in the rule.
         value_of: the values of names for the whole scene.
     """
-    values = _for_members(of, names, _members(members(value_of)), value_of)
+    values = _member_values(of, names, _members(members(value_of)), value_of)
     if sign == "any":
         return any(map(_is_so, values))
     return None if None in values else sum(values)
 
 
-def _for_members(
+def _member_values(
     of: Callable[[ValueOf], Any], names: Sequence[str], members: Iterable[Any], value_of: ValueOf
 ) -> list[Any]:
     """Return for each member the value of a part of a rule, which the function ``of`` computes.
@@ -229,7 +230,7 @@ def _for_members(
     return values
 
 
-def _of_two(
+def _binary_function(
     sign: str, left: Callable[[ValueOf], Any], right: Callable[[ValueOf], Any], value_of: ValueOf
 ) -> Any:
     first, second = left(value_of), right(value_of)
@@ -237,10 +238,10 @@ def _of_two(
         return None if sign in ("+", "*") else False
     if sign != "in":
         first, second = _length_or_value(first), _length_or_value(second)
-    return _OF_TWO[sign](first, second)
+    return _BINARY_OPERATORS[sign](first, second)
 
 
-def of_members(members: Iterable[Any], value_of: ValueOf) -> list[ValueOf]:
+def member_lookups(members: Iterable[Any], value_of: ValueOf) -> list[ValueOf]:
     """Return, for each member of a list, the function that gives the values of names in a rule (ValueOf).
 
     ``value_of`` gives the values that the member does not have (``value_within``).

@@ -24,7 +24,7 @@ def degrees_pattern(unit: str) -> str | None:
     return rf"\s*({_NUMBER})\s*{DEGREES[unit]}\s*" if unit in DEGREES else None
 
 
-def in_radians(value: Any, unit: str) -> Any:
+def radians_of(value: Any, unit: str) -> Any:
     """Return a text in degrees, such as ``"90 deg"`` for the unit "rad", as a number in ``unit``.
 
     Any other value is returned unchanged.

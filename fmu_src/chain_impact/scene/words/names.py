@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 DataPath = tuple[str | int, ...]
 """A path in nested tables and lists: the keys, and the indices of lists, from 0."""
-AT = "{at}"
+INDEX_PLACE = "{at}"
 """The placeholder of an index in the template of a path, such as ("chain", "links", "{at}", "mass").
 
 The template of the name of the value has {n} there, as in link[{n}].mass, and {name} for a wall.
@@ -39,8 +39,8 @@ def point_label(number: int, names: Mapping[int, str]) -> str:
 def name_of(path: DataPath, walls: Sequence[object] = ()) -> str:
     """Return the name of the value at a path of the scene.
 
-    For the template of a path, which has placeholders (AT) for indices, the result is the template of a name.
-    ``walls`` has the names of the entries of the scene's ``walls``, in order.
+    For the template of a path, which has placeholders (INDEX_PLACE) for indices, the result is the template
+    of a name. ``walls`` has the names of the entries of the scene's ``walls``, in order.
     """
     match path:
         case "gravity", int(j):
@@ -66,11 +66,11 @@ def name_of(path: DataPath, walls: Sequence[object] = ()) -> str:
         case "initial", "angular_velocities", int() | "{at}" as i:
             name = _dotted(("initial", "angular_velocity", i))
         case _:
-            name = _dotted(_of_signal(path))
+            name = _dotted(_signal_steps(path))
     return name
 
 
-def _of_signal(path: DataPath) -> DataPath:
+def _signal_steps(path: DataPath) -> DataPath:
     """Return the steps of the name of a value of a signal, from the path of the value.
 
     The steps have the word "signal" for "signals". In the path of an entry of a list, the key of the list is
@@ -86,9 +86,9 @@ def _of_signal(path: DataPath) -> DataPath:
 def _wall(number: int | str, walls: Sequence[object]) -> str | None:
     """Return entry ``number`` of ``walls``, the names of the walls; None if this entry is no text.
 
-    For the placeholder AT in place of a number, the result is "{name}", the placeholder in names.
+    For the placeholder INDEX_PLACE in place of a number, the result is "{name}", the placeholder in names.
     """
-    name = "{name}" if number == AT else walls[int(number)]
+    name = "{name}" if number == INDEX_PLACE else walls[int(number)]
     return name if isinstance(name, str) else None
 
 
@@ -168,7 +168,7 @@ def name_parts(name: str) -> NameParts:
     return NameParts(contact or named or other, int(point or number or 0), wall or label, quantity)
 
 
-def by_owner(values: Mapping[str, Any]) -> dict[tuple[str, int, str], dict[str, Any]]:
+def grouped_by_owner(values: Mapping[str, Any]) -> dict[tuple[str, int, str], dict[str, Any]]:
     """Return (owner, n, name), as in ``NameParts``, → table of the owner: quantity → value.
 
     ``values`` has value by whole name of a variable.
@@ -280,7 +280,7 @@ def input_hint(name: str, how: str) -> str:
 
 
 MOVES, TURNS = ("x", "y", "vx", "vy"), ("angle", "angular_velocity")
-AT_START = {
+START_NAMES = {
     **{f"{owner}.{part}": f"initial.{part} sets it" for owner in ("base", "point[0]") for part in MOVES},
     "base.position": "initial.x and initial.y set it",
     "base.velocity": "initial.vx and initial.vy set it",
@@ -298,8 +298,8 @@ point, link or joint."""
 
 
 def start_hint(name: str) -> str | None:
-    """Return a hint which parameters set the start value of a quantity in AT_START; None for another name."""
-    for template, hint in AT_START.items():
+    """Return a hint which parameters set the start of a quantity in START_NAMES; None for another name."""
+    for template, hint in START_NAMES.items():
         if is_like(name, template):
             return f"{hint.format(n=re.sub('[^0-9]', '', name))} at the start"
     return None
@@ -344,6 +344,6 @@ def signal_hint(name: str, signals: Collection[str]) -> str | None:
 
 
 def _dotted(path: DataPath) -> str:
-    numbers = {AT: "[{n}]", LINK_AT: "[{of}]", ENTRY_AT: "[{n}]"}
+    numbers = {INDEX_PLACE: "[{n}]", LINK_AT: "[{of}]", ENTRY_AT: "[{n}]"}
     steps = (f"[{step + 1}]" if isinstance(step, int) else numbers.get(step, f".{step}") for step in path)
     return "".join(steps).removeprefix(".")

@@ -59,7 +59,7 @@ def unit_text(unit: str | None) -> str:
     return "" if unit in (None, "", "1") else SQUARE.sub("²", PRODUCT.sub("·", unit))
 
 
-def of_power(unit: str, exponent: float | None) -> str:
+def stiffness_unit(unit: str, exponent: float | None) -> str:
     """Return the unit of a contact stiffness from ``unit``, the unit for the exponent 1, and the exponent.
 
     For N/m, the result is N/m^1.5 for the exponent 1.5, N/m for 1, and N/m^exponent for None.
@@ -69,7 +69,7 @@ def of_power(unit: str, exponent: float | None) -> str:
     return unit if exponent == 1.0 else f"{unit}^{exponent:g}"
 
 
-def of_scene(unit: str, scene: Any) -> str:
+def scene_unit(unit: str, scene: Any) -> str:
     """Return a unit in which the scene's exponent replaces the word "exponent": N/m^1.5 for N/m^exponent.
 
     The exponent is ``stops.exponent`` for N.m/rad^exponent, else ``contact.exponent``. A unit without the
@@ -77,7 +77,7 @@ def of_scene(unit: str, scene: Any) -> str:
     """
     base, power, end = unit.partition("^exponent")
     part = scene.stops if base.endswith("/rad") else scene.contact
-    return of_power(base, part.exponent) + end if power else unit
+    return stiffness_unit(base, part.exponent) + end if power else unit
 
 
 def with_unit(text: str, unit: str | None) -> str:
@@ -85,7 +85,7 @@ def with_unit(text: str, unit: str | None) -> str:
     return f"{text} {unit_text(unit)}".rstrip()
 
 
-def in_brackets(unit: str | None) -> str:
+def bracketed_unit(unit: str | None) -> str:
     """Return a space and a unit in brackets, such as " [N·m]" for N.m; "" for "1", "" and None."""
     text = unit_text(unit)
     return f" [{text}]" if text else ""

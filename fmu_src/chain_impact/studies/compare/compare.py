@@ -193,7 +193,7 @@ def compare(
     for law in laws:
         if law not in law_runs:
             run(law, firsts[reference])
-    runs = tuple(_against(expected, law_runs[law]) for law in laws)
+    runs = tuple(_compared_with(expected, law_runs[law]) for law in laws)
     comparison = Comparison(scene, reference, runs, (_reached(scene, 1.0, law_runs),))
     if comparison.is_free:
         return comparison
@@ -301,7 +301,7 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
     return values_of_run
 
 
-def _against(expected: Result, run: LawRun) -> LawRun:
+def _compared_with(expected: Result, run: LawRun) -> LawRun:
     """Return ``run`` with number (from 1) and onset of the first impact that differs from ``expected``.
 
     ``expected`` is the result with the reference law. Impacts differ if their points or walls differ. If one

@@ -50,9 +50,9 @@ def laws_with_e(comparison: LawRuns) -> list[LawRun]:
 def peaks(comparison: LawRuns, runs: Sequence[LawRun]) -> str:
     """Return words for the range of the peak forces or moments of ``runs`` that are above 0, or ""."""
     found = [run.peak_force for run in runs if run.peak_force > 0.0]
-    unit = unit_at("peak_force", stop=comparison.at_stop)
+    unit = unit_at("peak_force", stop=comparison.is_at_stop)
     if not found:
         return ""
     factor, unit = load_unit(max(found), unit)
     ends = with_unit(span_text(factor * min(found), factor * max(found)), unit)
-    return f"peak {'moment' if comparison.at_stop else 'force'} {ends}"
+    return f"peak {'moment' if comparison.is_at_stop else 'force'} {ends}"

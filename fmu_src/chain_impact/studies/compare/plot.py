@@ -38,7 +38,7 @@ from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
 from chain_impact.pictures.over_time.energies import offset_text, shown_energies
 from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.pictures.over_time.time_axis import name_time
-from chain_impact.scene.words.unit_text import of_power
+from chain_impact.scene.words.unit_text import stiffness_unit
 from chain_impact.studies.compare.headline import laws_with_e, message, peaks
 from chain_impact.studies.compare.runs import LawRuns, grows_again, has_jump, with_jump
 from chain_impact.studies.law_exchange import LOSSLESS, compared_impact
@@ -53,7 +53,7 @@ JUMP_NOTE_OF_LAW = "force jumps at the onset"
 IMPULSIVE = " (impulse)"  # the end of the label of a law of impulses, if the law has no colour
 IMPULSE: dict[str, Any] = {**LAW_LOOKS["newton_impact"], "linewidth": 1.2, "zorder": 3.5}
 """The look of the line of a law of impulses that has no colour."""
-BEFORE_FIRST = 0.1  # longest time shown before the first impact, relative to the time shown after its onset
+LEAD_SHARE = 0.1  # longest time shown before the first impact, relative to the time shown after its onset
 # number of penetrations at which the lower and upper edge of the grey band of loops are computed
 BAND_POINTS = 400
 HAIRLINE = 0.4  # [points] the width of the lines of loops in the grey band
@@ -106,11 +106,11 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     """
     contact, impact = comparison.contact, comparison.first_impact
     names = ("effective_mass", "impact_speed", "peak_force", "max_penetration")
-    mass, speed, force, depth = (unit_at(name, stop=comparison.at_stop) for name in names)
+    mass, speed, force, depth = (unit_at(name, stop=comparison.is_at_stop) for name in names)
     per = f"{force}/{depth}"
     moving = f"{impact['effective_mass']:.3g} {mass} at {impact['impact_speed']:.3g} {speed}"
     hit = f"{compared_impact(comparison.scene)} of {moving}"
-    stiffness = f"stiffness K = {number(contact.stiffness)} {raised(of_power(per, contact.exponent))}"
+    stiffness = f"stiffness K = {number(contact.stiffness)} {raised(stiffness_unit(per, contact.exponent))}"
     tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
     # whether the laws in the grey band have an entry in the legend, which tells their number
@@ -215,8 +215,8 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     """
     band = laws_in_band(comparison, looks)
     loops = {law: loop for law in looks if (loop := comparison[law].loop) is not None}
-    name = "moment" if comparison.at_stop else "force"
-    units = [unit_at(quantity, stop=comparison.at_stop) for quantity in ("max_penetration", "peak_force")]
+    name = "moment" if comparison.is_at_stop else "force"
+    units = [unit_at(quantity, stop=comparison.is_at_stop) for quantity in ("max_penetration", "peak_force")]
     largest = np.max([loop.max(axis=1) for loop in loops.values() if loop.size], axis=0, initial=0.0)
     factors, (depth_unit, force_unit) = zip(*map(prefixed, largest, units), strict=True)
     loops = {law: loop * np.reshape(factors, (2, 1)) if loop.size else loop for law, loop in loops.items()}
@@ -327,7 +327,7 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     first = min((result.impacts["onset"][0] for result in every if len(result.impacts)), default=start)
     # before the first impact all curves are equal, so only the last part of the time before it is shown
     label = f"total {offset_text(offset)} [J]" if offset else "total energy [J]"
-    axes.set(ylabel=label, xlim=(max(start, first - BEFORE_FIRST * (end - first)), end))
+    axes.set(ylabel=label, xlim=(max(start, first - LEAD_SHARE * (end - first)), end))
     give_ticks(axes)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.recording.equality import same
-from chain_impact.recording.joint_stops import at_joint_stop
+from chain_impact.recording.joint_stops import is_scene_joint_stop
 from chain_impact.results.result import Result
 from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.scene import Scene
@@ -166,9 +166,9 @@ class LawRuns:
         return not self.no_restitution
 
     @property
-    def at_stop(self) -> bool:
+    def is_at_stop(self) -> bool:
         """Whether ``first_impact`` is at a stop of a joint: moment and angle replace force and length."""
-        return at_joint_stop(self.scene, self.first_impact["wall"])
+        return is_scene_joint_stop(self.scene, self.first_impact["wall"])
 
 
 def grows_again(loop: np.ndarray) -> bool:

@@ -93,7 +93,7 @@ def fit(
     runs = _runs(data)
     scenes = _scenes(scene, len(runs), set_each or {})
     whole = [read_measurements(run, scene, sigma or {}, columns) for run in runs]
-    measured = whole if stop_time is None else [data_set.until(stop_time) for data_set in whole]
+    measured = whole if stop_time is None else [data_set.cut_at(stop_time) for data_set in whole]
     late = sum(map(len, whole)) - sum(map(len, measured))
     beyond = (
         [

@@ -132,7 +132,7 @@ def _minimized(
     """
     minimum = minimize(
         lambda coordinates: problem.evaluate(coordinates, horizon),
-        problem.until(whole, horizon),
+        problem.cut_at_horizon(whole, horizon),
         sigma,
         bounds=(problem.low, problem.high),
         enough=enough,

@@ -115,7 +115,7 @@ class Measurements:
             last = max(last, stop_time)
         return LATE_FACTOR * last if self.of_impact.any() else last
 
-    def until(self, stop: float) -> Measurements:
+    def cut_at(self, stop: float) -> Measurements:
         """Return the measurements whose time is at most ``stop`` [s] or NaN.
 
         Raises:

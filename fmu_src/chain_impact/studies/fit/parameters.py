@@ -10,7 +10,7 @@ import numpy as np
 
 from chain_impact.scene.errors import SceneError, UnknownNameError, value_text
 from chain_impact.scene.scene import Scene, fixed_hint
-from chain_impact.scene.words.angles import in_radians
+from chain_impact.scene.words.angles import radians_of
 from chain_impact.scene.words.names import fmu_name, start_hint, value_at_start
 from chain_impact.scene.words.similar_names import nearest
 from chain_impact.variables.listing import absent_hint
@@ -134,8 +134,8 @@ def _parameter(
     data_set: int | None,
 ) -> Parameter:
     start = value_at_start(scene.values, variable.name)
-    logarithmic = variable.above == 0.0
-    ends = [variable.above if variable.minimum is None else variable.minimum, variable.maximum]
+    logarithmic = variable.exclusive_minimum == 0.0
+    ends = [variable.exclusive_minimum if variable.minimum is None else variable.minimum, variable.maximum]
     low, high = (sign * math.inf if end is None else end for sign, end in zip((-1, 1), ends, strict=True))
     if bounds is not None:
         given_low, given_high = _ends(variable, bounds)
@@ -154,7 +154,7 @@ def _ends(variable: Variable, bounds: str | tuple[float | None, float | None]) -
     """Return the lower and the upper bound that ``bounds`` gives a variable; ± infinity for no bound."""
     parts = bounds.split(":") if isinstance(bounds, str) else list(bounds)
     try:
-        low, high = (sign * math.inf if part in ("", None) else float(in_radians(part, variable.unit))
+        low, high = (sign * math.inf if part in ("", None) else float(radians_of(part, variable.unit))
                      for sign, part in zip((-1, 1), parts, strict=True))  # fmt: skip
     except (TypeError, ValueError):
         raise SceneError(

@@ -42,7 +42,7 @@ from chain_impact.pictures.drawing.style import (
 )
 from chain_impact.pictures.over_time.time_axis import name_time
 from chain_impact.results.result import Result
-from chain_impact.scene.words.unit_text import in_brackets, of_scene, with_unit
+from chain_impact.scene.words.unit_text import bracketed_unit, scene_unit, with_unit
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.measurements import MEASURED_OF_IMPACT, Measurements
@@ -65,7 +65,7 @@ CURVE_POINTS = 1500  # number of equal intervals of time between the points of t
 FIT_PANEL_WIDTH, FIT_PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
 # free space before the first and after the last number on an axis of impact numbers; successive numbers have
 # the distance 1
-BESIDE = 0.5
+AXIS_MARGIN = 0.5
 # opacity of the dots of values measured over time, so that the model's curve is visible behind the dots
 DOT_OPACITY = 0.35
 # largest number of dots of a data set over time; of more values only every n-th is drawn
@@ -197,7 +197,7 @@ def _ranges(fit: Estimates, tied: Sequence[Estimates]) -> list[str]:
     for parameter in fit.parameters[:MOST_ESTIMATES]:
         values = [each.values[parameter.label] for each in tied]
         ends = " to ".join(dict.fromkeys(number(end(values), 3) for end in (min, max)))
-        unit = of_scene(parameter.unit, fit.scene)
+        unit = scene_unit(parameter.unit, fit.scene)
         found.append(f"{parameter.label} {raised(with_unit(ends, unit))} under these laws")
     return found
 
@@ -266,7 +266,7 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
         if not over_impacts and len(off) >= LEAST_FOR_MEAN:
             means = running_means(part.at, off)
             residuals.plot(*means, color=colour if several else INK, linewidth=1.2, label=MEAN)
-    values.set_ylabel(f"{name}{in_brackets(unit)}")
+    values.set_ylabel(f"{name}{bracketed_unit(unit)}")
     values.tick_params(labelbottom=False)
     residuals.set_ylabel("Δ [σ]")
     last = max((float(np.nanmax(part.at, initial=0.0)) for part in parts), default=0.0)
@@ -274,7 +274,7 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
     if over_impacts:
         numbers = np.concatenate([part.at for part in parts])
         if np.isfinite(numbers).any():  # False if the model has none of the measured impacts
-            residuals.set_xlim(np.nanmin(numbers) - BESIDE, np.nanmax(numbers) + BESIDE)
+            residuals.set_xlim(np.nanmin(numbers) - AXIS_MARGIN, np.nanmax(numbers) + AXIS_MARGIN)
         residuals.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     if len(parts) <= len(PALETTE):
         legend_above(values, [*values.get_legend_handles_labels()[0], band])
@@ -358,10 +358,10 @@ def _estimate_text(fit: Estimates, label: str) -> str:
     parameter = next(parameter for parameter in fit.parameters if parameter.label == label)
     value, error = fit.values[label], fit.standard_errors[label]
     if which := fit.at_bounds.get(label):
-        text = with_unit(number(value, 4), of_scene(parameter.unit, fit.scene))
+        text = with_unit(number(value, 4), scene_unit(parameter.unit, fit.scene))
         return f"{label} at its {which} bound {raised(text)}"
     size = size_of(parameter, value, error / parameter.slope(value))
-    unit = of_scene(parameter.unit, fit.scene)
+    unit = scene_unit(parameter.unit, fit.scene)
     decimals = 1 - math.floor(math.log10(error)) if 0.0 < error < math.inf else -1
     if size.endswith("%") or not 0 <= decimals <= ERROR_DECIMALS:
         return f"{label} {raised(with_unit(rounded_text(value, error), unit))} ± {size}"

@@ -15,7 +15,7 @@ import numpy as np
 from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import Scene
-from chain_impact.simulation.derivatives import AT_ONSET, Differentiated, DifferentiatedRun
+from chain_impact.simulation.derivatives import ONSET_QUANTITIES, Differentiated, DifferentiatedRun
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.inputs import Interpolation
 from chain_impact.studies.fit.measurements import DURATION, LATE_FACTOR, MEASURED_OF_IMPACT, Measurements
@@ -23,12 +23,12 @@ from chain_impact.studies.fit.parameters import Parameter
 
 # the size of a column whose values are all 0; a size must not be 0, because numbers are divided by it
 EMPTY_COLUMN_SIZE = 1e-300
-# A coordinate counts as at a bound if its distance from the bound is at most AT_BOUND × its standard error,
-# and at most AT_BOUND × the distance from its start to the bound (``Problem._near``).
-AT_BOUND = 0.01
-# A coordinate also counts as at a bound if its distance from the bound is at most AT_BOUND_PART × the
+# A coordinate counts as at a bound if its distance from the bound is at most BOUND_ERRORS × its standard
+# error, and at most BOUND_ERRORS × the distance from its start to the bound (``Problem._bound_distances``).
+BOUND_ERRORS = 0.01
+# A coordinate also counts as at a bound if its distance from the bound is at most BOUND_PART × the
 # distance between its two bounds.
-AT_BOUND_PART = 1e-9
+BOUND_PART = 1e-9
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ class Problem:
         """The coordinates of the parameters' start values, shape (P,)."""
         return np.array([parameter.coordinate(parameter.start) for parameter in self.parameters])
 
-    def until(self, evaluation: Evaluation, horizon: float) -> Evaluation:
+    def cut_at_horizon(self, evaluation: Evaluation, horizon: float) -> Evaluation:
         """Return ``evaluation`` with NaN for the residuals of values with a time later than ``horizon`` [s].
 
         The residuals of an impact without a measured time stay.
@@ -183,28 +183,28 @@ class Problem:
             model_values[part], slopes[part, mine] = _select(self.data[k], done)
             runs.append(done)
         self.evaluations += 1
-        return self.until(
+        return self.cut_at_horizon(
             Evaluation(coordinates, model_values - self.value, slopes * scale, tuple(runs)), horizon
         )
 
     def bounds_reached(self, coordinates: np.ndarray, errors: np.ndarray) -> dict[int, str]:
         """Return the parameters that are at a bound: index of the parameter → "lower" or "upper".
 
-        ``_near`` says how close to a bound a parameter must be.
+        ``_bound_distances`` says how close to a bound a parameter must be.
 
         Args:
             coordinates: the coordinates of the parameters, shape (P,).
             errors: standard error of each coordinate if all other parameters are fixed, shape (P,).
         """
-        lower = coordinates - self.low <= self._near(self.low, errors)
-        upper = self.high - coordinates <= self._near(self.high, errors)
+        lower = coordinates - self.low <= self._bound_distances(self.low, errors)
+        upper = self.high - coordinates <= self._bound_distances(self.high, errors)
         return {int(p): "lower" if lower[p] else "upper" for p in np.flatnonzero(lower | upper)}
 
-    def _near(self, bounds: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    def _bound_distances(self, bounds: np.ndarray, errors: np.ndarray) -> np.ndarray:
         """Return the largest distance at which each coordinate counts as at a bound, shape (P,).
 
-        The largest distance is AT_BOUND times the standard error, or AT_BOUND times the distance from the
-        start to the bound, whichever is smaller; but at least AT_BOUND_PART times the distance between both
+        The largest distance is BOUND_ERRORS times the standard error, or BOUND_ERRORS times the distance from
+        the start to the bound, whichever is smaller; but at least BOUND_PART times the distance between both
         bounds. The standard error alone does not suffice, because an undetermined parameter has such a large
         standard error that every value would count as at the bound. If the start is at the bound, only the
         standard error counts. An infinite error counts as 0, as does an infinite distance between both
@@ -213,10 +213,8 @@ class Problem:
         ``bounds``: the lower or the upper bound of each coordinate; ``errors`` as for ``bounds_reached``.
         """
         way = np.abs(self.start - bounds)
-        distance = AT_BOUND * np.minimum(errors, np.where(way > 0.0, way, np.inf))
-        near = np.stack(
-            [np.where(np.isfinite(errors), distance, 0.0), AT_BOUND_PART * (self.high - self.low)]
-        )
+        distance = BOUND_ERRORS * np.minimum(errors, np.where(way > 0.0, way, np.inf))
+        near = np.stack([np.where(np.isfinite(errors), distance, 0.0), BOUND_PART * (self.high - self.low)])
         return np.asarray(np.where(np.isfinite(near), near, 0.0).max(axis=0))
 
     def fault(self, evaluation: Evaluation) -> str:
@@ -265,12 +263,12 @@ def quantity(run: Differentiated, at: int, name: str) -> tuple[float, np.ndarray
 
     ``at``: the index of the impact in ``run.impacts``. A peak force of 0, as of an impulse, is NaN, as is a
     joint force of 0. If the contact lasts to the end of the run, a quantity that is not known at the onset
-    (AT_ONSET) is NaN.
+    (ONSET_QUANTITIES) is NaN.
     """
     if name == DURATION:
         end, onset = quantity(run, at, "end"), quantity(run, at, "onset")
         return end[0] - onset[0], end[1] - onset[1]
-    ended = np.isfinite(run.impacts["end"][at]) or name in AT_ONSET
+    ended = np.isfinite(run.impacts["end"][at]) or name in ONSET_QUANTITIES
     value = float(run.impacts[name][at])
     is_defined = ended and not (name in ("peak_force", "joint_force") and value == 0.0)
     return (value if is_defined else math.nan), run.impact_slopes[name][at]

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from chain_impact.scene.words.unit_text import of_scene, with_unit
+from chain_impact.scene.words.unit_text import scene_unit, with_unit
 from chain_impact.studies.fit.estimates import Estimates, LawEstimates
 from chain_impact.studies.fit.parameters import LOG_SCALE_REACH, Parameter
 from chain_impact.studies.fit.unknown import size_of
@@ -62,7 +62,7 @@ def misfit(fit: Estimates, best: Estimates) -> float:
     return math.sqrt(float(np.nanmean((fit.residuals / best.sigma) ** 2)))
 
 
-def above_best(fit: Estimates, best: Estimates) -> str:
+def criterion_above_best(fit: Estimates, best: Estimates) -> str:
     """Return Akaike's criterion of a fit minus that of the best fit, at least 0, as text with one decimal."""
     return f"{max(0.0, fit.aic - best.aic):.1f}"
 
@@ -90,7 +90,7 @@ def _parameters(fit: Estimates) -> list[Sequence[str]]:
             (
                 parameter.label,
                 number(parameter.start, 6),
-                with_unit(rounded_text(value, error), of_scene(parameter.unit, fit.scene)),
+                with_unit(rounded_text(value, error), scene_unit(parameter.unit, fit.scene)),
                 size_of(parameter, value, relative_error),
                 _interval(parameter, value, error, fit.intervals[parameter.label]),
             )
@@ -184,6 +184,6 @@ def _laws(fit: Estimates) -> list[Sequence[str]]:
             rounded_text(value, law_fit.fit.standard_errors[name])
             for name, value in law_fit.fit.values.items()
         )
-        told = above_best(law_fit.fit, fit), number(misfit(law_fit.fit, fit), 3)
+        told = criterion_above_best(law_fit.fit, fit), number(misfit(law_fit.fit, fit), 3)
         rows.append((law_fit.law, *told, *values, law_fit.note))
     return rows

@@ -12,7 +12,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.path import Path
 from matplotlib.patheffects import Normal, Stroke
 
-from chain_impact.pictures.drawing.dark_ground import ON_COLOUR
+from chain_impact.pictures.drawing.dark_ground import COLOURED_GROUND
 
 # MOST_PIECES: a contour in more pieces is left out; LEAST_CELLS: the least number of cells on each axis for
 # contours; LEAST_ROOM: the least distance of the value of a contour from the next line, relative to the map
@@ -64,8 +64,8 @@ def draw_contours(
         line.remove()
         if len(pieces) <= MOST_PIECES:
             found[level] = pieces
-    places = {level: [_in_axes(piece, scales) for piece in pieces] for level, pieces in found.items()}
-    taken = [] if None in own else [_in_axes(np.array([own], float), scales) + MARK_AND_NAME]
+    places = {level: [_axes_fractions(piece, scales) for piece in pieces] for level, pieces in found.items()}
+    taken = [] if None in own else [_axes_fractions(np.array([own], float), scales) + MARK_AND_NAME]
     for level, pieces in found.items():
         others = [piece for other, there in places.items() if other != level for piece in there]
         kept = []
@@ -83,7 +83,7 @@ def draw_contours(
                 Normal(),
             ]
             text = axes.text(right, up, f"{level:g}", color="white", fontsize="small", path_effects=halo)
-            text.set(ha="center", va="center", clip_on=True, gid=ON_COLOUR)
+            text.set(ha="center", va="center", clip_on=True, gid=COLOURED_GROUND)
         if kept:
             look: dict[str, Any] = {"colors": "white", "linewidths": 0.9}
             line = axes.contour(*(scale.middles for scale in scales), shown, [level], **look)
@@ -91,7 +91,7 @@ def draw_contours(
             line.set_path_effects([Stroke(linewidth=2.1, foreground="black"), Normal()])
 
 
-def _in_axes(points: np.ndarray, scales: tuple[Scale, Scale]) -> np.ndarray:
+def _axes_fractions(points: np.ndarray, scales: tuple[Scale, Scale]) -> np.ndarray:
     """Return points of a map, shape (S, 2), as fractions of its width and height."""
     found = []
     for part, scale in zip(points.T, scales, strict=True):

@@ -94,7 +94,7 @@ def draw_curves(
                 )
             (line,) = axes.plot(*across_up, label=label, linewidth=1.4, **look | marks)
             if quantity.is_count and runs.design.samples is None:
-                line.set_transform(axes.transData + _beside(axes, place, len(lines), len(rows)))
+                line.set_transform(axes.transData + _shift_beside(axes, place, len(lines), len(rows)))
             if use and (dash := next(dashes)) and not quantity.is_count:
                 line.set(linestyle=dash, marker="None")  # marks would hide those of the line below
         mark_at_foot(axes, values[runs.failed], CROSS)
@@ -130,7 +130,7 @@ def broken_line(values: np.ndarray, shown: np.ndarray, counts: np.ndarray) -> tu
     return np.insert(values.astype(float), gaps, np.nan), np.insert(shown.astype(float), gaps, np.nan)
 
 
-def _beside(axes: Axes, place: int, count: int, points: int) -> ScaledTranslation:
+def _shift_beside(axes: Axes, place: int, count: int, points: int) -> ScaledTranslation:
     """Return the shift of the marks of a line that stand beside those of ``count`` − 1 other lines.
 
     The distance of two marks is at most COUNT_GAP, and all marks of a value have room between two of
@@ -172,7 +172,7 @@ def lines_of(
     if choice is None:
         return {(): rows}
     names = [*dict.fromkeys(choice.shown(choice.values))]
-    results = np.array([quantity.of(runs) for quantity in results_of(runs).every])
+    results = np.array([quantity.values_in(runs) for quantity in results_of(runs).every])
     lines: list[tuple[list[str], np.ndarray]] = []
     for name, text in zip(names, names if choice.choices else distinct_texts(names), strict=True):
         mine = rows[runs[choice.name][rows] == name]

@@ -67,7 +67,7 @@ class Design:
             columns = [v.values[at] for v, at in zip(self.variations, indices, strict=True)]
         else:
             parts = self._cubes(first, end) if self.sampling == "lhs" else self._sobol(first, end)
-            columns = [v.at(part) for v, part in zip(self.variations, parts.T, strict=True)]
+            columns = [v.values_at(part) for v, part in zip(self.variations, parts.T, strict=True)]
         return np.stack(columns, axis=1)
 
     def _cubes(self, first: int, end: int) -> np.ndarray:

@@ -30,7 +30,7 @@ MOST_SPLIT = 3
 # without samples, the largest number of varied parameters that a picture can show
 MOST_VARIED = 3
 # three panels without dots stand in one row of a figure that is wide enough (``columns``)
-IN_ONE_ROW, SMALL_MAPS = 3, 4  # SMALL_MAPS: the largest number of maps of one result in a row
+MOST_IN_ROW, SMALL_MAPS = 3, 4  # SMALL_MAPS: the largest number of maps of one result in a row
 ONE_PANEL_WIDTH = 6.5  # [inch] default width of a figure with one panel
 # [inch] the least width of a figure: THREE_MAPS with maps of three results in a row, each with its own
 # colours; THREE_SMALL with SMALL_MAPS maps of one result in a row, which share numbers and colours
@@ -70,7 +70,7 @@ def panels_of_each(design: Design) -> int:
     kind, varying = kind_of(design), varying_in(design)
     if kind == HISTOGRAMS:
         return 1 + min(len(varying), MOST_SCATTERS)
-    return count_of(in_order(varying, kind)[-1]) if have_third(varying, kind) else 1
+    return count_of(sorted_parameters(varying, kind)[-1]) if have_third(varying, kind) else 1
 
 
 def have_third(varying: Sequence[Variation], kind: str) -> bool:
@@ -83,7 +83,7 @@ def count_of(variation: Variation) -> int:
     return len(np.unique(variation.values))
 
 
-def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
+def sorted_parameters(varying: Sequence[Variation], kind: str) -> list[Variation]:
     """Return the parameters sorted, the parameter of the horizontal axis first.
 
     A number comes before a choice. In a picture with curves, a number with more than MOST_SPLIT values comes
@@ -92,7 +92,10 @@ def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
     """
     if have_third(varying, kind):
         third = min(reversed(varying), key=count_of)
-        return [*in_order([variation for variation in varying if variation is not third], kind), third]
+        return [
+            *sorted_parameters([variation for variation in varying if variation is not third], kind),
+            third,
+        ]
     return sorted(
         varying,
         key=lambda each: (bool(each.choices), kind == CURVES and count_of(each) <= MOST_SPLIT),
@@ -102,7 +105,7 @@ def in_order(varying: Sequence[Variation], kind: str) -> list[Variation]:
 def columns(design: Design, count: int, width: float) -> int:
     """Return the number of panels in a row of a figure with ``count`` panels and a width [inches].
 
-    - Maps of one result: as few as at most SMALL_MAPS in a row allow, or IN_ONE_ROW in a figure narrower
+    - Maps of one result: as few as at most SMALL_MAPS in a row allow, or MOST_IN_ROW in a figure narrower
       than THREE_SMALL; one more if otherwise the last row would have a single map.
     - Other panels in a figure that is too narrow for two columns (WIDE): 1.
     - Panels with dots: as few as the least possible number of rows allows.
@@ -110,7 +113,7 @@ def columns(design: Design, count: int, width: float) -> int:
     """
     kind = kind_of(design)
     if have_third(varying_in(design), kind):
-        most = IN_ONE_ROW if width < THREE_SMALL else SMALL_MAPS
+        most = MOST_IN_ROW if width < THREE_SMALL else SMALL_MAPS
         across = math.ceil(count / math.ceil(count / most))
         return across + int(across > 1 and count % across == 1)
     if width < WIDE:
@@ -118,8 +121,8 @@ def columns(design: Design, count: int, width: float) -> int:
     if kind == DOTS:
         most = max(1, int((width - CHOICES_WIDTH) / DOTS_WIDTH))
         return math.ceil(count / math.ceil(count / most))
-    if count == IN_ONE_ROW:
-        return 1 if kind == MAPS and width < THREE_MAPS else IN_ONE_ROW
+    if count == MOST_IN_ROW:
+        return 1 if kind == MAPS and width < THREE_MAPS else MOST_IN_ROW
     return min(count, 2)
 
 

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.patheffects import Normal, Stroke
 
-from chain_impact.pictures.drawing.dark_ground import ON_COLOUR
+from chain_impact.pictures.drawing.dark_ground import COLOURED_GROUND
 from chain_impact.studies.sweep.contours import Scale
 
 SCENE_MARK: dict[str, Any] = {"marker": "P", "markersize": 7.0, "color": "white", "markeredgecolor": "black"}
@@ -30,7 +30,7 @@ def mark_scene(axes: Axes, own: Sequence[float | None], *, named: bool) -> None:
         return
     across, up = axes.transAxes.inverted().transform(axes.transData.transform(np.array(own, float)))
     ha = "left" if across < NAME_MARGIN else "right" if across > 1.0 - NAME_MARGIN else "center"
-    look: dict[str, Any] = {"color": "white", "fontsize": "x-small", "gid": ON_COLOUR, "ha": ha}
+    look: dict[str, Any] = {"color": "white", "fontsize": "x-small", "gid": COLOURED_GROUND, "ha": ha}
     look["path_effects"] = [Stroke(linewidth=1.8, foreground="black"), Normal()]
     side = 1.0 if up < 1.0 - NAME_MARGIN else -1.0
     place: dict[str, Any] = {"textcoords": "offset points", "va": "bottom" if side > 0.0 else "top"}

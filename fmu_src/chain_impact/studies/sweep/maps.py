@@ -19,11 +19,11 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
 from chain_impact.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
-from chain_impact.pictures.drawing.dark_ground import ON_COLOUR
+from chain_impact.pictures.drawing.dark_ground import COLOURED_GROUND
 from chain_impact.pictures.drawing.figures import name_above
 from chain_impact.pictures.drawing.legends import legend_at_foot, legend_at_head
 from chain_impact.pictures.drawing.style import INK, TICK_STEPS, is_narrow, raised
-from chain_impact.scene.words.unit_text import in_brackets, of_scene
+from chain_impact.scene.words.unit_text import bracketed_unit, scene_unit
 from chain_impact.studies.sweep.contours import Scale, draw_contours
 from chain_impact.studies.sweep.map_marks import HATCHED, SCENE_MARK, hatch, mark_scene
 from chain_impact.studies.sweep.quantities import Quantity, number_text
@@ -201,7 +201,7 @@ def _draw_group(
     extremes = float(values.min()), float(values.max())
     beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
     extend = beyond[are_beyond(extremes, ends)]
-    label = quantity.label_for(values) + beyond_ends(extremes, ends)
+    label = quantity.label_for(values) + cut_values_words(extremes, ends)
     figure = panels[0].get_figure(root=True)
     assert figure is not None
     look: dict[str, Any] = {"aspect": SLIM_BAR} if len(panels) > 1 else {}
@@ -291,7 +291,7 @@ def _write_values(axes: Axes, scales: tuple[Scale, Scale], shown: Any, mesh: Qua
         ink = "black" if places[row, column] > LIGHT_COLOUR else "white"
         text = number(shown[row, column], digits)
         look: dict[str, Any] = {"va": va, "ha": "center", "color": ink, "fontsize": "x-small"}
-        look["gid"] = ON_COLOUR
+        look["gid"] = COLOURED_GROUND
         axes.annotate(text, at, (0.0, down), textcoords="offset points", **look)
 
 
@@ -312,7 +312,7 @@ def are_beyond(extremes: tuple[float, float], ends: tuple[float, float]) -> tupl
     return extremes[0] < ends[0], extremes[1] > ends[1]
 
 
-def beyond_ends(extremes: tuple[float, float], ends: tuple[float, float]) -> str:
+def cut_values_words(extremes: tuple[float, float], ends: tuple[float, float]) -> str:
     """Return words for the label of the colours: the least and largest value if beyond the colours' ends.
 
     The result is "" if neither is beyond an end. The arguments are those of ``are_beyond``.
@@ -371,7 +371,7 @@ def number_in_scene(runs: Runs, variation: Variation) -> float | None:
 
 def label_of(runs: Runs, variation: Variation) -> str:
     """Return the label of a parameter's axis: the name and the unit."""
-    return f"{variation.name}{raised(in_brackets(unit_of(runs, variation)))}"
+    return f"{variation.name}{raised(bracketed_unit(unit_of(runs, variation)))}"
 
 
 def unit_of(runs: Runs, variation: Variation) -> str:
@@ -381,4 +381,4 @@ def unit_of(runs: Runs, variation: Variation) -> str:
     """
     unit = variation.variable.unit
     varied = {"contact.exponent", "stop.exponent"} & {*runs.varied}
-    return unit if varied else of_scene(unit, runs.scene)
+    return unit if varied else scene_unit(unit, runs.scene)

@@ -32,9 +32,9 @@ from chain_impact.studies.sweep.layout import (
     columns,
     count_of,
     have_third,
-    in_order,
     kind_of,
     panels_of_each,
+    sorted_parameters,
     usual_size,
     varying_in,
 )
@@ -137,7 +137,7 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
     message = ", ".join(headline_parts(runs, results, mark, small=is_narrow(figure)))
     headline(figure, message, "; ".join(filter(None, told)))
     # the parameter ``first`` gets the horizontal axis
-    first, *others = in_order(varying, kind)
+    first, *others = sorted_parameters(varying, kind)
     count = len(quantities) * panels_of_each(runs.design)
     panels = _panels(figure, count, columns(runs.design, count, figure.get_figwidth()), sharey=kind == DOTS)
     if kind == DOTS:
@@ -176,12 +176,12 @@ def marked_parameters(runs: Runs, varying: list[Variation]) -> list[Variation]:
     """
     kind = kind_of(runs.design)
     if kind == CURVES:
-        return in_order(varying, kind)[:1]
+        return sorted_parameters(varying, kind)[:1]
     if kind == HISTOGRAMS:
         return drawn_parameters(runs, varying)
     if kind == DOTS:
         return []
-    first, second, *third = in_order(varying, kind)
+    first, second, *third = sorted_parameters(varying, kind)
     is_in_map = all(own_value(runs, variation) is not None for variation in (first, second))
     return varying if is_in_map and all(nearest_map(runs, variation) for variation in third) else []
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from chain_impact.scene.errors import SceneError, names_matching
 from chain_impact.scene.facts import SceneFacts
-from chain_impact.scene.words.unit_text import in_brackets, unit_text, with_unit
+from chain_impact.scene.words.unit_text import bracketed_unit, unit_text, with_unit
 from chain_impact.studies.sweep.job import ENDED, Job
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.text import few, number, prefixed, span_text
@@ -54,7 +54,7 @@ class Quantity:
     @property
     def label(self) -> str:
         """The label of the panel's axis: the words for the quantity, and its unit in brackets."""
-        return f"{self.name}{in_brackets(self.unit)}"
+        return f"{self.name}{bracketed_unit(self.unit)}"
 
     @property
     def is_count(self) -> bool:
@@ -109,9 +109,9 @@ class Quantity:
 
     def known(self, runs: Runs) -> np.ndarray:
         """Return the values as ``of`` does, but NaN for runs that are ``missed``."""
-        return np.where(self.missed(runs), np.nan, self.of(runs))
+        return np.where(self.missed(runs), np.nan, self.values_in(runs))
 
-    def of(self, runs: Runs) -> np.ndarray:
+    def values_in(self, runs: Runs) -> np.ndarray:
         """Return the values in all runs, shape (R,), in the unit of the picture; NaN if a run failed.
 
         A peak force or moment is also NaN after an impulse of a rigid wall or stop.
@@ -185,7 +185,7 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
     if panels:
         fields = list(runs.rows.dtype.names or ())
         chosen = columns_named(prepared, panels, fields)
-        every = _in_units(runs, [main.get(name) or _at_end(name, prepared) for name in chosen])
+        every = _with_prefixes(runs, [main.get(name) or _final_quantity(name, prepared) for name in chosen])
         return Results(every, every)
     scene = runs.scene
     absent = (
@@ -197,10 +197,10 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
     without_force = {name: np.isnan(runs[name])[~runs.failed] for name in runs.names if name in LOADS}
     absent |= {name for name, rows in without_force.items() if rows.all()}
     shown = [quantity for name, quantity in main.items() if name in {*runs.names} - absent]
-    additional = [_at_end(name, prepared) for name in runs.outputs if name not in main]
-    every = _in_units(runs, shown + additional[:MOST_ASKED])
+    additional = [_final_quantity(name, prepared) for name in runs.outputs if name not in main]
+    every = _with_prefixes(runs, shown + additional[:MOST_ASKED])
     partly = {name for name, rows in without_force.items() if rows.any()}
-    drawn = [one for one in every if one.column in partly or _differs(one.of(runs))] or every
+    drawn = [one for one in every if one.column in partly or _differs(one.values_in(runs))] or every
     loads = [quantity for quantity in drawn if quantity.column in LOADS]
     if runs.design.samples is not None and loads:
         return Results(loads, loads)
@@ -241,13 +241,13 @@ def constants(runs: Runs, results: Results) -> str:
     An example is "the same in all runs: impacts 14".
     """
     parts = [
-        with_unit(f"{quantity.name} {np.nanmax(quantity.of(runs)):.4g}", quantity.unit)
+        with_unit(f"{quantity.name} {np.nanmax(quantity.values_in(runs)):.4g}", quantity.unit)
         for quantity in results.same
     ]
     return f"the same in all runs: {', '.join(parts)}" if parts else ""
 
 
-def _at_end(name: str, prepared: PreparedScene) -> Quantity:
+def _final_quantity(name: str, prepared: PreparedScene) -> Quantity:
     """Return the quantity for the column ``name``, an output or ``time``, at the end of each run.
 
     An output with the peak or the time of a peak is not called "at the end", because it holds for the run.
@@ -257,7 +257,7 @@ def _at_end(name: str, prepared: PreparedScene) -> Quantity:
     return Quantity(name, name if is_peak else f"{name} at the end", unit_text(unit))
 
 
-def _in_units(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
+def _with_prefixes(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
     """Return the quantities with prefixes in their units, such as kN, and the factors for the prefixes.
 
     An additional output whose unit is not in SHARED gets no prefix. All other quantities with equal units
@@ -268,7 +268,7 @@ def _in_units(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
     scales = {"": (1.0, "")}
     for unit in {*families} - {""}:
         members = [quantity for quantity, family in zip(quantities, families, strict=True) if family == unit]
-        values = np.abs([quantity.of(runs) for quantity in members])
+        values = np.abs([quantity.values_in(runs) for quantity in members])
         scales[unit] = prefixed(float(np.max(values[np.isfinite(values)], initial=0.0)), unit)
     scaled = []
     for quantity, family in zip(quantities, families, strict=True):

@@ -13,7 +13,7 @@ from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.reading import nearest_choice
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.warning import warn
-from chain_impact.scene.words.angles import in_radians, or_degrees, radians_hint
+from chain_impact.scene.words.angles import or_degrees, radians_hint, radians_of
 from chain_impact.scene.words.names import fmu_name, parameter_hint
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.owners import Owner
@@ -22,7 +22,7 @@ from chain_impact.variables.prepared import PreparedScene, prepared_scene
 from chain_impact.variables.variable import Variable
 
 Values = str | float | Sequence[float | str] | np.ndarray
-STOP_TIME_VARIABLE = Variable.of(SIMULATION_KINDS[0], Owner(), {}, variability="fixed")
+STOP_TIME_VARIABLE = Variable.from_kind(SIMULATION_KINDS[0], Owner(), {}, variability="fixed")
 LOG = "log"
 MOST_VALUES = 10**7  # the largest number of values that a text such as 0.1:0.9:9 may ask for
 RANGE = re.compile(r"[\d.eE+]+\s*(?:-|–|\.\.+|to)\s*[\d.eE+]+")
@@ -64,7 +64,7 @@ class Variation:
         """Return values as a table shows them: of an enumeration, the names of the choices."""
         return np.array(["", *self.choices])[values.astype(int)] if self.choices else values
 
-    def at(self, parts: np.ndarray) -> np.ndarray:
+    def values_at(self, parts: np.ndarray) -> np.ndarray:
         """Return the values at the fractions ``parts`` (0 ≤ x < 1) of the interval, or of the list of values.
 
         A fraction of an interval counts from the first end; in a logarithmic interval it is a fraction of the
@@ -140,7 +140,7 @@ def _range(variable: Variable, text: str) -> Variation:
         raise SceneError(f"= {text} must be a list of choices, {variable.allowed}")
     try:
         low, high, *count = parts[: len(parts) - logarithmic]
-        ends = np.array([float(in_radians(end, variable.unit)) for end in (low, high)])
+        ends = np.array([float(radians_of(end, variable.unit)) for end in (low, high)])
         numbers = [int(part) for part in count]
     except ValueError:  # a part of the range is not a number, or the second end is missing
         raise wrong from None
@@ -168,7 +168,7 @@ def _number(variable: Variable, value: object) -> float:
     if value in names:
         return float(names.index(str(value)) + 1)
     try:
-        return float(in_radians(value, variable.unit))
+        return float(radians_of(value, variable.unit))
     except (TypeError, ValueError):
         needed = variable.allowed + or_degrees(variable.unit) + nearest_choice(value, names)
         if RANGE.fullmatch(str(value)):
@@ -182,7 +182,7 @@ def _check(variation: Variation) -> None:
     good = np.isfinite(values)
     for limit, keeps in (
         (variable.minimum, np.greater_equal),
-        (variable.above, np.greater),
+        (variable.exclusive_minimum, np.greater),
         (variable.maximum, np.less_equal),
     ):
         good &= True if limit is None else keeps(values, limit)

@@ -15,7 +15,7 @@ export function unitText(unit) {
   return unit === "1" ? "" : unit.replaceAll(PRODUCT, "·").replaceAll(SQUARE, "²");
 }
 
-/** Return the unit of a stiffness, force over penetration to a power, as `of_power` in Python: N/m^1.5, or N/m for the exponent 1. */
+/** Return the unit of a stiffness, force over penetration to a power, as `stiffness_unit` in Python: N/m^1.5, or N/m for the exponent 1. */
 export function unitOfPower(unit, exponent = "exponent") {
   return unitText(unit).replace("^exponent", exponent === 1 ? "" : `^${exponent}`);
 }

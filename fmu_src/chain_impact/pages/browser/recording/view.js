@@ -68,7 +68,7 @@ export function viewOf(x, y, points, walls, radius, pinned, carriage = []) {
     if (!enclosure.length) {
       const corner = normal.map((part, axis) => reach[part > 0 ? 0 : 1][axis]);
       const gap = normal[0] * corner[0] + normal[1] * corner[1] - offset;
-      if (!(gap >= -width && gap <= VIEW.NEAR_WALL * width)) continue;
+      if (!(gap >= -width && gap <= VIEW.WALL_DISTANCE * width)) continue;
       corners.push(corner.map((value, axis) => value - Math.max(0, gap) * normal[axis]));
     }
     normal.forEach((part, axis) => {

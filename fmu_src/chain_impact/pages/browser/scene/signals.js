@@ -59,7 +59,7 @@ function checkMotion(what, input, signal, order, moves) {
     order,
     moves,
     steps_differ: new Set(signal.values).size > 1,
-    starts_fast: Math.abs(speed * Math.cos(signal.phase)) > SIGNALS.AT_REST * speed,
+    starts_fast: Math.abs(speed * Math.cos(signal.phase)) > SIGNALS.REST_TOLERANCE * speed,
   };
   keepRules(SHARED.refusalRules.SIGNAL, (key) => facts[key] ?? signal[key], (key) => `${what}.${key}`, { input });
 }

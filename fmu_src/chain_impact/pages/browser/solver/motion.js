@@ -15,15 +15,16 @@ const PARTS = 100; // the rows of the first run are divided into at most this ma
 const ROWS_OF_INPUTS = 2000; // number of rows of the first run if inputs change over time, for their curves
 const GOLDEN = (Math.sqrt(5) - 1) / 2;
 const EVEN_ROWS = 1000; // number of rows at equal distances in the second run: about two for each pixel of a chart
-// The second run has additional rows within the first impacts. FOLLOWED: number of these impacts; WITHIN: number of additional rows in each
-// of two parts of an impact: the part that is shown slowly, and the part after it. `recording/curves.py` describes the others.
-const { EARLY_TIMES, FOLLOWED, LONG_CONTACT, EARLIEST_SHARE, WITHIN } = SHARED.curves;
+// The second run has additional rows within the first impacts. MOST_REFINED_IMPACTS: number of these impacts;
+// TIMES_WITHIN_IMPACT: number of additional rows in each of two parts of an impact: the part that is shown slowly, and the
+// part after it. `recording/curves.py` describes the others.
+const { EARLY_TIMES, MOST_REFINED_IMPACTS, LONG_CONTACT, EARLIEST_SHARE, TIMES_WITHIN_IMPACT } = SHARED.curves;
 
 /** Return the impacts of a run of the kernel in the form that `impactsUntil` takes. */
 export function impactsOf(impacts, scene, valueOf) {
   return impacts.map((impact) => {
     const { point, wall, onset, end, joint } = impact;
-    const quantities = mapped(SHARED.drawn.OF_IMPACT, (column) => impact[column]);
+    const quantities = mapped(SHARED.drawn.IMPACT_QUANTITIES, (column) => impact[column]);
     const atStop = scene.stops.length > 0 && STOPS.includes(scene.wallNames[wall]);
     const linearSpeed = quantities.speed * (atStop ? valueOf(`link[${point}].length`) : 1);
     const stopped = scene.sliderStops.includes(scene.wallNames[wall]) ? "slider" : atStop && `joint ${point}`;
@@ -167,14 +168,14 @@ export function stepsForKernel(kernel, inputSteps) {
   return all.sort((a, b) => a.time - b.time);
 }
 
-/** Return, in order, the `times` of frames [s] and, for curves, times at equal distances and times within the first FOLLOWED impacts. */
+/** Return, in order, the `times` of frames [s] and, for curves, times at equal distances and times within the first impacts. */
 function withFurther(times, impacts) {
   const [start, stop] = [times[0], times.at(-1)];
   const even = Array.from({ length: EVEN_ROWS }, (_, k) => start + ((stop - start) * k) / EVEN_ROWS);
-  const inside = impacts.slice(0, FOLLOWED).flatMap(({ onset, impactEnd, end }) =>
+  const inside = impacts.slice(0, MOST_REFINED_IMPACTS).flatMap(({ onset, impactEnd, end }) =>
     [[onset, impactEnd], [impactEnd, end]].filter(([from, to]) => to > from).flatMap(([from, to]) =>
-      Array.from({ length: WITHIN }, (_, k) => from + ((to - from) * k) / (WITHIN - 1))));
-  const long = impacts.slice(0, FOLLOWED).filter(({ onset, end }) => end - onset > LONG_CONTACT * (stop - start));
+      Array.from({ length: TIMES_WITHIN_IMPACT }, (_, k) => from + ((to - from) * k) / (TIMES_WITHIN_IMPACT - 1))));
+  const long = impacts.slice(0, MOST_REFINED_IMPACTS).filter(({ onset, end }) => end - onset > LONG_CONTACT * (stop - start));
   const early = long.flatMap(({ onset, end }) =>
     Array.from({ length: EARLY_TIMES }, (_, k) => onset + (end - onset) * EARLIEST_SHARE ** (1 - k / EARLY_TIMES)));
   const all = Float64Array.from([...times, ...even, ...[...inside, ...early].filter((time) => time < stop)]).sort();

@@ -12,7 +12,7 @@ const CLASS_COLOURS = [
 ];
 /** The colours of runs without an output, and of runs that fail, as [red, green, blue, opacity]. */
 export const [WITHOUT, FAILED] = [[128, 128, 128, 70], [128, 128, 128, 200]];
-const { BEYOND_QUANTILES, LARGE_QUANTILE, MOST_COLOURS, WIDE_COLOURS } = SHARED.mapColours;
+const { QUANTILE_MARGIN, LARGE_QUANTILE, MOST_COLOURS, WIDE_COLOURS } = SHARED.mapColours;
 
 const KNOTS = 9; // number of values between which colours of crowded values lie
 const CROWDED = 2; // least ratio of the largest to the least value, for values that crowd
@@ -50,7 +50,7 @@ function colourEnds(values, isLogarithmic) {
   const ends = quantilesOf(scaled);
   const width = ends[1] - ends[0];
   return [0, -1].map((end, k) => {
-    const isFar = width > 0 && Math.abs(scaled.at(end) - ends[k]) > BEYOND_QUANTILES * width;
+    const isFar = width > 0 && Math.abs(scaled.at(end) - ends[k]) > QUANTILE_MARGIN * width;
     return isFar ? (isLogarithmic ? Math.exp(ends[k]) : ends[k]) : values.at(end);
   });
 }

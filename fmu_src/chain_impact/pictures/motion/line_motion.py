@@ -12,7 +12,7 @@ from chain_impact.pictures.drawing.style import BLUE, INK, OUTSIDE_COLOUR
 from chain_impact.pictures.motion.impact_rings import RING_SIZE, plot_rings
 from chain_impact.pictures.motion.view import STRAIGHT, view_of
 from chain_impact.pictures.motion.walls import moves
-from chain_impact.pictures.over_time.time_axis import over_all_time
+from chain_impact.pictures.over_time.time_axis import show_all_time
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import ball_of
 
@@ -71,7 +71,7 @@ def draw_along_line(axes: Axes, recording: Recording, along: int) -> None:
     draw_hits(axes, recording, surfaces)
     axes.set_ylim(low, high)
     axes.set_ylabel(f"{'xy'[along]} [m]")
-    over_all_time(axes, recording)
+    show_all_time(axes, recording)
     legend_above(axes)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.pictures.motion.along_line import line_of_motion, wall_surfaces
+from chain_impact.pictures.motion.line_motion import line_of_motion, wall_surfaces
 from chain_impact.pictures.overview_layout import is_over_time
 from tests.pictures.pictures import MODELS, OVER_TIME, WIDTHS, check_texts, drawn, recorded
 

@@ -12,7 +12,7 @@ from chain_impact.text import few
 
 # [1] A point passes through a wall if, at different times, its distances from the wall on the free side and
 # on the other side are both larger than this, relative to the size of the motion.
-THROUGH = 1e-3
+LEAST_PASSAGE = 1e-3
 NAMED_POINTS = 4  # largest number of points that a sentence names
 
 
@@ -36,7 +36,7 @@ def points_through_walls(
             continue
         # [m] distances from the wall of the points that cannot touch the wall, negative beyond the wall
         gaps = positions[:, free] @ np.array(plane.normal) - (plane.offset + np.reshape(moved, (-1, 1)))
-        least = THROUGH * size_of_motion(positions)
+        least = LEAST_PASSAGE * size_of_motion(positions)
         through = np.array(free)[(gaps.min(axis=0) < -least) & (gaps.max(axis=0) > least)]
         if len(through):
             points = few([str(k) for k in through.tolist()], NAMED_POINTS)
