@@ -94,6 +94,11 @@ def test_no_two_files_define_a_number_of_the_same_name():
     assert {name for name, count in found.items() if count > 1} == set()
 
 
+ROOMS_OF_NAMES = {
+    room: [file for file in MODULES if file.relative_to(PACKAGE).parts[0] == room]
+    for room in {file.relative_to(PACKAGE).parts[0] for file in MODULES}
+}
+"""Room or single module of the package → its files."""
 ROOMS = sorted({file.parent.name for file in PACKAGE.glob("*/__init__.py")} - {"compilation"})
 
 
@@ -104,6 +109,48 @@ def test_no_two_files_of_a_room_define_a_constant_of_the_same_name(room):
     found = Counter(name for file in (PACKAGE / room).rglob("*.py") for name in names(constants(file)))
     assert found
     assert {name for name, count in found.items() if count > 1} == set()
+
+
+PREPOSITIONS = {
+    *("above", "across", "after", "against", "along", "among", "around", "at", "before", "behind", "below"),
+    *(
+        "beside",
+        "between",
+        "beyond",
+        "by",
+        "for",
+        "in",
+        "near",
+        "of",
+        "off",
+        "over",
+        "past",
+        "per",
+        "through",
+    ),
+    *("until", "within"),
+}
+IDIOMS = {"as", "from", "on", "to", "with", "without"}
+"""A function may begin so: ``as_x``, ``from_x`` and ``to_x`` convert, ``on_x`` is called at an event x, and
+``with_x`` and ``without_x`` return a changed copy."""
+
+
+def begins_with(name, words):
+    """Return whether the first word of a name is one of ``words``."""
+    return name.strip("_").lower().split("_")[0] in words
+
+
+@pytest.mark.parametrize("room", [room for room in ROOMS_OF_NAMES if room != "kernel"])
+def test_no_name_begins_with_a_preposition(room):
+    """A name that begins so, such as of_robot, does not say what the function returns."""
+    found = set()
+    for file in ROOMS_OF_NAMES[room]:
+        code = ast.walk(ast.parse(file.read_text("utf-8")))
+        names = [node.name for node in code if isinstance(node, (ast.FunctionDef, ast.ClassDef))]
+        found |= {name for name in names if begins_with(name, PREPOSITIONS)}
+        fixed = [file.stem, *constants(file)]
+        found |= {name for name in fixed if begins_with(name, PREPOSITIONS | IDIOMS)}
+    assert found == set()
 
 
 def needs(file):

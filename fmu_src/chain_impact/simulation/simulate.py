@@ -275,7 +275,7 @@ class Rerun:
 
     def inputs(self, times: np.ndarray) -> dict[str, np.ndarray]:
         """Return name of each input that the caller gives over time → values at increasing ``times`` [s]."""
-        schedule = self.schedule.at(times)
+        schedule = self.schedule.with_times(times)
         return schedule.values(np.flatnonzero(schedule.asked))
 
     def series(self, times: np.ndarray) -> dict[str, np.ndarray]:

@@ -230,7 +230,7 @@ class Film:
         passed = np.searchsorted(self.trace_times, time, side="right")
         self.traced = np.append(self.path[:passed], points[-1:], axis=0)
         self.trace.set_segments(list(np.stack([self.traced[:-1], self.traced[1:]], axis=1)))
-        self.trace.set_color(self._of_time(self.trace_times[:passed]))
+        self.trace.set_color(self._time_colours(self.trace_times[:passed]))
         self._show_tail(time)
         self._colour_chain(time)
         self.rings.set_data(*self.spots[self.recording.impacts["onset"] <= time].T)
@@ -260,14 +260,14 @@ class Film:
             veil.set_width(max(0.0, self.recording.time[-1] - time))
             yield from (veil, cursor)
 
-    def _of_time(self, times: np.ndarray) -> list[Any]:
+    def _time_colours(self, times: np.ndarray) -> list[Any]:
         """Return the colours of some times [s]; none for no times."""
         colours = np.reshape(self.shade(times), (-1, 4)).tolist()
         return [self._suited(colour) for colour in colours] if self.ground else colours
 
     def _colour_chain(self, time: float) -> None:
         """Give the chain, its bodies and its points the colour of a time [s]."""
-        (colour,) = self._of_time(np.array([time]))
+        (colour,) = self._time_colours(np.array([time]))
         self.chain.set_color(colour)
         for line in (self.sites, self.joints):
             line.set_markeredgecolor(colour)
@@ -282,7 +282,7 @@ class Film:
         moments = np.linspace(max(time - TAIL, self.times[0]), time, TAIL_PARTS + 1)
         tip = np.stack([np.interp(moments, self.trace_times, along) for along in self.path.T], axis=-1)
         self.tail.set_segments(list(np.stack([tip[:-1], tip[1:]], axis=1)))
-        self.tail.set_color(self._of_time(moments[1:]))
+        self.tail.set_color(self._time_colours(moments[1:]))
         self.tail.set_alpha(list(np.linspace(0.0, 1.0, TAIL_PARTS)))
         self.tail.set_linewidth(list(np.linspace(0.5, 2.2, TAIL_PARTS)))
 
