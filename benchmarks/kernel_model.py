@@ -43,9 +43,9 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.equations import mechanical_energy, rate_from_state, stored_energy
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.handlers import apply_events
-from chain_impact.kernel.events.marks import END, NONE, ONSET, RELATCH
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode.last_step import reset_step
+from chain_impact.kernel.record.constants import END, NONE, ONSET, RELATCH
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.system import HOST
 

@@ -17,8 +17,8 @@ import numpy as np
 from flint import arb, arb_poly, arb_series, ctx
 
 from benchmarks.balls import Matrix, Row
-from chain_impact.kernel.events.marks import END, ONSET
 from chain_impact.kernel.ode.dense import BASIS_POWERS
+from chain_impact.kernel.record.constants import END, ONSET
 
 
 class Step:

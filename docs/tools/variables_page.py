@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.record.constants import WALLS
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
 from chain_impact.scene.facts import ALWAYS
 from chain_impact.scene.scene import load_scene, scene_keys

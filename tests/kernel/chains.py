@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.equations import mechanical_energy
+from chain_impact.kernel.record.state import sundman_u_at, time_at
 from chain_impact.kernel.rows.geometry import dot, normal_row
 from chain_impact.scene.scene import Scene, scene_from_dict
 from tests.helpers.kernel.plain import Plain, begun, pack

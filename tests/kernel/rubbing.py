@@ -9,13 +9,8 @@ import numpy as np
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.equations import rate_from_points
-from chain_impact.kernel.forces.friction import (
-    NO_FRICTION,
-    STICKS,
-    drive_of_element,
-    list_friction,
-    set_friction_used,
-)
+from chain_impact.kernel.forces.friction import drive_of_element, list_friction, set_friction_used
+from chain_impact.kernel.record.constants import NO_FRICTION, STICKS
 from chain_impact.kernel.rows.geometry import tangent_row, tangential_acceleration, tangential_position
 from chain_impact.scene.scene import Scene
 from tests.helpers.kernel.plain import Plain, begun

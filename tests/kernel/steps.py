@@ -7,10 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.ode.control import EXPLICIT
-from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
-from chain_impact.kernel.ode.last_step import SOLVER
+from chain_impact.kernel.record.constants import DENSE_COEFFICIENTS, EXPLICIT, SOLVER_READER
+from chain_impact.kernel.record.state import sundman_u_at, time_at
 from tests.helpers.kernel.plain import Plain
 from tests.kernel.chains import ANGLES, FAR, chain, touch
 
@@ -64,7 +62,7 @@ def set_step(d: Plain, motion: Motion, size: float, start: float = 0.0, regulari
     step.end = start + step.state_end[time_at(d.links)]
     step.size, step.end_fraction, step.regularized = size, 1.0, regularized
     step.last_method = step.method = EXPLICIT
-    step.dense_for, step.rate_known, scratch.located_at_end = SOLVER, 1, 1
+    step.dense_for, step.rate_known, scratch.located_at_end = SOLVER_READER, 1, 1
     step.breaks += 1
     locate_points(d, step.state_end)
     accelerate_points(d, step.state_end, scratch.rate_end)

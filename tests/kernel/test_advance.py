@@ -8,9 +8,9 @@ import pytest
 from chain_impact.kernel import advance as loop
 from chain_impact.kernel.entry import UNLIMITED
 from chain_impact.kernel.events import handlers
-from chain_impact.kernel.events.marks import KINK, NONE, ONSET
 from chain_impact.kernel.ode import last_step
-from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, set_outcome
+from chain_impact.kernel.ode.control import set_outcome
+from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT, KINK, NONE, ONSET
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, LOG_FULL, NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
 from chain_impact.scene.scene import load_scene
 from tests.helpers.kernel.plain import begun

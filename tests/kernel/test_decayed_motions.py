@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import dissipated_at, time_at, velocity_at
 from chain_impact.kernel.events import crossing, marks, search
 from chain_impact.kernel.forces import force_formula, holding
-from chain_impact.kernel.forces.friction import STICKS, list_sticking, set_element_anchor
+from chain_impact.kernel.forces.friction import list_sticking, set_element_anchor
 from chain_impact.kernel.ode import collocation, control, explicit, last_step, maximum, sundman_rate
+from chain_impact.kernel.record.constants import NONE, ONSET, STICKS
+from chain_impact.kernel.record.state import dissipated_at, time_at, velocity_at
 from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.tangent import duals, event_times, rules
 from chain_impact.scene.scene import scene_from_dict
@@ -97,8 +98,8 @@ def test_a_value_of_zero_keeps_its_derivatives():
 def test_an_onset_of_a_faded_rate_is_late_by_a_number(size, slope):
     d = resting()
     c = 0
-    d.contacts.event[:] = marks.NONE
-    marks.mark_contact_event(d, c, marks.ONSET)
+    d.contacts.event[:] = NONE
+    marks.mark_contact_event(d, c, ONSET)
     d.step.size = 1e-3
     with np.errstate(all="ignore"):
         gap, rate = np.float64(size), -np.float64(slope)
@@ -206,7 +207,7 @@ def test_the_time_of_an_event_has_finite_derivatives(monkeypatch, rate):
     assert found * rate == pytest.approx(1.0) if 1e-300 < abs(rate) < np.inf else found == 0.0
     gap = Dual(0.0, [3.0, 0.0])
     monkeypatch.setattr(event_times, "clearance", lambda *_: (gap, Dual(rate, [0.0, 0.0])))
-    delay = event_times.delay_of_crossing(None, 0, marks.ONSET)
+    delay = event_times.delay_of_crossing(None, 0, ONSET)
     assert delay.slope.tolist() == [-3.0 * found, 0.0]
 
 

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import equations
-from chain_impact.kernel.chain import kinematics, state
+from chain_impact.kernel.chain import kinematics
 from chain_impact.kernel.chain.drives import spring_energy
 from chain_impact.kernel.forces import active_contacts, holding
+from chain_impact.kernel.record import state
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.models.reference import generalized_force, mass_matrix, point_jacobian, set_vectors
 from tests.kernel.chains import (

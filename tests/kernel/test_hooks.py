@@ -1,6 +1,6 @@
 """The hooks: without effect in a plain kernel, and carriers of derivatives in a kernel with derivatives."""
 
-# Tests: kernel/function_marks.py, kernel/combinators.py, kernel/record_operations.py
+# Tests: kernel/function_marks.py, kernel/combinators.py, kernel/record/operations.py
 
 import inspect
 import math

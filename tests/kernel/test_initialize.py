@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.events.marks import NONE
 from chain_impact.kernel.initialize import (
     ALLOWED_OVERLAP,
     check_parameters,
@@ -18,8 +17,9 @@ from chain_impact.kernel.initialize import (
     initialize,
     set_initial_state,
 )
-from chain_impact.kernel.ode.control import EXPLICIT, SOLVER_METHODS, size_in_flight
+from chain_impact.kernel.ode.control import size_in_flight
 from chain_impact.kernel.ode.methods import stable_size
+from chain_impact.kernel.record.constants import EXPLICIT, NONE, SOLVER_METHODS
 from chain_impact.kernel.record.contacts import LATEST_COUNT
 from chain_impact.kernel.rows.constraints import UNSOLVED
 from chain_impact.kernel.status import (

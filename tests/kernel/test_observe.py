@@ -8,10 +8,10 @@ import pytest
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.drives import spring_energy
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import dissipated_at, supplied_at
 from chain_impact.kernel.forces.active_contacts import latch_onset, set_kink_sides
 from chain_impact.kernel.forces.force_formula import elastic_energy, law_force
 from chain_impact.kernel.observe import combine_forces, combine_impulses, fill_outputs, observe
+from chain_impact.kernel.record.state import dissipated_at, supplied_at
 from chain_impact.kernel.rows.geometry import first_stop, set_candidate_rows
 from tests.helpers.models.reference import generalized_force, mass_matrix
 from tests.helpers.tools.differences import slope

@@ -8,16 +8,8 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import advance as loop
-from chain_impact.kernel.ode.control import (
-    EXPLICIT,
-    IMPLICIT,
-    INACCURATE,
-    SAFETY_FACTOR,
-    SPOILED,
-    is_accepted,
-    reject_step,
-    set_outcome,
-)
+from chain_impact.kernel.ode.control import SAFETY_FACTOR, is_accepted, reject_step, set_outcome
+from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT, INACCURATE, SPOILED
 from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.rows.constraints import MOVING, SOLVED
 from chain_impact.kernel.status import NOT_FINITE, OK, STEP_TOO_SMALL, TOO_MUCH_WORK

@@ -1,5 +1,6 @@
 """The layout of an instance: the offsets of all fields in the record."""
 
+# Tests: kernel/record/constants.py, kernel/record/operations.py
 # Tests: kernel/record/counts.py, kernel/record/instance.py
 # Tests: kernel/record/given.py, kernel/record/prescribed_motion.py
 # Tests: kernel/record/friction.py, kernel/record/signals.py, kernel/record/solver.py

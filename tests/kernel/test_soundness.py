@@ -6,15 +6,21 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import entry, hooks
-from chain_impact.kernel.chain.inputs import INPUT_DEGREE
 from chain_impact.kernel.entry import is_sound, within_bounds
-from chain_impact.kernel.events.exclusion import SAFE_DISTANCE
-from chain_impact.kernel.events.marks import NEIGHBOUR
-from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking
+from chain_impact.kernel.forces.friction import list_sticking
 from chain_impact.kernel.forces.laws import LAW_COUNT
-from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, SOLVER_METHODS
-from chain_impact.kernel.ode.last_step import SOLVER
-from chain_impact.kernel.ode.sundman import NO_CONTACT
+from chain_impact.kernel.record.constants import (
+    DISTANCE_KNOWN,
+    EXPLICIT,
+    IMPLICIT,
+    INPUT_DEGREE,
+    NEIGHBOUR,
+    NO_CONTACT,
+    NO_FRICTION,
+    SOLVER_METHODS,
+    SOLVER_READER,
+    STICKS,
+)
 from chain_impact.kernel.record.contacts import LATEST_COUNT
 from chain_impact.kernel.status import LAST_STATUS, OK, STATUS_TEXT, UNKNOWN_LAW
 from chain_impact.scene.scene import load_scene
@@ -67,8 +73,8 @@ BOUNDS = {
     ("step", "regularized"): (NO_CONTACT, 15),
     ("step", "method"): (EXPLICIT, IMPLICIT),
     ("step", "last_method"): (EXPLICIT, IMPLICIT),
-    ("step", "dense_for"): (0, SOLVER),
-    ("search", "known"): (0, SAFE_DISTANCE),
+    ("step", "dense_for"): (0, SOLVER_READER),
+    ("search", "known"): (0, DISTANCE_KNOWN),
     ("law", "number"): (1, LAW_COUNT),
     ("candidate", "stop"): (-2, 2),
     ("solver", "method"): (1, len(SOLVER_METHODS)),

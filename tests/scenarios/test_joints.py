@@ -7,7 +7,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from chain_impact import simulate
-from chain_impact.kernel.ode.control import ERROR_ORDER, IMPLICIT
+from chain_impact.kernel.ode.control import ERROR_ORDER
+from chain_impact.kernel.record.constants import IMPLICIT
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import SOLVER_METHODS, with_values
 from chain_impact.simulation.instance import Instance

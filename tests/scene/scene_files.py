@@ -5,7 +5,7 @@ import math
 from hypothesis import strategies as st
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.ode.control import SOLVER_METHODS
+from chain_impact.kernel.record.constants import SOLVER_METHODS
 
 finite = st.floats(-1e6, 1e6)
 positive = st.floats(1e-6, 1e6)

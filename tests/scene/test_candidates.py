@@ -1,7 +1,7 @@
 """The pairs of a point and a wall between which contact is possible."""
 
 from chain_impact import load_scene
-from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.record.constants import WALLS
 from chain_impact.scene.candidates import candidates, point_wall_pairs, stop_pairs
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.scene import with_values

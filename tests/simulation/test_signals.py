@@ -11,7 +11,8 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline, PPoly
 
 from chain_impact import Chain, SceneError, simulate
-from chain_impact.kernel.chain.signals import rate_in_limited_drives, rate_of_signals, travel_of_sines
+from chain_impact.kernel.chain.prescribed_motion import travel_of_sines
+from chain_impact.kernel.chain.signals import rate_in_limited_drives, rate_of_signals
 from chain_impact.scene.scene import parse_scene
 from chain_impact.scene.signal_polynomials import spline_of_position, value_at_start
 from chain_impact.simulation.derivatives import DifferentiatedRun

@@ -8,7 +8,7 @@ from operator import getitem
 import pytest
 
 from chain_impact import Chain
-from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.record.constants import WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.keys.chain_tables import Link, Site, Slider

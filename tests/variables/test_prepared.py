@@ -13,7 +13,7 @@ from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.fmu.documents import documents
 from chain_impact.fmu.native_target import native_files
 from chain_impact.kernel.chain.inertia import DERIVED
-from chain_impact.kernel.ode.sundman import NO_CONTACT
+from chain_impact.kernel.record.constants import NO_CONTACT
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.errors import UnknownNameError
 from chain_impact.scene.files.models import model_names

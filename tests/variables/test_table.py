@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.record.constants import WALLS
 from chain_impact.kernel.record.instance import output_dtype
-from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, with_values

@@ -16,7 +16,7 @@ from rich.table import Table
 from rich.text import Text
 
 from chain_impact.cli.progress import out, plain_console, say
-from chain_impact.kernel.forces.friction import STICKS
+from chain_impact.kernel.record.constants import STICKS
 from chain_impact.recording.bodies import sites_of_links
 from chain_impact.recording.impacts import cut_sentence
 from chain_impact.recording.recording import Recording

@@ -27,15 +27,13 @@ from chain_impact.compilation.record_type import (
     array_at,
     built,
 )
-from chain_impact.kernel import record_operations
-from chain_impact.kernel.chain import input_fields
-from chain_impact.kernel.record import ranges
+from chain_impact.kernel.record import input_fields, operations, ranges
 from chain_impact.kernel.record.fields import SETTABLE, WORD
 from chain_impact.kernel.tangent import duals
 
 FUNCTIONS: set[Any] = {
     *(duals.tangent_instance, duals.as_words, duals.copy_values, duals.copy_given),
-    *(record_operations.clear_numbers, record_operations.copy_row, input_fields.input_field),
+    *(operations.clear_numbers, operations.copy_row, input_fields.input_field),
     *(ranges.ranged_field, ranges.bounded_field, ranges.least_bound, ranges.most_bound),
 }
 """The functions of the kernel for which this module gives numba the code."""
@@ -192,7 +190,7 @@ def _words(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
     return array_at(context, builder, types.float64, address_of(context, builder, instance, whole), [size])
 
 
-@type_callable(record_operations.clear_numbers)
+@type_callable(operations.clear_numbers)
 def _type_of_clear(_context: Any) -> Any:
     def typer(record: types.Type) -> types.Type | None:
         return types.none if isinstance(record, Record) else None
@@ -200,7 +198,7 @@ def _type_of_clear(_context: Any) -> Any:
     return typer
 
 
-@lower_builtin(record_operations.clear_numbers, Record)
+@lower_builtin(operations.clear_numbers, Record)
 def _clear(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     (instance,) = arguments
     part = signature.args[0].field()
@@ -209,7 +207,7 @@ def _clear(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
     return context.get_dummy_value()
 
 
-@type_callable(record_operations.copy_row)
+@type_callable(operations.copy_row)
 def _type_of_copy_row(_context: Any) -> Any:
     def typer(table: types.Type, _source: types.Type, _row: types.Type) -> types.Type | None:
         return types.none if isinstance(table, Record) else None
@@ -217,7 +215,7 @@ def _type_of_copy_row(_context: Any) -> Any:
     return typer
 
 
-@lower_builtin(record_operations.copy_row, Record, types.Integer, types.Integer)
+@lower_builtin(operations.copy_row, Record, types.Integer, types.Integer)
 def _copy_row(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     instance, *numbers = arguments
     table, *kinds = signature.args

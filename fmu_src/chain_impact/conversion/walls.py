@@ -26,7 +26,8 @@ from chain_impact.conversion.points import (
     tables_of,
 )
 from chain_impact.conversion.robot import LinkShape, Plane, Robot
-from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP, BOX_NORMALS, WALLS
+from chain_impact.kernel.record.constants import WALLS
+from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP, BOX_NORMALS
 from chain_impact.text import plural
 
 Points = list[dict[str, Any]]

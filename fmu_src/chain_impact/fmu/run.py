@@ -15,7 +15,7 @@ import numpy as np
 from chain_impact.fmu.importer import read_fmu, simulated
 from chain_impact.fmu.inputs import driven_rows
 from chain_impact.fmu.scene_data import SceneData, read_scene_data
-from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.record.constants import WALLS
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.impacts import impacts_shown
 from chain_impact.recording.joint_stops import ranges_of

@@ -31,7 +31,7 @@ from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.events.base_at_wall import check_base_at_walls, end_where_wall_meets_base
 from chain_impact.kernel.events.contact_log import update_peaks, update_to_communication_point
 from chain_impact.kernel.events.handlers import apply_events, force_has_kink, reinit_contacts_and_modes
-from chain_impact.kernel.events.marks import KINK, NONE, count_pending_changes, drop_events, ends_in_onset
+from chain_impact.kernel.events.marks import count_pending_changes, drop_events, ends_in_onset
 from chain_impact.kernel.events.search import find_event, onset_fraction
 from chain_impact.kernel.events.segments import (
     begin_segments,
@@ -51,7 +51,6 @@ from chain_impact.kernel.ode.balance import (
     restart_balance,
     store_energy,
 )
-from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import (
     commit_quadratures,
     correct_falling_impulses,
@@ -70,6 +69,8 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.ode.methods import attempt_step, choose_method, prepare_step
 from chain_impact.kernel.ode.sundman import regularize_rate, time_rate_for_sizes
+from chain_impact.kernel.record import constants
+from chain_impact.kernel.record.constants import IMPLICIT, KINK, NONE
 from chain_impact.kernel.rows.constraints import SOLVED, UNSOLVED, clear_unsolved
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
@@ -302,7 +303,7 @@ def try_step(d, h):
     if control.is_accepted(d):
         present, available = check_energy(d, theta)
     if control.is_accepted(d) and d.constraints.unsolved != SOLVED:
-        control.reject_step(d, control.SPOILED)
+        control.reject_step(d, constants.SPOILED)
     if not control.is_accepted(d):
         roll_back(d)
         drop_events(d)
@@ -334,7 +335,7 @@ def repeat_to_event(d, theta):
     roll_back(d)
     attempt_step(d, h)
     if not control.is_accepted(d):
-        control.reject_step(d, control.SPOILED)
+        control.reject_step(d, constants.SPOILED)
         return -1.0
     make_last_step(d)
     # the error of the whole step, not of its repetition up to an event, determines the size of the next step

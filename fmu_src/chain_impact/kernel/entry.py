@@ -7,7 +7,6 @@ wrong number leads to a fault or to wrong results, never to an access outside th
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.advance import advance, must_reinit, reinit
-from chain_impact.kernel.chain.input_fields import CHANNEL, input_field
 from chain_impact.kernel.chain.signals import knot_count
 from chain_impact.kernel.cost import (
     UNLIMITED,
@@ -24,6 +23,7 @@ from chain_impact.kernel.forces.user_law import is_present
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe, observe_state, refill_outputs_but_integrals
 from chain_impact.kernel.ode.last_step import return_to_stored_state, store_output_state
+from chain_impact.kernel.record.input_fields import CHANNEL, input_field
 from chain_impact.kernel.record.ranges import BOUNDED_PATHS, bounded_field, least_bound, most_bound
 from chain_impact.kernel.rows.geometry import candidate_within_bounds
 from chain_impact.kernel.status import LOG_FULL, OK, PAUSED

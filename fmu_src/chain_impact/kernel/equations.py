@@ -1,8 +1,9 @@
 """The equations of motion ẏ = f(y), which combine all parts of the model, and the energy balance.
 
-chain/state.py describes y. Six functions compute ẏ, the rate. Each function needs y and the data that the
-list says; earlier calls must have set these data. A "free" rate lacks the forces of constraints. In a "true"
-rate every contact force is cut off at 0; in other rates the force may continue below 0, beyond its kink.
+record/state.py describes y. Six functions compute ẏ, the rate. Each function needs y and the data that
+the list says; earlier calls must have set these data. A "free" rate lacks the forces of constraints. In a
+"true" rate every contact force is cut off at 0; in other rates the force may continue below 0, beyond its
+kink.
 
     rate_from_state             y alone; locates the points only if forces act on them
     rate_and_points_from_state  y alone; locates the points
@@ -25,7 +26,12 @@ from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.chain.kinematics import locate_points, set_link_vectors
 from chain_impact.kernel.chain.sites import joint_place, move_site_loads
 from chain_impact.kernel.chain.slider import carriage_energy
-from chain_impact.kernel.chain.state import (
+from chain_impact.kernel.forces.active_contacts import apply_contacts, apply_true_contacts
+from chain_impact.kernel.forces.force_formula import clear_crossings, elastic_energy
+from chain_impact.kernel.forces.friction import clear_friction_margins, static_power
+from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces, power_of_motion
+from chain_impact.kernel.function_marks import inlined
+from chain_impact.kernel.record.state import (
     coordinate_count,
     dissipated_at,
     omega_at,
@@ -34,11 +40,6 @@ from chain_impact.kernel.chain.state import (
     time_at,
     velocity_at,
 )
-from chain_impact.kernel.forces.active_contacts import apply_contacts, apply_true_contacts
-from chain_impact.kernel.forces.force_formula import clear_crossings, elastic_energy
-from chain_impact.kernel.forces.friction import clear_friction_margins, static_power
-from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces, power_of_motion
-from chain_impact.kernel.function_marks import inlined
 from chain_impact.kernel.rows.compliance import solve_accelerations_with_armatures
 from chain_impact.kernel.rows.constraints import any_constraint, clear_unsolved
 from chain_impact.kernel.rows.geometry import clearance

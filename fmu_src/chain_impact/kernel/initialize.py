@@ -15,7 +15,6 @@ from chain_impact.kernel.chain.inputs import apply_inputs, begin_prescribed_moti
 from chain_impact.kernel.chain.joints import joint_rate_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import derive_signals, signals_are_valid
-from chain_impact.kernel.chain.state import FIRST_ANGLE, dissipated_at, omega_at, supplied_at, velocity_at
 from chain_impact.kernel.cost import begin_windows
 from chain_impact.kernel.equations import mechanical_energy, rate_from_state, stored_energy
 from chain_impact.kernel.events.base_at_wall import check_base_at_walls
@@ -27,17 +26,12 @@ from chain_impact.kernel.forces.candidate_laws import start_laws
 from chain_impact.kernel.forces.friction import clear_friction
 from chain_impact.kernel.mathematics.angles import unit_vector
 from chain_impact.kernel.ode.balance import start_balance
-from chain_impact.kernel.ode.control import (
-    IMPLICIT,
-    SOLVER_METHODS,
-    prescribed_method,
-    propose_size,
-    size_in_flight,
-    store_flight_size,
-)
+from chain_impact.kernel.ode.control import prescribed_method, propose_size, size_in_flight, store_flight_size
 from chain_impact.kernel.ode.dense import clear_quadratures
 from chain_impact.kernel.ode.last_step import reset_step, reset_times
 from chain_impact.kernel.ode.methods import begin_explicit, stable_size
+from chain_impact.kernel.record.constants import IMPLICIT, SOLVER_METHODS
+from chain_impact.kernel.record.operations import clear_numbers
 from chain_impact.kernel.record.ranges import (
     CARRIAGE_OWNER,
     LINK_OWNERS,
@@ -48,7 +42,7 @@ from chain_impact.kernel.record.ranges import (
     is_in_range,
     ranged_field,
 )
-from chain_impact.kernel.record_operations import clear_numbers
+from chain_impact.kernel.record.state import FIRST_ANGLE, dissipated_at, omega_at, supplied_at, velocity_at
 from chain_impact.kernel.rows.constraints import UNSOLVED, clear_unsolved
 from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP, clearance, is_at_joint_stop, set_candidate_rows
 from chain_impact.kernel.status import (

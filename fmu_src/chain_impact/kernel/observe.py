@@ -12,7 +12,16 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, locate_point
 from chain_impact.kernel.chain.signals import signal_at
 from chain_impact.kernel.chain.sites import point_of_site, site_place
 from chain_impact.kernel.chain.slider import slider_position
-from chain_impact.kernel.chain.state import (
+from chain_impact.kernel.cost import read_cost_counts, restore_cost_counts
+from chain_impact.kernel.equations import mechanical_energy, stored_energy, true_rate_from_inputs
+from chain_impact.kernel.events.contact_log import list_latest
+from chain_impact.kernel.forces.active_contacts import apply_true_contacts
+from chain_impact.kernel.forces.friction import drive_of_element
+from chain_impact.kernel.forces.holding import project_state
+from chain_impact.kernel.ode.dense import fraction_at_time, interpolate_state, quadrature_within
+from chain_impact.kernel.ode.folds import refine_rate
+from chain_impact.kernel.record.constants import STICKS
+from chain_impact.kernel.record.state import (
     FIRST_ANGLE,
     dissipated_at,
     omega_at,
@@ -21,14 +30,6 @@ from chain_impact.kernel.chain.state import (
     time_at,
     velocity_at,
 )
-from chain_impact.kernel.cost import read_cost_counts, restore_cost_counts
-from chain_impact.kernel.equations import mechanical_energy, stored_energy, true_rate_from_inputs
-from chain_impact.kernel.events.contact_log import list_latest
-from chain_impact.kernel.forces.active_contacts import apply_true_contacts
-from chain_impact.kernel.forces.friction import STICKS, drive_of_element
-from chain_impact.kernel.forces.holding import project_state
-from chain_impact.kernel.ode.dense import fraction_at_time, interpolate_state, quadrature_within
-from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.rows.constraints import any_constraint
 from chain_impact.kernel.rows.geometry import (
     clearance,

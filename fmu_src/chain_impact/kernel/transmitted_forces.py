@@ -25,18 +25,17 @@ import math
 
 from chain_impact.kernel.chain.drives import first_joint, transmitted_moment
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, vector_at_center_of_mass
-from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.cost import read_cost_counts, restore_cost_counts
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.active_contacts import set_joint_square
 from chain_impact.kernel.function_marks import has_dual_rule
-from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import event_fraction, fraction_at_time, interpolate_state
 from chain_impact.kernel.ode.folds import refine_rate
-from chain_impact.kernel.ode.last_step import OUTPUTS, ensure_dense, ensure_points
+from chain_impact.kernel.ode.last_step import ensure_dense, ensure_points
 from chain_impact.kernel.ode.maximum import maximum_of
+from chain_impact.kernel.record.constants import IMPLICIT, OUTPUT_READER, WALLS
+from chain_impact.kernel.record.state import time_at
 from chain_impact.kernel.rows.geometry import (
-    WALLS,
     is_at_joint_stop,
     is_at_wall,
     joint_stop_moment,
@@ -250,7 +249,7 @@ def raise_joint_force_peaks(d):
     serve outputs only. Afterwards points and forces are those at the end of the step.
     """
     transmitted, contacts, counted = d.transmitted, d.contacts, read_cost_counts(d)
-    ensure_dense(d, OUTPUTS)
+    ensure_dense(d, OUTPUT_READER)
     search_step_for_peaks(d)
     for i in range(d.links):
         if transmitted.largest_square[i] > transmitted.peak_square[i]:

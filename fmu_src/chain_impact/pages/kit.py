@@ -20,8 +20,8 @@ from typing import Any, get_args, get_origin
 import numpy as np
 
 from chain_impact.compilation.affine import SAMPLES, affine
-from chain_impact.kernel.chain.signals import SIGNAL_DEGREE
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.record.constants import SIGNAL_DEGREE
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.record.signals import signal_dtype
 from chain_impact.pages.drawn import DRAWN

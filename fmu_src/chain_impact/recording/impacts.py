@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.kernel.record.constants import WALLS
 from chain_impact.kernel.record.contacts import contact_log_dtype
-from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.warning import warn
 from chain_impact.scene.words.names import SLIDER_STOPS, STOPS, name_parts
 

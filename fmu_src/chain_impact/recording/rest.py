@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from chain_impact.kernel.forces.friction import STICKS
+from chain_impact.kernel.record.constants import STICKS
 from chain_impact.recording.recording import Recording
 
 # [1] A point is at rest if two distances in the duration T of the run are at most this, relative to the size

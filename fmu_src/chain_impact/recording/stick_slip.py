@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS
+from chain_impact.kernel.record.constants import NO_FRICTION, STICKS
 from chain_impact.scene.words.names import STOPS, point_label
 
 CHANGE_DTYPE = np.dtype([("time", np.float64), ("point", np.int64), ("wall", np.int64), ("mode", np.int64)])

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from chain_impact.kernel.forces.friction import STICKS
+from chain_impact.kernel.record.constants import STICKS
 from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.joint_peaks import EXACT, SAMPLED, joint_peaks

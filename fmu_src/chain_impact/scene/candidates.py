@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import product
 
-from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.record.constants import WALLS
 from chain_impact.scene.contents import Contents
 
 

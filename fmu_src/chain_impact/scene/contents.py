@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.record.constants import WALLS
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.keys.chain_tables import ChainTable
 from chain_impact.scene.keys.signal_tables import Signal

@@ -10,7 +10,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from chain_impact.kernel.rows.geometry import BOX_NORMALS, WALLS
+from chain_impact.kernel.record.constants import WALLS
+from chain_impact.kernel.rows.geometry import BOX_NORMALS
 
 
 @dataclass(frozen=True, slots=True)

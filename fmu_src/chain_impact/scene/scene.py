@@ -15,7 +15,7 @@ from numbers import Integral
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from chain_impact.kernel.ode.control import SOLVER_METHODS
+from chain_impact.kernel.record.constants import SOLVER_METHODS
 from chain_impact.scene import complete_scene, shapes
 from chain_impact.scene.checks import checks
 from chain_impact.scene.contents import Contents, named_point_hint, slider_hint

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import polynomial
 
-from chain_impact.kernel.chain.inputs import INPUT_DEGREE
+from chain_impact.kernel.record.constants import INPUT_DEGREE
 from chain_impact.simulation.pieces import FUNCTION_ROUND_OFF, Piece, Pieces
 
 Sampled = Callable[[np.ndarray], np.ndarray]

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.chain.inputs import INPUT_DEGREE
+from chain_impact.kernel.record.constants import INPUT_DEGREE
 from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP
 from chain_impact.scene.checks.checks import start_hint
 from chain_impact.scene.errors import SceneError

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.chain.inputs import INPUT_DEGREE
+from chain_impact.kernel.record.constants import INPUT_DEGREE
 
 FUNCTION_ROUND_OFF = 4e-15  # [1] error of a function's values, relative to its largest value
 

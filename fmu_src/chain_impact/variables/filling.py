@@ -18,7 +18,7 @@ import numpy as np
 from chain_impact.kernel.chain.inertia import DERIVED
 from chain_impact.kernel.forces.candidate_laws import USER_LAW
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.ode.control import SOLVER_METHODS
+from chain_impact.kernel.record.constants import SOLVER_METHODS
 from chain_impact.kernel.record.counts import Counts
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype

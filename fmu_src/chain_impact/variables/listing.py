@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.ode.control import SOLVER_METHODS
+from chain_impact.kernel.record.constants import SOLVER_METHODS
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.scene.derived import rule_at
 from chain_impact.scene.scene import Scene

@@ -14,9 +14,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple
 
-from chain_impact.kernel.ode.sundman import NO_CONTACT
+from chain_impact.kernel.record.constants import NO_CONTACT, WALLS
 from chain_impact.kernel.record.counts import COUNTS
-from chain_impact.kernel.rows.geometry import WALLS
 from chain_impact.scene.facts import ALWAYS, FACTS, LISTS, SceneFacts
 from chain_impact.scene.keys.tables import Inputs, Outputs
 from chain_impact.scene.rules.rule_language import ValueOf, holds, members_in, number_in, value_at

@@ -13,7 +13,7 @@ from dataclasses import replace
 from functools import cache
 from typing import Any
 
-from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.record.constants import WALLS
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.facts import ALWAYS
 from chain_impact.scene.keys.chain_tables import Link, Site, Slider

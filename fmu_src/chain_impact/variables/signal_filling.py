@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from chain_impact.kernel.chain.input_fields import CHANNEL, INPUT_NAMES
+from chain_impact.kernel.record.input_fields import CHANNEL, INPUT_NAMES
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_polynomials import write_signal
 from chain_impact.scene.words.names import DataPath
@@ -37,7 +37,7 @@ def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
 
 
 def input_at(path: DataPath) -> tuple[int, str | int]:
-    """Return the number of an input's field (kernel/chain/input_fields.py), and the index in this field.
+    """Return the number of an input's field (kernel/record/input_fields.py), and the index in this field.
 
     ``path`` is the path of the input in the record. All prescribed motions have the number CHANNEL.
     """

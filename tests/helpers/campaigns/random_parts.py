@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.record.constants import WALLS
 from chain_impact.scene.scene import SOLVER_METHODS, Scene, scene_from_dict
 
 MOST_LINKS, LONG_LINKS = 10, (11, 60)

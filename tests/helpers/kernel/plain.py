@@ -69,7 +69,7 @@ class Plain:
         self.numpy_record[name] = value
 
     def clear(self) -> None:
-        """Set all numbers to zero, as ``clear_numbers`` in kernel/record_operations.py does."""
+        """Set all numbers to zero, as ``clear_numbers`` in kernel/record/operations.py does."""
         for name in self.numpy_record.dtype.names:
             self.numpy_record[name] = np.zeros((), self.numpy_record.dtype[name])
 

@@ -19,8 +19,8 @@ from unittest import mock
 import numpy as np
 
 from chain_impact.kernel.chain import kinematics, prescribed_motion
-from chain_impact.kernel.chain.state import FIRST_ANGLE, coordinate_count, state_size, time_at
-from chain_impact.kernel.forces.friction import NO_FRICTION
+from chain_impact.kernel.record.constants import NO_FRICTION
+from chain_impact.kernel.record.state import FIRST_ANGLE, coordinate_count, state_size, time_at
 from tests.helpers.kernel.plain import Plain, as_plain_python
 
 GROUPS = ("link_vector", "position", "velocity", "acceleration")

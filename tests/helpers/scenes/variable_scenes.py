@@ -1,7 +1,7 @@
 """Scenes with all kinds of variables, and the variables of a scene by name."""
 
 from chain_impact import load_scene
-from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.record.constants import WALLS
 from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import Scene, with_values
 from chain_impact.variables.prepared import PreparedScene

@@ -1,14 +1,15 @@
 """Inputs over time in plain Python: their present values, their times, and the limit of a step."""
 
-# Tests: kernel/chain/input_fields.py
+# Tests: kernel/record/input_fields.py
 
 import numpy as np
 import pytest
 
 from chain_impact import load_scene
 from chain_impact.kernel.chain import inputs
-from chain_impact.kernel.chain.input_fields import INPUT_SIZES
-from chain_impact.kernel.chain.state import time_at
+from chain_impact.kernel.record.constants import INPUT_DEGREE
+from chain_impact.kernel.record.input_fields import INPUT_SIZES
+from chain_impact.kernel.record.state import time_at
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.kernel.plain import Plain
 
@@ -79,7 +80,7 @@ def cart():
     return Plain(PreparedScene(load_scene("pinned_arm").with_values(CART)).new_instance()[0])
 
 
-@pytest.mark.parametrize("degree", [0, 1, inputs.INPUT_DEGREE])
+@pytest.mark.parametrize("degree", [0, 1, INPUT_DEGREE])
 def test_given_inputs_are_used_as_polynomials(degree):
     d, rng = cart(), np.random.default_rng(degree)
     own, given = d.given.piece, d.given

@@ -1,8 +1,10 @@
 """The state vector: each entry has one meaning, and no entry is unused."""
 
+# Tests: kernel/record/state.py
+
 import pytest
 
-from chain_impact.kernel.chain.state import (
+from chain_impact.kernel.record.state import (
     FIRST_ANGLE,
     coordinate_count,
     dissipated_at,

@@ -9,11 +9,10 @@ from chain_impact import load_scene, simulate
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.events import contact_log
-from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET
 from chain_impact.kernel.forces.active_contacts import contact_force
 from chain_impact.kernel.forces.force_formula import set_damping
 from chain_impact.kernel.ode.dense import reset_quadratures
-from chain_impact.kernel.ode.last_step import OUTPUTS, SOLVER
+from chain_impact.kernel.record.constants import END, KINK, NONE, ONSET, OUTPUT_READER, SOLVER_READER
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
@@ -85,9 +84,9 @@ def there(d, points):
 def test_peaks_are_the_largest_values_on_the_way(size):
     """The largest value lies inside the step, or at its end during compression."""
     d, motion = pressed(TURNING, size=size)
-    d.step.dense_for = OUTPUTS
+    d.step.dense_for = OUTPUT_READER
     contact_log.update_extremes(d)
-    assert d.step.dense_for == (SOLVER if size == 1.0 else OUTPUTS)
+    assert d.step.dense_for == (SOLVER_READER if size == 1.0 else OUTPUT_READER)
     t = FINE * size
     assert d.contacts.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
     assert d.contacts.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
@@ -106,7 +105,7 @@ def test_a_force_that_only_falls_has_no_peak_in_the_step():
     d, _ = pressed([0.0, 0.1, 0.1])
     d.contacts.penetration_rate[1], d.contacts.force_rate[1] = -0.1, -0.5
     locate_points(d, d.step.state_end)
-    *_, elsewhere = contact_log.find_peaks(d, 1, -1.0, d.step.end, SOLVER)
+    *_, elsewhere = contact_log.find_peaks(d, 1, -1.0, d.step.end, SOLVER_READER)
     assert not elsewhere
 
 
@@ -119,9 +118,9 @@ def test_peaks_until_a_time_within_the_step():
         accelerate_points(d, y, motion.at(until, 1))
         rate = contact_log.rate_of_force(d, 1)
         t = FINE * until
-        d.step.dense_for = OUTPUTS
+        d.step.dense_for = OUTPUT_READER
         evaluations = d.statistics.rhs_evaluations
-        force, deepest, elsewhere = contact_log.find_peaks(d, 1, rate, d.step.start + until, OUTPUTS)
+        force, deepest, elsewhere = contact_log.find_peaks(d, 1, rate, d.step.start + until, OUTPUT_READER)
         assert force == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
         assert deepest == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
         assert elsewhere == (rate <= 0.0 or y[d.links + 3] >= 0.0)

@@ -7,11 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import crossing
 from chain_impact.kernel.events.exclusion import begin_next_interval, suspect_all_candidates
-from chain_impact.kernel.events.marks import END, NONE, ONSET
-from chain_impact.kernel.ode.control import IMPLICIT
+from chain_impact.kernel.record.constants import END, IMPLICIT, NONE, ONSET
+from chain_impact.kernel.record.state import sundman_u_at, time_at
 from chain_impact.kernel.rows.geometry import clearance
 from tests.kernel.chains import chain, touch
 from tests.kernel.events.motions import SAMPLES, first_fall, moving, phi, prepare

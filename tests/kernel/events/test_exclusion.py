@@ -7,10 +7,11 @@ import pytest
 from scipy.interpolate import BPoly
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import exclusion
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode.sundman import root_rate
+from chain_impact.kernel.record.constants import CURVES_KNOWN, DISTANCE_KNOWN, NOTHING_KNOWN, VALUES_KNOWN
+from chain_impact.kernel.record.state import sundman_u_at, time_at
 from chain_impact.kernel.rows.geometry import clearance, length_bound
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict
@@ -57,7 +58,7 @@ def test_exclusion_keeps_every_event_and_skips_far_walls(seed, near, touching):
     if values.min() > 0.3 * near and near >= 0.2:
         assert excluded
     # φ and φ′ of all candidates at both ends, and φ″
-    assert exclusion.known_clearances(d) == exclusion.VALUES_AND_CURVES
+    assert exclusion.known_clearances(d) == CURVES_KNOWN
     np.testing.assert_allclose(d.search.phi_start, values[0], rtol=0, atol=1e-11)
     np.testing.assert_allclose(d.search.phi_end, values[-1], rtol=0, atol=1e-11)
     h = d.step.size / 1000
@@ -161,14 +162,14 @@ def test_the_root_of_the_regularized_contact_decides_by_its_end(end, expected):
     assert exclusion.stays_in_contact(d, 2, 1e9) == expected
 
 
-@pytest.mark.parametrize("what", [exclusion.VALUES, exclusion.VALUES_AND_CURVES, exclusion.SAFE_DISTANCE])
+@pytest.mark.parametrize("what", [VALUES_KNOWN, CURVES_KNOWN, DISTANCE_KNOWN])
 def test_bounds_are_kept_until_the_steps_break(what):
     _, d = chain(np.random.default_rng(0), 1)
     d.step.breaks = 3
     exclusion.remember_clearances(d, what)
     assert exclusion.known_clearances(d) == what
     d.step.breaks = 4
-    assert exclusion.known_clearances(d) == exclusion.NOTHING
+    assert exclusion.known_clearances(d) == NOTHING_KNOWN
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -193,7 +194,7 @@ def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
         assert far == (d.search.safe_distance > exclusion.allowed_position_error(d))
         if not far:
             break
-        assert exclusion.known_clearances(d) == exclusion.SAFE_DISTANCE
+        assert exclusion.known_clearances(d) == DISTANCE_KNOWN
         lasted += 1
     assert lasted >= 2
     # no point moves further than its speed and acceleration permit, so no point or wall is inspected
@@ -219,14 +220,14 @@ def quiet_start(regularized=-1):
     d, _ = stepped(0, size=0.01, near=1.0)
     d.search.safe_distance, d.search.speed_bound, d.search.acceleration_bound = 5.0, 0.0, 0.0
     d.step.regularized = regularized
-    exclusion.remember_clearances(d, exclusion.VALUES_AND_CURVES)
+    exclusion.remember_clearances(d, CURVES_KNOWN)
     return d
 
 
 def test_a_touching_point_is_near_unless_its_contact_is_regularized():
     d = quiet_start()
     assert exclusion.remains_far(d)
-    for what in (exclusion.NOTHING, exclusion.VALUES):
+    for what in (NOTHING_KNOWN, VALUES_KNOWN):
         d = quiet_start()
         exclusion.remember_clearances(d, what)
         assert not exclusion.remains_far(d)
@@ -238,9 +239,7 @@ def test_a_touching_point_is_near_unless_its_contact_is_regularized():
         touch(d, [2])
         d.step.state_end[sundman_u_at(d.links)], d.contacts.kink_crossed[2] = u, crossed
         assert exclusion.remains_far(d) == expected
-        assert exclusion.known_clearances(d) == (
-            exclusion.SAFE_DISTANCE if expected else exclusion.VALUES_AND_CURVES
-        )
+        assert exclusion.known_clearances(d) == (DISTANCE_KNOWN if expected else CURVES_KNOWN)
 
 
 @pytest.mark.parametrize("speed", [0.0, 1.4, 1.6])

@@ -18,10 +18,11 @@ from chain_impact.kernel.events.friction_modes import (
     set_slack,
     widen_slack,
 )
-from chain_impact.kernel.events.marks import NONE, SLIDING_ENDS, STICKING_ENDS, count_pending_changes
+from chain_impact.kernel.events.marks import count_pending_changes
 from chain_impact.kernel.events.sampled import friction_round_off, rest_speed
 from chain_impact.kernel.forces.active_contacts import list_active_contacts
-from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking, sliding_sign
+from chain_impact.kernel.forces.friction import list_sticking, sliding_sign
+from chain_impact.kernel.record.constants import NO_FRICTION, NONE, SLIDING_ENDS, STICKING_ENDS, STICKS
 from chain_impact.kernel.rows.constraints import SOLVED
 from chain_impact.kernel.rows.geometry import tangential_position, tangential_rate
 from tests.kernel.rubbing import AtRest, Doubled, rubbing_chain

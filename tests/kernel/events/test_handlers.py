@@ -13,11 +13,10 @@ from chain_impact.kernel.events.handlers import (
     choose_next_size,
     force_has_kink,
 )
-from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, RELEASE
 from chain_impact.kernel.forces.force_formula import elastic_energy
 from chain_impact.kernel.ode import control
-from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.methods import MIN_SWITCH_STEPS
+from chain_impact.kernel.record.constants import END, EXPLICIT, IMPLICIT, KINK, NONE, ONSET, RELATCH, RELEASE
 from tests.helpers.models.reference import complementary_impulses, mass_matrix
 from tests.helpers.scenes.problems import of_law
 from tests.kernel.chains import chain, gradients, press_in, random_state, struck, touch, vectors

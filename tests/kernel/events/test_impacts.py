@@ -9,9 +9,9 @@ from chain_impact.kernel.chain.kinematics import largest_component, locate_point
 from chain_impact.kernel.equations import mechanical_energy
 from chain_impact.kernel.events import impacts
 from chain_impact.kernel.events.handlers import apply_events
-from chain_impact.kernel.events.marks import NEIGHBOUR, NONE, ONSET, RELEASE
 from chain_impact.kernel.forces.active_contacts import latch_onset
 from chain_impact.kernel.forces.holding import LEAST_RISE
+from chain_impact.kernel.record.constants import NEIGHBOUR, NONE, ONSET, RELEASE
 from chain_impact.kernel.rows.constraints import SIGN_TOLERANCE
 from chain_impact.kernel.rows.geometry import clearance, largest_coordinate
 from tests.helpers.kernel.plain import make_rigid

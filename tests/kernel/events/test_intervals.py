@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.state import omega_at, velocity_at
 from chain_impact.kernel.events import crossing
 from chain_impact.kernel.events.crossing import CROSSES, QUIET, SPLIT
 from chain_impact.kernel.events.exclusion import suspect_all_candidates
 from chain_impact.kernel.ode.dense import rate_bounds
-from chain_impact.kernel.ode.sundman import NO_CONTACT
+from chain_impact.kernel.record.constants import NO_CONTACT
+from chain_impact.kernel.record.state import omega_at, velocity_at
 from tests.kernel.chains import chain, stopped_chain, stops_of
 
 

@@ -5,10 +5,8 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.state import time_at, velocity_at
 from chain_impact.kernel.events import search
 from chain_impact.kernel.events.crossing import measure_clearances
-from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET
 from chain_impact.kernel.events.search import (
     DEEPEST_ONSET,
     EARLY_THETA,
@@ -19,8 +17,17 @@ from chain_impact.kernel.events.search import (
     onset_fraction,
     starts_clear,
 )
-from chain_impact.kernel.ode.control import IMPLICIT, is_accepted, set_outcome
-from chain_impact.kernel.ode.last_step import OUTPUTS, SOLVER
+from chain_impact.kernel.ode.control import is_accepted, set_outcome
+from chain_impact.kernel.record.constants import (
+    END,
+    IMPLICIT,
+    KINK,
+    NONE,
+    ONSET,
+    OUTPUT_READER,
+    SOLVER_READER,
+)
+from chain_impact.kernel.record.state import time_at, velocity_at
 from tests.kernel.chains import chain, located, touch
 from tests.kernel.events.motions import moving
 from tests.kernel.steps import gaps_of, points_of, set_step, translation, wall_at, walls_away
@@ -241,8 +248,8 @@ def found_leaving(d):
 @pytest.mark.parametrize("implicit", [False, True])
 def test_an_explicit_step_with_undecided_ends_is_searched_inside(implicit):
     d, _ = moving(0, near=0)
-    d.inputs.piece.change_rate, d.step.dense_for = 1e9, OUTPUTS
+    d.inputs.piece.change_rate, d.step.dense_for = 1e9, OUTPUT_READER
     if implicit:
         d.step.last_method = IMPLICIT
     assert find_event(d) == -1.0
-    assert d.step.dense_for == (OUTPUTS if implicit else SOLVER)
+    assert d.step.dense_for == (OUTPUT_READER if implicit else SOLVER_READER)

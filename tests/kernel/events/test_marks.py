@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.events import marks
+from chain_impact.kernel.record.constants import END, KINK, NONE, ONSET, SLIDING_ENDS, STICKING_ENDS
 from tests.kernel.rubbing import rubbing_chain
 
 
@@ -11,11 +12,11 @@ from tests.kernel.rubbing import rubbing_chain
 def d():
     """Return a chain with marks at two candidates, at an element with friction and at an element without."""
     _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
-    marks.mark_contact_event(d, 2, marks.KINK)
-    marks.mark_contact_event(d, 5, marks.END)
+    marks.mark_contact_event(d, 2, KINK)
+    marks.mark_contact_event(d, 5, END)
     listed = int(d.element.index[1])
-    marks.mark_change(d, listed, marks.STICKING_ENDS)
-    marks.mark_change(d, next(e for e in range(d.elements) if e not in d.element.index), marks.SLIDING_ENDS)
+    marks.mark_change(d, listed, STICKING_ENDS)
+    marks.mark_change(d, next(e for e in range(d.elements) if e not in d.element.index), SLIDING_ENDS)
     return d
 
 
@@ -25,8 +26,8 @@ def marks_of(d):
 
 def test_each_mark_is_that_of_one_candidate_or_element(d):
     assert marks_of(d) == ([2, 5], 2)
-    assert (d.contacts.event[2], d.contacts.event[5]) == (marks.KINK, marks.END)
-    marks.mark_contact_event(d, 2, marks.NONE)
+    assert (d.contacts.event[2], d.contacts.event[5]) == (KINK, END)
+    marks.mark_contact_event(d, 2, NONE)
     assert marks_of(d) == ([5], 2)
 
 
@@ -41,7 +42,7 @@ def test_marks_are_dropped_also_where_there_is_no_friction_any_more(d, drop, lef
 
 def test_only_an_onset_is_one(d):
     assert not marks.ends_in_onset(d)
-    marks.mark_contact_event(d, 7, marks.ONSET)
+    marks.mark_contact_event(d, 7, ONSET)
     assert marks.ends_in_onset(d)
 
 
@@ -51,7 +52,7 @@ def test_changes_of_elements_without_friction_do_not_count(d):
 
 def test_a_tangent_instance_has_the_same_marks(d):
     _, t, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
-    marks.mark_contact_event(t, 1, marks.END)
+    marks.mark_contact_event(t, 1, END)
     marks.copy_marks(d, t)
     assert t.contacts.event.tolist() == d.contacts.event.tolist()
     assert t.element.event.tolist() == d.element.event.tolist()

@@ -4,11 +4,8 @@
 
 import numpy as np
 
-from chain_impact.kernel.events.friction_modes import (
-    choose_friction_modes,
-    log_changes,
-)
-from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS
+from chain_impact.kernel.events.friction_modes import choose_friction_modes, log_changes
+from chain_impact.kernel.record.constants import NO_FRICTION, STICKS
 from tests.kernel.rubbing import AtRest
 
 

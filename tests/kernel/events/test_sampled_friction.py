@@ -10,10 +10,10 @@ import pytest
 from chain_impact.kernel.advance import advance_one_step
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import sampled
-from chain_impact.kernel.events.marks import NONE, ONSET, SLIDING_ENDS, STICKING_ENDS, count_pending_changes
+from chain_impact.kernel.events.marks import count_pending_changes
 from chain_impact.kernel.events.sampled import make_search
-from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.record.constants import NONE, ONSET, SLIDING_ENDS, STICKING_ENDS, STICKS
 from chain_impact.kernel.rows.geometry import tangential_rate
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict

@@ -6,21 +6,22 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.events import search
 from chain_impact.kernel.events.crossing import measure_clearances
-from chain_impact.kernel.events.exclusion import (
-    NOTHING,
-    SAFE_DISTANCE,
-    VALUES,
-    known_clearances,
-    remember_clearances,
+from chain_impact.kernel.events.exclusion import known_clearances, remember_clearances
+from chain_impact.kernel.events.search import find_event
+from chain_impact.kernel.record.constants import (
+    DISTANCE_KNOWN,
+    END,
+    IMPLICIT,
+    KINK,
+    NOTHING_KNOWN,
+    ONSET,
+    RELEASE,
+    SPOILED,
+    VALUES_KNOWN,
 )
-from chain_impact.kernel.events.marks import END, KINK, ONSET, RELEASE
-from chain_impact.kernel.events.search import (
-    find_event,
-)
-from chain_impact.kernel.ode.control import IMPLICIT, SPOILED
+from chain_impact.kernel.record.state import time_at
 from tests.helpers.scenes.problems import (
     GHOST,
     GRAVITY,
@@ -153,7 +154,7 @@ def test_the_earliest_event_is_that_of_the_motion(seed, near, touching, implicit
     known_rates(d)
     if implicit:
         d.step.last_method = IMPLICIT
-        remember_clearances(d, VALUES)  # values that a search has left at the end of its interval
+        remember_clearances(d, VALUES_KNOWN)  # values that a search has left at the end of its interval
         d.search.phi_start[:] = d.search.phi_start_rate[:] = -7.0
     theta, whose = first_fall(d, motion)
     found = find_event(d)
@@ -162,7 +163,7 @@ def test_the_earliest_event_is_that_of_the_motion(seed, near, touching, implicit
     else:
         assert found * d.step.size == pytest.approx(theta * d.step.size, abs=1e-12)
         assert d.contacts.event[whose] == (END if d.contacts.active[whose] else ONSET)
-        assert known_clearances(d) == VALUES
+        assert known_clearances(d) == VALUES_KNOWN
 
 
 def test_without_candidates_there_is_no_event():
@@ -171,7 +172,7 @@ def test_without_candidates_there_is_no_event():
     assert find_event(d) == -1.0
 
 
-@pytest.mark.parametrize("what", [NOTHING, VALUES, SAFE_DISTANCE])
+@pytest.mark.parametrize("what", [NOTHING_KNOWN, VALUES_KNOWN, DISTANCE_KNOWN])
 def test_an_implicit_step_begins_where_the_last_search_ended(what, monkeypatch):
     """The clearances at the start of the step are measured only if they are unknown."""
     measured = []
@@ -182,7 +183,7 @@ def test_an_implicit_step_begins_where_the_last_search_ended(what, monkeypatch):
     d.step.last_method = IMPLICIT
     remember_clearances(d, what)
     find_event(d)
-    assert measured.count(0.0) == (what != VALUES)
+    assert measured.count(0.0) == (what != VALUES_KNOWN)
 
 
 def test_later_events_are_those_of_contacts_up_to_the_touch():

@@ -8,6 +8,7 @@ import pytest
 from chain_impact.kernel import equations
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.forces import active_contacts, friction
+from chain_impact.kernel.record.constants import NO_FRICTION, STICKS
 from chain_impact.kernel.rows import geometry
 from tests.kernel.chains import chain, struck
 from tests.kernel.rubbing import MOMENT, MU, MU_S, mobility, rubbing_chain, tangents
@@ -36,7 +37,7 @@ def test_contacts_are_listed_before_joints(base, contacts, joints):
     assert [friction.drive_of_element(d, e) for e in found[contacts:]] == ([1, 2, 3] if joints else [])
     assert own.used
     assert not geometry.has_sticking(d)
-    d.element.mode[found[-1]] = friction.STICKS
+    d.element.mode[found[-1]] = STICKS
     friction.list_sticking(d)
     assert (own.stuck_count, int(d.element.stuck[0])) == (1, found[-1])
     assert own.stuck_joints == joints
@@ -45,7 +46,7 @@ def test_contacts_are_listed_before_joints(base, contacts, joints):
     friction.list_friction(d)
     assert own.stuck_count == 1
     friction.clear_friction(d)
-    assert (d.element.mode[:] == friction.NO_FRICTION).all()
+    assert (d.element.mode[:] == NO_FRICTION).all()
 
 
 def test_only_a_law_with_friction_rubs():
@@ -94,7 +95,7 @@ def test_sticking_elements_have_no_tangential_acceleration(base, contacts, joint
     free = rate_at(d, y)
     bias = np.array([geometry.tangential_acceleration(d, e) for e in found])
     friction.list_friction(d)
-    d.element.mode[found] = friction.STICKS
+    d.element.mode[found] = STICKS
     friction.list_sticking(d)
     rate = rate_at(d, y)
     left = [geometry.tangential_acceleration(d, e) for e in found]
@@ -117,7 +118,7 @@ def test_a_contact_begins_in_the_direction_of_its_motion():
     for vector in (d.scratch.velocity.x, d.scratch.velocity.y):
         vector[:] = 0.0
     friction.begin_friction(d, c)
-    assert d.element.mode[c] == friction.STICKS
+    assert d.element.mode[c] == STICKS
     assert d.element.anchor[c] == geometry.tangential_position(d, c) != 0.0
 
 
@@ -135,7 +136,7 @@ def test_margins_are_the_least_of_a_step():
     assert d.element.margin[c] == -abs(speed)
     d.contacts.force[c] = 5.0
     assert friction.apply_friction(d) == pytest.approx(-5.0 * MU * abs(speed), rel=1e-14)
-    d.element.mode[c] = friction.STICKS
+    d.element.mode[c] = STICKS
     friction.list_sticking(d)
     d.constraints.impulse[d.contacts.active_count] = 5.0 * MU_S + 100.0
     friction.store_static_forces(d)
@@ -146,7 +147,7 @@ def test_margins_are_the_least_of_a_step():
 def test_an_anchor_moves_only_where_it_cannot_be_held():
     _, d, _ = rubbing_chain(np.random.default_rng(6), "free", 1, False)
     c = int(d.contacts.active_index[0])
-    d.element.mode[c] = friction.STICKS
+    d.element.mode[c] = STICKS
     friction.list_sticking(d)
     there = geometry.tangential_position(d, c)
     near = there + 0.5 * friction.ANCHOR_ROUND_OFF * geometry.largest_coordinate(d)

@@ -8,6 +8,7 @@ import pytest
 from chain_impact.kernel import equations
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.forces import friction, holding
+from chain_impact.kernel.record.constants import STICKS
 from chain_impact.kernel.rows import compliance, constraints, geometry
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.models.reference import complementary_impulses
@@ -163,7 +164,7 @@ def stuck_chain(base, contacts, joints, stuck):
     """Return a chain with friction whose elements ``stuck`` stick, in the order of their list."""
     _, d, y = rubbing_chain(np.random.default_rng(8), base, contacts, joints)
     for k in stuck:
-        d.element.mode[d.element.index[k]] = friction.STICKS
+        d.element.mode[d.element.index[k]] = STICKS
     friction.list_sticking(d)
     return d, y
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import dissipated_at, supplied_at
 from chain_impact.kernel.equations import energy_balance, mechanical_energy
 from chain_impact.kernel.forces import force_formula
-from chain_impact.kernel.ode import balance, control, last_step, methods
-from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
+from chain_impact.kernel.ode import balance, control, methods
+from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT, OUTPUT_READER, SOLVER_READER, SPOILED
+from chain_impact.kernel.record.state import dissipated_at, supplied_at
 from chain_impact.kernel.rows import geometry
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 from chain_impact.scene.scene import load_scene
@@ -60,7 +60,7 @@ def test_a_step_that_changes_the_energy_or_is_not_finite_is_refused(entry, theta
         d["step"]["state_end"][entry] += off
         d["step"]["dense"][0, entry] += off
         error_after_check(d, theta)
-        assert d.trial.outcome == control.SPOILED
+        assert d.trial.outcome == SPOILED
         assert before == d["balance"]["at_end"]
 
 
@@ -308,7 +308,7 @@ def after_a_turn(turn, **more):
 def test_a_step_is_long_in_which_a_link_turns_far(turn, right):
     d = after_a_turn(turn * balance.LONG_TURN)
     assert balance.may_err_in_middle(d) == right
-    d.step.dense_for = last_step.OUTPUTS
+    d.step.dense_for = OUTPUT_READER
     assert not balance.may_err_in_middle(d)  # an unknown quantity would cost more than the answer is worth
 
 
@@ -362,7 +362,7 @@ def test_a_motion_that_keeps_its_energy_does_so_in_the_middle(entry):
     d.step.dense[3, entry] += 1.0  # in the middle only
     d.balance.least_allowed = 1e9 * (entry == dissipated_at(LINKS))  # the balance would accept the energy
     assert not balance.is_middle_correct(d)
-    assert d.step.dense_for == last_step.SOLVER
+    assert d.step.dense_for == SOLVER_READER
 
 
 @pytest.mark.parametrize(

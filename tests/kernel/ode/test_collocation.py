@@ -8,12 +8,21 @@ import pytest
 from chain_impact import simulate
 from chain_impact.kernel import equations
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
-from chain_impact.kernel.events.exclusion import NOTHING, known_clearances
+from chain_impact.kernel.events.exclusion import known_clearances
 from chain_impact.kernel.ode import collocation, control, dense, methods
-from chain_impact.kernel.ode.control import ERROR_ORDER, EXPLICIT, IMPLICIT
+from chain_impact.kernel.ode.control import ERROR_ORDER
 from chain_impact.kernel.ode.extended import extended_size, gap_at, rate_at
-from chain_impact.kernel.ode.radau import RADAU_NODES, RADAU_STAGES, REAL_EIGENVALUE
+from chain_impact.kernel.ode.radau import RADAU_NODES, REAL_EIGENVALUE
+from chain_impact.kernel.record.constants import (
+    DIVERGED,
+    EXPLICIT,
+    IMPLICIT,
+    INFINITE,
+    LATE,
+    NOTHING_KNOWN,
+    RADAU_STAGES,
+)
+from chain_impact.kernel.record.state import omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.rows import geometry
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
@@ -70,7 +79,7 @@ def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
     y = np.zeros(len(d.scratch.state))
     for time in np.arange(0.7, 1.2, 1e-3):
         instance.advance(time)
-        if d.step.last_method != IMPLICIT or known_clearances(d) == NOTHING or d.step.start in seen:
+        if d.step.last_method != IMPLICIT or known_clearances(d) == NOTHING_KNOWN or d.step.start in seen:
             continue
         seen[d.step.start] = d.step.size
         for theta, found in errors.items():
@@ -256,9 +265,9 @@ def test_the_stages_of_a_first_step_go_with_the_rate_at_its_start():
 @pytest.mark.parametrize(
     ("contraction", "correction", "outcome", "share"),
     [
-        (0.97, 1.0, control.LATE, 1 / 2),
-        (1.3, 1.0, control.DIVERGED, 1 / 3),
-        (1.3, math.inf, control.INFINITE, None),
+        (0.97, 1.0, LATE, 1 / 2),
+        (1.3, 1.0, DIVERGED, 1 / 3),
+        (1.3, math.inf, INFINITE, None),
     ],
 )
 def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at
 from chain_impact.kernel.ode import collocation, dense
 from chain_impact.kernel.ode.extended import gap_at, quadrature_at
-from chain_impact.kernel.ode.radau import RADAU_NODES, RADAU_STAGES
+from chain_impact.kernel.ode.radau import RADAU_NODES
+from chain_impact.kernel.record.constants import RADAU_STAGES
+from chain_impact.kernel.record.state import dissipated_at, sundman_u_at
 from tests.helpers.kernel.plain import make_rigid
 from tests.kernel.chains import chain, random_state, touch
 from tests.kernel.steps import basis

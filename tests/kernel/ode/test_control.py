@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.advance import begin_step
-from chain_impact.kernel.chain.state import omega_at, time_at
 from chain_impact.kernel.forces.force_formula import damping_over_elastic
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode import control, methods
-from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, ONSET_SIZE, SAFETY_FACTOR
+from chain_impact.kernel.ode.control import ONSET_SIZE, SAFETY_FACTOR
+from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT, INFINITE, SPOILED
+from chain_impact.kernel.record.state import omega_at, time_at
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.simulation.simulate import simulate
@@ -98,7 +99,7 @@ def test_a_size_follows_from_the_error_and_from_the_cost():
         control.set_outcome(d, 0.0, 0.7)
         assert 6.0 < control.next_size_factor(d) < math.inf
         control.set_outcome(d, 1e-5, 1.0)
-        control.reject_step(d, control.SPOILED)
+        control.reject_step(d, SPOILED)
         assert 1 / 8.5 < control.next_size_factor(d) < 1 / 7
 
 
@@ -137,9 +138,9 @@ def test_a_step_is_accepted_up_to_the_tolerance(error):
     control.set_outcome(d, error, 0.7)
     assert control.is_accepted(d) == (error <= 1.0)
     np.testing.assert_array_equal([d.trial.error, d.trial.cost_factor], [error, 0.7])
-    assert (d.trial.outcome == control.INFINITE) == (not math.isfinite(error))
+    assert (d.trial.outcome == INFINITE) == (not math.isfinite(error))
     control.set_outcome(d, 0.5, 0.7)
-    control.reject_step(d, control.SPOILED)
+    control.reject_step(d, SPOILED)
     assert not control.is_accepted(d)
     assert (d.trial.error, d.trial.cost_factor) == (0.5, 0.7)
 
@@ -150,6 +151,6 @@ def test_a_new_run_forgets_the_error_of_the_last_step():
     methods.attempt_step(d, 1e-3)
     assert d.trial.size == 1e-3
     assert d.trial.state[time_at(2)] == pytest.approx(1e-3, rel=1e-14)
-    control.reject_step(d, control.SPOILED)
+    control.reject_step(d, SPOILED)
     assert initialize(d, 0.0) == OK
     assert control.is_accepted(d)

@@ -7,9 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.mathematics import root_search
 from chain_impact.kernel.ode import dense, sundman_rate
+from chain_impact.kernel.record.constants import DENSE_COEFFICIENTS
+from chain_impact.kernel.record.state import sundman_u_at, time_at
 from tests.kernel.chains import chain
 from tests.kernel.steps import POWERS, basis
 
@@ -38,7 +39,7 @@ def test_a_state_is_that_of_the_polynomial(d, theta):
 
 
 def test_the_bounds_of_the_basis_are_sharp():
-    assert len(POWERS) == dense.DENSE_COEFFICIENTS
+    assert len(POWERS) == DENSE_COEFFICIENTS
     slopes = np.gradient(basis(TIMES), TIMES, axis=1)
     assert np.abs(basis(TIMES)).max(axis=1) == pytest.approx(dense.BASIS_BOUND, rel=1e-4)
     assert np.abs(slopes).max(axis=1) == pytest.approx(dense.SLOPE_BOUND, rel=5e-3)

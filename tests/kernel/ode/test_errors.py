@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, supplied_at, velocity_at
 from chain_impact.kernel.ode import control
+from chain_impact.kernel.record.state import dissipated_at, omega_at, sundman_u_at, supplied_at, velocity_at
 from chain_impact.kernel.rows.geometry import clearance
 from tests.helpers.kernel.plain import begun
 from tests.helpers.scenes.bodies import cart

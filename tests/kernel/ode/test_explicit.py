@@ -10,10 +10,12 @@ from scipy.special import ellipj
 
 from chain_impact.kernel import equations
 from chain_impact.kernel.advance import begin_step
-from chain_impact.kernel.chain import kinematics, state
+from chain_impact.kernel.chain import kinematics
 from chain_impact.kernel.ode import control, explicit, last_step, methods, sundman
 from chain_impact.kernel.ode.dense import interpolate_state
 from chain_impact.kernel.ode.explicit import PAST_END, UNRESOLVED_PART, error_estimate, size_toward_end
+from chain_impact.kernel.record import state
+from chain_impact.kernel.record.constants import OUTPUT_READER
 from chain_impact.kernel.rows import geometry
 from tests.helpers.kernel.plain import begun
 from tests.helpers.scenes.friction import pendulum
@@ -141,7 +143,7 @@ def tried(d, h):
 def step(d, h):
     """Make one step of size h with any error; return the error."""
     last_step.make_last_step(tried(d, h))
-    last_step.ensure_dense(d, last_step.OUTPUTS)
+    last_step.ensure_dense(d, OUTPUT_READER)
     return d.trial.error
 
 

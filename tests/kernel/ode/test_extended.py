@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import equations
-from chain_impact.kernel.chain import kinematics, state
+from chain_impact.kernel.chain import kinematics
 from chain_impact.kernel.forces import active_contacts, force_formula
 from chain_impact.kernel.ode import dense, extended
 from chain_impact.kernel.ode.extended import gap_at, rate_at
+from chain_impact.kernel.record import state
 from chain_impact.kernel.rows import geometry
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.tools.differences import slope

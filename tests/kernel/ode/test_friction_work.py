@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.state import dissipated_at, velocity_at
-from chain_impact.kernel.forces.friction import STICKS
 from chain_impact.kernel.ode.friction_work import correct_friction_energy, store_friction_forces, work_along
-from chain_impact.kernel.ode.radau import RADAU_STAGES, Q
+from chain_impact.kernel.ode.radau import Q
+from chain_impact.kernel.record.constants import RADAU_STAGES, STICKS
+from chain_impact.kernel.record.state import dissipated_at, velocity_at
 from tests.kernel.rubbing import rubbing_chain, tangents
 
 H = 0.1  # s

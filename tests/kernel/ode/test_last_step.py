@@ -3,12 +3,21 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain import kinematics, state
+from chain_impact.kernel.chain import kinematics
 from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.events import exclusion
 from chain_impact.kernel.ode import explicit, last_step, methods
-from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.dense import interpolate_state
+from chain_impact.kernel.record import state
+from chain_impact.kernel.record.constants import (
+    CURVES_KNOWN,
+    DISTANCE_KNOWN,
+    EXPLICIT,
+    IMPLICIT,
+    NOTHING_KNOWN,
+    OUTPUT_READER,
+    SOLVER_READER,
+)
 from chain_impact.scene.scene import load_scene, scene_from_dict
 from tests.helpers.kernel.plain import begun
 
@@ -79,7 +88,7 @@ def test_points_are_those_at_the_end_whoever_has_moved_them(points):
 def test_a_step_can_be_cut_also_at_the_communication_point_and_taken_back(method):
     d = with_a_step(started(method))
     start, expected = d.step.state.copy(), np.zeros(len(d.step.state))
-    last_step.ensure_dense(d, last_step.SOLVER)
+    last_step.ensure_dense(d, SOLVER_READER)
     interpolate_state(d.step, 0.3, expected)
     last_step.truncate_step(d, 0.3)
     np.testing.assert_array_equal(d.step.state_end, expected)
@@ -163,25 +172,25 @@ def test_a_step_that_is_cut_twice_dissipates_as_if_cut_once(method, first):
 @pytest.mark.parametrize("how", ["count_break", "roll_back", "truncate_step", "reset_step"])
 def test_bounds_on_clearances_end_with_their_step(how):
     d = with_a_step(started())
-    exclusion.remember_clearances(d, exclusion.VALUES_AND_CURVES)
-    assert exclusion.known_clearances(d) == exclusion.VALUES_AND_CURVES
+    exclusion.remember_clearances(d, CURVES_KNOWN)
+    assert exclusion.known_clearances(d) == CURVES_KNOWN
     more = {"truncate_step": (0.5,), "reset_step": (0.0, d.scratch.state)}
     getattr(last_step, how)(d, *more.get(how, ()))
-    assert exclusion.known_clearances(d) == exclusion.NOTHING
-    exclusion.remember_clearances(d, exclusion.SAFE_DISTANCE)
-    assert exclusion.known_clearances(d) == exclusion.SAFE_DISTANCE
+    assert exclusion.known_clearances(d) == NOTHING_KNOWN
+    exclusion.remember_clearances(d, DISTANCE_KNOWN)
+    assert exclusion.known_clearances(d) == DISTANCE_KNOWN
 
 
 def test_the_dense_output_is_made_once_and_counts_if_the_solver_needs_it():
     d = with_a_step(started())
     before = d.statistics.rhs_evaluations
-    last_step.ensure_dense(d, last_step.OUTPUTS)
+    last_step.ensure_dense(d, OUTPUT_READER)
     assert d.statistics.rhs_evaluations == before
     dense = d.step.dense.copy()
     for _ in range(2):
-        last_step.ensure_dense(d, last_step.SOLVER)
+        last_step.ensure_dense(d, SOLVER_READER)
         assert d.statistics.rhs_evaluations == before + explicit.DENSE_EVALUATIONS
-    last_step.ensure_dense(d, last_step.OUTPUTS)
+    last_step.ensure_dense(d, OUTPUT_READER)
     np.testing.assert_array_equal(d.step.dense, dense)
 
 
@@ -197,7 +206,7 @@ def test_without_contact_a_step_runs_in_time():
 
 def test_a_step_of_no_length_is_the_state_at_all_of_its_fractions():
     d = with_a_step(started())
-    last_step.ensure_dense(d, last_step.OUTPUTS)
+    last_step.ensure_dense(d, OUTPUT_READER)
     there, y = d.step.state_end + 0.25, np.zeros(len(d.scratch.state))
     last_step.reset_step(d, 0.7, there)
     there[-2:] = 1.0, 0.0  # u, and the time in the step

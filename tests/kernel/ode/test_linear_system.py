@@ -5,9 +5,10 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain import kinematics, state
+from chain_impact.kernel.chain import kinematics
 from chain_impact.kernel.ode import extended
 from chain_impact.kernel.ode.radau import COMPLEX_EIGENVALUES
+from chain_impact.kernel.record import state
 from chain_impact.kernel.rows.compliance import holding_impedance
 from chain_impact.scene.scene import load_scene
 from tests.helpers.kernel.plain import Plain

@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from chain_impact.kernel.ode import collocation, control, radau
+from chain_impact.kernel.record.constants import IMPLICIT, RADAU_STAGES
 from tests.helpers.kernel.plain import Plain
 
 ORDER = 9  # of Radau IIA with 5 stages
@@ -19,7 +20,7 @@ def record(start, weight=1e14):
     """Return the fields of an instance that the iteration reads; ``weight`` scales the corrections."""
     size = len(start)
     implicit = np.dtype(
-        [(name, float, (radau.RADAU_STAGES, size)) for name in ("stages", "rates", "parts")]
+        [(name, float, (RADAU_STAGES, size)) for name in ("stages", "rates", "parts")]
         + [(name, float, (size,)) for name in ("z_start", "rate_start", "z", "error_weight")]
         + [(name, float) for name in SCALARS]
         + [("iterations", int)]
@@ -132,7 +133,7 @@ def test_error_estimates_have_orders_five_and_six_and_combine_to_seven(kind, est
         error = error_of(d, h)
         found.append([*np.abs(d.implicit.parts[:2]).max(1), error])
     slopes = np.diff(np.log(found), axis=0) / np.diff(np.log(sizes))[:, None]
-    expected = [radau.RADAU_STAGES + 1, radau.RADAU_STAGES, control.ERROR_ORDER[control.IMPLICIT]]
+    expected = [RADAU_STAGES + 1, RADAU_STAGES, control.ERROR_ORDER[IMPLICIT]]
     np.testing.assert_allclose(slopes, [expected] * 2, rtol=0, atol=0.15)
 
 
@@ -145,10 +146,10 @@ def test_a_linear_problem_is_solved_in_two_iterations():
     assert d.implicit.iterations == 2
     # Z = 1 ⊗ y + (Q ⊗ h A) Z
     stages = np.linalg.solve(
-        np.eye(2 * radau.RADAU_STAGES) - np.kron(radau.Q, 0.3 * matrix),
-        np.kron(np.ones(radau.RADAU_STAGES), start),
+        np.eye(2 * RADAU_STAGES) - np.kron(radau.Q, 0.3 * matrix),
+        np.kron(np.ones(RADAU_STAGES), start),
     )
-    np.testing.assert_allclose(start + d.implicit.stages, stages.reshape(radau.RADAU_STAGES, 2), rtol=1e-13)
+    np.testing.assert_allclose(start + d.implicit.stages, stages.reshape(RADAU_STAGES, 2), rtol=1e-13)
 
 
 def decay(y):

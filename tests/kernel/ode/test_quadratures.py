@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
-from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.ode import dense
-from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS, interpolate_component
+from chain_impact.kernel.ode.dense import interpolate_component
+from chain_impact.kernel.record.constants import DENSE_COEFFICIENTS
+from chain_impact.kernel.record.state import time_at
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.simulation.instance import Instance

@@ -7,10 +7,11 @@ import pytest
 
 from chain_impact.kernel import equations
 from chain_impact.kernel.advance import begin_step
-from chain_impact.kernel.chain import kinematics, state
-from chain_impact.kernel.events.marks import ONSET
+from chain_impact.kernel.chain import kinematics
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.ode import control, methods, sundman, sundman_rate
+from chain_impact.kernel.ode import methods, sundman, sundman_rate
+from chain_impact.kernel.record import state
+from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT, NO_CONTACT, ONSET
 from chain_impact.kernel.rows import geometry
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.prepared import PreparedScene
@@ -70,7 +71,7 @@ def test_an_impact_takes_few_evaluations(tolerance, most):
 
 LINKS = 2
 DEPTH, SCALE = 1e-3, 4e-3  # m
-U, NO_CONTACT = state.sundman_u_at(LINKS), sundman.NO_CONTACT
+U = state.sundman_u_at(LINKS)
 IN_TIME = NO_CONTACT, 1.0
 
 
@@ -81,7 +82,7 @@ def contact(seed=17):
     y = struck(np.random.default_rng(seed), d, [c], DEPTH)
     d.contacts.depth_scale[c], d.contacts.law_speed[c] = SCALE, 1.0
     d.contacts.effective_mass[c] = 1.0
-    d.step.regularized, d.step.method = c, control.EXPLICIT
+    d.step.regularized, d.step.method = c, EXPLICIT
     return d, c, y
 
 
@@ -169,9 +170,9 @@ def test_an_only_contact_has_its_own_variable():
     """Two contacts, a rigid contact, or an implicit step have no own variable."""
     d, c, _ = contact()
     assert sundman.find_lone_contact(d) == (c, pytest.approx((DEPTH / SCALE) ** 0.5, rel=1e-9))
-    d.step.method = control.IMPLICIT
+    d.step.method = IMPLICIT
     assert sundman.find_lone_contact(d) == IN_TIME
-    d.step.method = control.EXPLICIT
+    d.step.method = EXPLICIT
     make_rigid(d)
     assert sundman.find_lone_contact(d) == IN_TIME
     make_rigid(d, np.arange(d.candidates) != c)

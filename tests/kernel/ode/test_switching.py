@@ -12,8 +12,9 @@ from chain_impact import simulate
 from chain_impact.kernel.chain.joints import largest_joint_rate
 from chain_impact.kernel.forces.active_contacts import contact_slopes
 from chain_impact.kernel.ode import control, methods
-from chain_impact.kernel.ode.control import AUTOMATIC_METHOD, EXPLICIT, IMPLICIT
+from chain_impact.kernel.ode.control import AUTOMATIC_METHOD
 from chain_impact.kernel.ode.methods import MIN_SWITCH_STEPS, STIFF_STEP, choose_method, suggests_switch
+from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT
 from chain_impact.simulation.instance import Instance
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.scenes.problems import GRAVITY, build, contact_table, stiff_joint

@@ -7,7 +7,8 @@ from scipy.optimize import lsq_linear
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.equations import rate_from_points
-from chain_impact.kernel.forces.friction import STICKS, list_sticking
+from chain_impact.kernel.forces.friction import list_sticking
+from chain_impact.kernel.record.constants import STICKS
 from chain_impact.kernel.rows.constraints import LEAST_STICKING_IMPEDANCE
 from chain_impact.kernel.rows.friction_limits import find_limited_forces
 from chain_impact.kernel.rows.geometry import constraint_count

@@ -7,9 +7,9 @@ import pytest
 
 from chain_impact.kernel.chain import kinematics, response
 from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.record.constants import WALLS
 from chain_impact.kernel.rows.geometry import (
     BOX_NORMALS,
-    WALLS,
     add_along_row,
     add_impedance,
     add_joint_impedances,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.events.marks import END, KINK, ONSET, RELATCH, RELEASE
+from chain_impact.kernel.record.constants import END, KINK, ONSET, RELATCH, RELEASE
 from chain_impact.kernel.tangent import event_times
 from tests.kernel.tangent.dual import dual
 

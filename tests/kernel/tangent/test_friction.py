@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from chain_impact.kernel.events.marks import NONE, SLIDING_ENDS, STICKING_ENDS
+from chain_impact.kernel.record.constants import NO_FRICTION, NONE, SLIDING_ENDS, STICKING_ENDS, STICKS
 from chain_impact.kernel.tangent import event_times, friction, trust
 from tests.kernel.tangent.dual import dual
 
@@ -158,9 +158,9 @@ def test_a_speed_is_negligible_as_long_as_all_that_was_left_open_is(monkeypatch,
 def test_a_stopped_element_has_no_derivative_of_its_speed(monkeypatch, t):
     """Element 2 has just stopped: only the derivatives of its speed become zero."""
     t.friction.stuck_count, t.element.stuck = 2, [1, 2]
-    t.element.mode_before = [friction.STICKS, friction.STICKS, 1]
+    t.element.mode_before = [STICKS, STICKS, 1]
     assert friction.any_begins_to_stick(t)
-    t.element.mode_before = [friction.STICKS, friction.NO_FRICTION, friction.STICKS]
+    t.element.mode_before = [STICKS, NO_FRICTION, STICKS]
     assert not friction.any_begins_to_stick(t)
     # a free point: two coordinates and their rates
     t.links, t.step.state_end = 0, [dual(1.0 + j, 2.0, 3.0) for j in range(4)]
@@ -211,7 +211,7 @@ def test_two_that_break_loose_at_one_moment_must_do_so_for_all_parameters(
 ):
     """Where friction drops, the slopes of both margins must be zero after the delay."""
     t.element.event[1:] = STICKING_ENDS, STICKING_ENDS
-    t.element.mode = [friction.STICKS] * 3
+    t.element.mode = [STICKS] * 3
     t.law.static_friction = [dual(0.4)] * 2
     t.candidates, restored = 3, []
     t.law.friction, t.law.static_friction = [dual(0.3)] * 3, [dual(0.4)] * 3
@@ -228,8 +228,8 @@ def test_two_that_break_loose_at_one_moment_must_do_so_for_all_parameters(
 @pytest.mark.parametrize(
     ("found", "is_open"),
     [
-        ((friction.STICKS, -9.0 * (1.0 - 90.0 * TOLERANCE)), True),
-        ((friction.STICKS, -9.0 * (1.0 - 110.0 * TOLERANCE)), False),
+        ((STICKS, -9.0 * (1.0 - 90.0 * TOLERANCE)), True),
+        ((STICKS, -9.0 * (1.0 - 110.0 * TOLERANCE)), False),
         ((1, 2.9e-4), True),
         ((1, -3.1e-4), False),
     ],

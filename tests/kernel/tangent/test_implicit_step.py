@@ -9,7 +9,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from chain_impact.kernel.ode.radau import RADAU_STAGES, Q
+from chain_impact.kernel.ode.radau import Q
+from chain_impact.kernel.record.constants import RADAU_STAGES
 from chain_impact.kernel.tangent import duals, replay, trust
 from chain_impact.kernel.tangent.replay import (
     CONVERGED_SLOPES,

@@ -8,10 +8,19 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.events.marks import END, KINK, NONE, ONSET, RELATCH, RELEASE, SLIDING_ENDS
-from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
-from chain_impact.kernel.ode.last_step import SOLVER
+from chain_impact.kernel.record.constants import (
+    END,
+    EXPLICIT,
+    IMPLICIT,
+    KINK,
+    NONE,
+    ONSET,
+    RELATCH,
+    RELEASE,
+    SLIDING_ENDS,
+    SOLVER_READER,
+)
+from chain_impact.kernel.record.state import sundman_u_at, time_at
 from chain_impact.kernel.tangent import replay, step_ends
 from tests.helpers.kernel.kernel_calls import tangents_of
 from tests.helpers.scenes.derivative_scenes import (
@@ -234,7 +243,7 @@ def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
     step_ends.move_end(t)
     checks = {"late": [("checked", "late")], (0, RELATCH): [("check_onsets",)]}
     checks |= {(1, kind): [("check_onsets",)] for kind in (ONSET, END)}
-    ready = [("ensure_rate",), ("ensure_dense", SOLVER), ("ensure_points",)]
+    ready = [("ensure_rate",), ("ensure_dense", SOLVER_READER), ("ensure_points",)]
     assert calls == ([*ready, *checks.get(moved, []), ("moved", moved)] if moved else [])
 
 

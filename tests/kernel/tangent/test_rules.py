@@ -12,9 +12,9 @@ import pytest
 
 import chain_impact.kernel
 from chain_impact.kernel.chain import kinematics, response
-from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.forces import force_formula, user_law
 from chain_impact.kernel.ode import dense, sundman_rate
+from chain_impact.kernel.record.state import sundman_u_at, time_at
 from chain_impact.kernel.tangent import rules
 from tests.kernel.tangent.dual import Dual
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from chain_impact.kernel.events.marks import END, NONE, ONSET
+from chain_impact.kernel.record.constants import END, NONE, ONSET
 from chain_impact.kernel.tangent import trust
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from tests.helpers.scenes.problems import ball

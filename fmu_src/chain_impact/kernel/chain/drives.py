@@ -25,8 +25,8 @@ angle of link 1 from +x. A free base has no joint and no drive.
 import math
 
 from chain_impact.kernel.chain.slider import slider_component, slider_position
-from chain_impact.kernel.chain.state import FIRST_ANGLE, omega_at, relative_to_previous, velocity_at
 from chain_impact.kernel.function_marks import has_dual_rule
+from chain_impact.kernel.record.state import FIRST_ANGLE, omega_at, relative_to_previous, velocity_at
 
 # the largest excess of a drive's force F over the drive's limit that counts as round-off, relative to the
 # limit

@@ -28,8 +28,8 @@ frictionless impact-contacts in open-loop robotic mechanisms*, Mechanism and Mac
 in this form is derived in docs/computation.md.
 """
 
-from chain_impact.kernel.chain.state import omega_at, velocity_at
 from chain_impact.kernel.function_marks import has_complex_rule, inlined
+from chain_impact.kernel.record.state import omega_at, velocity_at
 
 
 @inlined

@@ -19,13 +19,13 @@ speed changes at a uniform rate to v + a h, and the position is the integral of 
 
 import math
 
-from chain_impact.kernel.chain.input_fields import CHANNEL, TARGET, input_field, may_change_in_piece
 from chain_impact.kernel.chain.prescribed_motion import move_channels
 from chain_impact.kernel.chain.signals import has_signal, signal_at
-from chain_impact.kernel.chain.state import time_at
+from chain_impact.kernel.record.constants import INPUT_DEGREE
+from chain_impact.kernel.record.input_fields import CHANNEL, TARGET, input_field, may_change_in_piece
+from chain_impact.kernel.record.state import time_at
 from chain_impact.kernel.status import OK, WALL_JUMPS, refuse_candidate
 
-INPUT_DEGREE = 9  # the highest degree of the polynomials of a piece of the inputs
 # values of given.pending beside 0. REINITIALIZE: values were set, so the solver re-initializes; CONTINUES:
 # the next piece of the inputs continues the piece in use without a jump
 REINITIALIZE, CONTINUES = 1, 2

@@ -16,9 +16,9 @@ from chain_impact.kernel.chain.sites import (
     set_site_motions,
     site_place,
 )
-from chain_impact.kernel.chain.state import FIRST_ANGLE, omega_at, relative_to_previous, velocity_at
 from chain_impact.kernel.function_marks import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.angles import LARGEST_ANGLE, cosine_and_sine, unit_vector
+from chain_impact.kernel.record.state import FIRST_ANGLE, omega_at, relative_to_previous, velocity_at
 
 
 @has_dual_rule

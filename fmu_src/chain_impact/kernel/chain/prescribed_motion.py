@@ -15,9 +15,13 @@ state are 0. The points are located with the positions and velocities of the cha
 state.
 """
 
-from chain_impact.kernel.chain.input_fields import CHANNEL
-from chain_impact.kernel.chain.signals import signal_at, signal_bounds, travel_of_sines
-from chain_impact.kernel.chain.state import time_at
+import math
+
+from chain_impact.kernel.chain.signals import signal_at, signal_bounds
+from chain_impact.kernel.chain.sines import TAU
+from chain_impact.kernel.record.constants import SINE
+from chain_impact.kernel.record.input_fields import CHANNEL
+from chain_impact.kernel.record.state import time_at
 
 
 def move_channels_to_state(d, y):
@@ -115,3 +119,27 @@ def travel_of_piece(d):
             total += abs(d.channel.piece[p, m])
         most = max(most, total)
     return most + travel_of_sines(d)
+
+
+def travel_of_sines(d):
+    """Estimate the sum [m] of the amplitudes of all motions of base, walls and belts that sines drive.
+
+    An amplitude is that of a position: a sine that gives a velocity is integrated once, a sine that gives an
+    acceleration twice.
+    """
+    signal, total = d.signal, 0.0
+    for j in range(d.signals):
+        if signal.form[j] == SINE and signal.input[j] == CHANNEL:
+            i = signal.source[j]
+            size = abs(signal.amplitude[i])
+            # While the frequency f passes 0 at the rate ḟ, the sine turns slowly, and the integral of a sine
+            # with the amplitude a changes by about a/√|ḟ|.
+            slow = math.sqrt(abs(signal.frequency_rate[i]))
+            falls = signal.frequency[i] * signal.frequency_rate[i] < 0.0
+            for _ in range(signal.integrals[j]):
+                size /= slow if falls else max(TAU * abs(signal.frequency[i]), slow)
+            total += size
+    return total
+
+
+# ---- segments ---------------------------------------------------------------------------------------------

@@ -44,14 +44,13 @@ less than 122°, and no pivot vanishes.
 from chain_impact.kernel.chain.drives import joints_resist
 from chain_impact.kernel.chain.elimination import arm_of_link, hinge_inertia, inertia_along
 from chain_impact.kernel.chain.sites import has_link_moments, joint_place, site_arm, site_place
-from chain_impact.kernel.chain.state import FIRST_ANGLE
 from chain_impact.kernel.function_marks import has_complex_rule, inlined
+from chain_impact.kernel.record.state import FIRST_ANGLE
 
 FREE, HELD, SHIFTED = 0, 1, 2
 """Slots of `scratch.factors`, one for each factorized matrix. FREE: the mass matrix, with armatures and, in a
 projection, with the resistances of contacts with a force law. HELD: the matrix of FREE plus Jᵀ D J with the
 impedances D of the constraints. SHIFTED: the matrix of an implicit step, for its real shift."""
-SLOT_COUNT = 3
 
 
 @has_complex_rule

@@ -18,19 +18,25 @@ as those of the position. The integrals of a sine are in sines.py.
 
 import math
 
-from chain_impact.kernel.chain.input_fields import CHANNEL, acts_in_drive
 from chain_impact.kernel.chain.sines import TAU, sine_integral, sine_phase, smooth_ramp
 from chain_impact.kernel.mathematics.angles import unit_vector
+from chain_impact.kernel.record.constants import (
+    CONSTANT,
+    LINEAR,
+    RAMP,
+    SIGNAL_DEGREE,
+    SINE,
+    SMOOTH,
+    STEPS,
+    TABLE,
+    TRAPEZOID,
+)
+from chain_impact.kernel.record.input_fields import CHANNEL, acts_in_drive
 
-CONSTANT, SINE, RAMP, STEPS, TABLE = 0, 1, 2, 3, 4  # values of signal.form, the kind of a signal
-SMOOTH, LINEAR, TRAPEZOID = 0, 1, 2  # values of signal.shape, the shape of a ramp
 # number of knots of a sine, of a ramp and of a ramp with the shape of a trapezoid; a constant has one, steps
 # and tables have any number
 SINE_KNOTS, RAMP_KNOTS, TRAPEZOID_KNOTS = 3, 3, 5
 RAMP_DEGREE, SPLINE_DEGREE = 5, 3
-# the largest degree of a signal's polynomials: a ramp has degree 5, and is integrated twice if it is an
-# acceleration
-SIGNAL_DEGREE = RAMP_DEGREE + 2
 # the largest |first| and |second| derivative of ``smooth_ramp`` for x from 0 to 1
 LARGEST_RAMP_SLOPE, LARGEST_RAMP_BEND = 1.875, 5.7735027
 
@@ -190,30 +196,6 @@ def make_largest_rate(acts):
 rate_of_signals = make_largest_rate(lambda _d, _j: True)
 rate_in_limited_drives = make_largest_rate(acts_in_limited_drive)
 rate_of_base = make_largest_rate(drives_base_as_sine)
-
-
-def travel_of_sines(d):
-    """Estimate the sum [m] of the amplitudes of all motions of base, walls and belts that sines drive.
-
-    An amplitude is that of a position: a sine that gives a velocity is integrated once, a sine that gives an
-    acceleration twice.
-    """
-    signal, total = d.signal, 0.0
-    for j in range(d.signals):
-        if signal.form[j] == SINE and signal.input[j] == CHANNEL:
-            i = signal.source[j]
-            size = abs(signal.amplitude[i])
-            # While the frequency f passes 0 at the rate ḟ, the sine turns slowly, and the integral of a sine
-            # with the amplitude a changes by about a/√|ḟ|.
-            slow = math.sqrt(abs(signal.frequency_rate[i]))
-            falls = signal.frequency[i] * signal.frequency_rate[i] < 0.0
-            for _ in range(signal.integrals[j]):
-                size /= slow if falls else max(TAU * abs(signal.frequency[i]), slow)
-            total += size
-    return total
-
-
-# ---- segments ---------------------------------------------------------------------------------------------
 
 
 def segment_end(d, j):

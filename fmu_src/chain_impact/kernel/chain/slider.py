@@ -11,7 +11,7 @@ with m the mass of the carriage, g gravity, f the load on the base, and F the fo
 (forces/friction.py). The slider's stops, if any, are candidates, which the base touches (rows/geometry.py).
 """
 
-from chain_impact.kernel.chain.state import velocity_at
+from chain_impact.kernel.record.state import velocity_at
 
 
 def slider_component(d, vector_x, vector_y):

@@ -13,7 +13,8 @@ from chain_impact.kernel.events.crossing import prescribed_bounds
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.mathematics.root_search import MOST_GUESSES
 from chain_impact.kernel.ode.dense import fraction_at_time
-from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense, truncate_step
+from chain_impact.kernel.ode.last_step import ensure_dense, truncate_step
+from chain_impact.kernel.record.constants import SOLVER_READER
 from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP, base_clearance, faces_base
 from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, refuse_base
 
@@ -29,7 +30,7 @@ def end_where_wall_meets_base(d):
             reached = time_of_meeting(d, c, reached)
     if reached < d.step.end:
         drop_events(d)
-        ensure_dense(d, SOLVER)
+        ensure_dense(d, SOLVER_READER)
         truncate_step(d, fraction_at_time(d, reached))
     locate_points(d, d.step.state_end)
 

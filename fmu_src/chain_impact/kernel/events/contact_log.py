@@ -6,7 +6,7 @@ from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.cost import count_evaluations, read_cost_counts, restore_cost_counts
 from chain_impact.kernel.equations import rate_from_state
-from chain_impact.kernel.events.marks import KINK, NONE, ONSET, drop_changes, mark_contact_event
+from chain_impact.kernel.events.marks import drop_changes, mark_contact_event
 from chain_impact.kernel.forces.active_contacts import (
     contact_force,
     contact_slopes,
@@ -22,14 +22,13 @@ from chain_impact.kernel.ode.dense import (
 )
 from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.ode.last_step import (
-    OUTPUTS,
-    SOLVER,
     ensure_dense,
     ensure_points,
     ensure_rate,
     truncate_to_communication_point,
 )
 from chain_impact.kernel.ode.maximum import maximum_of
+from chain_impact.kernel.record.constants import KINK, NONE, ONSET, OUTPUT_READER, SOLVER_READER
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import (
     clearance,
@@ -67,7 +66,7 @@ def update_extremes(d):
         c = contacts.active_index[k]
         _, gap_rate = clearance(d, c)
         force_rate = rate_of_force(d, c)
-        peak, depth, _ = find_peaks(d, c, force_rate, d.step.end, SOLVER)
+        peak, depth, _ = find_peaks(d, c, force_rate, d.step.end, SOLVER_READER)
         set_contact_extremes(d, c, peak, depth)
         set_start_rates(d, c, -gap_rate, force_rate)
     ensure_points(d)
@@ -78,7 +77,7 @@ def find_peaks(d, c, force_rate, time, reader):
 
     c has a force law, and ``time`` is in the last step. The points must be located and accelerated at
     ``time``. A third result is true if afterwards the points may be located at another time. ``force_rate``
-    [N/s] is dF/dt at ``time``; ``reader`` tells for whom the peaks are, OUTPUTS or SOLVER.
+    [N/s] is dF/dt at ``time``; ``reader`` tells for whom the peaks are, OUTPUT_READER or SOLVER_READER.
     """
     contacts = d.contacts
     gap, gap_rate = clearance(d, c)
@@ -113,7 +112,7 @@ def penetration_turns_at_end(d, c):
 def update_held_extremes(d):
     """Update peak forces at rigid walls with the last step, by parabolas through samples of the forces."""
     step, samples = d.step, d.constraints.sample
-    ensure_dense(d, SOLVER)
+    ensure_dense(d, SOLVER_READER)
     first = event_fraction(d)
     length = fraction_at_time(d, step.end) - first
     for j in range(HELD_SAMPLES):
@@ -184,7 +183,7 @@ def list_latest(d):
         _, gap_rate = clearance(d, c)
         peak, depth = max(d.contacts.peak_force[c], d.output.force[c]), 0.0
         if not d.law.impulsive[c]:
-            peak, depth, elsewhere = find_peaks(d, c, rate_of_force(d, c), time, OUTPUTS)
+            peak, depth, elsewhere = find_peaks(d, c, rate_of_force(d, c), time, OUTPUT_READER)
             if elsewhere:
                 interpolate_state(d.step, theta, d.scratch.state)
                 locate_points(d, d.scratch.state)

@@ -1,9 +1,9 @@
 """The first time in a step at which a function of the motion falls through zero, by bounds or by samples.
 
 The search by bounds is for a function φ of each candidate. Without contact, φ is the clearance g. In contact,
-φ is the penetration, u (chain/state.py) of the regularized contact, or infinite at a rigid wall. φ′ and φ″
-are derivatives of φ in the integration variable of the step, and θ is a fraction of the step. The zero of φ
-is located on the dense output of the step. A suspect is a candidate that the search examines: after an
+φ is the penetration, u (record/state.py) of the regularized contact, or infinite at a rigid wall. φ′
+and φ″ are derivatives of φ in the integration variable of the step, and θ is a fraction of the step. The zero
+of φ is located on the dense output of the step. A suspect is a candidate that the search examines: after an
 implicit step each candidate, else a candidate of which the test in exclusion.py does not exclude an event.
 
 If only the signs of φ at both ends of a step were compared, a point that dips into a wall and returns would
@@ -18,16 +18,15 @@ import math
 from chain_impact.kernel.chain import prescribed_motion
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.sites import site_of_point
-from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.cost import count_other_cost, is_cost_exceeded
 from chain_impact.kernel.events.exclusion import begin_next_interval, set_clearance, sundman_u_now
-from chain_impact.kernel.events.marks import END, NONE, ONSET, mark_contact_event
+from chain_impact.kernel.events.marks import mark_contact_event
 from chain_impact.kernel.mathematics.root_search import MOST_GUESSES, next_guess
 from chain_impact.kernel.ode.collocation import bound_curvatures
-from chain_impact.kernel.ode.control import IMPLICIT
 from chain_impact.kernel.ode.dense import interpolate_state, rate_bounds, rate_bounds_along
-from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
-from chain_impact.kernel.ode.sundman import NO_CONTACT
+from chain_impact.kernel.ode.last_step import ensure_dense
+from chain_impact.kernel.record.constants import END, IMPLICIT, NO_CONTACT, NONE, ONSET, SOLVER_READER
+from chain_impact.kernel.record.state import omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.rows.geometry import is_at_joint_stop, is_at_wall, normal_row
 
 FINEST_RESOLUTION = 1e-15  # the finest resolution of ``make_passage_search``, as a fraction of a step
@@ -86,7 +85,7 @@ def locate_at_fraction(d, theta):
     """Set ``scratch.state`` to the state at θ of the last step, 0 ≤ θ ≤ 1, and locate the points there."""
     count_other_cost(d, 1)
     if 0.0 < theta < 1.0:
-        ensure_dense(d, SOLVER)
+        ensure_dense(d, SOLVER_READER)
         interpolate_state(d.step, theta, d.scratch.state)
     else:
         for j in range(len(d.scratch.state)):

@@ -10,10 +10,11 @@ import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.prescribed_motion import fastest_wall, travel_of_piece
-from chain_impact.kernel.chain.state import sundman_u_at
 from chain_impact.kernel.ode.last_step import ensure_points, largest_turn
-from chain_impact.kernel.ode.sundman import NO_CONTACT, root_curve, root_rate, time_rate_at
+from chain_impact.kernel.ode.sundman import root_curve, root_rate, time_rate_at
 from chain_impact.kernel.ode.sundman_rate import regularized_time_rate_change
+from chain_impact.kernel.record.constants import CURVES_KNOWN, DISTANCE_KNOWN, NO_CONTACT, NOTHING_KNOWN
+from chain_impact.kernel.record.state import sundman_u_at
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, length_bound
 
 # [rad] If a link turns, or the phase of an input advances, by SMALL_TURN or more in an explicit step, the
@@ -33,19 +34,13 @@ RELATCH_RATIO = 2.0
 NEARLY_FAST = 0.75
 
 
-# values of `search.known`, which tell what is known of φ (`search.phi_end`) at the end of the last step.
-# NOTHING: no φ; VALUES: φ and φ′ of the candidates; VALUES_AND_CURVES: also φ″; SAFE_DISTANCE: only that
-# every candidate without contact has at least the clearance `search.safe_distance`
-NOTHING, VALUES, VALUES_AND_CURVES, SAFE_DISTANCE = 0, 1, 2, 3
-
-
 def known_clearances(d):
-    """Return `search.known` for the start of the step to be searched: after a break it is NOTHING."""
-    return d.search.known if d.search.known_for == d.step.breaks else NOTHING
+    """Return `search.known` for the start of the step to be searched: after a break it is NOTHING_KNOWN."""
+    return d.search.known if d.search.known_for == d.step.breaks else NOTHING_KNOWN
 
 
 def remember_clearances(d, extent):
-    """Record what is known of the clearances at the last step's end: ``extent``, NOTHING to SAFE_DISTANCE.
+    """Record the ``extent`` known of clearances at the last step's end, NOTHING_KNOWN to DISTANCE_KNOWN.
 
     The recorded value is valid until a break in the sequence of steps (``step.breaks``).
     """
@@ -55,8 +50,8 @@ def remember_clearances(d, extent):
 def excludes_events(d):
     """Return whether states and rates at the two ends of the last step exclude events of candidates.
 
-    RELEASE at rigid walls is not excluded. The test relies on an estimate of the interpolant's error, not on
-    a bound. Before the call, the rate at the end of the step must be known, and the points located and
+    A release by rigid walls is not excluded. The test relies on an estimate of the interpolant's error, not
+    on a bound. Before the call, the rate at the end of the step must be known, and the points located and
     accelerated there. If the result is false, the function has set φ and φ′ of all candidates at both ends of
     the step, and has chosen the candidates that the search examines.
     """
@@ -65,7 +60,7 @@ def excludes_events(d):
     turn = max(largest_turn(d), (d.step.end - d.step.start) * d.search.input_rate)
     if turn < SMALL_TURN and remains_far(d):
         return True
-    if known_clearances(d) != VALUES_AND_CURVES:
+    if known_clearances(d) != CURVES_KNOWN:
         locate_points(d, d.step.state)
         accelerate_points(d, d.step.state, d.scratch.rate_start)
         measure_all_candidates(d, d.step.state)
@@ -74,7 +69,7 @@ def excludes_events(d):
     for c in range(d.candidates):
         d.search.phi_start_curve[c] = d.search.phi_end_curve[c]
     measure_all_candidates(d, d.step.state_end)
-    remember_clearances(d, VALUES_AND_CURVES)
+    remember_clearances(d, CURVES_KNOWN)
     # The interpolant of a clearance φ has the error h⁶ φ⁽⁶⁾/46080, with the step size h. `error` is ten times
     # this for the tip of a stretched chain in uniform rotation. If the motion may decay or oscillate with a
     # rate ρ above the angular velocity of the rotation, |φ⁽⁶⁾| = ρ⁴ |φ̈| counts, with the φ̈ of the rotation.
@@ -157,7 +152,7 @@ def remains_far(d):
 
     The result is true only if all candidates without contact are far from touching, and no contact has a
     force law, except a regularized contact that lasts, keeps its impact speed v₀ and crosses no kink. If the
-    result is true, SAFE_DISTANCE is remembered.
+    result is true, DISTANCE_KNOWN is remembered.
     """
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed_bound, search.acceleration_bound
@@ -173,14 +168,14 @@ def remains_far(d):
     # at both ends; the acceleration counts double, as a margin
     way = lasted * (max(speed, search.speed_bound) + lasted * max(acceleration, search.acceleration_bound))
     search.safe_distance -= way
-    if not (known_clearances(d) >= VALUES_AND_CURVES and search.safe_distance > allowed_position_error(d)):
+    if not (known_clearances(d) >= CURVES_KNOWN and search.safe_distance > allowed_position_error(d)):
         return False
     if step.regularized == NO_CONTACT:
         far = d.contacts.compliant_count == 0
     else:
         far = step.state_end[sundman_u_at(d.links)] > 0.0 and force_stays_smooth(d, step.regularized)
     if far:
-        remember_clearances(d, SAFE_DISTANCE)
+        remember_clearances(d, DISTANCE_KNOWN)
     return far
 
 
@@ -296,7 +291,7 @@ def set_clearance(d, c, u, slope):
         return
     if d.contacts.active[c] and d.law.impulsive[c]:
         # φ of a held candidate must not fall to zero in the search, because its point is already at the
-        # wall; marks.RELEASE ends its contact
+        # wall; an event RELEASE (record/constants.py) ends it
         d.search.phi_end[c], d.search.phi_end_rate[c] = math.inf, 0.0
         return
     gap, gap_rate = clearance(d, c)

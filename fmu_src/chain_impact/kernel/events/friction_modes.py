@@ -20,12 +20,10 @@ import math
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest_component, locate_points
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_points
-from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, drop_changes
+from chain_impact.kernel.events.marks import drop_changes
 from chain_impact.kernel.events.onset_modes import begins_now, decide_onsets
 from chain_impact.kernel.events.sampled import friction_round_off, rest_speed
 from chain_impact.kernel.forces.friction import (
-    NO_FRICTION,
-    STICKS,
     clear_other_forces,
     joint_number,
     list_friction,
@@ -38,6 +36,7 @@ from chain_impact.kernel.forces.friction import (
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.ode.last_step import reset_step
+from chain_impact.kernel.record.constants import NO_FRICTION, SLIDING_ENDS, STICKING_ENDS, STICKS
 from chain_impact.kernel.rows.constraints import MAX_STALLED_PIVOTS, count_stalls
 from chain_impact.kernel.rows.friction_limits import find_limited_forces
 from chain_impact.kernel.rows.geometry import has_sticking, tangential_acceleration, tangential_rate

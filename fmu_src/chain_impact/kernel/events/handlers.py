@@ -19,15 +19,7 @@ from chain_impact.kernel.events.impacts import (
     has_rigid_onset,
     update_active_set,
 )
-from chain_impact.kernel.events.marks import (
-    END,
-    KINK,
-    NONE,
-    ONSET,
-    RELATCH,
-    count_pending_changes,
-    mark_contact_event,
-)
+from chain_impact.kernel.events.marks import count_pending_changes, mark_contact_event
 from chain_impact.kernel.events.saturation import choose_saturation
 from chain_impact.kernel.forces.active_contacts import (
     begin_force_contact,
@@ -40,9 +32,9 @@ from chain_impact.kernel.forces.active_contacts import (
 )
 from chain_impact.kernel.forces.force_formula import force_may_jump
 from chain_impact.kernel.ode import control
-from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT
 from chain_impact.kernel.ode.last_step import reset_step
 from chain_impact.kernel.ode.methods import begin_flight, begin_impact
+from chain_impact.kernel.record.constants import END, EXPLICIT, IMPLICIT, KINK, NONE, ONSET, RELATCH
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance
 

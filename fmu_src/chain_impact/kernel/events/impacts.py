@@ -27,17 +27,10 @@ import math
 
 from chain_impact.kernel.chain.kinematics import locate_points, locate_points_now
 from chain_impact.kernel.chain.response import copy_factors
-from chain_impact.kernel.chain.state import velocity_at
 from chain_impact.kernel.equations import free_rate_from_inputs
 from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.friction_modes import choose_friction_modes
-from chain_impact.kernel.events.marks import (
-    NEIGHBOUR,
-    ONSET,
-    RELEASE,
-    drop_contact_events,
-    mark_contact_event,
-)
+from chain_impact.kernel.events.marks import drop_contact_events, mark_contact_event
 from chain_impact.kernel.forces.active_contacts import (
     begin_force_contact,
     clear_loads,
@@ -60,6 +53,8 @@ from chain_impact.kernel.forces.holding import (
 )
 from chain_impact.kernel.ode.dense import add_impulses_of_impact
 from chain_impact.kernel.ode.last_step import count_dissipated, count_supplied
+from chain_impact.kernel.record.constants import NEIGHBOUR, ONSET, RELEASE
+from chain_impact.kernel.record.state import velocity_at
 from chain_impact.kernel.rows.compliance import are_joints_loaded, mean_mass
 from chain_impact.kernel.rows.constraints import (
     SIGN_TOLERANCE,

@@ -5,11 +5,7 @@ friction_modes.py, saturation.py), or until the last step is rejected or cut bef
 sampled.py describe the kinds of events.
 """
 
-NONE, ONSET, END, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5  # values of ``contacts.event``
-# a value of ``contacts.event`` that the search never sets: a point near a rigid wall takes part in the impact
-# of another point
-NEIGHBOUR = 6
-SLIDING_ENDS, STICKING_ENDS = 1, 2  # values of ``element.event``: the two kinds of changes of a friction mode
+from chain_impact.kernel.record.constants import NONE, ONSET
 
 
 def mark_contact_event(d, c, kind):
@@ -18,7 +14,7 @@ def mark_contact_event(d, c, kind):
 
 
 def mark_change(d, e, kind):
-    """Mark element e with a ``kind`` of change of the friction mode: SLIDING_ENDS or STICKING_ENDS."""
+    """Mark element e with a ``kind`` of change of the friction mode: see record/constants.py."""
     d.element.event[e] = kind
 
 

@@ -8,8 +8,9 @@ T is at most µ_s F. Otherwise it slides in the direction against which T would 
 
 from chain_impact.kernel.cost import count_other_cost
 from chain_impact.kernel.forces.force_formula import law_force
-from chain_impact.kernel.forces.friction import STICKS, list_sticking, set_friction_mode, sliding_sign
+from chain_impact.kernel.forces.friction import list_sticking, set_friction_mode, sliding_sign
 from chain_impact.kernel.forces.holding import set_unforced_to_load_motion
+from chain_impact.kernel.record.constants import STICKS
 from chain_impact.kernel.rows.constraints import activate_all, solve_equality
 from chain_impact.kernel.rows.geometry import add_along_row, clear_used_loads, normal_row
 

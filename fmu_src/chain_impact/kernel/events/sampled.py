@@ -30,28 +30,26 @@ from chain_impact.kernel.chain.drives import drive_component, mode_margin
 from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import rate_in_limited_drives
-from chain_impact.kernel.chain.state import omega_at, velocity_at
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.events.crossing import SIMULTANEOUS_TIME, locate_at_fraction, make_passage_search
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO, is_nearly_fast
-from chain_impact.kernel.events.marks import (
+from chain_impact.kernel.events.marks import drop_events, mark_change, mark_contact_event, mark_saturation
+from chain_impact.kernel.forces.active_contacts import kink_height
+from chain_impact.kernel.forces.force_formula import note_crossing
+from chain_impact.kernel.forces.holding import least_impulse, project_state
+from chain_impact.kernel.ode.control import is_accepted, reject_step
+from chain_impact.kernel.ode.dense import interpolate_state
+from chain_impact.kernel.record.constants import (
     KINK,
     RELATCH,
     RELEASE,
     SLIDING_ENDS,
+    SPOILED,
     STICKING_ENDS,
-    drop_events,
-    mark_change,
-    mark_contact_event,
-    mark_saturation,
+    STICKS,
 )
-from chain_impact.kernel.forces.active_contacts import kink_height
-from chain_impact.kernel.forces.force_formula import note_crossing
-from chain_impact.kernel.forces.friction import STICKS
-from chain_impact.kernel.forces.holding import least_impulse, project_state
-from chain_impact.kernel.ode.control import SPOILED, is_accepted, reject_step
-from chain_impact.kernel.ode.dense import interpolate_state
+from chain_impact.kernel.record.state import omega_at, velocity_at
 from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import clearance, tangential_rate
 

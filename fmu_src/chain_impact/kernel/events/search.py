@@ -9,7 +9,6 @@ import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.signals import rate_of_signals
-from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.events.crossing import (
     SIMULTANEOUS_TIME,
     bound_curvature,
@@ -18,16 +17,13 @@ from chain_impact.kernel.events.crossing import (
     measure_clearances,
 )
 from chain_impact.kernel.events.exclusion import (
-    NOTHING,
-    SAFE_DISTANCE,
-    VALUES,
     begin_next_interval,
     excludes_events,
     known_clearances,
     remember_clearances,
     suspect_all_candidates,
 )
-from chain_impact.kernel.events.marks import END, NONE, ONSET, count_pending_changes, mark_contact_event
+from chain_impact.kernel.events.marks import count_pending_changes, mark_contact_event
 from chain_impact.kernel.events.sampled import (
     find_kink,
     find_mode_change,
@@ -36,10 +32,22 @@ from chain_impact.kernel.events.sampled import (
     find_saturation,
     margin_is_halved,
 )
-from chain_impact.kernel.ode.control import IMPLICIT, SPOILED, is_accepted, reject_step
+from chain_impact.kernel.ode.control import is_accepted, reject_step
 from chain_impact.kernel.ode.dense import interpolate_component, interpolate_state
-from chain_impact.kernel.ode.last_step import SOLVER, ensure_dense
+from chain_impact.kernel.ode.last_step import ensure_dense
 from chain_impact.kernel.ode.sundman import time_rate_for_sizes
+from chain_impact.kernel.record.constants import (
+    DISTANCE_KNOWN,
+    END,
+    IMPLICIT,
+    NONE,
+    NOTHING_KNOWN,
+    ONSET,
+    SOLVER_READER,
+    SPOILED,
+    VALUES_KNOWN,
+)
+from chain_impact.kernel.record.state import time_at
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance, coordinates_size, gap_acceleration
 
@@ -77,13 +85,13 @@ def find_event(d):
         return find_event_without_crossing(d)
     if d.step.last_method == IMPLICIT:
         suspect_all_candidates(d)
-        if known_clearances(d) in (NOTHING, SAFE_DISTANCE):
+        if known_clearances(d) in (NOTHING_KNOWN, DISTANCE_KNOWN):
             measure_clearances(d, 0.0)
         begin_next_interval(d)
     elif excludes_events(d):
         return find_event_without_crossing(d)
     if d.step.last_method != IMPLICIT:
-        ensure_dense(d, SOLVER)
+        ensure_dense(d, SOLVER_READER)
     bound_curvature(d)
     theta = find_crossing(d)
     if theta >= 0.0 and not is_credible_crossing(d, theta):
@@ -96,7 +104,7 @@ def find_event(d):
     theta = find_sampled_event(d, theta)
     # Without an event, the stored clearances are those at the end of the step. With an event they are wrong,
     # but not used: an event breaks the sequence of steps.
-    remember_clearances(d, VALUES)
+    remember_clearances(d, VALUES_KNOWN)
     # The state of a regularized step contains the time since the step's start. Nothing controls the error of
     # this time within the step: an event before the start is an error of the step.
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
@@ -107,7 +115,7 @@ def find_event(d):
 def find_event_without_crossing(d):
     """Return θ of the earliest event in a step without crossings; −1 for none, or if the step is rejected."""
     if any_point_held(d):
-        ensure_dense(d, SOLVER)  # `update_held_extremes` needs the dense output as well
+        ensure_dense(d, SOLVER_READER)  # `update_held_extremes` needs the dense output as well
         return find_sampled_event(d, -1.0)
     theta = find_mode_change(d, -1.0) if d.friction.count > 0 else -1.0
     return find_saturation(d, theta) if d.chain.has_drive_limits else theta
@@ -198,7 +206,7 @@ def onset_fraction(d):
     if not abs(late) <= LANDING_TIME:
         reject_step(d, SPOILED)
         return -1.0
-    ensure_dense(d, SOLVER)
+    ensure_dense(d, SOLVER_READER)
     interpolate_state(d.step, theta, d.scratch.state)
     late, _ = onset_lateness(d, d.scratch.state)
     theta -= late

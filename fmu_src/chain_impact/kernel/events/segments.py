@@ -5,7 +5,6 @@ begins with the next segment. The duration of a step in the fictitious time of a
 beforehand, so such a step is truncated at the end of the segment.
 """
 
-from chain_impact.kernel.chain.input_fields import CHANNEL
 from chain_impact.kernel.chain.inputs import TIME_ROUND_OFF, ensure_inputs, limit_to_time
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import next_segment, segment_end, set_segment, signal_at
@@ -15,13 +14,14 @@ from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.ode.dense import commit_quadratures, fraction_at_time
 from chain_impact.kernel.ode.last_step import (
-    SOLVER,
     count_supplied,
     ensure_dense,
     evaluate_start,
     reset_step,
     truncate_step,
 )
+from chain_impact.kernel.record.constants import SOLVER_READER
+from chain_impact.kernel.record.input_fields import CHANNEL
 from chain_impact.kernel.status import OK, SIGNAL_JUMPS
 
 # The effect of the end of a signal's segment on the motion. NO_JUMP: neither speeds nor accelerations jump.
@@ -56,7 +56,7 @@ def end_at_segment(d):
     end = first_segment_end(d)
     if end < d.step.end - TIME_ROUND_OFF * abs(d.step.end):
         drop_events(d)
-        ensure_dense(d, SOLVER)
+        ensure_dense(d, SOLVER_READER)
         truncate_step(d, fraction_at_time(d, end))
         locate_points(d, d.step.state_end)
 

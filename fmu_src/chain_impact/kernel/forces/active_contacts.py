@@ -21,7 +21,7 @@ from chain_impact.kernel.forces.friction import (
     list_friction,
     may_have_friction,
 )
-from chain_impact.kernel.record_operations import clear_numbers
+from chain_impact.kernel.record.operations import clear_numbers
 from chain_impact.kernel.rows.compliance import effective_mass
 from chain_impact.kernel.rows.geometry import (
     add_along_row,

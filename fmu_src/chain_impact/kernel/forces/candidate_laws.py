@@ -26,7 +26,7 @@ from chain_impact.kernel.forces.laws import (
     is_impulsive,
 )
 from chain_impact.kernel.mathematics.powers import power
-from chain_impact.kernel.record_operations import copy_row
+from chain_impact.kernel.record.operations import copy_row
 from chain_impact.kernel.rows.geometry import is_at_joint_stop, is_at_stop
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,

@@ -26,6 +26,7 @@ Unilateral Contacts.
 """
 
 from chain_impact.kernel.chain.drives import drive_count, first_joint, lever_of_drive
+from chain_impact.kernel.record.constants import NO_FRICTION, STICKS
 from chain_impact.kernel.rows.geometry import (
     add_along_row,
     largest_coordinate,
@@ -34,7 +35,6 @@ from chain_impact.kernel.rows.geometry import (
     tangential_rate,
 )
 
-STICKS, NO_FRICTION = 0, 2  # values of `element.mode`; the values ±1 stand for sliding along ±t
 # A distance of a sticking element from its anchor after a projection counts as round-off up to this, relative
 # to ``largest_coordinate``: the largest |x| or |y| of any place, but at least the longest link. If a larger
 # distance is left, the projection has failed for this anchor.

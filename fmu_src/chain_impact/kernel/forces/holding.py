@@ -15,16 +15,16 @@ from chain_impact.kernel.chain.kinematics import (
     vector_at_center_of_mass,
 )
 from chain_impact.kernel.chain.response import FREE, copy_factors
-from chain_impact.kernel.chain.state import (
+from chain_impact.kernel.forces.active_contacts import store_force
+from chain_impact.kernel.forces.friction import ANCHOR_ROUND_OFF, store_static_forces
+from chain_impact.kernel.function_marks import has_dual_rule
+from chain_impact.kernel.record.state import (
     FIRST_ANGLE,
     coordinate_count,
     dissipated_at,
     supplied_at,
     velocity_at,
 )
-from chain_impact.kernel.forces.active_contacts import store_force
-from chain_impact.kernel.forces.friction import ANCHOR_ROUND_OFF, store_static_forces
-from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.rows.compliance import are_joints_loaded, mean_mass, solve_in_space
 from chain_impact.kernel.rows.constraints import (
     activate_all,

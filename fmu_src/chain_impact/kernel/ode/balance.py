@@ -48,12 +48,9 @@ from chain_impact.kernel.chain.drives import (
 )
 from chain_impact.kernel.chain.inputs import apply_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import dissipated_at, supplied_at
 from chain_impact.kernel.equations import energy_balance, mechanical_energy, other_energy
 from chain_impact.kernel.forces.force_formula import elastic_force
 from chain_impact.kernel.ode.control import (
-    EXPLICIT,
-    SPOILED,
     impact_energy,
     is_accepted,
     penetration_scale,
@@ -62,7 +59,6 @@ from chain_impact.kernel.ode.control import (
 )
 from chain_impact.kernel.ode.dense import interpolate_state
 from chain_impact.kernel.ode.last_step import (
-    SOLVER,
     count_supplied,
     ensure_dense,
     ensure_points,
@@ -70,6 +66,8 @@ from chain_impact.kernel.ode.last_step import (
     largest_turn,
 )
 from chain_impact.kernel.ode.methods import STABLE_STEP, find_joint_stiffness
+from chain_impact.kernel.record.constants import EXPLICIT, SOLVER_READER, SPOILED
+from chain_impact.kernel.record.state import dissipated_at, supplied_at
 from chain_impact.kernel.rows.geometry import clearance, coordinates_size
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
@@ -290,7 +288,7 @@ def may_err_in_middle(d):
     """
     if d.statistics.steps == 0 and d.solver.tolerance > LOOSE_TOLERANCE:
         return True
-    if d.step.dense_for == SOLVER and largest_turn(d) > LONG_TURN:
+    if d.step.dense_for == SOLVER_READER and largest_turn(d) > LONG_TURN:
         return True
     resisted = d.chain.has_springs_or_dampers and d.step.last_method == EXPLICIT
     return resisted and find_joint_stiffness(d, d.step.end - d.step.start) > STABLE_STEP
@@ -303,7 +301,7 @@ def is_middle_correct(d):
     allowed change, and the dissipated energy must lie between its values at both ends, up to a tolerance.
     """
     y = d.scratch.state
-    ensure_dense(d, SOLVER)
+    ensure_dense(d, SOLVER_READER)
     interpolate_state(d.step, 0.5, y)
     if not dissipates_evenly(d, y[dissipated_at(d.links)]):
         return False

@@ -21,16 +21,11 @@ import math
 from fractions import Fraction
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at, supplied_at, time_at, velocity_at
 from chain_impact.kernel.cost import count_evaluations, count_other_cost
 from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.ode.control import (
-    DIVERGED,
     ERROR_ORDER,
-    IMPLICIT,
-    INFINITE,
-    LATE,
     PAST_END,
     clear_faded,
     force_errors,
@@ -61,14 +56,14 @@ from chain_impact.kernel.ode.friction_work import correct_friction_energy, store
 from chain_impact.kernel.ode.radau import (
     END_WEIGHTS,
     MOST_ITERATIONS,
-    PAIR_COUNT,
     RADAU_NODES,
-    RADAU_STAGES,
     REAL_EIGENVALUE,
     START_WEIGHTS,
     shift_of,
     simplified_newton,
 )
+from chain_impact.kernel.record.constants import DIVERGED, IMPLICIT, INFINITE, LATE, PAIR_COUNT, RADAU_STAGES
+from chain_impact.kernel.record.state import dissipated_at, sundman_u_at, supplied_at, time_at, velocity_at
 from chain_impact.kernel.rows.constraints import any_constraint
 
 LAST_STAGE = RADAU_STAGES - 1

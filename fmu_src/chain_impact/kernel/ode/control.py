@@ -16,7 +16,11 @@ import math
 
 from chain_impact.kernel.chain.drives import drive_component, drive_count, drive_slopes, moment_factor
 from chain_impact.kernel.chain.kinematics import move_points
-from chain_impact.kernel.chain.state import (
+from chain_impact.kernel.forces.force_formula import damping_over_elastic
+from chain_impact.kernel.function_marks import inlined
+from chain_impact.kernel.mathematics.powers import power
+from chain_impact.kernel.record.constants import ACCEPTED, EXPLICIT, INACCURATE, INFINITE, SPOILED
+from chain_impact.kernel.record.state import (
     FIRST_ANGLE,
     dissipated_at,
     omega_at,
@@ -24,16 +28,10 @@ from chain_impact.kernel.chain.state import (
     supplied_at,
     velocity_at,
 )
-from chain_impact.kernel.forces.force_formula import damping_over_elastic
-from chain_impact.kernel.function_marks import inlined
-from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.constraints import SQUEEZED, any_constraint
 from chain_impact.kernel.rows.geometry import clearance, dot, largest_coordinate, normal_row
 from chain_impact.kernel.status import NO_ROOM, NOT_FINITE, STEP_TOO_SMALL
 
-EXPLICIT, IMPLICIT = 0, 1  # values of step.method and step.last_method: the two methods of integration
-SOLVER_METHODS = ("auto", "explicit", "implicit")
-"""The values of the scene key `solver.method`, numbered from 1; with `auto` the solver chooses the method."""
 AUTOMATIC_METHOD = 1
 
 # Constants of the two methods: the entry 0 is for EXPLICIT, the entry 1 for IMPLICIT. The error of a step is
@@ -54,7 +52,7 @@ PAST_END = 1.04
 
 
 def prescribed_method(choice):
-    """Return EXPLICIT or IMPLICIT for ``choice``, a number from 1 in SOLVER_METHODS; −1 for `auto`."""
+    """Return EXPLICIT or IMPLICIT (record/constants.py) for ``choice``, a number > 0; −1 for `auto`."""
     return choice - AUTOMATIC_METHOD - 1
 
 
@@ -63,18 +61,10 @@ def prescribed_method(choice):
 LEAST_RATIO, LARGEST_RATIO = 0.1, 6.0
 SIZE_EXPONENT = tuple(-1.0 / order for order in ERROR_ORDER)
 ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
-# The outcomes of a tried step:
-# INACCURATE  the error exceeds the tolerance, or the step loses more energy than is allowed
-# INFINITE    the error, or a correction by Newton's iteration, is infinite or NaN
-# SPOILED     an event cannot be located, forces are not found, or the energy is wrong
-# RUNS_BACK   a regularized step goes too far beyond the contact's end, or its time does not increase
-# LATE        Newton's iteration would need too many iterations
-# DIVERGED    a correction by Newton's iteration exceeds the correction before, or is far too large
-ACCEPTED, INACCURATE, INFINITE, SPOILED, RUNS_BACK, LATE, DIVERGED = 0, 1, 2, 3, 4, 5, 6
 # The size after a step that was rejected for one of the outcomes from SPOILED on is computed as if the step
 # had this error, relative to the tolerance; index: the outcome. After SPOILED the next try is about a seventh
 # as long in the explicit method, and an eighth in the implicit method; after RUNS_BACK and LATE about half as
-# long, and after DIVERGED a third.
+# long, and after DIVERGED (record/constants.py) a third.
 EQUIVALENT_ERROR = (0.0, 0.0, 0.0, 1e6, 50.0, 40.0, 700.0)
 # a smaller error of a step, relative to the tolerance, counts as LEAST_ERROR in the choice of the next size,
 # because a power of 0 with a negative exponent is infinite

@@ -14,15 +14,15 @@ not request quadratures, none is integrated.
 
 import numpy as np
 
-from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.mathematics.root_search import MOST_GUESSES, next_guess
 from chain_impact.kernel.ode.sundman_rate import regularized_time_rate
+from chain_impact.kernel.record.constants import DENSE_COEFFICIENTS
+from chain_impact.kernel.record.state import sundman_u_at, time_at
 from chain_impact.kernel.rows.geometry import is_at_wall
 
 # the exponents p and q of the interpolant y₀ + Σ F_m θᵖ (1−θ)^q, in the order of its coefficients F₀ to F₆
 BASIS_POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))
-DENSE_COEFFICIENTS = len(BASIS_POWERS)
 FRACTION_RESOLUTION = 1e-15  # accuracy of the fraction θ at which a regularized step reaches a time
 
 

@@ -14,13 +14,11 @@ import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.signals import rate_of_base
-from chain_impact.kernel.chain.state import sundman_u_at
 from chain_impact.kernel.combinators import join_functions
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.function_marks import inlined
 from chain_impact.kernel.ode.control import (
     PAST_END,
-    RUNS_BACK,
     controlled_count,
     reject_step,
     scaled_errors,
@@ -28,13 +26,9 @@ from chain_impact.kernel.ode.control import (
     set_outcome,
 )
 from chain_impact.kernel.ode.dense import set_quadrature_stage, set_quadrature_stage_at_end
-from chain_impact.kernel.ode.sundman import (
-    NO_CONTACT,
-    regularize_rate,
-    regularized_rate,
-    root_curve,
-    runs_back,
-)
+from chain_impact.kernel.ode.sundman import regularize_rate, regularized_rate, root_curve, runs_back
+from chain_impact.kernel.record.constants import NO_CONTACT, RUNS_BACK, STAGE_COUNT
+from chain_impact.kernel.record.state import sundman_u_at
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, has_sticking
 
 # The number of stages of a step, 0 to 11. Stage 12 is the rate at the end of the step; stages 13 to 15 are
@@ -107,7 +101,6 @@ D: tuple[dict[int, float], ...] = (
 # fmt: on
 
 
-STAGE_COUNT = len(A)
 # index of the stage at the end of a step
 END_STAGE = STEP_STAGES
 # Near the first predicted end of a contact, a step is PAST_END times as long as the way to this end, in the

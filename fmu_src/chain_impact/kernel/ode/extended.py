@@ -48,13 +48,13 @@ from chain_impact.kernel.chain.drives import drive_component, drive_count, drive
 from chain_impact.kernel.chain.inputs import set_inputs
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, locate_points_now
 from chain_impact.kernel.chain.response import SHIFTED, clear_impedance, factorize_matrix
-from chain_impact.kernel.chain.state import coordinate_count, sundman_u_at, supplied_at, velocity_at
 from chain_impact.kernel.equations import free_rate_from_loads
 from chain_impact.kernel.forces.active_contacts import apply_contact, apply_contacts, clear_loads
 from chain_impact.kernel.forces.force_formula import law_slopes
 from chain_impact.kernel.forces.friction import apply_friction
 from chain_impact.kernel.forces.holding import add_constraint_forces, power_of_motion
 from chain_impact.kernel.ode.dense import set_quadrature_rates
+from chain_impact.kernel.record.state import coordinate_count, sundman_u_at, supplied_at, velocity_at
 from chain_impact.kernel.rows.compliance import are_joints_loaded, solve_in_space
 from chain_impact.kernel.rows.constraints import any_constraint, set_single_solution_impedances
 from chain_impact.kernel.rows.geometry import (

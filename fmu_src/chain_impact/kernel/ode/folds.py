@@ -10,11 +10,11 @@ far larger than its error. Other toggle positions, where W is small, are treated
 
 from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import velocity_at
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state, true_rate_from_inputs
 from chain_impact.kernel.forces.holding import add_change, store_constraint_forces
 from chain_impact.kernel.ode.dense import interpolate_state
+from chain_impact.kernel.record.state import velocity_at
 from chain_impact.kernel.rows.constraints import any_point_held, replace_impulses
 from chain_impact.kernel.rows.geometry import constraint_count
 

@@ -9,11 +9,11 @@ along the corrections were not counted, the energy balance would have an error t
 
 from chain_impact.kernel.chain.inputs import set_inputs
 from chain_impact.kernel.chain.kinematics import locate_points_now, move_points
-from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, sundman_u_at, velocity_at
-from chain_impact.kernel.forces.friction import STICKS, work_of_holding
+from chain_impact.kernel.forces.friction import work_of_holding
 from chain_impact.kernel.ode import explicit
-from chain_impact.kernel.ode.control import IMPLICIT
-from chain_impact.kernel.ode.radau import RADAU_NODES, RADAU_STAGES, Q
+from chain_impact.kernel.ode.radau import RADAU_NODES, Q
+from chain_impact.kernel.record.constants import IMPLICIT, RADAU_STAGES, STICKS
+from chain_impact.kernel.record.state import coordinate_count, dissipated_at, sundman_u_at, velocity_at
 from chain_impact.kernel.rows.geometry import dot, has_sticking, tangent_row
 
 

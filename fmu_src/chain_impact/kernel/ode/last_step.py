@@ -15,13 +15,12 @@ from chain_impact.kernel.chain.kinematics import (
     note_points_elsewhere,
 )
 from chain_impact.kernel.chain.prescribed_motion import move_channels_to_state
-from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, supplied_at, time_at
 from chain_impact.kernel.cost import count_evaluations, read_cost_counts, restore_cost_counts
 from chain_impact.kernel.equations import rate_from_points, rate_from_state
 from chain_impact.kernel.forces.friction import move_missed_anchors
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.ode import collocation, explicit
-from chain_impact.kernel.ode.control import EXPLICIT, IMPLICIT, clear_faded, scale_next_size
+from chain_impact.kernel.ode.control import clear_faded, scale_next_size
 from chain_impact.kernel.ode.dense import (
     accept_quadratures,
     change_up_to,
@@ -34,11 +33,17 @@ from chain_impact.kernel.ode.dense import (
     truncate_quadratures,
 )
 from chain_impact.kernel.ode.friction_work import change_in_step, uncounted_work
-from chain_impact.kernel.ode.sundman import NO_CONTACT, find_lone_contact, time_rate_for_sizes
+from chain_impact.kernel.ode.sundman import find_lone_contact, time_rate_for_sizes
+from chain_impact.kernel.record.constants import (
+    EXPLICIT,
+    IMPLICIT,
+    NO_CONTACT,
+    NO_READER,
+    OUTPUT_READER,
+    SOLVER_READER,
+)
+from chain_impact.kernel.record.state import dissipated_at, omega_at, sundman_u_at, supplied_at, time_at
 from chain_impact.kernel.rows.constraints import any_constraint
-
-# values of step.dense_for: for whom the step's dense output was completed; NOT_REQUESTED: for nobody yet
-NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2
 
 
 def reset_step(d, time, y):
@@ -60,7 +65,7 @@ def reset_step(d, time, y):
     step.remainder = step.remainder_whole = step.remainder_end
     reset_quadratures(d)
     step.regularized = NO_CONTACT
-    step.dense_for = SOLVER
+    step.dense_for = SOLVER_READER
     # no implicit step may extrapolate its stages from this step, so the method is EXPLICIT
     step.last_method = EXPLICIT
     count_break(d)
@@ -104,7 +109,7 @@ def make_last_step(d):
     step.size, step.end_fraction = d.trial.size, 1.0
     step.end = step.start + y[time_at(d.links)]
     step.last_method = step.method
-    step.dense_for = NOT_REQUESTED
+    step.dense_for = NO_READER
     step.rate_known = 0
     note_points_elsewhere(d)
     if step.last_method == IMPLICIT:
@@ -169,7 +174,7 @@ def roll_back(d):
 
 def truncate_step(d, theta):
     """Cut the last step at its fraction θ: the state at the end becomes that of the dense output there."""
-    ensure_dense(d, SOLVER)
+    ensure_dense(d, SOLVER_READER)
     end_at_fraction(d, theta)
     d.step.end = d.step.start + d.step.state_end[time_at(d.links)]
 
@@ -198,12 +203,12 @@ def set_communication_point_in_step(d, time):
     The dense output of the step is computed if it does not exist yet.
     """
     d.step.communication_point = time
-    ensure_dense(d, OUTPUTS)
+    ensure_dense(d, OUTPUT_READER)
 
 
 def truncate_to_communication_point(d):
     """Cut the last step at the communication point: the state at the end becomes that of the dense output."""
-    ensure_dense(d, OUTPUTS)
+    ensure_dense(d, OUTPUT_READER)
     end_at_fraction(d, fraction_at_time(d, d.step.communication_point))
     correct_falling_impulses(d)
     d.step.end = d.step.communication_point
@@ -317,16 +322,16 @@ def ensure_dense(d, reader):
 
     Args:
         d: the instance.
-        reader: the user of the dense output, OUTPUTS or SOLVER.
+        reader: the user of the dense output, OUTPUT_READER or SOLVER_READER.
     """
     step = d.step
     present, step.dense_for = step.dense_for, max(step.dense_for, reader)
-    if present == NOT_REQUESTED:
+    if present == NO_READER:
         counted = read_cost_counts(d)
         if step.last_method == IMPLICIT:
             collocation.match_clearances(d)
         else:
             explicit.set_dense_output(d, step.size)
         restore_cost_counts(d, counted)
-    if present < SOLVER <= reader and step.last_method == EXPLICIT:
+    if present < SOLVER_READER <= reader and step.last_method == EXPLICIT:
         count_evaluations(d, explicit.DENSE_EVALUATIONS)

@@ -26,14 +26,13 @@ from chain_impact.kernel.forces.active_contacts import clear_loads, contact_slop
 from chain_impact.kernel.ode import collocation, explicit
 from chain_impact.kernel.ode.control import (
     AUTOMATIC_METHOD,
-    EXPLICIT,
-    IMPLICIT,
     begin_trial,
     limit_next_size,
     prescribed_method,
     propose_size,
     size_at_onset,
 )
+from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT
 
 # An explicit step with hρ > STIFF_STEP suggests the implicit method; h [s] is the size of the step, and ρ
 # [1/s] the fastest rate of the contacts and joints. With STIFF_STEP below 1 the method would change in

@@ -25,9 +25,7 @@ import math
 
 from chain_impact.kernel.combinators import join_functions
 from chain_impact.kernel.mathematics.powers import power
-
-RADAU_STAGES = 5
-PAIR_COUNT = 2  # number of pairs of complex eigenvalues of the matrix Q
+from chain_impact.kernel.record.constants import RADAU_STAGES
 
 # fmt: off
 RADAU_NODES = (0.05710419611451768, 0.2768430136381238, 0.5835904323689168, 0.8602401356562195,

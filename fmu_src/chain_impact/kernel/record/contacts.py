@@ -2,11 +2,9 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.state import coordinate_count
-from chain_impact.kernel.events.marks import NEIGHBOUR
-from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
-from chain_impact.kernel.ode.explicit import STAGE_COUNT
+from chain_impact.kernel.record.constants import DENSE_COEFFICIENTS, NEIGHBOUR, STAGE_COUNT
 from chain_impact.kernel.record.fields import INTEGER, REAL, bounded_integer, layout, table, written_by
+from chain_impact.kernel.record.state import coordinate_count
 
 # Number of ended contacts, not yet collected, in a full log. ``trajectory`` then returns, and ``run_each``
 # collects them; in other functions new entries overwrite the oldest. The log has one more row for each

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from chain_impact.kernel.forces.friction import NO_FRICTION
+from chain_impact.kernel.record.constants import NO_FRICTION
 from chain_impact.kernel.record.fields import INTEGER, REAL, bounded_integer, layout, written_by
 
 # number of changes of friction modes for which the log has room, divided by the number of elements

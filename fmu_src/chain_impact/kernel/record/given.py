@@ -2,9 +2,7 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.input_fields import EACH_DRIVE, INPUT_SIZES, TARGET
-from chain_impact.kernel.chain.inputs import INPUT_DEGREE
-from chain_impact.kernel.ode.control import SOLVER_METHODS
+from chain_impact.kernel.record.constants import INPUT_DEGREE, SOLVER_METHODS, WALLS
 from chain_impact.kernel.record.fields import (
     AT_ANY_TIME,
     AT_START,
@@ -19,7 +17,7 @@ from chain_impact.kernel.record.fields import (
     settable,
     written_by,
 )
-from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.record.input_fields import EACH_DRIVE, INPUT_SIZES, TARGET
 
 # fields of `chain` that ``set_effect_flags`` (chain/drives.py) sets: which effects joints or slider have
 EFFECT_FLAGS = (

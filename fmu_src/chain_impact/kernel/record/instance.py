@@ -6,7 +6,7 @@ eight bytes (a double or an integer) or, if complex, sixteen. So the code of an 
 index, counted in words of eight bytes from the start of the record, and needs no other knowledge of the
 layout.
 
-Points are numbered 0…N: 0 is the base, N is the tip. Sites follow, from N + 1. kernel/chain/state.py
+Points are numbered 0…N: 0 is the base, N is the tip. Sites follow, from N + 1. kernel/record/state.py
 describes the state vector y.
 
 Every size and offset is an affine function of the counts (counts.py): a constant plus a multiple of each

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.inputs import INPUT_DEGREE
+from chain_impact.kernel.record.constants import INPUT_DEGREE
 from chain_impact.kernel.record.fields import AT_ANY_TIME, INTEGER, REAL, layout, settable, table, written_by
 
 

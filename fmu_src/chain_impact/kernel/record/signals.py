@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.input_fields import CHANNEL
-from chain_impact.kernel.chain.signals import CONSTANT, SIGNAL_DEGREE, SMOOTH, TABLE, TRAPEZOID
+from chain_impact.kernel.record.constants import CONSTANT, SIGNAL_DEGREE, SMOOTH, TABLE, TRAPEZOID
 from chain_impact.kernel.record.fields import (
     AT_START,
     FINITE,
@@ -15,6 +14,7 @@ from chain_impact.kernel.record.fields import (
     settable,
     written_by,
 )
+from chain_impact.kernel.record.input_fields import CHANNEL
 
 
 @settable(AT_START)
@@ -31,7 +31,7 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
         # shape of a ramp: SMOOTH, LINEAR or TRAPEZOID of chain/signals.py
         ("shape", bounded_integer(SMOOTH, TRAPEZOID), (signals,)),
         ("source", bounded_integer(0, signals - 1), (signals,)),
-        # number of the driven input (chain/input_fields.py), such as MOTOR; CHANNEL for a prescribed motion
+        # number of the driven input (record/input_fields.py), such as MOTOR; CHANNEL for a prescribed motion
         ("input", bounded_integer(0, CHANNEL), (signals,)),
         # index of the driven value in the input's array, for example of the joint, from 0; for a prescribed
         # motion the index of the channel

@@ -2,15 +2,20 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.response import SLOT_COUNT
-from chain_impact.kernel.chain.state import coordinate_count, state_size
-from chain_impact.kernel.events.exclusion import SAFE_DISTANCE
-from chain_impact.kernel.ode.control import ACCEPTED, DIVERGED, EXPLICIT, IMPLICIT
-from chain_impact.kernel.ode.dense import DENSE_COEFFICIENTS
-from chain_impact.kernel.ode.explicit import STAGE_COUNT
-from chain_impact.kernel.ode.last_step import SOLVER
-from chain_impact.kernel.ode.radau import PAIR_COUNT, RADAU_STAGES
-from chain_impact.kernel.ode.sundman import NO_CONTACT
+from chain_impact.kernel.record.constants import (
+    ACCEPTED,
+    DENSE_COEFFICIENTS,
+    DISTANCE_KNOWN,
+    DIVERGED,
+    EXPLICIT,
+    IMPLICIT,
+    NO_CONTACT,
+    PAIR_COUNT,
+    RADAU_STAGES,
+    SLOT_COUNT,
+    SOLVER_READER,
+    STAGE_COUNT,
+)
 from chain_impact.kernel.record.fields import (
     COMPLEX,
     INTEGER,
@@ -23,6 +28,7 @@ from chain_impact.kernel.record.fields import (
     vectors_dtype,
     written_by,
 )
+from chain_impact.kernel.record.state import coordinate_count, state_size
 from chain_impact.kernel.status import LAST_STATUS, OK
 
 
@@ -62,9 +68,9 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         # coefficients of the dense output, the interpolant of y over the whole step of ``size``
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),
         ("rate_known", INTEGER),  # 1: `scratch.rate_end` is ẏ at ``end``; 0: ẏ at ``end`` is not known
-        # for whom the dense output was completed: OUTPUTS or SOLVER of ode/last_step.py; 0: for nobody yet
-        ("dense_for", bounded_integer(0, SOLVER)),
-        # number of the method of the last step, see kernel/ode/control.py
+        # for whom the dense output was completed, a reader of record/constants.py; 0: nobody
+        ("dense_for", bounded_integer(0, SOLVER_READER)),
+        # number of the method of the last step, see record/constants.py
         ("last_method", bounded_integer(EXPLICIT, IMPLICIT)),
         # number of breaks in the sequence of steps since the run's start; data that were derived from a step
         # before the last break, such as clearances, are not valid (ode/last_step.py)
@@ -264,10 +270,10 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
 def search_dtype(candidates: int) -> np.dtype:
     """Return the layout of the search for events, with each φ (exclusion.py) at both ends of an interval."""
     return layout(
-        # what is known of the candidates' φ (``phi_end``) at the last step's end (events/exclusion.py):
-        # NOTHING; VALUES: φ and φ′; VALUES_AND_CURVES: also φ″; SAFE_DISTANCE: candidates without contact
-        # have at least the clearance ``safe_distance``
-        ("known", bounded_integer(0, SAFE_DISTANCE)),
+        # what is known of the candidates' φ (``phi_end``) at the last step's end: a value of
+        # record/constants.py, from NOTHING_KNOWN to DISTANCE_KNOWN; the latter means that candidates without
+        # contact have at least the clearance ``safe_distance``
+        ("known", bounded_integer(0, DISTANCE_KNOWN)),
         # value of `step.breaks` for which ``known`` is valid; for other values nothing is known
         ("known_for", INTEGER),
         # m, lower bound on the clearances of candidates without contact, at the last step's end

@@ -16,7 +16,7 @@ is formed.
 from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.response import FREE, clear_impedance, factorize_matrix, solve_response
 from chain_impact.kernel.chain.sites import move_site_loads
-from chain_impact.kernel.chain.state import coordinate_count, omega_at, velocity_at
+from chain_impact.kernel.record.state import coordinate_count, omega_at, velocity_at
 from chain_impact.kernel.rows.geometry import (
     add_along_row,
     add_impedance,

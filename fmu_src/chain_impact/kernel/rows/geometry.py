@@ -33,10 +33,7 @@ from chain_impact.kernel.chain.kinematics import clear_joints, clear_vectors, la
 from chain_impact.kernel.chain.prescribed_motion import fastest_wall
 from chain_impact.kernel.chain.sites import joint_place, site_of_point, site_place
 from chain_impact.kernel.chain.slider import slider_component
-
-WALLS = ("x_min", "x_max", "y_min", "y_max")
-"""The walls of the box in the order of their numbers, from 0. The numbers of walls at any angle follow."""
-
+from chain_impact.kernel.record.constants import WALLS
 
 # [m] the largest depth in a wall at which a point, or a pinned base, may start a run: a point that touches
 # the wall may have this depth by round-off of positions and sines

@@ -13,10 +13,10 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import segment_end
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.events.marks import KINK, RELATCH
 from chain_impact.kernel.events.segments import has_segment_ended
 from chain_impact.kernel.forces.active_contacts import kink_height
 from chain_impact.kernel.ode.last_step import ensure_points
+from chain_impact.kernel.record.constants import KINK, RELATCH
 from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 from chain_impact.kernel.tangent.duals import dual_with_slope, reciprocal, value
 
@@ -93,7 +93,7 @@ _delay_of_margin = make_delay(_margin_after)
 def delay_of_crossing(t, c, kind):
     """Return the delay [s], a dual number of value 0, of an event of candidate c.
 
-    ``kind`` is ONSET, END or RELATCH of events/marks.py; at RELATCH the impact speed is latched again.
+    ``kind`` is ONSET, END or RELATCH of record/constants.py; at RELATCH the impact speed is latched again.
     """
     gap, gap_rate = clearance(t, c)
     if kind == RELATCH:
@@ -107,7 +107,7 @@ def delay_of_crossing(t, c, kind):
 def delay_without_force_jump(t, c, kind):
     """Return the delay [s] of an event of candidate c at which the candidate's force does not jump.
 
-    ``kind`` is KINK or RELEASE of events/marks.py.
+    ``kind`` is KINK or RELEASE of record/constants.py.
     """
     if kind == KINK:
         rate = _kink_rate(t, c)

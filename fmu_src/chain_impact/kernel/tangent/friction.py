@@ -18,17 +18,18 @@ import math
 
 from chain_impact.kernel.chain.drives import drive_count, first_joint
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest_component, locate_points
-from chain_impact.kernel.chain.state import coordinate_count, velocity_at
 from chain_impact.kernel.equations import rate_from_points
-from chain_impact.kernel.events.marks import SLIDING_ENDS, STICKING_ENDS, count_pending_changes
+from chain_impact.kernel.events.marks import count_pending_changes
 from chain_impact.kernel.events.onset_modes import begins_now
 from chain_impact.kernel.events.sampled import friction_round_off, rest_speed
-from chain_impact.kernel.forces.friction import NO_FRICTION, STICKS, list_sticking
+from chain_impact.kernel.forces.friction import list_sticking
 from chain_impact.kernel.forces.holding import (
     CONTACT_RESISTANCE,
     set_unforced_to_state,
     solve_stopping_impulses,
 )
+from chain_impact.kernel.record.constants import NO_FRICTION, SLIDING_ENDS, STICKING_ENDS, STICKS
+from chain_impact.kernel.record.state import coordinate_count, velocity_at
 from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.constraints import activate_all
 from chain_impact.kernel.rows.geometry import tangential_acceleration, tangential_rate

@@ -31,8 +31,7 @@ from chain_impact.kernel.chain.drives import drive_count
 from chain_impact.kernel.chain.inputs import apply_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import derive_signals
-from chain_impact.kernel.chain.state import dissipated_at, velocity_at
-from chain_impact.kernel.events.marks import END, copy_marks
+from chain_impact.kernel.events.marks import copy_marks
 from chain_impact.kernel.events.segments import begin_segments
 from chain_impact.kernel.forces.active_contacts import clear_loads
 from chain_impact.kernel.forces.candidate_laws import start_laws
@@ -47,7 +46,7 @@ from chain_impact.kernel.ode.collocation import (
     set_step_end,
     solve_systems,
 )
-from chain_impact.kernel.ode.control import IMPLICIT, begin_trial
+from chain_impact.kernel.ode.control import begin_trial
 from chain_impact.kernel.ode.dense import correct_falling_impulses
 from chain_impact.kernel.ode.extended import (
     clearance_count,
@@ -65,8 +64,10 @@ from chain_impact.kernel.ode.last_step import (
     truncate_step,
 )
 from chain_impact.kernel.ode.methods import begin_explicit
-from chain_impact.kernel.ode.radau import RADAU_STAGES, REAL_EIGENVALUE
+from chain_impact.kernel.ode.radau import REAL_EIGENVALUE
+from chain_impact.kernel.record.constants import END, IMPLICIT, RADAU_STAGES
 from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START
+from chain_impact.kernel.record.state import dissipated_at, velocity_at
 from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import has_sticking
 from chain_impact.kernel.tangent.duals import (

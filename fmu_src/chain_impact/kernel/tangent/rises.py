@@ -14,13 +14,14 @@ with a rise, but m + J without.
 
 import math
 
-from chain_impact.kernel.chain.input_fields import CHANNEL, TARGET
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.signals import SINE, drives_base
+from chain_impact.kernel.chain.signals import drives_base
 from chain_impact.kernel.chain.sines import TAU
 from chain_impact.kernel.events.segments import shift_start
 from chain_impact.kernel.mathematics.angles import unit_vector
 from chain_impact.kernel.ode.last_step import evaluate_start
+from chain_impact.kernel.record.constants import SINE
+from chain_impact.kernel.record.input_fields import CHANNEL, TARGET
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.tangent.duals import DIRECTIONS, dual_with_slope, has_slope, slope, value
 

@@ -9,12 +9,12 @@ import math
 
 from chain_impact.kernel import transmitted_forces
 from chain_impact.kernel.chain import drives, kinematics
-from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import friction_modes, saturation, segments
 from chain_impact.kernel.forces import force_formula, holding, user_law
 from chain_impact.kernel.mathematics import angles, exponentials, logarithms, powers
 from chain_impact.kernel.ode import dense, sundman_rate
 from chain_impact.kernel.ode.last_step import evaluate_start
+from chain_impact.kernel.record.state import sundman_u_at, time_at
 from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.tangent.duals import (
     DIRECTIONS,

@@ -5,11 +5,9 @@ of this time, and the state there gets the derivatives of a shift along the moti
 ends exactly at the event: a force that jumps there may have its largest value before the jump.
 """
 
-from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.events.marks import END, KINK, ONSET, RELATCH, RELEASE, count_pending_changes
+from chain_impact.kernel.events.marks import count_pending_changes
 from chain_impact.kernel.events.segments import has_segment_ended
 from chain_impact.kernel.ode.last_step import (
-    SOLVER,
     count_break,
     ensure_dense,
     ensure_points,
@@ -17,6 +15,8 @@ from chain_impact.kernel.ode.last_step import (
     evaluate_start,
     set_start_delay,
 )
+from chain_impact.kernel.record.constants import END, KINK, ONSET, RELATCH, RELEASE, SOLVER_READER
+from chain_impact.kernel.record.state import sundman_u_at, time_at
 from chain_impact.kernel.tangent.duals import dual_with_slope, has_slope, value
 from chain_impact.kernel.tangent.event_times import (
     delay_of_crossing,
@@ -91,7 +91,7 @@ def prepare_end(t):
     All these must be known before the end gets the derivatives of the event's time (``move_along``).
     """
     ensure_rate(t)
-    ensure_dense(t, SOLVER)
+    ensure_dense(t, SOLVER_READER)
     ensure_points(t)
 
 

@@ -9,11 +9,11 @@ reason.
 import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.events.marks import ONSET
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.forces.candidate_laws import USER_LAW
 from chain_impact.kernel.forces.force_formula import uncut_force
 from chain_impact.kernel.forces.friction import joint_number
+from chain_impact.kernel.record.constants import ONSET
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.kernel.tangent.duals import DIRECTIONS, slope, value
 

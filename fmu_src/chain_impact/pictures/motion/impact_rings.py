@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from chain_impact.kernel.forces.friction import STICKS
+from chain_impact.kernel.record.constants import STICKS
 from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
 from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR, tells_peak
 from chain_impact.pictures.motion.joint_forces import name_loads

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from chain_impact.kernel.forces.friction import STICKS
+from chain_impact.kernel.record.constants import STICKS
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import GREY, INK
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 
-from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.record.constants import WALLS
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.facts import friction_joints
 from chain_impact.scene.keys.tables import Material

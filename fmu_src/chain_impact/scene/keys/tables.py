@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.ode.control import SOLVER_METHODS
+from chain_impact.kernel.record.constants import SOLVER_METHODS
 from chain_impact.kernel.record.contacts import LATEST_COUNT
 from chain_impact.scene.keys.default_rules import (
     JOINT_SUMS,

@@ -2,12 +2,11 @@
 
 The part `given` of the record has the given values, and `inputs` the values in use. In a piece of the inputs,
 each value is a polynomial of time; column j has the coefficients of value j. The prescribed motions of base
-and walls are not inputs in this sense; they are in motion.py.
+and walls are not inputs in this sense; chain/prescribed_motion.py has them.
 """
 
-EACH_DRIVE = (
-    0  # stands in INPUT_SIZES for a number of values: the input has one value for each drive (drives.py)
-)
+# stands in INPUT_SIZES for a number of values: the input has one value for each drive (chain/drives.py)
+EACH_DRIVE = 0
 # table of the inputs: the field of the record → the number of the input's values
 INPUT_SIZES = {
     # N·m, torque of the motor in a joint; for a slider N, force of the motor on the carriage
