@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from chain_impact.deprecated import OlderName
 from chain_impact.recording.equality import same
 from chain_impact.scene.errors import UnknownNameError
 from chain_impact.scene.words.names import sensitivity_name, value_at_start
@@ -131,6 +132,9 @@ class Sensitivities:
         ]
         title = ["Changes of outputs at the end, to first order"] if outputs else []
         return as_html([repr(self), *title, TextTable(head, rows), *self.limits])
+
+    of_output = OlderName("output_derivatives")
+    of_impacts = OlderName("impact_derivatives")
 
     def output_derivatives(self, quantity: str, parameter: str) -> np.ndarray:
         """Return the derivative of an output with respect to a parameter, at all times, shape (T,)."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from chain_impact.deprecated import OlderName
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.recording.equality import same
 from chain_impact.recording.joint_stops import is_scene_joint_stop
@@ -66,6 +67,8 @@ class LawRun:
     divergence_time: float = math.nan
     note: str = ""
     result: Result | None = field(default=None, repr=False)
+
+    at_stop = OlderName("is_at_stop")
 
     @property
     def impacts(self) -> int:
