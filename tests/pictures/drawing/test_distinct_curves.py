@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.drawing.distinct_curves import FAST, merged_dashes, plot_curves
+from chain_impact.pictures.drawing.distinct_curves import FAST, envelope, merged_dashes, plot_curves
 
 TIME = np.linspace(0.0, 3.0, 20_001)
 
@@ -22,12 +22,23 @@ def test_a_fast_oscillation_is_a_pale_area_between_its_extremes():
     (area,) = axes.collections
     assert np.ptp(area.get_paths()[0].vertices[:, 1]) == pytest.approx(10.0, rel=0.02)
     assert area.get_facecolor()[0, 3] < 0.5  # a curve behind it is seen
-    low, high, other, told = axes.lines
+    mean, other, told = axes.lines
     assert told.get_label() == FAST
-    assert (told.get_color(), told.get_alpha()) == (low.get_color(), area.get_alpha())
-    assert np.allclose(high.get_ydata(), 2.0 + high.get_xdata(), atol=0.1)
-    assert np.allclose(low.get_ydata(), -2.0 - low.get_xdata(), atol=0.1)
+    assert (told.get_color(), told.get_alpha()) == (mean.get_color(), area.get_alpha())
+    assert np.abs(mean.get_ydata()).max() < 0.06, "the mean over a period"
     assert len(other.get_xdata()) == len(TIME)
+
+
+def test_the_range_of_an_oscillation_is_exact_up_to_both_ends():
+    curve = (2.0 + TIME) * np.cos(2.0 * np.pi * 100.0 * TIME)
+    low, high, mean = envelope(TIME, curve, 0.1)
+    assert (low <= curve).all()
+    assert (curve <= high).all()
+    inside = TIME[-1] - 0.01 >= TIME
+    assert np.allclose(high[inside], 2.0 + TIME[inside], atol=0.01)
+    assert np.allclose(low[inside], -2.0 - TIME[inside], atol=0.02)
+    assert (high[0], high[-1]) == (curve[0], curve[-1])
+    assert np.abs(mean).max() < 0.06
 
 
 @pytest.mark.parametrize(

@@ -254,3 +254,12 @@ def test_the_joint_with_the_largest_force_is_told_with_its_number_and_time():
     assert load_text(plain) == load_text(result)
     assert any(load_text(result) in text.get_text() for text in plain.plot().texts)
     assert load_text(replace(plain, rerun=None)) == ""
+
+
+def test_the_headline_of_a_run_without_impacts_tells_the_joint_force_and_the_range_of_an_oscillation():
+    recording = recorded("shaken_pendulum")
+    title = recording.plot().get_suptitle().replace("\n", " ")
+    assert title.startswith("ShakenPendulum: joint 1 bears up to 128 N at 1.4937 s, no impacts in 3 s, ")
+    supplied = recording.columns["energy.supplied"]
+    low, high = (f"{end(supplied):.2g}".replace("-", "−") for end in (np.min, np.max))
+    assert title.endswith(f"supplied energy oscillates between {low} and {high} J")

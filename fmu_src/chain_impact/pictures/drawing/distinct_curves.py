@@ -23,9 +23,8 @@ SAME_CURVE = 0.005
 # this; PIECES: the number of points of a line at which the distance is measured; DASH: the length of a dash,
 # in line widths
 MERGED, PIECES, DASH = 0.008, 200, 3.0
-# the width [points] of the edges of the area for a fast curve, and the opacity of this area, from 0 to 1
-BAND_EDGE, CLEAR = 1.2, 0.2
-FAST = "pale area: range of a fast oscillation"
+CLEAR = 0.2  # the opacity of the area for a fast curve, from 0 to 1
+FAST = "pale: range of a fast oscillation, line: its mean"
 
 
 def fill_band(
@@ -42,10 +41,10 @@ def fill_band(
 
 
 def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> None:
-    """Draw curves; a fast curve (``is_fast``) is drawn as the range of its values (``envelope``).
+    """Draw curves; a fast curve (``is_fast``) is drawn as its range and its mean (``envelope``).
 
-    The range is a pale area between lines at its least and its largest values. If there is a fast curve, an
-    entry of the legend explains the area; it is grey if areas have different colours.
+    The range is a pale area, the mean a line. If there is a fast curve, an entry of the legend explains both;
+    the area there is grey if areas have different colours.
 
     Args:
         axes: the axes to draw into.
@@ -62,10 +61,9 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
         if k not in fast:
             axes.plot(along, values, **look)
             continue
-        at, low, high = envelope(along, values, bins)
-        axes.fill_between(at, low, high, color=look["color"], alpha=CLEAR, linewidth=0.0, zorder=1.8)
-        for edge, label in ((low, "_"), (high, look["label"])):
-            axes.plot(at, edge, **look | {"linewidth": BAND_EDGE, "label": label})
+        low, high, mean = envelope(along, values, least)
+        axes.fill_between(along, low, high, color=look["color"], alpha=CLEAR, linewidth=0.0, zorder=1.8)
+        axes.plot(along, mean, **look)
     if fast:
         colour, *others = {curves[k][1]["color"] for k in fast}
         colour, alpha = (GREY, SOFT) if others else (colour, CLEAR)
@@ -159,17 +157,46 @@ def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> b
     return bool((around >= FAST_TURNS).mean() > FAST_PART)
 
 
-def envelope(along: np.ndarray, values: np.ndarray, bins: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the range of a curve: the middles of parts of the axis, and the least and largest values there.
+def turning_rows(values: np.ndarray, least: float) -> list[int]:
+    """Return the rows at which a curve turns, and its first and last row.
 
-    The axis is divided into ``bins`` equal parts. The least and the largest value of a part are those in this
-    part and in the parts beside it, so that the edges of the range do not follow the oscillation. A part is
-    left out if there is no row in it and in the parts beside it.
+    A turn counts if the value changes by at least ``least`` until the next turn. ``values`` has the shape
+    (T,) and no missing value.
     """
-    edges = np.linspace(along[0], along[-1], bins + 1)
-    starts = np.searchsorted(along, edges)
-    around = [slice(starts[max(k - 1, 0)], max(starts[min(k + 2, bins)], 1)) for k in range(bins)]
-    low = np.array([values[part].min(initial=np.inf) for part in around])
-    high = np.array([values[part].max(initial=-np.inf) for part in around])
-    known = np.isfinite(low)
-    return (0.5 * (edges[1:] + edges[:-1]))[known], low[known], high[known]
+    steps = np.diff(values)
+    moved = np.flatnonzero(steps)  # the curve does not turn in the middle of equal values
+    turned = moved[1:][steps[moved[1:]] * steps[moved[:-1]] < 0.0]
+    kept, way = [0], 0.0
+    for row in [*turned.tolist(), len(values) - 1]:
+        change = float(values[row] - values[kept[-1]])
+        if way * change > 0.0:
+            kept[-1] = row
+        elif abs(change) >= least:
+            kept.append(row)
+            way = change
+    return kept
+
+
+def envelope(
+    along: np.ndarray, values: np.ndarray, least: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the least values, the largest values and the mean of a fast curve, each of shape (T,).
+
+    The least and the largest values join the lower and the upper turns of the curve (``turning_rows``), and
+    contain the curve from its first to its last row. The mean is that of each period, from one upper turn to
+    the next one, at the middle of the period. ``along`` and ``values`` have the shape (T,).
+    """
+    rows = np.array(turning_rows(values, least))
+    ends = []
+    for sign in (-1.0, 1.0):
+        sizes = sign * values[rows]
+        beside = np.concatenate([[-np.inf], sizes, [-np.inf]])
+        turns = rows[(sizes >= beside[:-2]) & (sizes >= beside[2:])]
+        ends.append(sign * np.maximum(sign * values, sign * np.interp(along, along[turns], values[turns])))
+    areas = np.append(0.0, np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(along)))
+    turns = turns[(turns > 0) & (turns < len(along) - 1)]
+    if len(turns) < 2:  # noqa: PLR2004 - no whole period
+        turns = np.array([0, len(along) - 1])
+    means = np.diff(areas[turns]) / np.diff(along[turns])
+    middles = 0.5 * (along[turns][1:] + along[turns][:-1])
+    return ends[0], ends[1], np.interp(along, middles, means)

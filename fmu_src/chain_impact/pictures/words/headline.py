@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.pictures.drawing.distinct_curves import turning_rows
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import (
     INK,
@@ -38,6 +39,9 @@ NO_LOSS = 1e-12
 SAME_PEAK = 1e-3
 # the energy that is supplied or taken is told only if it exceeds this, relative to the dissipated energy
 LITTLE_SUPPLIED = 0.01
+# An energy oscillates if it turns more than MANY_TURNS times. A turn counts if the energy changes at least by
+# LARGE_TURN until the next turn, relative to its range.
+MANY_TURNS, LARGE_TURN = 12, 0.25
 # words for the impulse of a contact, and for the part of this impulse without the time integral of the force
 IMPULSE, HIT_IMPULSE = "impulse", "hit impulse"
 MARKING = ("motion", "impact", "impacts")  # the panels of an overview that mark the impact with the peak
@@ -105,13 +109,18 @@ def energy_texts(recording: Recording) -> list[str]:
 
     A dissipated energy that is round-off (NO_LOSS) or not known is left out. The energy that drives and
     inputs supply or take is left out if it is round-off, not known, or at most LITTLE_SUPPLIED × the
-    dissipated one.
+    dissipated one. Of a supplied energy that oscillates (MANY_TURNS), the range is told.
     """
     lost, supplied = (
         float(recording.energies.get(name, np.zeros(1))[-1]) for name in ("dissipated", "supplied")
     )
     least = NO_LOSS * np.abs(recording.energies.get("total", np.zeros(1))).max()
     parts = [f"{lost:.3g} J dissipated"] if lost > least else []
+    course = recording.energies.get("supplied", np.zeros(1))
+    low, high = float(course.min()), float(course.max())
+    if high - low > least and len(turning_rows(course, LARGE_TURN * (high - low))) > MANY_TURNS:
+        ends = f"{low:.2g} and {high:.2g} J".replace("-", "−")
+        return [*parts, f"supplied energy oscillates between {ends}"]
     if abs(supplied) > max(least, LITTLE_SUPPLIED * lost):
         parts.append(f"{abs(supplied):.3g} J {'supplied' if supplied > 0.0 else 'taken'} by drives")
     return parts
@@ -133,10 +142,11 @@ def write_head(
 ) -> None:
     """Write the headline of a recording's picture and, below it, results and conditions of the run.
 
-    The headline is ``title`` or, if ``title`` is "", the result of ``message`` with the words ``lead``, by
-    default those of the first told impact. ``first`` are texts that stand before the results. The results
-    tell the impacts of ``peaks`` and the largest force in a joint (``load_text``) or, if ``most`` is given,
-    only the impacts in ``most``. ``panels``: the names of the panels of an overview.
+    The headline is ``title`` or, if ``title`` is "", the result of ``message`` with the words ``lead``,
+    by default those of the first told impact or, without impacts, of the largest force in a joint.
+    ``first`` are texts that stand before the results. The results tell the impacts of ``peaks`` and the
+    largest force in a joint (``load_text``) or, if ``most`` is given, only the impacts in ``most``.
+    ``panels``: the names of the panels of an overview.
 
     In a narrow figure without a ``title``, the message is short. The first of the told impacts then has a
     line of its own below the message, and the rest of the message stands among the conditions. In any narrow
@@ -146,6 +156,8 @@ def write_head(
     short, load = is_narrow(figure), load_text(recording) if most is None else ""
     most = peaks(recording) if most is None else most
     lead = next((peak.text for peak in most), "") if lead is None else lead
+    if not (lead or title or most) and load:
+        lead, load = load.replace(" in the run, ", " "), ""
     told = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
     lines: list[tuple[str, str]] = []
     if short and most and not title:
