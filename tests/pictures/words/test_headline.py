@@ -256,7 +256,7 @@ def test_the_joint_with_the_largest_force_is_told_with_its_number_and_time():
     assert load_text(replace(plain, rerun=None)) == ""
 
 
-def test_the_headline_of_a_run_without_impacts_tells_the_joint_force_and_the_range_of_an_oscillation():
+def test_without_impacts_the_headline_tells_joint_force_and_oscillation():
     recording = recorded("shaken_pendulum")
     title = recording.plot().get_suptitle().replace("\n", " ")
     assert title.startswith("ShakenPendulum: joint 1 bears up to 128 N at 1.4937 s, no impacts in 3 s, ")
