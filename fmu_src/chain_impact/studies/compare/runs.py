@@ -68,8 +68,6 @@ class LawRun:
     note: str = ""
     result: Result | None = field(default=None, repr=False)
 
-    at_stop = OlderName("is_at_stop")
-
     @property
     def impacts(self) -> int:
         """The number of impacts in the run; 0 without a result."""
@@ -167,6 +165,8 @@ class LawRuns:
     def has_restitution(self) -> bool:
         """Whether the restitutions e′ of the first impact describe the contact alone (``no_restitution``)."""
         return not self.no_restitution
+
+    at_stop = OlderName("is_at_stop")
 
     @property
     def is_at_stop(self) -> bool:
