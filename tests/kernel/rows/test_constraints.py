@@ -3,15 +3,11 @@
 They are compared with dense matrices and with every possible set of contacts.
 """
 
-import itertools
-
 import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.response import HELD
-from chain_impact.kernel.forces import holding
 from chain_impact.kernel.rows import compliance, constraints, geometry
-from tests.helpers.models.reference import complementary_impulses
 from tests.kernel.chains import touch
 from tests.kernel.forces.pressed import CANDIDATES, problem
 
@@ -24,37 +20,6 @@ def test_masses_that_differ_by_a_million_are_no_hindrance(ratio):
     constraints.factorize_free(d)
     constraints.solve_equality(d, 1.0)
     np.testing.assert_allclose(d.constraints.reached[:4], d.constraints.target[:4], atol=1e-10)
-
-
-@pytest.mark.full("more cases", but=28)
-@pytest.mark.parametrize("seed", range(40))
-def test_impulses_are_complementary(seed):
-    """The result is compared with all 2^k sets of contacts, from any guess."""
-    rng = np.random.default_rng(seed)
-    d, _, _, response, w = problem(pressed=rng.integers(0, 2, rng.integers(1, 5)), seed=seed)
-    own, count = d.constraints, len(w)
-    own.target[:count] = rng.choice([0.0, 0.5], count) * np.abs(own.unforced[:count])
-    expected = complementary_impulses(w, own.unforced[:count], own.target[:count])
-    constraints.factorize_free(d)
-    constraints.solve_lcp(d, np.abs(own.unforced[:count]).max())
-    scale = np.linalg.cond(w) * max(1.0, np.abs(expected).max())
-    np.testing.assert_allclose(own.impulse[:count], expected, atol=1e-14 * scale)
-    np.testing.assert_allclose(own.change, response @ expected, atol=1e-13 * scale)
-    assert ((own.impulse[:count] > 0.0) <= (own.in_active_set[:count] == 1)).all()
-
-
-def test_a_link_jammed_between_two_walls_has_a_solution_of_many():
-    """A point lies between opposite walls: W is singular; the motion is unique, the two forces are not."""
-    d, *_ = problem(pressed=(1, 1))
-    own, (first, second) = d.constraints, d.contacts.active_index[:2]
-    d.candidate.place[second] = d.candidate.place[first]
-    for normal in (d.candidate.normal_x, d.candidate.normal_y):
-        normal[second] = -normal[first]
-    own.unforced[:2], own.target[:2] = (-1.0, 1.0), 0.0
-    constraints.factorize_free(d)
-    constraints.solve_lcp(d, 1.0)
-    np.testing.assert_allclose(own.reached[:2], 0.0, atol=1e-14)
-    assert (own.impulse[:2] >= 0.0).all()
 
 
 def test_only_the_pressed_have_an_impedance_and_miss_their_aims():
@@ -112,7 +77,7 @@ def test_all_pressed_contacts_reach_their_targets(base, pressed):
     if alone:
         assert d.budget.other_cost == before + 1
     elif any(pressed):
-        assert 2 <= d.budget.other_cost - before <= 12
+        assert 2 <= d.budget.other_cost - before <= 6  # the last motions are sums of the iterations'
 
 
 def test_a_contact_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
@@ -125,44 +90,6 @@ def test_a_contact_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
         constraints.solve_equality(d, 2.0)
         assert own.impulse[1] == pytest.approx((own.target - own.unforced)[1] / w[1, 1], rel=1e-12)
         assert d.budget.other_cost >= before + 4 if iterates else d.budget.other_cost == before + 1
-
-
-def test_a_contact_that_pulls_or_falls_short_is_wrong_beyond_round_off():
-    d, *_ = problem(pressed=(1, 1, 0, 0))
-    own = d.constraints
-    scale = 3.0
-    own.target[:4] = 0.5
-    for pull, short in ((2.0, 2.0), (0.5, 2.0), (2.0, 0.5), (0.5, 0.5)):
-        own.violated[:] = 7
-        own.impulse[:4] = 4.0, -pull * constraints.SIGN_TOLERANCE * 4.0, 0.0, 0.0
-        own.reached[:4] = -9.0, 0.5, 0.7, 0.5 - short * constraints.SIGN_TOLERANCE * scale
-        expected = [0, int(pull > 1.0), 0, int(short > 1.0)]
-        assert constraints.count_violations(d, scale) == sum(expected)
-        assert own.violated[:4].tolist() == expected
-    # the largest error may be a pulling contact
-    own.impulse[:4], own.reached[:4] = (1.0, -4.0, 0.0, 0.0), 1.0
-    assert constraints.count_violations(d, scale) == 1
-    assert holding.least_impulse(d) == -4.0
-    own.impulse[:4] = 1.0
-    assert holding.least_impulse(d) == 0.0
-
-
-def test_wrong_contacts_change_together_and_after_stalls_one_by_one(monkeypatch):
-    """Cases: block pivots; block pivots that do not reduce the wrong contacts; single pivots afterwards."""
-    d, *_ = problem()
-    wrong, sets, own = [4, 4, 4, 4, 4, 4, 2, 2, 0], [], d.constraints
-
-    def told(_, __):
-        sets.append(own.in_active_set[:4].copy())
-        count = wrong.pop(0)
-        own.violated[:4] = [k < count for k in range(4)]
-        return count
-
-    monkeypatch.setattr(constraints, "solve_equality", lambda *_: None)
-    monkeypatch.setattr(constraints, "count_violations", told)
-    constraints.solve_lcp(d, 1.0)
-    changed = [np.flatnonzero(one != other).tolist() for one, other in itertools.pairwise(sets)]
-    assert changed == [[0, 1, 2, 3]] * (1 + constraints.MAX_STALLED_PIVOTS) + [[3], [3], [0, 1], [0, 1]]
 
 
 def test_a_chain_that_is_nearly_straight_is_held_by_a_smooth_force():

@@ -37,7 +37,7 @@ from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.ode.last_step import reset_step
 from chain_impact.kernel.record.constants import NO_FRICTION, SLIDING_ENDS, STICKING_ENDS, STICKS
-from chain_impact.kernel.rows.constraints import MAX_STALLED_PIVOTS, count_stalls
+from chain_impact.kernel.rows.complementarity import MAX_STALLED_PIVOTS, count_stalls
 from chain_impact.kernel.rows.friction_limits import find_limited_forces
 from chain_impact.kernel.rows.geometry import has_sticking, tangential_acceleration, tangential_rate
 

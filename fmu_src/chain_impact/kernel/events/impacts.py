@@ -55,6 +55,7 @@ from chain_impact.kernel.ode.dense import add_impulses_of_impact
 from chain_impact.kernel.ode.last_step import count_dissipated, count_supplied
 from chain_impact.kernel.record.constants import NEIGHBOUR, ONSET, RELEASE
 from chain_impact.kernel.record.state import velocity_at
+from chain_impact.kernel.rows.complementarity import solve_lcp
 from chain_impact.kernel.rows.compliance import are_joints_loaded, mean_mass
 from chain_impact.kernel.rows.constraints import (
     SIGN_TOLERANCE,
@@ -63,7 +64,6 @@ from chain_impact.kernel.rows.constraints import (
     any_point_held,
     factorize_free,
     remove_from_active_set,
-    solve_lcp,
 )
 from chain_impact.kernel.rows.geometry import (
     clearance,

@@ -25,6 +25,7 @@ from chain_impact.kernel.record.state import (
     supplied_at,
     velocity_at,
 )
+from chain_impact.kernel.rows.complementarity import solve_lcp
 from chain_impact.kernel.rows.compliance import are_joints_loaded, mean_mass, solve_in_space
 from chain_impact.kernel.rows.constraints import (
     activate_all,
@@ -34,7 +35,6 @@ from chain_impact.kernel.rows.constraints import (
     note_moving,
     note_squeezed,
     solve_equality,
-    solve_lcp,
 )
 from chain_impact.kernel.rows.geometry import (
     clearance,

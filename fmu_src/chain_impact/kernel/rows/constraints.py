@@ -5,7 +5,7 @@ accelerations. Impulses p_k change these from u⁻ by the response Δ of the cha
 + W p, with the mass matrix M and the mobility W = J M⁻¹ Jᵀ. There are two problems:
 
     equality          u_k = target_k in the active set, else p_k = 0    (``solve_equality``)
-    complementarity   p ≥ 0,  u ≥ target,  p·(u − target) = 0           (``solve_lcp``)
+    complementarity   p ≥ 0,  u ≥ target,  p·(u − target) = 0           (``solve_lcp`` in complementarity.py)
 
 If only one constraint is active, p = (target − u⁻)/W with a number W (``solve_single``). Otherwise W is never
 formed. With an impedance D at the points of the active set the recursion solves, in O(N),
@@ -28,7 +28,7 @@ depended on the residual, forces would jump within a step by a part of the resid
 import math
 
 from chain_impact.kernel.chain.response import FREE, HELD
-from chain_impact.kernel.cost import count_other_cost, is_cost_exceeded
+from chain_impact.kernel.cost import count_other_cost
 from chain_impact.kernel.function_marks import has_dual_rule, inlined
 from chain_impact.kernel.rows.compliance import (
     STICKING_ITERATIONS,
@@ -78,17 +78,12 @@ NEGLIGIBLE_MOTION = 0.1
 # the largest impulse or motion of the wrong sign that counts as round-off and does not change the active set,
 # relative to the largest impulse or motion
 SIGN_TOLERANCE = 1e-12
-# The number of successive pivots that may leave the least number of violations unchanged. After one more such
-# pivot, each pivot changes a single candidate until that number falls; this ends, but slowly (``solve_lcp``).
-MAX_STALLED_PIVOTS = 3
 # The least impedance of a sticking element, relative to that of the element with the largest limit of
 # friction. With a smaller impedance, the element's residual would fall too slowly.
 LEAST_STICKING_IMPEDANCE = 1e-2
 # Values of d.constraints.unsolved. SOLVED: constraint forces have been found. MOVING: a held point still
 # accelerates. UNSOLVED: no forces, or no modes, satisfy all conditions. SQUEEZED: a held point is too deep.
 SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3
-# the largest number of pivots, in addition to 4 for each constraint; a search that needs more has failed
-EXTRA_PIVOTS = 30
 
 
 def set_impedance(d, amount):
@@ -139,20 +134,12 @@ def solve_equality(d, scale):
     Returns:
         The largest residual after the iteration; 0 without an iteration, or if no rigid wall holds a point.
     """
-    constraints, impedance = d.constraints, holding_impedance(d)
-    constraints.near_fold = 0
+    d.constraints.near_fold = 0
     only = single_active(d)
     if only >= 0 and solve_single(d, only):
         return 0.0
     clear_impulses(d)
-    if not any_point_held(d):
-        set_impedance(d, FIRST_IMPEDANCE * mean_mass(d))
-        factorize_contacts(d, HELD, constraints.impedance)
-        find_residual(d)
-        correct_impulses(d)
-    set_impedance(d, impedance)
-    factorize_contacts(d, HELD, constraints.impedance)
-    worst = iterate_impulses(d, scale, impedance)
+    worst = iterate_impulses(d, scale)
     if any_point_held(d):
         return worst
     if worst > max(SOLVED_RESIDUAL * scale, UNDERFLOW_SIZE):
@@ -161,31 +148,41 @@ def solve_equality(d, scale):
     return 0.0
 
 
-def iterate_impulses(d, scale, impedance):
-    """Iterate until the residual is round-off, or no larger ``impedance`` [kg] reduces the residual.
+def iterate_impulses(d, scale):
+    """Iterate until the residual is round-off, or no larger impedance reduces the residual.
 
     The loop always ends: each iteration except the last leaves less than SLOW_DECREASE of the residual,
     increases D, or follows an increase of D; D increases at most twice. If no rigid wall holds a point, there
-    are STICKING_ITERATIONS iterations, or fewer if the residual is round-off earlier.
+    are a first iteration and STICKING_ITERATIONS more, or fewer if the residual is round-off earlier.
+
+    After the first iteration with an impedance, the motion is computed from the impulses. Its difference from
+    the motion with z shows the error of z, relative to the residual. If this error of the next iterations is
+    round-off, their z is enough.
 
     Returns:
         The largest residual.
     """
     constraints, has_walls, round_off = d.constraints, any_point_held(d), SOLVED_RESIDUAL * scale
-    before, worst, iterations = math.inf, find_residual(d), 0
+    impedance = holding_impedance(d) if has_walls else FIRST_IMPEDANCE * mean_mass(d)
+    set_impedance(d, impedance)
+    factorize_contacts(d, HELD, constraints.impedance)
+    before, worst, relative_error, iterations = math.inf, find_residual(d), math.inf, 0 if has_walls else -1
     while worst > round_off or not iterated_enough(d, iterations):
         slow = has_walls and worst > round_off and not worst < SLOW_DECREASE * before
         if has_walls and iterations == 1 and worst > max(FOLD_RESIDUAL * before, SIGN_TOLERANCE * scale):
             constraints.near_fold = 1
+        grows = slow and worst > SIGN_TOLERANCE * scale and impedance < LARGEST_IMPEDANCE * mean_mass(d)
         before = worst
-        if slow and worst > SIGN_TOLERANCE * scale and impedance < LARGEST_IMPEDANCE * mean_mass(d):
-            before = math.inf
+        if grows or (iterations == 0 and not has_walls):
+            before = relative_error = math.inf
             impedance *= IMPEDANCE_GROWTH
             set_impedance(d, impedance)
             factorize_contacts(d, HELD, constraints.impedance)
         elif (slow and iterated_enough(d, iterations)) if has_walls else iterations == STICKING_ITERATIONS:
             break
         correct_impulses(d)
+        if may_exceed(relative_error * worst, round_off):
+            relative_error = move_by_impulses(d) / max(worst, UNDERFLOW_SIZE)
         worst, iterations = find_residual(d), iterations + 1
     return worst
 
@@ -237,6 +234,12 @@ def solve_single(d, only):
 
 
 @has_dual_rule
+def may_exceed(error, round_off):
+    """Return whether ``error`` exceeds ``round_off``; with dual numbers the result is True."""
+    return error > round_off
+
+
+@has_dual_rule
 def iterated_enough(_d, _iterations):
     """Return True: values need no more iterations; with dual numbers a rule lets derivatives converge."""
     return True
@@ -263,29 +266,38 @@ def find_residual(d):
 
 @inlined
 def correct_impulses(d):
-    """Improve the impulses by one iteration, from the residuals; compute the motion with the new impulses."""
-    constraints, motion = d.constraints, d.scratch.place_change
+    """Improve the impulses by one iteration, from the residuals, and the motion by the iteration's z."""
+    constraints, z, motion = d.constraints, d.scratch.change, d.scratch.place_change
     # p: impulses, m: residuals (target − motion), D: impedances, J: rows of the constraints, M: mass matrix,
-    # z: change of the coordinates' rates
-    # (M + Jᵀ D J) z = Jᵀ D m, p ← p + D (m − J z)
+    # z: change of the coordinates' rates that the change of p causes, Δ: the change that p causes
+    # (M + Jᵀ D J) z = Jᵀ D m, p ← p + D (m − J z), Δ ← Δ + z
     for k in range(constraint_count(d)):
         constraints.residual[k] *= constraints.impedance[k]
-    solve_contacts(d, HELD, constraints.residual, constraints.change)
+    solve_contacts(d, HELD, constraints.residual, z)
     for k in range(constraint_count(d)):
+        moved = dot(constraint_row(d, k), motion)
+        constraints.reached[k] += moved
         if constraints.in_active_set[k]:
-            back = constraints.impedance[k] * dot(constraint_row(d, k), motion)
-            constraints.impulse[k] += constraints.residual[k] - back
-    move_by_impulses(d)
+            constraints.impulse[k] += constraints.residual[k] - constraints.impedance[k] * moved
+    for j in range(len(constraints.change)):
+        constraints.change[j] += z[j]
     count_other_cost(d, 1)
 
 
 def move_by_impulses(d):
-    """Compute the change of the coordinates, and the motions along all constraints, due to the impulses."""
-    constraints = d.constraints
+    """Compute the change of the coordinates, and the motions along all constraints, due to the impulses.
+
+    Returns:
+        The largest |difference| of these motions from those in ``reached`` before.
+    """
+    constraints, largest = d.constraints, 0.0
     solve_contacts(d, FREE, constraints.impulse, constraints.change)
     for k in range(constraint_count(d)):
-        constraints.reached[k] = constraints.unforced[k] + dot(constraint_row(d, k), d.scratch.place_change)
+        motion = constraints.unforced[k] + dot(constraint_row(d, k), d.scratch.place_change)
+        largest = max(largest, abs(motion - constraints.reached[k]))
+        constraints.reached[k] = motion
     count_other_cost(d, 1)
+    return largest
 
 
 def replace_impulses(d, impulse):
@@ -296,33 +308,6 @@ def replace_impulses(d, impulse):
     move_by_impulses(d)
     for k in range(constraint_count(d)):
         constraints.impulse[k] = impulse[k]
-
-
-def solve_lcp(d, scale):
-    """Find impulses p ≥ 0 and motions u ≥ target with p·(u − target) = 0, at points that rigid walls hold.
-
-    Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587) begins with the active set in
-    ``in_active_set``. Candidates with p < 0 leave the set, and those with u < target enter it: all at once
-    or, beyond MAX_STALLED_PIVOTS, only that of highest index; this search ends if the mobility W is positive
-    definite (Murty 1974, Linear Algebra Appl 9:65). If the search reaches its largest number of pivots, the
-    problem is recorded as unsolved. Arguments and results are as in ``solve_equality``.
-    """
-    constraints, first = d.constraints, d.contacts.compliant_count
-    count = d.contacts.active_count - first
-    fewest, stalls_left = count + 1, MAX_STALLED_PIVOTS
-    for _ in range(EXTRA_PIVOTS + 4 * count):
-        solve_equality(d, scale)
-        wrong = count_violations(d, scale)
-        if wrong == 0 or is_cost_exceeded(d):
-            return
-        fewest, stalls_left = count_stalls(wrong, fewest, stalls_left)
-        for i in range(count):
-            k = first + count - 1 - i
-            if constraints.violated[k]:
-                constraints.in_active_set[k] = 1 - constraints.in_active_set[k]
-                if stalls_left < 0:
-                    break
-    note_unsolved(d)
 
 
 def clear_unsolved(d):
@@ -347,27 +332,6 @@ def note_squeezed(d, tolerated):
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
         if d.constraints.target[k] - d.constraints.reached[k] > tolerated:
             d.constraints.unsolved = SQUEEZED
-
-
-def count_stalls(wrong, fewest, stalls_left):
-    """Return the least number of violations so far, and how many pivots may still fail to reduce it."""
-    if wrong < fewest:
-        return wrong, MAX_STALLED_PIVOTS
-    return fewest, stalls_left - 1
-
-
-def count_violations(d, scale):
-    """Count and mark violations above round-off: impulses < 0 in the active set, motions < target outside."""
-    constraints, largest, wrong = d.constraints, 0.0, 0
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
-        largest = max(largest, abs(constraints.impulse[k]))
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
-        if constraints.in_active_set[k]:
-            constraints.violated[k] = constraints.impulse[k] < -SIGN_TOLERANCE * largest
-        else:
-            constraints.violated[k] = constraints.reached[k] < constraints.target[k] - SIGN_TOLERANCE * scale
-        wrong += constraints.violated[k]
-    return wrong
 
 
 def any_point_held(d):

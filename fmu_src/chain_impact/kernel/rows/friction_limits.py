@@ -31,13 +31,14 @@ import math
 
 from chain_impact.kernel.chain.response import FREE, HELD
 from chain_impact.kernel.cost import count_other_cost, is_cost_exceeded
+from chain_impact.kernel.rows.complementarity import EXTRA_PIVOTS
 from chain_impact.kernel.rows.compliance import (
     STICKING_ITERATIONS,
     factorize_contacts,
     holding_impedance,
     solve_contacts,
 )
-from chain_impact.kernel.rows.constraints import EXTRA_PIVOTS, SIGN_TOLERANCE, SOLVED_RESIDUAL, set_impedance
+from chain_impact.kernel.rows.constraints import SIGN_TOLERANCE, SOLVED_RESIDUAL, set_impedance
 from chain_impact.kernel.rows.geometry import constraint_count, constraint_row, dot
 
 # Where W is nearly singular, the residual falls slowly, and a force after few iterations may be at a limit

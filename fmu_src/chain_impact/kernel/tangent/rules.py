@@ -164,6 +164,11 @@ def event_fraction(t):
     return dual_with_slope(0.0, reciprocal(max(0.0, rate)), step.start_delay)
 
 
+def may_exceed(_error, _round_off):
+    """Return True: the derivatives of an error may exceed round-off where the value of the error does not."""
+    return True
+
+
 def iterated_enough(_t, iterations):
     """Return whether this number of iterations reduces the derivatives of constraint forces to round-off.
 
@@ -233,6 +238,7 @@ def time_of_peak(_t, time, place):
 DUAL_RULES = {
     holding.contact_resistance: contact_resistance,
     constraints.iterated_enough: iterated_enough,
+    constraints.may_exceed: may_exceed,
     force_formula.power_of_depth: power_of_depth,
     exponentials.exp: exp,
     exponentials.expm1: expm1,

@@ -1,0 +1,62 @@
+"""Impulses at rigid walls that only push: a search for the active set of the equality problem.
+
+The problem, with impulses p and motions u, is p ≥ 0, u ≥ target, p·(u − target) = 0. For a given active set,
+``solve_equality`` in constraints.py solves its equations.
+"""
+
+from chain_impact.kernel.cost import is_cost_exceeded
+from chain_impact.kernel.rows.constraints import SIGN_TOLERANCE, note_unsolved, solve_equality
+
+# The number of successive pivots that may leave the least number of violations unchanged. After one more such
+# pivot, each pivot changes a single candidate until that number falls; this ends, but slowly (``solve_lcp``).
+MAX_STALLED_PIVOTS = 3
+# the largest number of pivots, in addition to 4 for each constraint; a search that needs more has failed
+EXTRA_PIVOTS = 30
+
+
+def solve_lcp(d, scale):
+    """Find impulses p ≥ 0 and motions u ≥ target with p·(u − target) = 0, at points that rigid walls hold.
+
+    Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587) begins with the active set in
+    ``in_active_set``. Candidates with p < 0 leave the set, and those with u < target enter it: all at once
+    or, beyond MAX_STALLED_PIVOTS, only that of highest index; this search ends if the mobility W is positive
+    definite (Murty 1974, Linear Algebra Appl 9:65). If the search reaches its largest number of pivots, the
+    problem is recorded as unsolved. Arguments and results are as in ``solve_equality``.
+    """
+    constraints, first = d.constraints, d.contacts.compliant_count
+    count = d.contacts.active_count - first
+    fewest, stalls_left = count + 1, MAX_STALLED_PIVOTS
+    for _ in range(EXTRA_PIVOTS + 4 * count):
+        solve_equality(d, scale)
+        wrong = count_violations(d, scale)
+        if wrong == 0 or is_cost_exceeded(d):
+            return
+        fewest, stalls_left = count_stalls(wrong, fewest, stalls_left)
+        for i in range(count):
+            k = first + count - 1 - i
+            if constraints.violated[k]:
+                constraints.in_active_set[k] = 1 - constraints.in_active_set[k]
+                if stalls_left < 0:
+                    break
+    note_unsolved(d)
+
+
+def count_stalls(wrong, fewest, stalls_left):
+    """Return the least number of violations so far, and how many pivots may still fail to reduce it."""
+    if wrong < fewest:
+        return wrong, MAX_STALLED_PIVOTS
+    return fewest, stalls_left - 1
+
+
+def count_violations(d, scale):
+    """Count and mark violations above round-off: impulses < 0 in the active set, motions < target outside."""
+    constraints, largest, wrong = d.constraints, 0.0, 0
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+        largest = max(largest, abs(constraints.impulse[k]))
+    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+        if constraints.in_active_set[k]:
+            constraints.violated[k] = constraints.impulse[k] < -SIGN_TOLERANCE * largest
+        else:
+            constraints.violated[k] = constraints.reached[k] < constraints.target[k] - SIGN_TOLERANCE * scale
+        wrong += constraints.violated[k]
+    return wrong
