@@ -77,7 +77,7 @@ def test_to_choose_outputs_makes_no_variables_again(monkeypatch, output):
         made.append(kind.name)
 
     simulate(BOX, stop_time=0.01, output="energy.total")
-    monkeypatch.setattr(Variable, "of", counted)
+    monkeypatch.setattr(Variable, "from_kind", counted)
     changed = BOX.with_values({"contact.restitution": 0.4, "link[1].mass": 1.5})
     for scene in (BOX, changed):
         simulate(scene, stop_time=0.01, output=output)

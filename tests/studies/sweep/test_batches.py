@@ -115,8 +115,8 @@ def test_a_kernel_for_the_sizes_of_a_scene_gives_the_same_bits():
 def test_a_sweep_of_many_runs_asks_for_a_kernel_of_its_own(monkeypatch, runs, own):
     asked = []
 
-    def kernel_for(scene, *, derivatives, sizes):
-        asked.append(sizes)
+    def kernel_for(scene, *, derivatives, scope):
+        asked.append(scope)
         return kernels.kernel_for(scene, derivatives=derivatives)
 
     monkeypatch.setattr("chain_impact.studies.sweep.job.kernel_for", kernel_for)
@@ -127,8 +127,8 @@ def test_a_sweep_of_many_runs_asks_for_a_kernel_of_its_own(monkeypatch, runs, ow
 
 
 def test_a_sweep_goes_on_with_a_general_kernel_where_a_compiler_fails(monkeypatch, caplog):
-    def kernel_for(scene, *, derivatives, sizes):
-        if sizes:
+    def kernel_for(scene, *, derivatives, scope):
+        if scope:
             raise BuildError("could not compile the kernel: zig said no")
         return kernels.kernel_for(scene, derivatives=derivatives)
 
