@@ -173,7 +173,6 @@ def latest_dtype() -> np.dtype:
 
 @written_by(
     "rows/constraints.py",
-    in_active_set=("rows/constraints.py", "rows/complementarity.py"),
     violated="rows/complementarity.py",
     unforced="forces/holding.py",
     resistance="forces/holding.py",

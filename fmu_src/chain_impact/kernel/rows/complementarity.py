@@ -5,7 +5,13 @@ The problem, with impulses p and motions u, is p ≥ 0, u ≥ target, p·(u − 
 """
 
 from chain_impact.kernel.cost import is_cost_exceeded
-from chain_impact.kernel.rows.constraints import SIGN_TOLERANCE, note_unsolved, solve_equality
+from chain_impact.kernel.rows.constraints import (
+    SIGN_TOLERANCE,
+    add_to_active_set,
+    note_unsolved,
+    remove_from_active_set,
+    solve_equality,
+)
 
 # The number of successive pivots that may leave the least number of violations unchanged. After one more such
 # pivot, each pivot changes a single candidate until that number falls; this ends, but slowly (``solve_lcp``).
@@ -35,7 +41,10 @@ def solve_lcp(d, scale):
         for i in range(count):
             k = first + count - 1 - i
             if constraints.violated[k]:
-                constraints.in_active_set[k] = 1 - constraints.in_active_set[k]
+                if constraints.in_active_set[k]:
+                    remove_from_active_set(d, k)
+                else:
+                    add_to_active_set(d, k, constraints.target[k])
                 if stalls_left < 0:
                     break
     note_unsolved(d)
