@@ -96,7 +96,7 @@ def test_no_two_files_define_a_number_of_the_same_name():
 
 ROOMS_OF_NAMES = {
     room: [file for file in MODULES if file.relative_to(PACKAGE).parts[0] == room]
-    for room in {file.relative_to(PACKAGE).parts[0] for file in MODULES}
+    for room in sorted({file.relative_to(PACKAGE).parts[0] for file in MODULES})
 }
 """Room or single module of the package → its files."""
 ROOMS = sorted({file.parent.name for file in PACKAGE.glob("*/__init__.py")} - {"compilation"})
