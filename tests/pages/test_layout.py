@@ -136,7 +136,7 @@ def test_chosen_charts_lie_beside_five_impacts_not_below_them(show, card):
     row = page.locator("#impacts tbody tr").first.bounding_box()
     assert rows["height"] >= 20 + 5 * row["height"]
     page.keyboard.press("End")
-    until(page, "document.querySelectorAll('#impacts tbody tr:not(.near)').length > 0")
+    until(page, "document.querySelector('#impacts tbody tr:last-child').ariaCurrent === 'true'")
     shown = page.locator("#impacts tbody tr:visible")
     assert shown.count() == 5
     assert shown.last.get_attribute("aria-current") == "true", "the list follows the motion without scrolling"
