@@ -152,6 +152,22 @@ def test_chosen_charts_lie_beside_five_impacts_not_below_them(show, card):
     assert page.locator("#energy canvas").bounding_box()["height"] > 90
 
 
+def test_the_end_of_the_column_cuts_no_card_of_a_scene_with_signals(show):
+    """The inputs of signals are folded until the reader opens them or sets steps."""
+    page = show("hopper", viewport={"width": 1366, "height": 768})
+    inputs, chart = page.get_by_role("button", name="Inputs", exact=True), page.locator("#inputs-over-time")
+    until(page, "document.getElementById('inputs-card').matches('.folded')")
+    assert page.locator("aside").evaluate("one => one.scrollHeight - one.clientHeight") == 0
+    column, energies = (page.locator(name).bounding_box() for name in ("aside", "#energies"))
+    assert energies["y"] + energies["height"] <= column["y"] + column["height"]
+    inputs.click()
+    assert chart.is_visible()
+    page.reload()
+    until(page, "document.getElementById('inputs-card').matches('.folded')")
+    page.evaluate("location.hash = '#slider.target_position@=0.5:0.1'")
+    chart.wait_for()
+
+
 CUT_CHARTS = function_of("layout", "cutCharts")
 
 

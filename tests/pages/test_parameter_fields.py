@@ -2,6 +2,7 @@
 
 # Tests: pages/browser/explore/parameters/parameter_fields.js
 
+import numpy as np
 import pytest
 
 from chain_impact import load_scene
@@ -36,6 +37,17 @@ def test_a_field_has_all_digits_while_it_has_the_focus(show):
     field.press("Enter")
     field.blur()
     assert page.locator("#reset-all").is_hidden()
+
+
+def test_angles_are_round_in_degrees(show):
+    page = show("hopper")
+    name = "signal.knee.mean"
+    field = page.get_by_role("textbox", name=name)
+    assert field.input_value() == f"{np.degrees(load_scene('hopper').values[name]):.4g}"
+    page.locator(f".main-parameter:has([data-parameter='{name}']) input[type=range]").press("End")
+    until(page, f"Number(chainImpact.parameters['{name}']) > 0")
+    assert float(field.input_value()) == pytest.approx(round(float(field.input_value()), 1), abs=1e-12)
+    assert page.evaluate(f"chainImpact.parameters['{name}'].length") <= 7
 
 
 def test_a_refused_value_is_marked_and_told_until_it_is_changed(show):

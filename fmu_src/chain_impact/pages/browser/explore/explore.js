@@ -144,5 +144,5 @@ const tellByHand = () => {
 };
 changes.onOpen(tellByHand);
 tellByHand();
-keepChartsWhole();
+keepChartsWhole(changes);
 simulation.begin();

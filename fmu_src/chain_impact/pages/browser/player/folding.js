@@ -6,13 +6,20 @@ import { make } from "../base/dom.js";
 export function connectFolding() {
   document.querySelectorAll("aside > section > h2").forEach((title) => {
     const words = title.firstChild;
-    const button = make("button", { type: "button", className: "fold", title: "Fold or unfold this card" });
-    button.setAttribute("aria-expanded", "true");
+    const button = make("button", { type: "button", className: "fold", title: "Fold or unfold this card", ariaExpanded: true });
     words.before(button);
     button.append(words);
+    const card = title.parentElement;
     button.addEventListener("click", () => {
-      const isFolded = title.parentElement.classList.toggle("folded");
-      button.setAttribute("aria-expanded", String(!isFolded));
+      card.dataset.isOfReader = "true"; // from now on, the reader alone folds the card
+      fold(card, !card.classList.contains("folded"));
+      card.scrollIntoView({ block: "nearest" });
     });
   });
+}
+
+/** Fold or unfold a card. */
+export function fold(card, isFolded) {
+  card.classList.toggle("folded", isFolded);
+  card.querySelector(".fold").ariaExpanded = !isFolded;
 }

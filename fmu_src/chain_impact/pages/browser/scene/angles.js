@@ -118,9 +118,13 @@ export function valueText(value, unit, digits = ALL_DIGITS) {
   return numberText(Number(shown.toPrecision(most)));
 }
 
-/** Return a value as text with all its digits if a field has room for them, else with the most digits from 6 to 3 that fit, at least 3. */
+/**
+ * Return a value as text with all its digits if a field has room for them, else with the most digits from 6 to 3 that fit, at least 3. An
+ * angle that is not round in degrees has at most 4 digits.
+ */
 export function shortText(value, unit) {
-  const texts = [ALL_DIGITS, 6, 5, 4, 3].map((digits) => valueText(value, unit, digits));
+  const isRound = !(unit in IN_DEGREES) || Math.abs(Number(valueText(value, unit)) * DEGREE - value) <= 1e-9 * Math.abs(value);
+  const texts = [...(isRound ? [ALL_DIGITS, 6, 5] : []), 4, 3].map((digits) => valueText(value, unit, digits));
   return texts.find(({ length }) => length <= ROOM) ?? texts.at(-1);
 }
 

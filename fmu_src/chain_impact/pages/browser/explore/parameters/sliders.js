@@ -119,7 +119,9 @@ function slider(changes, entry, { field, write, now, shown }) {
   const { toPosition, toValue } = scaleOf(entry, changes.starts[name]);
   const element = make("input", { type: "range", min: 0, max: STEPS, step: 1 });
   let isDragged = false;
-  const chosen = () => Math.max(rounded(toValue(element.value / STEPS)), leastOf(changes, entry));
+  // an angle is round in degrees
+  const inShownDigits = (value, { factor }) => (factor === 1 ? rounded(value) : Number((rounded(factor * value) / factor).toPrecision(6)));
+  const chosen = () => Math.max(inShownDigits(toValue(element.value / STEPS), shown()), leastOf(changes, entry));
   const since = entry.isInput && make("p", { className: "sentence" });
   element.addEventListener("input", () => {
     const value = chosen();
