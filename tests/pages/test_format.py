@@ -157,7 +157,7 @@ def test_a_wall_of_the_box_is_a_floor_only_where_gravity_points_down(script, wal
     [("point 2", "2"), ("point 4 (toe)", "toe"), ("point 12 (a (b))", "a (b)"), ("joint 3", "joint 3")],
 )
 def test_a_list_has_short_words_for_what_touches(script, what, text):
-    assert script.evaluate("what => toucherText({ what })", what) == text
+    assert script.evaluate("what => touchingPartText({ what })", what) == text
 
 
 @pytest.mark.parametrize(

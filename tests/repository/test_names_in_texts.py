@@ -148,11 +148,15 @@ def test_the_overview_names_what_there_is():
     assert [pair for pair in pairs if not re.search(definition.format(pair[0]), defined[pair[1]], re.M)] == []
 
 
-def test_the_recipes_name_files_that_exist():
+def test_the_recipes_name_files_and_capital_names_that_exist():
     text = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
     ends = {*re.findall(r"`([\w/]*\w\.(?:py|js|c|h))\b", text)}
     assert len(ends) > 50
     assert {end for end in ends if not any(file.as_posix().endswith(f"/{end}") for file in FILES)} == set()
+    recipes = re.split(r"\n- ", text.partition("\n## Add something\n")[2].partition("\n## ")[0])[1:]
+    told = [(name, recipe) for recipe in recipes for name in {*NAME.findall(recipe)} - WORDS]
+    assert len(told) > 10
+    assert [name for name, text in told if not any(name in read(file)[1] for file in named(text, name))] == []
 
 
 def test_each_abbreviation_is_in_use():

@@ -55,21 +55,21 @@ def new_record(scene: Scene, structure: Structure, shared: SharedData) -> np.nda
         shared: the entry of the cache for the scene; it gets a copy of each record that is written as a
             whole.
     """
-    sizes, last = structure.counts, shared.record
-    layout, changed = layout_of(*sizes), changed_numbers(last[0], scene) if last else None
+    counts, last = structure.counts, shared.record
+    layout, changed = layout_of(*counts), changed_numbers(last[0], scene) if last else None
     if last is None or changed is None:
         words = np.zeros(layout.itemsize // WORD)
         # ``words.view(layout)`` would first compare the types, which takes longer than all other lines here
         memory = np.ndarray(1, layout, words)
         _fill(memory[0], scene, structure)
         for table in _tables():
-            _write(table, words, scene, sizes)
+            _write(table, words, scene, counts)
         shared.record = scene, words.copy()
     else:
         words = last[1].copy()
         memory = np.ndarray(1, layout, words)
         for table in changed:
-            _write(table, words, scene, sizes)
+            _write(table, words, scene, counts)
     return memory
 
 
@@ -205,21 +205,21 @@ def _choice(kind: Kind, name: str) -> float:
     return real
 
 
-def _write(table: str, words: np.ndarray, scene: Scene, sizes: Counts) -> None:
+def _write(table: str, words: np.ndarray, scene: Scene, counts: Counts) -> None:
     """Write the numbers of a table of the scene, such as "contact", to the ``words`` of a record.
 
-    ``sizes`` are the counts of the record.
+    ``counts`` are the counts of the record.
     """
     # the record has room for the entries of ``walls`` only if points may touch walls
     lines, slides = len(scene.walls) if scene.may_touch else 0, scene.chain.slider is not None
     met = tuple(name for name, holds in _GIVEN_PATH_WHEN.items() if holds(scene))
-    indices, readers = _words_of(table, sizes, lines, slides, met)
+    indices, readers = _words_of(table, counts, lines, slides, met)
     words[indices] = [number for read in readers for number in read(scene)]
 
 
 @lru_cache(MOST_CACHED * len(keys(Scene)))
 def _words_of(
-    table: str, sizes: Counts, lines: int, slides: bool, met: tuple[str, ...]
+    table: str, counts: Counts, lines: int, slides: bool, met: tuple[str, ...]
 ) -> tuple[np.ndarray, list[Callable[[Scene], list[Any]]]]:
     """Return the indices of the words for a table's numbers, and the functions that read the numbers.
 
@@ -227,8 +227,8 @@ def _words_of(
     number of entries of ``walls`` in the record, ``slides`` whether there is a slider, and ``met`` are the
     conditions of ``_GIVEN_PATH_WHEN`` that the scene meets.
     """
-    known = {**sizes._asdict(), "lines": lines, "slider": slides}
-    layout, kinds, words, there = layout_of(*sizes), _tables()[table], [], []
+    known = {**counts._asdict(), "lines": lines, "slider": slides}
+    layout, kinds, words, there = layout_of(*counts), _tables()[table], [], []
     indices_of = {name: _indices(name, known) for name in {kind.owner_kind for kind, _ in kinds}}
     for kind, reader in kinds:
         given = kind.given_path if not kind.given_path_when or kind.given_path_when in met else None

@@ -26,17 +26,17 @@ def short(name: str) -> str:
 
 
 def what_touches(recording: Recording, impact: np.void) -> str:
-    """Return words for what touches in an impact: "ball" for a ball at a wall, else ``recording.toucher``."""
+    """Return words for what touches in an impact: "ball" for a ball at a wall, else the touching part."""
     is_ball = ball_of(recording) == impact["point"] and not recording.is_joint_stop(impact["wall"])
     return "ball" if is_ball else recording.touching_part(impact)
 
 
 def brief_hit(recording: Recording, impact: np.void) -> str:
     """Return words for an impact, with short names, and no number of a named point: "heel hits y_min"."""
-    toucher, point = what_touches(recording, impact), int(impact["point"])
-    at_wall = toucher == point_label(point, recording.point_names)
+    touching_part, point = what_touches(recording, impact), int(impact["point"])
+    at_wall = touching_part == point_label(point, recording.point_names)
     name = recording.point_names.get(point, "") if at_wall else ""
-    return f"{short(name) or toucher} hits {short(recording.wall_names[impact['wall']])}"
+    return f"{short(name) or touching_part} hits {short(recording.wall_names[impact['wall']])}"
 
 
 def full_names(recording: Recording) -> str:

@@ -77,7 +77,7 @@ class Computation:
         job: the data that the runs share.
         design: the varied values of each run.
         folder: the folder to which each batch writes its rows as a Parquet file; None if rows are returned.
-        own_kernel: whether the runs use a kernel for exactly the sizes of the scene.
+        own_kernel: whether the runs use a kernel for exactly the counts of the scene.
     """
 
     job: Job

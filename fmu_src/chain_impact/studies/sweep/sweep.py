@@ -24,7 +24,7 @@ from chain_impact.studies.sweep.variation import Values, variations_of
 from chain_impact.system import cores
 from chain_impact.variables.prepared import PreparedScene
 
-# From this number of missing runs on, a kernel is compiled for exactly the sizes of the scene, if there is a
+# From this number of missing runs on, a kernel is compiled for exactly the counts of the scene, if there is a
 # compiler, and neither a cluster nor a derivative is asked for. The compilation takes about 15 s; the kernel
 # is kept. With this kernel, runs of a scene with moving walls take about half the time, other runs about nine
 # tenths.

@@ -3,7 +3,7 @@
 import { find, make } from "../base/dom.js";
 import { fixed, forceText, impulseText, inOneUnit, speedWithUnit, unitsOf, withMinus } from "../base/format.js";
 import { mapped } from "../base/mapped.js";
-import { capitalized, placeText, toucherText, wallText } from "../scene/words.js";
+import { capitalized, placeText, touchingPartText, wallText } from "../scene/words.js";
 
 const LONGEST_LIST = 2000; // largest number of rows in the list, because each needs several elements of the page
 const FIRST = 10; // number of rows that the list shows at first where the page itself scrolls
@@ -163,7 +163,7 @@ export class ImpactList {
     const textIn = (column) => this.columns[column].textOf(QUANTITIES_OF[column](impact));
     const texts = [
       impact.onset.toFixed(5),
-      toucherText(impact),
+      touchingPartText(impact),
       impact.boxWall?.replace(" wall", "") ?? wallText(impact),
       textIn("speed"),
     ].map((textContent) => ({ textContent }));

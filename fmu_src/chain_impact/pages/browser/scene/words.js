@@ -57,7 +57,7 @@ export function pointName(what) {
 }
 
 /** Return what touches as short text: the name of a point, or its number; a joint or slider as it is. */
-export function toucherText({ what }) {
+export function touchingPartText({ what }) {
   return pointName(what) ?? what.replace(/^point /, "");
 }
 

@@ -1,7 +1,7 @@
 // The worker: runs the kernel a few milliseconds at a time, so that a newer request can replace an older one.
 
 import { impactsUntil } from "../recording/frames.js";
-import { toucherText, wallText } from "../scene/words.js";
+import { touchingPartText, wallText } from "../scene/words.js";
 import { Kernel, rowTimes } from "./kernel.js";
 import { impactsOf, motion, stepsForKernel } from "./motion.js";
 
@@ -43,7 +43,7 @@ function* study(kernel, values, { names, each, words }) {
     return first ? {
       "impact[1].onset": first.onset,
       "impact[1].peak_force": first.atStop ? null : first.peak,
-      "impact[1].place": `${toucherText(first)} ${wallText(first)}`,
+      "impact[1].place": `${touchingPartText(first)} ${wallText(first)}`,
     } : null;
   };
   return yield* kernel.runEach(values, names, each, endTime, words, firstOf);
