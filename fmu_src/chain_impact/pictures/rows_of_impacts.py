@@ -20,7 +20,7 @@ def calm(recording: Recording) -> np.ndarray:
 
 def short_contacts(recording: Recording) -> np.ndarray:
     """Return whether each row is within an impact too short to be visible (SEEN_CONTACT), shape (T,)."""
-    impacts, span = recording.impacts, np.ptp(recording.time)
+    impacts, span = recording.impacts, recording.duration
     return rows_within(recording, impacts[impacts["duration"] < SEEN_CONTACT * span])
 
 

@@ -225,7 +225,7 @@ def finding(
     known = np.isfinite(sensitivities.slopes).any(axis=(1, 2))
     if not known[1:].any():
         return f"{recording.name}: no derivatives from {recording.time[0]:g} s on", None
-    factor, unit = time_unit(float(np.ptp(recording.time)))
+    factor, unit = time_unit(recording.duration)
     until = "" if known[-1] else f", known until {factor * recording.time[known][-1]:.3g} {unit}"
     is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])
     relative = parts.max(axis=0)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.recording.course import Course
+from chain_impact.recording.course import Course, HasCourses
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 
@@ -40,6 +38,11 @@ def has_impulses(law: str) -> bool:
     return law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive
 
 
+def law_at(recording: Recording, *, is_stop: bool) -> str:
+    """Return the contact law at stops of joints, or that at walls and stops of a slider; "" if unknown."""
+    return (is_stop and recording.stop_law) or recording.parameters.get("contact.model", "")
+
+
 def impacts_at_peaks(recording: Recording) -> np.ndarray:
     """Return a copy of the table of impacts in which ``onset`` is the time of the largest force, if known.
 
@@ -47,18 +50,14 @@ def impacts_at_peaks(recording: Recording) -> np.ndarray:
     the peak force (ALMOST_PEAK), if the force is mostly constant (STEADY), if the recording lacks the force,
     and under a law that acts by impulses.
     """
-    impacts, time, least = recording.impacts.copy(), recording.time, SEEN_CONTACT * np.ptp(recording.time)
-    law = recording.parameters.get("contact.model", "")
-    forces = {
-        (interaction.point, interaction.wall): interaction.force for interaction in recording.interactions
-    }
-    ends = contact_ends(recording)
+    impacts, time, least = recording.impacts.copy(), recording.time, SEEN_CONTACT * recording.duration
+    forces, ends = recording.contact_forces, contact_ends(recording)
     for impact, end in zip(impacts, ends, strict=True):
         force = forces.get((int(impact["point"]), recording.wall_names[impact["wall"]]))
         first, last = np.searchsorted(time, [impact["onset"], end])
-        of_impact = (recording.is_joint_stop(impact["wall"]) and recording.stop_law) or law
+        law = law_at(recording, is_stop=recording.is_joint_stop(impact["wall"]))
         is_short = end - impact["onset"] <= least or first == last
-        if force is None or is_short or has_impulses(of_impact):
+        if force is None or is_short or has_impulses(law):
             continue
         during = force[first:last]
         is_largest = during >= FIRST * during.max()
@@ -72,8 +71,9 @@ def impacts_at_peaks(recording: Recording) -> np.ndarray:
 
 def course_in_run(recording: Recording, row: int) -> Course | None:
     """Return the course of the impact in row ``row`` of ``impacts``; None if the run cannot be repeated."""
-    result: Any = recording
-    return result.course_of_impact(row + 1) if getattr(recording, "rerun", None) is not None else None
+    if isinstance(recording, HasCourses) and recording.rerun is not None:
+        return recording.course_of_impact(row + 1)
+    return None
 
 
 def peak_time(recording: Recording, row: int) -> float:

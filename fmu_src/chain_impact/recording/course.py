@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol, Self
+from typing import Any, Protocol, Self, runtime_checkable
 
 import numpy as np
 
@@ -72,6 +72,22 @@ class Course:
     penetration: np.ndarray
     speed: np.ndarray
     energy_lost: float
+
+
+@runtime_checkable
+class HasCourses(Protocol):
+    """A recording that computes the courses of its impacts if its run can be repeated."""
+
+    @property
+    def rerun(self) -> Repeatable | None:
+        """The run, to repeat it; None if the run cannot be repeated."""
+
+    def course_of_impact(self, number: int) -> Course:
+        """Return the course of an impact, by its number from 1.
+
+        Raises:
+            ValueError: when the impact does not exist, or the run cannot be repeated.
+        """
 
 
 def course_of(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
@@ -20,16 +19,13 @@ from chain_impact.recording.joint_stops import JointRange, is_joint_stop
 from chain_impact.recording.older_names import OlderNames
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import FRICTION, NO_PHASES, SLIDER_STOP, WALL, Interaction
-from chain_impact.recording.tables import save_impacts
+from chain_impact.recording.tables import save_columns, save_impacts
 from chain_impact.scene.display.bodies import Rail, outlines_from, rail_from
 from chain_impact.scene.errors import names_matching
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.words.names import AXES, SLIDER_STOPS, grouped_by_owner
-from chain_impact.system import written_whole
 from chain_impact.text import plural
 from chain_impact.variables.hints import output_hint
-
-ROWS_AT_ONCE = 10_000  # number of rows that ``save_csv`` converts to text at a time
 
 
 class Recording(OlderNames):
@@ -100,6 +96,11 @@ class Recording(OlderNames):
         return {
             (n, wall): quantities for (kind, n, wall), quantities in self._quantities.items() if kind == owner
         }
+
+    @property
+    def duration(self) -> float:
+        """The time from the first row to the last row [s]."""
+        return float(self.time[-1] - self.time[0])
 
     @cached_property
     def link_count(self) -> int:
@@ -250,6 +251,11 @@ class Recording(OlderNames):
             interactions.append(Interaction(0, "", None, friction=force, sticking=sticking, kind=FRICTION))
         return interactions
 
+    @property
+    def contact_forces(self) -> dict[tuple[int, str], np.ndarray | None]:
+        """(Point or joint, name of the wall or stop) → the force [N] or moment [N·m] there, shape (T,)."""
+        return {(each.point, each.wall): each.force for each in self.interactions}
+
     def __repr__(self) -> str:
         """Return the name, the end time [s], and the numbers of impacts, rows and columns."""
         end = f"{self.time[-1]:g}" if len(self.time) else "0"
@@ -371,13 +377,7 @@ class Recording(OlderNames):
                 for pattern in wanted
             )
             columns = {name: columns[name] for name in ("time", *chain.from_iterable(matches))}
-        with written_whole(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(columns)
-            # converting all rows to lists at once would take four times the memory of the arrays
-            for start in range(0, max(len(self.time), 1), ROWS_AT_ONCE):
-                values = (column[start : start + ROWS_AT_ONCE].tolist() for column in columns.values())
-                writer.writerows(zip(*values, strict=True))
+        save_columns(Path(path), columns)
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -20,6 +20,7 @@ from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.variables.indices import JOINT_FORCE
 from chain_impact.variables.prepared import PreparedScene
 
+ROWS_AT_ONCE = 10_000  # number of rows that ``save_columns`` converts to text at a time
 SUFFIXES = (".csv", ".json", ".parquet")
 """The suffixes that a file with a list of impacts may have."""
 _DIMENSIONS = {"point": ("point", "axis"), "link": ("link",), "contact": ("contact",)}
@@ -122,6 +123,22 @@ def impact_columns(impacts: np.ndarray, walls: Sequence[str]) -> dict[str, list[
         name: [None if isinstance(value, float) and math.isnan(value) else value for value in values]
         for name, values in columns.items()
     }
+
+
+def save_columns(path: Path, columns: Mapping[str, np.ndarray]) -> None:
+    """Write columns with equal numbers of rows as CSV, with all digits of the numbers.
+
+    Raises:
+        OSError: when the file cannot be written.
+    """
+    count = max(len(column) for column in columns.values())
+    with written_whole(path) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(columns)
+        # converting all rows to lists at once would take four times the memory of the arrays
+        for start in range(0, count, ROWS_AT_ONCE):
+            values = (column[start : start + ROWS_AT_ONCE].tolist() for column in columns.values())
+            writer.writerows(zip(*values, strict=True))
 
 
 def save_impacts(path: Path, impacts: np.ndarray, walls: Sequence[str]) -> None:

@@ -46,7 +46,7 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     handles: list[Any] = [Patch(color=INK, label="sticks")] if held.any() else []
     # a contact may slide for an instant before it sticks; phases of sliding that are too short to be visible
     # need no entry in the legend
-    long = phase_lengths(recording) > SHORT * (recording.time[-1] - recording.time[0])
+    long = phase_lengths(recording) > SHORT * recording.duration
     if (long & ~held).any() or not handles:
         handles.append(Line2D([], [], color=GREY, linewidth=2.0, label="slides"))
     legend_above(axes, handles)

@@ -74,7 +74,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     """
     stopped, onsets, scale = recording.is_at_joint_stop, recording.impacts["onset"], stop_scale(recording)
     times, tops = marks_of(recording)
-    ends, span = contact_ends(recording), recording.time[-1] - recording.time[0]
+    ends, span = contact_ends(recording), recording.duration
     groups, lanes = point_groups(recording, tops), 0
     sizes = mark_sizes(recording, times, tops, [hits for *_, hits in groups])
     strongest = {peak.row for peak in marked_peaks(recording)}
@@ -206,7 +206,7 @@ def common_marks(
 
     Cells without marks are left out. ``times`` and ``tops`` are the result of ``marks_of``.
     """
-    scales = (float(recording.time[-1] - recording.time[0]), float(tops.max(initial=0.0)))
+    scales = (recording.duration, float(tops.max(initial=0.0)))
     width, height = (ONE_MARK * (scale or 1.0) for scale in scales)
     marks: dict[tuple[int, int], list[int]] = {}
     for row, (time, top) in enumerate(zip(times.tolist(), tops.tolist(), strict=True)):

@@ -69,12 +69,7 @@ def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray
     end = recording.time[-1] if lasts(impact) else impact["end"]
     inside = (recording.time >= impact["onset"]) & (recording.time <= end)
     place = int(impact["point"]), recording.wall_names[impact["wall"]]
-    forces = (
-        interaction.force
-        for interaction in recording.interactions
-        if (interaction.point, interaction.wall) == place
-    )
-    force = next(forces, None)
+    force = recording.contact_forces.get(place)
     if force is None or np.count_nonzero(inside) < LEAST_CONTACT_ROWS:
         return None
     return row, recording.time[inside], force[inside]

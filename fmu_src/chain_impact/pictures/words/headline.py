@@ -21,7 +21,7 @@ from chain_impact.pictures.drawing.style import (
     raised,
 )
 from chain_impact.pictures.words.point_names import brief_hit, what_touches
-from chain_impact.recording.contact_times import has_impulses, peak_time
+from chain_impact.recording.contact_times import has_impulses, law_at, peak_time
 from chain_impact.recording.impact_words import speed_unit
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.joint_peaks import LARGEST_OF_ROWS, joint_peaks
@@ -99,7 +99,7 @@ def message(recording: Recording, first: str | None = None, *, short: bool = Fal
 
 def impact_count_text(recording: Recording) -> str:
     """Return words for the number of impacts and the duration of the run: "14 impacts in 2 s"."""
-    count, span = recording.impact_count, float(recording.time[-1] - recording.time[0])
+    count, span = recording.impact_count, recording.duration
     factor, unit = time_unit(span)
     return f"{plural(count, 'impact') if count else 'no impacts'} in {factor * span:g} {unit}"
 
@@ -230,12 +230,12 @@ def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndar
     as 0, because this impulse also contains the shocks of other impacts. But if no contact with an impulse
     ends before, the values are hit impulses (``impulses_of_hits``).
     """
-    impacts, law = recording.impacts, recording.parameters.get("contact.model", "")
+    impacts = recording.impacts
     is_own = recording.is_at_joint_stop == is_stop
     forces, impulses = (np.nan_to_num(impacts[name]) * is_own for name in ("peak_force", "impulse"))
     # under an impulsive law, a rod that lies on a rigid wall after its bounces has a force, too, but this
     # force says nothing on the bounces
-    is_impulsive = has_impulses((is_stop and recording.stop_law) or law)
+    is_impulsive = has_impulses(law_at(recording, is_stop=is_stop))
     if is_impulsive or ((forces == 0.0) & (impulses > 0.0)).any():
         ended = impulses * ~lasts(impacts)
         words, told = (IMPULSE, ended) if ended.any() else (HIT_IMPULSE, impulses_of_hits(recording) * is_own)
@@ -251,9 +251,7 @@ def impulses_of_hits(recording: Recording) -> np.ndarray:
     run; the result is then 0 if this force is not known. An unknown impulse counts as 0.
     """
     impacts, time, found = recording.impacts, recording.time, np.nan_to_num(recording.impacts["impulse"])
-    forces = {
-        (interaction.point, interaction.wall): interaction.force for interaction in recording.interactions
-    }
+    forces = recording.contact_forces
     for row in np.flatnonzero(lasts(impacts)):
         onset, wall = impacts["onset"][row], recording.wall_names[impacts["wall"][row]]
         force, first = forces.get((int(impacts["point"][row]), wall)), np.searchsorted(time, onset)
@@ -283,7 +281,7 @@ def place(recording: Recording, row: int) -> str:
     The time of the peak is told if it is later than the onset (``peak_time``).
     """
     impact, peak = recording.impacts[row], peak_time(recording, row)
-    factor, unit = time_unit(float(recording.time[-1] - recording.time[0]))
+    factor, unit = time_unit(recording.duration)
     at = f"{factor * impact['onset']:.4g} {unit}"
     later = f", peak at {factor * peak:.4g} {unit}" if peak > impact["onset"] else ""
     return (
@@ -305,7 +303,7 @@ def load_text(recording: Recording) -> str:
     largest = next(iter(known), None)
     if largest is None or not largest.force > 0.0:
         return ""
-    factor, unit = time_unit(float(recording.time[-1] - recording.time[0]))
+    factor, unit = time_unit(recording.duration)
     return (
         f"joint {largest.joint} bears up to {force_text(largest.force, 'N')} in the run, "
         f"{'by' if largest.kind == LARGEST_OF_ROWS else 'at'} {factor * largest.time:.5g} {unit}"
@@ -333,7 +331,7 @@ def conditions(recording: Recording, *first: str, touches: bool = True) -> str:
     if touches and "stop.restitution" in known:
         of_stops = recording.stop_law
         told = [f"law {of_stops}"] if of_stops else []
-        if uses_restitution(of_stops or known.get("contact.model", "")):
+        if uses_restitution(law_at(recording, is_stop=True)):
             told.append(f"e = {known['stop.restitution']:g}")
         parts += [f"stops {', '.join(told)}"] if told else []
     if known.get("contact.radius"):
