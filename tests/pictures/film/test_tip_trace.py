@@ -29,7 +29,7 @@ def whirl():
 @pytest.mark.parametrize("knows_velocities", [True, False])
 def test_between_rows_the_trace_is_on_the_path(whirl, knows_velocities):
     coarse, fine = whirl
-    stored = coarse.at(np.arange(len(coarse.time)))
+    stored = coarse.with_rows(np.arange(len(coarse.time)))
     if not knows_velocities:
         columns = {name: column for name, column in stored.columns.items() if ".v" not in name}
         stored = replace(stored, columns=columns)

@@ -31,11 +31,11 @@ def test_the_panels_that_are_asked_for_are_drawn():
 
 def test_rows_replace_a_run_that_cannot_be_repeated():
     slow = record_slowly(load_scene("pinned_arm"))
-    rows = slow.at(np.arange(len(slow.time)))  # stored rows
+    rows = slow.with_rows(np.arange(len(slow.time)))  # stored rows
     row, time, force = course_of_hardest(rows)
     assert (row, len(time) >= 20) == (0, True)
     assert force.max() == pytest.approx(rows.impacts["peak_force"][0], rel=1e-2)
-    few = slow.at(np.arange(0, len(slow.time), 50))
+    few = slow.with_rows(np.arange(0, len(slow.time), 50))
     assert not is_alone(few)
 
 
