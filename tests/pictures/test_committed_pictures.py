@@ -14,8 +14,7 @@ from docs.tools.images import OTHERS
 from tests.pictures.pictures import drawn, recorded
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
-LEFT_OUT = "Impacts without room for their numbers"
-NUMBERS = re.compile(r"[\d, +–]+( more)?")
+NUMBERS = re.compile(r"[\d, –]+")
 
 
 def lines(words):
@@ -24,7 +23,7 @@ def lines(words):
     Whether a label that is as long as its axis has one line or two depends on the resolution of the figure.
     """
     told = words["Description"].split("\n")
-    kept = [line for line in told if not NUMBERS.fullmatch(line) and not line.startswith(LEFT_OUT)]
+    kept = [line for line in told if not NUMBERS.fullmatch(line)]
     return " ".join(kept).split()
 
 

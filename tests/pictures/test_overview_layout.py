@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.figures import FIGURE_SIZE
 from chain_impact.pictures.overview_layout import broadness, is_beside, is_over_time
-from chain_impact.pictures.words.impact_numbers import MOST_LISTED
 from tests.pictures.pictures import WIDTHS, check_rules, check_texts, drawn, recorded, swing
 
 
@@ -141,41 +140,17 @@ def test_on_a_narrow_page_the_left_edges_of_all_panels_are_aligned():
     assert np.ptp([axes.bbox.x0 for axes in page.axes]) < 1.0
 
 
-PANELS = ("motion", "panel of impacts")
-
-
-def missing_count(told):
-    """Return how many impacts a text such as 1, 3, 16–30 or 31 of all 81 names."""
-    return int(told.partition(" of ")[0]) if " of " in told else len(expanded(told)) if told else 0
-
-
-def expanded(listed):
-    """Return the numbers in a list such as 1, 3, 16–30."""
-    ranges = [[int(end) for end in part.split("–")] for part in listed.split(",")]
-    return {number for ends in ranges for number in range(ends[0], ends[-1] + 1)}
-
-
-@pytest.mark.full("takes long")
-def test_a_narrow_page_names_each_impact_beside_its_mark_or_at_its_foot():
-    page = recorded("rod_drop").plot(size=(WIDTHS[0], 5.9))
-    motion, speeds = (
-        next(axes for axes in page.axes if axes.get_label() == name) for name in ("motion", "impacts")
-    )
-    foot = next(text.get_text() for text in page.texts if "without room" in text.get_text())
-    parts = [part.strip() for part in foot.partition(":")[2].replace("\n", " ").split("·")]
-    in_motion, in_speeds = (
-        next((part.removesuffix(end) for part in parts if part.endswith(end)), "")
-        for end in (f" in the {panel}" for panel in PANELS)
-    )
-    beside = [text.get_text().replace("\n", " ").partition(" + ") for text in motion.texts]
-    assert any(rest.endswith(" more") for _, _, rest in beside)
-    count = sum(len(expanded(listed)) + int(rest.removesuffix(" more") or 0) for listed, _, rest in beside)
-    impacts = len(recorded("rod_drop").impacts)
-    assert missing_count(in_motion) + count == impacts
-    numbered = {number for text in speeds.texts for number in expanded(text.get_text().partition(":")[0])}
-    assert missing_count(in_speeds) + len(numbered) == impacts
-    assert in_speeds.endswith(f" of all {impacts}")
-    assert all(told.count(",") < MOST_LISTED for told in (in_motion, in_speeds))
+@pytest.mark.parametrize("model", ["four_link_box", "rod_drop", "falling_arm"])
+def test_a_picture_for_a_column_is_low_and_has_one_axis_of_time(model):
+    page = recorded(model).plot(size=(WIDTHS[0], None))
+    assert page.get_figheight() <= 1.6 * WIDTHS[0] + 1e-9
+    page.draw_without_rendering()
+    panels = {axes.get_label(): axes for axes in page.axes}
+    numbers = {name: axes.xaxis.get_tick_params()["labelbottom"] for name, axes in panels.items()}
+    assert numbers == {"motion": True, "time": False, "energy": False, "impacts": True}
+    assert not any("tolerance" in text.get_text() for text in page.texts)
+    assert all(axes.get_window_extent().width > 0.75 * panels["energy"].bbox.width for axes in page.axes)
+    check_texts(page)
 
 
 @pytest.mark.full("takes long")

@@ -8,19 +8,18 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from chain_impact.pictures.drawing.figures import settle
 from chain_impact.pictures.drawing.labels import Ink
 from chain_impact.pictures.drawing.legends import legend_beside
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
-from chain_impact.pictures.drawing.style import broken, is_narrow, styled, write_foot
+from chain_impact.pictures.drawing.style import is_narrow, styled, write_foot
 from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
 from chain_impact.pictures.motion.impact_rings import number_rings
 from chain_impact.pictures.motion.line_motion import draw_along_line, line_of_motion
 from chain_impact.pictures.motion.motion import draw_motion
-from chain_impact.pictures.motion.view import is_flat
+from chain_impact.pictures.motion.view import GROWN, is_flat
 from chain_impact.pictures.over_time.dry_friction import draw_stick_slip
 from chain_impact.pictures.over_time.energies import draw_energy
 from chain_impact.pictures.over_time.impacts import draw_impacts, number_impacts, place_of_late_peaks
@@ -32,9 +31,14 @@ from chain_impact.pictures.words.point_names import full_names
 from chain_impact.recording.recording import Recording
 
 LEGEND_ROOM = 1.1  # the room for a legend beside the motion, relative to the width of the legend
+# a legend stands beside the motion only if the motion keeps this part of the width
+LEAST_MOTION = 0.6
+# the largest factors (``view_of``) with which the view grows if the motion has the whole width of the figure
+WHOLE_WIDTH = (1.25, GROWN[1])
 # NUMBER: [points] how far the picture shows the area beyond a wall, where numbers of impacts stand;
-# MOST_BAND: the largest width of this area, relative to the longer side of the view without margins
-NUMBER, MOST_BAND = 30.0, 0.25
+# NARROW_NUMBER: the same in a narrow figure; MOST_BAND: the largest width of this area, relative to the
+# longer side of the view without margins
+NUMBER, NARROW_NUMBER, MOST_BAND = 30.0, 24.0, 0.25
 
 
 def draw_place(axes: Axes, recording: Recording) -> None:
@@ -46,12 +50,10 @@ def draw_place(axes: Axes, recording: Recording) -> None:
         draw_along_line(axes, recording, along)
 
 
-def number_places(axes: Axes, recording: Recording, ink: Ink) -> str:
-    """Write the numbers of impacts into the panel of a motion; return words for the numbers without room.
-
-    If the motion is drawn over time, its panel has no numbers, and "" is returned.
-    """
-    return "" if is_over_time(recording, "motion") else number_rings(axes, recording, ink)
+def number_places(axes: Axes, recording: Recording, ink: Ink) -> None:
+    """Write the numbers of impacts into the panel of a motion, but not if the motion is drawn over time."""
+    if not is_over_time(recording, "motion"):
+        number_rings(axes, recording, ink)
 
 
 PANELS: dict[str, Callable[[Axes, Recording], None]] = {
@@ -65,16 +67,8 @@ PANELS: dict[str, Callable[[Axes, Recording], None]] = {
 NUMBERS = {"motion": number_places, "impact": number_one_impact, "impacts": number_impacts}
 """Name of a panel → function that writes the numbers of impacts into the panel, after the layout is final.
 
-Each function returns words for the numbers without room. The function of the panel "impact" writes the peak
-force, and returns "".
+The function of the panel "impact" writes the peak force.
 """
-# the largest height of all texts at the foot together, if one of these texts names impacts, relative to the
-# height of the figure
-LISTED_HEIGHT = 0.25
-# how often, at most, the panels are arranged again because the text at the foot takes room from the panels
-FEET = 3
-PANEL_WORDS = {"motion": "motion", "impacts": "panel of impacts"}
-"""Name of a panel → word for the panel in the sentence of ``number_all``."""
 
 
 @styled()
@@ -89,8 +83,6 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
         ValueError: when a panel does not exist.
     """
     shown = panels_to_draw(recording, panels)
-    if title is not None:
-        write_head(figure, recording, title, panels=shown)
     late = place_of_late_peaks(recording) if is_narrow(figure) and "impacts" in shown else ""
     notes = (
         full_names(recording),
@@ -99,6 +91,8 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     )
     for foot_text in filter(None, notes):
         write_foot(figure, foot_text)
+    if title is not None:
+        write_head(figure, recording, title, panels=shown)
     panel_axes = axes_of(figure, recording, shown)
     motion = None if is_over_time(recording, "motion") else panel_axes.get("motion")
     for name, axes in panel_axes.items():
@@ -118,61 +112,20 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     if motion is not None:
         room = motion.get_position(original=True).transformed(figure.transFigure)
         free = room.width - LEGEND_ROOM * legend.get_window_extent().width if legend else 0.0
-        is_slim = free >= ratio * room.height
+        is_slim = free >= max(ratio * room.height, LEAST_MOTION * room.width)
         motion.clear()
         width = free if is_slim else room.width
         side = max(room.height, min(width, room.height * ratio)) * 72.0 / figure.dpi
-        band = min(NUMBER / side, MOST_BAND)
-        draw_motion(motion, recording, room.height / width, band)
+        band = min((NARROW_NUMBER if is_narrow(figure) else NUMBER) / side, MOST_BAND)
+        draw_motion(motion, recording, room.height / width, band, WHOLE_WIDTH if is_alone else GROWN)
         if is_slim:
             legend_beside(motion)
         settle(figure, scaled)
-    number_and_list(figure, panel_axes, recording, scaled)
-
-
-def number_and_list(
-    figure: Figure, panel_axes: dict[str, Axes], recording: Recording, motion: Axes | None
-) -> None:
-    """Write the numbers of impacts into all panels; a text at the foot lists the numbers without room.
-
-    The text makes the panels smaller, so that fewer numbers may have room; all numbers are then written
-    again, up to FEET times. ``panel_axes``: name of a panel → its axes; ``motion``: the axes of a motion that
-    has equal scales along x and y, or None.
-    """
-    engine, foot = figure.get_layout_engine(), None
-    room: Any = engine.get()["rect"] if isinstance(engine, ConstrainedLayoutEngine) else None
-    # without a layout engine, nothing moves while labels are placed
-    figure.set_layout_engine("none")
-    missing = number_all(figure, panel_axes, recording)
-    for _ in range(FEET if missing else 0):
-        figure.set_layout_engine(engine)
-        if isinstance(engine, ConstrainedLayoutEngine):
-            engine.set(rect=room)
-        for axes in (panel_axes[name] for name in NUMBERS if name in panel_axes):
-            for text in [*axes.texts]:
-                text.remove()
-        if foot is not None:
-            foot.remove()
-        foot, written = write_foot(figure, missing, LISTED_HEIGHT), broken(figure, missing)
-        settle(figure, motion)
-        figure.set_layout_engine("none")
-        missing = number_all(figure, panel_axes, recording)
-        if foot is None or broken(figure, missing).count("\n") <= written.count("\n"):
-            break
-    if foot is not None:
-        foot.set_text(broken(figure, missing))
-
-
-def number_all(figure: Figure, panel_axes: dict[str, Axes], recording: Recording) -> str:
-    """Write the numbers of impacts into all panels in NUMBERS.
-
-    Returns a sentence on the numbers without room; "" if all numbers have room.
-    """
-    ink, parts = Ink(figure), []
+    figure.set_layout_engine("none")  # nothing moves while labels are placed
+    ink = Ink(figure)
     for name, write in NUMBERS.items():
-        if name in panel_axes and (left := write(panel_axes[name], recording, ink)):
-            parts.append(f"{left} in the {PANEL_WORDS[name]}")
-    return f"Impacts without room for their numbers: {SEPARATOR.join(parts)}" if parts else ""
+        if name in panel_axes:
+            write(panel_axes[name], recording, ink)
 
 
 def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:

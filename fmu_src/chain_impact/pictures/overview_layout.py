@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -26,15 +27,12 @@ BROADEST_FLAT = 3.5  # a larger ratio counts as this ratio when panels are arran
 # ``motion_share`` of a motion that is as high as wide, in a wide and in a narrow figure; it sets the width of
 # the panel only
 WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
-# RUBBING: the height of the panel of dry friction without rows; RUBBING_ROW: the height of each row, for one
-# contact or joint; LINE_MOTION_HEIGHT: the height of the panel of a ball that moves along a line;
-# CLOCK_SHARE: the height of the axis that shows the colours of time; MOTION_ABOVE_HEIGHT: the largest height
-# of the panel of motion above other panels, on a figure with a width of COLUMN or less. All are relative to
-# the height of the panel of energies.
-RUBBING, RUBBING_ROW, LINE_MOTION_HEIGHT, CLOCK_SHARE, MOTION_ABOVE_HEIGHT = 0.15, 0.32, 1.4, 0.06, 2.0
-# If the panel of dry friction has more than HIGH_ROWS rows, each has the height LOW_ROW, relative to the
-# height of the panel of energies.
-HIGH_ROWS, LOW_ROW = 2, 0.24
+# RUBBING_ROW: the height of each row of the panel of dry friction, for one contact or joint;
+# LINE_MOTION_HEIGHT: the height of the panel of a ball that moves along a line; CLOCK_SHARE: the height of the
+# axis that shows the colours of time; MOTION_ABOVE_HEIGHT: the largest height of the panel of motion above
+# other panels, on a figure with a width of COLUMN or less. All are relative to the height of the panel of
+# energies.
+RUBBING_ROW, LINE_MOTION_HEIGHT, CLOCK_SHARE, MOTION_ABOVE_HEIGHT = 0.17, 1.4, 0.06, 2.5
 # If a recording has at most FEW_IMPACTS impacts, the height of their panel is LOW_IMPACTS, relative to the
 # height of the panel of energies.
 FEW_IMPACTS, LOW_IMPACTS = 3, 0.65
@@ -96,12 +94,11 @@ def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
     colours of time comes last. ``shown`` has the names of all panels.
     """
     timed = [name for name in shown if is_in_column(recording, name)]
-    known = {"motion": LINE_MOTION_HEIGHT, "friction": RUBBING}
+    known = {"motion": LINE_MOTION_HEIGHT}
     if len(recording.impacts) <= FEW_IMPACTS:
         known["impacts"] = LOW_IMPACTS
     if "friction" in timed:
-        count = len(rubbing_places(recording)[:MOST_ROWS])
-        known["friction"] += (RUBBING_ROW if count <= HIGH_ROWS else LOW_ROW) * count
+        known["friction"] = RUBBING_ROW * len(rubbing_places(recording)[:MOST_ROWS])
     has_colours = timed and len(timed) < len(shown)
     return [known.get(name, 1.0) for name in timed] + ([CLOCK_SHARE] if has_colours else [])
 
@@ -161,14 +158,17 @@ def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[
 def _timed_axes(figure: Figure, grid: Any, names: Sequence[str]) -> dict[str, Axes]:
     """Return new axes in the last cells of a grid, in the order of ``names``: name of a panel → axes.
 
-    All axes except "impact", the axes of a single impact, share the axis of time. The axes "time" are made
-    first, and the axes "impact" last.
+    All axes except "impact", the axes of a single impact, share the axis of time, whose numbers stand only
+    below the lowest of successive axes. The axes "time" are made first, and the axes "impact" last.
     """
     axes: dict[str, Axes] = {}
     for name in sorted(names, key=lambda name: (name != "time", name == "impact")):
         cell, own = grid[names.index(name) - len(names), 0], name == "impact"
         shared = None if own else next((axes[other] for other in axes if other != "impact"), None)
         axes[name] = figure.add_subplot(cell, sharex=shared, label=name)
+    for name, below in pairwise(names):
+        if "impact" not in (name, below) and below != "time":
+            axes[name].tick_params(labelbottom=False)
     return axes
 
 

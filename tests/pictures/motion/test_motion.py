@@ -14,6 +14,7 @@ from chain_impact.pictures.drawing.style import LOAD, PEAK_COLOUR
 from chain_impact.pictures.motion.impact_rings import RING_DISTANCE, fastest_first
 from chain_impact.pictures.motion.joint_forces import part_in_view
 from chain_impact.pictures.motion.poses import FAINT_POSES, MOST_STRONG_POSES, apart, strong_rows
+from chain_impact.pictures.over_time.impacts import hardest, marks_of
 from chain_impact.pictures.words.headline import marked_peaks, peaks
 from chain_impact.recording.joint_peaks import joint_peaks
 from chain_impact.recording.joint_stops import range_lines
@@ -81,8 +82,9 @@ def test_every_impact_has_a_strong_pose_if_there_are_few():
 def test_poses_have_entries_in_the_legend_and_are_few():
     axes = motion_of(recorded("four_link_box"))
     labels = [text.get_text() for text in axes.get_legend().get_texts()]
-    assert {"between", "at impact 1", "start", "end"} <= {*labels}
-    (between,) = (lines for lines in axes.collections if lines.get_label() == "between")
+    assert labels[:3] == ["chain between", "other points", "tip"]
+    assert labels[3:] == ["at impact 1", "start", "end", "impacts", "peak force"]
+    (between,) = (lines for lines in axes.collections if lines.get_label() == "chain between")
     assert 1 < len(between.get_segments()) <= FAINT_POSES
 
 
@@ -108,9 +110,15 @@ def test_the_line_along_a_dense_path_is_thin():
     widths = {}
     for model in ("shaken_pendulum", "simple_pendulum"):
         lines = motion_of(recorded(model)).collections
-        (path,) = (lines for lines in lines if lines.get_label() == "tip")
+        (path,) = (lines for lines in lines if lines.get_label().startswith("tip"))
         (widths[model],) = path.get_linewidths()
     assert widths["shaken_pendulum"] < 0.6 * widths["simple_pendulum"]
+
+
+def test_the_legend_tells_that_the_last_swing_covers_earlier_ones():
+    """The pendulum swings from side to side in 1.8 s, and passes along one arc."""
+    axes = motion_of(recorded("simple_pendulum"))
+    assert "tip, last 1.8 s on top" in axes.get_legend_handles_labels()[1]
 
 
 def test_a_chain_is_a_line_that_can_be_moved():
@@ -167,7 +175,7 @@ def test_impacts_at_one_place_share_a_ring():
         for row in (hit(0.2 + k / 5, 0, "y_min", 1.0 + k), hit(0.3 + k / 5, 1, "y_max", 9.0))
     ]
     motion = motion_of(swing(apart, walls))
-    assert texts(motion)[-1] == "5, 7 + 2 more"
+    assert sorted(texts(motion)) == ["2", "4", "6", "7", "8"], "the largest impacts"
 
 
 @pytest.mark.full("more cases", but=3)
@@ -202,8 +210,17 @@ def test_arrows_of_joint_forces_are_shorter_if_one_would_leave_the_view():
 def test_the_hardest_impact_is_numbered():
     for recording in (recorded("four_link_box"), crowd()):
         motion = motion_of(recording)
-        number = str(fastest_first(recording)[0] + 1)
+        number = str(hardest(marks_of(recording)[1])[0] + 1)
         assert any(number in text.replace(",", " ").split() for text in texts(motion))
+
+
+def test_the_sample_of_the_tip_in_the_legend_has_the_colours_of_its_path():
+    axes = motion_of(recorded("four_link_box"))
+    entries = dict(zip(axes.get_legend_handles_labels()[1], axes.get_legend().legend_handles, strict=True))
+    path = next(lines for lines in axes.collections if lines.get_label() == "tip").get_colors()
+    sample = entries["tip"].get_colors()
+    np.testing.assert_array_equal(sample[[0, -1]], path[[0, -1]])
+    assert len(sample) > 5
 
 
 @pytest.mark.parametrize("model", ["ramp", "sphere_on_wall"])
@@ -214,7 +231,7 @@ def test_a_ball_is_drawn_as_its_centre_with_a_thin_line_and_has_a_path(model):
     (end,) = (line for line in motion.lines if line.get_label().startswith("end"))
     assert end.get_markevery() == [0]
     assert end.get_linewidth() < 1.0
-    (path,) = (collection for collection in motion.collections if collection.get_label() == "path")
+    (path,) = (lines for lines in motion.collections if lines.get_label().startswith("path"))
     np.testing.assert_array_equal(path.get_segments()[0][0], recording.points[0, 0])
 
 

@@ -41,9 +41,10 @@ PANEL_HEIGHT = 1.9  # [inch] the usual height of a panel over time, with its leg
 LEAST_AXES_HEIGHT = 0.3  # [inch] the least height of axes with a label along y
 # [inch] the least mean height of the axes with a label along y, if the user gives no height
 USUAL_AXES_HEIGHT = 1.0
-# [inch] TALLEST: a printed page with margins and a caption has room for this height. If a figure would
-# be higher, the least mean height of the axes is FLAT_AXES_HEIGHT.
-TALLEST, FLAT_AXES_HEIGHT = 8.75, 0.7
+# TALLEST: [inch] a printed page with margins and a caption has room for this height; SLENDER: the largest
+# wanted height of a figure, relative to its width. If a figure would be higher, the least mean height of the
+# axes is FLAT_AXES_HEIGHT [inch].
+TALLEST, SLENDER, FLAT_AXES_HEIGHT = 8.75, 1.6, 0.7
 EDGE = 0.04  # [inch] the least distance of a label of an axis from the left and right edge of the figure
 SETTLINGS = 3  # how often, at most, a figure is arranged: a label or legend that is broken changes the layout
 NEARLY = 1.0  # [pixels] the largest distance by which texts may reach beyond the figure or overlap
@@ -146,19 +147,18 @@ def fitting(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
     """Return a figure of a given width [inches] with the height that its contents need.
 
     The first height that is tried is that of ``usual`` (width and height [inches]); for a width between WIDE
-    and the usual width, a lower one; at most TALLEST. If the first height is too low for the contents, the
-    result is that of ``least_figure``, which tries greater heights. If this figure is higher than TALLEST,
-    the axes may be lower (FLAT_AXES_HEIGHT).
+    and the usual width, a lower one; at most TALLEST, and SLENDER × ``width``. If the first height is too low
+    for the contents, the result is that of ``least_figure``, which tries greater heights. If this figure is
+    higher than the largest first height, the axes may be lower (FLAT_AXES_HEIGHT).
 
     Raises:
         ValueError: when no tried height is enough.
     """
     height = usual[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual[0])))
-    height = min(max(LEAST_SIZE, height), TALLEST)
+    most = max(LEAST_SIZE, min(TALLEST, SLENDER * width))
+    height = min(max(LEAST_SIZE, height), most)
     found = figure_at_least(fill, width, height, USUAL_AXES_HEIGHT)
-    return (
-        found if found.get_figheight() <= TALLEST else figure_at_least(fill, width, TALLEST, FLAT_AXES_HEIGHT)
-    )
+    return found if found.get_figheight() <= most else figure_at_least(fill, width, most, FLAT_AXES_HEIGHT)
 
 
 def figure_at_least(fill: Fill, width: float, height: float, mean: float) -> Figure:

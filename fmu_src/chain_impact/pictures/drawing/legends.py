@@ -7,13 +7,38 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerLineCollection
 from matplotlib.offsetbox import HPacker, PackerBase, VPacker
 
 from chain_impact.pictures.drawing.line_breaks import HALVINGS, broken_lines
 from chain_impact.pictures.drawing.style import LEFT, foot_of, head_of, is_narrow, reserve
 
+SHADES = 12  # the number of pieces of the sample of a line that has many colours
+
+
+class ManyColours(HandlerLineCollection):
+    """The sample of lines in a legend: a line in all colours of these lines, from the first to the last."""
+
+    def create_artists(self, legend: Any, orig_handle: Any, *place: Any) -> list[Any]:
+        """Return the sample for the lines ``orig_handle``, with matplotlib's arguments for the ``place``."""
+        colours = orig_handle.get_colors()
+        if len(colours) < SHADES:
+            return list(super().create_artists(legend, orig_handle, *place))
+        _, _, width, height, _, transform = place
+        x, middle = np.linspace(-place[0], width - place[0], SHADES + 1), 0.5 * (height - place[1])
+        ends = np.stack([x, np.full_like(x, middle)], axis=-1)
+        rows = np.linspace(0, len(colours) - 1, SHADES).astype(int)
+        pieces = LineCollection(list(np.stack([ends[:-1], ends[1:]], axis=1)), colors=colours[rows])
+        pieces.set_linewidth(max(LEAST_SAMPLE, *orig_handle.get_linewidths()))
+        pieces.set_transform(transform)
+        return [pieces]
+
+
+LEAST_SAMPLE = 1.0  # [points] the least width of the sample of a line that has many colours
 LOOK: dict[str, Any] = {"borderpad": 0.1, "handlelength": 1.0, "handletextpad": 0.4}
+LOOK |= {"handler_map": {LineCollection: ManyColours()}}
 LEGEND_ABOVE: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
 LEGEND_BESIDE: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
 # the space between two entries in a row of a legend, and between two rows, relative to the font size

@@ -29,7 +29,6 @@ from chain_impact.text import LOAD_UNITS, prefixed
 BLACK, GREEN, BLUE, VERMILLION, PURPLE = "#000000", "#009e73", "#0072b2", "#d55e00", "#cc79a7"
 BROWN, VIOLET = "#7a4b2a", "#7a3fa8"
 PEAK_COLOUR = VERMILLION  # the colour of the impact with the largest force, moment or impulse
-PEAK_LINE = "peak"  # the matplotlib identifier (gid) of the text in PEAK_COLOUR below a headline
 # the colours of a decrease and of an increase, which no curve has and colour-blind readers can distinguish
 DECREASE, INCREASE = "#a08400", "#5e3c99"
 LOAD = "#0b7285"  # the colour of the forces in joints, also in films and pages
@@ -228,7 +227,6 @@ def headline(figure: Figure, message: str, conditions: str = "", *lines: tuple[s
     for text, colour in lines:
         look: dict[str, Any] = {"fontsize": "small", "color": colour, "va": "top"}
         line = figure.text(s=broken(figure, text), y=1.0 - (top - 0.5 * GAP) / height, **placement, **look)
-        line.set_gid(PEAK_LINE if colour == PEAK_COLOUR else None)
         top += line.get_window_extent().height / figure.dpi + LINE_GAP
     if conditions and is_narrow(figure):
         write_foot(figure, conditions)
@@ -243,11 +241,6 @@ def headline(figure: Figure, message: str, conditions: str = "", *lines: tuple[s
         else:
             lines_below.remove()
     reserve(figure, top / height, 0.0)
-
-
-def tells_peak(figure: Figure | None) -> bool:
-    """Return whether a figure has a line in PEAK_COLOUR below its headline (``headline``)."""
-    return figure is not None and any(text.get_gid() == PEAK_LINE for text in figure.texts)
 
 
 def broken(figure: Figure, text: str, more: int = 1) -> str:

@@ -9,15 +9,17 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from chain_impact.kernel.record.constants import STICKS
-from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
-from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR, tells_peak
+from chain_impact.pictures.drawing.labels import Ink, Label
+from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR
 from chain_impact.pictures.motion.joint_forces import name_loads
+from chain_impact.pictures.over_time.impacts import hardest, marks_of
 from chain_impact.pictures.words.headline import marked_peaks
 from chain_impact.pictures.words.impact_numbers import (
-    LISTED_OF_MANY,
     MOST_IN_LABEL,
-    numbers_text,
-    short_number_list,
+    choices,
+    items,
+    number_list,
+    write_first_whole,
 )
 from chain_impact.recording.joint_stops import touching_place
 from chain_impact.recording.recording import Recording
@@ -46,8 +48,7 @@ def plot_rings(
 ) -> None:
     """Draw a ring at each position in ``spots``; the ring of an impact in ``marked_peaks`` has PEAK_COLOUR.
 
-    Each ring in PEAK_COLOUR has its own entry in the legend. If the figure has a line on the largest force
-    below the headline (``tells_peak``), the first of these rings has no entry.
+    Each ring in PEAK_COLOUR has its own entry in the legend.
 
     ``spots``: row of an impact → position in the axes; ``size``: the diameter of a ring [points].
     """
@@ -56,10 +57,8 @@ def plot_rings(
     if places := list(dict.fromkeys(spots.values())):
         label = "impacts" if len(places) > len(most) else "_"
         axes.plot(*np.transpose(places), **look, color=INK, zorder=5, label=label)
-    named = most[:1] if tells_peak(axes.get_figure(root=True)) else []
     for peak in most:
-        name = "_" if peak in named else peak.words
-        bold = {"color": PEAK_COLOUR, "markeredgewidth": PEAK_WIDTH, "zorder": 5.2, "label": name}
+        bold = {"color": PEAK_COLOUR, "markeredgewidth": PEAK_WIDTH, "zorder": 5.2, "label": peak.words}
         axes.plot(*spots[peak.row], **look | bold)
 
 
@@ -79,22 +78,24 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
         axes.plot(*np.transpose(positions), **mark_style, zorder=5.5, label="sticks at the end")
 
 
-def number_rings(axes: Axes, recording: Recording, ink: Ink) -> str:
+def number_rings(axes: Axes, recording: Recording, ink: Ink) -> None:
     """Write the numbers of the impacts beside their rings, beyond the walls, where ``ink`` is free.
 
-    The fastest impacts come first; the largest forces in joints (``name_loads``) come last. Returns words for
-    the impacts whose numbers have no room: the numbers or their count; "" if all numbers have room.
+    All impacts have numbers or, without room for that, the largest ones and the last one (``choices``). The
+    largest forces in joints (``name_loads``) come last.
     """
-    hits_at, labels = rings(axes, recording), []
-    for spot, hits in hits_at.items():
-        numbers = [hit + 1 for hit in hits]
-        position, outward = _label_place(recording, recording.impacts[hits[0]], spot)
-        whole = numbers_text(numbers, MOST_IN_LABEL, LISTED_OF_MANY)
-        labels.append(Label(whole, position, outward, min(whole, numbers_text(numbers, 1, 1), key=len)))
-    left = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
+    hits_at = {
+        spot: (_label_place(recording, recording.impacts[hits[0]], spot), hits)
+        for spot, hits in rings(axes, recording).items()
+    }
+    tries = []
+    for rows in choices(hardest(marks_of(recording)[1]).tolist()):
+        told = [(place, [hit + 1 for hit in hits if hit in rows]) for place, hits in hits_at.values()]
+        told = [(place, numbers) for place, numbers in told if numbers]
+        if all(items(numbers) <= MOST_IN_LABEL for _, numbers in told):
+            tries.append([Label(number_list(numbers), *place) for place, numbers in told])
+    write_first_whole(axes, tries, ink, lines=True, fontsize="small", color=INK)
     name_loads(axes, recording, ink)
-    missing = [hits for label, hits in zip(labels, hits_at.values(), strict=True) if label in left]
-    return short_number_list([hit + 1 for hits in missing for hit in hits], len(recording.impacts))
 
 
 def _label_place(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,14 +11,14 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 
 from chain_impact.pictures.drawing.legends import legend_above
-from chain_impact.pictures.drawing.style import INK, TIME_COLOURS, give_ticks, is_one_column, scale_numbers
+from chain_impact.pictures.drawing.style import INK, TIME_COLOURS, give_ticks, scale_numbers
 from chain_impact.pictures.motion.bodies import draw_bodies, draw_rail
 from chain_impact.pictures.motion.impact_rings import draw_rings, draw_sticking, fastest_first
 from chain_impact.pictures.motion.joint_forces import draw_loads
 from chain_impact.pictures.motion.moving_walls import draw_moving
 from chain_impact.pictures.motion.poses import RIM_WIDTH, draw_chain, draw_faint, is_covered, strong_rows
-from chain_impact.pictures.motion.view import BAND, is_flat, seen_size, view_of
-from chain_impact.pictures.motion.walls import draw_walls
+from chain_impact.pictures.motion.view import BAND, GROWN, is_flat, seen_size, view_of
+from chain_impact.pictures.motion.walls import draw_walls, moves
 from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.recording.joint_stops import range_lines
 from chain_impact.recording.recording import Recording
@@ -32,19 +33,28 @@ MOST_MARKED_POINTS = 12  # a chain with more points than this has no marks at it
 # than this part of the area around the path is narrower; LINE_CELL, AREA_CELL: see ``density``; MOST_SAMPLES:
 # the largest number of points on a path from which ``density`` computes
 PATH_WIDTH, DENSE, LINE_CELL, AREA_CELL, MOST_SAMPLES = 1.5, 0.3, 0.01, 0.05, 20000
+# If the last part of a tip's path, shorter than HIDING × the duration of the run, covers the earlier part,
+# the legend tells this; REVISITED: see ``last_time_seen``.
+HIDING, REVISITED = 0.5, 0.05
 # with more paths of points than this, each path is the fainter the more paths there are
 MOST_CLEAR_PATHS = 6
 BALL_LINE = 0.3  # the width of the line of a ball's link, relative to the line of a link that is no ball
 SHORT_LENGTH = 0.1  # [m] if all |y| on the axis of a flat motion are smaller, their unit has a prefix
 
 
-def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, band: float = BAND) -> None:
+def draw_motion(
+    axes: Axes,
+    recording: Recording,
+    shape: float | None = None,
+    band: float = BAND,
+    grown: Sequence[float] = GROWN,
+) -> None:
     """Draw the motion in the plane: walls, paths, faint poses, and strong poses at start, end and impacts.
 
-    ``shape`` is the height of the axes divided by their width, if known; ``shape`` and ``band`` are as for
-    ``view_of``.
+    ``shape`` is the height of the axes divided by their width, if known; ``shape``, ``band`` and ``grown``
+    are as for ``view_of``.
     """
-    view = view_of(recording, shape, band)
+    view = view_of(recording, shape, band, grown)
     draw_walls(axes, recording, view)
     shade = colour_of_time(recording)
     draw_faint(axes, recording)
@@ -57,9 +67,7 @@ def draw_motion(axes: Axes, recording: Recording, shape: float | None = None, ba
     strong = [float(time) for time in recording.impacts["onset"][rows]]
     draw_moving(axes, recording, view, shade, strong)
     draw_rail(axes, recording)
-    # a narrow legend has no room for the poses at impacts and between them
     label = "at impacts" if len(rows) > 1 else f"at impact {sum(rows) + 1}"
-    label = "_" if is_one_column(axes) else label
     for time in strong:
         look = {"color": shade(time), "linewidth": 1.6 * thick, "markersize": 3.5} | marks
         draw_bodies(axes, recording, recording.row_at(time), shade(time), linewidth=0.8)
@@ -120,15 +128,30 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
         others, tip, name = [], recording.points[:, ball], "path"
     others += [*recording.sites.transpose(1, 0, 2)]
     alpha = 0.45 * min(1.0, MOST_CLEAR_PATHS / (len(others) + 1))
-    axes.add_collection(LineCollection(others, colors=INK, linewidths=0.6, alpha=alpha))
+    label = "other points" if any(map(moves, others)) else "_"
+    axes.add_collection(LineCollection(others, colors=INK, linewidths=0.6, alpha=alpha, label=label))
     if len(tip) == 1:
         return
     middles = 0.5 * (recording.time[1:] + recording.time[:-1])
     pieces = np.stack([tip[:-1], tip[1:]], axis=1)
     width = PATH_WIDTH * min(1.0, (DENSE / density(tip, seen_size(recording))) ** 2)
-    path = LineCollection(list(pieces), colors=shade(middles), linewidths=width, capstyle="round", label=name)
+    on_top = last_time_seen(tip, recording.time, seen_size(recording))
+    told = f"{name}, last {on_top:.2g} s on top" if on_top < HIDING * np.ptp(recording.time) else name
+    path = LineCollection(list(pieces), colors=shade(middles), linewidths=width, capstyle="round", label=told)
     path.set_zorder(PATH_LAYER)
     axes.add_collection(path)
+
+
+def last_time_seen(path: np.ndarray, time: np.ndarray, size: float) -> float:
+    """Return how long before the end a path began to cover all of its places for the last time [s].
+
+    A place is a square with the side AREA_CELL × ``size`` [m]; the part REVISITED of all places may be
+    without a later visit. ``path`` has the shape (T, 2) [m], ``time`` the shape (T,) [s].
+    """
+    cells = np.floor(path / (AREA_CELL * size))
+    _, ages = np.unique(cells[::-1], axis=0, return_index=True)
+    first = len(path) - 1 - int(np.quantile(ages, 1.0 - REVISITED))
+    return float(time[-1] - time[first])
 
 
 def density(path: np.ndarray, size: float) -> float:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
-from chain_impact.pictures.drawing.style import INK, is_one_column
+from chain_impact.pictures.drawing.style import INK
 from chain_impact.pictures.motion.impact_rings import fastest_first
 from chain_impact.pictures.motion.view import seen_size
 from chain_impact.pictures.words.headline import marked_peaks
@@ -18,7 +18,8 @@ from chain_impact.recording.recording import Recording
 # the largest number of strong poses between start and end (``strong_rows``); more could not be told apart
 MOST_STRONG_POSES = 5
 # FAINT_POSES: the largest number of faint poses, from rows with equally spaced indices; FAINT: their opacity
-FAINT_POSES, FAINT = 12, 0.18
+FAINT_POSES, FAINT = 12, 0.15
+FAINT_WIDTH = 1.6  # [points] the width of the lines of faint poses, wider than the paths of points
 # The least distance between poses, relative to the size of the motion: FAINT_APART of faint poses,
 # STRONG_APART of strong poses. Of the strong poses, the pose at the fastest impact is always drawn.
 FAINT_APART, STRONG_APART = 0.03, 0.1
@@ -89,6 +90,6 @@ def draw_faint(axes: Axes, recording: Recording) -> None:
     rows = np.unique(np.linspace(0, len(recording.time) - 1, FAINT_POSES).round().astype(int))
     poses = recording.points[rows]
     poses = poses[apart(poses, FAINT_APART * seen_size(recording))]
-    look: dict[str, Any] = {"colors": INK, "linewidths": 0.6, "alpha": FAINT}
-    label = "between" if len(poses) > 1 and not is_one_column(axes) else "_"
+    look: dict[str, Any] = {"colors": INK, "linewidths": FAINT_WIDTH, "alpha": FAINT}
+    label = "chain between" if len(poses) > 1 else "_"
     axes.add_collection(LineCollection(list(poses), **look, label=label))

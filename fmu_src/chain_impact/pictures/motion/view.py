@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -25,7 +25,8 @@ FARTHEST = 1.0
 FLATTEST, FLAT_MARGIN = 0.03, 0.25
 # the least ratio of the shorter to the longer side of a view without a given shape, unless the motion is flat
 SLIMMEST = 0.3
-GROWN = np.array([1.1, 1.2])  # the largest factors on width and height with which the view grows to fill axes
+# the usual largest factors on width and height with which the view grows to fill axes
+GROWN = (1.1, 1.2)
 # a wall counts as parallel to the x axis or the y axis if a |component| of its unit normal exceeds this
 STRAIGHT = 0.99
 # the left, right, lowest and highest point of a disc: x and y relative to its centre, in units of its radius
@@ -65,14 +66,16 @@ def seen_size(recording: Recording) -> float:
     return float(np.ptp(recording.points[..., 1])) if is_flat(recording) else size_of(recording)
 
 
-def view_of(recording: Recording, shape: float | None = None, band: float = BAND) -> View:
+def view_of(
+    recording: Recording, shape: float | None = None, band: float = BAND, grown: Sequence[float] = GROWN
+) -> View:
     """Return the view of a motion in the plane: the motion, with a margin, and the walls near it.
 
     Of a wall that comes near the motion, the view contains the position at the start and both extreme
     positions, except positions farther away than FARTHEST. The view is extended towards ``shape``, the wanted
-    height of the view divided by its width, by at most GROWN, and not beyond walls on both sides. ``band`` is
-    how far the view reaches beyond a wall, relative to the longer side of the view without margins. A motion
-    that ``is_flat`` has a range along y of its own (FLAT_MARGIN).
+    height of the view divided by its width, by at most the factors ``grown`` on width and height, and not
+    beyond walls on both sides. ``band`` is how far the view reaches beyond a wall, relative to the longer
+    side of the view without margins. A motion that ``is_flat`` has a range along y of its own (FLAT_MARGIN).
     """
     places = {
         (name, end): wall
@@ -95,7 +98,7 @@ def view_of(recording: Recording, shape: float | None = None, band: float = BAND
     sides = np.ptp(view, axis=0)
     least = np.full(2, SLIMMEST * sides.max())
     wanted = least if shape is None else np.array([sides[1] / shape, shape * sides[0]])
-    wanted = np.minimum(wanted, GROWN * np.maximum(sides, least))
+    wanted = np.minimum(wanted, np.array(grown) * np.maximum(sides, least))
     before, is_open = open_shares(near.values())
     more = np.maximum(0.0, np.where(is_open, wanted, np.minimum(wanted, least)) - sides)
     view = view + more * np.stack([-before, 1.0 - before])

@@ -13,12 +13,11 @@ from chain_impact.kernel.record.constants import STICKS
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import GREY, INK
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
-from chain_impact.pictures.words.point_names import short_names
+from chain_impact.pictures.words.point_names import number_of, short
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
 
-# the height of a bar that shows sticking, and of a name above its bars, relative to the distance of two rows
-PHASE_HEIGHT, NAME_HEIGHT = 0.3, 0.48
+PHASE_HEIGHT = 0.4  # the height of a bar that shows sticking, relative to the distance of two rows
 MOST_ROWS = 8  # at most so many contacts, joints and sliders together have phases of dry friction drawn
 # sliding that lasts at most this part of the run's duration is too short to be explained in a legend
 SHORT = 0.002
@@ -27,7 +26,8 @@ SHORT = 0.002
 def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     """Draw phases of dry friction: a bar while a contact, joint or slider sticks, a line while it slides.
 
-    Each contact, joint or slider has a row; only the first MOST_ROWS of ``rubbing_places`` are drawn.
+    Each contact, joint or slider has a row, with its name at the left; only the first MOST_ROWS of
+    ``rubbing_places`` are drawn. If all contacts are at one wall, the legend has the name of this wall.
     """
     phases, shown = recording.stick_slip, sorted(rubbing_places(recording)[:MOST_ROWS], reverse=True)
     for phase, length in zip(phases, phase_lengths(recording), strict=True):
@@ -35,22 +35,31 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
             row, sticks = shown.index(location), phase["mode"] == STICKS
             colour, height = (INK, PHASE_HEIGHT) if sticks else (GREY, 0.3 * PHASE_HEIGHT)
             axes.barh(row, length, height, left=phase["start"], color=colour)
-    # a name stands above its bars, so that a long name takes no width from the panels
-    rows = [row + NAME_HEIGHT for row in range(len(shown))]
-    names = [short_names(recording, location) for location in shown]
-    axes.set_yticks(rows, names, fontsize="small", ha="left", va="center")
-    axes.set_ylim(-0.4, len(shown) - 0.25)
-    axes.tick_params(axis="y", length=0, pad=-1.0)
+    walls = {wall for location in shown if (wall := location.partition(" at ")[2])}
+    names = [row_name(location, has_wall=len(walls) > 1) for location in shown]
+    axes.set_yticks(range(len(shown)), names, fontsize="small")
+    axes.set_ylim(-0.5, len(shown) - 0.5)
+    axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
     held = phases["mode"] == STICKS
-    handles: list[Any] = [Patch(color=INK, label="sticks")] if held.any() else []
+    place = f" at {short(*walls)}" if len(walls) == 1 else ""
+    handles: list[Any] = [Patch(color=INK, label=f"sticks{place}")] if held.any() else []
     # a contact may slide for an instant before it sticks; phases of sliding that are too short to be visible
     # need no entry in the legend
     long = phase_lengths(recording) > SHORT * recording.duration
     if (long & ~held).any() or not handles:
-        handles.append(Line2D([], [], color=GREY, linewidth=2.0, label="slides"))
+        handles.append(Line2D([], [], color=GREY, linewidth=2.0, label=f"slides{'' if handles else place}"))
     legend_above(axes, handles)
     shade_rests(axes, shown_time(recording))
+
+
+def row_name(location: str, *, has_wall: bool) -> str:
+    """Return the name of a row: "point 2", "joint 3" or, if ``has_wall``, "point 2, x_max".
+
+    ``location`` has the words of ``element_label``.
+    """
+    element, _, wall = location.partition(" at ")
+    return ", ".join(map(short, filter(None, [number_of(element), wall * has_wall])))
 
 
 def phase_lengths(recording: Recording) -> np.ndarray:

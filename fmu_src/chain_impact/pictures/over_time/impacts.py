@@ -14,18 +14,19 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation
 
-from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
+from chain_impact.pictures.drawing.labels import Ink, Label
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import GREY, INK, PEAK_COLOUR, is_narrow, load_unit, scale_numbers
 from chain_impact.pictures.over_time.time_axis import show_all_time
 from chain_impact.pictures.words.headline import marked_peaks, strengths
 from chain_impact.pictures.words.impact_numbers import (
-    LISTED_OF_MANY,
     MOST_IN_LABEL,
-    numbers_text,
-    short_number_list,
+    choices,
+    items,
+    number_list,
+    write_first_whole,
 )
-from chain_impact.pictures.words.point_names import short_names, what_touches
+from chain_impact.pictures.words.point_names import number_of, short_names, what_touches
 from chain_impact.recording.contact_times import SEEN_CONTACT, contact_ends, impacts_at_peaks
 from chain_impact.recording.impact_words import speed_unit
 from chain_impact.recording.recording import Recording
@@ -43,9 +44,10 @@ IMPACT_DOT, COVERED_RIM = 4.5, 3.0
 # the width and height of a cell in which all marks of impacts count as one mark, relative to the run's
 # duration and to the largest height of a mark
 ONE_MARK = 0.005
-# [points] the widths of the vertical line at an impact and of the line that shows a contact, the size of the
-# mark at the first contact in a row of contacts, and the height of a row of contacts
-STEM, CONTACT, CONTACT_MARK, ROW = 0.8, 2.0, 3.5, 4.5
+# [points] the widths of the vertical line at an impact and of the line that shows a contact; the height of a
+# row of contacts, the space above all rows, and the distance of a row's name from the axes
+STEM, CONTACT, ROW, ABOVE_ROWS, NAME_GAP = 0.8, 2.5, 8.0, 3.0, 4.0
+LANE = "lane"  # the matplotlib identifier (gid) of the name of a row of contacts
 STEM_KEY = 8.0  # [points] the height of the vertical line in the legend that stands for lines at impacts
 SOLID: dict[str, Any] = {"color": INK, "markeredgecolor": "white", "markeredgewidth": 0.5}
 HOLLOW: dict[str, Any] = {"color": INK, "markerfacecolor": "white", "markeredgewidth": 0.8}
@@ -68,9 +70,10 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     A vertical line, the stem, joins the mark to the height 0. The form of a mark tells the point, or the
     joint at a stop (``point_groups``). The impacts in ``marked_peaks`` have the colour PEAK_COLOUR.
 
-    Contacts that are long enough to be visible are thick, pale lines below the height 0. Each group with such
-    contacts has a row of these lines, and the axis of time is below all rows. If there are impacts both at
-    walls and at stops of joints, the values at stops of joints have an axis on the right.
+    Contacts that are long enough to be visible are thick, pale lines in a strip below the height 0. Each
+    group with such contacts has a row in the strip, with its name at the left; the axis of time is below the
+    strip. If there are impacts both at walls and at stops of joints, the values at stops of joints have an
+    axis on the right.
     """
     stopped, onsets, scale = recording.is_at_joint_stop, recording.impacts["onset"], stop_scale(recording)
     times, tops = marks_of(recording)
@@ -95,9 +98,11 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
             axes.plot(times[row], tops[row], **look | bold)
         goes_on = hits[ends[hits] - onsets[hits] > SEEN_CONTACT * span]
         if len(goes_on):
-            draw_contacts(axes, onsets[goes_on], ends[goes_on], lanes, mark)
+            draw_contacts(axes, np.stack([onsets, ends])[:, goes_on], lanes, name, colour)
             lanes += 1
-    axes.spines["bottom"].set_position(("outward", lanes * ROW))
+    if lanes:
+        axes.axhline(0.0, color=GREY, linewidth=STEM, zorder=0.9)
+        axes.spines["bottom"].set_position(("outward", ABOVE_ROWS + lanes * ROW))
     at_stops, at_walls = bool(stopped.any()), not stopped.all() or not len(stopped)
     axes.set_ylabel(scaled_name(axes.yaxis, *measure(recording, is_stop=not at_walls)))
     axes.set_ylim(0.0, HEADROOM * (tops.max(initial=0.0) or 1.0))
@@ -131,25 +136,25 @@ def place_of_late_peaks(recording: Recording) -> str:
     return f"impacts, at the time of their {words}" if late.any() else ""
 
 
-def draw_contacts(axes: Axes, starts: np.ndarray, ends: np.ndarray, lane: int, mark: dict[str, Any]) -> None:
-    """Draw contacts with a common mark, from ``starts`` to ``ends`` [s], as lines in a row below the axes.
+def draw_contacts(axes: Axes, spans: np.ndarray, lane: int, name: str, colour: str) -> None:
+    """Draw contacts of one point or joint as lines in a row below the axes.
 
-    ``lane`` is the number of the row; row 0 is next to the axes. ``mark`` has the properties of the mark with
-    matplotlib's names. The mark stands only at ``starts[0]``.
+    ``spans`` has start and end of each contact [s], shape (2, C). ``lane`` is the number of the row; row 0 is
+    next to the axes. ``name`` is the name of the point or joint, of which ``number_of`` stands at the left.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
-    depth = (0.5 + lane) * ROW / 72.0  # [inch] the distance of the row's middle below the axes' lower edge
-    lowered = axes.get_xaxis_transform() + ScaledTranslation(0.0, -depth, figure.dpi_scale_trans)
-    look: dict[str, Any] = {"linewidth": CONTACT, "alpha": 0.5, "zorder": 1.0, "transform": lowered}
-    lines = axes.hlines(np.zeros(len(starts)), starts, ends, color=mark["color"], **look)
-    mark |= {"linestyle": "", "markersize": CONTACT_MARK, "transform": lowered, "label": "_"}
-    (first,) = axes.plot(starts[:1], [0.0], **mark)
+    depth = ABOVE_ROWS + (0.5 + lane) * ROW  # [points] the distance of the row below the axes' lower edge
+    below = ScaledTranslation(0.0, -depth / 72.0, figure.dpi_scale_trans)
+    look: dict[str, Any] = {"color": colour, "linewidth": CONTACT, "alpha": 0.5, "zorder": 1.0}
+    look["transform"] = axes.get_xaxis_transform() + below
+    lines = axes.hlines(np.zeros(spans.shape[1]), *spans, **look)
     # the lines are below the axes; they are cut off only at the left and right edge of the axes
-    sides = Rectangle((0.0, -1.0), 1.0, 2.0, transform=axes.transAxes)
-    for artist in (lines, first):
-        artist.set_clip_path(sides)
-        artist.set_in_layout(False)
+    lines.set_clip_path(Rectangle((0.0, -1.0), 1.0, 2.0, transform=axes.transAxes))
+    lines.set_in_layout(False)
+    place: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points"}
+    place |= {"ha": "right", "va": "center", "fontsize": "small", "annotation_clip": False, "gid": LANE}
+    axes.annotate(number_of(name), (0.0, 0.0), (-NAME_GAP, -depth), **place)
 
 
 def measure(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
@@ -257,42 +262,35 @@ def point_groups(recording: Recording, tops: np.ndarray) -> list[tuple[str, dict
     return [(name, dict(mark), np.flatnonzero(hits)) for name, mark, hits in groups]
 
 
-def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> str:
+def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
     """Write numbers of impacts at their marks, where ``ink`` is free.
 
-    If ``numbered_step`` is a number k > 1, only every k-th impact gets a number, in the order of time.
-    Otherwise the impact with the highest mark is first, the last impact is second, and impacts whose marks
-    coincide share a label. At most NUMBERED labels are written. If an impact in ``marked_peaks`` has a label
-    of its own, this label also has the force, moment or impulse, if there is room.
-
-    Returns words for the impacts without a number; "" without such impacts.
+    If ``numbered_step`` is a number k > 1, every k-th impact gets a number. Otherwise all impacts get one or,
+    without room for that, those with the highest marks and the last impact (``choices``); impacts whose marks
+    coincide share a label. If an impact in ``marked_peaks`` has a label of its own, this label also has the
+    force, moment or impulse, if there is room.
     """
     times, high = marks_of(recording)
-    tops = list(zip(times.tolist(), high.tolist(), strict=True))
-    order, step = hardest(high), numbered_step(axes, recording)
-    if step > 1:
-        order = np.arange(step - 1, len(tops), step)
+    if not len(times):
+        return
+    step = numbered_step(axes, recording)
     common = {row: rows for rows in common_marks(recording, times, high).values() for row in rows}
-    if step == 1 and tops:
-        # second is the last impact, so that it has its number also at the end of many impacts
-        last = common[len(tops) - 1][0]
-        order = np.array([*dict.fromkeys([int(order[0]), last, *order.tolist()])])
     strongest = {peak.row: peak.value for peak in marked_peaks(recording)}
-    wanted = [row for row in order[:NUMBERED].tolist() if step > 1 or row == common[row][0]]
-    numbers = [[row + 1] if step > 1 else [hit + 1 for hit in common[row]] for row in wanted]
-    texts = (numbers_text(each, MOST_IN_LABEL, LISTED_OF_MANY) for each in numbers)
-    labels = [
-        Label(f"{text}: {strongest[row]}", tops[row], short=text, look={"color": PEAK_COLOUR})
-        if row in strongest and text == str(row + 1)
-        else Label(text, tops[row])
-        for text, row in zip(texts, wanted, strict=True)
-    ]
-    left = place_labels(axes, labels, ink, fontsize="small")
-    if step > 1 and not left:
-        return f"all but every {step}{'nd' if step == 2 else 'th'}"  # noqa: PLR2004 - 2nd
-    named = {hit for label, each in zip(labels, numbers, strict=True) if label not in left for hit in each}
-    missing = [number for number in range(1, len(tops) + 1) if number not in named]
-    return short_number_list(missing, len(tops))
+
+    def label(rows: Sequence[int]) -> Label:
+        """Return the label of the impacts ``rows`` at the mark of the first one."""
+        text, place = number_list(row + 1 for row in rows), (float(times[rows[0]]), float(high[rows[0]]))
+        if rows[0] in strongest and len(rows) == 1:
+            value = strongest[rows[0]]
+            return Label(f"{text}: {value}", place, short=text, look={"color": PEAK_COLOUR})
+        return Label(text, place)
+
+    tries = [[label([row]) for row in range(step - 1, len(times), step)]] if step > 1 else []
+    for rows in choices(hardest(high).tolist()):
+        groups = {tuple(common[row]) if items(common[row]) <= MOST_IN_LABEL else (row,) for row in rows}
+        if len(groups) <= NUMBERED:
+            tries.append([label(group) for group in sorted(groups, key=lambda group: -high[group[0]])])
+    write_first_whole(axes, tries, ink, fontsize="small")
 
 
 def numbered_step(axes: Axes, recording: Recording) -> int:

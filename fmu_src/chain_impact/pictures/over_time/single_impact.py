@@ -116,11 +116,8 @@ def curve_of(
     return factor * (time - impact["onset"]), scale * force, unit
 
 
-def number_one_impact(axes: Axes, recording: Recording, ink: Ink) -> str:
-    """Write the peak force or moment at the curve of ``draw_one_impact``.
-
-    The result is "": no number of an impact lacks room (``overview.NUMBERS``).
-    """
+def number_one_impact(axes: Axes, recording: Recording, ink: Ink) -> None:
+    """Write the peak force or moment at the curve of ``draw_one_impact``."""
     if found := course_of_hardest(recording):
         along, up, _ = curve_of(recording, found)
         top, peak = int(up.argmax()), recording.impacts["peak_force"][found[0]]
@@ -128,4 +125,3 @@ def number_one_impact(axes: Axes, recording: Recording, ink: Ink) -> str:
         place = float(along[top]), float(up[top])
         label = Label(force_text(float(peak), unit), place, look={"color": PEAK_COLOUR})
         place_labels(axes, [label], ink, lines=True, fontsize="small")
-    return ""

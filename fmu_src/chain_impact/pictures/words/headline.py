@@ -169,7 +169,7 @@ def write_head(
     results = [*first, *told, "" if short else load]
     if short and not title:
         results += [*([impact_count_text(recording)] if lead else []), *energy_texts(recording)]
-    known = conditions(recording, *results, touches=has_contact(recording))
+    known = conditions(recording, *results, touches=has_contact(recording), short=short)
     headline(figure, title or message(recording, lead, short=short), known, *lines)
 
 
@@ -316,15 +316,17 @@ def has_contact(recording: Recording) -> bool:
     return recording.impact_count > 0 or any(force is not None and np.any(force) for force in forces)
 
 
-def conditions(recording: Recording, *first: str, touches: bool = True) -> str:
+def conditions(recording: Recording, *first: str, touches: bool = True, short: bool = False) -> str:
     """Return the known conditions of a run in one text: links, joints, contacts, friction and solver.
 
     The texts ``first`` come before the conditions. The laws of contacts and stops, and the values of these
-    laws, are told only if something ``touches`` a wall or a stop.
+    laws, are told only if something ``touches`` a wall or a stop. If ``short``, the conditions lack links,
+    joints, radius and solver.
     """
     known = recording.parameters
-    parts = [*filter(None, first), plural(recording.link_count, "link")]
-    parts += joint_words(recording)
+    parts = [*filter(None, first)]
+    if not short:
+        parts += [plural(recording.link_count, "link"), *joint_words(recording)]
     parts += contact_words(recording) if touches else []
     if rubbing := [words for name, value in known.items() if (words := friction(name, value))]:
         parts.append(f"friction µ = {', '.join(rubbing)}")
@@ -334,9 +336,9 @@ def conditions(recording: Recording, *first: str, touches: bool = True) -> str:
         if uses_restitution(law_at(recording, is_stop=True)):
             told.append(f"e = {known['stop.restitution']:g}")
         parts += [f"stops {', '.join(told)}"] if told else []
-    if known.get("contact.radius"):
+    if known.get("contact.radius") and not short:
         parts.append(f"radius {known['contact.radius']:g} m")
-    if "solver.tolerance" in known:
+    if "solver.tolerance" in known and not short:
         parts.append(f"method {known['solver.method']}, tolerance {number(known['solver.tolerance'])}")
     return SEPARATOR.join(parts)
 

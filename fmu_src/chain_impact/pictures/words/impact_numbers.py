@@ -1,26 +1,49 @@
-"""Numbers of impacts as text, in labels and at the foot of a picture."""
+"""Numbers of impacts in pictures: all of them, or those of the largest impacts and of the last one."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+from matplotlib.axes import Axes
+
+from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
 
 LEAST_RUN = 3  # the least number of successive numbers that are written as a range
-MOST_LISTED = 5  # the largest number of numbers and ranges that a text at the foot lists
-# MOST_IN_LABEL: the largest number of items in a label; an item is an impact, or a range such as "1–81".
-# LISTED_OF_MANY: how many impacts a label lists if there are more items; all other impacts are counted.
-MOST_IN_LABEL, LISTED_OF_MANY = 3, 2
+MOST_IN_LABEL = 3  # the largest number of items in a label; an item is an impact, or a range such as "1–81"
+# if not all impacts have room for their numbers, so many of the largest impacts have one; the first count
+# with room is taken
+LARGEST = (8, 5, 3, 2, 1)
 
 
-def numbers_text(numbers: Sequence[int], most: int, kept: int) -> str:
-    """Return numbers of impacts as text: "1–81".
+def choices(order: Sequence[int]) -> Iterator[list[int]]:
+    """Yield the rows of the impacts that may have numbers: first all, then the largest ones and the last one.
 
-    If the text would have more than ``most`` items (numbers or ranges), it lists only the first ``kept`` of
-    ``numbers``, and counts the other numbers: "7, 10 + 4 more".
+    ``order`` has the rows of all impacts, the largest impact first.
     """
-    whole = number_list(numbers)
-    if whole.count(",") < most:
-        return whole
-    return f"{number_list(numbers[:kept])} + {len(numbers) - kept} more"
+    yield [*order]
+    for count in LARGEST:
+        if count < len(order) - 1:
+            yield [*dict.fromkeys([*order[:count], max(order)])]
+
+
+def write_first_whole(axes: Axes, tries: Iterable[Sequence[Label]], ink: Ink, **options: Any) -> None:
+    """Write the first list of labels of which all labels have room; of the last list those that have room.
+
+    ``options`` are keywords of ``place_labels``.
+    """
+    before, free = {*axes.texts}, ink.pixels()
+    for labels in tries:
+        for text in {*axes.texts} - before:
+            text.remove()
+        ink.restore(free)
+        if not place_labels(axes, labels, ink, **options):
+            return
+
+
+def items(numbers: Iterable[int]) -> int:
+    """Return how many numbers and ranges ``number_list`` writes."""
+    return number_list(numbers).count(",") + 1
 
 
 def number_list(numbers: Iterable[int]) -> str:
@@ -35,13 +58,3 @@ def number_list(numbers: Iterable[int]) -> str:
     for run in runs:
         parts += [f"{run[0]}–{run[-1]}"] if len(run) >= LEAST_RUN else map(str, run)
     return ", ".join(parts)
-
-
-def short_number_list(numbers: Sequence[int], count: int) -> str:
-    """Return numbers of impacts as text, such as "3, 7–9".
-
-    If the text would have more than MOST_LISTED items (numbers or ranges), it tells only how many different
-    ``numbers`` there are: "31 of all 81". ``count``, here 81, is the number of all impacts.
-    """
-    text = number_list(numbers)
-    return text if text.count(",") < MOST_LISTED else f"{len(set(numbers))} of all {count}"

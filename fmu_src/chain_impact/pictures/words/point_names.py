@@ -25,6 +25,11 @@ def short(name: str) -> str:
     return name if len(name) <= LONGEST_NAME else f"{name[:KEPT]}…{name[-KEPT:]}"
 
 
+def number_of(name: str) -> str:
+    """Return "point 5" for "point 5 (heel)"; any other name stays."""
+    return name.partition(" (")[0]
+
+
 def what_touches(recording: Recording, impact: np.void) -> str:
     """Return words for what touches in an impact: "ball" for a ball at a wall, else the touching part."""
     is_ball = ball_of(recording) == impact["point"] and not recording.is_joint_stop(impact["wall"])
