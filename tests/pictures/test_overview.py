@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
+from chain_impact.pictures.over_time.impacts import LANE
 from chain_impact.pictures.overview_layout import is_over_time
 from chain_impact.recording.recording import Recording
 from tests.pictures.pictures import (
@@ -82,6 +84,7 @@ def test_labels_never_overlap(name):
     outside += [axes.get_legend().get_window_extent() for axes in panels if axes.get_legend()]
     outside += [axis.label.get_window_extent() for axes in panels for axis in (axes.xaxis, axes.yaxis)]
     outside += [text.get_window_extent() for text in page.texts]
+    outside += [Text.get_window_extent(text) for text in speeds.texts if text.get_gid() == LANE]
     for box in outside:
         assert not any(box.padded(-0.5).overlaps(axes.get_window_extent()) for axes in panels)
         assert page.bbox.x0 <= box.x0 <= box.x1 <= page.bbox.x1

@@ -46,7 +46,7 @@ IMPACT_DOT, COVERED_RIM = 4.5, 3.0
 ONE_MARK = 0.005
 # [points] the widths of the vertical line at an impact and of the line that shows a contact; the height of a
 # row of contacts, the space above all rows, and the distance of a row's name from the axes
-STEM, CONTACT, ROW, ABOVE_ROWS, NAME_GAP = 0.8, 2.5, 8.0, 3.0, 4.0
+STEM, CONTACT, ROW, ABOVE_ROWS, NAME_GAP = 0.8, 2.5, 8.5, 6.5, 4.0
 LANE = "lane"  # the matplotlib identifier (gid) of the name of a row of contacts
 STEM_KEY = 8.0  # [points] the height of the vertical line in the legend that stands for lines at impacts
 SOLID: dict[str, Any] = {"color": INK, "markeredgecolor": "white", "markeredgewidth": 0.5}
