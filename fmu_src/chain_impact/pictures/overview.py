@@ -11,27 +11,27 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.figures import settle
 from chain_impact.pictures.drawing.labels import Ink
-from chain_impact.pictures.drawing.legends import legend_beside
+from chain_impact.pictures.drawing.legends import legend_above, legend_beside
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.drawing.style import is_narrow, styled, write_foot
 from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
 from chain_impact.pictures.motion.impact_rings import number_rings
 from chain_impact.pictures.motion.line_motion import draw_along_line, line_of_motion
-from chain_impact.pictures.motion.motion import draw_motion
+from chain_impact.pictures.motion.motion import draw_motion, entries_and_note
 from chain_impact.pictures.motion.view import GROWN, is_flat
 from chain_impact.pictures.over_time.dry_friction import draw_stick_slip
 from chain_impact.pictures.over_time.energies import draw_energy
 from chain_impact.pictures.over_time.impacts import draw_impacts, number_impacts, place_of_late_peaks
 from chain_impact.pictures.over_time.single_impact import draw_one_impact, is_alone, number_one_impact
 from chain_impact.pictures.over_time.time_axis import draw_clock, label_time
-from chain_impact.pictures.overview_layout import axes_of, broadness, is_beside, is_over_time, size_for
+from chain_impact.pictures.overview_layout import SLIM, axes_of, broadness, is_beside, is_over_time, size_for
 from chain_impact.pictures.words.headline import write_head
 from chain_impact.pictures.words.point_names import full_names
 from chain_impact.recording.recording import Recording
 
 LEGEND_ROOM = 1.1  # the room for a legend beside the motion, relative to the width of the legend
-# a legend stands beside the motion only if the motion keeps this part of the width
+# a legend stands beside a motion that is not SLIM only if the motion keeps this part of the width
 LEAST_MOTION = 0.6
 # the largest factors (``view_of``) with which the view grows if the motion has the whole width of the figure
 WHOLE_WIDTH = (1.25, GROWN[1])
@@ -104,22 +104,29 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     if timed and "time" not in panel_axes:
         label_time(timed[-1], recording, is_marked="energy" in shown)
     figure.align_ylabels(timed)
+    is_small = motion is not None and is_narrow(figure)
+    if motion is not None and is_small:
+        entries, note = entries_and_note(motion)
+        legend_above(motion, entries)
+        if note:
+            write_foot(figure, note)
     ratio = broadness(recording) if motion is not None else 1.0
     is_alone = len(panel_axes) == 1 or not is_beside(ratio, figure.get_figwidth())
-    legend = legend_beside(motion) if motion is not None and is_narrow(figure) and is_alone else None
+    legend = legend_beside(motion, entries) if motion is not None and is_small and is_alone else None
     scaled = None if is_flat(recording) else motion
     settle(figure, scaled)
     if motion is not None:
         room = motion.get_position(original=True).transformed(figure.transFigure)
         free = room.width - LEGEND_ROOM * legend.get_window_extent().width if legend else 0.0
-        is_slim = free >= max(ratio * room.height, LEAST_MOTION * room.width)
+        is_slim = free >= max(ratio * room.height, 0.0 if ratio <= SLIM else LEAST_MOTION * room.width)
         motion.clear()
         width = free if is_slim else room.width
         side = max(room.height, min(width, room.height * ratio)) * 72.0 / figure.dpi
         band = min((NARROW_NUMBER if is_narrow(figure) else NUMBER) / side, MOST_BAND)
         draw_motion(motion, recording, room.height / width, band, WHOLE_WIDTH if is_alone else GROWN)
-        if is_slim:
-            legend_beside(motion)
+        if is_small:
+            put, (entries, _) = legend_beside if is_slim else legend_above, entries_and_note(motion)
+            put(motion, entries)
         settle(figure, scaled)
     figure.set_layout_engine("none")  # nothing moves while labels are placed
     ink = Ink(figure)

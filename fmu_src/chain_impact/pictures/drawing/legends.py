@@ -58,9 +58,12 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None) -> None:
     _put(axes, [(handle, str(handle.get_label())) for handle in handles])
 
 
-def legend_beside(axes: Axes) -> Any:
-    """Put a legend with one column at the right of axes, outside of the layout, and return the legend."""
-    legend = axes.legend(labelspacing=2.0 * ROW_GAP, **LOOK, **LEGEND_BESIDE)
+def legend_beside(axes: Axes, handles: Sequence[Any]) -> Any:
+    """Put a legend with one column at the right of axes, outside of the layout, and return the legend.
+
+    ``handles`` are the artists that get an entry.
+    """
+    legend = axes.legend(handles=list(handles), labelspacing=2.0 * ROW_GAP, **LOOK, **LEGEND_BESIDE)
     legend.set_in_layout(False)
     return legend
 

@@ -185,12 +185,6 @@ def is_full(axes: Axes) -> bool:
     return figure is None or figure.get_figwidth() >= FULL
 
 
-def is_one_column(axes: Axes) -> bool:
-    """Return whether axes belong to a figure that is not wider than a column of a printed page (COLUMN)."""
-    figure = axes.get_figure(root=True)
-    return figure is not None and figure.get_figwidth() <= COLUMN
-
-
 def is_narrow(figure: Figure) -> bool:
     """Return whether a figure is too narrow for two columns of axes (WIDE)."""
     return bool(figure.get_figwidth() < WIDE)

@@ -9,9 +9,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
+from matplotlib.lines import Line2D
 
 from chain_impact.pictures.drawing.legends import legend_above
-from chain_impact.pictures.drawing.style import INK, TIME_COLOURS, give_ticks, scale_numbers
+from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR, TIME_COLOURS, give_ticks, scale_numbers
 from chain_impact.pictures.motion.bodies import draw_bodies, draw_rail
 from chain_impact.pictures.motion.impact_rings import draw_rings, draw_sticking, fastest_first
 from chain_impact.pictures.motion.joint_forces import draw_loads
@@ -39,6 +40,8 @@ HIDING, REVISITED = 0.5, 0.05
 # with more paths of points than this, each path is the fainter the more paths there are
 MOST_CLEAR_PATHS = 6
 BALL_LINE = 0.3  # the width of the line of a ball's link, relative to the line of a link that is no ball
+# label of lines that a narrow picture explains at its foot, where the legend lacks room → look of these lines
+AT_FOOT = {"chain between": "pale lines", "other points": "thin lines"}
 SHORT_LENGTH = 0.1  # [m] if all |y| on the axis of a flat motion are smaller, their unit has a prefix
 
 
@@ -104,6 +107,21 @@ def draw_motion(
         zoom = box.height / box.width * np.ptp(axes.get_xlim()) / np.ptp(axes.get_ylim())
         axes.set_ylabel(f"y\u00a0[{unit}], enlarged {zoom:#.2g} times".replace(". times", " times"))
     legend_above(axes)
+
+
+def entries_and_note(axes: Axes) -> tuple[list[Any], str]:
+    """Return the artists for the legend of a motion in a narrow figure, and a text for the foot of the figure.
+
+    The text explains the lines whose labels are in AT_FOOT, which have no entry. The first artist in
+    PEAK_COLOUR has none if a text of the figure in this colour tells the impact with the largest force.
+    """
+    handles, labels = axes.get_legend_handles_labels()
+    kept = [handle for handle, label in zip(handles, labels, strict=True) if label not in AT_FOOT]
+    figure = axes.get_figure(root=True)
+    if figure is not None and any(text.get_color() == PEAK_COLOUR for text in figure.texts):
+        marked = [handle for handle in kept if isinstance(handle, Line2D) and handle.get_color() == PEAK_COLOUR]
+        kept = [handle for handle in kept if handle not in marked[:1]]
+    return kept, ", ".join(f"{look}: {label}" for label, look in AT_FOOT.items() if label in labels)
 
 
 def colour_of_time(recording: Recording) -> Any:

@@ -11,9 +11,9 @@ from matplotlib.patches import Patch
 
 from chain_impact.kernel.record.constants import STICKS
 from chain_impact.pictures.drawing.legends import legend_above
-from chain_impact.pictures.drawing.style import GREY, INK
+from chain_impact.pictures.drawing.style import GREY, INK, is_narrow
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
-from chain_impact.pictures.words.point_names import number_of, short
+from chain_impact.pictures.words.point_names import POINT, number_of, short
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
 
@@ -28,6 +28,7 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
 
     Each contact, joint or slider has a row, with its name at the left; only the first MOST_ROWS of
     ``rubbing_places`` are drawn. If all contacts are at one wall, the legend has the name of this wall.
+    In a narrow figure, names with a wall lack the word "point", which the legend then has.
     """
     phases, shown = recording.stick_slip, sorted(rubbing_places(recording)[:MOST_ROWS], reverse=True)
     for phase, length in zip(phases, phase_lengths(recording), strict=True):
@@ -36,13 +37,15 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
             colour, height = (INK, PHASE_HEIGHT) if sticks else (GREY, 0.3 * PHASE_HEIGHT)
             axes.barh(row, length, height, left=phase["start"], color=colour)
     walls = {wall for location in shown if (wall := location.partition(" at ")[2])}
-    names = [row_name(location, has_wall=len(walls) > 1) for location in shown]
+    figure = axes.get_figure(root=True)
+    is_brief = len(walls) > 1 and figure is not None and is_narrow(figure)
+    names = [row_name(location, has_wall=len(walls) > 1, is_brief=is_brief) for location in shown]
     axes.set_yticks(range(len(shown)), names, fontsize="small")
     axes.set_ylim(-0.5, len(shown) - 0.5)
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
     held = phases["mode"] == STICKS
-    place = f" at {short(*walls)}" if len(walls) == 1 else ""
+    place = f" at {short(*walls)}" if len(walls) == 1 else " (point, wall)" if is_brief else ""
     handles: list[Any] = [Patch(color=INK, label=f"sticks{place}")] if held.any() else []
     # a contact may slide for an instant before it sticks; phases of sliding that are too short to be visible
     # need no entry in the legend
@@ -53,13 +56,14 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     shade_rests(axes, shown_time(recording))
 
 
-def row_name(location: str, *, has_wall: bool) -> str:
+def row_name(location: str, *, has_wall: bool, is_brief: bool) -> str:
     """Return the name of a row: "point 2", "joint 3" or, if ``has_wall``, "point 2, x_max".
 
-    ``location`` has the words of ``element_label``.
+    ``location`` has the words of ``element_label``; if ``is_brief``, the name lacks the word "point".
     """
     element, _, wall = location.partition(" at ")
-    return ", ".join(map(short, filter(None, [number_of(element), wall * has_wall])))
+    name = number_of(element).removeprefix(POINT if is_brief else "")
+    return ", ".join(map(short, filter(None, [name, wall * has_wall])))
 
 
 def phase_lengths(recording: Recording) -> np.ndarray:

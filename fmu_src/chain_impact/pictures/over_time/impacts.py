@@ -26,7 +26,7 @@ from chain_impact.pictures.words.impact_numbers import (
     number_list,
     write_first_whole,
 )
-from chain_impact.pictures.words.point_names import number_of, short_names, what_touches
+from chain_impact.pictures.words.point_names import POINT, number_of, short_names, what_touches
 from chain_impact.recording.contact_times import SEEN_CONTACT, contact_ends, impacts_at_peaks
 from chain_impact.recording.impact_words import speed_unit
 from chain_impact.recording.recording import Recording
@@ -81,15 +81,18 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     groups, lanes = point_groups(recording, tops), 0
     sizes = mark_sizes(recording, times, tops, [hits for *_, hits in groups])
     strongest = {peak.row for peak in marked_peaks(recording)}
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    labels = legend_names([name for name, *_ in groups], is_brief=is_narrow(figure))
     lines = np.stack([times, np.zeros(len(tops)), times, tops], axis=1).reshape(-1, 2, 2)
-    for name, mark, hits in groups:
+    for (name, mark, hits), label in zip(groups, labels, strict=True):
         colour = mark["color"]
         stems = [(PEAK_COLOUR, 2.0 * STEM) if row in strongest else (colour, STEM) for row in hits]
         colours, widths = zip(*stems, strict=True)
         axes.add_collection(LineCollection([*lines[hits]], colors=colours, linewidths=widths))
         look = mark | {"linestyle": "", "clip_on": False}
         form = MARK_SCALES.get(mark["marker"], 1.0)
-        axes.plot(times[hits], tops[hits], **look, markersize=form * IMPACT_DOT, label=name)
+        axes.plot(times[hits], tops[hits], **look, markersize=form * IMPACT_DOT, label=label)
         for size in np.unique(sizes[hits][sizes[hits] > IMPACT_DOT]):
             wide = hits[sizes[hits] == size]
             axes.plot(times[wide], tops[wide], **look, markersize=form * size, label="_", zorder=1.9)
@@ -116,14 +119,19 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         handles, _ = axes.get_legend_handles_labels()
         if (ends - onsets > SEEN_CONTACT * span).any():
             handles.append(Line2D([], [], color=GREY, linewidth=CONTACT, label="in contact"))
-        figure = axes.get_figure(root=True)
-        if (told := place_of_late_peaks(recording)) and figure is not None and not is_narrow(figure):
+        if (told := place_of_late_peaks(recording)) and not is_narrow(figure):
             stem: dict[str, Any] = {"color": INK, "marker": "|", "markersize": STEM_KEY}
             handles.append(Line2D([], [], linestyle="", markeredgewidth=STEM, label=told, **stem))
         legend_above(axes, handles)
     else:
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=INK)
     show_all_time(axes, recording)
+
+
+def legend_names(names: Sequence[str], *, is_brief: bool) -> list[str]:
+    """Return the labels of groups; if ``is_brief``, only the first point has the word "point"."""
+    first = next((name for name in names if name.startswith(POINT)), "")
+    return [name.removeprefix(POINT) if is_brief and name != first else name for name in names]
 
 
 def place_of_late_peaks(recording: Recording) -> str:

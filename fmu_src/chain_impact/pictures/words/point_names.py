@@ -10,6 +10,7 @@ from chain_impact.recording.view import ball_of
 from chain_impact.scene.words.names import point_label
 
 LONGEST_NAME = 16  # the largest number of characters of a name that is not shortened
+POINT = "point "  # the beginning of the name of each point
 KEPT = 7  # the number of characters that are kept at each end of a shortened name
 
 
