@@ -28,10 +28,10 @@ BROADEST_FLAT = 3.5  # a larger ratio counts as this ratio when panels are arran
 # the panel only
 WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # RUBBING_ROW: the height of each row of the panel of dry friction, for one contact or joint;
-# LINE_MOTION_HEIGHT: the height of the panel of a ball that moves along a line; CLOCK_SHARE: the height of the
-# axis that shows the colours of time; MOTION_ABOVE_HEIGHT: the largest height of the panel of motion above
-# other panels, on a figure with a width of COLUMN or less. All are relative to the height of the panel of
-# energies.
+# LINE_MOTION_HEIGHT: the height of the panel of a ball that moves along a line; CLOCK_SHARE: the height of
+# the axis that shows the colours of time; MOTION_ABOVE_HEIGHT: the largest height of the panel of motion
+# above other panels, on a figure with a width of COLUMN or less. All are relative to the height of the panel
+# of energies.
 RUBBING_ROW, LINE_MOTION_HEIGHT, CLOCK_SHARE, MOTION_ABOVE_HEIGHT = 0.17, 1.4, 0.06, 2.5
 # If a recording has at most FEW_IMPACTS impacts, the height of their panel is LOW_IMPACTS, relative to the
 # height of the panel of energies.

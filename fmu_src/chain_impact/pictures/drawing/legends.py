@@ -15,7 +15,7 @@ from matplotlib.offsetbox import HPacker, PackerBase, VPacker
 from chain_impact.pictures.drawing.line_breaks import HALVINGS, broken_lines
 from chain_impact.pictures.drawing.style import LEFT, foot_of, head_of, is_narrow, reserve
 
-SHADES = 12  # the number of pieces of the sample of a line that has many colours
+SAMPLE_PIECES = 12  # the number of pieces of the sample of a line that has many colours
 
 
 class ManyColours(HandlerLineCollection):
@@ -24,12 +24,12 @@ class ManyColours(HandlerLineCollection):
     def create_artists(self, legend: Any, orig_handle: Any, *place: Any) -> list[Any]:
         """Return the sample for the lines ``orig_handle``, with matplotlib's arguments for the ``place``."""
         colours = orig_handle.get_colors()
-        if len(colours) < SHADES:
+        if len(colours) < SAMPLE_PIECES:
             return list(super().create_artists(legend, orig_handle, *place))
         _, _, width, height, _, transform = place
-        x, middle = np.linspace(-place[0], width - place[0], SHADES + 1), 0.5 * (height - place[1])
+        x, middle = np.linspace(-place[0], width - place[0], SAMPLE_PIECES + 1), 0.5 * (height - place[1])
         ends = np.stack([x, np.full_like(x, middle)], axis=-1)
-        rows = np.linspace(0, len(colours) - 1, SHADES).astype(int)
+        rows = np.linspace(0, len(colours) - 1, SAMPLE_PIECES).astype(int)
         pieces = LineCollection(list(np.stack([ends[:-1], ends[1:]], axis=1)), colors=colours[rows])
         pieces.set_linewidth(max(LEAST_SAMPLE, *orig_handle.get_linewidths()))
         pieces.set_transform(transform)

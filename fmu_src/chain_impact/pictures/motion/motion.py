@@ -41,7 +41,7 @@ HIDING, REVISITED = 0.5, 0.05
 MOST_CLEAR_PATHS = 6
 BALL_LINE = 0.3  # the width of the line of a ball's link, relative to the line of a link that is no ball
 # label of lines that a narrow picture explains at its foot, where the legend lacks room → look of these lines
-AT_FOOT = {"chain between": "pale lines", "other points": "thin lines"}
+FOOT_LOOKS = {"chain between": "pale lines", "other points": "thin lines"}
 SHORT_LENGTH = 0.1  # [m] if all |y| on the axis of a flat motion are smaller, their unit has a prefix
 
 
@@ -110,18 +110,18 @@ def draw_motion(
 
 
 def entries_and_note(axes: Axes) -> tuple[list[Any], str]:
-    """Return the artists for the legend of a motion in a narrow figure, and a text for the foot of the figure.
+    """Return the artists for the legend of a motion in a narrow figure, and a text for its foot.
 
-    The text explains the lines whose labels are in AT_FOOT, which have no entry. The first artist in
+    The text explains the lines whose labels are in FOOT_LOOKS, which have no entry. The first artist in
     PEAK_COLOUR has none if a text of the figure in this colour tells the impact with the largest force.
     """
     handles, labels = axes.get_legend_handles_labels()
-    kept = [handle for handle, label in zip(handles, labels, strict=True) if label not in AT_FOOT]
+    kept = [handle for handle, label in zip(handles, labels, strict=True) if label not in FOOT_LOOKS]
     figure = axes.get_figure(root=True)
     if figure is not None and any(text.get_color() == PEAK_COLOUR for text in figure.texts):
-        marked = [handle for handle in kept if isinstance(handle, Line2D) and handle.get_color() == PEAK_COLOUR]
-        kept = [handle for handle in kept if handle not in marked[:1]]
-    return kept, ", ".join(f"{look}: {label}" for label, look in AT_FOOT.items() if label in labels)
+        rings = [line for line in kept if isinstance(line, Line2D) and line.get_color() == PEAK_COLOUR]
+        kept = [handle for handle in kept if handle not in rings[:1]]
+    return kept, ", ".join(f"{look}: {label}" for label, look in FOOT_LOOKS.items() if label in labels)
 
 
 def colour_of_time(recording: Recording) -> Any:

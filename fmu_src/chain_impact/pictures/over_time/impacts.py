@@ -46,7 +46,7 @@ IMPACT_DOT, COVERED_RIM = 4.5, 3.0
 ONE_MARK = 0.005
 # [points] the widths of the vertical line at an impact and of the line that shows a contact; the height of a
 # row of contacts, the space above all rows, and the distance of a row's name from the axes
-STEM, CONTACT, ROW, ABOVE_ROWS, NAME_GAP = 0.8, 2.5, 8.5, 6.5, 4.0
+STEM, CONTACT, ROW, ROWS_GAP, NAME_GAP = 0.8, 2.5, 8.5, 6.5, 4.0
 LANE = "lane"  # the matplotlib identifier (gid) of the name of a row of contacts
 STEM_KEY = 8.0  # [points] the height of the vertical line in the legend that stands for lines at impacts
 SOLID: dict[str, Any] = {"color": INK, "markeredgecolor": "white", "markeredgewidth": 0.5}
@@ -105,7 +105,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
             lanes += 1
     if lanes:
         axes.axhline(0.0, color=GREY, linewidth=STEM, zorder=0.9)
-        axes.spines["bottom"].set_position(("outward", ABOVE_ROWS + lanes * ROW))
+        axes.spines["bottom"].set_position(("outward", ROWS_GAP + lanes * ROW))
     at_stops, at_walls = bool(stopped.any()), not stopped.all() or not len(stopped)
     axes.set_ylabel(scaled_name(axes.yaxis, *measure(recording, is_stop=not at_walls)))
     axes.set_ylim(0.0, HEADROOM * (tops.max(initial=0.0) or 1.0))
@@ -152,7 +152,7 @@ def draw_contacts(axes: Axes, spans: np.ndarray, lane: int, name: str, colour: s
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
-    depth = ABOVE_ROWS + (0.5 + lane) * ROW  # [points] the distance of the row below the axes' lower edge
+    depth = ROWS_GAP + (0.5 + lane) * ROW  # [points] the distance of the row below the axes' lower edge
     below = ScaledTranslation(0.0, -depth / 72.0, figure.dpi_scale_trans)
     look: dict[str, Any] = {"color": colour, "linewidth": CONTACT, "alpha": 0.5, "zorder": 1.0}
     look["transform"] = axes.get_xaxis_transform() + below
