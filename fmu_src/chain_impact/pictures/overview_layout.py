@@ -32,7 +32,7 @@ WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # the axis that shows the colours of time; MOTION_ABOVE_HEIGHT: the largest height of the panel of motion
 # above other panels, on a figure with a width of COLUMN or less. All are relative to the height of the panel
 # of energies.
-RUBBING_ROW, LINE_MOTION_HEIGHT, CLOCK_SHARE, MOTION_ABOVE_HEIGHT = 0.17, 1.4, 0.06, 2.5
+RUBBING_ROW, LINE_MOTION_HEIGHT, CLOCK_SHARE, MOTION_ABOVE_HEIGHT = 0.21, 1.4, 0.06, 2.5
 # If a recording has at most FEW_IMPACTS impacts, the height of their panel is LOW_IMPACTS, relative to the
 # height of the panel of energies.
 FEW_IMPACTS, LOW_IMPACTS = 3, 0.65

@@ -24,7 +24,7 @@ SAME_CURVE = 0.005
 # in line widths
 MERGED, PIECES, DASH = 0.008, 200, 3.0
 CLEAR = 0.2  # the opacity of the area for a fast curve, from 0 to 1
-FAST = "pale: range of a fast oscillation, line: its mean"
+FAST = "pale: range of an oscillation, line: mean"
 
 
 def fill_band(

@@ -45,13 +45,15 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
     held = phases["mode"] == STICKS
-    place = f" at {short(*walls)}" if len(walls) == 1 else " (point, wall)" if is_brief else ""
+    place = f" at {short(*walls)}" if len(walls) == 1 else ""
     handles: list[Any] = [Patch(color=INK, label=f"sticks{place}")] if held.any() else []
     # a contact may slide for an instant before it sticks; phases of sliding that are too short to be visible
     # need no entry in the legend
     long = phase_lengths(recording) > SHORT * recording.duration
     if (long & ~held).any() or not handles:
         handles.append(Line2D([], [], color=GREY, linewidth=2.0, label=f"slides{'' if handles else place}"))
+    if is_brief:
+        handles.append(Line2D([], [], linestyle="", label="row: point, wall"))
     legend_above(axes, handles)
     shade_rests(axes, shown_time(recording))
 
