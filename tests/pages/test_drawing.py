@@ -293,6 +293,8 @@ def test_no_force_is_written_on_the_rail_of_a_slider(show_recording):
     assert texts
     numbers = page.locator("#scene .point-number").all_text_contents()
     assert {"min −0.4\u202fm", "max 0.4\u202fm"} <= set(numbers), "positions of the carriage at its stops"
+    notes = [one.bounding_box() for one in page.locator("#scene .rail-note").all()]
+    assert max(one["y"] + one["height"] for one in notes) < bar["y"], "the pole hangs below the rail"
 
 
 def test_a_motion_without_forces_at_walls_has_no_ruler(show_recording):

@@ -1,7 +1,7 @@
 """No label overlaps a control on small screens, and no card another one, by the drawn boxes."""
 
 # Tests: pages/explore.py, pages/browser/player/folding.js, pages/browser/explore/whole_charts.js
-# Tests: pages/browser/explore/parameters/outcome.js
+# Tests: pages/browser/explore/parameters/outcome.js, pages/browser/explore/jumps.js
 
 import pytest
 
@@ -213,6 +213,17 @@ def test_a_tap_on_an_impact_shows_the_motion(show, size):
         view = page.locator("#view").bounding_box()
         assert view["y"] >= 0.0
         assert view["y"] + view["height"] <= page.locator("footer").bounding_box()["y"] + 1.0
+
+
+def test_a_phone_has_links_to_the_parts_of_the_page(show):
+    page = show("cart_pole", viewport=PHONE, has_touch=True)
+    parts = {"Impacts": "#list", "Charts": "#inputs-card", "Parameters": "#parameters", "Motion": "h1"}
+    for name, part in parts.items():
+        page.locator("#jumps").get_by_role("link", name=name).tap()
+        until(page, f"document.querySelector('{part}').getBoundingClientRect().top >= 0")
+        stage, place = (page.locator(one).bounding_box() for one in ("#stage", part))
+        assert place["y"] < (stage["y"] if name == "Motion" else PHONE["height"] - 200.0)
+        assert name == "Motion" or place["y"] >= stage["y"] + stage["height"]
 
 
 def test_a_title_of_three_lines_covers_no_legend(show):

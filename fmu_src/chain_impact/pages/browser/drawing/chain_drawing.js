@@ -9,7 +9,7 @@ import { ArrowScale } from "./arrow_scale.js";
 import { Camera } from "./camera.js";
 import { isCrossed, LabelSpace, positionsAround } from "./label_positions.js";
 import { isOwnPlace, recentImpacts, ringsOf } from "./rings.js";
-import { belowStrip, drawKey, drawRuler, drawScaleBar, STRIP } from "./scale_strip.js";
+import { drawKey, drawRuler, drawScaleBar, STRIP } from "./scale_strip.js";
 import { drawRail } from "./slider_rail.js";
 import { traceFinder, traceOf } from "./trace.js";
 
@@ -148,8 +148,7 @@ export class ChainDrawing {
     this.walls = this.ground.group();
     this.#drawWalls(0);
     this.pin = this.recording.pin.map((line) => [line, this.ground.polyline().addClass("pin")]);
-    const { lines = [], limits = {} } = this.recording.rail ?? {};
-    this.rail = drawRail(this.ground, lines.map((line) => belowStrip(this.#toScreen(line))), limits);
+    this.rail = drawRail(this.ground, this.recording, (points) => this.#toScreen(points));
     const free = this.recording.drawn.loads.length ? drawKey(this.ground, width) : width;
     const rulerEnd = this.recording.peakForce > 0 ? drawRuler(this.ground, this.arrowScale, free) : 0;
     drawScaleBar(this.ground, this.camera.scale, free, rulerEnd);

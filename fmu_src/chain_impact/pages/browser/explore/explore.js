@@ -16,6 +16,7 @@ import { Editor } from "./editor.js";
 import { connectExport } from "./export_dialog.js";
 import { Handles } from "./handles.js";
 import { UndoHistory } from "./history.js";
+import { addJumps } from "./jumps.js";
 import { GridMap } from "./map/map.js";
 import { OpenScene } from "./open_scene.js";
 import { outcomeBeside } from "./parameters/outcome.js";
@@ -144,5 +145,6 @@ const tellByHand = () => {
 };
 changes.onOpen(tellByHand);
 tellByHand();
+addJumps();
 keepChartsWhole(changes);
 simulation.begin();

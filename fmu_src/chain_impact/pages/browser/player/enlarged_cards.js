@@ -22,7 +22,7 @@ export function enlargeable(cards) {
   cards.forEach(([card, part]) => {
     const whole = make("button", { type: "button", className: "whole-time", textContent: "Whole time" });
     const title = part.zoom ? "Enlarge; a drag in the chart then zooms in time" : "Enlarge, with more columns";
-    const button = make("button", { type: "button", className: "enlarge", title, ariaPressed: false });
+    const button = make("button", { type: "button", className: "enlarge", title, ariaLabel: "Enlarge", ariaPressed: false });
     button.setAttribute("aria-describedby", card.getAttribute("aria-labelledby"));
     button.innerHTML = '<svg viewBox="0 0 12 12"><path d="M7 1h4v4M5 11H1V7M11 1 7 5M1 11l4-4"/></svg>';
     whole.addEventListener("click", () => part.zoom());
