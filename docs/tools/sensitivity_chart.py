@@ -21,7 +21,7 @@ from chain_impact import Result, simulate
 from chain_impact.pictures.drawing.dark_ground import is_dark
 from chain_impact.pictures.drawing.style import BLACK, DPI, PALETTE, STYLE, headline
 from chain_impact.pictures.over_time.time_axis import mark_impacts
-from chain_impact.pictures.rows_of_impacts import calm
+from chain_impact.pictures.rows_of_impacts import is_outside_impacts
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.text import number
 from docs.tools import DOCS
@@ -69,7 +69,7 @@ def moved(result: Result) -> dict[str, np.ndarray]:
     """Return kind → largest displacement of the tip, shape (T,) [m]; NaN within impacts."""
     slopes = slopes_of(result)
     sizes = np.hypot(slopes.changes(f"point[{TIP}].x"), slopes.changes(f"point[{TIP}].y"))
-    sizes[~calm(result)] = np.nan
+    sizes[~is_outside_impacts(result)] = np.nan
     return by_kind(sizes, result)
 
 

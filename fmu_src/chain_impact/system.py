@@ -147,7 +147,7 @@ def cores() -> int:
 # --- files -------------------------------------------------------------------------------------------------
 
 
-def cache_folder() -> Path:
+def user_cache_folder() -> Path:
     """Return the user's folder for files that the program can make again, such as compiled kernels.
 
     Raises:

@@ -18,7 +18,7 @@ import pytest
 
 from chain_impact.cli.cache import contents
 from chain_impact.compilation import cache, folders
-from chain_impact.compilation.cache import cache_folder, clear, entries, get_or_make
+from chain_impact.compilation.cache import clear, entries, get_or_make, present_kernel_folder
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.folders import base_folder
 
@@ -36,7 +36,7 @@ def _empty(tmp_path, monkeypatch):
 def files():
     """Return all that is in the folder for these sources, but for locks and checksums."""
     others = (".lock", ".crc32")
-    return sorted(path.name for path in cache_folder().iterdir() if not path.name.endswith(others))
+    return sorted(path.name for path in present_kernel_folder().iterdir() if not path.name.endswith(others))
 
 
 def whole(path):
@@ -53,7 +53,7 @@ def test_a_file_is_made_once_and_appears_when_it_is_whole():
         path.write_text("whole")
 
     first, second = get_or_make("a.so", make), get_or_make("a.so", make)
-    assert first == second == cache_folder() / "a.so"
+    assert first == second == present_kernel_folder() / "a.so"
     assert first.read_text() == "whole"
     assert (files(), len(calls)) == (["a.so"], 1)
     assert stat.S_IMODE(base_folder().stat().st_mode) == 0o700  # for its user only
@@ -96,7 +96,7 @@ def test_a_killed_process_leaves_a_cache_that_works():
     """Another process continues at once, and removes the scratch folder of the killed process."""
     killed = subprocess.Popen([sys.executable, "-c", KILLED], stdout=subprocess.PIPE, text=True)
     assert killed.stdout.readline() == "begun\n"
-    (left,) = cache_folder().glob(".a.so-*")
+    (left,) = present_kernel_folder().glob(".a.so-*")
     killed.send_signal(signal.SIGKILL)
     killed.wait()
     killed.stdout.close()
@@ -127,20 +127,20 @@ def test_folders_that_nobody_uses_are_removed_when_something_is_made():
 def test_a_file_that_is_found_counts_as_use():
     get_or_make("a.so", lambda path: path.write_text("one"))
     long_ago = time.time() - cache.UNUSED - 60
-    os.utime(cache_folder(), (long_ago, long_ago))
+    os.utime(present_kernel_folder(), (long_ago, long_ago))
     assert cache.find("a.so")
-    assert cache_folder().stat().st_mtime > time.time() - 60
+    assert present_kernel_folder().stat().st_mtime > time.time() - 60
 
 
 def test_another_compiler_has_another_place_and_none_that_of_the_extra(monkeypatch):
     def absent(name):
         raise cache.PackageNotFoundError(name)
 
-    before = cache_folder()
+    before = present_kernel_folder()
     for version, same in ((lambda _: "0.0.1", False), (absent, True)):
         monkeypatch.setattr(cache, "version", version)
         cache._version.cache_clear()
-        assert (cache_folder() == before) == same
+        assert (present_kernel_folder() == before) == same
 
 
 def test_without_a_home_an_error_says_what_to_set(monkeypatch):
@@ -236,7 +236,7 @@ def test_a_damaged_file_is_made_again(damage):
 def test_other_errors_than_of_a_place_to_keep_are_as_they_are(tmp_path, where):
     """Check errors that do not concern the cache folder: an unreadable source, and a closed pipe."""
     number = errno.EACCES if where == "elsewhere" else errno.EPIPE
-    path = str(tmp_path / "source" if where == "elsewhere" else cache_folder() / "a.so")
+    path = str(tmp_path / "source" if where == "elsewhere" else present_kernel_folder() / "a.so")
 
     def fail(_):
         raise OSError(number, os.strerror(number), path)
@@ -319,7 +319,7 @@ def test_files_of_the_cache_are_listed_and_removed():
     for name in ("mine", "zig"):  # files of other programs stay
         (base_folder() / name).mkdir()
     own, linker = sorted(entries(), key=lambda entry: len(entry.path.name))
-    assert (own.path, own.size, own.files) == (cache_folder(), 5 + MARK, ("a.so",))
+    assert (own.path, own.size, own.files) == (present_kernel_folder(), 5 + MARK, ("a.so",))
     assert (linker.path, linker.files) == (zig, ())
     lines = list(contents())
     assert lines[0].startswith("ready    ")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact.conversion import mjcf_fields
-from chain_impact.conversion.differences import Effect, lines
+from chain_impact.conversion.differences import SceneAspect, lines
 from chain_impact.conversion.mjcf_fields import (
     DISABLED,
     FIELD_REMARKS,
@@ -84,7 +84,7 @@ def test_each_flag_of_mujoco_is_honoured_or_has_no_effect():
 @pytest.mark.parametrize("row", FIELD_REMARKS, ids=lambda row: row.field)
 def test_reported_fields_are_reported_where_they_are_not_at_their_default(row):
     model = rich()
-    title = "warning" if row.effect == Effect.MOTION else "differs" if row.differs else "left out"
+    title = "warning" if row.effect == SceneAspect.MOTION else "differs" if row.differs else "left out"
     before = lines(unsupported_fields(model), title)
     if row.field == "key_plastic":
         assert model.nplastic == 0  # number of plastic springs, which are reported separately

@@ -19,7 +19,7 @@ from chain_impact.kernel.record import fields
 from chain_impact.kernel.record.counts import COUNTS, FEATURES
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.record.instance import instance_dtype, output_dtype
-from chain_impact.variables.indices import HEAD
+from chain_impact.variables.indices import HEAD_WORDS
 
 # links N, candidates C, elements F, transmitted rows L, channels K, sites P
 SIZES = [
@@ -78,10 +78,10 @@ def test_without_dry_friction_there_is_no_room_for_it():
 
 
 def test_readers_of_the_sizes_have_the_order_of_the_record():
-    head = list(instance_dtype(1, 0).names[:HEAD])
+    head = list(instance_dtype(1, 0).names[:HEAD_WORDS])
     assert head == [*COUNTS, *FEATURES, "tangents"]
     assert [f"chain_{name}" for name in head[:-1]] == [*compilers._SIZES]
-    assert len(COUNTS) + len(FEATURES) + 1 == HEAD
+    assert len(COUNTS) + len(FEATURES) + 1 == HEAD_WORDS
 
 
 # components have the unit of their vector; speeds of joints' stops are angular

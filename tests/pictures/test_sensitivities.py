@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from chain_impact import UnknownNameError, load_scene, simulate
 from chain_impact.pictures.drawing.dark_ground import lighter
 from chain_impact.pictures.drawing.style import PALETTE
-from chain_impact.pictures.rows_of_impacts import calm, shifted, short_contacts
+from chain_impact.pictures.rows_of_impacts import is_outside_impacts, shifted, short_contacts
 from chain_impact.pictures.sensitivities import (
     LARGEST_EFFECTS,
     MOST_OF_ZERO,
@@ -120,7 +120,9 @@ def test_the_most_important_of_many_parameters_have_colours():
     colours = [line.get_color() for line in curves]
     assert colours == [*PALETTE[:LARGEST_EFFECTS]]
     ranges = {name: span_of(recording, name) for name in names}
-    parts = [np.abs(found.changes(name)[calm(recording)]) / span for name, span in ranges.items()]
+    parts = [
+        np.abs(found.changes(name)[is_outside_impacts(recording)]) / span for name, span in ranges.items()
+    ]
     matter = np.max(parts, axis=(0, 1))
     share = dict(zip(found.parameters, matter.tolist(), strict=True))
     largest = sorted(share.values(), reverse=True)
@@ -170,7 +172,7 @@ def test_missing_derivatives_leave_a_gap_with_the_reason():
 
 def test_a_scale_fits_what_is_outside_of_impacts(swing, page):
     *_, energy, _ = page.axes
-    changes, rows = swing.sensitivities.changes("energy.total"), calm(swing)
+    changes, rows = swing.sensitivities.changes("energy.total"), is_outside_impacts(swing)
     assert np.abs(changes).max() > 3.0 * np.abs(changes[rows]).max()
     low, high = 1e-3 * np.array(energy.get_ylim())  # mJ
     assert low <= changes[rows].min()
@@ -185,11 +187,13 @@ def chaotic():
 
 def test_a_curve_ends_where_the_change_exceeds_the_range_of_an_output(chaotic):
     found, page = chaotic.sensitivities, drawn(chaotic)
-    assert np.abs(found.changes("energy.total")[calm(chaotic)]).max() > span_of(chaotic, "energy.total")
+    assert np.abs(found.changes("energy.total")[is_outside_impacts(chaotic)]).max() > span_of(
+        chaotic, "energy.total"
+    )
     for axes, name in zip(page.axes, ("point[4].x", "point[4].y", "energy.total"), strict=False):
         values = [line.get_ydata() for line in axes.lines if len(line.get_xdata()) == len(chaotic.time)]
         scale = 1e-3 if "[m" in axes.get_ylabel() else 1.0  # mm, mJ
-        shown = scale * np.abs(np.where(calm(chaotic), values, np.nan))
+        shown = scale * np.abs(np.where(is_outside_impacts(chaotic), values, np.nan))
         assert np.nanmax(shown) <= span_of(chaotic, name)
         assert np.isnan(shown[0, -1])  # the restitution
         # the large shift of a late impact leaves no gap before earlier impacts
@@ -206,7 +210,7 @@ def test_the_headline_names_the_parameter_that_matters_most(chaotic, swing, page
     assert "more than the range of all energies" in said(drawn(chaotic))[0].replace("\n", " ")
     found = re.search(r"(\S+) \+ 1 % changes (\S+) by (\S+) mm at", said(page)[0])
     parameter, output, value = found.groups()
-    changes = swing.sensitivities.changes(output)[calm(swing), FEW.index(parameter)]
+    changes = swing.sensitivities.changes(output)[is_outside_impacts(swing), FEW.index(parameter)]
     assert 1e-3 * float(value) == pytest.approx(np.abs(changes).max(), rel=0.05)
 
 
@@ -338,7 +342,9 @@ def test_a_step_of_a_parameter_that_is_zero_does_not_set_the_scale():
     result = simulate("four_link_box", 1.1, sensitivities=names)
     page = result.plot_sensitivities(outputs=["point[4].x"])
     axes, scale = page.axes[0], 1e3  # mm
-    of_value, of_zero = np.abs(result.sensitivities.changes("point[4].x")[calm(result)]).max(axis=0) * scale
+    of_value, of_zero = (
+        np.abs(result.sensitivities.changes("point[4].x")[is_outside_impacts(result)]).max(axis=0) * scale
+    )
     assert axes.get_ylabel() == "Δ point[4].x [mm]"
     assert np.abs(axes.get_ylim()).max() < 2.0 * of_value < of_zero
     names = [text.get_text() for text in page.legends[0].get_texts()]

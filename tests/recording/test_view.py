@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.recording.view import PIN, WALL_DISTANCE, pin_mark, seen
+from chain_impact.recording.view import PIN, WALL_DISTANCE, pin_mark, view_corners
 from chain_impact.scene.display.bodies import Rail
 from chain_impact.scene.half_planes import half_planes
 
@@ -14,25 +14,25 @@ SQUARE = np.array([[[0.0, 0.0], [2.0, 2.0]], [[0.0, 2.0], [2.0, 0.0]]])
 
 @pytest.mark.parametrize("gap", [0.0, 0.1, 0.9 * 2.0 * WALL_DISTANCE])
 def test_a_wall_that_is_near_is_in_view(gap):
-    view, near = seen(SQUARE, half_planes({"x_max": 2.0 + gap}, {}))
+    view, near = view_corners(SQUARE, half_planes({"x_max": 2.0 + gap}, {}))
     assert len(near) == 1
     assert view.tolist() == [[0.0, 0.0], [2.0 + gap, 2.0]]
 
 
 @pytest.mark.parametrize("gap", [1.1 * 2.0 * WALL_DISTANCE, -2.1])
 def test_a_wall_far_from_the_motion_is_not(gap):
-    view, near = seen(SQUARE, half_planes({"x_max": 2.0 + gap}, {}))
+    view, near = view_corners(SQUARE, half_planes({"x_max": 2.0 + gap}, {}))
     assert near == {}
     assert view.tolist() == [[0.0, 0.0], [2.0, 2.0]]
 
 
 def test_the_radius_is_seen():
-    view, _ = seen(SQUARE, {}, radius=0.5)
+    view, _ = view_corners(SQUARE, {}, radius=0.5)
     assert view.tolist() == [[-0.5, -0.5], [2.5, 2.5]]
 
 
 def test_a_wall_at_a_slant_is_seen_where_it_is_nearest():
-    view, near = seen(SQUARE, half_planes({}, {"ramp": (0.0, -0.2, -np.pi / 4)}))
+    view, near = view_corners(SQUARE, half_planes({}, {"ramp": (0.0, -0.2, -np.pi / 4)}))
     assert len(near) == 1
     assert (view[0] < 0.0).all()
     assert abs(near["ramp"].clearance(*view[0])) < 1e-12
@@ -52,7 +52,7 @@ def test_a_pinned_base_has_a_ground_mark_away_from_the_chain_and_in_view(side):
     heights = -side * (lines[:, 1] - 2.0)
     assert heights.min() == 0.0
     assert heights.max() == pytest.approx(PIN * 1.0)
-    view, _ = seen(points, {}, pinned=True)
+    view, _ = view_corners(points, {}, pinned=True)
     assert (lines >= view[0]).all()
     assert (lines <= view[1]).all()
 
@@ -60,7 +60,7 @@ def test_a_pinned_base_has_a_ground_mark_away_from_the_chain_and_in_view(side):
 def test_the_ground_mark_of_a_base_that_moves_is_in_view_all_the_time():
     way = np.array([[[0.0, 0.0]], [[3.0, 1.0]], [[1.0, 4.0]]])
     points = hanging([-0.5, 0.0, 0.5]) + way
-    view, _ = seen(points, {}, pinned=True)
+    view, _ = view_corners(points, {}, pinned=True)
     lines = np.concatenate([np.concatenate(pin_mark(points)) + place for place in way[:, 0]])
     assert (lines >= view[0]).all()
     assert (lines <= view[1]).all()
@@ -69,14 +69,14 @@ def test_the_ground_mark_of_a_base_that_moves_is_in_view_all_the_time():
 @pytest.mark.parametrize(("far", "whole"), [(1.9, True), (2.1, False)])
 def test_a_closed_room_is_seen_whole_unless_it_is_far_larger(far, whole):
     walls = half_planes({"x_min": -0.1, "x_max": 2.1, "y_min": -0.1}, {"roof": (0.0, 2.0 + far, np.pi)})
-    view, near = seen(SQUARE, walls, room=1.0)
+    view, near = view_corners(SQUARE, walls, room=1.0)
     assert len(near) == (4 if whole else 3)
     np.testing.assert_allclose(view, [[-0.1, -0.1], [2.1, 2.0 + far if whole else 2.0]], atol=1e-12)
 
 
 def test_a_room_that_is_open_on_a_side_is_not_closed():
     walls = half_planes({"x_min": -0.1, "x_max": 3.0, "y_min": -1.0}, {})
-    view, near = seen(SQUARE, walls, room=1.0)
+    view, near = view_corners(SQUARE, walls, room=1.0)
     assert len(near) == 1
     assert view.tolist() == [[-0.1, 0.0], [2.0, 2.0]]
 

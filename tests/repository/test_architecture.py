@@ -111,6 +111,17 @@ def test_no_two_files_of_a_room_define_a_constant_of_the_same_name(room):
     assert {name for name, count in found.items() if count > 1} == set()
 
 
+def test_no_two_files_define_a_class_of_the_same_name():
+    found = Counter(
+        node.name
+        for file in PACKAGE.rglob("*.py")
+        for node in ast.parse(file.read_text("utf-8")).body
+        if isinstance(node, ast.ClassDef)
+    )
+    assert found
+    assert {name for name, count in found.items() if count > 1} == set()
+
+
 PREPOSITIONS = {
     *("above", "across", "after", "against", "along", "among", "around", "at", "before", "behind", "below"),
     *(

@@ -9,7 +9,7 @@ import tomlkit
 
 from chain_impact import fit, simulate, sweep
 from chain_impact.scene.scene import SceneError, load_scene, parse_scene, scene_from_dict, scene_to_dict
-from chain_impact.studies.fit.scene_file import updated
+from chain_impact.studies.fit.scene_file import text_with_values
 from tests.helpers.tools.differences import slope
 
 BRICK = """
@@ -96,7 +96,7 @@ def test_derivatives_move_the_corners_too():
 
 
 def test_a_fitted_box_stays_a_box_in_its_file():
-    text = updated(BRICK, brick(**CHANGES), "brick.toml")
+    text = text_with_values(BRICK, brick(**CHANGES), "brick.toml")
     link = tomlkit.parse(text)["chain"]["links"][0]
     assert (link["shape"], link["height"], link["length"], len(link["points"])) == ("box", 0.15, 0.4, 1)
     assert parse_scene(text, "again") == brick(**CHANGES)

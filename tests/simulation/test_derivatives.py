@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import Chain, SceneError, SimulationError, UnknownNameError, load_scene, simulate
 from chain_impact.recording.impacts import IMPACT_DTYPE
-from chain_impact.simulation.derivatives import IMPACT_QUANTITIES, DifferentiatedRun
+from chain_impact.simulation.derivatives import DIFFERENTIABLE_COLUMNS, DifferentiatedRun
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import varied_by
 from tests.helpers.scenes.derivative_scenes import AT_STOPS, sprung_chain, struck_twice
@@ -170,7 +170,7 @@ def test_a_run_again_is_that_of_a_new_one():
         right = DifferentiatedRun(scene, names, OUTPUTS).run(scale * start, TIMES)
         for name in ("values", "slopes", "impacts"):
             assert getattr(found, name).tobytes() == getattr(right, name).tobytes()
-        for name in IMPACT_QUANTITIES:
+        for name in DIFFERENTIABLE_COLUMNS:
             assert found.impact_slopes[name].tobytes() == right.impact_slopes[name].tobytes()
         assert (found.status, found.limits) == (0, ())
 
@@ -199,7 +199,7 @@ def test_derivatives_have_a_row_for_each_output_and_parameter():
     assert found.slopes.shape == (3, 2, 2)
     assert found.impacts.dtype == IMPACT_DTYPE
     assert {name: slopes.shape for name, slopes in found.impact_slopes.items()} == dict.fromkeys(
-        IMPACT_QUANTITIES, (len(found.impacts), 2)
+        DIFFERENTIABLE_COLUMNS, (len(found.impacts), 2)
     )
 
 

@@ -115,7 +115,7 @@ class Subject:
             )
 
 
-MOTION = Subject()
+MOTION_SUBJECT = Subject()
 
 
 def add(verbs: Verbs) -> None:
@@ -240,7 +240,7 @@ def open_window() -> Figure:
 def report(
     source: Source,
     canvas: Canvas,
-    subject: Subject = MOTION,
+    subject: Subject = MOTION_SUBJECT,
     *,
     csv: Path | None = None,
     columns: Sequence[str] = (),

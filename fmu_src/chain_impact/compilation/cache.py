@@ -37,7 +37,7 @@ _OURS = re.compile(rf"[0-9a-f]{{16}}|{LINKER}.*")
 UNREPORTED_WAIT = 1.0  # [s] a process that waits longer for another one, which makes a kernel, logs a message
 
 
-def cache_folder() -> Path:
+def present_kernel_folder() -> Path:
     """Return the cache's folder for kernels of the present sources and compilers."""
     return base_folder() / _present()
 
@@ -76,7 +76,7 @@ def find(name: str) -> Path | None:
 
     The result is None, too, if other users can write to the cache, because they could have changed the file.
     """
-    folder = cache_folder()
+    folder = present_kernel_folder()
     if not trusted(folder.parent) or not _is_whole(folder / name):
         return None
     with suppress(OSError):  # a cache that root owns can be read, but its folder cannot be marked as used

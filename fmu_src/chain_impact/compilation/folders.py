@@ -32,7 +32,7 @@ def base_folder() -> Path:
     """
     given = os.environ.get("CHAIN_IMPACT_CACHE")
     try:
-        return (Path(given) if given else system.cache_folder()).absolute()
+        return (Path(given) if given else system.user_cache_folder()).absolute()
     except RuntimeError as error:
         raise BuildError(
             f"no folder for compiled kernels: {error}; set CHAIN_IMPACT_CACHE to a folder"

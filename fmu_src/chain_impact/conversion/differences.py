@@ -17,7 +17,7 @@ WARNING, DIFFERS, LEFT_OUT = "warning", "differs", "left out"  # titles under wh
 PLURALS = {"body": "bodies", "equality": "equalities", "link of joint": "links of joints"}
 
 
-class Effect(IntEnum):
+class SceneAspect(IntEnum):
     """The part of the scene that a difference changes; reports are in the order of these numbers."""
 
     MASS = 0
@@ -47,7 +47,7 @@ class Difference:
     kind: str
     name: str = ""
     text: str
-    effect: Effect
+    effect: SceneAspect
     differs: bool = False
     size: float = 0.0
     joints: frozenset[str] = frozenset()
@@ -60,7 +60,7 @@ class Difference:
         It is WARNING if ``effect`` is MOTION or ``size`` exceeds NEGLIGIBLE. For any other difference it is
         DIFFERS if ``differs``, else LEFT_OUT.
         """
-        if self.effect == Effect.MOTION or self.size > NEGLIGIBLE:
+        if self.effect == SceneAspect.MOTION or self.size > NEGLIGIBLE:
             return WARNING
         return DIFFERS if self.differs else LEFT_OUT
 
@@ -78,7 +78,7 @@ class Difference:
         return not self.bodies or len({link_of[b] for b in self.bodies}) > 1
 
 
-def joint_difference(name: str, text: str, effect: Effect, *, differs: bool = False) -> Difference:
+def joint_difference(name: str, text: str, effect: SceneAspect, *, differs: bool = False) -> Difference:
     """Return a difference of the joint ``name``, which is not reported if this joint is held."""
     about = frozenset([name])
     return Difference(kind="joint", name=name, text=text, effect=effect, differs=differs, joints=about)
@@ -103,7 +103,7 @@ def collected_warnings(package: str) -> Iterator[list[str]]:
 def lines(differences: Iterable[Difference], title: str) -> list[str]:
     """Return the sentences on the differences with the title ``title``: one for each kind and text.
 
-    The sentences are in the order of ``Effect``; for the same effect, the largest difference comes first.
+    The sentences are in the order of ``SceneAspect``; of the same effect, the largest is first.
     """
     ordered = sorted(differences, key=lambda difference: (difference.effect, -difference.size))
     names: dict[tuple[str, str], list[str]] = {}

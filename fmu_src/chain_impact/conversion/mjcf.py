@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from chain_impact.conversion.differences import Difference, Effect, joint_difference
+from chain_impact.conversion.differences import Difference, SceneAspect, joint_difference
 from chain_impact.conversion.mjcf_contacts import Contacts
 from chain_impact.conversion.mjcf_couplings import couplings
 from chain_impact.conversion.mjcf_drives import Drives
@@ -222,7 +222,7 @@ class _Reader:
 
     def _tell_soft(self, joint: str, what: str, where: str) -> None:
         text = f"{what} soft in MuJoCo; a scene has its own, in {where}"
-        self.differences.append(joint_difference(joint, text, Effect.CONTACT, differs=True))
+        self.differences.append(joint_difference(joint, text, SceneAspect.CONTACT, differs=True))
 
     def _others(self) -> Iterator[Difference]:
         """Yield one difference that counts sensors, cameras, lights and skins; nothing if there are none."""
@@ -231,7 +231,7 @@ class _Reader:
         counts = Counter({kind: count for kind, count in kinds.items() if count})
         if counts:
             what = ", ".join(plural(count, kind) for kind, count in counts.items())
-            yield Difference(kind=what, text="not in the scene", effect=Effect.NONE)
+            yield Difference(kind=what, text="not in the scene", effect=SceneAspect.NONE)
 
     def _axes(self, quaternion: np.ndarray) -> np.ndarray:
         """Return the rotation matrix of a quaternion, shape (3, 3)."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.conversion.differences import Difference, Effect
+from chain_impact.conversion.differences import Difference, SceneAspect
 from chain_impact.conversion.robot import LinkShape, Plane, identifier, outline
 
 POINT = re.compile(r"point\[\d+\]")  # matches the names that ``point_name`` gives to shapes
@@ -162,9 +162,9 @@ class Contacts:
                     kind=kind,
                     name=model.geom(g).name or f"{g}",
                     text=text,
-                    effect=Effect.CONTACT,
+                    effect=SceneAspect.CONTACT,
                     bodies=about,
                 )
         if walls:
             text = "is soft in MuJoCo (solref, solimp); a wall of a scene has the law in [contact]"
-            yield Difference(kind="contact", text=text, effect=Effect.CONTACT, differs=True)
+            yield Difference(kind="contact", text=text, effect=SceneAspect.CONTACT, differs=True)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.conversion.differences import Difference, Effect
+from chain_impact.conversion.differences import Difference, SceneAspect
 
 FORCES = {
     "tendon_stiffness": "SPRING",
@@ -34,7 +34,7 @@ def couplings(mujoco: Any, model: Any) -> Iterator[Difference]:
     for t in range(model.ntendon):
         yield from _tendon(mujoco, model, t, off)
     for f in range(model.nflex):
-        yield Difference(kind="flex", name=f"{f}", text="is not in the scene", effect=Effect.MOTION)
+        yield Difference(kind="flex", name=f"{f}", text="is not in the scene", effect=SceneAspect.MOTION)
 
 
 def _equality(mujoco: Any, model: Any, e: int) -> Difference:
@@ -52,7 +52,7 @@ def _equality(mujoco: Any, model: Any, e: int) -> Difference:
         kind="equality",
         name=model.equality(e).name or f"{e}",
         text=f"{kind}: is not in the scene",
-        effect=Effect.MOTION,
+        effect=SceneAspect.MOTION,
         joints=joints,
         bodies=bodies,
     )
@@ -83,7 +83,7 @@ def _tendon(mujoco: Any, model: Any, t: int, off: set[str]) -> Iterator[Differen
         kind="tendon",
         name=model.tendon(t).name or f"{t}",
         text=f"{', '.join(acting)}: is not in the scene",
-        effect=Effect.MOTION,
+        effect=SceneAspect.MOTION,
         joints=frozenset(joints),
         bodies=frozenset(bodies),
     )

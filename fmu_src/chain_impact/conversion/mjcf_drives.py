@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.conversion.differences import NEGLIGIBLE, Difference, Effect, joint_difference
+from chain_impact.conversion.differences import NEGLIGIBLE, Difference, SceneAspect, joint_difference
 from chain_impact.conversion.robot import Joint
 
 # [rad/s] or [m/s] A speed that joints of robots hardly reach. If the limit of the drives acts on the damper
@@ -83,7 +83,7 @@ class Drives:
         start = self.model.name_actuatoradr[a]
         return self.model.names[start:].split(b"\0", 1)[0].decode() or f"{a}"
 
-    def _tell(self, a: int, text: str, effect: Effect, joint: str = "") -> None:
+    def _tell(self, a: int, text: str, effect: SceneAspect, joint: str = "") -> None:
         joints = frozenset([joint] if joint else [])
         self.differences.append(
             Difference(kind="actuator", name=self._name(a), text=text, effect=effect, joints=joints)
@@ -96,7 +96,7 @@ class Drives:
         self._tell(
             a,
             f"acts on no joint, but on a {kind}: is not in the scene",
-            Effect.CONTACT if sticks else Effect.MOTION,
+            SceneAspect.CONTACT if sticks else SceneAspect.MOTION,
         )
 
     def driven(self, joint: Joint, j: int, zero: float) -> Joint:
@@ -109,7 +109,7 @@ class Drives:
             joint = self._geared(joint, a)
         if joint.kind not in ("hinge", "slide"):
             for a in filter(self._active, self.at.get(j, [])):
-                self._tell(a, f"acts on a {joint.kind}: is not in the scene", Effect.MOTION, joint.name)
+                self._tell(a, f"acts on a {joint.kind}: is not in the scene", SceneAspect.MOTION, joint.name)
             return joint
         actuators = [self._drive(joint, a) for a in self.at.get(j, []) if self._active(a)]
         drives = [drive for drive in actuators if drive is not None]
@@ -127,7 +127,7 @@ class Drives:
             self._tell(
                 a,
                 "its damping is not linear; the scene has its linear part",
-                Effect.MOTION,
+                SceneAspect.MOTION,
                 joint.name,
             )
         return replace(
@@ -159,13 +159,15 @@ class Drives:
             or kinds.mjtBias(model.actuator_biastype[a]) not in bias_types
             or min(stiffness, damping) < 0.0
         ):
-            self._tell(a, "is neither a motor nor a servo: is not in the scene", Effect.MOTION, joint.name)
+            self._tell(
+                a, "is neither a motor nor a servo: is not in the scene", SceneAspect.MOTION, joint.name
+            )
             return None
         if model.actuator_plugin[a] >= 0:
             self._tell(
                 a,
                 "is a plugin, which the scene ignores; its other values are used",
-                Effect.MOTION,
+                SceneAspect.MOTION,
                 joint.name,
             )
         control = self._control(joint, a)
@@ -188,12 +190,12 @@ class Drives:
             self._tell(
                 a,
                 f"acts {model.actuator_delay[a]:.6g} s late, in the scene without delay",
-                Effect.MOTION,
+                SceneAspect.MOTION,
                 joint.name,
             )
         if model.actuator_dyntype[a] != kinds.mjDYN_NONE:
             kind = kinds(model.actuator_dyntype[a]).name.removeprefix("mjDYN_").lower()
-            self._tell(a, f"has an activation ({kind}), in the scene none", Effect.MOTION, joint.name)
+            self._tell(a, f"has an activation ({kind}), in the scene none", SceneAspect.MOTION, joint.name)
             value = float(self.activation[model.actuator_actadr[a]])
         return value
 
@@ -238,7 +240,9 @@ class Drives:
             self._tell_limit(joint, limit, stiffness, damping)
         if servo and joint.stiffness > 0.0:
             self._tell_joint(
-                joint, "its spring and its servo become one spring, and the target moves both", Effect.NONE
+                joint,
+                "its spring and its servo become one spring, and the target moves both",
+                SceneAspect.NONE,
             )
         return replace(
             joint,
@@ -268,7 +272,7 @@ class Drives:
         about = frozenset([joint.name])
         if stiffness == 0.0 and torque:
             text = f"its drives act with {torque:.6g} at the start; in the scene this is an input"
-            yield joint_difference(joint.name, text, Effect.MOTION)
+            yield joint_difference(joint.name, text, SceneAspect.MOTION)
         for drive in drives:
             if drive.stiffness and abs(drive.gain / drive.stiffness - 1.0) > EQUAL_GAINS:
                 text = f"the target angle is {drive.gain / drive.stiffness:.6g} times its control"
@@ -280,7 +284,7 @@ class Drives:
                 text = f"its control is from {low:.6g} to {high:.6g}; targets of a scene have no limits"
                 yield _servo_difference(self._name(a), text, about)
 
-    def _tell_joint(self, joint: Joint, text: str, effect: Effect) -> None:
+    def _tell_joint(self, joint: Joint, text: str, effect: SceneAspect) -> None:
         self.differences.append(joint_difference(joint.name, text, effect, differs=True))
 
     def _tell_limit(self, joint: Joint, limit: float, stiffness: float, damping: float) -> None:
@@ -298,13 +302,13 @@ class Drives:
         if joint.stiffness > 0.0:
             way = f"{limit / stiffness:.3g} {unit}"
             text = f"the limit of its drives also limits its spring and damper, from {way} on"
-            self._tell_joint(joint, text, Effect.MOTION)
+            self._tell_joint(joint, text, SceneAspect.MOTION)
         elif joint.damping > 0.0:
             speed = limit / damping
             text = f"the limit of its drives also limits its damper, from {speed:.3g} {unit}/s on"
             part = joint.damping / damping  # of the limited torque, the part of the joint's own damper
             motion = speed < FAST and part > NEGLIGIBLE
-            self._tell_joint(joint, text, Effect.MOTION if motion else Effect.NONE)
+            self._tell_joint(joint, text, SceneAspect.MOTION if motion else SceneAspect.NONE)
 
     def _limit(self, joint: Joint, j: int, drives: list[Drive]) -> float | None:
         """Return the limit of the torque of all drives of a joint together [N·m or N]; None without a limit.
@@ -320,7 +324,7 @@ class Drives:
             text = (
                 f"its drives act with {low:.6g} to {high:.6g}; a limit of a scene is equal in both directions"
             )
-            self._tell_joint(joint, text, Effect.MOTION)
+            self._tell_joint(joint, text, SceneAspect.MOTION)
         return None if math.isinf(limit) else float(limit)
 
 
@@ -329,4 +333,6 @@ def _servo_difference(name: str, text: str, joints: frozenset[str]) -> Differenc
 
     ``text`` follows "actuator" and ``name`` in the sentence; ``joints``: names of the joints of the servo.
     """
-    return Difference(kind="actuator", name=name, text=text, effect=Effect.NONE, differs=True, joints=joints)
+    return Difference(
+        kind="actuator", name=name, text=text, effect=SceneAspect.NONE, differs=True, joints=joints
+    )

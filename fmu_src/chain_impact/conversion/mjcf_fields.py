@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from chain_impact.conversion.differences import Difference, Effect, joint_difference
+from chain_impact.conversion.differences import Difference, SceneAspect, joint_difference
 
 USED_FIELDS = """
     body_gravcomp body_inertia body_ipos body_iquat body_jntadr body_jntnum body_mass body_mocapid
@@ -94,7 +94,6 @@ IGNORED_FLAGS = """
 """
 """Flags that need no note: they concern the search for contacts, soft contacts, time steps or other features
 that scenes do not have. OVERRIDE also replaces the friction of all contacts; mjcf_contacts.py does this."""
-MOTION, CONTACT, NONE = Effect.MOTION, Effect.CONTACT, Effect.NONE
 
 
 class FieldRemark(NamedTuple):
@@ -112,61 +111,93 @@ class FieldRemark(NamedTuple):
     field: str
     kind: str
     default: float
-    effect: Effect
+    effect: SceneAspect
     text: str
     differs: bool = False
 
 
 FIELD_REMARKS = (
     FieldRemark(
-        "jnt_stiffnesspoly", "joint", 0, MOTION, "its spring is not linear; the scene has its linear part"
+        "jnt_stiffnesspoly",
+        "joint",
+        0,
+        SceneAspect.MOTION,
+        "its spring is not linear; the scene has its linear part",
     ),
     FieldRemark(
-        "jnt_springyield", "joint", 0, MOTION, "its spring yields (springyield), in the scene it does not"
+        "jnt_springyield",
+        "joint",
+        0,
+        SceneAspect.MOTION,
+        "its spring yields (springyield), in the scene it does not",
     ),
     FieldRemark(
         "jnt_margin",
         "joint",
         0,
-        CONTACT,
+        SceneAspect.CONTACT,
         "its limits act at a margin before the limits; in the scene they act at the limits",
         True,
     ),
-    FieldRemark("jnt_actgravcomp", "joint", 0, MOTION, "gravcomp is part of its drives (actuatorgravcomp)"),
     FieldRemark(
-        "dof_dampingpoly", "dof", 0, MOTION, "its damping is not linear; the scene has its linear part"
+        "jnt_actgravcomp", "joint", 0, SceneAspect.MOTION, "gravcomp is part of its drives (actuatorgravcomp)"
     ),
-    FieldRemark("body_plugin", "body", -1, MOTION, "has a plugin, which is not in the scene"),
-    FieldRemark("geom_plugin", "geom", -1, CONTACT, "has a plugin, which is not in the scene"),
+    FieldRemark(
+        "dof_dampingpoly",
+        "dof",
+        0,
+        SceneAspect.MOTION,
+        "its damping is not linear; the scene has its linear part",
+    ),
+    FieldRemark("body_plugin", "body", -1, SceneAspect.MOTION, "has a plugin, which is not in the scene"),
+    FieldRemark("geom_plugin", "geom", -1, SceneAspect.CONTACT, "has a plugin, which is not in the scene"),
     FieldRemark(
         "geom_margin",
         "geom",
         0,
-        CONTACT,
+        SceneAspect.CONTACT,
         "touches at a margin before its surface; in the scene it touches at the surface",
         True,
     ),
-    FieldRemark("geom_gap", "geom", 0, CONTACT, "has a gap, in the scene none", True),
+    FieldRemark("geom_gap", "geom", 0, SceneAspect.CONTACT, "has a gap, in the scene none", True),
     FieldRemark(
-        "geom_surfacevel", "geom", 0, CONTACT, "its surface moves (surfacevel), in the scene it does not"
+        "geom_surfacevel",
+        "geom",
+        0,
+        SceneAspect.CONTACT,
+        "its surface moves (surfacevel), in the scene it does not",
     ),
-    FieldRemark("geom_adhesion", "geom", 0, CONTACT, "sticks (adhesion), in the scene it does not"),
     FieldRemark(
-        "geom_fluid", "geom", 0, NONE, "has a shape in a fluid (fluidshape), and the scene has no fluid"
+        "geom_adhesion", "geom", 0, SceneAspect.CONTACT, "sticks (adhesion), in the scene it does not"
+    ),
+    FieldRemark(
+        "geom_fluid",
+        "geom",
+        0,
+        SceneAspect.NONE,
+        "has a shape in a fluid (fluidshape), and the scene has no fluid",
     ),
     FieldRemark(
         "pair_margin",
         "pair",
         0,
-        CONTACT,
+        SceneAspect.CONTACT,
         "touches at a margin before its surface; in the scene it touches at the surface",
         True,
     ),
-    FieldRemark("pair_gap", "pair", 0, CONTACT, "has a gap, in the scene none", True),
-    FieldRemark("pair_adhesion", "pair", 0, CONTACT, "sticks (adhesion), in the scene it does not"),
-    FieldRemark("key_plastic", "keyframe", 0, MOTION, "has a plastic state, and the scene has none"),
-    FieldRemark("opt.density", "option", 0, MOTION, "the robot moves in a fluid, in the scene in none"),
-    FieldRemark("opt.viscosity", "option", 0, MOTION, "the robot moves in a fluid, in the scene in none"),
+    FieldRemark("pair_gap", "pair", 0, SceneAspect.CONTACT, "has a gap, in the scene none", True),
+    FieldRemark(
+        "pair_adhesion", "pair", 0, SceneAspect.CONTACT, "sticks (adhesion), in the scene it does not"
+    ),
+    FieldRemark(
+        "key_plastic", "keyframe", 0, SceneAspect.MOTION, "has a plastic state, and the scene has none"
+    ),
+    FieldRemark(
+        "opt.density", "option", 0, SceneAspect.MOTION, "the robot moves in a fluid, in the scene in none"
+    ),
+    FieldRemark(
+        "opt.viscosity", "option", 0, SceneAspect.MOTION, "the robot moves in a fluid, in the scene in none"
+    ),
 )
 
 
@@ -185,7 +216,7 @@ def unsupported_fields(model: Any) -> Iterator[Difference]:
             text = (
                 "is not zero, and not known to this version: it may have an effect, and is not in the scene"
             )
-            yield Difference(kind="MuJoCo's field", name=field, text=text, effect=MOTION)
+            yield Difference(kind="MuJoCo's field", name=field, text=text, effect=SceneAspect.MOTION)
 
 
 COUNTS: dict[str, Callable[[Any], int]] = {

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from chain_impact.conversion.differences import Difference, Effect, collected_warnings
+from chain_impact.conversion.differences import Difference, SceneAspect, collected_warnings
 from chain_impact.scene.errors import SceneError
 
 CORNERS = (0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
@@ -70,14 +70,14 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
     except (ValueError, mujoco.FatalError) as error:
         raise SceneError(f"{path}: MuJoCo cannot read it: {error}") from None
     differences = [
-        Difference(kind="file", name=name, text="cannot be read", effect=Effect.NONE)
+        Difference(kind="file", name=name, text="cannot be read", effect=SceneAspect.NONE)
         for name in dict.fromkeys(absent.values())
     ]
     for body, mesh in weightless:
         text = f"without the mass of mesh {mesh}, of which the file {absent[mesh]} cannot be read"
         bodies, name = frozenset([body.id - 1, -1]), body.name or f"{body.id}"
         differences.append(
-            Difference(kind="body", name=name, text=text, effect=Effect.MASS, size=1.0, bodies=bodies)
+            Difference(kind="body", name=name, text=text, effect=SceneAspect.MASS, size=1.0, bodies=bodies)
         )
     return Compiled(spec, model, set(absent), differences)
 

@@ -15,7 +15,7 @@ from chain_impact.conversion.differences import (
     LINE_NAMES,
     WARNING,
     Difference,
-    Effect,
+    SceneAspect,
     line,
     lines,
 )
@@ -178,7 +178,7 @@ class _Conversion:
                 text = (
                     f"its mass of {body.mass:.6g} kg is before the first hinge: no link of the scene has it"
                 )
-                self._tell("body", body.name, text, Effect.MOTION)
+                self._tell("body", body.name, text, SceneAspect.MOTION)
             else:
                 still.append(body.name)
         if still:
@@ -202,10 +202,10 @@ class _Conversion:
         for body in bodies:
             if share := body.gravity_compensation:
                 text = f"gravcomp bears {share:.6g} of its weight; in the scene nothing does"
-                self._tell("body", body.name, text, Effect.MOTION)
+                self._tell("body", body.name, text, SceneAspect.MOTION)
         return gravity
 
-    def _tell(self, kind: str, name: str, text: str, effect: Effect, *, differs: bool = False) -> None:
+    def _tell(self, kind: str, name: str, text: str, effect: SceneAspect, *, differs: bool = False) -> None:
         self.differences.append(Difference(kind=kind, name=name, text=text, effect=effect, differs=differs))
 
     def _tip(self) -> np.ndarray:
@@ -334,7 +334,7 @@ class _Conversion:
         if stop != start:
             away = f"{abs(start - stop):.6g} {unit}"
             text = f"starts at its stop; in the file it starts {away} beyond this stop"
-            self._tell("joint", joint.name, text, Effect.MOTION)
+            self._tell("joint", joint.name, text, SceneAspect.MOTION)
         return stop
 
     def _tell_unheld(self, joint: Joint) -> None:
@@ -343,11 +343,10 @@ class _Conversion:
         lost = [f"{key} {value:.6g}" for key, value in values.items() if value and math.isfinite(value)]
         if lost:
             text = f"{', '.join(lost)}: the base of the scene is free, and has none of these"
-            self._tell("joint", joint.name, text, Effect.MOTION)
+            self._tell("joint", joint.name, text, SceneAspect.MOTION)
         for name in joint.drives:
-            self._tell(
-                "joint", joint.name, f"actuator {name} drives it: nothing drives a free base", Effect.MOTION
-            )
+            text = f"actuator {name} drives it: nothing drives a free base"
+            self._tell("joint", joint.name, text, SceneAspect.MOTION)
 
     def _base(self, anchor: np.ndarray, gravity: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the keys of the base for [chain], which are ``slider`` or none, and for [initial].
@@ -380,7 +379,7 @@ class _Conversion:
             amount = f"{joint.armature:.6g} kg"
             text = f"its armature, {amount}, is part of the mass of the carriage, which has weight"
             weighs = abs(float(np.dot(gravity, way))) > ZERO_LENGTH
-            effect = Effect.MOTION if weighs else Effect.NONE
+            effect = SceneAspect.MOTION if weighs else SceneAspect.NONE
             self._tell("joint", joint.name, text, effect, differs=True)
         values = scene_values(joint, joint.rest - start, joint.low - start, joint.high - start)
         return {

@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 from chain_impact.conversion.differences import (
     LINE_NAMES,
     Difference,
-    Effect,
+    SceneAspect,
     collected_warnings,
     joint_difference,
 )
@@ -280,7 +280,7 @@ def _odd_inertias(bodies: list[Body]) -> Iterator[Difference]:
             text = f"no rigid body can have the moments of inertia {moments}"
             around = frozenset([b, -1])
             yield Difference(
-                kind="link", name=body.name, text=text, effect=Effect.MASS, differs=True, bodies=around
+                kind="link", name=body.name, text=text, effect=SceneAspect.MASS, differs=True, bodies=around
             )
 
 
@@ -341,4 +341,4 @@ def _limits(joint: Any) -> Iterator[Difference]:
     }
     for texts in (left_out, differing):
         for text in (text for text, true in texts.items() if true):
-            yield joint_difference(joint.name, text, Effect.NONE, differs=texts is differing)
+            yield joint_difference(joint.name, text, SceneAspect.NONE, differs=texts is differing)

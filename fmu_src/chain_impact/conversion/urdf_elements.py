@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from chain_impact.conversion.differences import Difference, Effect
+from chain_impact.conversion.differences import Difference, SceneAspect
 from chain_impact.scene.errors import SceneError
 
 USED_ATTRIBUTES = {
@@ -82,7 +82,7 @@ def other_elements(root: Element) -> Iterator[Difference]:
             name = part.get("name") or part.get("reference") or ""
             children = ", ".join(dict.fromkeys(child.tag for child in part if isinstance(child.tag, str)))
             text = f"is not in the scene{f': {children}' if children else ''}"
-            yield Difference(kind=f"element {part.tag}", name=name, text=text, effect=Effect.NONE)
+            yield Difference(kind=f"element {part.tag}", name=name, text=text, effect=SceneAspect.NONE)
             continue
         yield from _attributes(part, f"robot/{part.tag}", part)
         for path, element in _inner_elements(part, f"robot/{part.tag}"):
@@ -121,5 +121,5 @@ def _difference(part: Element, what: str, why: str, values: str) -> Difference:
     name = part.get("name") or ""
     text = f"{what}{f' {values}' if values else ''}: {why or 'is not in the scene'}"
     joints = frozenset([name]) if part.tag == "joint" else frozenset[str]()
-    effect = Effect.MOTION if why else Effect.NONE
+    effect = SceneAspect.MOTION if why else SceneAspect.NONE
     return Difference(kind=part.tag, name=name, text=text, effect=effect, joints=joints)

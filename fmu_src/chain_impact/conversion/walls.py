@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.conversion.differences import Difference, Effect
+from chain_impact.conversion.differences import Difference, SceneAspect
 from chain_impact.conversion.flat import ZERO_LENGTH, Plan
 from chain_impact.conversion.joints import PARALLEL_ANGLE, Chosen, ancestors
 from chain_impact.conversion.points import (
@@ -107,7 +107,7 @@ class Walls:
         return {key: table for key, table in tables.items() if table}, points, self.differences
 
     def _tell(self, kind: str, name: str, text: str, size: float = 0.0, *, differs: bool = False) -> None:
-        contact = Effect.CONTACT
+        contact = SceneAspect.CONTACT
         self.differences.append(
             Difference(kind=kind, name=name, text=text, effect=contact, differs=differs, size=size)
         )
@@ -228,9 +228,9 @@ class Walls:
             what = f"point {table.get('name', '')} starts {deep:.4g} m deep in {name}".replace("  ", " ")
             hinge = self.chosen.hinges[i].joint.name
             if free < 0.0:
-                text, effect = f"{what}: it is left out", Effect.MOTION
+                text, effect = f"{what}: it is left out", SceneAspect.MOTION
             else:
-                text, effect = f"{what}: its radius is smaller by that", Effect.CONTACT
+                text, effect = f"{what}: its radius is smaller by that", SceneAspect.CONTACT
             self.differences.append(
                 Difference(
                     kind="link of joint",
@@ -264,7 +264,7 @@ class Walls:
             )
             if counts:
                 what = ", ".join(plural(count, kind) for kind, count in counts.items())
-                effect = Effect.CONTACT if touches and touching else Effect.NONE
+                effect = SceneAspect.CONTACT if touches and touching else SceneAspect.NONE
                 self.differences.append(Difference(kind="shapes", name=what, text=text, effect=effect))
         for i in range(len(self.parts)):
             self._tell_unknown(i, "points" if balls[i] else "two ends")

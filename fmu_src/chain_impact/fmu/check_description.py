@@ -13,9 +13,9 @@ from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
-from chain_impact.fmu.check_structure import Structure, twice
+from chain_impact.fmu.check_structure import ModelStructure, repeated_findings
 from chain_impact.fmu.check_variables import (
-    Variable,
+    DescribedVariable,
     limit_findings,
     types_of,
     variable_findings,
@@ -86,7 +86,7 @@ def description_findings(path: Path) -> list[Finding]:
     }
     for file, content in terminals.items():
         faults += terminal_findings(content, names, file)
-    structure = Structure(root, variables)
+    structure = ModelStructure(root, variables)
     # fmpy (in ``_fmpy_faults``) would raise IndexError or KeyError for a reference to a missing variable
     if not (lost := list(structure.lost())):
         faults += structure.findings()
@@ -126,7 +126,7 @@ def _fmpy_faults(path: Path, *, known: bool) -> list[Finding]:
     ]
 
 
-def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]:
+def list_findings(root: Element, variables: Sequence[DescribedVariable]) -> list[Finding]:
     """Return the faults of lists, FMI modes, types, names of variables, and the default experiment.
 
     The FMI modes are co-simulation, model exchange and scheduled execution.
@@ -136,7 +136,9 @@ def list_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]
         for path in LISTS
         for parent in root.iterfind(path)
         for key in ("name", "value")
-        for finding in twice((child.attrib[key] for child in parent if key in child.attrib), key, path)
+        for finding in repeated_findings(
+            (child.attrib[key] for child in parent if key in child.attrib), key, path
+        )
     )
     named = _name_faults(root.get("variableNamingConvention", "flat"), variables)
     return [*repeated, *_mode_faults(root), *_type_faults(root, variables), *named, *_experiment_faults(root)]
@@ -154,7 +156,7 @@ def _mode_faults(root: Element) -> Iterator[Finding]:
             yield Finding(fault, attribute=mode.tag)
 
 
-def _type_faults(root: Element, variables: Sequence[Variable]) -> Iterator[Finding]:
+def _type_faults(root: Element, variables: Sequence[DescribedVariable]) -> Iterator[Finding]:
     """Yield the faults of declared types: of limits, of units, and of names that a variable has, too."""
     names = {variable.name for variable in variables}
     units = {
@@ -170,7 +172,7 @@ def _type_faults(root: Element, variables: Sequence[Variable]) -> Iterator[Findi
             yield Finding("a variable has the same name", attribute=path_of_type)
 
 
-def _name_faults(convention: str, variables: Sequence[Variable]) -> Iterator[Finding]:
+def _name_faults(convention: str, variables: Sequence[DescribedVariable]) -> Iterator[Finding]:
     """Yield a fault if there are several independent variables, and for each name that is not allowed.
 
     ``convention`` is the naming convention that the model description claims to follow.
@@ -187,7 +189,7 @@ def _name_faults(convention: str, variables: Sequence[Variable]) -> Iterator[Fin
 
 
 def _unit_faults(
-    variable: Variable, units: Mapping[str, Container[str | None]], attribute: str
+    variable: DescribedVariable, units: Mapping[str, Container[str | None]], attribute: str
 ) -> Iterator[Finding]:
     """Yield a fault if the unit or the display unit of a declared type is not defined.
 
@@ -229,7 +231,9 @@ def terminal_findings(root: Element, names: set[str], file: str) -> Iterator[Fin
     """
     for parent in root.iter():
         for tag, key in (("Terminal", "name"), ("TerminalMemberVariable", "memberName")):
-            for repeated in twice(filter(None, (node.get(key) for node in parent.findall(tag))), key, tag):
+            for repeated in repeated_findings(
+                filter(None, (node.get(key) for node in parent.findall(tag))), key, tag
+            ):
                 yield Finding(repeated.text, file, attribute=parent.get("name", parent.tag))
         for key, name in parent.items():
             if key.lower().endswith("variablename") and name not in names:

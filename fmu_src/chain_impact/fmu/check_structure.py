@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import pairwise
 from xml.etree.ElementTree import Element
 
-from chain_impact.fmu.check_variables import Variable
+from chain_impact.fmu.check_variables import DescribedVariable
 from chain_impact.fmu.findings import NAMED_VARIABLES, Finding
 from chain_impact.fmu.versions import is_fmi_2
 from chain_impact.text import few
@@ -22,13 +22,13 @@ _THIRD = {OUTPUT_LIST: "Output", DERIVATIVE_LIST: "ContinuousStateDerivative", I
 _OUTSIDE_CAUSALITIES = ("input", "independent", "parameter", "structuralParameter")
 
 
-class Structure:
+class ModelStructure:
     """The references to variables in a model description: in its structure, derivatives and array sizes.
 
     A reference is the variable's index, from 1, in FMI 2.0, and its value reference in FMI 3.0.
     """
 
-    def __init__(self, root: Element, variables: Sequence[Variable]) -> None:
+    def __init__(self, root: Element, variables: Sequence[DescribedVariable]) -> None:
         """Read the references in a model description."""
         self.variables = variables
         self.is_fmi_2 = is_fmi_2(root.get("fmiVersion"))
@@ -92,7 +92,7 @@ class Structure:
         yield from self._complete(INITIAL_LIST, start - clocked, start | clocked, which)
         for name, nodes in self.lists.items():
             path = f"ModelStructure/{name}"
-            yield from twice((node.attrib[self.key] for node in nodes), self.key, path)
+            yield from repeated_findings((node.attrib[self.key] for node in nodes), self.key, path)
             # only FMI 2.0 has a list of this name; FMI 3.0 requires no order of initial unknowns
             if name == INITIAL_LIST:
                 yield from _rising(self.listed(name), path)
@@ -131,7 +131,7 @@ class Structure:
         # which variables they may depend. So any variable is allowed, also outputs.
         debugging = node.tag == "EventIndicator"
         depends, initial = _depends(node), INITIAL_LIST[:-1] in path
-        yield from twice(depends, self.key, path)
+        yield from repeated_findings(depends, self.key, path)
         if self.is_fmi_2:
             yield from _rising(depends, path)
         for name in depends:
@@ -158,7 +158,7 @@ class Structure:
                 yield f"ModelStructure/{name}, {self.key} {node.attrib[self.key]}, dependencies", node
 
 
-def _sizes(variable: Variable) -> list[str]:
+def _sizes(variable: DescribedVariable) -> list[str]:
     """Return the value references of the variables that give sizes of an array.
 
     Sizes that are plain numbers are left out.
@@ -182,7 +182,7 @@ def _rising(numbers: Sequence[str], path: str) -> Iterator[Finding]:
             return
 
 
-def twice(texts: Iterable[str], what: str, path: str) -> list[Finding]:
+def repeated_findings(texts: Iterable[str], what: str, path: str) -> list[Finding]:
     """Return a finding for each text that occurs more than once in ``texts``."""
     return [
         Finding(f"{what} = {text!r} is listed {count} times", attribute=path)

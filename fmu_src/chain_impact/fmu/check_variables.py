@@ -17,7 +17,7 @@ Value = float | bool | str
 
 
 @dataclass(frozen=True, slots=True)
-class Variable:
+class DescribedVariable:
     """A variable, or a declared type, as a model description has it.
 
     Attributes:
@@ -92,12 +92,12 @@ class Variable:
         return f"below min = {low:.9g}" if value < low else f"above max = {high:.9g}" if value > high else ""
 
 
-def types_of(root: Element) -> list[Variable]:
+def types_of(root: Element) -> list[DescribedVariable]:
     """Return the declared types of a model description, each in the form of a variable."""
     return [_variable(node, {}, 1) for node in root.iterfind("TypeDefinitions/*")]
 
 
-def variables_of(root: Element) -> list[Variable]:
+def variables_of(root: Element) -> list[DescribedVariable]:
     """Return the variables of a model description, in the order of the description."""
     types = {definition.name: definition for definition in types_of(root)}
     nodes = root.findall("ModelVariables/*")
@@ -105,7 +105,7 @@ def variables_of(root: Element) -> list[Variable]:
     return [_variable(node, types, _size(node, starts)) for node in nodes]
 
 
-def _variable(node: Element, types: Mapping[str, Variable], size: int | None) -> Variable:
+def _variable(node: Element, types: Mapping[str, DescribedVariable], size: int | None) -> DescribedVariable:
     """Return the variable of an element; attributes that the element lacks come from the declared type.
 
     ``types`` has the declared types by name; ``size``: number of the variable's values, None if unknown.
@@ -115,7 +115,7 @@ def _variable(node: Element, types: Mapping[str, Variable], size: int | None) ->
     declared = types.get(inner.get("declaredType", ""))
     values = [item.get("value", "") for item in inner.iter("Item")]
     choices = [int(value) for value in values if re.fullmatch(r"-?[0-9]+", value)]
-    return Variable(
+    return DescribedVariable(
         name=node.get("name", ""),
         reference=node.get("valueReference", ""),
         type=inner.tag.removesuffix("Type"),
@@ -139,7 +139,7 @@ def _size(node: Element, starts: Mapping[str | None, str]) -> int | None:
     return math.prod(map(int, texts)) if all(text.isdecimal() for text in texts) else None
 
 
-def variable_findings(root: Element, variables: Sequence[Variable]) -> list[Finding]:
+def variable_findings(root: Element, variables: Sequence[DescribedVariable]) -> list[Finding]:
     """Return the faults of attributes, start values, limits and types.
 
     For FMI 2.0, return also the faults of variables that share a value reference.
@@ -158,21 +158,21 @@ def variable_findings(root: Element, variables: Sequence[Variable]) -> list[Find
     return findings + (_aliases(variables) if is_fmi_2(root.get("fmiVersion")) else [])
 
 
-def limit_findings(variable: Variable) -> Iterator[tuple[str, str]]:
+def limit_findings(variable: DescribedVariable) -> Iterator[tuple[str, str]]:
     """Yield the fault of a variable whose min is above its max, as a pair of an attribute and a sentence."""
     low, high = variable.bound("min"), variable.bound("max")
     if low > high:
         yield "min", f"min = {low:.9g} must not be above max = {high:.9g}"
 
 
-def _type_pairs(variable: Variable, types: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+def _type_pairs(variable: DescribedVariable, types: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     declared = variable.attributes.get("declaredType", "")
     if types.get(declared, variable.type) != variable.type:
         said = f"is a type of {types[declared]}, and the variable is of {variable.type}"
         yield "declaredType", f"declaredType = {declared!r} {said}"
 
 
-def _attribute_pairs(variable: Variable, root: Element) -> Iterator[tuple[str, str]]:
+def _attribute_pairs(variable: DescribedVariable, root: Element) -> Iterator[tuple[str, str]]:
     """Yield a pair, attribute and sentence, for each attribute that a variable must not have.
 
     The reason is the variable's causality or, in FMI 2.0, that the FMU is not for model exchange.
@@ -188,7 +188,7 @@ def _attribute_pairs(variable: Variable, root: Element) -> Iterator[tuple[str, s
             yield name, f"{name} is for model exchange only"
 
 
-def _start_pairs(variable: Variable) -> Iterator[tuple[str, str]]:
+def _start_pairs(variable: DescribedVariable) -> Iterator[tuple[str, str]]:
     start = variable.start
     if (
         start
@@ -205,13 +205,13 @@ def _start_pairs(variable: Variable) -> Iterator[tuple[str, str]]:
             yield "start", f"start = {text} is not a value of the enumeration"
 
 
-def _aliases(variables: Sequence[Variable]) -> list[Finding]:
+def _aliases(variables: Sequence[DescribedVariable]) -> list[Finding]:
     """Return the faults of aliases, variables with the same value reference (FMI 2.0, 2.2.7).
 
     Of the variables with one reference, only one may be set from outside, and all must have the same unit.
     Either all are constants of the same value; or none is constant, and at most one has a start value.
     """
-    first: dict[tuple[str, str], Variable] = {}
+    first: dict[tuple[str, str], DescribedVariable] = {}
     findings = []
     for variable in variables:
         base = "Integer" if variable.type == "Enumeration" else variable.type

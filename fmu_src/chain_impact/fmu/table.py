@@ -38,7 +38,7 @@ VARIABLE = {
 
 A word is an index in the instance record, which counts numbers of 8 bytes.
 """
-HEAD = {
+HEAD_FORMATS = {
     "magic": "8s",
     # size: of the whole file [byte]; checksum: CRC-32 of everything in the file after `checksum`
     **dict.fromkeys(("size", "checksum"), "Q"),
@@ -53,8 +53,8 @@ HEAD = {
     **dict.fromkeys(("variables_at", "statuses_at", "parts_at", "texts_at", "record_at"), "q"),
     "record_size": "q",
 }
-"""Field at the beginning of the table → its format; packaging/c_header.py writes VARIABLE and HEAD for C."""
-CHECKED_FROM = struct.calcsize("<" + "".join(HEAD[name] for name in ("magic", "size", "checksum")))
+"""Field at the beginning of the table → its format; packaging/c_header.py writes both for C."""
+CHECKED_FROM = struct.calcsize("<" + "".join(HEAD_FORMATS[name] for name in ("magic", "size", "checksum")))
 Rows = Sequence[tuple[TableRow, int]]
 """For each variable: its row of the table, and the number of its values (1, or more for an array)."""
 
@@ -116,11 +116,13 @@ def table_bytes(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
         "texts_at": bytes(texts),
     }
     content = b"".join(parts.values())
-    starts = accumulate(map(len, parts.values()), initial=struct.calcsize("<" + "".join(HEAD.values())))
+    starts = accumulate(
+        map(len, parts.values()), initial=struct.calcsize("<" + "".join(HEAD_FORMATS.values()))
+    )
     head = dict(zip(parts, starts, strict=False)) | _words(prepared)
     head |= {"variable_count": len(variables), "status_count": len(codes), "part_count": len(parts_of_scene)}
     head |= {"size": head["texts_at"] + len(texts), "checksum": 0, "record_size": len(record)}
-    packed_head = _structure(HEAD, {**head, "magic": MAGIC, "guid": guid.encode()})
+    packed_head = _structure(HEAD_FORMATS, {**head, "magic": MAGIC, "guid": guid.encode()})
     checked = packed_head[CHECKED_FROM:] + content
     return packed_head[: CHECKED_FROM - 8] + zlib.crc32(checked).to_bytes(8, "little") + checked
 
@@ -138,7 +140,7 @@ def _numbers(numbers: Iterable[int]) -> bytes:
 
 
 def _words(prepared: PreparedScene) -> dict[str, int]:
-    """Return the words of the record that the C interface itself reads or writes, as field of HEAD → word.
+    """Return the words of the record that the C interface reads or writes, as field of HEAD_FORMATS → word.
 
     Words of prescribed motions are 0 if the scene has none.
     """

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 from xml.etree import ElementTree
 
-from chain_impact.fmu.check_variables import REALS, Value, Variable, variables_of
+from chain_impact.fmu.check_variables import REALS, DescribedVariable, Value, variables_of
 from chain_impact.fmu.findings import COMPLETE, DESCRIPTION, Finding
 from chain_impact.fmu.importer import instantiate, listening, loaded
 from chain_impact.fmu.references import REFERENCE_FILE, check_references
@@ -122,7 +122,7 @@ class Trial:
         length = _number(experiment, "stopTime", 1.0) - _number(experiment, "startTime", 0.0)
         return fixed or _number(experiment, "stepSize", 0.0) or max(length, 0.0) / 500 or 1e-3
 
-    def found(self, text: str, variable: Variable | None = None, attribute: str = "") -> None:
+    def found(self, text: str, variable: DescribedVariable | None = None, attribute: str = "") -> None:
         """Write a finding to the report: a fault of a variable or, without ``variable``, of the binary."""
         if variable:
             self.tell(finding=asdict(Finding(text, DESCRIPTION, variable.name, attribute)))

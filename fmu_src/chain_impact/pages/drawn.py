@@ -31,7 +31,7 @@ DRAWN: Mapping[tuple[str, str], tuple[str, str]] = {
 slider as joint 0."""
 GROUPS = tuple(dict.fromkeys(group for group, _ in DRAWN.values()))
 """The names of the groups; an entry of a group has the quantities of one owner."""
-IMPACT_QUANTITIES = {
+COLUMN_OF_QUANTITY = {
     "speed": "impact_speed",
     "rebound": "separation_speed",
     "peak": "peak_force",

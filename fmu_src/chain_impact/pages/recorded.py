@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.pages.assembly import assembled, program, script_data, styles, text_of
-from chain_impact.pages.drawn import IMPACT_QUANTITIES, drawn_entries
+from chain_impact.pages.drawn import COLUMN_OF_QUANTITY, drawn_entries
 from chain_impact.pages.encoding import encoded
 from chain_impact.pages.shared import FINEST
 from chain_impact.recording.joint_stops import JointRange
@@ -104,7 +104,7 @@ def impacts(recording: Recording) -> list[dict[str, Any]]:
             "end": _known(impact["end"]),
             "linearSpeed": linear_speed,
             "joint": int(impact["joint"]),
-            **{name: _known(impact[column]) for name, column in IMPACT_QUANTITIES.items()},
+            **{name: _known(impact[column]) for name, column in COLUMN_OF_QUANTITY.items()},
             "atStop": at_stop,
         }
         for impact, linear_speed, at_stop in at

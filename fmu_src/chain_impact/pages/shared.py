@@ -27,7 +27,7 @@ from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.rows.geometry import BOX_NORMALS, STOP_CODES
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STARTS_INSIDE_WALL, STATUS_TEXT
-from chain_impact.pages.drawn import GROUPS, IMPACT_QUANTITIES
+from chain_impact.pages.drawn import COLUMN_OF_QUANTITY, GROUPS
 from chain_impact.recording import curves, joint_stops, pacing, view
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene import errors
@@ -132,7 +132,7 @@ def shared() -> dict[str, Any]:
             "STOP_CODES": STOP_CODES,
             "STATUS_TEXT": {str(status): text for status, text in STATUS_TEXT.items()},
         },
-        "drawn": {"GROUPS": GROUPS, "IMPACT_QUANTITIES": IMPACT_QUANTITIES},
+        "drawn": {"GROUPS": GROUPS, "COLUMN_OF_QUANTITY": COLUMN_OF_QUANTITY},
         "contactLog": {"REALS": [name for name in LOG_DTYPE.names or () if LOG_DTYPE[name] == np.float64]},
         "packed": {"FINEST": FINEST},
         "quantities": {

@@ -19,7 +19,7 @@ from chain_impact.pictures.curve_peaks import (
     largest_drawn,
     largest_vectors,
 )
-from chain_impact.pictures.drawing.distinct_curves import hides, plot_curves
+from chain_impact.pictures.drawing.distinct_curves import hidden_counts, plot_curves
 from chain_impact.pictures.drawing.figures import PANEL_HEIGHT, settle
 from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
 from chain_impact.pictures.drawing.legends import legend_above
@@ -231,7 +231,7 @@ def draw_all(
         drawn = [curves.values[name] for name in names]
         own = curves.units[names[0]]
         scale, unit = axis_unit(own, drawn)
-        looks = zip(names, looks_of(names, places), hides(drawn), strict=True)
+        looks = zip(names, looks_of(names, places), hidden_counts(drawn), strict=True)
         lines = {
             name: (
                 curves.values[name],

@@ -9,7 +9,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
 
 
-def calm(recording: Recording) -> np.ndarray:
+def is_outside_impacts(recording: Recording) -> np.ndarray:
     """Return whether each row is outside of all impacts that end in the run, shape (T,).
 
     A parameter also shifts impacts in time. Within an impact, where quantities change fast, the derivatives

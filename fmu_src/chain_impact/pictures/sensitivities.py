@@ -37,7 +37,7 @@ from chain_impact.pictures.drawing.style import (
 )
 from chain_impact.pictures.over_time.energies import range_of
 from chain_impact.pictures.over_time.time_axis import impact_lines, mark_impacts, name_time
-from chain_impact.pictures.rows_of_impacts import calm, shifted, short_contacts
+from chain_impact.pictures.rows_of_impacts import is_outside_impacts, shifted, short_contacts
 from chain_impact.pictures.sensitivity_table import draw_impact_changes
 from chain_impact.pictures.words.headline import conditions, time_unit
 from chain_impact.recording.recording import Recording
@@ -154,7 +154,7 @@ def shares(recording: Recording, sensitivities: Sensitivities, output: str) -> n
     """
     parts = np.abs(np.nan_to_num(sensitivities.changes(output)))
     parts /= max(span_of(recording, output), parts[:1].max(initial=0.0))
-    parts[~calm(recording)] = 0.0
+    parts[~is_outside_impacts(recording)] = 0.0
     return np.asarray(parts)
 
 
@@ -196,7 +196,7 @@ def with_small_steps(
         for part in STEP_PARTS:
             tried = replace(sensitivities, parts={**sensitivities.parts, name: part})
             relative = np.max([shares(recording, tried, output) for output in outputs], axis=0)
-            is_shown = hold_to_first_order(relative) & calm(recording)[:, None]
+            is_shown = hold_to_first_order(relative) & is_outside_impacts(recording)[:, None]
             sizes = [np.where(is_shown, np.abs(np.nan_to_num(tried.changes(one))), 0.0) for one in outputs]
             most = np.max(sizes, axis=1)
             others = most[:, ~is_zero].max(axis=1)
@@ -284,7 +284,7 @@ def _change_sizes(recording: Recording, sensitivities: Sensitivities, output: st
     """
     sizes = np.abs(np.nan_to_num(sensitivities.changes(output)[:, k]))
     sizes[shifted(recording, sensitivities)[:, k]] = 0.0
-    return np.where(calm(recording), sizes, 0.0)
+    return np.where(is_outside_impacts(recording), sizes, 0.0)
 
 
 def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
@@ -332,7 +332,7 @@ def draw_changes(
     """
     is_shown = known & ~short_contacts(recording)[:, None] & ~shifted(recording, sensitivities)
     changes = np.where(is_shown, sensitivities.changes(output), np.nan)
-    rows = calm(recording)
+    rows = is_outside_impacts(recording)
     low, high = scale_ends(changes[rows])
     scale, unit = readable(max(-low, high), sensitivities.units[output])
     changes *= scale

@@ -69,7 +69,7 @@ UNSHOWN = ("effective_mass", "joint_force", *POSITION)
 """The columns that are NaN in a table from an FMU's outputs, because the FMU has no outputs for them."""
 
 
-def named(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
+def impact_table_of_log(impacts: np.ndarray, walls: Sequence[str]) -> np.ndarray:
     """Return the impacts of a log of contacts as a table with the names of their walls and the durations.
 
     ``walls`` has the names, in the order of the walls' numbers.
@@ -101,7 +101,7 @@ def sorted_impacts(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[n
     numbers = filled[0] if len(filled) == 1 else np.concatenate(filled)
     ordered = np.ndarray(len(numbers), LOG_DTYPE, numbers)
     order = np.lexsort((ordered["wall"], ordered["point"], ordered["onset"]))
-    return order, named(np.ndarray(len(numbers), LOG_DTYPE, numbers.take(order, 0)), walls)
+    return order, impact_table_of_log(np.ndarray(len(numbers), LOG_DTYPE, numbers.take(order, 0)), walls)
 
 
 def _numbers(table: np.ndarray) -> np.ndarray:
@@ -205,7 +205,9 @@ def _table(record: Any, walls: Sequence[str]) -> np.ndarray:
     # the final values of a contact that newer impacts have pushed out of the FMU's list are unknown
     for field in ("peak_force", "max_penetration", "impulse"):
         table[field][lasting & (row < len(time) - 1)] = np.nan
-    return named(np.sort(table, order=["onset", "point", "wall"]), walls or wall_names_of(record))
+    return impact_table_of_log(
+        np.sort(table, order=["onset", "point", "wall"]), walls or wall_names_of(record)
+    )
 
 
 def wall_names_of(record: Any) -> list[str]:
@@ -233,7 +235,7 @@ def impacts_shown(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
         table[field] = np.asarray(record[f"impact.last_{COLUMNS[field]}"])[rows]
     table["wall"] -= 1
     table["joint"] = 0
-    return named(table.astype(LOG_DTYPE), walls)
+    return impact_table_of_log(table.astype(LOG_DTYPE), walls)
 
 
 def names_of(record: Any) -> Any:

@@ -25,7 +25,7 @@ from chain_impact.variables.impact_units import unit_at
 LISTED_IMPACTS, LISTED_IN_SHORT = 30, 10
 NAMED_IMPACTS = 3  # largest number of impacts that the summary names for the time of a joint's largest force
 JOINTS = 8  # largest number of joints whose forces the summary lists
-DEEP = 0.5  # [1] ``Body.deep`` of a link, relative to its length
+DEEP = 0.5  # [1] ``BodySize.deep`` of a link, relative to its length
 # largest number of contacts, joints and sliders that the summary names as sticking at the end
 NAMED_STICKING = 3
 VALUES = ("speed", "duration", "peak force", "impulse")
@@ -199,7 +199,7 @@ def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
 
 
 def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
-    """Return one sentence, in a list, if a penetration is larger than ``Body.deep`` of the smallest body.
+    """Return one sentence, in a list, if a penetration is larger than ``BodySize.deep`` of the smallest body.
 
     The sentence names the wall, or the stop of a slider, with the deepest penetration, which is too soft
     for the motion. Stops of joints do not count. If no penetration is so large, the list is empty.
@@ -220,7 +220,7 @@ def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
     ]
 
 
-class Body(NamedTuple):
+class BodySize(NamedTuple):
     """A body of the scene.
 
     Attributes:
@@ -234,7 +234,7 @@ class Body(NamedTuple):
     deep: float
 
 
-def smallest_body(scene: Scene) -> Body:
+def smallest_body(scene: Scene) -> BodySize:
     """Return the smallest body: the shortest link, or a ball with its radius as the size.
 
     A free chain of one link is a ball if its centre of mass is at an end, and only this end touches. The
@@ -247,5 +247,5 @@ def smallest_body(scene: Scene) -> Body:
     is_free_link = scene.chain.base == "free" and len(scene.chain.links) == 1
     if is_free_link and scene.touching_points == (centre,):
         radius = scene.contact.radius or np.inf
-        return Body("the radius of the ball", radius, radius)  # a soft ball may go as deep as its radius
-    return Body("the length of the shortest link", link.length, DEEP * link.length)
+        return BodySize("the radius of the ball", radius, radius)  # a soft ball may go as deep as its radius
+    return BodySize("the length of the shortest link", link.length, DEEP * link.length)

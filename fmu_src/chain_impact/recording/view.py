@@ -62,7 +62,7 @@ def pin_mark(points: np.ndarray) -> list[np.ndarray]:
     return [base + size * line * [1.0, side] for line in PIN_LINES]
 
 
-def seen(
+def view_corners(
     points: np.ndarray,
     walls: Mapping[Key, HalfPlane],
     radius: float = 0.0,
@@ -114,13 +114,13 @@ def seen(
 def framed(
     points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float, *, pinned: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the view of a film: the rectangle that ``seen`` returns with ROOM, and a margin around it.
+    """Return the view of a film: the rectangle that ``view_corners`` returns with ROOM, and a margin.
 
     Returns:
         The lower left and the upper right corner of the view with its margin, shape (2, 2) [m], and the first
             result of ``open_shares`` for the near walls.
     """
-    view, near = seen(points, walls, radius, room=ROOM, pinned=pinned)
+    view, near = view_corners(points, walls, radius, room=ROOM, pinned=pinned)
     margin = FILM_MARGIN * max(np.ptp(view, axis=0).max(), LEAST_VIEW)
     return view + margin * np.array([[-1.0], [1.0]]), open_shares(near.values())[0]
 

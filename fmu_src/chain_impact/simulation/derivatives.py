@@ -45,7 +45,9 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import columns_named, varied_by
 from chain_impact.variables.variable import Variable
 
-IMPACT_QUANTITIES = tuple(name for name in LOG_DTYPE.names or () if name not in ("point", "wall", "joint"))
+DIFFERENTIABLE_COLUMNS = tuple(
+    name for name in LOG_DTYPE.names or () if name not in ("point", "wall", "joint")
+)
 """The columns of ``Result.impacts`` that have derivatives."""
 LEAST_REPORTED_SHARE = 1e-5
 """[1] An error of derivatives that dry friction causes is told to users if it is larger than this, relative
@@ -80,7 +82,7 @@ class DifferentiatedInstance(Instance):
         self.parameters = tuple(variable.name for variable in varied)
         self._impact_slopes: list[np.ndarray] = []
         self._impact_layout = np.dtype(
-            [(name, np.float64, (len(self.parameters),)) for name in IMPACT_QUANTITIES]
+            [(name, np.float64, (len(self.parameters),)) for name in DIFFERENTIABLE_COLUMNS]
         )
         super().__init__(prepared, schedule, varied)
 
@@ -179,7 +181,7 @@ class DifferentiatedInstance(Instance):
         kept = np.zeros(len(rows), self._impact_layout)
         trust = self._tangents["trust"][0]
         distrusted = np.inf if trust["reason"] == TRUSTED else trust["time"]
-        for name in IMPACT_QUANTITIES:
+        for name in DIFFERENTIABLE_COLUMNS:
             slopes = self._log[name]["slope"][:, slots].transpose(1, 0, 2)
             kept[name] = slopes.reshape(len(rows), self._directions)[:, : len(self.parameters)]
             until = (
@@ -194,7 +196,7 @@ class DifferentiatedInstance(Instance):
     def slopes_of_impacts(self, order: np.ndarray) -> dict[str, np.ndarray]:
         """Return quantity → derivatives, shape (I, P), in the order that ``sorted_impacts`` returned."""
         together = np.concatenate([np.zeros(0, self._impact_layout), *self._impact_slopes])[order]
-        return {name: together[name] for name in IMPACT_QUANTITIES}
+        return {name: together[name] for name in DIFFERENTIABLE_COLUMNS}
 
     @property
     def _missing(self) -> np.ndarray:

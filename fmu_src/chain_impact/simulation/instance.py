@@ -17,7 +17,7 @@ from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.inputs import InputSchedule
 from chain_impact.simulation.kernels import kernel_for
 from chain_impact.simulation.output_rows import Rows, spans_of
-from chain_impact.variables.indices import HEAD, log_words
+from chain_impact.variables.indices import HEAD_WORDS, log_words
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.parameters import DERIVED_DURING_RUN
@@ -96,7 +96,7 @@ class Instance:
     def is_sound(self, words: np.ndarray) -> bool:
         """Return whether the words of a record are a valid record for this kernel."""
         # a record with other counts would make the kernel read outside of its memory
-        same_sizes = words[:HEAD].tobytes() == self.words[:HEAD].tobytes()
+        same_sizes = words[:HEAD_WORDS].tobytes() == self.words[:HEAD_WORDS].tobytes()
         return same_sizes and bool(self._kernel.is_sound(words.ctypes.data))
 
     def advance(self, time: float) -> int:

@@ -12,7 +12,7 @@ from chain_impact.compilation import signatures
 from chain_impact.compilation.compilers import KernelScope
 from chain_impact.compilation.library import kernel_library
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.indices import HEAD
+from chain_impact.variables.indices import HEAD_WORDS
 from chain_impact.variables.prepared import kernel_scope
 
 _loaded: dict[tuple[KernelScope, bool, str | None], ctypes.CDLL] = {}
@@ -47,7 +47,7 @@ def counts_and_flags(memory: np.ndarray) -> tuple[int, ...]:
 
     The number of tangent instances, the last word of this start, is left out.
     """
-    return tuple(memory.view(np.int64)[: HEAD - 1].tolist())
+    return tuple(memory.view(np.int64)[: HEAD_WORDS - 1].tolist())
 
 
 def load_kernel(library: Path) -> ctypes.CDLL:

@@ -199,9 +199,9 @@ def _inputs_of_run(
 
 
 def _warn(instance: Instance, result: Result) -> None:
-    """Warn of a point deeper in a wall than ``Body.deep``, and of positions that contradict velocities."""
+    """Warn of a point deeper in walls than ``BodySize.deep``, and of positions that contradict velocities."""
     scene = result.scene
-    # ``hints`` takes long, and returns nothing unless a point is deeper in a wall than ``Body.deep``
+    # ``hints`` takes long, and returns nothing unless a point is deeper in a wall than ``BodySize.deep``
     if instance.record["peaks"]["penetration"] > smallest_body(scene).deep:
         warn(scene.name, hints(scene, result.impacts))
     if result.prepared.counts.channels and instance.record["channel"]["contradiction"]:

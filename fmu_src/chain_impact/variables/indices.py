@@ -21,7 +21,7 @@ JOINT_FORCE = "joint_force"
 """The name of the largest force in any joint [N], of a run and, in ``Result.impacts``, of an impact."""
 
 
-class Peak(NamedTuple):
+class PeakOfRun(NamedTuple):
     """The largest value of a quantity over all contacts of a run.
 
     Attributes:
@@ -54,17 +54,17 @@ class Peak(NamedTuple):
 
 
 PEAKS = {
-    "peak_force": Peak(("peaks", "force"), "peak force", "peak_force"),
-    "max_penetration": Peak(("peaks", "penetration"), "largest penetration", "max_penetration"),
-    "stop.peak_moment": Peak(("peaks", "moment"), "peak moment of stops", "peak_force", at_stops=True),
-    "stop.max_penetration": Peak(
+    "peak_force": PeakOfRun(("peaks", "force"), "peak force", "peak_force"),
+    "max_penetration": PeakOfRun(("peaks", "penetration"), "largest penetration", "max_penetration"),
+    "stop.peak_moment": PeakOfRun(("peaks", "moment"), "peak moment of stops", "peak_force", at_stops=True),
+    "stop.max_penetration": PeakOfRun(
         ("peaks", "rotation"), "largest rotation beyond a stop", "max_penetration", at_stops=True
     ),
 }
 """Name in sweeps and rankings → peak. Only a scene with stops of joints has the peaks with ``at_stops``."""
 # layouts are cached, because computing one takes as long as the rest of making an instance
 layout_of = cache(instance_dtype)
-HEAD = [kind.names is None for kind, *_ in layout_of(1, 0).fields.values()].index(False)  # type: ignore[union-attr]
+HEAD_WORDS = [kind.names is None for kind, *_ in layout_of(1, 0).fields.values()].index(False)  # type: ignore[union-attr]
 """The number of words at the start of a record: counts, two flags, and the number of tangent instances."""
 
 

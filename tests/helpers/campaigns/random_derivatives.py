@@ -23,7 +23,7 @@ from chain_impact.kernel.tangent.friction import SAME_TIME_SLOPE
 from chain_impact.results.result import Result
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import Scene, scene_from_dict, scene_to_dict
-from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
+from chain_impact.simulation.derivatives import DIFFERENTIABLE_COLUMNS
 from chain_impact.simulation.errors import SimulationError
 from tests.helpers.campaigns.body_derivatives import Given, bodies, carts, moved_bases
 from tests.helpers.campaigns.random_parts import Draw
@@ -264,7 +264,7 @@ def compare_one(result: Result, parameter: str, value: float, near: Any, found: 
     impacts, all_of_them = result.impacts, [run.impacts for more, less, _ in near for run in (more, less)]
     if any(len(few) != len(impacts) for few in all_of_them):
         return
-    for name in IMPACT_QUANTITIES:
+    for name in DIFFERENTIABLE_COLUMNS:
         rows = result.impact_sensitivity(name, parameter)
         one, other = ((more.impacts[name] - less.impacts[name]) / width for more, less, width in near)
         most = OPEN * left_open(result) * np.nanmax(np.abs(rows), initial=0.0)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from chain_impact.pictures.drawing.dark_ground import Ground
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import LOAD, PALETTE, broken, headline
+from chain_impact.pictures.drawing.style import LOAD, PALETTE, fitted_lines, headline
 from chain_impact.pictures.over_time.energies import ENERGIES
 from chain_impact.text import number
 from tests.pictures.pictures import contrast, lab
@@ -144,6 +144,6 @@ def test_no_line_ends_between_a_name_and_its_number():
         Figure(figsize=(3.0, 3.0)),
         SEPARATOR.join(f"restitution e = 0.{k}, most ≤ {k} J, 1{k} kN, 2 %" for k in range(9)),
     )
-    lines = broken(page, text).split("\n")
+    lines = fitted_lines(page, text).split("\n")
     assert len(lines) > 3
     assert not any(line.endswith(("=", "≤")) or line.startswith(("=", "≤", "J", "kN", "%")) for line in lines)

@@ -13,7 +13,7 @@ from chain_impact.pictures import draw_chain
 from chain_impact.pictures.drawing.style import LOAD, PEAK_COLOUR
 from chain_impact.pictures.motion.impact_rings import RING_DISTANCE, fastest_first
 from chain_impact.pictures.motion.joint_forces import part_in_view
-from chain_impact.pictures.motion.poses import FAINT_POSES, MOST_STRONG_POSES, apart, strong_rows
+from chain_impact.pictures.motion.poses import FAINT_POSES, MOST_STRONG_POSES, distinct_poses, strong_rows
 from chain_impact.pictures.over_time.impacts import hardest, marks_of
 from chain_impact.pictures.words.headline import marked_peaks, peaks
 from chain_impact.recording.joint_peaks import joint_peaks
@@ -70,8 +70,8 @@ def test_strong_poses_are_start_end_and_those_of_strong_impacts_apart(model):
 def test_poses_that_look_alike_are_left_out():
     places = np.array([0.0, 0.04, 0.1, 0.13, 0.25, 0.01])
     rods = np.stack([np.stack([places, places + 1.0], axis=1), np.zeros((6, 2))], axis=-1)
-    assert apart(rods, 0.1) == [0, 2, 4]
-    assert apart(rods, 0.1, always=2) == [0, 1, 4]
+    assert distinct_poses(rods, 0.1) == [0, 2, 4]
+    assert distinct_poses(rods, 0.1, always=2) == [0, 1, 4]
 
 
 def test_every_impact_has_a_strong_pose_if_there_are_few():

@@ -19,7 +19,7 @@ from chain_impact.scene.errors import value_text
 from chain_impact.scene.scene import scene_from_dict, scene_to_dict
 from chain_impact.scene.words.angles import radians_hint, radians_of
 from chain_impact.studies.fit.parameters import parameters_of
-from chain_impact.studies.fit.scene_file import updated
+from chain_impact.studies.fit.scene_file import text_with_values
 from chain_impact.studies.sweep.variation import variations_of
 from tests.helpers.tools.refusal import refusal
 
@@ -179,7 +179,9 @@ def test_on_the_command_line(tmp_path, monkeypatch, capsys):
 
 
 def test_a_fitted_scene_file_keeps_degrees_that_do_not_change(arm):
-    text = updated(SCENE, arm.with_values({"initial.angle[2]": 0.75, "wall.ramp.angle": 0.25}), "arm.toml")
+    text = text_with_values(
+        SCENE, arm.with_values({"initial.angle[2]": 0.75, "wall.ramp.angle": 0.25}), "arm.toml"
+    )
     expected = SCENE.replace('["-90 deg", 0.5]  # from +x', '["-90 deg", 0.75] # from +x').replace(
         'angle = "10 deg"', "angle = 0.25"
     )

@@ -6,7 +6,7 @@ import pytest
 
 from chain_impact import SceneError, load_scene, model_names, with_law
 from chain_impact.scene.scene import parse_scene, scene_file_path
-from chain_impact.studies.fit.scene_file import updated, write_scene
+from chain_impact.studies.fit.scene_file import text_with_values, write_scene
 
 TEXT = """# first line
 name = "Ball"
@@ -33,7 +33,7 @@ angles = [0.0]
 def test_unchanged_values_stay_as_they_are_written(name):
     path = scene_file_path(name)
     text = path.read_text(encoding="utf-8")
-    assert updated(text, load_scene(name), str(path)) == text
+    assert text_with_values(text, load_scene(name), str(path)) == text
 
 
 @pytest.mark.parametrize("name", model_names())
@@ -47,14 +47,16 @@ def test_the_text_holds_the_scene(name):
             "link[1].joint_damping": 0.1,
         }
     )
-    text = updated(path.read_text(encoding="utf-8"), changed, str(path))
+    text = text_with_values(path.read_text(encoding="utf-8"), changed, str(path))
     assert parse_scene(text, str(path)) == changed
     assert text.startswith(path.read_text(encoding="utf-8").splitlines()[0])
 
 
 def test_only_values_change_and_comments_keep_their_column():
     scene = parse_scene(TEXT, "ball.toml")
-    text = updated(TEXT, scene.with_values({"contact.restitution": 0.625, "initial.y": 1.5}), "ball.toml")
+    text = text_with_values(
+        TEXT, scene.with_values({"contact.restitution": 0.625, "initial.y": 1.5}), "ball.toml"
+    )
     assert text == TEXT.replace("0.5       # a guess", "0.625     # a guess").replace(
         "[0.0, 1.0]", "[0.0, 1.5]"
     )
@@ -64,7 +66,7 @@ def test_derived_values_are_not_written():
     """The inertia of a fitted scene follows from the new mass; the file does not give it."""
     before = TEXT.replace("count = 1\n", "")
     scene = parse_scene(before, "ball.toml").with_values({"link[1].mass": 0.625})
-    text = updated(before, scene, "ball.toml")
+    text = text_with_values(before, scene, "ball.toml")
     assert text == before.replace("mass = 0.5      # kg", "mass = 0.625    # kg")
     assert parse_scene(text, "ball.toml") == scene
 
@@ -72,20 +74,20 @@ def test_derived_values_are_not_written():
 def test_a_given_value_that_is_derived_again_is_removed():
     text = TEXT.replace("count = 1\n", "inertia = 0.2\n")
     scene = parse_scene(text, "ball.toml").with_values({"link[1].inertia": None})
-    assert updated(text, scene, "ball.toml") == TEXT.replace("count = 1\n", "")
+    assert text_with_values(text, scene, "ball.toml") == TEXT.replace("count = 1\n", "")
 
 
 def test_equal_links_that_differ_are_written_one_by_one():
     three = TEXT.replace("count = 1", "count = 3").replace("angles = [0.0]", "angles = [0.0, 0.0, 0.0]")
     scene = parse_scene(three, "chain.toml")
-    text = updated(three, scene.with_values({"link[2].mass": 0.75}), "chain.toml")
+    text = text_with_values(three, scene.with_values({"link[2].mass": 0.75}), "chain.toml")
     assert [link.mass for link in parse_scene(text, "chain.toml").chain.links] == [0.5, 0.75, 0.5]
     assert "# it falls" in text
 
 
 def test_a_table_that_is_missing_is_added():
     scene = parse_scene(TEXT, "ball.toml").with_values({"solver.tolerance": 1e-10})
-    assert parse_scene(updated(TEXT, scene, "ball.toml"), "ball.toml") == scene
+    assert parse_scene(text_with_values(TEXT, scene, "ball.toml"), "ball.toml") == scene
 
 
 def test_a_file_without_another_that_it_is_like(tmp_path):
@@ -162,7 +164,7 @@ def test_stops_and_materials_are_written_where_they_are_or_added():
     scene = parse_scene(STOPPED, "finger.toml")
     changes = {"wall.x_max.restitution": 0.5, "wall.y_max.stiffness": 1e6, "stop.restitution": 0.375}
     changed = scene.with_values({**changes, "link[1].joint_min": -1.0})
-    text = updated(STOPPED, changed, "finger.toml")
+    text = text_with_values(STOPPED, changed, "finger.toml")
     assert parse_scene(text, "again") == changed
     assert "# rubber" in text
     assert "restitution = 0.5 " in text

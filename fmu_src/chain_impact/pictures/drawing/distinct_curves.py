@@ -70,7 +70,7 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
         axes.plot([], [], color=colour, alpha=alpha, linewidth=5.0, solid_capstyle="butt", label=FAST)
 
 
-def hides(curves: Sequence[np.ndarray], same: float = SAME_CURVE, share: float = 1.0) -> list[int]:
+def hidden_counts(curves: Sequence[np.ndarray], same: float = SAME_CURVE, share: float = 1.0) -> list[int]:
     """Return for each curve how many earlier curves it hides: those with which it nearly coincides.
 
     The caller draws a curve that hides others with dashes, so that the others are visible through the gaps. A

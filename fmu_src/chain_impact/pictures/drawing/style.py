@@ -220,14 +220,16 @@ def headline(figure: Figure, message: str, conditions: str = "", *lines: tuple[s
     top = TOP + title.get_window_extent().height / figure.dpi + GAP
     for text, colour in lines:
         look: dict[str, Any] = {"fontsize": "small", "color": colour, "va": "top"}
-        line = figure.text(s=broken(figure, text), y=1.0 - (top - 0.5 * GAP) / height, **placement, **look)
+        line = figure.text(
+            s=fitted_lines(figure, text), y=1.0 - (top - 0.5 * GAP) / height, **placement, **look
+        )
         top += line.get_window_extent().height / figure.dpi + LINE_GAP
     if conditions and is_narrow(figure):
         write_foot(figure, conditions)
     elif conditions:
         text_style: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "top"}
         lines_below = figure.text(
-            s=broken(figure, conditions), y=1.0 - top / height, **placement, **text_style
+            s=fitted_lines(figure, conditions), y=1.0 - top / height, **placement, **text_style
         )
         room = lines_below.get_window_extent().height / figure.dpi + GAP
         if top + room <= MOST_HEAD * height:
@@ -237,7 +239,7 @@ def headline(figure: Figure, message: str, conditions: str = "", *lines: tuple[s
     reserve(figure, top / height, 0.0)
 
 
-def broken(figure: Figure, text: str, more: int = 1) -> str:
+def fitted_lines(figure: Figure, text: str, more: int = 1) -> str:
     """Return a text in lines that fit between the margins of a figure in a small font.
 
     ``more`` is as in ``broken_lines``.
@@ -261,7 +263,7 @@ def write_foot(figure: Figure, text: str, most: float | None = None) -> Text | N
     text_style: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "bottom", "in_layout": False}
     foot = figure.text(LEFT / width, low + 0.5 * GAP / height, "", **text_style)
     for more in (1, 0):
-        foot.set_text(broken(figure, text, more))
+        foot.set_text(fitted_lines(figure, text, more))
         room = (foot.get_window_extent().height / figure.dpi + GAP) / height
         if low + room <= most:
             reserve(figure, 0.0, low + room)

@@ -67,11 +67,11 @@ def strong_rows(recording: Recording) -> list[int]:
         return []
     first, *others = (recording.pose_at(recording.impacts["onset"][row]) for row in rows)
     poses = np.array([first, recording.points[0], recording.points[-1], *others])
-    kept = apart(poses, STRONG_APART * seen_size(recording), always=3)
+    kept = distinct_poses(poses, STRONG_APART * seen_size(recording), always=3)
     return sorted([rows[0], *(rows[k - 2] for k in kept[3:])])
 
 
-def apart(poses: np.ndarray, least: float, always: int = 1) -> list[int]:
+def distinct_poses(poses: np.ndarray, least: float, always: int = 1) -> list[int]:
     """Return the indices of the poses to keep, each of which differs from all earlier poses that are kept.
 
     ``poses`` has the positions of the points in each pose, shape (P, N+1, 2) [m]. Two poses differ if the
@@ -89,7 +89,7 @@ def draw_faint(axes: Axes, recording: Recording) -> None:
     """Draw the chain faintly in rows with equally spaced indices, without poses that look alike."""
     rows = np.unique(np.linspace(0, len(recording.time) - 1, FAINT_POSES).round().astype(int))
     poses = recording.points[rows]
-    poses = poses[apart(poses, FAINT_APART * seen_size(recording))]
+    poses = poses[distinct_poses(poses, FAINT_APART * seen_size(recording))]
     look: dict[str, Any] = {"colors": INK, "linewidths": FAINT_WIDTH, "alpha": FAINT}
     label = "chain between" if len(poses) > 1 else "_"
     axes.add_collection(LineCollection(list(poses), **look, label=label))

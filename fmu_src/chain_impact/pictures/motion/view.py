@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.view import open_shares, places_of, seen, size_of
+from chain_impact.recording.view import open_shares, places_of, size_of, view_corners
 from chain_impact.scene.half_planes import HalfPlane
 
 # VIEW_MARGIN: the margin of the view around the motion; BAND: how far the view reaches beyond a wall by
@@ -84,11 +84,11 @@ def view_of(
         if end == 0 or name in recording.moved_walls
     }
     everywhere, drawn = dict(places), drawn_places(recording)
-    view, near = seen(drawn, places, pinned=recording.pinned)
+    view, near = view_corners(drawn, places, pinned=recording.pinned)
     if recording.moved_walls:
         names = {name for name, _ in near}
         places = {at: wall for at, wall in places.items() if at[0] in names}
-        view, near = seen(drawn, places, near=FARTHEST, pinned=recording.pinned)
+        view, near = view_corners(drawn, places, near=FARTHEST, pinned=recording.pinned)
     width = np.ptp(view, axis=0).max()
     margin = np.full((2, 2), VIEW_MARGIN * width)
     for wall in near.values():

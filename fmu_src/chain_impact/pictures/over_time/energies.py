@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from chain_impact.pictures.drawing.dark_ground import OCHRE
-from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band, hides, plot_curves
+from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band, hidden_counts, plot_curves
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import BLACK, BLUE, BROWN, GREEN, PURPLE, VIOLET
 from chain_impact.pictures.over_time.time_axis import mark_impacts, show_all_time
@@ -73,7 +73,7 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
     if "elastic" in shown and not shown["elastic"].max() > VISIBLE_ELASTIC * range_of(shown):
         del shown["elastic"]
     others = [name for name in shown if name != "total"]
-    hidden = hides([shown[name] for name in others], COVERED_CURVE, MOSTLY)
+    hidden = hidden_counts([shown[name] for name in others], COVERED_CURVE, MOSTLY)
     is_dashed = {name: name in ENERGY_PARTS or count > 0 for name, count in zip(others, hidden, strict=True)}
     return [
         (energy, part_look(name, offset) | {"linestyle": "--" if is_dashed.get(name) else "-"})

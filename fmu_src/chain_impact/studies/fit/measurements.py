@@ -10,10 +10,10 @@ import numpy as np
 
 from chain_impact.recording.impacts import POSITION
 from chain_impact.scene.errors import SceneError
-from chain_impact.simulation.derivatives import IMPACT_QUANTITIES
+from chain_impact.simulation.derivatives import DIFFERENTIABLE_COLUMNS
 
 POINT, WALL, DURATION = "point", "wall", "duration"
-MEASURED_OF_IMPACT = (*(name for name in IMPACT_QUANTITIES if name not in POSITION), DURATION)
+MEASURED_OF_IMPACT = (*(name for name in DIFFERENTIABLE_COLUMNS if name not in POSITION), DURATION)
 """The quantities of an impact that a fit uses: not x and y, because this position lies on the wall."""
 # If impacts were measured, the model runs until LATE_FACTOR times the last measured time, because an impact
 # of the model may be later than the measured impact.

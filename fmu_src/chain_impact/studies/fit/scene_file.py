@@ -40,7 +40,7 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
     if like is None:
         text = tomlkit.dumps(scene_to_dict(scene))
     else:
-        text = updated(text_of(Path(like)), scene, str(Path(like)))
+        text = text_with_values(text_of(Path(like)), scene, str(Path(like)))
     moved = like is not None and Path(like).parent.resolve() != path.parent.resolve()
     if law and cache.holds(Path(law)):
         text = _with_file(text, ("contact", "law_file"), _copied(Path(law), path.parent))
@@ -53,7 +53,7 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
         fresh.write_text(text, encoding="utf-8")
 
 
-def updated(text: str, scene: Scene, source: str) -> str:
+def text_with_values(text: str, scene: Scene, source: str) -> str:
     """Return the text of a scene file with the values of ``scene`` in place of those that differ.
 
     All other values keep their text, except in links that ``_text_with_values`` replaces as a whole.

@@ -24,7 +24,7 @@ const { EARLY_TIMES, MOST_REFINED_IMPACTS, LONG_CONTACT, EARLIEST_SHARE, TIMES_W
 export function impactsOf(impacts, scene, valueOf) {
   return impacts.map((impact) => {
     const { point, wall, onset, end, joint } = impact;
-    const quantities = mapped(SHARED.drawn.IMPACT_QUANTITIES, (column) => impact[column]);
+    const quantities = mapped(SHARED.drawn.COLUMN_OF_QUANTITY, (column) => impact[column]);
     const atStop = scene.stops.length > 0 && STOPS.includes(scene.wallNames[wall]);
     const linearSpeed = quantities.speed * (atStop ? valueOf(`link[${point}].length`) : 1);
     const stopped = scene.sliderStops.includes(scene.wallNames[wall]) ? "slider" : atStop && `joint ${point}`;
