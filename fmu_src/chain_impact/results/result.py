@@ -6,8 +6,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, field
+import warnings
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, overload
 
@@ -16,12 +17,12 @@ import numpy as np
 from chain_impact.deprecated import OlderName
 from chain_impact.recording import summary, tables
 from chain_impact.recording.course import Repeatable
+from chain_impact.recording.impacts import NO_IMPACTS
 from chain_impact.recording.joint_stops import JointRange, ranges_of
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES
-from chain_impact.results.ranking import Ranking, ranking_of
 from chain_impact.results.scene_recording import SceneRecording
-from chain_impact.scene.errors import UnknownNameError, names_matching
+from chain_impact.scene.errors import SceneError, SceneWarning, UnknownNameError, names_matching
 from chain_impact.scene.facts import FACTS
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.text import as_html, as_text
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
+# a run with more evaluations of the equations of motion than this is not repeated with other values
+MOST_EVALUATIONS = 300_000
 ENERGIES = {
     kind.parts.quantity: kind for block in OUTPUTS for kind in block.kinds if kind.parts.owner == "energy"
 }
@@ -255,65 +258,36 @@ class Result(SceneRecording):
                 energy[name] = field_at(self.outputs, kind.record_path) if self._has_all else self[kind.name]
         return energy
 
-    def sensitivity(self, quantity: str, parameter: str) -> np.ndarray:
-        """Return the partial derivative of an output with respect to a parameter.
+    def row_of_other_run(self, values: Mapping[str, Any], time: float) -> Result | None:
+        """Return the row at a time [s] of a run with the same inputs and other values of parameters.
 
-        Args:
-            quantity: an output by its name in the FMU: ``"point[4].x"``.
-            parameter: one of the parameters in ``simulate(sensitivities=…)``: ``"contact.stiffness"``.
-
-        Returns:
-            Shape (T,), in the unit of the output divided by the unit of the parameter. NaN where the
-            derivative does not exist or cannot be trusted; ``sensitivity_limits`` gives the reason.
-            ``chain_impact.kernel.tangent.replay`` describes the method.
-
-        Raises:
-            UnknownNameError: when the result has no derivatives for one of the names.
+        The result is None if the run cannot be repeated, or took more than MOST_EVALUATIONS; if the scene
+        cannot have the values; or if the other run cannot start, or ends before ``time``.
         """
-        return self._derivatives.output_derivatives(quantity, parameter)
-
-    def impact_sensitivity(self, quantity: str, parameter: str) -> np.ndarray:
-        """Return the derivative of a quantity of the impacts, as ``sensitivity`` does, shape (len(impacts),).
-
-        Args:
-            quantity: onset, end, impact_speed, separation_speed, peak_force, max_penetration, effective_mass,
-                impulse, joint_force, x or y.
-            parameter: one of the parameters in ``simulate(sensitivities=…)``.
-
-        Raises:
-            UnknownNameError: when the result has no derivatives for one of the names.
-        """
-        return self._derivatives.impact_derivatives(quantity, parameter)
-
-    def ranking(self, quantity: str, parameters: str | Sequence[str] = "*") -> Ranking:
-        """Return parameters and inputs in the order of their effects on a quantity, the largest effect first.
-
-        The effect of a parameter is the change of the quantity, to first order, when the value of the
-        parameter changes by 1 %. A parameter with the value 0 changes by 0.01 of its unit, and comes last.
-
-        Args:
-            quantity: the name of one of three kinds of quantity. The first is the largest value in the run,
-                by its name in a sweep: ``peak_force`` and ``max_penetration`` at walls, ``stop.peak_moment``
-                and ``stop.max_penetration`` at stops of joints, ``joint_force`` in joints, if the scene asks
-                for loads. The second is a quantity of one impact, such as ``impact[2].peak_force``; impacts
-                count from 1, in the order of ``impacts``. The third is an output, of which the value at the
-                end counts.
-            parameters: the names to rank; ``*`` stands for any text. But ``contact.exponent`` and
-                ``stop.exponent`` must be named in full, because they change the unit of the stiffness.
-
-        Raises:
-            SceneError: when the quantity does not exist, or the run does not have the quantity.
-            UnknownNameError: when the run had no derivatives, or none for one of the parameters.
-        """
-        return ranking_of(self, self._derivatives, quantity, parameters)
-
-    @property
-    def sensitivity_limits(self) -> tuple[str, ...]:
-        """Sentences: which derivatives are NaN or one-sided, from when on and why, and errors by friction.
-
-        The tuple is empty if all derivatives exist, are two-sided and can be trusted, or if the run had none.
-        """
-        return self.sensitivities.limits if self.sensitivities else ()
+        if self.rerun is None or self.statistics["rhs_evaluations"] > MOST_EVALUATIONS:
+            return None
+        try:
+            with warnings.catch_warnings():
+                # the user has seen the warnings of the scene, and the other values are not the user's
+                warnings.simplefilter("ignore", SceneWarning)
+                other = self.rerun.changed(values)
+        except SceneError:
+            return None
+        outputs = other(np.array([time]))
+        if not len(outputs):
+            return None
+        return replace(
+            self,
+            prepared=other.prepared,
+            time=np.array([time]),
+            outputs=outputs,
+            impacts=NO_IMPACTS,
+            sensitivities=None,
+            stepwise={},
+            stick_slip=NO_PHASES,
+            rerun=other,
+            input_values=other.inputs(np.array([time])),
+        )
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the outputs as a table of pandas, with the time as index and a column for each name.

@@ -1,25 +1,22 @@
-"""The methods of a result that draw pictures and write an animation."""
+"""The methods of a result that give derivatives, draw pictures and write an animation."""
 
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from chain_impact.recording.course import Course, Repeatable, course_of
 from chain_impact.recording.curves import Curves, curves_of, impact_numbers
-from chain_impact.recording.impacts import NO_IMPACTS
 from chain_impact.recording.passed_walls import points_through_walls
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
-from chain_impact.recording.stick_slip import NO_PHASES
+from chain_impact.results.ranking import Ranking, ranking_of
 from chain_impact.scene.candidates import point_wall_pairs
-from chain_impact.scene.errors import SceneError, SceneWarning, UnknownNameError, names_matching
+from chain_impact.scene.errors import UnknownNameError, names_matching
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.prepared import PreparedScene
 
@@ -30,12 +27,8 @@ if TYPE_CHECKING:
     from chain_impact.pictures.drawing.sizes import Size
 
 
-# a run with more evaluations of the equations of motion than this is not repeated with other values
-MOST_EVALUATIONS = 300_000
-
-
 class SceneRecording(Recording):
-    """A result with methods for pictures and an animation; ``Result`` describes its attributes."""
+    """A result with methods for derivatives, pictures and an animation; ``Result`` has its attributes."""
 
     prepared: PreparedScene
     statistics: dict[str, int]
@@ -130,35 +123,6 @@ class SceneRecording(Recording):
         pictures.fill_axes(ax, self, shown or ["motion"])
         return ax
 
-    def row_of_other_run(self, values: Mapping[str, Any], time: float) -> Recording | None:
-        """Return the row at a time [s] of a run with the same inputs and other values of parameters.
-
-        The result is None if the run cannot be repeated, or took more than MOST_EVALUATIONS; if the scene
-        cannot have the values; or if the other run cannot start, or ends before ``time``.
-        """
-        if self.rerun is None or self.statistics["rhs_evaluations"] > MOST_EVALUATIONS:
-            return None
-        try:
-            with warnings.catch_warnings():
-                # the user has seen the warnings of the scene, and the other values are not the user's
-                warnings.simplefilter("ignore", SceneWarning)
-                other = self.rerun.changed(values)
-        except SceneError:
-            return None
-        outputs = other(np.array([time]))
-        if not len(outputs):
-            return None
-        parts: dict[str, Any] = {
-            "prepared": other.prepared,
-            "time": np.array([time]),
-            "outputs": outputs,
-            "rerun": other,
-            "input_values": other.inputs(np.array([time])),
-        }
-        parts |= {"impacts": NO_IMPACTS, "sensitivities": None, "stepwise": {}, "stick_slip": NO_PHASES}
-        # this object is a Result, a dataclass
-        return cast("Recording", replace(cast("Any", self), **parts))
-
     def _plot_curves(
         self,
         curves: Curves,
@@ -249,6 +213,66 @@ class SceneRecording(Recording):
     def _courses(self) -> dict[int, Course]:
         """Number of an impact → its course, for the courses that ``course_of_impact`` has computed so far."""
         return {}
+
+    def sensitivity(self, quantity: str, parameter: str) -> np.ndarray:
+        """Return the partial derivative of an output with respect to a parameter.
+
+        Args:
+            quantity: an output by its name in the FMU: ``"point[4].x"``.
+            parameter: one of the parameters in ``simulate(sensitivities=…)``: ``"contact.stiffness"``.
+
+        Returns:
+            Shape (T,), in the unit of the output divided by the unit of the parameter. NaN where the
+            derivative does not exist or cannot be trusted; ``sensitivity_limits`` gives the reason.
+            ``chain_impact.kernel.tangent.replay`` describes the method.
+
+        Raises:
+            UnknownNameError: when the result has no derivatives for one of the names.
+        """
+        return self._derivatives.output_derivatives(quantity, parameter)
+
+    def impact_sensitivity(self, quantity: str, parameter: str) -> np.ndarray:
+        """Return the derivative of a quantity of the impacts, as ``sensitivity`` does, shape (len(impacts),).
+
+        Args:
+            quantity: onset, end, impact_speed, separation_speed, peak_force, max_penetration, effective_mass,
+                impulse, joint_force, x or y.
+            parameter: one of the parameters in ``simulate(sensitivities=…)``.
+
+        Raises:
+            UnknownNameError: when the result has no derivatives for one of the names.
+        """
+        return self._derivatives.impact_derivatives(quantity, parameter)
+
+    def ranking(self, quantity: str, parameters: str | Sequence[str] = "*") -> Ranking:
+        """Return parameters and inputs in the order of their effects on a quantity, the largest effect first.
+
+        The effect of a parameter is the change of the quantity, to first order, when the value of the
+        parameter changes by 1 %. A parameter with the value 0 changes by 0.01 of its unit, and comes last.
+
+        Args:
+            quantity: the name of one of three kinds of quantity. The first is the largest value in the run,
+                by its name in a sweep: ``peak_force`` and ``max_penetration`` at walls, ``stop.peak_moment``
+                and ``stop.max_penetration`` at stops of joints, ``joint_force`` in joints, if the scene asks
+                for loads. The second is a quantity of one impact, such as ``impact[2].peak_force``; impacts
+                count from 1, in the order of ``impacts``. The third is an output, of which the value at the
+                end counts.
+            parameters: the names to rank; ``*`` stands for any text. But ``contact.exponent`` and
+                ``stop.exponent`` must be named in full, because they change the unit of the stiffness.
+
+        Raises:
+            SceneError: when the quantity does not exist, or the run does not have the quantity.
+            UnknownNameError: when the run had no derivatives, or none for one of the parameters.
+        """
+        return ranking_of(self, self._derivatives, quantity, parameters)
+
+    @property
+    def sensitivity_limits(self) -> tuple[str, ...]:
+        """Sentences: which derivatives are NaN or one-sided, from when on and why, and errors by friction.
+
+        The tuple is empty if all derivatives exist, are two-sided and can be trusted, or if the run had none.
+        """
+        return self.sensitivities.limits if self.sensitivities else ()
 
     def plot_sensitivities(
         self,
