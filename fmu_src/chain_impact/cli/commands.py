@@ -172,10 +172,10 @@ class Parser(argparse.ArgumentParser):
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the whole command line, with VERBS."""
     purpose = "Simulate planar chains that hit walls, study their impacts, and make FMUs of them."
-    whole = Parser(prog="chain-impact", description=purpose)
-    whole.set_defaults(run=None, only_prints=False, valued=())
-    whole.add_argument("--version", action="version", version=f"chain-impact {version('chain-impact')}")
-    verbs = whole.add_subparsers(metavar="COMMAND")
+    main_parser = Parser(prog="chain-impact", description=purpose)
+    main_parser.set_defaults(run=None, only_prints=False, valued=())
+    main_parser.add_argument("--version", action="version", version=f"chain-impact {version('chain-impact')}")
+    verbs = main_parser.add_subparsers(metavar="COMMAND")
     for verb in VERBS:
         verb.add(verbs)
     for command in verbs.choices.values():
@@ -188,4 +188,4 @@ def parser() -> argparse.ArgumentParser:
         command.elsewhere = elsewhere
         for option in command._option_string_actions:
             elsewhere.setdefault(option, []).append(name)
-    return whole
+    return main_parser

@@ -254,7 +254,7 @@ def draw_all(
         found.append(extremes(time[seen], told, own, scale))
         quantity = shared_part(names) or QUANTITIES.get(own) or vector_of(names)
         is_alone = len(names) == 1 and len(names[0]) <= LONGEST_LEGEND_NAME
-        axes.set_ylabel(f"{whole_name(names[0]) if is_alone else quantity}{bracketed_unit(unit)}".lstrip())
+        axes.set_ylabel(f"{full_name(names[0]) if is_alone else quantity}{bracketed_unit(unit)}".lstrip())
         if curves.onset is None:
             shade_rests(axes, shown)
         axes.set_xlim(*ends)
@@ -272,7 +272,7 @@ def draw_all(
     return found
 
 
-def whole_name(name: str) -> str:
+def full_name(name: str) -> str:
     """Return the label of a panel with one curve: ``name``, if long with the quantity in line 2."""
     return name if len(name) <= LONGEST_LABEL else f"{owner_of(name)}\n{shared_part([name])}"
 

@@ -119,10 +119,10 @@ def simulate(
             if the scene cannot start.
         BuildError: when the kernel cannot be compiled.
     """
-    whole = output_step == math.inf
+    is_single_interval = output_step == math.inf
     settings = {
         "simulation.stop_time": stop_time,
-        "simulation.step_size": None if whole else output_step,
+        "simulation.step_size": None if is_single_interval else output_step,
         "solver.method": method,
         "solver.tolerance": tolerance,
     }
@@ -136,7 +136,7 @@ def simulate(
     indices, input_names = chosen_columns(prepared, output, possible)
     words, width = indices.words, indices.row.itemsize // WORD
     columns = len(words) + width * len(varied)
-    schedule = _inputs_of_run(prepared, given, interpolation, whole, columns)
+    schedule = _inputs_of_run(prepared, given, interpolation, is_single_interval, columns)
     differentiated = DifferentiatedInstance(prepared, varied, schedule) if varied else None
     instance = differentiated or Instance(prepared, schedule, ())
     wanted = np.append(words, differentiated.slope_words(words[:width])) if differentiated else words
@@ -177,7 +177,11 @@ def simulate(
 
 
 def _inputs_of_run(
-    prepared: PreparedScene, inputs: Given, interpolation: Interpolation, whole: bool, columns: int
+    prepared: PreparedScene,
+    inputs: Given,
+    interpolation: Interpolation,
+    is_single_interval: bool,
+    columns: int,
 ) -> InputSchedule:
     """Return the inputs over time, with the times of the rows; refuse a result that would be too large.
 
@@ -185,12 +189,12 @@ def _inputs_of_run(
         prepared: the scene.
         inputs: as for ``simulate``.
         interpolation: as for ``simulate``.
-        whole: whether the run is one interval, with rows at its start and end only; else each communication
-            step gives a row.
+        is_single_interval: whether the run is one interval, with rows at start and end only; else each step
+            of communication gives a row.
         columns: number of outputs and derivatives.
     """
     name, stop = prepared.scene.name, prepared.scene.simulation.stop_time
-    step = stop if whole else prepared.scene.simulation.step_size
+    step = stop if is_single_interval else prepared.scene.simulation.step_size
     check_result_size(name, stop, step, columns)
     schedule = input_schedule(prepared, inputs, interpolation, _row_times(stop, step))
     if schedule.paths and not _size_of_rows(len(schedule.times), columns) <= MOST_BYTES:
