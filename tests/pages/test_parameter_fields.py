@@ -50,6 +50,19 @@ def test_angles_are_round_in_degrees(show):
     assert page.evaluate(f"chainImpact.parameters['{name}'].length") <= 7
 
 
+def test_a_value_typed_after_a_click_replaces_the_present_one(show):
+    page = show("pinned_arm")
+    field = page.get_by_role("textbox", name="initial.angle[1]").first
+    for clicks, degrees in ((1, -60.0), (2, -45.5)):
+        page.get_by_role("textbox", name="contact.restitution").first.focus()
+        field.click(click_count=clicks)
+        page.keyboard.type(str(degrees))
+        page.keyboard.press("Enter")
+        until(
+            page, f"Math.abs(chainImpact.parameters['initial.angle[1]'] * 180 / Math.PI - {degrees}) < 1e-9"
+        )
+
+
 def test_a_refused_value_is_marked_and_told_until_it_is_changed(show):
     page = show()
     field = page.get_by_role("textbox", name="contact.stiffness")

@@ -102,7 +102,7 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     lines = impact_lines(recording, start, end)
     told = [FIRST_ORDER_CHANGES, SHIFT_NOTE if lines else "", "" if known.all() else ENDED]
     headline(figure, message, conditions(recording, *told))
-    looks = looks_of(sensitivities, relative)
+    looks = looks_of(sensitivities, relative, is_brief=is_narrow(figure))
     across = 1 if is_narrow(figure) else 2
     panels, table = panels_of(figure, len(names), across)
     for axes, name in zip(panels, names, strict=True):
@@ -287,12 +287,13 @@ def _change_sizes(recording: Recording, sensitivities: Sensitivities, output: st
     return np.where(is_outside_impacts(recording), sizes, 0.0)
 
 
-def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
+def looks_of(sensitivities: Sensitivities, relative: np.ndarray, *, is_brief: bool) -> Looks:
     """Return the properties of each parameter's curves, with matplotlib's names.
 
     The LARGEST_EFFECTS parameters with the largest changes have colours, unless a change is round-off; all
     others are grey. Of the grey curves, only the last has a label, which stands for all grey curves: their
-    names or, if they are more than MOST_GREY, their number and the one with the largest change.
+    names or, if they are more than MOST_GREY, their number and the one with the largest change. If
+    ``is_brief``, the label lacks names that the table of impacts has.
     ``relative`` is the largest of the ``shares`` of all drawn outputs, shape (T, P).
     """
     names = list(sensitivities.parameters)
@@ -302,7 +303,7 @@ def looks_of(sensitivities: Sensitivities, relative: np.ndarray) -> Looks:
     largest = next((names[k] for k in order if k not in coloured and relative[:, k].max() > NO_CHANGE), "")
     rest = f"{len(others)} with smaller effects" + (f", most {largest}" if largest else "")
     if len(others) <= MOST_GREY:
-        rest = f"smaller effects: {', '.join(names[k] for k in others)}"
+        rest = "smaller effects" + ("" if is_brief else f": {', '.join(names[k] for k in others)}")
     colours, looks = iter(PALETTE), []
     for k, name in enumerate(names):
         if k in coloured:

@@ -40,8 +40,13 @@ HIDING, REVISITED = 0.5, 0.05
 # with more paths of points than this, each path is the fainter the more paths there are
 MOST_CLEAR_PATHS = 6
 BALL_LINE = 0.3  # the width of the line of a ball's link, relative to the line of a link that is no ball
-# label of lines that a narrow picture explains at its foot, where the legend lacks room → look of these lines
-FOOT_LOOKS = {"chain between": "pale lines", "other points": "thin lines", "stops": "short lines"}
+# label of lines or marks that a narrow picture explains at its foot, where the legend lacks room → their look
+FOOT_LOOKS = {
+    "chain between": "pale lines",
+    "other points": "thin lines",
+    "stops": "short lines",
+    "sticks at the end": "squares",
+}
 SHORT_LENGTH = 0.1  # [m] if all |y| on the axis of a flat motion are smaller, their unit has a prefix
 
 

@@ -11,12 +11,14 @@ from matplotlib.patches import Patch
 
 from chain_impact.kernel.record.constants import STICKS
 from chain_impact.pictures.drawing.legends import legend_above
-from chain_impact.pictures.drawing.style import GREY, INK, is_narrow
+from chain_impact.pictures.drawing.style import GREY, INK, is_narrow, write_foot
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
 from chain_impact.pictures.words.point_names import POINT, number_of, short
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
 
+# type of a legend's artist → its look, as the foot of a narrow picture tells it
+NARROW_LOOKS = {Patch: "dark bars", Line2D: "grey bars"}
 PHASE_HEIGHT = 0.4  # the height of a bar that shows sticking, relative to the distance of two rows
 MOST_ROWS = 8  # at most so many contacts, joints and sliders together have phases of dry friction drawn
 # sliding that lasts at most this part of the run's duration is too short to be explained in a legend
@@ -28,7 +30,7 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
 
     Each contact, joint or slider has a row, with its name at the left; only the first MOST_ROWS of
     ``rubbing_places`` are drawn. If all contacts are at one wall, the legend has the name of this wall.
-    In a narrow figure, names with a wall lack the word "point", which the legend then has.
+    In a narrow figure, names with a wall lack the word "point"; the foot explains them and the bars.
     """
     phases, shown = recording.stick_slip, sorted(rubbing_places(recording)[:MOST_ROWS], reverse=True)
     for phase, length in zip(phases, phase_lengths(recording), strict=True):
@@ -52,9 +54,9 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     long = phase_lengths(recording) > SHORT * recording.duration
     if (long & ~held).any() or not handles:
         handles.append(Line2D([], [], color=GREY, linewidth=2.0, label=f"slides{'' if handles else place}"))
-    if is_brief:
-        handles.append(Line2D([], [], linestyle="", label="row: point, wall"))
-    legend_above(axes, handles)
+    looks = [f"{NARROW_LOOKS[type(handle)]}: {handle.get_label()}" for handle in handles]
+    if not is_brief or write_foot(figure, ", ".join([*looks, "rows: point, wall"])) is None:
+        legend_above(axes, handles)
     shade_rests(axes, shown_time(recording))
 
 

@@ -117,10 +117,17 @@ export function valueField(changes, parameter) {
   const rewrite = () => field.checkValidity() && write();
   field.addEventListener("blur", rewrite);
   field.addEventListener("focus", () => {
-    const isWhole = field.selectionStart === 0 && field.selectionEnd === field.value.length; // the Tab key selects the whole text
     rewrite();
-    if (isWhole) field.select();
+    if (!items.length) field.select(); // so that a typed value replaces the present one
   });
+  if (!items.length) {
+    field.addEventListener("mousedown", (event) => {
+      if (isActive()) return;
+      event.preventDefault(); // the browser would put the cursor at the pointer, which ends the selection
+      field.focus();
+    });
+    field.addEventListener("dblclick", () => field.select()); // the browser would select a word, without a sign
+  }
   field.addEventListener("keydown", ({ key }) => key === "Escape" && attempt(changes, field, () => write()));
   const refresh = () => {
     if (!isActive() || items.length || field.dataset.fails) release(field);
