@@ -319,6 +319,10 @@ def test_impacts_stay_in_sight_below_chosen_curves(show):
     assert column.evaluate("one => one.scrollTop") == 0
     row, pins = (page.locator(name).first.bounding_box() for name in ("#impacts tbody tr", "#pins"))
     assert row["y"] + row["height"] < pins["y"]
+    page.evaluate("chainImpact.show({'contact.restitution': 0.5})")
+    until(page, "/largest/.test(document.getElementById('impacts-before').textContent)")
+    page.get_by_role("button", name="All 52 impacts").wait_for()
+    assert page.evaluate(CLASHES) == []
 
 
 @pytest.mark.parametrize(("model", "viewport"), [("hopper", DESK), ("four_link_box", PHONE)])
