@@ -80,9 +80,11 @@ def test_a_change_that_cannot_start_is_undone_alone_and_nothing_plays(show):
     page.keyboard.press("Space")
     assert page.locator("#play").get_attribute("aria-label") == "Play"
     assert page.locator("footer").evaluate("footer => footer.inert")
-    page.get_by_role("button", name="Undo the change of Initial height").click()
+    page.evaluate("chainImpact.show({ 'contact.restitution': 0.5 })")
+    until(page, "document.getElementById('stage').ariaBusy === 'false'")
+    page.get_by_role("button", name="Undo the change of Initial height", exact=True).click()
     until(page, "document.getElementById('status').hidden")
-    assert page.evaluate("chainImpact.parameters['contact.restitution']") == "0.4"
+    assert page.evaluate("chainImpact.parameters['contact.restitution']") == "0.5"
     assert page.evaluate("chainImpact.parameters['initial.y']") != "-3"
     page.keyboard.press("Space")
     page.get_by_role("button", name="Pause").wait_for()

@@ -54,7 +54,8 @@ def test_the_wall_is_dashed_and_the_point_beyond_it_has_a_ring(show, size):
     inside, view = page.locator("#scene .pose").bounding_box(), page.locator("#view").bounding_box()
     for at, length in (("x", "width"), ("y", "height")):
         assert view[at] < inside[at] < inside[at] + inside[length] < view[at] + view[length]
-    page.get_by_role("button", name="Undo the change of Position of the right wall").click()
+    for changed in ("Position of the right wall", "Initial height"):
+        page.get_by_role("button", name=f"Undo the change of {changed}", exact=True).click()
     until(page, "document.querySelectorAll('#scene .refused').length === 0")
     assert page.inner_text("#time") == "0.30000 s"
     assert not page.locator("#csv").evaluate("one => one.disabled")
@@ -74,6 +75,10 @@ def test_refusals_have_the_words_of_controls_and_take_a_decimal_comma(show):
     assert refusal.inner_text().endswith("; the decimal sign is a point.")
     page.evaluate("chainImpact.show({'solver.work_limit': 2000})")
     until_told(page, "raise Work limit of solver, loosen Solver tolerance, or lower Stiffness", "status")
+    page.get_by_role("button", name="Undo the change of Work limit of solver", exact=True).click()
+    until(page, "document.getElementById('status').hidden")
+    page.evaluate("chainImpact.show({'contact.stiffness': 1e30})")
+    until_told(page, "loosen Solver tolerance, or lower Stiffness. Undo the change of Stiffness", "status")
 
 
 @pytest.mark.parametrize(

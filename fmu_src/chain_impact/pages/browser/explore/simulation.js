@@ -7,19 +7,24 @@ import { changesOf } from "../scene/changes.js";
 import { lawText, withBoxWalls } from "../scene/words.js";
 import { stopText } from "./console.js";
 import { markFailing, presentlyShown } from "./parameters/parameter_fields.js";
-import { withControls, wordsFor } from "./parameters/main_parameters.js";
+import { withControls, withoutLackingNames, wordsFor } from "./parameters/main_parameters.js";
 import { overlapOf, startText } from "./refused_start.js";
 
 const WAITING = 120; // [ms] after this computing time, the motion that is still shown becomes pale
 // [ms] a run may take this long before the next change ends it, so that a slider shows its effect while it is dragged
 const PATIENCE = 250;
+// how far a run comes: it has no motion, a motion up to a fault, or no fault
+const [REFUSED, STOPPED, COMPLETE] = [0, 1, 2];
 
 export class Simulation {
   #started = -Infinity; // [ms] when the present run began; −∞ if none runs
   #nextRun = 0; // the timer that starts the next run
   #status = 0; // the status of the last run
   #sentence = ""; // the sentence that tells how the last run ended
-  #last; // scene, values and steps of inputs of the last run with a motion
+  // for a run that is STOPPED or REFUSED: `last` has scene, values and steps of inputs of the last run that came further, and `names` are
+  // the parameters with whose change the runs began to fail
+  #failures = [REFUSED, STOPPED].map(() => ({ names: [] }));
+  #reach = REFUSED; // how far the last run came
   #notice = ""; // the sentence on a fault in the address, which is shown until something changes
 
   /**
@@ -73,14 +78,14 @@ export class Simulation {
     this.#started = -Infinity;
     document.body.classList.remove("computing");
     document.body.classList.toggle("stale", !result.parts);
-    if (result.parts) this.#last = { scene, values, inputSteps };
+    this.#keepFailures({ scene, values, inputSteps }, result);
     this.#status = result.status;
     this.#sentence = result.fault ?? this.faultOf(result, result.parts, values);
     this.#tell();
     const isRefused = !result.parts && !result.fault;
     const overlap = isRefused ? this.#overlapOf(result, values) : undefined;
-    const suspects = isRefused ? this.#newNames() : [];
-    if (suspects.length === 1) markFailing(suspects[0], this.#inWords(startText(result, scene, overlap)));
+    const { names } = this.#failures[REFUSED];
+    if (isRefused && names.length === 1) markFailing(names[0], this.#inWords(startText(result, scene, overlap)));
     this.show(result.parts, { ...words, scene, values, inputSteps }, overlap);
     if (this.#nextRun) this.soon();
     else find("stage").ariaBusy = "false";
@@ -125,7 +130,7 @@ export class Simulation {
   }
 
   #inWords(sentence) {
-    return withControls(withBoxWalls(sentence, this.changes.valueOf), this.changes);
+    return withControls(withoutLackingNames(withBoxWalls(sentence, this.changes.valueOf), this.changes), this.changes);
   }
 
   /** Show a sentence on a fault in the address, `notice`, until something changes. */
@@ -140,26 +145,33 @@ export class Simulation {
     find("status").textContent = readable(all);
     find("status").hidden = !all;
     if (this.#status === SHARED.kernel.FRICTION_WITH_RIGID_WALLS) find("status").append(" ", this.#withoutFriction());
-    if (all && document.body.classList.contains("stale")) this.#offerUndo();
+    if (all && this.#reach !== COMPLETE) this.#offerUndo(this.#failures[this.#reach]);
   }
 
-  /** Return the names of the parameters that have changed since the last run with a motion; none if that run was of another scene. */
-  #newNames() {
-    const { changes: { scene, values } } = this;
-    const last = this.#last;
-    return last?.scene === scene ? Object.keys({ ...last.values, ...values }).filter((name) => last.values[name] !== values[name]) : [];
+  /**
+   * Keep a `run` that came further than a failure as the last one before it; else keep the names of the parameters with whose change the
+   * runs began to fail, or, after these changes were taken back, of all parameters that differ from the last run before.
+   */
+  #keepFailures(run, { parts, status }) {
+    this.#reach = parts ? (status ? STOPPED : COMPLETE) : REFUSED;
+    this.#failures.forEach((failure, reach) => {
+      if (this.#reach > reach) Object.assign(failure, { last: run, names: [] });
+      const { last, names } = failure;
+      const present = last?.scene === run.scene ? Object.keys({ ...last.values, ...run.values }) : [];
+      const different = present.filter((name) => last.values[name] !== run.values[name]);
+      const kept = names.filter((name) => different.includes(name));
+      failure.names = kept.length ? kept : different;
+    });
   }
 
-  /** Offer to take back the changes of the parameters that `#newNames` returns, and name these parameters; or to undo an edit. */
-  #offerUndo() {
+  /** Offer to take back the changes with which the runs began to fail, and name their parameters; or to undo an edit that is refused. */
+  #offerUndo({ last, names }) {
     const { changes } = this;
-    const last = this.#last;
-    const names = this.#newNames();
-    const isEdited = last && last.scene !== changes.scene;
+    const isEdited = this.#reach === REFUSED && last && last.scene !== changes.scene;
     if (!names.length && !isEdited) return;
     const textContent = isEdited ? "Undo the edit" : `Undo the change of ${names.map(wordsFor(changes)).join(", ")}`;
     const button = make("button", { type: "button", className: "action", textContent });
-    button.addEventListener("click", () => (isEdited ? find("undo").click() : changes.replace(last.values, last.inputSteps)));
+    button.addEventListener("click", () => (isEdited ? find("undo").click() : changes.takeBack(names, last)));
     find("status").append(" ", button);
   }
 

@@ -126,6 +126,15 @@ export class Changes {
     this.replace(this.with({}, without(this.values, [name])), without(this.inputSteps, [name]));
   }
 
+  /** Give the parameters `names` the values and the steps that they have in the changes `before`. */
+  takeBack(names, before) {
+    const [values, inputSteps] = ["values", "inputSteps"].map((key) => {
+      const kept = names.filter((name) => name in before[key]).map((name) => [name, before[key][name]]);
+      return { ...without(this[key], names), ...Object.fromEntries(kept) };
+    });
+    this.replace(values, inputSteps);
+  }
+
   /** Replace the changed values by `values`, and the steps of inputs by `inputSteps`, which by default stay; then call the listeners. */
   replace(values, inputSteps = this.inputSteps) {
     Object.assign(this, { values, inputSteps });
