@@ -295,6 +295,8 @@ def test_no_force_is_written_on_the_rail_of_a_slider(show_recording):
     assert {"min −0.4\u202fm", "max 0.4\u202fm"} <= set(numbers), "positions of the carriage at its stops"
     notes = [one.bounding_box() for one in page.locator("#scene .rail-note").all()]
     assert max(one["y"] + one["height"] for one in notes) < bar["y"], "the pole hangs below the rail"
+    shapes = page.locator("#scene :is(.link, .rail-note)").evaluate_all("all => all.map(one => one.tagName)")
+    assert shapes[-2:] == ["text", "text"], "texts are in front of the pole"
 
 
 def test_a_motion_without_forces_at_walls_has_no_ruler(show_recording):

@@ -73,7 +73,7 @@ export class ChainDrawing {
     this.tail = Array.from({ length: TAIL_PARTS }, (_, part) =>
       this.drawing.polyline().addClass("tail").fill("none").opacity((part + 1) / TAIL_PARTS));
     // `letters` has those of compared motions
-    for (const name of ["rings", "arcs", "circles", "bodies", "links", "joints", "letters", "numbers", "arrows", "labels"]) {
+    for (const name of ["rings", "arcs", "circles", "bodies", "links", "joints", "stopTexts", "letters", "numbers", "arrows", "labels"]) {
       this[name] = this.drawing.group();
     }
     this.above = this.drawing.group().addClass("above"); // the group in front of the chain in which other modules draw
@@ -148,7 +148,7 @@ export class ChainDrawing {
     this.walls = this.ground.group();
     this.#drawWalls(0);
     this.pin = this.recording.pin.map((line) => [line, this.ground.polyline().addClass("pin")]);
-    this.rail = drawRail(this.ground, this.recording, (points) => this.#toScreen(points));
+    this.rail = drawRail(this.ground, this.stopTexts, this.recording, (points) => this.#toScreen(points));
     const free = this.recording.drawn.loads.length ? drawKey(this.ground, width) : width;
     const rulerEnd = this.recording.peakForce > 0 ? drawRuler(this.ground, this.arrowScale, free) : 0;
     drawScaleBar(this.ground, this.camera.scale, free, rulerEnd);

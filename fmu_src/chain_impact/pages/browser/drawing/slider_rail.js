@@ -11,10 +11,11 @@ const SAMPLES = 60; // number of frames whose chains decide on which side of a m
 
 /**
  * Draw the lines of a recording's slider, if it has one: its own line and the mark of each stop, with its name and the position of the
- * carriage there. The text is above or below its mark, where the chain crosses it in fewer frames. `toScreen`: function from positions [m]
- * to positions on the screen. Return lines that labels must not cover.
+ * carriage there. The text is above or below its mark, where the chain crosses it in fewer frames, and in `front` of the chain. `toScreen`:
+ * function from positions [m] to positions on the screen. Return lines that labels must not cover.
  */
-export function drawRail(group, recording, toScreen) {
+export function drawRail(group, front, recording, toScreen) {
+  front.clear();
   if (!recording.rail) return [];
   const lines = recording.rail.lines.map((line) => belowStrip(toScreen(line)));
   lines.forEach((line) => group.polyline(line).addClass("pin"));
@@ -32,7 +33,7 @@ export function drawRail(group, recording, toScreen) {
     const text = `${SHARED.names.SLIDER_STOPS[name]} ${withMinus(String(Number(digits(position))))}\u202fm`;
     return [text, AT_EDGE].map((words, line) => {
       const y = top + (line + 0.8) * LINE_OF_TEXT;
-      group.plain(words).attr({ x, y, "text-anchor": "middle" }).addClass(line ? "point-number rail-note" : "point-number");
+      front.plain(words).attr({ x, y, "text-anchor": "middle" }).addClass(line ? "point-number rail-note" : "point-number");
       return [[x - HALF_TEXT, y - LINE_OF_TEXT / 3], [x + HALF_TEXT, y - LINE_OF_TEXT / 3]];
     });
   });
