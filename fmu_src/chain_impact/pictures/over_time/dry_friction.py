@@ -55,7 +55,8 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     if (long & ~held).any() or not handles:
         handles.append(Line2D([], [], color=GREY, linewidth=2.0, label=f"slides{'' if handles else place}"))
     looks = [f"{NARROW_LOOKS[type(handle)]}: {handle.get_label()}" for handle in handles]
-    if not is_brief or write_foot(figure, ", ".join([*looks, "rows: point, wall"])) is None:
+    foot_text = ", ".join([*looks, "rows: point, wall"])
+    if figure is None or not is_brief or write_foot(figure, foot_text) is None:
         legend_above(axes, handles)
     shade_rests(axes, shown_time(recording))
 

@@ -108,8 +108,8 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         axes.spines["bottom"].set_position(("outward", ROWS_GAP + lanes * ROW))
     at_stops, at_walls = bool(stopped.any()), not stopped.all() or not len(stopped)
     # the names of the rows of contacts are below the axis, at its left
-    place = "bottom" if lanes else "center"
-    axes.set_ylabel(scaled_name(axes.yaxis, *measure(recording, is_stop=not at_walls)), loc=place)
+    name = scaled_name(axes.yaxis, *measure(recording, is_stop=not at_walls))
+    axes.set_ylabel(name, loc="bottom" if lanes else "center")
     axes.set_ylim(0.0, HEADROOM * (tops.max(initial=0.0) or 1.0))
     if at_stops and at_walls:
         functions: Any = (lambda v: v / scale, lambda v: v * scale)
