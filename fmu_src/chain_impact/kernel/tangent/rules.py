@@ -2,7 +2,7 @@
 
 Each replacement in DUAL_RULES has the name of the function that it replaces, and is called in place of that
 function if an argument carries derivatives. The value of a result is the same up to round-off, except that
-the results of ``has_effect``, ``iterated_enough`` and ``contact_resistance`` also depend on derivatives.
+the results of ``has_effect``, ``iterated_enough``, ``may_exceed`` and ``contact_resistance`` differ.
 """
 
 import math
