@@ -57,7 +57,7 @@ FOLD_RESIDUAL = 1e-3  # at rigid walls, a fold is near if the first iteration le
 # mean mass of a link. This iteration finds the forces up to about a thousandth. Without it, the round-off of
 # the whole motion, times the large D of the other iterations, would stay in the forces against motions that
 # can hardly be constrained, and steps at tight tolerances would be short. IMPEDANCE_GROWTH times this
-# impedance is that of the other iterations, RELATIVE_IMPEDANCE.
+# impedance is that of the other iterations, RELATIVE_IMPEDANCE of compliance.py.
 FIRST_IMPEDANCE = 1e3
 # The force on a single held point is m/W, with the residual m and the mobility W, if W times the mean mass of
 # a link is at least LEAST_SINGLE_MOBILITY. Near a toggle position the iteration finds the force.
