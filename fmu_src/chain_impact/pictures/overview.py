@@ -20,7 +20,7 @@ from chain_impact.pictures.motion.impact_rings import number_rings
 from chain_impact.pictures.motion.line_motion import draw_along_line, line_of_motion
 from chain_impact.pictures.motion.motion import draw_motion, entries_and_note
 from chain_impact.pictures.motion.view import GROWN, is_flat
-from chain_impact.pictures.over_time.dry_friction import draw_stick_slip
+from chain_impact.pictures.over_time.dry_friction import draw_stick_slip, move_legend_to_foot
 from chain_impact.pictures.over_time.energies import draw_energy
 from chain_impact.pictures.over_time.impacts import draw_impacts, number_impacts, place_of_late_peaks
 from chain_impact.pictures.over_time.single_impact import draw_one_impact, is_alone, number_one_impact
@@ -98,6 +98,7 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     for name, axes in panel_axes.items():
         if name in shown:
             PANELS[name](axes, recording)
+            move_legend_to_foot(axes, figure)
         else:
             draw_clock(axes, recording, is_marked="energy" in shown)
     timed = [axes for name, axes in panel_axes.items() if is_over_time(recording, name)]

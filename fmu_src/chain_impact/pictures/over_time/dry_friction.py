@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
@@ -17,8 +18,9 @@ from chain_impact.pictures.words.point_names import POINT, number_of, short
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
 
-# type of a legend's artist → its look, as the foot of a narrow picture tells it
-NARROW_LOOKS = {Patch: "dark bars", Line2D: "grey bars"}
+ROWS = "row: point, wall"  # the entry of a legend that explains the names of rows
+# first word of an entry of the legend → look of its bars, as the foot of a narrow picture tells it
+FOOT_LOOKS = {"sticks": "dark bars: ", "slides": "grey bars: "}
 PHASE_HEIGHT = 0.4  # the height of a bar that shows sticking, relative to the distance of two rows
 MOST_ROWS = 8  # at most so many contacts, joints and sliders together have phases of dry friction drawn
 # sliding that lasts at most this part of the run's duration is too short to be explained in a legend
@@ -30,7 +32,7 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
 
     Each contact, joint or slider has a row, with its name at the left; only the first MOST_ROWS of
     ``rubbing_places`` are drawn. If all contacts are at one wall, the legend has the name of this wall.
-    In a narrow figure, names with a wall lack the word "point"; the foot explains them and the bars.
+    In a narrow figure, names with a wall lack the word "point", which the legend then has.
     """
     phases, shown = recording.stick_slip, sorted(rubbing_places(recording)[:MOST_ROWS], reverse=True)
     for phase, length in zip(phases, phase_lengths(recording), strict=True):
@@ -54,11 +56,19 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     long = phase_lengths(recording) > SHORT * recording.duration
     if (long & ~held).any() or not handles:
         handles.append(Line2D([], [], color=GREY, linewidth=2.0, label=f"slides{'' if handles else place}"))
-    looks = [f"{NARROW_LOOKS[type(handle)]}: {handle.get_label()}" for handle in handles]
-    foot_text = ", ".join([*looks, "rows: point, wall"])
-    if figure is None or not is_brief or write_foot(figure, foot_text) is None:
-        legend_above(axes, handles)
+    if is_brief:
+        handles.append(Line2D([], [], linestyle="", label=ROWS))
+    legend_above(axes, handles)
     shade_rests(axes, shown_time(recording))
+
+
+def move_legend_to_foot(axes: Axes, figure: Figure) -> None:
+    """Tell the entries of the legend at the foot of a figure, if there is room, and if they explain rows."""
+    legend = axes.get_legend()
+    entries = [text.get_text() for text in legend.get_texts()] if legend else []
+    looks = [FOOT_LOOKS.get(entry.split()[0], "") + entry for entry in entries]
+    if legend and ROWS in entries and write_foot(figure, ", ".join(looks)):
+        legend.remove()
 
 
 def row_name(location: str, *, has_wall: bool, is_brief: bool) -> str:
