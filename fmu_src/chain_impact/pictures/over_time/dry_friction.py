@@ -20,7 +20,7 @@ from chain_impact.recording.stick_slip import element_label
 
 ROWS = "row: point, wall"  # the entry of a legend that explains the names of rows
 # first word of an entry of the legend → look of its bars, as the foot of a narrow picture tells it
-FOOT_LOOKS = {"sticks": "dark bars: ", "slides": "grey bars: "}
+PHASE_LOOKS = {"sticks": "dark bars: ", "slides": "grey bars: "}
 PHASE_HEIGHT = 0.4  # the height of a bar that shows sticking, relative to the distance of two rows
 MOST_ROWS = 8  # at most so many contacts, joints and sliders together have phases of dry friction drawn
 # sliding that lasts at most this part of the run's duration is too short to be explained in a legend
@@ -66,7 +66,7 @@ def move_legend_to_foot(axes: Axes, figure: Figure) -> None:
     """Tell the entries of the legend at the foot of a figure, if there is room, and if they explain rows."""
     legend = axes.get_legend()
     entries = [text.get_text() for text in legend.get_texts()] if legend else []
-    looks = [FOOT_LOOKS.get(entry.split()[0], "") + entry for entry in entries]
+    looks = [PHASE_LOOKS.get(entry.split()[0], "") + entry for entry in entries]
     if legend and ROWS in entries and write_foot(figure, ", ".join(looks)):
         legend.remove()
 
