@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Literal, cast
@@ -87,12 +87,16 @@ class InputSchedule:
     slips: np.ndarray
     columns: Mapping[str, tuple[int, int]] = field(default_factory=dict)
 
-    def values(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        """Return name of an input → its values in some ``rows``; at a jump, the value before the jump."""
+    def values(self, rows: np.ndarray, names: Collection[str] | None = None) -> dict[str, np.ndarray]:
+        """Return name of an input → its values in some ``rows``; at a jump, the value before the jump.
+
+        The inputs are those of ``columns`` that are among ``names``; by default all.
+        """
+        columns = {name: at for name, at in self.columns.items() if names is None or name in names}
         which, times = self.first.searchsorted(rows, side="right") - 1, self.times[rows]
-        orders = {order for _, order in self.columns.values()}
+        orders = {order for _, order in columns.values()}
         signals = {order: self.pieces.derivatives_at(times, which, order) for order in orders}
-        return {name: signals[order][:, column] for name, (column, order) in self.columns.items()}
+        return {name: signals[order][:, column] for name, (column, order) in columns.items()}
 
     def with_times(self, times: np.ndarray) -> InputSchedule:
         """Return the same inputs with other communication points: ``times`` [s], and the starts of pieces.

@@ -145,7 +145,7 @@ def simulate(
     order, table = sorted_impacts([*impacts, instance.open_contacts()], prepared.wall_names)
     every = not schedule.paths or schedule.asked.all()
     asked = slice(done) if every else np.flatnonzero(schedule.asked[:done])
-    numbers, over_time = rows.numbers[asked], schedule.values(np.arange(done))
+    numbers = rows.numbers[asked]
     sensitive = None
     if differentiated:
         sensitive = Sensitivities(
@@ -168,7 +168,7 @@ def simulate(
         stepwise=StepwiseColumns(numbers[:, width:], words[width:], indices.stepwise),
         stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
         rerun=Rerun(prepared, schedule),
-        input_values={name: values[asked] for name, values in over_time.items() if name in input_names},
+        input_values=schedule.values(np.arange(done)[asked], input_names) if input_names else {},
     )
     _warn(instance, result)
     if instance.status != OK:

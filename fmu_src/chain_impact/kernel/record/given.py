@@ -187,7 +187,7 @@ def initial_dtype(links: int) -> np.dtype:
 def solver_dtype() -> np.dtype:
     """Return the layout of the settings of the solver."""
     return layout(
-        # number of the method of integration, from 1: its position in SOLVER_METHODS of ode/control.py
+        # number of the method of integration, from 1: its position in SOLVER_METHODS of constants.py
         ("method", bounded_integer(1, len(SOLVER_METHODS))),
         ("tolerance", POSITIVE),  # allowed error of a step, relative to the scales of ode/control.py
         # 1/s, largest cost per second of simulated time, as a number of evaluations of ẏ (kernel/cost.py)

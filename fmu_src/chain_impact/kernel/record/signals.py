@@ -28,7 +28,7 @@ def signal_dtype(signals: int, knots: int) -> np.dtype:
     return layout(
         # kind of the signal, 0 to 4: constant, sine, ramp, steps, table
         ("form", bounded_integer(CONSTANT, TABLE), (signals,)),
-        # shape of a ramp: SMOOTH, LINEAR or TRAPEZOID of chain/signals.py
+        # shape of a ramp: SMOOTH, LINEAR or TRAPEZOID of constants.py
         ("shape", bounded_integer(SMOOTH, TRAPEZOID), (signals,)),
         ("source", bounded_integer(0, signals - 1), (signals,)),
         # number of the driven input (record/input_fields.py), such as MOTOR; CHANNEL for a prescribed motion

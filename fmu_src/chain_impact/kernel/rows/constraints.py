@@ -10,7 +10,7 @@ accelerations. Impulses p_k change these from u⁻ by the response Δ of the cha
 If only one constraint is active, p = (target − u⁻)/W with a number W (``solve_single``). Otherwise W is never
 formed. With an impedance D at the points of the active set the recursion solves, in O(N),
 
-    (M + Jᵀ D J) z = Jᵀ D m,   p ← p + D (m − J z),   m = target − u,
+    (M + Jᵀ D J) z = Jᵀ D m,   p ← p + D (m − J z),   Δ ← Δ + z,   m = target − u,
 
 the iteration of an augmented Lagrangian. Each iteration divides the residual m by 1 + D W, down to round-off.
 The constraints may be dependent. At rigid walls D is a million times the mean mass of a link. The iteration
@@ -31,6 +31,7 @@ from chain_impact.kernel.chain.response import FREE, HELD
 from chain_impact.kernel.cost import count_other_cost
 from chain_impact.kernel.function_marks import has_dual_rule, inlined
 from chain_impact.kernel.rows.compliance import (
+    RELATIVE_IMPEDANCE,
     STICKING_ITERATIONS,
     factorize_contacts,
     held_mobility,
@@ -56,9 +57,9 @@ FOLD_RESIDUAL = 1e-3  # at rigid walls, a fold is near if the first iteration le
 # The impedance D of the first iteration for sticking elements if no rigid wall holds a point, relative to the
 # mean mass of a link. This iteration finds the forces up to about a thousandth. Without it, the round-off of
 # the whole motion, times the large D of the other iterations, would stay in the forces against motions that
-# can hardly be constrained, and steps at tight tolerances would be short. IMPEDANCE_GROWTH times this
-# impedance is that of the other iterations, RELATIVE_IMPEDANCE of compliance.py.
-FIRST_IMPEDANCE = 1e3
+# can hardly be constrained, and steps at tight tolerances would be short. The impedance of the
+# other iterations is IMPEDANCE_GROWTH times as large.
+FIRST_IMPEDANCE = RELATIVE_IMPEDANCE / IMPEDANCE_GROWTH
 # The force on a single held point is m/W, with the residual m and the mobility W, if W times the mean mass of
 # a link is at least LEAST_SINGLE_MOBILITY. Near a toggle position the iteration finds the force.
 LEAST_SINGLE_MOBILITY = 1e-3
@@ -153,7 +154,7 @@ def iterate_impulses(d, scale):
     """Iterate until the residual is round-off, or no larger impedance reduces the residual.
 
     The loop always ends: each iteration except the last leaves less than SLOW_DECREASE of the residual,
-    increases D, or follows an increase of D; D increases at most twice. If no rigid wall holds a point, there
+    increases D, or follows an increase of D; D has a largest value. If no rigid wall holds a point, there
     are a first iteration and STICKING_ITERATIONS more, or fewer if the residual is round-off earlier.
 
     After the first iteration with an impedance, the motion is computed from the impulses. Its difference from

@@ -98,7 +98,7 @@ def set_polar(radius, y, first, horizontal, vertical):
 def unit_vector(angle):
     """Return the cosine and sine of an angle [rad].
 
-    ``angles.direction`` rounds the angle to whole quarter turns by adding a large number; for a dual number
+    The replaced function rounds the angle to whole quarter turns by adding a large number; for a dual number
     this rounding would give wrong derivatives.
     """
     cosine, sine = angles.unit_vector(value(angle))

@@ -56,9 +56,8 @@ TEXT_OUTLINE = 4.0
 # The name of the colour map for time. Its colours change on a dark ground, because lines are drawn in these
 # colours. Of any other colour map, only the colour for missing values changes.
 TIME = "time"
-COLOURED_GROUND = (
-    "on colour"  # the matplotlib identifier (gid) of a text that keeps its colour, on a coloured area
-)
+# the matplotlib identifier (gid) of a text that keeps its colour, on a coloured area
+COLOURED_GROUND = "on colour"
 Colour = tuple[float, float, float, float]
 
 

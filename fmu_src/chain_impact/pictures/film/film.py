@@ -110,6 +110,7 @@ class Film:
         still: dict[str, Any] = {"animated": True, "solid_capstyle": "round", "solid_joinstyle": "round"}
         self.trace_times, self.path = trace_of(recording, self.side)
         self.shade = colour_of_time(recording)
+        self.trace_colours = self._time_colours(self.trace_times)
         self.rings, self.spots = self._rings()
         self.trace = LineCollection([], linewidths=1.0, alpha=0.8 if ground else 0.55, animated=True)
         self.tail = LineCollection([], animated=True)
@@ -230,7 +231,7 @@ class Film:
         passed = np.searchsorted(self.trace_times, time, side="right")
         self.traced = np.append(self.path[:passed], points[-1:], axis=0)
         self.trace.set_segments(list(np.stack([self.traced[:-1], self.traced[1:]], axis=1)))
-        self.trace.set_color(self._time_colours(self.trace_times[:passed]))
+        self.trace.set_color(self.trace_colours[:passed])
         self._show_tail(time)
         self._colour_chain(time)
         self.rings.set_data(*self.spots[self.recording.impacts["onset"] <= time].T)
@@ -263,7 +264,7 @@ class Film:
     def _time_colours(self, times: np.ndarray) -> list[Any]:
         """Return the colours of some times [s]; none for no times."""
         colours = np.reshape(self.shade(times), (-1, 4)).tolist()
-        return [self._suited(colour) for colour in colours] if self.ground else colours
+        return [self._suited(colour) for colour in colours]
 
     def _colour_chain(self, time: float) -> None:
         """Give the chain, its bodies and its points the colour of a time [s]."""
@@ -321,7 +322,7 @@ class Film:
             self.ground.suit(self.moving)
         yield from self.moving
 
-    def _suited(self, colour: str) -> Any:
+    def _suited(self, colour: Any) -> Any:
         """Return the colour that replaces ``colour`` if the ground is dark; else ``colour`` itself."""
         return self.ground.suited(colour) if self.ground else colour
 

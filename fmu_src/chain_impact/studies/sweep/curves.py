@@ -65,35 +65,35 @@ def draw_curves(
     ``across``: the parameter on the horizontal axis, a number. ``choice``: a second parameter; each of the
     numbers or choices of ``choice`` has a line, but choices with equal results share a line (``lines_of``).
     """
-    values = runs[across.name]
+    values, is_sampled = runs[across.name], runs.design.samples is not None
     lines, has_missed = lines_of(runs, across, choice), False
     for axes, quantity in zip(panels, quantities, strict=True):
         shown = quantity.known(runs)
         curves = [np.array([values[rows], shown[rows]]) for rows in lines.values()]
         drawn = [curve[:, np.isfinite(curve[1])] for curve in curves]
-        usable = [curve.shape[1] > 1 and runs.design.samples is None for curve in drawn]
+        usable = [curve.shape[1] > 1 and not is_sampled for curve in drawn]
         dashes = iter(merged_dashes([curve for curve, use in zip(drawn, usable, strict=True) if use]))
         looks = zip(lines.items(), looks_of(lines, choice), usable, strict=False)
         for place, ((names, rows), look, use) in enumerate(looks):
             text = " = ".join(names)
             label = f"{text} (failed)" if choice and runs.failed[rows].all() else text
             marks: dict[str, Any] = {}
-            if runs.design.samples is not None:
-                marks = {"marker": ".", "linestyle": "", "rasterized": True}
-            elif len(rows) <= FEW_VALUES:
-                marks = {"marker": "o", "markersize": MARK_SIZE}
             across_up = values[rows], shown[rows]
-            # a count has no line, which would show numbers that no run has; marks of equal counts stand side
-            # by side
-            if quantity.is_count and runs.design.samples is None:
+            is_beside = quantity.is_count and not is_sampled
+            if is_sampled:
+                marks = {"marker": ".", "linestyle": "", "rasterized": True}
+            elif is_beside:
+                # a count has no line, which would show numbers that no run has; marks of equal counts stand
+                # side by side
                 marks = {"marker": MARKERS[place % len(MARKERS)], "linestyle": "", "markersize": MARK_SIZE}
-            elif runs.design.samples is None:
+            else:
                 across_up = broken_line(*across_up, runs[COUNT][rows])
-                marks = marks or (
-                    {"marker": ".", "markersize": DOT_SIZE} if len(across_up[0]) > len(rows) else {}
-                )
+                if len(rows) <= FEW_VALUES:
+                    marks = {"marker": "o", "markersize": MARK_SIZE}
+                elif len(across_up[0]) > len(rows):
+                    marks = {"marker": ".", "markersize": DOT_SIZE}
             (line,) = axes.plot(*across_up, label=label, linewidth=1.4, **look | marks)
-            if quantity.is_count and runs.design.samples is None:
+            if is_beside:
                 line.set_transform(axes.transData + _shift_beside(axes, place, len(lines), len(rows)))
             if use and (dash := next(dashes)) and not quantity.is_count:
                 line.set(linestyle=dash, marker="None")  # marks would hide those of the line below

@@ -108,7 +108,7 @@ class Quantity:
         return np.asarray(~runs.failed & (runs[self.column] == 0.0) & (runs[COUNT] == 0.0) & is_energy)
 
     def known(self, runs: Runs) -> np.ndarray:
-        """Return the values as ``of`` does, but NaN for runs that are ``missed``."""
+        """Return the values as ``values_in`` does, but NaN for runs that are ``missed``."""
         return np.where(self.missed(runs), np.nan, self.values_in(runs))
 
     def values_in(self, runs: Runs) -> np.ndarray:

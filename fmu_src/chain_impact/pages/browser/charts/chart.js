@@ -231,6 +231,7 @@ export class Chart {
       const { left, top, width } = over.getBoundingClientRect();
       return [Math.min(Math.max(clientX - left, 0), width), clientY - top];
     };
+    const endsOf = (event) => [from, at(event)[0]].sort((one, other) => one - other);
     const go = (event) => this.goTo(this.timeAt(...at(event)));
     over.addEventListener("pointerdown", (event) => {
       over.setPointerCapture(event.pointerId);
@@ -240,20 +241,22 @@ export class Chart {
     over.addEventListener("pointermove", (event) => {
       if (!event.buttons) return;
       if (from === undefined) return go(event);
-      const ends = [from, at(event)[0]].sort((one, other) => one - other);
-      Object.assign(band.style, { left: `${ends[0]}px`, width: `${ends[1] - ends[0]}px` });
+      const [left, right] = endsOf(event);
+      Object.assign(band.style, { left: `${left}px`, width: `${right - left}px` });
       over.append(band);
     });
+    const endDrag = () => {
+      from = undefined;
+      band.remove();
+    };
     over.addEventListener("pointerup", (event) => {
-      const ends = [from, at(event)[0]].sort((one, other) => one - other);
       if (from === undefined) return;
+      const ends = endsOf(event);
+      endDrag();
       if (ends[1] - ends[0] < LEAST_DRAG) go(event);
       else this.zoom(ends.map((end) => this.plot.posToVal(end, "x")));
     });
-    ["pointerup", "pointercancel"].forEach((end) => over.addEventListener(end, () => {
-      from = undefined;
-      band.remove();
-    }));
+    over.addEventListener("pointercancel", endDrag);
   }
 
   fit() {
