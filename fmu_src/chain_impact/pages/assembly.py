@@ -24,8 +24,11 @@ EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
 STRIPPED_FROM_SCRIPTS = re.compile(
     r"^(?:\s+|//.*\n|/\*\*[\s\S]*?\*/\n)+|(?<=[;,{}()\[\]]) +// .*$", re.MULTILINE
 )
-# pattern of what a style sheet does not need: comments, except of licences, and spaces at the start of a line
-STRIPPED_FROM_STYLES = re.compile(r"/\*(?!!).*?\*/\n?|^ +", re.MULTILINE | re.DOTALL)
+# pattern of strings and comments of licences, which a style sheet keeps, as the group, or of what it does not
+# need: other comments, and spaces beside its signs
+STRIPPED_FROM_STYLES = re.compile(
+    r'("[^"\n]*"|/\*!.*?\*/)|/\*.*?\*/\s*|(?<=[:;,{}])\s+|\s+(?=[{}])', re.DOTALL
+)
 SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
 
 
@@ -42,7 +45,7 @@ def assembled(template: str, title: str, styles: Iterable[str], modules: str, **
     scripts = "\n".join(f"<script>\n{SOURCE_MAP.sub('', text_of(name))}</script>" for name in LIBRARIES)
     parts |= {
         "title": html.escape(title, quote=False),
-        "style": STRIPPED_FROM_STYLES.sub("", "\n".join(styles)),
+        "style": STRIPPED_FROM_STYLES.sub(r"\1", "\n".join(styles)),
     }
     parts |= {"libraries": scripts, "program": modules}
     parts |= {name: text_of(f"player/{name}.html") for name in FRAGMENTS}
