@@ -1,6 +1,7 @@
 """Motions beside the present motion: the motion before a change, and pinned motions with their impacts."""
 
-# Tests: pages/browser/explore/compared_motions.js, pages/browser/recording/partners.js
+# Tests: pages/browser/explore/compared_motions.js, pages/browser/explore/compared_table.js
+# Tests: pages/browser/recording/partners.js
 
 import itertools
 import operator
@@ -22,10 +23,7 @@ LETTERS = function_of("compared_motions", "letters")
 AXES = (("x", "width"), ("y", "height"))
 BELOW_PEAK = 30
 """The pixels at the top of the chart that have the number of the peak, not the curve."""
-CLASSES = "cells => cells.map((cell) => cell.className)"
 SECONDS = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9}
-LISTED = 40
-"""The table has the first impacts of each motion, up to this number."""
 FIRST = operator.itemgetter(0)
 ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "friction", "supplied")
 
@@ -47,8 +45,8 @@ def test_the_motion_before_a_change_is_drawn_behind_and_pinned_ones_stay(show):
     rows = page.locator("#pins tbody tr").all_inner_texts()
     for row, text in zip(rows, ("present", "as in the scene", "Restitution = 0.4"), strict=True):
         assert text in row
-    first = simulate("four_link_box").impacts[0]
-    assert f"{first['onset']:.4f}" in rows[1]
+    end = simulate("four_link_box")["energy.total"][-1]
+    assert f"{end:.2f}\u202fJ" in rows[1]
     page.locator(".unpin").first.click()
     until(page, "document.querySelectorAll('#pins tbody tr').length === 2")
     for _ in range(2):  # a motion is pinned once
@@ -80,7 +78,7 @@ def test_after_a_refused_start_no_pin_tells_a_change_and_the_clock_no_rate(show)
     page = show()
     page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({'contact.restitution': 0.45})")
-    change = page.locator("#pins tbody tr:nth-child(2) td:nth-child(2) small")
+    change = page.locator("#pins tbody tr:nth-child(2) td:nth-child(3) small")
     percent = re.compile(r"A → now [+−][\d.]+\u202f%")
     change.filter(has_text=percent).wait_for()
     assert page.locator("#rate").is_visible()
@@ -130,7 +128,7 @@ def test_pins_tell_the_change_of_the_largest_force_and_align_impacts(show):
     assert "present: Restitution = 0.5" in rows[0].inner_text()
     peaks = [run.impacts["peak_force"].max() for run in runs]
     largest = [f"{peak / 1e3:.1f}\u202fkN" for peak in peaks]
-    told = [row.locator("td").first.inner_text() for row in rows]
+    told = [row.locator("td").nth(1).inner_text() for row in rows]
     assert told[0] == largest[0]
     force, change = told[1].rsplit("\u202f", 1)[0].rsplit("A → now ", 1)
     assert force == largest[1]
@@ -140,15 +138,15 @@ def test_pins_tell_the_change_of_the_largest_force_and_align_impacts(show):
     expected = partners(present, pinned)
     assert any(k is None for k in expected)
     assert any(k not in (None, n) for n, k in enumerate(expected))
-    cells = rows[1].locator("td").all_inner_texts()[1:]
-    columns = [(present["onset"][n], n, k) for n, k in enumerate(expected)]
-    columns += [(pinned["onset"][k], None, k) for k in range(len(pinned)) if k not in expected]
-    shown = sorted((one for one in columns if min(k for k in one[1:] if k is not None) < LISTED), key=FIRST)
-    heads = page.locator("#pins thead th").all_inner_texts()[2 : 2 + len(shown)]
-    assert [head.split(":")[0] for head in heads] == [
-        "only A" if n is None else str(n + 1) for _, n, _ in shown
-    ]
-    greys = [cell.endswith("doubtful") for cell in rows[1].locator("td").evaluate_all(CLASSES)[1:]]
+    page.get_by_role("button", name="Impact by impact…").click()
+    pairs = [(present["onset"][n], n, k) for n, k in enumerate(expected)]
+    pairs += [(pinned["onset"][k], None, k) for k in range(len(pinned)) if k not in expected]
+    shown = sorted(pairs, key=FIRST)
+    table = page.locator("#pairs tbody tr").all()
+    numbers = [row.locator("td").first.inner_text() for row in table]
+    assert numbers == ["" if n is None else str(n + 1) for _, n, _ in shown]
+    cells = [row.locator("td").last.inner_text() for row in table]
+    greys = [row.locator("td").last.get_attribute("class") == "doubtful" for row in table]
     for cell, is_grey, (_, n, k) in zip(cells, greys, shown, strict=True):
         assert cell.startswith("–") if k is None else f"{pinned['onset'][k]:.4f}" in cell
         if None in (n, k):
@@ -162,6 +160,15 @@ def test_pins_tell_the_change_of_the_largest_force_and_align_impacts(show):
         assert told == pytest.approx([gap / SECONDS[unit], change], rel=0.05, abs=0.06)
         is_other = alike(present, present[n]).index(n) != alike(pinned, pinned[k]).index(k)
         assert is_grey == (is_other or abs(gap) > 0.03 * min(present["onset"][n], pinned["onset"][k]))
+    page.keyboard.press("Escape")
+    is_clear = [
+        k is None
+        or abs(present["onset"][n] / pinned["onset"][k] - 1) > 0.01
+        or abs(present["peak_force"][n] / pinned["peak_force"][k] - 1) > 0.01
+        for _, n, k in shown
+        if n is not None
+    ]
+    assert rows[1].locator("td").last.inner_text().startswith(f"impact {is_clear.index(True) + 1}, ")
     counts = f"{len(pinned)} → {len(present)}"
     assert page.inner_text("#impacts-before") == f"{counts}, largest {largest[1]} → {largest[0]}"
 
@@ -173,14 +180,14 @@ def test_each_impact_of_each_pin_has_one_cell(show):
         page.evaluate(LATER)
         page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
         until_told(page, impacts_of({"contact.restitution": value}))
-    for value, row in zip((0.75, 0.7, 0.8, 0.6), page.locator("#pins tbody tr").all(), strict=True):
+    page.get_by_role("button", name="Impact by impact…").click()
+    rows = [row.locator("td").all_inner_texts()[1:] for row in page.locator("#pairs tbody tr").all()]
+    for value, column in zip((0.75, 0.7, 0.8, 0.6), zip(*rows, strict=True), strict=True):
         run = simulate(load_scene("four_link_box").with_values({"contact.restitution": value}))
-        found = [text for text in row.locator("td").all_inner_texts()[1:] if not text.startswith("–")]
-        told = [re.search(r"(\d\.\d{4})\u202fs", text)[1] for text in found]
-        assert sorted(told) == [f"{onset:.4f}" for onset in run.impacts["onset"][:LISTED]]
-    heads = page.locator("#pins thead th").all_inner_texts()
-    found = {head.split(":")[0] for head in heads}
-    assert {"only A, B", "only A, C", "only B, C"} & found, "partners of two pins share a column"
+        told = [re.search(r"(\d\.\d{4})\u202fs", text)[1] for text in column if not text.startswith("–")]
+        assert sorted(told) == [f"{onset:.4f}" for onset in run.impacts["onset"]]
+    lacking = [[cell.startswith("–") for cell in row] for row in rows]
+    assert any(one[0] and one.count(False) > 1 for one in lacking), "partners of two pins share a row"
 
 
 def test_letters_of_pins_at_one_place_are_beside_each_other(show):
@@ -428,7 +435,7 @@ def test_a_change_to_many_times_the_force_is_told_as_a_factor(show):
     page = show()
     page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({'contact.stiffness': 1e11})")
-    change = page.locator("#pins tbody tr:nth-child(2) td:nth-child(2) small")
+    change = page.locator("#pins tbody tr:nth-child(2) td:nth-child(3) small")
     change.filter(has_text=re.compile(r"^A → now ×\u202f[1-9]\d(\.\d)?$")).wait_for()
 
 

@@ -1,23 +1,16 @@
-// The motions that are drawn behind the present motion: the motion before the last change, and pinned motions. The impacts of pinned
-// motions are listed.
+// The motions that are drawn behind the present motion: the motion before the last change, and pinned motions, which a table compares.
 
 import { find, make } from "../base/dom.js";
-import { digits, durationText, forceText, impulseText, unitsOf, withMinus } from "../base/format.js";
 import { LabelSpace, positionsAround } from "../drawing/label_positions.js";
 import { STRIP } from "../drawing/scale_strip.js";
-import { partnerOf } from "../recording/partners.js";
 import { Recording } from "../recording/recording.js";
-import { placeText } from "../scene/words.js";
+import { differenceText, pairsTable, summaryTable } from "./compared_table.js";
 import { onGesture } from "./gestures.js";
 
 const COLOURS = 5; // number of colours for pinned motions in the style sheet
 const LETTERS = "ABCDE"; // the letters of the colours, because two colours may look alike
 const TIP = 15; // [pixels] diameter of the dot of a letter
 const AWAY = [1.1, 1.6, 2.2, 3, 4, 5, 7]; // distances from its tip at which a letter is tried in this order, as multiples of TIP
-const TO_PRESENT = "From this motion to the present one";
-const SAME_TIME = 1e-9; // [s] times that differ by less count as equal
-const MANIFOLD = 10; // least factor between two forces or impulses that is told as a factor, not in percent
-const LISTED = 40; // number of impacts of each motion, from the first on, that the table of compared motions has
 
 export class ComparedMotions {
   onPin = () => {}; // a function that is called when a motion has been pinned, or is not pinned any more
@@ -96,8 +89,8 @@ export class ComparedMotions {
     return differingText(motion, [this.player, ...this.pinned].map(({ recording }) => recording.changed));
   }
 
-  unpin(motion) {
-    this.#use(this.pinned.filter((other) => other !== motion));
+  unpin({ recording }) {
+    this.#use(this.pinned.filter((other) => other.recording !== recording));
   }
 
   /**
@@ -163,30 +156,34 @@ export class ComparedMotions {
     document.body.classList.toggle("with-pins", !panel.hidden);
     document.body.style.setProperty("--pins", 2 + pinned.length); // number of rows of the table
     if (panel.hidden) return;
-    const listed = pinned.map((motion, k) =>
-      ({ ...motion, letter: lines[k].letter, text: this.#textOf(motion), unpin: () => this.unpin(motion) }));
     const text = ["present", this.#changesOf(player.recording)].filter(Boolean).join(": ");
+    const listed = pinned.map((motion, k) => ({ ...motion, letter: lines[k].letter, text: this.#textOf(motion) }));
     const all = [{ recording: player.recording, text }, ...listed];
     const isPresent = !document.body.classList.contains("stale"); // else the present values have no motion
-    const columns = alignedImpacts(all.map(({ recording }) => recording));
-    panel.style.setProperty("--columns", columns.length);
-    table.replaceChildren(...comparisonTable(all.map((motion) => ({ ...motion, title: this.#title(motion) })), columns, isPresent));
+    const open = make("button", { type: "button", id: "pairs-open", textContent: "Impact by impact…", ariaHasPopup: "dialog" });
+    open.addEventListener("click", () => {
+      const named = all.map((motion) => ({ ...motion, name: make("span", { className: "pin-title" }, ...this.#nameOf(motion)) }));
+      find("pairs-table").replaceChildren(...pairsTable(named, isPresent));
+      find("pairs").showModal();
+    });
+    table.replaceChildren(...summaryTable(all.map((motion) => ({ ...motion, title: this.#title(motion) })), open, isPresent));
+  }
+
+  /** Return the elements for the name of a motion: a dot with its letter, and its text. */
+  #nameOf({ text, colour, letter = "" }) {
+    const dot = make("span", { className: `dot ${colour ? `pin-${colour}` : "present"}`, textContent: letter });
+    return [dot, make("span", { className: "pin-text", textContent: text })];
   }
 
   #title(motion) {
-    const { text, colour, letter = "", recording, unpin } = motion;
-    const count = `${recording.impacts.length} impact${recording.impacts.length === 1 ? "" : "s"}`;
-    const title = make("span", { className: "pin-title" });
-    const kind = colour ? `pin-${colour}` : "present";
-    title.append(make("span", { className: `dot ${kind}`, textContent: letter }));
-    title.append(make("span", { className: "pin-text", textContent: text }));
+    const { text, colour } = motion;
+    const title = make("span", { className: "pin-title" }, ...this.#nameOf(motion));
     if (colour) {
-      title.prepend(make("span", { className: `dashes ${kind}`, title: "In the charts" }));
+      title.prepend(make("span", { className: `dashes pin-${colour}`, title: "In the charts" }));
       const button = make("button", { type: "button", className: "unpin", textContent: "×", title: "Take this pin away" });
-      button.addEventListener("click", unpin);
+      button.addEventListener("click", () => this.unpin(motion));
       title.append(button);
     }
-    title.append(make("small", { textContent: count }));
     return make("th", { scope: "row", title: text }, title);
   }
 }
@@ -228,122 +225,4 @@ function placeOfLetter(tip, space, size) {
   const around = [{ at: tip }, ...positionsAround(tip, [1, 0], TIP, AWAY)];
   const free = space.findPosition("A", TIP, around.map(({ at }) => ({ at, anchor: "middle" })));
   return free?.at ?? tip.map((value, axis) => Math.min(Math.max(value, TIP / 2), size[axis] - TIP / 2));
-}
-
-/**
- * Return the parts of the table that compares `motions`, the present one first: each motion has a `recording`, a `title` and, if it is
- * pinned, a `letter`. The `columns` of the table are those of `alignedImpacts`. If `isPresent` is false, the motion of the present values
- * is unknown, and dashes replace the changes to it.
- */
-function comparisonTable(motions, columns, isPresent) {
-  const lettersOf = (column) => motions.filter((_, k) => column[k]).map(({ letter }) => letter).join(", ");
-  const headOf = (column) => [column[0]?.number ?? `only ${lettersOf(column)}`, placeText(column.find(Boolean))].join(": ");
-  const heads = ["Impact", "largest", ...columns.map(headOf)];
-  if (motions.some(({ recording: { impacts } }) => impacts.length > LISTED)) heads.push(`the first ${LISTED} of each motion are listed`);
-  const head = make("tr", {}, ...heads.map((textContent) => make("th", { scope: "col", textContent })));
-  const body = motions.map(({ title, recording, letter }, k) => {
-    const change = k && (isPresent ? changeText(motions[0].recording, recording) : "–");
-    const largest = make("td", { textContent: largestText(recording) });
-    if (change) largest.append(make("small", { textContent: `${letter} → now ${change}`, title: TO_PRESENT }));
-    return make("tr", {}, title, largest, ...columns.map((column) =>
-      cellOf(column[k], k > 0 && isPresent ? column[0] : null, column.doubtful[k], column[0]?.number)));
-  });
-  return [make("thead", {}, head), make("tbody", {}, ...body)];
-}
-
-/**
- * Return columns of impacts that belong together, sorted by the onset of the first impact in each column. A column has one entry for each
- * recording of `all`: an impact or undefined. Each of the first LISTED impacts of a recording is in one column, with its partners in
- * others; `doubtful` of a column tells for each entry whether it is a doubtful partner.
- */
-function alignedImpacts(all) {
-  const used = new Set();
-  const newIn = ({ impacts }) => impacts.slice(0, LISTED).filter((impact) => !used.has(impact));
-  const columns = all.flatMap((recording, k) => newIn(recording).map((first) => {
-    const pairs = all.map((other, n) => (n === k ? { partner: first } : partnerOf(first, recording, other)));
-    const column = pairs.map(({ partner }) => (used.has(partner) ? undefined : partner));
-    column.doubtful = pairs.map(({ isDoubtful }) => isDoubtful);
-    column.forEach((impact) => used.add(impact));
-    return column;
-  }));
-  const onsetOf = (column) => column.find(Boolean).onset;
-  return columns.toSorted((one, other) => onsetOf(one) - onsetOf(other));
-}
-
-/**
- * Return { value, unit, text }: the largest peak force of a recording or, if no peak force or moment is known, the largest impulse, of
- * ended contacts if there are any. At stops of joints, peak moments and impulses of moments replace forces and impulses; they count only if
- * no other impact has a known value of this kind. The result is null if no value is known.
- */
-function largestKnown({ impacts }) {
-  const [peaks, impulses] = ["peak", "impulse"].map((key) => impacts.filter((impact) => Number.isFinite(impact[key] ?? NaN)));
-  const ended = impulses.filter(({ rebound }) => Number.isFinite(rebound ?? NaN)); // without a rest, whose impulse grows with time
-  const known = [peaks, ended, impulses].find(({ length }) => length) ?? [];
-  const atWalls = known.filter(({ atStop }) => !atStop);
-  const key = peaks.length ? "peak" : "impulse";
-  const impact = (atWalls.length ? atWalls : known).reduce((one, other) => (one && one[key] >= other[key] ? one : other), null);
-  if (!impact) return null;
-  const unit = unitsOf(impact)[key === "peak" ? "force" : "impulse"];
-  return { value: impact[key], unit, text: key === "peak" ? forceText(impact.peak, 3, unit) : impulseText(impact) };
-}
-
-/** Return a text: the largest peak force of a recording; the largest impulse if no peak force is known; a dash if neither is known. */
-export function largestText(recording) {
-  return largestKnown(recording)?.text ?? "–";
-}
-
-/** Return the values of `largestKnown` for two recordings; an empty list if the units of the values differ, or a value is unknown. */
-function comparableOf(...recordings) {
-  const [one, other] = recordings.map(largestKnown);
-  return one && one.unit === other?.unit ? [one.value, other.value] : [];
-}
-
-/**
- * Return the change of the largest force (or else impulse) from `other` to a recording as text: in percent of the value of `other`, as in
- * "−12 %", or as a factor from MANIFOLD on, as in "× 1350"; "" if the units differ, a value is unknown, or the value of `other` is 0.
- */
-function changeText(recording, other) {
-  return ratioText(...comparableOf(recording, other));
-}
-
-/** Return the change from a value `base` to `value` as text, as `changeText` does. */
-function ratioText(value, base) {
-  if (!(base > 0)) return "";
-  if (value >= MANIFOLD * base) return `×\u202f${Number((value / base).toPrecision(3))}`;
-  const percent = 100 * (value / base - 1);
-  const rounded = Math.abs(percent) < 0.05 ? "0" : digits(percent, 2);
-  return `${percent > 0 && rounded !== "0" ? "+" : ""}${withMinus(rounded)}\u202f%`;
-}
-
-/** Return words for the number of impacts, and their largest force (or else impulse), before and after a change; "" without a change. */
-function differenceText(before, present) {
-  if (!before || before === present) return "";
-  const counts = `${before.impacts.length} → ${present.impacts.length}`;
-  return comparableOf(before, present).length ? `${counts}, largest ${largestText(before)} → ${largestText(present)}` : counts;
-}
-
-/**
- * Return a table's cell for an impact: onset, and peak force or impulse, with a tooltip that tells the duration; a dash without impact. The
- * cell also tells the impact's own number, if it differs from the `number` of the column's impact of the present motion, and the changes of
- * time and force to its partner `present` in this motion, if this is known. The cell of a doubtful partner is grey.
- */
-function cellOf(impact, present, isDoubtful, number) {
-  if (!impact) return make("td", { textContent: "–", title: "No impact of this point and wall is near" });
-  const force = impact.peak === null ? impulseText(impact) || "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);
-  const until = `until ${durationText(impact.end - impact.onset)} later`;
-  const title = `Impact ${impact.number}: ${placeText(impact)}, ${until}${isDoubtful ? "; perhaps another impact" : ""}`;
-  const cell = make("td", { title, className: isDoubtful ? "doubtful" : "" });
-  if (impact.number !== number) cell.append(make("small", { className: "own-number", textContent: `#${impact.number}` }), " ");
-  cell.append(`${impact.onset.toFixed(4)}\u202fs`, make("small", { textContent: force }));
-  if (present) cell.append(make("small", { textContent: differenceOf(impact, present), title: `${title}. ${TO_PRESENT}` }));
-  return cell;
-}
-
-/** Return words for the changes of time and of peak force (or impulse, if no peak is known) from an impact to its partner `present`. */
-function differenceOf(impact, present) {
-  const time = present.onset - impact.onset;
-  const gap = Math.abs(time) < SAME_TIME ? `0\u202fs` : (time > 0 ? "+" : "") + withMinus(durationText(time));
-  const key = impact.peak === null ? "impulse" : "peak";
-  const change = (impact.peak === null) === (present.peak === null) ? ratioText(present[key], impact[key]) : "";
-  return `→ now ${[gap, change].filter(Boolean).join(", ")}`;
 }

@@ -1,7 +1,7 @@
 // The result of the present run beside the slider that the reader has just moved, for screens where the list of impacts is far below.
 
 import { make } from "../../base/dom.js";
-import { largestText } from "../compared_motions.js";
+import { largestText } from "../compared_table.js";
 
 /**
  * Return a function that shows the number of impacts in a recording and the largest impact; nothing without a recording. The text is in

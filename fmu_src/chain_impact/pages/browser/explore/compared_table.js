@@ -1,0 +1,204 @@
+// The tables of compared motions: a summary with a row for each motion, and, on request, a table with a row for each impact.
+
+import { make } from "../base/dom.js";
+import { digits, durationText, forceText, impulseText, unitsOf, withMinus } from "../base/format.js";
+import { partnerOf } from "../recording/partners.js";
+import { placeText } from "../scene/words.js";
+
+const TO_PRESENT = "From this motion to the present one";
+const SAME_TIME = 1e-9; // [s] times that differ by less count as equal
+const MANIFOLD = 10; // least factor between two forces or impulses that is told as a factor, not in percent
+const LISTED = 100; // number of impacts of each motion, from the first on, that are compared
+const CLEAR = 0.01; // least relative difference of a time since the start, or of a force, that the summary tells
+
+/**
+ * Return the parts of the summary of `motions`, the present one first: each motion has a `recording`, a `title` (an element) and, if it is
+ * pinned, a `letter`. The head of the table begins with the element `first`. If `isPresent` is false, the motion of the present values is
+ * unknown, and dashes replace the changes to it.
+ */
+export function summaryTable(motions, first, isPresent) {
+  const heads = ["impacts", "largest", "energy at the end", `first difference of more than ${100 * CLEAR}\u202f%`];
+  const head = make("tr", {}, ...[first, ...heads].map((part) => make("th", { scope: "col" }, part)));
+  const present = motions[0].recording;
+  const body = motions.map(({ title, recording, letter }) => {
+    const told = [String(recording.impacts.length), largestText(recording), energyText(endEnergy(recording)), ""];
+    const changes = [countChange(recording, present), changeText(present, recording), energyChange(recording, present)];
+    const cells = told.map((text, k) => {
+      const cell = make("td", { textContent: text });
+      cell.dataset.head = heads[k];
+      const change = letter && (isPresent ? changes[k] : "–");
+      if (change && k < changes.length) cell.append(make("small", { textContent: `${letter} → now ${change}`, title: TO_PRESENT }));
+      return cell;
+    });
+    if (letter) cells.at(-1).textContent = isPresent ? firstDifference(recording, present, letter) : "–";
+    return make("tr", {}, title, ...cells);
+  });
+  return [make("thead", {}, head), make("tbody", {}, ...body)];
+}
+
+/**
+ * Return the parts of a table with a row for each impact, and a column for each of some `motions` (as for `summaryTable`, with the element
+ * `name` in place of the title): the impacts that belong together are in one row (`alignedImpacts`).
+ */
+export function pairsTable(motions, isPresent) {
+  const rows = alignedImpacts(motions.map(({ recording }) => recording));
+  const heads = ["#", "impact", ...motions.map(({ name }) => name)];
+  const head = make("tr", {}, ...heads.map((part) => make("th", { scope: "col" }, part)));
+  const body = rows.map((row) => {
+    const number = make("td", { textContent: row[0]?.number ?? "" });
+    return make("tr", {}, number, make("th", { scope: "row", textContent: placeText(row.find(Boolean)) }), ...motions.map((_, k) =>
+      cellOf(row[k], k > 0 && isPresent ? row[0] : null, row.doubtful[k], row[0]?.number)));
+  });
+  if (motions.some(({ recording: { impacts } }) => impacts.length > LISTED)) {
+    const textContent = `the first ${LISTED} of each motion are listed`;
+    body.push(make("tr", {}, make("td"), make("td", { colSpan: 1 + motions.length, textContent })));
+  }
+  return [make("thead", {}, head), make("tbody", {}, ...body)];
+}
+
+/** Return the total energy of a recording at its end [J]; undefined if the recording has none. */
+function endEnergy({ energies: { total } }) {
+  return total?.at(-1);
+}
+
+function energyText(joules) {
+  return joules === undefined ? "–" : `${withMinus(digits(joules, 4))}\u202fJ`;
+}
+
+/** Return the change of the energy at the end from one recording to another as text; "" if an energy is unknown. */
+function energyChange(from, to) {
+  const change = endEnergy(to) - endEnergy(from);
+  const text = Number.isFinite(change) ? withMinus(digits(change, 2)) : "";
+  return text && `${change > 0 ? "+" : ""}${text}\u202fJ`;
+}
+
+/** Return the change of the number of impacts from one recording to another as text; "" without a change. */
+function countChange({ impacts: { length: from } }, { impacts: { length: to } }) {
+  return from === to ? "" : `${to > from ? "+" : "−"}${Math.abs(to - from)}`;
+}
+
+/**
+ * Return words for the first impact that differs clearly (CLEAR) between a pinned recording with a `letter` and the present one, or that
+ * only one of them has; "none" without one.
+ */
+function firstDifference(pinned, present, letter) {
+  const isClear = ([now, then]) => {
+    if (!now || !then) return true;
+    const [gap, since] = [now.onset - then.onset, Math.min(now.onset - present.start, then.onset - pinned.start)];
+    const key = forceKeyOf(now, then);
+    return Math.abs(gap) > CLEAR * since + SAME_TIME || (key !== "" && Math.abs(now[key] - then[key]) > CLEAR * then[key]);
+  };
+  const row = alignedImpacts([present, pinned]).find(isClear);
+  if (!row) return "none";
+  const [now, then] = row;
+  const { number, onset } = now ?? then;
+  const place = placeText(now ?? then);
+  if (now && then) return `impact ${number}, ${place}: ${differenceOf(then, now)}`;
+  return now ? `impact ${number}, ${place} (${onset.toFixed(4)}\u202fs): not in ${letter}`
+    : `${letter}'s impact ${number}, ${place} (${onset.toFixed(4)}\u202fs): only in ${letter}`;
+}
+
+/**
+ * Return rows of impacts that belong together, sorted by the onset of the first impact in each row. A row has one entry for each recording
+ * of `all`: an impact or undefined. Each of the first LISTED impacts of a recording is in one row, with its partners in others; `doubtful`
+ * of a row tells for each entry whether it is a doubtful partner.
+ */
+function alignedImpacts(all) {
+  const used = new Set();
+  const newIn = ({ impacts }) => impacts.slice(0, LISTED).filter((impact) => !used.has(impact));
+  const rows = all.flatMap((recording, k) => newIn(recording).map((first) => {
+    const pairs = all.map((other, n) => (n === k ? { partner: first } : partnerOf(first, recording, other)));
+    const row = pairs.map(({ partner }) => (used.has(partner) ? undefined : partner));
+    row.doubtful = pairs.map(({ isDoubtful }) => isDoubtful);
+    row.forEach((impact) => used.add(impact));
+    return row;
+  }));
+  const onsetOf = (row) => row.find(Boolean).onset;
+  return rows.toSorted((one, other) => onsetOf(one) - onsetOf(other));
+}
+
+/**
+ * Return { value, unit, text }: the largest peak force of a recording or, if no peak force or moment is known, the largest impulse, of
+ * ended contacts if there are any. At stops of joints, peak moments and impulses of moments replace forces and impulses; they count only if
+ * no other impact has a known value of this kind. The result is null if no value is known.
+ */
+function largestKnown({ impacts }) {
+  const [peaks, impulses] = ["peak", "impulse"].map((key) => impacts.filter((impact) => Number.isFinite(impact[key] ?? NaN)));
+  const ended = impulses.filter(({ rebound }) => Number.isFinite(rebound ?? NaN)); // without a rest, whose impulse grows with time
+  const known = [peaks, ended, impulses].find(({ length }) => length) ?? [];
+  const atWalls = known.filter(({ atStop }) => !atStop);
+  const key = peaks.length ? "peak" : "impulse";
+  const impact = (atWalls.length ? atWalls : known).reduce((one, other) => (one && one[key] >= other[key] ? one : other), null);
+  if (!impact) return null;
+  const unit = unitsOf(impact)[key === "peak" ? "force" : "impulse"];
+  return { value: impact[key], unit, text: key === "peak" ? forceText(impact.peak, 3, unit) : impulseText(impact) };
+}
+
+/** Return a text: the largest peak force of a recording; the largest impulse if no peak force is known; a dash if neither is known. */
+export function largestText(recording) {
+  return largestKnown(recording)?.text ?? "–";
+}
+
+/** Return the values of `largestKnown` for two recordings; an empty list if the units of the values differ, or a value is unknown. */
+function comparableOf(...recordings) {
+  const [one, other] = recordings.map(largestKnown);
+  return one && one.unit === other?.unit ? [one.value, other.value] : [];
+}
+
+/**
+ * Return the change of the largest force (or else impulse) from `other` to a recording as text: in percent of the value of `other`, as in
+ * "−12 %", or as a factor from MANIFOLD on, as in "× 1350"; "" if the units differ, a value is unknown, or the value of `other` is 0.
+ */
+function changeText(recording, other) {
+  return ratioText(...comparableOf(recording, other));
+}
+
+/** Return the change from a value `base` to `value` as text, as `changeText` does. */
+function ratioText(value, base) {
+  if (!(base > 0)) return "";
+  if (value >= MANIFOLD * base) return `×\u202f${Number((value / base).toPrecision(3))}`;
+  const percent = 100 * (value / base - 1);
+  const rounded = Math.abs(percent) < 0.05 ? "0" : digits(percent, 2);
+  return `${percent > 0 && rounded !== "0" ? "+" : ""}${withMinus(rounded)}\u202f%`;
+}
+
+/** Return words for the number of impacts, and their largest force (or else impulse), before and after a change; "" without a change. */
+export function differenceText(before, present) {
+  if (!before || before === present) return "";
+  const [counts, largest] = [({ impacts }) => impacts.length, largestText].map((of) => [before, present].map(of));
+  const told = comparableOf(before, present).length ? [counts, largest] : [counts];
+  if (told.flat().length > 2 && told.every(([old, now]) => old === now)) return "number and largest as before";
+  return told.map((pair) => pair.join(" → ")).join(", largest ");
+}
+
+/**
+ * Return a table's cell for an impact: onset, and peak force or impulse, with a tooltip that tells the duration; a dash without impact. The
+ * cell also tells the impact's own number, if it differs from the `number` of the column's impact of the present motion, and the changes of
+ * time and force to its partner `present` in this motion, if this is known. The cell of a doubtful partner is grey.
+ */
+function cellOf(impact, present, isDoubtful, number) {
+  if (!impact) return make("td", { textContent: "–", title: "No impact of this point and wall is near" });
+  const force = impact.peak === null ? impulseText(impact) || "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);
+  const until = `until ${durationText(impact.end - impact.onset)} later`;
+  const title = `Impact ${impact.number}: ${placeText(impact)}, ${until}${isDoubtful ? "; perhaps another impact" : ""}`;
+  const cell = make("td", { title, className: isDoubtful ? "doubtful" : "" });
+  if (impact.number !== number) cell.append(make("small", { className: "own-number", textContent: `#${impact.number}` }), " ");
+  cell.append(`${impact.onset.toFixed(4)}\u202fs`, make("small", { textContent: force }));
+  if (present) cell.append(make("small", { textContent: differenceOf(impact, present), title: `${title}. ${TO_PRESENT}` }));
+  return cell;
+}
+
+/** Return the key of the quantity that compares two impacts: "peak" or, if both have no peak force, "impulse"; "" if only one has none. */
+function forceKeyOf(one, other) {
+  const hasNone = [one, other].filter(({ peak }) => peak === null).length;
+  return ["peak", "", "impulse"][hasNone];
+}
+
+/** Return words for the changes of time and of peak force (or impulse, if no peak is known) from an impact to its partner `present`. */
+function differenceOf(impact, present) {
+  const time = present.onset - impact.onset;
+  const gap = Math.abs(time) < SAME_TIME ? `0\u202fs` : (time > 0 ? "+" : "") + withMinus(durationText(time));
+  const key = forceKeyOf(impact, present);
+  const change = key && ratioText(present[key], impact[key]);
+  return `→ now ${[gap, change].filter(Boolean).join(", ")}`;
+}
