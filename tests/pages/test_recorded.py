@@ -184,7 +184,7 @@ def test_a_law_has_a_sentence_with_its_range_and_source():
 def test_the_modules_are_one_program(name):
     text = program(name)
     assert not re.search(r"^(import|export)\b", text, re.MULTILINE)
-    quickjs.Context().get("Function")(text)
+    quickjs.Context().get("Function")(f"async () => {{\n{text}\n}}")
     # the modules share one scope, in which a second function of a name would silently replace the first
     sources = "".join(map(text_of, modules(name)))  # whose lines at the top level are not indented
     declared = re.findall(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import zlib
 from collections.abc import Sequence
@@ -14,7 +15,6 @@ from chain_impact.pages.assembly import (
     assembled,
     joined,
     program,
-    script_data,
     styles,
     text_of,
 )
@@ -80,7 +80,7 @@ def page(scene: Scene, command: Sequence[str]) -> str:
         scene.name,
         [*styles(), text_of("explore/explore.css")],
         program(PROGRAM),
-        data=script_data(contents(scene, command)),
+        data=packed(json.dumps(contents(scene, command), separators=(",", ":")).encode()),
         begin=joined(BEGIN),
         kernel=packed(module),
         toml=STRIPPED_FROM_SCRIPTS.sub("", text_of(TOML)),

@@ -1,6 +1,7 @@
 // The program of the page that simulates: each change of a parameter gives another motion. All modules of a page become one script
 // (assembly.py), so no two modules may have the same name at the top level.
 
+import { decompressed } from "../base/base64.js";
 import { find, make } from "../base/dom.js";
 import { numberText } from "../base/format.js";
 import { Player } from "../player/player.js";
@@ -32,7 +33,7 @@ const KEPT = 0.5;
 const SPEED_BAR = 50; // [pixels] largest length of the bar that is the scale of the arrows of velocities
 const FILES_OF_RUN = ["csv", "impacts-csv", "png"]; // buttons that save what only a run has
 
-const { file, kit, command } = JSON.parse(find("data").textContent);
+const { file, kit, command } = JSON.parse(new TextDecoder().decode(await decompressed(find("data").textContent)));
 const changes = new Changes(describe(kit, complete(file, kit), command));
 const player = new Player(1);
 const comparedMotions = new ComparedMotions(player, find("pins"), find("pin-table"));
