@@ -13,32 +13,15 @@ import pytest
 import chain_impact
 from chain_impact import cli
 from chain_impact.cli import progress
-from tests import tiers
+from tests.helpers.tools.fakes import CheckedPatch
 from tests.helpers.tools.shared import once, shared_folder
 from tests.helpers.tools.sources import check_sources
-from tests.scheduling import (
-    pytest_collection,
-    pytest_collection_modifyitems,
-    pytest_make_collect_report,
-    pytest_xdist_make_scheduler,
-)
-from tests.tiers import pytest_addoption, pytest_cmdline_main, pytest_ignore_collect, pytest_report_header
 
-__all__ = [
-    "pytest_addoption",
-    "pytest_cmdline_main",
-    "pytest_collection",
-    "pytest_collection_modifyitems",
-    "pytest_ignore_collect",
-    "pytest_make_collect_report",
-    "pytest_report_header",
-    "pytest_xdist_make_scheduler",
-]
+pytest_plugins = ["tests.tiers", "tests.scheduling"]
 
 
 def pytest_configure(config):
     """Set one folder for all temporary files of this session; pytest's own folders stay in place."""
-    tiers.pytest_configure(config)
     if hasattr(config, "workerinput"):
         return  # a worker process, which has the settings of its parent
     check_sources(config.rootpath / "fmu_src/chain_impact", Path(chain_impact.__file__).parent)
@@ -55,6 +38,13 @@ def pytest_configure(config):
         os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
         os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix = f"{folder}/bytecode"
         sys.dont_write_bytecode = False
+
+
+@pytest.fixture
+def monkeypatch():
+    """Return pytest's ``monkeypatch``, which checks fakes of the package's functions."""
+    with CheckedPatch.context() as patch:
+        yield patch
 
 
 @pytest.fixture(scope="session")

@@ -8,14 +8,14 @@ import pytest
 from chain_impact.kernel import advance as loop
 from chain_impact.kernel.entry import UNLIMITED
 from chain_impact.kernel.events import handlers
-from chain_impact.kernel.ode import last_step
 from chain_impact.kernel.ode.control import set_outcome
 from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT, KINK, NONE, ONSET
+from chain_impact.kernel.rows.geometry import normal_row
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, LOG_FULL, NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
 from chain_impact.scene.scene import load_scene
 from tests.helpers.kernel.plain import begun
 from tests.helpers.scenes.friction import pendulum
-from tests.kernel.chains import chain, touch
+from tests.kernel.chains import chain, struck, touch
 
 
 def started():
@@ -120,15 +120,15 @@ def test_events_are_counted_and_kinks_are_told(monkeypatch, events, known):
 
 @pytest.mark.parametrize("changed", [False, True])
 def test_the_rate_after_events_is_worked_out_where_they_change_it(monkeypatch, changed):
-    d, rates = at_end_of_a_step([ONSET]), []
+    d = at_end_of_a_step([ONSET])
     monkeypatch.setattr(loop, "apply_events", lambda _: changed)
     loop.ensure_rate(d)
-    monkeypatch.setattr(last_step, "rate_from_state", lambda _d, _y, rate: rates.append(rate.copy()))
-    d.scratch.rate_end[:] = np.arange(len(d.scratch.state))
+    right = d.scratch.rate_end.copy()
+    d.scratch.rate_end[:] = old = np.arange(len(right)) + 0.5
     before = d.statistics.rhs_evaluations
     loop.apply_pending_events(d)
-    assert d.scratch.rate_start.tolist() == list(range(len(d.scratch.state)))
-    assert d.statistics.rhs_evaluations - before == len(rates) == changed
+    np.testing.assert_array_equal(d.scratch.rate_start, right if changed else old)
+    assert d.statistics.rhs_evaluations - before == changed
 
 
 @pytest.mark.parametrize(
@@ -151,39 +151,52 @@ def test_a_step_after_a_rigid_impact_is_as_in_flight(monkeypatch, rigid, complia
     assert d.step.next_size == 1e-2
 
 
-def test_a_step_cut_by_a_kink_says_nothing_about_the_method(monkeypatch):
-    d, chosen = at_end_of_a_step(), []
-    monkeypatch.setattr(loop, "choose_method", lambda _: chosen.append(True))
-    for kinked in (True, False):
-        monkeypatch.setattr(loop, "apply_pending_events", lambda _, kinked=kinked: (1, kinked))
-        loop.begin_step(d)
-    assert len(chosen) == 1
+@pytest.mark.parametrize(("kinked", "method"), [(True, IMPLICIT), (False, EXPLICIT)])
+def test_a_step_cut_by_a_kink_says_nothing_about_the_method(monkeypatch, kinked, method):
+    """In flight without springs the choice of the method is the explicit one."""
+    d = at_end_of_a_step()
+    d.step.method = IMPLICIT
+    monkeypatch.setattr(loop, "apply_pending_events", lambda _: (1, kinked))
+    loop.begin_step(d)
+    assert d.step.method == method
 
 
 @pytest.mark.parametrize("status", [OK, STEP_TOO_SMALL])
 def test_the_status_after_the_onsets_at_a_communication_point_is_told(monkeypatch, status):
-    d, due = at_end_of_a_step(), [True, True, False]
-    monkeypatch.setattr(loop, "reinit_if_changed", lambda *_: OK)
-    monkeypatch.setattr(loop, "is_onset_due", lambda _: due.pop(0))
-    monkeypatch.setattr(loop, "advance_one_step", lambda _: status)
+    d = at_end_of_a_step([ONSET, ONSET])
+
+    def apply_one_onset(d):
+        d.contacts.event[list(d.contacts.event).index(ONSET)] = NONE
+        return status
+
+    monkeypatch.setattr(loop, "advance_one_step", apply_one_onset)
     assert loop.event_update(d) == status
-    assert len(due) == (0 if status == OK else 2)
+    assert d.contacts.event[:2].tolist() == ([NONE, NONE] if status == OK else [NONE, ONSET])
     # a refused change ends the run
+    d.contacts.event[:2] = ONSET
     monkeypatch.setattr(loop, "reinit_if_changed", lambda *_: STEP_TOO_SMALL)
     assert loop.event_update(d) == STEP_TOO_SMALL
+    assert d.contacts.event[:2].tolist() == [ONSET, ONSET]
 
 
 @pytest.mark.parametrize(("events", "changed"), [([], True), ([ONSET], False), ([ONSET], True)])
 def test_impulses_are_stored_and_begun_anew_at_events(monkeypatch, events, changed):
-    d, done = at_end_of_a_step(events), []
+    """Events add to stored impulses; where they change the forces, the rates are evaluated again."""
+    d = at_end_of_a_step(events)
+    struck(np.random.default_rng(3), d, [0])
     loop.ensure_rate(d)
-    monkeypatch.setattr(loop, "apply_events", lambda _: done.append("apply") or changed)
-    for name in ("commit_quadratures", "reset_quadratures"):
-        monkeypatch.setattr(loop, name, lambda _, name=name: done.append(name))
-    monkeypatch.setattr(last_step, "store_end_rates", lambda _: done.append("store_end_rates"))
+    d.quadrature.count, d.quadrature.index[0] = 1, 0
+    d.quadrature.state_end[0], d.quadrature.rate_end[0], d.quadrature.dense[:, 0] = 3.0, 7.0, 1.0
+
+    def apply_events(d):
+        d.quadrature.integral[0] += 2.0
+        return changed
+
+    monkeypatch.setattr(loop, "apply_events", apply_events)
     loop.apply_pending_events(d)
-    kept = ["store_end_rates"] if changed else []
-    assert done == (["commit_quadratures", "apply", "reset_quadratures", *kept] if events else [])
+    assert d.quadrature.state_end[0] == (5.0 if events else 3.0)
+    assert (d.quadrature.rate_end[0] == 7.0) == (not (events and changed))
+    assert (d.quadrature.dense[:, 0] == (0.0 if events else 1.0)).all()
 
 
 @pytest.mark.parametrize(
@@ -206,14 +219,18 @@ def test_a_change_that_jumps_is_applied_at_the_communication_point(
     assert loop.reinit_if_changed(d, 0.0) == d.statistics.status == right
 
 
-@pytest.mark.parametrize("held", [(False,), (True, False), (True, True)])
-def test_points_held_by_rigid_walls_are_found_again_after_a_change(monkeypatch, held):
-    d, done, answers = at_end_of_a_step(), [], list(held)
-    d.step.end = 0.5
-    monkeypatch.setattr(handlers, "any_point_held", lambda _: answers.pop(0))
-    for name in ("end_changed_contacts", "update_active_set"):
-        monkeypatch.setattr(handlers, name, lambda _, name=name: done.append(name))
-    monkeypatch.setattr(handlers, "reset_step", lambda d, time, y: done.append((time, y is d.step.state_end)))
+@pytest.mark.parametrize("pulled", [False, True])
+@pytest.mark.parametrize("changed", [False, True])
+@pytest.mark.parametrize("held", [False, True])
+def test_points_held_by_rigid_walls_are_found_again_after_a_change(held, changed, pulled):
+    """A contact ends if its wall has got a force law, or if the wall would have to pull the point."""
+    d = at_end_of_a_step(model="newton_impact", restitution=0.5)
+    y = struck(np.random.default_rng(3), d, [0] * held, 0.0)
+    y[d.links + 2 :] = 0.0  # at rest
+    d.step.state_end[:], d.step.start, d.step.end = y, 0.4, 0.5
+    d.law.impulsive[0] = not changed
+    normal = np.array(normal_row(d, 0)[1:])
+    d.chain.gravity[:] = (9.81 if pulled else -9.81) * normal
     handlers.recompute_active_set(d)
-    found = ["end_changed_contacts", *["update_active_set"] * held[-1], (0.5, True)]
-    assert done == (found if held[0] else [])
+    assert d.contacts.active[0] == (held and not changed and not pulled)
+    assert d.step.start == (0.5 if held else 0.4)

@@ -9,6 +9,7 @@
 - ``page_data``: the data inside a page; ``refusal``: the message of an error; ``reprs``: the size of a repr
 - ``measurements``: results with noise, as measurements for fits
 - ``planted_faults``: faults of FMUs, and FMUs that contain them
+- ``fakes``: fakes of the package's functions, which take what the functions take
 - ``differences``: derivatives by central differences
 - ``cpu_profile``: a plug-in for pytest that prints CPU seconds of each test
 """

@@ -5,7 +5,6 @@ import pytest
 
 from chain_impact.kernel.chain.joints import joint_rate_bound
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.events import handlers
 from chain_impact.kernel.events.handlers import (
     LEAVING_TIME,
     apply_event,
@@ -253,14 +252,13 @@ def test_a_force_bends_where_it_ends_or_has_its_kink_in_time(whose, regularized,
 
 
 @pytest.mark.parametrize(
-    ("held", "touching", "flies"), [(True, [], True), (True, [0], False), (False, [], False)]
+    ("hits", "touching", "flies"), [(True, [], True), (True, [0], False), (False, [0], False)]
 )
-def test_after_an_impact_on_rigid_walls_alone_a_flight_begins(monkeypatch, held, touching, flies):
+def test_after_an_impact_on_rigid_walls_alone_a_flight_begins(hits, touching, flies):
     """With a compliant contact in force, its events decide instead, as without rigid walls."""
-    d, called = arrived(touching=touching), []
-    monkeypatch.setattr(handlers, "any_point_held", lambda _: held)
-    monkeypatch.setattr(handlers, "handle_impact", lambda _: called.append("impact") or -1)
-    monkeypatch.setattr(handlers, "begin_flight", lambda _: called.append("flight"))
-    monkeypatch.setattr(handlers, "choose_next_size", lambda _d, *what: called.append(what))
-    assert apply_events(d) == held
-    assert called == ["impact"] * held + ["flight" if flies else (-1, False)]
+    d = arrived(touching=touching)
+    d.law.impulsive[C], d.contacts.event[C], d.step.method = 1, ONSET if hits else NONE, IMPLICIT
+    assert apply_events(d) == hits
+    assert begins_explicit(d) == flies
+    assert d.step.method == (EXPLICIT if flies else IMPLICIT)
+    assert d.step.next_size == 0.125

@@ -94,17 +94,20 @@ TOLERANCE = 1e-4
 
 
 def iterated(monkeypatch, corrections):
-    """Return whether an iteration with these corrections converges, and after how many of them."""
-    left, done = list(corrections), []
+    """Return whether an iteration with these corrections converges, and after how many of them.
+
+    An iteration corrects slopes only: the values at its end are those of the run.
+    """
+    left, stages = list(corrections), SimpleNamespace(values="of the run")
     for name in ("find_residuals", "solve_slopes"):
         monkeypatch.setattr(replay, name, lambda *_: None)
-    monkeypatch.setattr(replay, "correct_stages", lambda *_: done.append("iterate"))
-    monkeypatch.setattr(replay, "copy_stages", lambda *_: done.append("values"))
+    monkeypatch.setattr(replay, "correct_stages", lambda *_: setattr(stages, "values", "corrected"))
+    monkeypatch.setattr(replay, "copy_stages", lambda *_: setattr(stages, "values", "of the run"))
     monkeypatch.setattr(replay, "last_correction", lambda *_: left.pop(0))
     d = SimpleNamespace(solver=SimpleNamespace(tolerance=TOLERANCE))
     converged = replay.iterate_slopes(d, None, 0.1, 3)
-    assert done == ["iterate", "values"] * (len(done) // 2)
-    return converged, len(done) // 2
+    assert stages.values == "of the run"
+    return converged, len(corrections) - len(left)
 
 
 END, FAST, LARGE = (

@@ -1,0 +1,31 @@
+"""Fakes of the package's functions take what the functions take."""
+
+import pytest
+
+from chain_impact.kernel import advance
+from chain_impact.simulation import kernels
+from tests.helpers.tools import fakes
+
+
+def test_a_fake_without_a_required_argument_is_refused(monkeypatch):
+    with pytest.raises(TypeError, match=r"The fake of .*log_is_full"):
+        monkeypatch.setattr(advance, "log_is_full", lambda d: False)
+    with pytest.raises(TypeError, match=r"The fake of .*kernel_for"):
+        monkeypatch.setattr("chain_impact.simulation.kernels.kernel_for", lambda: None)
+
+
+@pytest.mark.parametrize("target", [(kernels, "kernel_for"), ("chain_impact.simulation.kernels.kernel_for",)])
+def test_a_fake_refuses_a_call_that_the_function_refuses(monkeypatch, target):
+    monkeypatch.setattr(*target, lambda scene, **more: (scene, more))
+    assert kernels.kernel_for(1, derivatives=0, scope=None) == (1, {"derivatives": 0, "scope": None})
+    for _ in range(2):
+        with pytest.raises(TypeError, match=r"kernel_for.* got an unexpected keyword argument 'sizes'"):
+            kernels.kernel_for(1, derivatives=0, sizes=None)
+        monkeypatch.setattr(*target, lambda *_, **__: None)  # a fake of a fake is checked, too
+
+
+def test_other_values_than_functions_are_put_in_place_as_they_are():
+    class Fake: ...
+
+    for fake, real in (("text", kernels.kernel_for), (len, "text"), (Fake, kernels.kernel_for), (len, len)):
+        assert fakes.checked(fake, real) is fake
