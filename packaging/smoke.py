@@ -31,7 +31,7 @@ from typing import Any
 import numpy as np
 
 import chain_impact as ci
-from chain_impact import system
+from chain_impact import console, system
 from chain_impact.cli import main as main_of_command_line
 from chain_impact.compilation import compilers, ready
 from chain_impact.fmu.build import TARGET
@@ -344,7 +344,7 @@ def main() -> int:
     parser.add_argument("--compare", type=Path, metavar="FILE", help="with results of another machine")
     parser.add_argument("--traps", action="store_true", help="end at a floating-point exception")
     options = parser.parse_args()
-    system.prepare_console()
+    console.prepare_console()
     os.environ.setdefault("MPLBACKEND", "Agg")
     files = [file.absolute() if file else None for file in (options.write, options.compare)]
     if options.traps:

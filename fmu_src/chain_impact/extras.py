@@ -10,7 +10,7 @@ from typing import Any
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
-from chain_impact.system import quoted
+from chain_impact.console import quoted
 
 
 class MissingExtraError(ImportError):

@@ -8,7 +8,7 @@ import webbrowser
 
 import pytest
 
-from chain_impact import system
+from chain_impact import console
 from chain_impact.compilation.library import browser_module
 from tests.helpers.tools.page_data import data_of
 
@@ -29,7 +29,7 @@ def test_the_page_is_opened_on_a_screen(run, here, monkeypatch, case, opened):
     (arguments, terminal, screen), found = case, []
     monkeypatch.setattr(webbrowser, "open", found.append)
     monkeypatch.setattr(sys.stdout, "isatty", lambda: terminal, raising=False)
-    monkeypatch.setattr(system, "SYSTEM", "Linux")
+    monkeypatch.setattr(console, "SYSTEM", "Linux")
     monkeypatch.setenv("DISPLAY", screen)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     assert run("explore", "rod_drop", *arguments)[0] == 0

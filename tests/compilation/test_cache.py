@@ -204,12 +204,12 @@ def shared(request, monkeypatch):
 
 def _owned_by(folder, user, monkeypatch, group=0):
     """Report a false owner for a folder, because only root can change an owner."""
-    real = folders.system.others_can_write
+    real = folders.files.others_can_write
 
     def seen(found):
         return real(SimpleNamespace(st_mode=found.st_mode, st_uid=user, st_gid=group))
 
-    monkeypatch.setattr(folders.system, "others_can_write", seen)
+    monkeypatch.setattr(folders.files, "others_can_write", seen)
     return folder
 
 

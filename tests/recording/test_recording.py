@@ -1,14 +1,12 @@
-"""Recordings: conversion of columns to numbers and back, and files that are complete or absent."""
+"""Recordings: conversion of columns to numbers and back, and files of both."""
 
 import csv
-import os
 
 import numpy as np
 import pytest
 
 from chain_impact import Recording, simulate
 from chain_impact.recording.impacts import impacts_shown
-from chain_impact.system import written_whole
 
 # every digit, the ends of the range, a negative zero, and values that are no number
 AWKWARD = [0.1 + 0.2, 1 / 3, 5e-324, 1.7976931348623157e308, -0.0, np.nan, np.inf, -1e-300]
@@ -58,47 +56,6 @@ def test_a_failed_csv_leaves_the_old_one_alone(tmp_path):
         recording({"short": np.zeros(3)}).save_csv(path)
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_file_appears_only_when_it_is_whole(tmp_path):
-    path = tmp_path / "out.txt"
-    with written_whole(path) as fresh:
-        fresh.write_text("half")
-        assert not path.exists()
-        assert fresh.suffix == ".txt"  # matplotlib chooses the format by the suffix
-    assert path.read_text() == "half"
-    assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_reader_of_a_replaced_file_goes_on_reading_it(tmp_path):
-    path = tmp_path / "out.txt"
-    path.write_text("old")
-    with path.open() as reader:
-        with written_whole(path) as fresh:
-            fresh.write_text("new")
-        assert reader.read() == "old"
-    assert path.read_text() == "new"
-
-
-def test_a_file_has_the_mode_of_any_other(tmp_path):
-    (tmp_path / "plain").write_text("")
-    with written_whole(tmp_path / "whole") as fresh:
-        fresh.write_text("")
-    assert (tmp_path / "whole").stat().st_mode == (tmp_path / "plain").stat().st_mode
-
-
-def test_a_target_that_is_no_plain_file_is_written_in_place(tmp_path):
-    """A replacement of /dev/null or /dev/stdout would damage the system."""
-    target, link, pipe = tmp_path / "target", tmp_path / "link", tmp_path / "pipe"
-    target.write_text("old")
-    link.symlink_to(target)
-    os.mkfifo(pipe)
-    with written_whole(link) as fresh:
-        fresh.write_text("new")
-    assert link.is_symlink()
-    assert target.read_text() == "new"
-    with written_whole(pipe) as fresh:
-        assert fresh == pipe
 
 
 @pytest.mark.parametrize("place", ["missing/out.csv", "file/out.csv", "folder"])

@@ -34,12 +34,12 @@ from chain_impact.cli.named_options import typed_in, with_option
 from chain_impact.cli.options import UsageError, similar_file_hint, style_of
 from chain_impact.cli.progress import complain, out, say
 from chain_impact.compilation.errors import BuildError
+from chain_impact.console import prepare_console
 from chain_impact.extras import MissingExtraError
 from chain_impact.results.animate import AnimationError
 from chain_impact.scene.errors import SceneError, SceneWarning
 from chain_impact.scene.words.similar_names import nearest
 from chain_impact.simulation.errors import RunError
-from chain_impact.system import prepare_console
 
 REMEDIES = dict.fromkeys((ENOSPC, EDQUOT), "free some space, or write to another disk") | dict.fromkeys(
     (EROFS, EACCES, EPERM), "ask for the right to use it, or choose another place"

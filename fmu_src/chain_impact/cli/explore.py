@@ -18,7 +18,7 @@ from chain_impact.cli.options import (
     scene_with,
 )
 from chain_impact.cli.progress import progress, say
-from chain_impact.system import has_screen
+from chain_impact.console import has_screen
 
 DEFAULT = Path("explore.html")
 

@@ -24,8 +24,8 @@ from pathlib import Path
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.folders import base_folder, explained, trusted, writable
 from chain_impact.compilation.sources import COMPILERS, fingerprint
+from chain_impact.files import removing_files
 from chain_impact.progress import log
-from chain_impact.system import removing_files
 
 # [s] time without use after which a folder for other sources or compilers, or of another version of the
 # linker, is removed

@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from chain_impact import system
+from chain_impact import files
 from chain_impact.compilation.errors import BuildError
 
 NO_PLACE = (
@@ -32,7 +32,7 @@ def base_folder() -> Path:
     """
     given = os.environ.get("CHAIN_IMPACT_CACHE")
     try:
-        return (Path(given) if given else system.user_cache_folder()).absolute()
+        return (Path(given) if given else files.user_cache_folder()).absolute()
     except RuntimeError as error:
         raise BuildError(
             f"no folder for compiled kernels: {error}; set CHAIN_IMPACT_CACHE to a folder"
@@ -45,7 +45,7 @@ def trusted(base: Path) -> bool:
     Another user could put a harmful kernel there. On Windows, only the existence is checked.
     """
     try:
-        return not system.others_can_write(base.stat())
+        return not files.others_can_write(base.stat())
     except OSError:
         return False
 

@@ -16,10 +16,10 @@ from chain_impact.conversion.planar import Choices, Converted
 from chain_impact.conversion.proposals import chain_of
 from chain_impact.conversion.robot import Robot, identifier
 from chain_impact.conversion.urdf import local_name, read_urdf, xml_of
+from chain_impact.files import written_whole
 from chain_impact.scene.errors import SceneError, SceneWarning
 from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import Scene, scene_from_dict, scene_of, scene_to_dict
-from chain_impact.system import written_whole
 
 ALL = Choices()
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.library import kernel_library
+from chain_impact.files import written_whole
 from chain_impact.fmu.check_description import description_findings
 from chain_impact.fmu.documents import documents
 from chain_impact.fmu.native_target import native_files
@@ -21,7 +22,7 @@ from chain_impact.fmu.scene_data import scene_data_file
 from chain_impact.fmu.versions import FMI_2, FMI_3, VERSIONS
 from chain_impact.progress import log
 from chain_impact.scene.scene import SceneSource, scene_of
-from chain_impact.system import HOST, PLATFORMS, nowhere, written_whole
+from chain_impact.system import HOST, PLATFORMS, nowhere
 from chain_impact.variables.prepared import PreparedScene, kernel_scope
 
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from importlib.metadata import distribution, version
 from pathlib import Path
 
+from chain_impact.files import included
 from chain_impact.fmu.model_description import model_description
 from chain_impact.fmu.table import files_with_description
 from chain_impact.fmu.versions import FMI_2
-from chain_impact.system import PLATFORMS, included
+from chain_impact.system import PLATFORMS
 from chain_impact.variables.prepared import PreparedScene
 
 SCRIPT = """\

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from chain_impact.compilation.library import browser_module
+from chain_impact.files import written_whole
 from chain_impact.pages.assembly import (
     STRIPPED_FROM_SCRIPTS,
     assembled,
@@ -23,7 +24,6 @@ from chain_impact.pages.inline import InlinePage
 from chain_impact.pages.kit import kit
 from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import Scene, SceneSource, load_scene, scene_of, scene_to_dict
-from chain_impact.system import written_whole
 
 BEGIN, PROGRAM, WORKER = "explore/begin.js", "explore/explore.js", "solver/worker.js"
 """Scripts of the page: BEGIN runs before the scripts of the libraries; PROGRAM is the program of the page,

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from chain_impact.extras import require
+from chain_impact.files import written_whole
 from chain_impact.recording.stick_slip import MODES, NO_WALL
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.words.names import AXES
-from chain_impact.system import written_whole
 from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.variables.indices import JOINT_FORCE
 from chain_impact.variables.prepared import PreparedScene

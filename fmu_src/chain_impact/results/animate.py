@@ -6,12 +6,12 @@ import math
 import os
 from pathlib import Path
 
+from chain_impact.files import written_whole
 from chain_impact.pages.inline import InlinePage
 from chain_impact.pages.recorded import page
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.pacing import IMPACT_TIME
 from chain_impact.recording.recording import Recording
-from chain_impact.system import written_whole
 
 FORMATS = (".html", ".gif", ".mp4")
 FILM_SIZE = (960, 540)  # [pixels] default width and height of a film

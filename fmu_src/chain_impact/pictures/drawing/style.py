@@ -21,9 +21,9 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
 from matplotlib.ticker import AutoLocator, EngFormatter, FuncFormatter, MaxNLocator
 
+from chain_impact.files import written_whole
 from chain_impact.pictures.drawing.dark_ground import PLUM, TIME, UMBER, Ground
 from chain_impact.pictures.drawing.line_breaks import COMMA, broken_lines
-from chain_impact.system import written_whole
 from chain_impact.text import LOAD_UNITS, prefixed
 
 BLACK, GREEN, BLUE, VERMILLION, PURPLE = "#000000", "#009e73", "#0072b2", "#d55e00", "#cc79a7"

@@ -3,8 +3,8 @@
 import os
 from pathlib import Path
 
+from chain_impact.files import included
 from chain_impact.scene.words.similar_names import nearest_file, proposed
-from chain_impact.system import included
 
 SCENE_FILE = "scene.toml"
 

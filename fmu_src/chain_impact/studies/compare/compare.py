@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from chain_impact.extras import require
+from chain_impact.files import written_whole
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.progress import Progress, silent
 from chain_impact.recording.course import course_of
@@ -36,7 +37,6 @@ from chain_impact.studies.law_exchange import (
     law_values,
     stiffened,
 )
-from chain_impact.system import written_whole
 from chain_impact.text import as_html, as_text
 
 if TYPE_CHECKING:

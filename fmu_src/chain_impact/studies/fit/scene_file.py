@@ -10,10 +10,10 @@ from typing import Any
 import tomlkit
 
 from chain_impact.compilation import cache
+from chain_impact.files import written_whole
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.text_file import text_of
 from chain_impact.scene.scene import Scene, parse_scene, scene_to_dict
-from chain_impact.system import written_whole
 
 
 def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) -> None:

@@ -10,8 +10,8 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExec
 from functools import partial
 from threading import Event
 
+from chain_impact.console import LISTEN
 from chain_impact.studies.sweep.computation import Computation, Outcome, Span
-from chain_impact.system import LISTEN
 
 # largest number of runs in a batch: FIRST_BATCH until the first batch has ended, LONGEST_BATCH afterwards
 FIRST_BATCH, LONGEST_BATCH = 8, 2**18

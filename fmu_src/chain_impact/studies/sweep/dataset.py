@@ -22,6 +22,7 @@ import numpy as np
 
 from chain_impact.compilation.sources import fingerprint
 from chain_impact.extras import require
+from chain_impact.files import remove_lock, written_whole
 from chain_impact.progress import log
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import Scene, scene_to_dict
@@ -29,7 +30,6 @@ from chain_impact.studies.sweep.batches import missing
 from chain_impact.studies.sweep.computation import CHUNK, PARQUET, Columns, Span, columns_of, file_name
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import Job
-from chain_impact.system import remove_lock, written_whole
 
 # readers of Parquet folders ignore files whose names begin with _ or with a dot
 MANIFEST = "_manifest.json"

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.files import written_whole
 from chain_impact.scene.errors import SceneError
 from chain_impact.studies.sweep.computation import Span
-from chain_impact.system import written_whole
 
 SUFFIX = ".partial"
 

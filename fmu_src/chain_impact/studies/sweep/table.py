@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from chain_impact.extras import require
+from chain_impact.files import written_whole
 from chain_impact.kernel.status import STATUS_NAME
 from chain_impact.scene.errors import SceneError
 from chain_impact.studies.sweep.computation import PARQUET, Columns, write_parquet
 from chain_impact.studies.sweep.job import STATUS
 from chain_impact.studies.sweep.runs import Runs
-from chain_impact.system import written_whole
 from chain_impact.text import TextTable, as_html, plural
 
 if TYPE_CHECKING:
