@@ -7,11 +7,15 @@ from chain_impact.simulation import kernels
 from tests.helpers.tools import fakes
 
 
-def test_a_fake_without_a_required_argument_is_refused(monkeypatch):
-    with pytest.raises(TypeError, match=r"The fake of .*log_is_full"):
+def older_kernel_for(scene, *, derivatives, sizes): ...
+
+
+def test_a_fake_with_other_arguments_is_refused(monkeypatch):
+    with pytest.raises(TypeError, match=r"The fake of .*log_is_full.* too many positional arguments"):
         monkeypatch.setattr(advance, "log_is_full", lambda d: False)
-    with pytest.raises(TypeError, match=r"The fake of .*kernel_for"):
-        monkeypatch.setattr("chain_impact.simulation.kernels.kernel_for", lambda: None)
+    for fake in (older_kernel_for, lambda: None):
+        with pytest.raises(TypeError, match=r"The fake of .*kernel_for"):
+            monkeypatch.setattr("chain_impact.simulation.kernels.kernel_for", fake)
 
 
 @pytest.mark.parametrize("target", [(kernels, "kernel_for"), ("chain_impact.simulation.kernels.kernel_for",)])

@@ -1,6 +1,6 @@
 """The outputs of a scene and their descriptions, group by group."""
 
-# Tests: variables/impact_units.py, variables/variable.py
+# Tests: variables/impact_units.py, variables/peaks.py, variables/variable.py
 
 import numpy as np
 import pytest
@@ -11,8 +11,8 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.simulate import simulate
 from chain_impact.variables import listing
 from chain_impact.variables.impact_units import IMPACT_UNITS
-from chain_impact.variables.indices import PEAKS
 from chain_impact.variables.listing import all_outputs
+from chain_impact.variables.peaks import PEAKS
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import varied_by
 from chain_impact.variables.variable import Variable

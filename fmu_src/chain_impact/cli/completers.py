@@ -93,7 +93,7 @@ def outputs(source: str) -> Offer:
 
 def rankable(source: str) -> Offer:
     """Return the names that ``--rank`` takes, without the names of quantities of single impacts."""
-    from chain_impact.variables.indices import JOINT_FORCE, PEAKS
+    from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
 
     return Offer([*PEAKS, JOINT_FORCE, *outputs(source).names])
 

@@ -28,7 +28,7 @@ from chain_impact.scene.words.names import input_key
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.accuracy import TIGHTER, Differences, differences
-from chain_impact.variables.indices import JOINT_FORCE
+from chain_impact.variables.peaks import JOINT_FORCE
 
 # a scene is simulated again for a picture of the motion if the first run has fewer rows
 LEAST_MOTION_ROWS = 1000

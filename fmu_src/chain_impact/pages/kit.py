@@ -34,12 +34,13 @@ from chain_impact.scene.rules.rule_language import Tree, tree
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import driven_alone, quantities_driven_by
 from chain_impact.scene.words.names import INDEX_PLACE, DataPath
-from chain_impact.variables.indices import PEAKS, layout_of, word_index
+from chain_impact.variables.indices import layout_of, word_index
 from chain_impact.variables.kind import LETTERS, MOTION, Block, Kind, filled
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import COUNT_RULES, OWNER_KINDS, RECORD_NUMBERS, Owner
 from chain_impact.variables.parameters import PARAMETERS, SIMULATION_KINDS
+from chain_impact.variables.peaks import PEAKS
 from chain_impact.variables.signal_filling import input_at
 from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
 from chain_impact.variables.words import GENERAL, LOSSES

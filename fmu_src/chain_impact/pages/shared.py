@@ -42,8 +42,8 @@ from chain_impact.scene.rules.rule_language import tree
 from chain_impact.scene.signal_inputs import TARGET_RATE
 from chain_impact.scene.words import angles, names, similar_names, unit_text
 from chain_impact.scene.words.laws import law_group, law_text
-from chain_impact.variables import indices
 from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS
+from chain_impact.variables.peaks import PEAKS
 from chain_impact.variables.units import UNITS
 
 FINEST = 65535  # the largest unsigned integer of 16 bits, for the largest value of packed numbers
@@ -93,9 +93,7 @@ def shared() -> dict[str, Any]:
         },
         "units": {"PRODUCT": unit_text.PRODUCT.pattern, "SQUARE": unit_text.SQUARE.pattern},
         "impactUnits": {"AT_WALL": IMPACT_UNITS, "AT_STOP": STOP_UNITS},
-        "peaks": {
-            name: {"unit": peak.fmi_unit, "atStops": peak.at_stops} for name, peak in indices.PEAKS.items()
-        },
+        "peaks": {name: {"unit": peak.fmi_unit, "atStops": peak.at_stops} for name, peak in PEAKS.items()},
         "refusals": SENTENCES,
         "refusalRules": {
             "FILE": [*map(_parsed, REFUSALS)],

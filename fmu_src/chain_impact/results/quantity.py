@@ -18,7 +18,7 @@ from chain_impact.scene.words.names import name_parts
 from chain_impact.scene.words.similar_names import nearest
 from chain_impact.text import plural
 from chain_impact.variables.impact_units import impact_units
-from chain_impact.variables.indices import JOINT_FORCE, PEAKS
+from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
 
 DURATION = "duration"  # the duration of an impact [s], from its onset to its end
 FMU_NAMES = {"time": "onset", "speed": "impact_speed"}

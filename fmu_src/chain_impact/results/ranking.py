@@ -18,7 +18,7 @@ from chain_impact.results.quantity import quantity_named
 from chain_impact.scene.errors import names_matching
 from chain_impact.scene.words.unit_text import bracketed_unit, unit_text, with_unit
 from chain_impact.text import TextTable, as_html, as_text, plural, readable, signed
-from chain_impact.variables.indices import JOINT_FORCE, PEAKS
+from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

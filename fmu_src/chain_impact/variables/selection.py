@@ -13,8 +13,8 @@ from chain_impact.scene.rules.key_rules import keys
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.words.names import DataPath, input_key, parameter_hint
 from chain_impact.variables.hints import Hint, output_hint, parts_hint, series_hint
-from chain_impact.variables.indices import JOINT_FORCE, PEAKS
 from chain_impact.variables.listing import absent_hint, all_outputs
+from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
 from chain_impact.variables.variable import Variable
 
 

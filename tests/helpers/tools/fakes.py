@@ -10,8 +10,8 @@ import pytest
 class CheckedPatch(pytest.MonkeyPatch):
     """A ``monkeypatch`` that checks what it puts in place of a function or class of the package.
 
-    A fake takes at least the arguments that the function requires, and refuses a call that the function
-    refuses, so that no test goes on with older arguments.
+    A fake takes the arguments that the function requires, has no other keywords, and refuses a call that the
+    function refuses, so that no test goes on with older arguments.
     """
 
     def setattr(self, target, name, *value, **settings):
@@ -32,27 +32,27 @@ def checked(fake, real):
     if not (is_of_package and is_call and callable(fake) and not inspect.isclass(fake)):
         return fake
     arguments, name = inspect.signature(real), f"{real.__module__}.{real.__qualname__}"
-    bound(inspect.signature(fake), *required(arguments), name=f"The fake of {name}")
+    check_arguments(inspect.signature(fake), arguments, name)
 
     @wraps(real, updated=())
     def checked_fake(*positions, **keywords):
-        bound(arguments, positions, keywords, name=name)
+        try:
+            arguments.bind(*positions, **keywords)
+        except TypeError as error:
+            raise TypeError(f"{name}{arguments} refuses a call: {error}") from None
         return fake(*positions, **keywords)
 
     return checked_fake
 
 
-def bound(arguments, positions, keywords, name):
-    """Raise a `TypeError` that names a function where it does not take the arguments of a call."""
+def check_arguments(given, right, name):
+    """Raise a `TypeError` if a fake refuses the shortest call of a function, or names other keywords."""
+    needed = [each for each in right.parameters.values() if each.default is each.empty]
+    positions = [each for each in needed if each.kind in (each.POSITIONAL_ONLY, each.POSITIONAL_OR_KEYWORD)]
+    keywords = [each.name for each in needed if each.kind is each.KEYWORD_ONLY]
     try:
-        arguments.bind(*positions, **keywords)
+        given.bind_partial(*positions, **dict.fromkeys(keywords))
+        own = [each.name for each in given.parameters.values() if each.kind is each.KEYWORD_ONLY]
+        right.bind_partial(**dict.fromkeys(own))
     except TypeError as error:
-        raise TypeError(f"{name}{arguments} refuses a call: {error}") from None
-
-
-def required(arguments):
-    """Return the shortest call that a function takes: (positions, keywords), each value None."""
-    needed = [each for each in arguments.parameters.values() if each.default is each.empty]
-    at_position = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    positions = [None for each in needed if each.kind in at_position]
-    return positions, {each.name: None for each in needed if each.kind is each.KEYWORD_ONLY}
+        raise TypeError(f"The fake of {name}{right} has other arguments {given}: {error}") from None

@@ -24,7 +24,7 @@ from chain_impact.studies.fit.measurements import (
     Measurements,
 )
 from chain_impact.studies.fit.sigma import SIGMA, is_sigma, standard_deviation
-from chain_impact.variables.indices import JOINT_FORCE
+from chain_impact.variables.peaks import JOINT_FORCE
 from chain_impact.variables.prepared import PreparedScene
 
 TIME, IMPACT, JOINT, ONSET = "time", "impact", "joint", "onset"

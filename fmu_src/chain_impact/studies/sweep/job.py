@@ -21,8 +21,9 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import SENSITIVITY, DataPath
 from chain_impact.simulation.kernels import counts_and_flags, kernel_for
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.variables.indices import JOINT_FORCE, PEAKS, word_index
+from chain_impact.variables.indices import word_index
 from chain_impact.variables.listing import TANGENTS
+from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
 from chain_impact.variables.prepared import PreparedScene, prepared_scene
 from chain_impact.variables.selection import missing_output_hint
 from chain_impact.variables.variable import Variable

@@ -16,7 +16,7 @@ from chain_impact.studies.sweep.job import ENDED, Job
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.text import few, number, prefixed, span_text
 from chain_impact.variables.impact_units import unit_at
-from chain_impact.variables.indices import JOINT_FORCE, PEAKS
+from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import missing_output_hint
 
