@@ -1,6 +1,7 @@
 """The page with derivatives."""
 
-# Tests: pictures/rows_of_impacts.py, pictures/sensitivity_table.py
+# Tests: pictures/rows_of_impacts.py, pictures/sensitivity_table.py, pictures/first_order.py
+# Tests: pictures/sensitivity_finding.py
 
 import re
 from dataclasses import replace
@@ -15,18 +16,24 @@ from matplotlib.figure import Figure
 from chain_impact import UnknownNameError, load_scene, simulate
 from chain_impact.pictures.drawing.dark_ground import lighter
 from chain_impact.pictures.drawing.style import PALETTE
-from chain_impact.pictures.rows_of_impacts import is_outside_impacts, shifted, short_contacts
-from chain_impact.pictures.sensitivities import (
-    LARGEST_EFFECTS,
+from chain_impact.pictures.first_order import (
     MOST_OF_ZERO,
-    fill_sensitivities,
     hold_to_first_order,
-    looks_of,
+    keeps_order,
+    known_changes,
     shares,
     span_of,
     with_small_steps,
 )
-from chain_impact.pictures.sensitivity_table import SIGNED, STRONGEST
+from chain_impact.pictures.rows_of_impacts import is_outside_impacts, shifted, short_contacts
+from chain_impact.pictures.sensitivities import LARGEST_EFFECTS, fill_sensitivities, looks_of
+from chain_impact.pictures.sensitivity_table import (
+    CELL_HEIGHT,
+    MOST_TABLE_ROWS,
+    SIGNED,
+    STRONGEST,
+    draw_impact_changes,
+)
 from tests.helpers.scenes.problems import flat_rod
 from tests.helpers.scenes.stops import knee, struck_rod
 from tests.pictures.pictures import contrast
@@ -75,7 +82,7 @@ def test_axes_have_units_and_impacts_are_marked(swing, page):
     labels = [axes.get_ylabel() for axes in page.axes]
     assert [re.findall(r"\[(\w+)\]$", label) for label in labels] == [["mm"], ["mm"], ["mJ"], []]
     # the table has a place in the second row, so that each panel of the first row has its times
-    assert [axes.get_xlabel() for axes in page.axes] == [*["time [s]; grey: impacts"] * 3, "impact"]
+    assert [axes.get_xlabel() for axes in page.axes] == [*["time [s]"] * 3, "impact"]
     assert any("gaps: the change shifts an impact" in text for text in said(page))
     onsets = swing.impacts["onset"].tolist()
     for axes in page.axes[:-1]:
@@ -108,13 +115,16 @@ def test_the_legend_says_what_is_changed_and_by_how_much(page):
     assert [text.get_text() for text in legend.get_texts()] == [
         *(f"{name} + 1 %" for name in FEW),
         "change in a run",
+        "impact",
     ]
 
 
 def test_the_most_important_of_many_parameters_have_colours():
     recording = made("rod_drop", ("link[1].*", "initial.*", "contact.*", "box.*"), stop_time=0.6)
     names, page = ("point[1].x", "point[1].y", "energy.total"), drawn(recording)
-    found = with_small_steps(recording, recording.sensitivities, names)
+    whole = recording.sensitivities
+    relative = np.max([shares(recording, whole, name) for name in names], axis=0)
+    found = with_small_steps(recording, whole, names, known_changes(recording, whole, relative))
     count = len(found.parameters)
     curves = [line for line in page.axes[1].lines if len(line.get_xdata()) == len(recording.time)]
     colours = [line.get_color() for line in curves]
@@ -136,17 +146,19 @@ def test_the_most_important_of_many_parameters_have_colours():
     ends = band.get_datalim(page.axes[1].transData).intervaly
     np.testing.assert_allclose(1e-3 * ends, (np.nanmin(grey), np.nanmax(grey)))  # mm
     (legend,) = page.legends
-    (last,) = (text.get_text() for text in legend.get_texts() if "smaller" in text.get_text())
-    number, _, most = last.partition(" with smaller effects, most ")
-    assert (int(number), share[most]) == (count - LARGEST_EFFECTS, pytest.approx(largest[LARGEST_EFFECTS]))
+    texts = [text.get_text() for text in legend.get_texts()]
+    assert f"{count - LARGEST_EFFECTS} other parameters" in texts  # some of their changes are larger
+    table = page.axes[3]
+    assert len(table.get_yticklabels()) == MOST_TABLE_ROWS
+    assert table.get_title(loc="left").endswith(f"; {count - MOST_TABLE_ROWS} parameters without a row")
 
 
 @pytest.mark.parametrize(
-    ("names", "told"), [("abcdef", "smaller effects: e, f"), ("abcdefg", "3 with smaller effects, most e")]
+    ("names", "told"), [("abcdef", "e + 1 %, f + 1 %"), ("abcdefg", "3 other parameters")]
 )
 def test_the_legend_counts_the_other_parameters(names, told):
     found = SimpleNamespace(parameters=dict.fromkeys(names, 1.0), step_text=lambda _: "1 %")
-    looks = looks_of(found, np.arange(len(names), 0.0, -1.0)[None], is_brief=False)
+    looks = looks_of(found, np.arange(len(names), 0.0, -1.0)[None], {}, is_brief=False)
     assert looks[-1]["label"] == told
 
 
@@ -202,12 +214,30 @@ def test_a_curve_ends_where_the_change_exceeds_the_range_of_an_output(chaotic):
     (image,) = page.axes[3].images
     assert (np.ma.getmaskarray(image.get_array()).sum(axis=1) > 0).tolist() == [True, False]
     assert {axes.get_yscale() for axes in page.axes[:3]} == {"linear"}  # changes of sign are no strokes
-    assert any("a curve or row ends where" in text for text in said(page))
+    assert any("ends: a change reverses two impacts" in text for text in said(page))
+
+
+def test_curves_go_on_to_the_time_that_the_headline_names(chaotic):
+    """1 % more restitution reverses impacts 6 and 7 to first order, and impacts 5 and 6 in a run."""
+    page, found, onsets = drawn(chaotic), chaotic.sensitivities, chaotic.impacts["onset"]
+    kept = keeps_order(chaotic, found)
+    assert chaotic.time[kept[:, 0]].max() == pytest.approx(onsets[5], abs=0.01)
+    assert kept[:, 1].all()
+    (told,) = re.findall(r"not predictable after ([\d.]+) s", said(page)[0].replace("\n", " "))
+    for axes in page.axes[:3]:
+        restitution = next(line for line in axes.lines if line.get_label().startswith("contact.restitution"))
+        seen = np.flatnonzero(np.isfinite(restitution.get_ydata()))
+        assert chaotic.time[seen[-1]] == pytest.approx(float(told), abs=0.005)
+        (mark,) = (line for line in axes.lines if line.get_marker() == "|")
+        assert mark.get_xydata().tolist() == [restitution.get_xydata()[seen[-1]].tolist()]
+    (image,) = page.axes[3].images
+    shown = ~np.ma.getmaskarray(image.get_array())[0]
+    assert shown.tolist() == (onsets < float(told)).tolist()
+    assert "end of first order" in [text.get_text() for text in page.legends[0].get_texts()]
 
 
 def test_the_headline_names_the_parameter_that_matters_most(chaotic, swing, page):
     assert "contact.restitution + 1 % changes" in said(drawn(chaotic))[0]
-    assert "more than the range of all energies" in said(drawn(chaotic))[0].replace("\n", " ")
     found = re.search(r"(\S+) \+ 1 % changes (\S+) by (\S+) mm at", said(page)[0])
     parameter, output, value = found.groups()
     changes = swing.sensitivities.changes(output)[is_outside_impacts(swing), FEW.index(parameter)]
@@ -256,7 +286,11 @@ def test_many_impacts_have_colours_in_place_of_numbers():
     assert image.get_array().shape == (2, len(recording.impacts))
     assert not table.texts
     assert len(bar.get_yticks()) == 5
-    ends = [label.get_text() for label in bar.get_yticklabels()][:: len(bar.get_yticks()) - 1]
+    assert [label.get_text() for label in bar.get_yticklabels()][::4] == ["−8.0", "+8.0"]
+    figure, looks = Figure(), [{"color": colour} for colour in PALETTE[:2]]
+    every = np.ones((len(recording.time), 2), bool)  # also changes that no curve shows
+    draw_impact_changes(figure.subplots(), recording, recording.sensitivities, looks, every)
+    ends = [label.get_text() for label in figure.axes[1].get_yticklabels()][::4]
     assert ends == ["≤−100", "≥+100"]  # larger changes have the colours of the ends
     below, zero, above = image.to_rgba(np.array([-50.0, 0.0, 50.0]))
     assert below[0] > below[2]
@@ -312,7 +346,7 @@ def test_the_headline_has_the_change_of_a_run_that_differs():
     recording = simulate("four_link_box", 1.1, sensitivities=names)
     figure = recording.plot_sensitivities()
     headline = figure.get_suptitle().replace("\n", " ")
-    pattern = r"\+ 1 % changes (\S+) by ([\d.]+) mm in a run, ([\d.]+) mm to first order, at ([\d.]+) s"
+    pattern = r"\+ 1 % changes (\S+) by ([\d.]+) mm in a run \(([\d.]+) mm to first order\) at ([\d.]+) s"
     output, size, there, time = re.search(pattern, headline).groups()
     row = recording.row_at(float(time))
     last, shift = recording.impacts["onset"][-1], recording.sensitivities.impact_changes("onset")[-1, 0]
@@ -348,16 +382,17 @@ def test_a_step_of_a_parameter_that_is_zero_does_not_set_the_scale():
     assert axes.get_ylabel() == "Δ point[4].x [mm]"
     assert np.abs(axes.get_ylim()).max() < 2.0 * of_value < of_zero
     names = [text.get_text() for text in page.legends[0].get_texts()]
-    (step,) = (float(name.split()[2]) for name in names if name.startswith("contact.radius + "))
+    (part,) = (float(name[:-1].split()[-1]) for name in names if name.startswith("contact.radius + 0.01 m ("))
     curve = next(line for line in axes.lines if line.get_label().startswith("contact.radius"))
     largest = np.nanmax(np.abs(curve.get_ydata()))
     assert 0.0 < largest <= MOST_OF_ZERO * of_value
-    assert largest <= of_zero * step / 0.01
+    assert largest <= of_zero * part
     alone = simulate("four_link_box", 1.1, sensitivities="contact.radius")
     page = alone.plot_sensitivities(outputs=["point[4].x"])
     assert [text.get_text() for text in page.legends[0].get_texts()] == [
         "contact.radius + 0.01 m",
         "change in a run",
+        "impact",
     ]
 
 
@@ -369,7 +404,13 @@ def test_six_parameters_have_room_in_a_column_of_a_journal(width):
     (legend,) = page.legends
     title = page._suptitle.get_window_extent()
     assert title.height + legend.get_window_extent().height <= 0.15 * page.bbox.height
-    grey = next(text.get_text() for text in legend.get_texts() if "smaller" in text.get_text())
-    assert grey == "smaller effects"  # the table has the names
-    names = [label.get_text() for label in page.axes[-1].get_yticklabels()]
+    # the table has the names of the grey curves; the exponent has the largest effect there
+    assert "2 other parameters" in [text.get_text() for text in legend.get_texts()]
+    table = page.axes[-1]
+    names = [label.get_text() for label in table.get_yticklabels()]
     assert {"contact.stiffness", "contact.exponent"} <= {*names}
+    assert table.bbox.height / page.dpi / len(names) == pytest.approx(CELL_HEIGHT, rel=0.05)
+    assert CELL_HEIGHT * 25.4 >= 4.0
+    # cells are for the step that the command prints, and so is the label of the curve
+    assert "+0.59" in [text.get_text() for text in table.texts]
+    assert "contact.radius + 0.01 m (× 0.2)" in [text.get_text() for text in legend.get_texts()]

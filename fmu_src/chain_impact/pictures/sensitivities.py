@@ -5,16 +5,14 @@ A panel for each output has curves over time; a table has the changes of each im
 A curve shows the derivative of an output with respect to a parameter, times a small change of this parameter
 (``Sensitivities.step``). So the curves of all parameters share an axis, in the unit of the output.
 
-The curves of a parameter, and the row of the table for it, end at the time from which the change of any drawn
-output by this parameter exceeds the range of the output in the run (``span_of``), because a change to first
-order says nothing after this time.
+The curves of a parameter, and the row of the table for it, end where changes to first order by this parameter
+no longer hold (``known_changes``). The headline names this time, and a mark stands at the end of each curve.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -35,53 +33,33 @@ from chain_impact.pictures.drawing.style import (
     styled,
     write_foot,
 )
-from chain_impact.pictures.over_time.energies import range_of
-from chain_impact.pictures.over_time.time_axis import impact_lines, mark_impacts, name_time
-from chain_impact.pictures.rows_of_impacts import is_outside_impacts, shifted, short_contacts
+from chain_impact.pictures.first_order import drawn_rows, known_changes, shares, with_small_steps
+from chain_impact.pictures.over_time.time_axis import impact_handles, mark_impacts, name_time
+from chain_impact.pictures.rows_of_impacts import is_outside_impacts
+from chain_impact.pictures.sensitivity_finding import NO_CHANGE, finding
 from chain_impact.pictures.sensitivity_table import draw_impact_changes
-from chain_impact.pictures.words.headline import conditions, time_unit
+from chain_impact.pictures.words.headline import conditions
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.sensitivity import Sensitivities, differs
-from chain_impact.scene.words.names import AXES
-from chain_impact.scene.words.unit_text import bracketed_unit, with_unit
-from chain_impact.text import WHOLE, number, readable
+from chain_impact.recording.sensitivity import Sensitivities
+from chain_impact.scene.words.unit_text import bracketed_unit
+from chain_impact.text import plural, readable
 
-# a change up to this, relative to the range of the output, counts as round-off
-NO_CHANGE = 1e-12
-# [1] a range of an output up to this, relative to the largest |value|, counts as round-off
-RANGE_ROUND_OFF = 1e-9
 # the largest number of parameters with coloured curves, those with the largest effects; other curves are grey
 LARGEST_EFFECTS = 4
 FIRST_ORDER_CHANGES = "changes to first order"
-ENDED = "a curve or row ends where a change exceeds the range of an output in the run"
-# the steps of parameters that are 0 are so small that in any panel, their curves reach at most MOST_OF_ZERO
-# times as far from 0 as all other curves; STEP_PARTS are the tried factors of these steps
-MOST_OF_ZERO = 1.5
-STEP_PARTS = tuple(digit * 10.0**-power for power in range(1, 10) for digit in (10, 5, 2))
-LOW_TABLE = 0.6  # if the panels form one column: the height of the table below, relative to that of a panel
+ENDED = "ends: a change reverses two impacts or exceeds a range"
+LEAST_PANELS = 0.1  # [inch] the least height of all panels above the table with which the layout is computed
+SCALED = "(×): factor of the curve only"
 SHIFT_NOTE = "gaps: the change shifts an impact"
 # the largest height of the sentences on missing derivatives at the foot, relative to that of the figure
 MOST_LIMITS = 0.4
 RUN_LOOK: dict[str, Any] = {"marker": "D", "markersize": 5.0, "linestyle": "", "color": INK, "zorder": 4.0}
 RUN_LOOK |= {"markeredgecolor": INK, "markeredgewidth": 0.8}
 """The mark of a change in a run with a changed parameter, with matplotlib's names."""
+END_LOOK: dict[str, Any] = {"marker": "|", "markersize": 9.0, "markeredgewidth": 1.5, "linestyle": ""}
+END_LOOK |= {"zorder": 3.5}
+"""The mark at the end of a curve, with matplotlib's names."""
 Looks = list[dict[str, Any]]
-
-
-class Checked(NamedTuple):
-    """The change of an output in a run with a changed parameter.
-
-    Attributes:
-        output: the name of the output.
-        parameter: the index of the parameter.
-        row: the row of the recording in which the outputs are compared.
-        change: the change, in the unit of the output.
-    """
-
-    output: str
-    parameter: int
-    row: int
-    change: float
 
 
 @styled()
@@ -93,41 +71,61 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     found = recording.sensitivities
     assert found is not None
     names = found.drawn(outputs)
-    sensitivities = with_small_steps(recording, found, names)
-    parts = np.stack([shares(recording, sensitivities, name) for name in names])
-    relative = parts.max(axis=0)
-    known = hold_to_first_order(relative)
-    message, checked = finding(recording, sensitivities, names, parts)
-    start, end = recording.time[[0, -1]].tolist()
-    lines = impact_lines(recording, start, end)
-    told = [FIRST_ORDER_CHANGES, SHIFT_NOTE if lines else "", "" if known.all() else ENDED]
+    parts = np.stack([shares(recording, found, name) for name in names])
+    known = known_changes(recording, found, parts.max(axis=0))
+    message, checked = finding(recording, found, names, parts, known)
+    told = [FIRST_ORDER_CHANGES, SHIFT_NOTE if len(recording.impacts) else "", "" if known.all() else ENDED]
+    scaled = with_small_steps(recording, found, names, known)
+    told.append(SCALED if any(part != 1.0 for part in scaled.parts.values()) else "")
     headline(figure, message, conditions(recording, *told))
-    looks = looks_of(sensitivities, relative, is_brief=is_narrow(figure))
+    relative = np.max([shares(recording, scaled, name) for name in names], axis=0)
+    looks = looks_of(found, relative, scaled.parts, is_brief=is_narrow(figure))
+    drawn = drawn_rows(recording, found, known)
     across = 1 if is_narrow(figure) else 2
     panels, table = panels_of(figure, len(names), across)
     for axes, name in zip(panels, names, strict=True):
-        scale = draw_changes(axes, recording, sensitivities, name, looks, known=known)
+        scale = draw_changes(axes, recording, scaled, name, looks, known=known, drawn=drawn)
         if checked and checked.output == name:
             mark_run(
                 axes, float(recording.time[checked.row]), scale * checked.change, looks[checked.parameter]
             )
         mark_impacts(axes, recording)
-        mark_unknown(axes, recording, sensitivities)
+        mark_unknown(axes, recording, found)
         give_ticks(axes)
     for place, axes in enumerate(panels):
         # the next row is full of panels, without the table, so that this panel has a panel below it
         if (place // across + 2) * across <= len(panels):
             axes.tick_params(labelbottom=False)
         else:
-            axes.set_xlabel("; ".join(filter(None, (name_time(axes, end), lines))))
-    draw_impact_changes(table, recording, sensitivities, looks, known)
+            axes.set_xlabel(name_time(axes, float(recording.time[-1])))
+    height = draw_impact_changes(table, recording, found, looks, known)
     handles = panels[0].get_legend_handles_labels()[0]
     if checked:
-        handles = [*handles, Line2D([], [], label="change in a run", **RUN_LOOK)]
-    legend_at_head(figure, handles)
-    if sensitivities.limits:
-        write_foot(figure, "\n".join(sensitivities.limits), most=MOST_LIMITS)
+        handles.append(Line2D([], [], label="change in a run", **RUN_LOOK))
+    if not known.all():
+        handles.append(Line2D([], [], color=INK, label="end of first order", **END_LOOK))
+    legend_at_head(figure, [*handles, *impact_handles(panels[0], recording)])
+    if found.limits:
+        write_foot(figure, "\n".join(found.limits), most=MOST_LIMITS)
     settle(figure)
+    give_height(table, height)
+    settle(figure)
+
+
+def give_height(table: Axes, wanted: float) -> None:
+    """Give the row of the grid with the table the height ``wanted`` [inch], or more beside a panel.
+
+    The figure must be arranged before and after.
+    """
+    grid, figure = table.get_gridspec(), table.get_figure(root=True)
+    assert grid is not None
+    assert figure is not None
+    ratios: Any = grid.get_height_ratios()  # matplotlib's type is too wide
+    *others, last = ratios
+    height = table.bbox.height / figure.dpi
+    room = height * (sum(others) + last) / last  # the height of all rows of the grid
+    ratio = sum(others) * wanted / max(room - wanted, LEAST_PANELS)
+    grid.set_height_ratios([*others, ratio if grid.ncols == 1 else max(last, ratio)])
 
 
 def panels_of(figure: Figure, count: int, across: int) -> tuple[list[Axes], Axes]:
@@ -137,181 +135,43 @@ def panels_of(figure: Figure, count: int, across: int) -> tuple[list[Axes], Axes
     last row.
     """
     rows, panels = -(-(count + 1) // across), list[Axes]()
-    heights = [1.0] * (rows - 1) + [LOW_TABLE if across == 1 else 1.0]
-    grid = figure.add_gridspec(rows, across, height_ratios=heights)
+    grid = figure.add_gridspec(rows, across)
     for place in range(count):
         first = panels[0] if panels else None
         panels.append(figure.add_subplot(grid[divmod(place, across)], sharex=first))
     return panels, figure.add_subplot(grid[count // across, count % across :])
 
 
-def shares(recording: Recording, sensitivities: Sensitivities, output: str) -> np.ndarray:
-    """Return |change| of an output, for a step of each parameter, relative to ``span_of``, shape (T, P).
-
-    If the largest |change| at the start exceeds ``span_of``, as a shift of the whole motion can, all changes
-    are relative to this largest |change| instead. The result is 0 within impacts that end in the run, and
-    where the derivative is unknown.
-    """
-    parts = np.abs(np.nan_to_num(sensitivities.changes(output)))
-    parts /= max(span_of(recording, output), parts[:1].max(initial=0.0))
-    parts[~is_outside_impacts(recording)] = 0.0
-    return np.asarray(parts)
-
-
-def span_of(recording: Recording, output: str) -> float:
-    """Return the range of an output in the run, in its unit; for an energy, the range of all energies [J].
-
-    For a component x or y of a vector, the result is the larger one of the ranges of both components. A range
-    of 0 is replaced by 1, and so is, except for energies, a range that is round-off (RANGE_ROUND_OFF).
-    """
-    if output.startswith("energy."):
-        return range_of(dict(recording.energies)) or 1.0
-    head, _, last = output.rpartition(".")
-    names = [f"{head}.{axis}" for axis in AXES] if last in AXES else [output]
-    columns = [recording.columns[name] for name in names if name in recording.columns]
-    span = float(max(np.ptp(column) for column in columns))
-    return span if span > RANGE_ROUND_OFF * max(np.abs(column).max() for column in columns) else 1.0
-
-
-def hold_to_first_order(relative: np.ndarray) -> np.ndarray:
-    """Return whether changes to first order can hold, at T times for P parameters, shape (T, P).
-
-    ``relative``, shape (T, P), is the largest of the ``shares`` of all drawn outputs. For a parameter, the
-    changes can hold before the first time at which ``relative`` exceeds 1.
-    """
-    return np.asarray(np.maximum.accumulate(relative, axis=0) <= 1.0)
-
-
-def with_small_steps(
-    recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str]
-) -> Sensitivities:
-    """Return derivatives with smaller steps of parameters that are 0, whose curves suit those of the others.
-
-    1 % of 0 is 0, so that the step of such a parameter is arbitrary. The step gets the largest of STEP_PARTS
-    with which the changes of no output are more than MOST_OF_ZERO times those by all other parameters.
-    """
-    is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])
-    for k in np.flatnonzero(is_zero) if not is_zero.all() else ():
-        name = list(sensitivities.parameters)[k]
-        for part in STEP_PARTS:
-            tried = replace(sensitivities, parts={**sensitivities.parts, name: part})
-            relative = np.max([shares(recording, tried, output) for output in outputs], axis=0)
-            is_shown = hold_to_first_order(relative) & is_outside_impacts(recording)[:, None]
-            sizes = [np.where(is_shown, np.abs(np.nan_to_num(tried.changes(one))), 0.0) for one in outputs]
-            most = np.max(sizes, axis=1)
-            others = most[:, ~is_zero].max(axis=1)
-            if (most[:, k] <= MOST_OF_ZERO * others)[others > 0.0].all():
-                sensitivities = tried
-                break
-    return sensitivities
-
-
-def finding(
-    recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str], parts: np.ndarray
-) -> tuple[str, Checked | None]:
-    """Return the headline, which tells what the most important parameter does, and the change in a run.
-
-    The most important parameter is the one by which a change of an output first exceeds the range of this
-    output. If no change exceeds the range, it is the parameter with the largest change relative to the range;
-    of all outputs with the unit of the output that changes so, the headline then names the one with the
-    largest change by this parameter. The change in the headline is that in a run with the changed parameter,
-    which is returned, too; if it differs from the change to first order (``differs``), the headline has both.
-    Without such a run, the second result is None. A parameter with the value 0 is named only if no other
-    parameter has an effect, because its step cannot be compared with a change by 1 %. The headline tells if
-    no parameter has an effect, or if there are no derivatives after the start.
-
-    ``parts``: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P).
-    """
-    known = np.isfinite(sensitivities.slopes).any(axis=(1, 2))
-    if not known[1:].any():
-        return f"{recording.name}: no derivatives from {recording.time[0]:g} s on", None
-    factor, unit = time_unit(recording.duration)
-    until = "" if known[-1] else f", known until {factor * recording.time[known][-1]:.3g} {unit}"
-    is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])
-    relative = parts.max(axis=0)
-    if relative[:, ~is_zero].max(initial=0.0) > NO_CHANGE:
-        relative = np.where(is_zero, 0.0, relative)
-    beyond = ~hold_to_first_order(relative)
-    row, k = divmod(int(beyond.argmax() if beyond.any() else relative.argmax()), relative.shape[1])
-    output, parameter = outputs[int(parts[:, row, k].argmax())], list(sensitivities.parameters)[k]
-    if not beyond.any():
-        alike = [name for name in outputs if sensitivities.units[name] == sensitivities.units[output]]
-        output = max(alike, key=lambda name: _change_sizes(recording, sensitivities, name, k).max())
-    if relative[row, k] <= NO_CHANGE:
-        return f"{recording.name}: no parameter changes {', '.join(outputs)}", None
-    what = f"{recording.name}: {parameter} + {sensitivities.step_text(parameter)} changes {output} by"
-    if beyond.any():
-        whose = "the range of all energies" if output.startswith("energy.") else "its range"
-        at = f"{factor * recording.time[row]:.3g} {unit}"
-        return f"{what} more than {whose} from {at} on, to first order{until}", None
-    sizes, of_output = _change_sizes(recording, sensitivities, output, k), sensitivities.units[output]
-    row = int(sizes.argmax())
-    in_run = _change_in_run(recording, sensitivities, output, parameter, row)
-    most, at = _size_text(sizes[row], of_output), f"{factor * recording.time[row]:.4g} {unit}"
-    if in_run is None:
-        return f"{what} about {most} at {at}{until}", None
-    is_other = differs(sensitivities.changes(output)[row, k], in_run)
-    beside = f" in a run, {most} to first order," if is_other else ""
-    size = _size_text(abs(in_run), of_output)
-    return f"{what} {size}{beside} at {at}{until}", Checked(output, k, row, in_run)
-
-
-def _change_in_run(
-    recording: Recording, sensitivities: Sensitivities, output: str, parameter: str, row: int
-) -> float | None:
-    """Return the change of an output in a row, from another run, with ``parameter`` changed by its step.
-
-    If the run cannot be repeated, or if the other run lacks the output, the result is None.
-    """
-    value = sensitivities.parameters[parameter] + sensitivities.step(parameter)
-    other = recording.row_of_other_run({parameter: value}, float(recording.time[row]))
-    if other is None or output not in other.columns:
-        return None
-    return float(other.columns[output][0] - recording.columns[output][row])
-
-
-def _size_text(size: float, unit: str) -> str:
-    """Return a |change| as text, if possible with a unit whose prefix suits the number: "362 µm"."""
-    scale, readable_unit = readable(size, unit)
-    return with_unit(number(scale * size, 2 if scale * size < WHOLE else 3), readable_unit)
-
-
-def _change_sizes(recording: Recording, sensitivities: Sensitivities, output: str, k: int) -> np.ndarray:
-    """Return |change| of an output, to first order, for a step of parameter k, shape (T,), in its unit.
-
-    The result is 0 within impacts that end in the run, where a jump is ``shifted``, and where the derivative
-    is unknown.
-    """
-    sizes = np.abs(np.nan_to_num(sensitivities.changes(output)[:, k]))
-    sizes[shifted(recording, sensitivities)[:, k]] = 0.0
-    return np.where(is_outside_impacts(recording), sizes, 0.0)
-
-
-def looks_of(sensitivities: Sensitivities, relative: np.ndarray, *, is_brief: bool) -> Looks:
+def looks_of(
+    sensitivities: Sensitivities, relative: np.ndarray, factors: Mapping[str, float], *, is_brief: bool
+) -> Looks:
     """Return the properties of each parameter's curves, with matplotlib's names.
 
     The LARGEST_EFFECTS parameters with the largest changes have colours, unless a change is round-off; all
     others are grey. Of the grey curves, only the last has a label, which stands for all grey curves: their
-    names or, if they are more than MOST_GREY, their number and the one with the largest change. If
-    ``is_brief``, the label lacks names that the table of impacts has.
-    ``relative`` is the largest of the ``shares`` of all drawn outputs, shape (T, P).
+    names or, if they are more than MOST_GREY or ``is_brief``, their number.
+    ``relative`` is the largest of the ``shares`` of all drawn outputs, shape (T, P). ``factors``: name of a
+    parameter → the factor of its curves, which the label has; 1 for all others.
     """
     names = list(sensitivities.parameters)
     order = np.argsort(-relative.max(axis=0), kind="stable")
     coloured = {k for k in order[:LARGEST_EFFECTS] if relative[:, k].max() > NO_CHANGE}
     others = sorted(set(order) - coloured)
-    largest = next((names[k] for k in order if k not in coloured and relative[:, k].max() > NO_CHANGE), "")
-    rest = f"{len(others)} with smaller effects" + (f", most {largest}" if largest else "")
-    if len(others) <= MOST_GREY:
-        rest = "smaller effects" + ("" if is_brief else f": {', '.join(names[k] for k in others)}")
+
+    def label(name: str) -> str:
+        scaled = f" (× {factors[name]:g})" if factors.get(name, 1.0) != 1.0 else ""
+        return f"{name} + {sensitivities.step_text(name)}{scaled}"
+
+    rest = plural(len(others), "other parameter")
+    if len(others) <= MOST_GREY and not is_brief:
+        rest = ", ".join(label(names[k]) for k in others)
     colours, looks = iter(PALETTE), []
     for k, name in enumerate(names):
         if k in coloured:
-            label = f"{name} + {sensitivities.step_text(name)}"
-            looks.append({"color": next(colours), "linewidth": 1.5, "zorder": 3, "label": label})
+            looks.append({"color": next(colours), "linewidth": 1.5, "zorder": 3, "label": label(name)})
         else:
-            label = rest if k == others[-1] else "_"
-            looks.append({"color": GREY, "linewidth": 0.9, "zorder": 2, "label": label})
+            told = rest if k == others[-1] else "_"
+            looks.append({"color": GREY, "linewidth": 0.9, "zorder": 2, "label": told})
     return looks
 
 
@@ -323,16 +183,16 @@ def draw_changes(
     looks: Looks,
     *,
     known: np.ndarray,
+    drawn: np.ndarray,
 ) -> float:
     """Draw the changes of an output over time, a curve for each parameter; return the factor of the unit.
 
-    A curve has gaps within impacts that are too short to be visible, where a jump is ``shifted``, and where
-    the derivative is unknown. A curve ends where ``known``, the result of ``hold_to_first_order``, is False.
-    If there are more than MOST_GREY grey curves, they are drawn as a band. ``looks`` is the result of
-    ``looks_of``.
+    A curve has gaps where ``drawn``, the result of ``drawn_rows``, is False, and where the derivative is
+    unknown. It has a mark where it ends before the run: where ``known``, the result of ``known_changes``,
+    becomes False. If there are more than MOST_GREY grey curves, they are drawn as a band. ``looks`` is the
+    result of ``looks_of``.
     """
-    is_shown = known & ~short_contacts(recording)[:, None] & ~shifted(recording, sensitivities)
-    changes = np.where(is_shown, sensitivities.changes(output), np.nan)
+    changes = np.where(drawn, sensitivities.changes(output), np.nan)
     rows = is_outside_impacts(recording)
     low, high = scale_ends(changes[rows])
     scale, unit = readable(max(-low, high), sensitivities.units[output])
@@ -343,7 +203,13 @@ def draw_changes(
     for k, (values, look) in enumerate(zip(changes.T, looks, strict=True)):
         if len(grey) <= MOST_GREY or k not in grey:
             axes.plot(recording.time, values, **look)
-    axes.set_ylabel(f"Δ {output}{bracketed_unit(unit)}")
+            if not known[-1, k] and known[:, k].any():
+                end = np.flatnonzero(known[:, k])[-1]
+                axes.plot(recording.time[[end]], values[[end]], color=look["color"], **END_LOOK)
+    name = f"Δ {output}{bracketed_unit(unit)}"
+    figure = axes.get_figure(root=True)
+    is_small = figure is not None and is_narrow(figure)
+    axes.set_ylabel(name, fontsize="small" if is_small else None)
     axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
     if max(-low, high) > NO_CHANGE * np.ptp(recording.columns[output]):
         axes.set_ylim(scale * low, scale * high)

@@ -9,12 +9,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, SymLogNorm
 from matplotlib.figure import Figure
+from matplotlib.ticker import FixedFormatter, FixedLocator
+from matplotlib.transforms import ScaledTranslation
 
-from chain_impact.pictures.drawing.distinct_curves import MOST_GREY
 from chain_impact.pictures.drawing.style import DECREASE, GREY, INCREASE, INK, OUTSIDE_COLOUR, is_narrow
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
-from chain_impact.text import signed
+from chain_impact.text import plural, signed
 
 STRONGEST = 0.6  # the opacity of the largest changes, from 0 to 1: so low that the text on it stays legible
 # the colours of changes, with the opacity 0 for no change, so that they suit a light and a dark ground; blank
@@ -31,8 +32,14 @@ LEAST_CHANGE, MOST_CHANGE = 0.01, 100.0
 # |changes| up to FAINT_CHANGE, relative to the largest one, have no colour; the colours of larger ones are
 # logarithmic
 FAINT_CHANGE = 0.01
+# [inch] CELL_HEIGHT: the least height of a row, so that names and numbers in successive rows do not touch;
+# SCALE_HEIGHT: that of the table beside a bar with numbers
+CELL_HEIGHT, SCALE_HEIGHT = 0.17, 0.65
 # [inch] the least width of a cell with a number, and the width of the names beside the cells
 CELL_WIDTH, ROW_NAMES_WIDTH = 0.38, 1.7
+# [inch] the distances of the word "impact" from the left and lower edges of the cells
+WORD_DISTANCE = 3.5 / 72.0
+MOST_TABLE_ROWS = 8  # the largest number of rows of the table
 MOST_NUMBERED = 12  # the largest number of impacts that are numbered below the table
 
 
@@ -42,30 +49,31 @@ def draw_impact_changes(
     sensitivities: Sensitivities,
     looks: Sequence[dict[str, Any]],
     known: np.ndarray,
-) -> None:
+) -> float:
     """Draw the change of each impact's peak force [%] by a step of each parameter, as a table.
 
-    The table has a column for each impact. ``looks`` has the properties of each parameter's curves; a
-    parameter with a colour other than grey has a row in the table, and so has each grey one if at most
-    MOST_GREY, or all, are grey. If no change of a peak force is known, as in rigid impacts, the changes are
-    those of the impulses.
+    The table has a column for each impact, and the rows ``shown_parameters``; the title tells how many
+    parameters have no row. ``looks`` has the properties of each parameter's curves. If no change of a peak
+    force is known, as in rigid impacts, the changes are those of the impulses.
     ``known``, shape (T, P): whether changes to first order can hold, for each row of the recording and each
     parameter. A cell is blank if its change is not known, or cannot hold at the impact's onset.
+
+    Return the height that the table needs [inch].
     """
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)
-    grey = [k for k, look in enumerate(looks) if look["color"] == GREY]
-    rows = sorted({*range(len(looks))} - {*grey}) + grey * (len(grey) <= MOST_GREY) or grey
     onsets = sensitivities.impacts["onset"]
     if not len(onsets):
         axes.set(xticks=[], yticks=[])
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=INK)
-        return
+        return CELL_HEIGHT
     quantity = "peak_force"
     if not np.isfinite(sensitivities.relative(quantity)).any():
         quantity = "impulse"
     at = [recording.row_at(time) for time in onsets]
-    changes = 100.0 * np.where(known[at], sensitivities.relative(quantity), np.nan).T[rows]
+    every_change = 100.0 * np.where(known[at], sensitivities.relative(quantity), np.nan).T
+    rows = shown_parameters(looks, every_change)
+    changes = every_change[rows]
     sizes = np.abs(changes[np.isfinite(changes)])
     largest = sizes.max(initial=0.0)
     most = min(MOST_CHANGE, largest) or MOST_CHANGE
@@ -73,27 +81,46 @@ def draw_impact_changes(
     image = axes.imshow(np.ma.masked_invalid(changes), SIGNED, norm=norm, aspect="auto")
     figure = axes.get_figure(root=True)
     assert figure is not None
-    if has_numbers(figure, len(onsets)):
+    has_texts = has_numbers(figure, len(onsets))
+    if has_texts:
         for (row, column), change in np.ndenumerate(changes):
             if np.isfinite(change):
                 look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "small"}
                 axes.text(column, row, cell_text(change), color="black", **look)
     else:
         ticks = [part * most for part in (-1.0, -0.1, 0.0, 0.1, 1.0)]
-        bar = figure.colorbar(image, ax=axes, ticks=ticks)
         lowest, *others, highest = map(cell_text, ticks)
         # changes beyond an end of the bar have the colour of this end
         ends = (f"≤{lowest}", f"≥{highest}") if largest > most else (lowest, highest)
-        bar.ax.set_yticklabels([ends[0], *others, ends[1]])
+        texts = FixedFormatter([ends[0], *others, ends[1]])
+        bar = figure.colorbar(image, ax=axes, ticks=FixedLocator(ticks), format=texts)
         bar.ax.minorticks_off()
     every = -(-len(onsets) // MOST_NUMBERED)
     axes.set_xticks(range(0, len(onsets), every), [str(k + 1) for k in range(0, len(onsets), every)])
     axes.set_yticks(range(len(rows)), [list(sensitivities.parameters)[k] for k in rows], fontsize="small")
     for label, k in zip(axes.get_yticklabels(), rows, strict=True):
         label.set_color(looks[k]["color"] if looks[k]["color"] != GREY else INK)
-    axes.set_xlabel("impact")
+    # the word stands beside the numbers, below the names of the rows
+    axes.set_xlabel("impact", ha="right", va="top", fontsize="small")
+    offset = ScaledTranslation(-WORD_DISTANCE, -WORD_DISTANCE, figure.dpi_scale_trans)
+    axes.xaxis.set_label_coords(0.0, 0.0, transform=axes.transAxes + offset)
     title = f"change of {quantity_words(quantity, recording.is_at_joint_stop)} [%]"
+    if left_out := len(looks) - len(rows):
+        title += f"; {plural(left_out, 'parameter')} without a row"
     axes.set_title(title, fontsize="medium", loc="left")
+    return max(len(rows) * CELL_HEIGHT, 0.0 if has_texts else SCALE_HEIGHT)
+
+
+def shown_parameters(looks: Sequence[dict[str, Any]], changes: np.ndarray) -> list[int]:
+    """Return the indices of the parameters with rows in the table: those with coloured curves come first.
+
+    Up to MOST_TABLE_ROWS in all, those with grey curves follow that have the largest |changes| of an impact.
+    ``changes``: the change of each impact by each parameter, shape (P, I).
+    """
+    coloured = [k for k, look in enumerate(looks) if look["color"] != GREY]
+    sizes = np.abs(np.nan_to_num(changes)).max(axis=1)
+    others = sorted({*range(len(looks))} - {*coloured}, key=lambda k: -sizes[k])
+    return coloured + others[: max(MOST_TABLE_ROWS - len(coloured), 0)]
 
 
 def has_numbers(figure: Figure, impacts: int) -> bool:

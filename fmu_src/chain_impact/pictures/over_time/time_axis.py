@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.drawing.style import (
@@ -99,3 +100,12 @@ def impact_lines(recording: Recording, start: float, end: float) -> str:
     """Return words that explain the lines of ``mark_impacts`` between two times [s]; "" without lines."""
     onsets = recording.impacts["onset"]
     return "grey: impacts" if ((onsets >= start) & (onsets <= end)).any() else ""
+
+
+def impact_handles(
+    axes: Axes, recording: Recording, start: float = -np.inf, end: float = np.inf
+) -> list[Any]:
+    """Return a legend's entry for the lines of ``mark_impacts`` between two times [s]; [] without lines."""
+    if not impact_lines(recording, start, end):
+        return []
+    return [Line2D([], [], color=faint(axes, IMPACT_LINE), linewidth=1.5, label="impact")]

@@ -1,0 +1,126 @@
+"""Where changes to first order hold: sizes of changes, the end of each parameter's curves, small steps.
+
+The changes of a parameter end where they exceed the range of a drawn output in the run (``span_of``), or
+where they reverse the order of two impacts, because a change to first order says nothing after this time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from chain_impact.pictures.over_time.energies import range_of
+from chain_impact.pictures.rows_of_impacts import is_outside_impacts, shifted, short_contacts
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.sensitivity import Sensitivities
+from chain_impact.scene.words.names import AXES
+
+# [1] a range of an output up to this, relative to the largest |value|, counts as round-off
+RANGE_ROUND_OFF = 1e-9
+# two impacts are reversed if the order of their times changes by more than this part of the run
+ORDER_ROUND_OFF = 1e-9
+# the curves of parameters that are 0 are drawn for such small steps that in any panel, they reach at most
+# MOST_OF_ZERO times as far from 0 as all other curves; STEP_PARTS are the tried factors of these steps
+MOST_OF_ZERO = 1.5
+STEP_PARTS = tuple(digit * 10.0**-power for power in range(1, 10) for digit in (10, 5, 2))
+
+
+def drawn_rows(recording: Recording, sensitivities: Sensitivities, known: np.ndarray) -> np.ndarray:
+    """Return whether curves are drawn, at T times for P parameters, shape (T, P).
+
+    Curves have gaps within impacts that are too short to be visible, and where a jump is ``shifted``.
+    ``known`` is the result of ``known_changes``.
+    """
+    return np.asarray(known & ~short_contacts(recording)[:, None] & ~shifted(recording, sensitivities))
+
+
+def known_changes(recording: Recording, sensitivities: Sensitivities, relative: np.ndarray) -> np.ndarray:
+    """Return whether changes to first order can hold, at T times for P parameters, shape (T, P).
+
+    They hold until they exceed a range (``hold_to_first_order``) or reverse the order of two impacts
+    (``keeps_order``). A gap of the curves (``drawn_rows``) before this time also ends the changes, so that
+    all curves of a parameter end at the last row that is True.
+
+    ``relative``, shape (T, P), is the largest of the ``shares`` of all drawn outputs.
+    """
+    known = hold_to_first_order(relative) & keeps_order(recording, sensitivities)
+    drawn = drawn_rows(recording, sensitivities, known)
+    still_drawn = np.maximum.accumulate(drawn[::-1], axis=0)[::-1]
+    return np.asarray(known & (still_drawn | known.all(axis=0)))
+
+
+def keeps_order(recording: Recording, sensitivities: Sensitivities) -> np.ndarray:
+    """Return whether a step of each parameter keeps the order of all impacts up to a time, shape (T, P).
+
+    From the first of two impacts whose shifted onsets have the other order, the result is False.
+    """
+    onsets = sensitivities.impacts["onset"]
+    moved = onsets[:, None] + np.nan_to_num(sensitivities.impact_changes("onset"))
+    is_reversed = np.diff(moved, axis=0) < -ORDER_ROUND_OFF * recording.duration
+    first = np.where(is_reversed, onsets[:-1, None], np.inf).min(axis=0, initial=np.inf)
+    return np.asarray(recording.time[:, None] < first)
+
+
+def shares(recording: Recording, sensitivities: Sensitivities, output: str) -> np.ndarray:
+    """Return |change| of an output, for a step of each parameter, relative to ``span_of``, shape (T, P).
+
+    If the largest |change| at the start exceeds ``span_of``, as a shift of the whole motion can, all changes
+    are relative to this largest |change| instead. The result is 0 within impacts that end in the run, and
+    where the derivative is unknown.
+    """
+    parts = np.abs(np.nan_to_num(sensitivities.changes(output)))
+    parts /= max(span_of(recording, output), parts[:1].max(initial=0.0))
+    parts[~is_outside_impacts(recording)] = 0.0
+    return np.asarray(parts)
+
+
+def span_of(recording: Recording, output: str) -> float:
+    """Return the range of an output in the run, in its unit; for an energy, the range of all energies [J].
+
+    For a component x or y of a vector, the result is the larger one of the ranges of both components. A range
+    of 0 is replaced by 1, and so is, except for energies, a range that is round-off (RANGE_ROUND_OFF).
+    """
+    if output.startswith("energy."):
+        return range_of(dict(recording.energies)) or 1.0
+    head, _, last = output.rpartition(".")
+    names = [f"{head}.{axis}" for axis in AXES] if last in AXES else [output]
+    columns = [recording.columns[name] for name in names if name in recording.columns]
+    span = float(max(np.ptp(column) for column in columns))
+    return span if span > RANGE_ROUND_OFF * max(np.abs(column).max() for column in columns) else 1.0
+
+
+def hold_to_first_order(relative: np.ndarray) -> np.ndarray:
+    """Return whether changes to first order can hold, at T times for P parameters, shape (T, P).
+
+    ``relative``, shape (T, P), is the largest of the ``shares`` of all drawn outputs. For a parameter, the
+    changes can hold before the first time at which ``relative`` exceeds 1.
+    """
+    return np.asarray(np.maximum.accumulate(relative, axis=0) <= 1.0)
+
+
+def with_small_steps(
+    recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str], known: np.ndarray
+) -> Sensitivities:
+    """Return derivatives with smaller steps of parameters that are 0, whose curves suit those of the others.
+
+    1 % of 0 is 0, so that the step of such a parameter is arbitrary. The step gets the largest of STEP_PARTS
+    with which the changes of no output are more than MOST_OF_ZERO times those by all other parameters. Only
+    curves use these steps; the legend has their factors, and all numbers are for the whole step.
+    ``known`` is the result of ``known_changes``.
+    """
+    is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])
+    if is_zero.all() or not is_zero.any():
+        return sensitivities
+    is_shown = known & is_outside_impacts(recording)[:, None]
+    sizes = [np.where(is_shown, np.abs(np.nan_to_num(sensitivities.changes(name))), 0.0) for name in outputs]
+    most = np.max(sizes, axis=1)
+    others = most[:, ~is_zero].max(axis=1)
+    chosen = {}
+    for k in np.flatnonzero(is_zero):
+        fits = (
+            part for part in STEP_PARTS if (part * most[:, k] <= MOST_OF_ZERO * others)[others > 0.0].all()
+        )
+        chosen[list(sensitivities.parameters)[k]] = next(fits, 1.0)
+    return replace(sensitivities, parts={**sensitivities.parts, **chosen})

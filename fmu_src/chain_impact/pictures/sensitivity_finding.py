@@ -1,0 +1,136 @@
+"""The headline of the figure with derivatives: what the most important parameter does, and until when."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from chain_impact.pictures.first_order import span_of
+from chain_impact.pictures.rows_of_impacts import is_outside_impacts, shifted
+from chain_impact.pictures.words.headline import time_unit
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.sensitivity import Sensitivities, differs
+from chain_impact.scene.words.unit_text import with_unit
+from chain_impact.text import WHOLE, number, readable
+
+# a change up to this, relative to the range of the output, counts as round-off
+NO_CHANGE = 1e-12
+
+
+class Checked(NamedTuple):
+    """The change of an output in a run with a changed parameter.
+
+    Attributes:
+        output: the name of the output.
+        parameter: the index of the parameter.
+        row: the row of the recording in which the outputs are compared.
+        change: the change, in the unit of the output.
+    """
+
+    output: str
+    parameter: int
+    row: int
+    change: float
+
+
+def finding(
+    recording: Recording,
+    sensitivities: Sensitivities,
+    outputs: Sequence[str],
+    parts: np.ndarray,
+    known: np.ndarray,
+) -> tuple[str, Checked | None]:
+    """Return the headline, which tells what the most important parameter does, and the change in a run.
+
+    The most important parameter is the one whose changes end first (``known_changes``). If the changes of all
+    parameters hold to the end, it is the parameter with the largest change relative to an output's range. Of
+    all outputs with the unit of the output that changes so, the headline names the one with the largest
+    change by this parameter, and then the time at which the changes end. The change in the headline is that
+    in a run with the changed parameter, which is returned, too; if it differs from the change to first order
+    (``differs``), the headline has both. Without such a run, the second result is None. A parameter with the
+    value 0 is named only if no other parameter has an effect, because its step cannot be compared with a
+    change by 1 %. The headline tells if no parameter has an effect, or if there are no derivatives after the
+    start.
+
+    ``parts``: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P). ``known`` is the result
+    of ``known_changes``.
+    """
+    has_any = np.isfinite(sensitivities.slopes).any(axis=(1, 2))
+    if not has_any[1:].any():
+        return f"{recording.name}: no derivatives from {recording.time[0]:g} s on", None
+    factor, unit = time_unit(recording.duration)
+    last_known = int(np.flatnonzero(has_any)[-1])
+    until = "" if has_any[-1] else f", known until {factor * recording.time[last_known]:.3g} {unit}"
+    k = most_important(sensitivities, parts.max(axis=0), known)
+    if parts[..., k].max() <= NO_CHANGE:
+        return f"{recording.name}: no parameter changes {', '.join(outputs)}", None
+    parameter = list(sensitivities.parameters)[k]
+    step = f"{parameter} + {sensitivities.step_text(parameter)}"
+    if not known[:, k].all():
+        end = factor * recording.time[known[:, k]].max(initial=recording.time[0])
+        until = f", not predictable after {end:.3g} {unit}"
+    sizes = [_change_sizes(recording, sensitivities, name, k, known) for name in outputs]
+    relative = [size.max() / span_of(recording, name) for size, name in zip(sizes, outputs, strict=True)]
+    first = outputs[int(np.argmax(relative))]
+    alike = [n for n, name in enumerate(outputs) if sensitivities.units[name] == sensitivities.units[first]]
+    n = max(alike, key=lambda n: sizes[n].max())
+    output, row, of_output = outputs[n], int(sizes[n].argmax()), sensitivities.units[outputs[n]]
+    if not sizes[n][row]:
+        return f"{recording.name}: {step}{until.removeprefix(',')}", None
+    what = f"{recording.name}: {step} changes {output} by"
+    in_run = _change_in_run(recording, sensitivities, output, parameter, row)
+    most, at = _size_text(sizes[n][row], of_output), f"{factor * recording.time[row]:.4g} {unit}"
+    if in_run is None:
+        return f"{what} about {most} at {at}{until}", None
+    is_other = differs(sensitivities.changes(output)[row, k], in_run)
+    beside = f" in a run ({most} to first order)" if is_other else ""
+    size = _size_text(abs(in_run), of_output)
+    return f"{what} {size}{beside} at {at}{until}", Checked(output, k, row, in_run)
+
+
+def most_important(sensitivities: Sensitivities, relative: np.ndarray, known: np.ndarray) -> int:
+    """Return the index of the parameter that the headline names (``finding``).
+
+    ``relative``: the largest of the ``shares`` of all outputs, shape (T, P). ``known`` is the result of
+    ``known_changes``.
+    """
+    can_be = np.array([value != 0.0 for value in sensitivities.parameters.values()])
+    if relative[:, can_be].max(initial=0.0) <= NO_CHANGE:
+        can_be[:] = True
+    most, rows = relative.max(axis=0), known.sum(axis=0)
+    return min(np.flatnonzero(can_be).tolist(), key=lambda k: (rows[k], -most[k]))
+
+
+def _change_in_run(
+    recording: Recording, sensitivities: Sensitivities, output: str, parameter: str, row: int
+) -> float | None:
+    """Return the change of an output in a row, from another run, with ``parameter`` changed by its step.
+
+    If the run cannot be repeated, or if the other run lacks the output, the result is None.
+    """
+    value = sensitivities.parameters[parameter] + sensitivities.step(parameter)
+    other = recording.row_of_other_run({parameter: value}, float(recording.time[row]))
+    if other is None or output not in other.columns:
+        return None
+    return float(other.columns[output][0] - recording.columns[output][row])
+
+
+def _size_text(size: float, unit: str) -> str:
+    """Return a |change| as text, if possible with a unit whose prefix suits the number: "362 µm"."""
+    scale, readable_unit = readable(size, unit)
+    return with_unit(number(scale * size, 2 if scale * size < WHOLE else 3), readable_unit)
+
+
+def _change_sizes(
+    recording: Recording, sensitivities: Sensitivities, output: str, k: int, known: np.ndarray
+) -> np.ndarray:
+    """Return |change| of an output, to first order, for a step of parameter k, shape (T,), in its unit.
+
+    The result is 0 within impacts that end in the run, where a jump is ``shifted``, where the derivative is
+    unknown, and where ``known``, the result of ``known_changes``, is False.
+    """
+    sizes = np.abs(np.nan_to_num(sensitivities.changes(output)[:, k]))
+    sizes[~known[:, k] | shifted(recording, sensitivities)[:, k]] = 0.0
+    return np.where(is_outside_impacts(recording), sizes, 0.0)
