@@ -32,6 +32,7 @@ RECORDING = (
     "explore/map/map_colours.js",
     "explore/map/map_rows.js",
     "explore/refused_start.js",
+    "explore/stopped_run.js",
     "player/impact_list.js",
     "scene/words.js",
 )

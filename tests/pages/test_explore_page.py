@@ -49,8 +49,12 @@ def test_a_run_that_fails_says_why_and_shows_what_came_before(show):
     page.evaluate("chainImpact.show({'solver.work_limit': 2000})")
     status = page.locator("#status")
     status.wait_for()
-    told = r"The simulation stopped at t = 1\.6215\d* s: a second of simulated time takes more"
+    told = r"^With Work limit of solver = 2000\s1/s, the simulation stopped at t = 1\.6215\d*\ss\. "
     assert re.search(told, status.inner_text())
+    status.get_by_text("Why").click()
+    reason = status.locator("details p").inner_text()
+    assert reason.startswith("A second of simulated time takes more evaluations than Work limit of solver ")
+    assert reason.endswith(" Raise Work limit of solver, loosen Solver tolerance, or lower Stiffness.")
     page.evaluate("chainImpact.show({'initial.y': -3})")
     until_told(page, "cannot start", "status")
     assert "The simulation cannot start: point 0 starts 3\u202fm beyond the floor." in status.inner_text()

@@ -1,6 +1,7 @@
 """A start that the solver refuses: the sentence, its place in the drawing, and the names in refusals."""
 
 # Tests: pages/browser/explore/refused_start.js, pages/browser/explore/parameters/main_parameters.js
+# Tests: pages/browser/explore/stopped_run.js
 
 import numpy as np
 import pytest
@@ -74,11 +75,48 @@ def test_refusals_have_the_words_of_controls_and_take_a_decimal_comma(show):
     enter(page, "simulation.stop_time", "1,500")
     assert refusal.inner_text().endswith("; the decimal sign is a point.")
     page.evaluate("chainImpact.show({'solver.work_limit': 2000})")
-    until_told(page, "raise Work limit of solver, loosen Solver tolerance, or lower Stiffness", "status")
+    until_told(page, "Raise Work limit of solver, loosen Solver tolerance, or lower Stiffness", "status")
     page.get_by_role("button", name="Undo the change of Work limit of solver", exact=True).click()
     until(page, "document.getElementById('status').hidden")
     page.evaluate("chainImpact.show({'contact.stiffness': 1e30})")
-    until_told(page, "loosen Solver tolerance, or lower Stiffness. Undo the change of Stiffness", "status")
+    until_told(page, "With Stiffness = 1e30\u202fN/m¹·⁵, the simulation stopped at t = 0.49", "status")
+    until_told(page, "Loosen Solver tolerance, or lower Stiffness.", "status")
+    page.get_by_role("button", name="Undo the change of Stiffness", exact=True).wait_for()
+
+
+ADVICE = """([name, tolerance, moved, values]) => {
+  const parameters = new Map(Object.entries({ "solver.tolerance": tolerance, ...values }));
+  const status = Number(Object.keys(SHARED.kernel.STATUS_TEXT).find((key) =>
+    SHARED.kernel.STATUS_TEXT[key].startsWith(name)));
+  const scene = { partsInWords: ["link 1"], moved };
+  return faultWords({ status, part: 1 }, { scene, parameters, valueOf: (one) => parameters.get(one) });
+}"""
+
+
+def test_advice_on_a_fault_names_only_what_the_scene_has(script):
+    walls = {"contact.minimum_impact_speed": 1e-3, "contact.restitution": 0.5, "contact.stiffness": 1e6}
+    stops = {"stop.minimum_impact_speed": 1e-3, "stop.restitution": 0.5, "stop.stiffness": 1e6}
+    of_walls = "raise contact.minimum_impact_speed or lower contact.restitution"
+    of_stops = "raise stop.minimum_impact_speed or lower stop.restitution"
+    of_work = "raise solver.work_limit, loosen solver.tolerance, or lower contact.stiffness"
+    storm, energy, work = "too many contacts", "the energy drifts", "a second of simulated time"
+    for start, tolerance, moved, values, advice in (
+        (storm, 1e-8, [], walls, of_walls),
+        (storm, 1e-8, [], stops, of_stops),
+        (storm, 1e-8, [], walls | stops, f"for points at walls, {of_walls}; for joints at stops, {of_stops}"),
+        (storm, 1e-8, [1], walls, f"for points at walls, {of_walls}; for walls that move, leave more room"),
+        (energy, 1e-6, [], walls, "lower solver.tolerance, which makes errors of steps smaller"),
+        (energy, 1e-9, [], walls, "raise solver.tolerance, because round-off is too large for it"),
+        (work, 1e-8, [], walls | {"solver.work_limit": 1.0, "link[1].joint_stiffness": 0.0},
+         of_work),
+        (work, 1e-8, [], walls | {"solver.work_limit": 1.0, "link[1].joint_stiffness": 5.0},
+         f"{of_work} or the joint_stiffness of links"),
+    ):  # fmt: skip
+        reason, told, part = script.evaluate(ADVICE, [start, tolerance, moved, values])
+        assert reason.startswith(start)
+        assert told.startswith(advice)
+        assert moved or told == advice
+        assert part == "link 1"
 
 
 @pytest.mark.parametrize(

@@ -4,11 +4,11 @@ import { find, make } from "../base/dom.js";
 import { readable, textWithUnit } from "../base/format.js";
 import { ALL_DIGITS, DEGREE_DIGITS } from "../scene/angles.js";
 import { changesOf } from "../scene/changes.js";
-import { lawText, withBoxWalls } from "../scene/words.js";
-import { stopText } from "./console.js";
+import { capitalized, lawText, withBoxWalls } from "../scene/words.js";
 import { markFailing, presentlyShown } from "./parameters/parameter_fields.js";
-import { withControls, withoutLackingNames, wordsFor } from "./parameters/main_parameters.js";
+import { withControls, wordsFor } from "./parameters/main_parameters.js";
 import { overlapOf, startText } from "./refused_start.js";
+import { faultWords } from "./stopped_run.js";
 
 const WAITING = 120; // [ms] after this computing time, the motion that is still shown becomes pale
 // [ms] a run may take this long before the next change ends it, so that a slider shows its effect while it is dragged
@@ -21,6 +21,7 @@ export class Simulation {
   #nextRun = 0; // the timer that starts the next run
   #status = 0; // the status of the last run
   #sentence = ""; // the sentence that tells how the last run ended
+  #reason = ""; // a further sentence on the last run, if it stopped
   // for a run that is STOPPED or REFUSED: `last` has scene, values and steps of inputs of the last run that came further, and `names` are
   // the parameters with whose change the runs began to fail
   #failures = [REFUSED, STOPPED].map(() => ({ names: [] }));
@@ -80,7 +81,8 @@ export class Simulation {
     document.body.classList.toggle("stale", !result.parts);
     this.#keepFailures({ scene, values, inputSteps }, result);
     this.#status = result.status;
-    this.#sentence = result.fault ?? this.faultOf(result, result.parts, values);
+    [this.#sentence, this.#reason] = result.fault || this.#reach !== STOPPED
+      ? [result.fault ?? this.faultOf(result, result.parts, values), ""] : this.#stopText(result, values);
     this.#tell();
     const isRefused = !result.parts && !result.fault;
     const overlap = isRefused ? this.#overlapOf(result, values) : undefined;
@@ -121,8 +123,32 @@ export class Simulation {
   faultOf(run, hasMotion, values) {
     const { scene } = this.changes;
     if (run.status === 0) return "";
-    const why = hasMotion ? stopText(run, scene) : `cannot start: ${startText(run, scene, this.#overlapOf(run, values))}`;
-    return this.#inWords(`The simulation ${why}.`);
+    const text = run.status === SHARED.kernel.STARTS_INSIDE_WALL
+      ? this.#inWords(startText(run, scene, this.#overlapOf(run, values))) : this.#wordsOf(run).filter(Boolean).join(": ");
+    return `The simulation ${hasMotion ? `stopped at t = ${timeOf(run)}` : "cannot start"}: ${text}.`;
+  }
+
+  /** Return the result of `faultWords` in the words of the controls. */
+  #wordsOf(run) {
+    return faultWords(run, this.changes).map((text) => this.#inWords(text));
+  }
+
+  /**
+   * Return two sentences for a run with `values` that stopped: when, and with which changes it began to stop or, without any, what to
+   * change; and why it stopped.
+   */
+  #stopText(run, values) {
+    const { changes } = this;
+    const { names } = this.#failures[STOPPED];
+    const [cause, advice, part] = this.#wordsOf(run);
+    const reason = [cause, part].filter(Boolean).join(": ");
+    const wordsOf = wordsFor(changes);
+    const textAt = (name) => textOf(changes, name, changes.valueOf(name, values));
+    const culprits = names.map((name) => `${wordsOf(name)} = ${textAt(name)}`).join(", ");
+    const stopped = `the simulation stopped at t = ${timeOf(run)}`;
+    const sentences = (...all) => all.filter(Boolean).map((text) => `${capitalized(text)}.`).join(" ");
+    if (culprits) return [`With ${culprits}, ${stopped}.`, sentences(reason, advice)];
+    return advice ? [sentences(`${stopped}: ${advice}`), sentences(reason)] : [sentences(`${stopped}: ${reason}`), ""];
   }
 
   #overlapOf(run, values) {
@@ -130,7 +156,7 @@ export class Simulation {
   }
 
   #inWords(sentence) {
-    return withControls(withoutLackingNames(withBoxWalls(sentence, this.changes.valueOf), this.changes), this.changes);
+    return withControls(withBoxWalls(sentence, this.changes.valueOf), this.changes);
   }
 
   /** Show a sentence on a fault in the address, `notice`, until something changes. */
@@ -146,6 +172,9 @@ export class Simulation {
     find("status").hidden = !all;
     if (this.#status === SHARED.kernel.FRICTION_WITH_RIGID_WALLS) find("status").append(" ", this.#withoutFriction());
     if (all && this.#reach !== COMPLETE) this.#offerUndo(this.#failures[this.#reach]);
+    if (!all || !this.#reason) return;
+    const reason = make("p", { textContent: readable(this.#reason) });
+    find("status").append(make("details", {}, make("summary", { textContent: "Why, and what may help" }), reason));
   }
 
   /**
@@ -184,6 +213,11 @@ export class Simulation {
     button.addEventListener("click", () => changes.set(Object.fromEntries(names.map((name) => [name, 0]))));
     return button;
   }
+}
+
+/** Return the time that a run has reached as text. */
+function timeOf({ reached }) {
+  return `${Number(reached.toPrecision(6))}\u202fs`;
 }
 
 /**

@@ -108,12 +108,6 @@ export function wordsFor(changes) {
   };
 }
 
-/** Return a sentence without the names of parameters that the scene lacks, where the sentence has another name beside "or". */
-export function withoutLackingNames(sentence, { parameters }) {
-  return sentence.replace(/\b([a-z]\w*\.\w+) or ([a-z]\w*\.\w+)\b/g, (both, ...[first, second]) =>
-    [first, second].filter((name) => parameters.has(name)).join(" or ") || both);
-}
-
 /** Return a sentence in which the words of controls replace the names of parameters of the scene. */
 export function withControls(sentence, changes) {
   const wordsOf = wordsFor(changes);
