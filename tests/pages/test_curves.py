@@ -24,7 +24,7 @@ from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
-SHOWN = "[...document.querySelectorAll('#outputs-over-time dt')].map((term) => term.textContent)"
+SHOWN = "[...document.querySelectorAll('#outputs-over-time dt.of-curve')].map((term) => term.textContent)"
 NOW = function_of("curves", "now")
 """The place of the line at the present time, over the width of the chart."""
 TEXTS = function_of("curves", "texts")
@@ -88,8 +88,9 @@ def test_an_enlarged_chart_shows_a_part_of_the_time_and_hides_curves(show, resul
         page.mouse.move(left + 0.4 * width, y, steps=2)
         page.mouse.up()
         until(page, f"document.querySelector('{where}').classList.contains('zoomed')")
-        if where == ".curve-chart":  # the present time, 0, is outside
-            assert page.locator("#outputs-over-time dd").all_inner_texts() == ["–", "–"]
+        if where == ".curve-chart":  # the present time, 0, is outside, and its values are told
+            assert page.locator("#outputs-over-time dd").first.inner_text() == "1.591\u202fm"
+            assert set(page.locator("#outputs-over-time .unit").all_inner_texts()) == {"at 0.00000\u202fs"}
             assert page.locator(".curve-chart.zoomed").count() == 2
         else:
             before = page.locator("#time").inner_text()
@@ -327,7 +328,7 @@ def test_outputs_are_found_by_the_meaning_beside_their_names(show):
 
 def test_each_curve_of_a_chart_has_dashes_of_its_own(show):
     page = show(hash_="#curves=point[*].y,link[1].angle")
-    lines = page.locator("#outputs-over-time dt").evaluate_all(
+    lines = page.locator("#outputs-over-time dt.of-curve").evaluate_all(
         "terms => terms.map((term) => term.style.getPropertyValue('--pattern').replace(/var[^)]*./g, ''))"
     )
     assert len(lines) == 6
@@ -379,9 +380,14 @@ def test_a_chart_of_outputs_has_the_values_of_pins_at_the_pointer(show, result):
     until_told(page, impacts_of({"contact.restitution": 0.4}))
     box = page.locator("#outputs-over-time .u-over").bounding_box()
     page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
-    letter, value = page.locator("#outputs-over-time dd small").inner_text().split()
+    present, letter, _, value = page.locator("#outputs-over-time dd").all_inner_texts()
     height = np.interp(1.0, result.time, result["point[4].y"])
-    assert (letter, float(value)) == ("A", pytest.approx(height, abs=0.02))
+    assert (present, letter, float(value)) == ("present", "A", pytest.approx(height, abs=0.02))
+    at = page.locator("#outputs-over-time .unit").inner_text()
+    assert at.startswith("m at 1.0")
+    assert page.inner_text("#energy-time") == at.removeprefix("m "), "all charts are read at one time"
+    kinetic = page.locator("#energies div", has_text="kinetic").locator("dd").last.inner_text()
+    assert float(kinetic) == pytest.approx(np.interp(1.0, result.time, result["energy.kinetic"]), abs=0.5)
 
 
 def test_the_chosen_impact_stays_when_a_chart_is_added(show):

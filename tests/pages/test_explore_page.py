@@ -312,11 +312,11 @@ def test_only_inputs_that_nothing_sets_are_told_to_be_0(show):
     assert inputs.inner_text() == "Inputs all are 0"
     assert not page.get_by_role("slider", name="Force on the slider").is_visible()
     inputs.click()
-    names = "[...document.querySelectorAll('#inputs-over-time dt')].map((name) => name.title)"
+    names = "[...document.querySelectorAll('#inputs-over-time dt.of-curve')].map((name) => name.title)"
     assert page.evaluate(names) == ["tip.force.x"]
     page.get_by_role("slider", name="Force on the slider").press("PageUp")
     assert inputs.inner_text() == "Inputs 1 of 2 are 0"
-    until(page, "document.querySelectorAll('#inputs-over-time dt').length === 2")
+    until(page, "document.querySelectorAll('#inputs-over-time dt.of-curve').length === 2")
     assert page.evaluate(names) == ["tip.force.x", "slider.force"]
     value = float(page.evaluate("chainImpact.parameters['slider.force']"))
     assert value > 0
@@ -326,7 +326,7 @@ def test_only_inputs_that_nothing_sets_are_told_to_be_0(show):
     until(page, "document.querySelector('.inputs summary').textContent.trim() === 'Inputs'")
     page.get_by_role("button", name="Reset all").click()
     assert inputs.inner_text() == "Inputs all are 0"
-    until(page, "document.querySelectorAll('#inputs-over-time dt').length === 1")
+    until(page, "document.querySelectorAll('#inputs-over-time dt.of-curve').length === 1")
 
 
 def test_the_slider_of_the_restitution_ends_where_the_law_does(show):

@@ -17,7 +17,7 @@ STEPS = [(0.2, 1.5), (0.31, -2.0), (0.6, 0.5)]
 RUN = function_of("input_steps", "run")
 SLIDER, ITS_WORDS = "joint[1].torque", "Torque of joint 1"
 SHOWN = "Number(document.getElementById('scrub').value)"
-HELD = f"chart => document.querySelector('#inputs-over-time dt')?.title === '{SLIDER}'"
+HELD = f"chart => document.querySelector('#inputs-over-time dt.of-curve')?.title === '{SLIDER}'"
 
 
 def test_an_input_that_is_held_acts_as_when_a_chain_is_set_in_time(worker):

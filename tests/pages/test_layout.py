@@ -1,6 +1,6 @@
 """No label overlaps a control on small screens, and no card another one, by the drawn boxes."""
 
-# Tests: pages/explore.py, pages/browser/player/folding.js, pages/browser/explore/whole_charts.js
+# Tests: pages/explore.py, pages/browser/player/folding.js, pages/browser/explore/folded_inputs.js
 # Tests: pages/browser/explore/parameters/outcome.js, pages/browser/explore/jumps.js
 
 import pytest
@@ -27,7 +27,7 @@ IS_CUT_OFF = function_of("layout", "isCutOff")
 def test_no_label_runs_into_a_control(show, model):
     page = show(model, SCENES[model], viewport=SIZES[0], has_touch=True)
     page.evaluate("location.hash = '#curves=point[*].*y,impact.count&gravity.y=-9.5'")
-    until(page, "document.querySelectorAll('#outputs-over-time dt').length > 5")
+    until(page, "document.querySelectorAll('#outputs-over-time dt.of-curve').length > 5")
     page.evaluate("document.querySelector('summary').click(), document.getElementById('pin').click()")
     for size in SIZES:
         page.set_viewport_size(size)
@@ -75,7 +75,7 @@ def test_the_number_of_a_joint_is_whole_in_the_list_of_impacts(show, viewport):
 def test_cards_follow_each_other_as_keys_do_the_contact_force_first(show, viewport):
     """The list of impacts follows the contact force on a wide screen, and comes last on a phone."""
     page = show("cart_pole", hash_="#curves=point[1].y", viewport=viewport)
-    until(page, "document.querySelectorAll('#outputs-over-time dt').length > 0")
+    until(page, "document.querySelectorAll('#outputs-over-time dt.of-curve').length > 0")
     cards = page.locator("aside > section:not(#list)").evaluate_all(
         "cards => cards.map((card) => [card.querySelector('h2').id, card.getBoundingClientRect().top])"
     )
@@ -152,9 +152,10 @@ def test_chosen_charts_lie_beside_five_impacts_not_below_them(show, card):
     assert page.locator("#energy canvas").bounding_box()["height"] > 90
 
 
-def test_the_end_of_the_column_cuts_no_card_of_a_scene_with_signals(show):
+@pytest.mark.parametrize("size", [(1366, 768), (1280, 720)])
+def test_the_end_of_the_column_cuts_no_card_of_a_scene_with_signals(show, size):
     """The inputs of signals are folded until the reader opens them or sets steps."""
-    page = show("hopper", viewport={"width": 1366, "height": 768})
+    page = show("hopper", viewport=dict(zip(("width", "height"), size, strict=True)))
     inputs, chart = page.get_by_role("button", name="Inputs", exact=True), page.locator("#inputs-over-time")
     until(page, "document.getElementById('inputs-card').matches('.folded')")
     assert page.locator("aside").evaluate("one => one.scrollHeight - one.clientHeight") == 0
@@ -166,6 +167,29 @@ def test_the_end_of_the_column_cuts_no_card_of_a_scene_with_signals(show):
     until(page, "document.getElementById('inputs-card').matches('.folded')")
     page.evaluate("location.hash = '#slider.target_position@=0.5:0.1'")
     chart.wait_for()
+
+
+@pytest.mark.parametrize("hash_", ["", "#curves=point[4].y,contact[2].y_min.force"], ids=["", "outputs"])
+@pytest.mark.parametrize("size", [(1366, 800), (1280, 720), (390, 844)], ids=lambda size: size[0])
+def test_no_combination_of_pins_outputs_and_messages_cuts_a_card(show, size, hash_):
+    """The values have few impacts, many impacts, and a run that stops; the column fades where more is."""
+    page = show(hash_=hash_, viewport=dict(zip(("width", "height"), size, strict=True)))
+    faults = [*(function_of("layout", name) for name in ("overlappingCards", "overfullCards")), CLASHES]
+    for pins in range(3):
+        for restitution, stiffness in ((0.7, 1e8), (0.5, 1e8), (0.5, 1e30)):
+            values = {"contact.restitution": restitution, "contact.stiffness": stiffness}
+            page.evaluate("values => chainImpact.show(values)", values)
+            told = "document.getElementById('status').checkVisibility()"
+            until(page, told if stiffness > 1e8 else f"!{told}")
+            until_told(page, "1 impact in" if stiffness > 1e8 else impacts_of(values))
+            assert [page.evaluate(fault) for fault in faults] == [[], [], []], (pins, values)
+        column = page.locator("aside")
+        more = column.evaluate("one => [one.scrollHeight > one.clientHeight, one.matches('.more-below')]")
+        assert more[0] == more[1]
+        if more[0]:
+            column.evaluate("one => one.scrollTo(0, 1e4)")
+            until(page, "document.querySelector('aside').matches('.more-above:not(.more-below)')")
+        page.get_by_role("button", name="Pin").click()
 
 
 CUT_CHARTS = function_of("layout", "cutCharts")
@@ -384,7 +408,7 @@ def test_a_phone_has_motion_pins_and_force_above_the_parameters(show, scheme):
         "cart_pole", hash_="#curves=energy.total", viewport=PHONE, has_touch=True, color_scheme=scheme
     )
     until(page, "document.getElementById('outputs-card').checkVisibility()")
-    below = ["parameters", "outputs-card", "inputs-card", "energy-title", "list"]
+    below = ["parameters", "outputs-card", "inputs-card", "energy-card", "list"]
     sections = function_of("layout", "sectionsDownwards")
     assert page.evaluate(sections) == ["stage", "contact", *below]
     page.get_by_role("button", name="Pin").click()

@@ -105,7 +105,7 @@ def test_motions_of_the_base_and_of_walls_are_told_to_stay(show):
 
 def test_signals_drive_the_page_with_a_slider_for_each_number_and_a_chart(show):
     page = show("bouncing_table", {"simulation.stop_time": 1.0})
-    assert page.locator("#inputs-over-time dt").all_inner_texts() == ["Displacement of the floor"]
+    assert page.locator("#inputs-over-time dt.of-curve").all_inner_texts() == ["Displacement of the floor"]
     assert page.evaluate(PIXELS, ["inputs-over-time", "input-1"]) > 200
     scene = load_scene("bouncing_table").with_values({"simulation.stop_time": 1.0})
     changed = {"signal.table.amplitude": 0.004, "signal.table.phase": 1.0}

@@ -44,11 +44,23 @@ export const clashes = () => {
 /** Return pairs of cards of the page that lie on one another. */
 export const overlappingCards = () => {
   const cards = [...document.querySelectorAll("#stage, #parameters, #pins, aside > section")].filter((card) => card.checkVisibility());
-  const boxes = cards.map((card) => [card.id || card.getAttribute("aria-labelledby"), card.getBoundingClientRect()]);
+  const column = document.querySelector("aside");
+  const end = column.scrollHeight > column.clientHeight + 1 ? column.getBoundingClientRect().bottom : Infinity; // of what is seen
+  const boxes = cards.map((card) => {
+    const { left, right, top, bottom } = card.getBoundingClientRect();
+    const name = card.id || card.getAttribute("aria-labelledby");
+    return [name, { left, right, top, bottom: card.parentElement === column ? Math.min(bottom, end) : bottom }];
+  });
   return boxes.flatMap(([name, a], k) => boxes.slice(k + 1)
     .filter(([, b]) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1)
     .map(([other]) => `${name} on ${other}`));
 };
+
+/** Return the cards of the column that are lower than what they contain. */
+export const overfullCards = () => [...document.querySelectorAll("aside > section")].filter((card) => card.checkVisibility())
+  .filter((card) => [...card.children].some((part) =>
+    part.checkVisibility() && part.getBoundingClientRect().bottom > card.getBoundingClientRect().bottom + 0.5))
+  .map((card) => card.id);
 
 /** Return whether a table needs more width than the card has in which it is. */
 export const isCutOff = (card) => document.getElementById(card).scrollWidth > document.getElementById(card).clientWidth;

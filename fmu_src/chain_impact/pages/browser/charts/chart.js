@@ -9,7 +9,7 @@ export const MOMENT = 1e-3;
 // least number of ticks on a vertical axis: FEWEST_TICKS or, if they would be nearer to each other than TICKS_APART, FEWEST_IF_LOW
 const [FEWEST_TICKS, FEWEST_IF_LOW] = [3, 2];
 const TICKS_APART = 17; // [pixels] least distance between two ticks of a vertical axis
-const [ABOVE_PLOT, BELOW_PLOT] = [8, 26]; // [pixels] height of the space above the plot, and height of the axis below it
+const [ABOVE_PLOT, BELOW_PLOT] = [8, 21]; // [pixels] height of the space above the plot, and height of the axis below it
 const NARROWEST = 48; // [pixels] least width of a vertical axis, enough for most labels
 // horizontal positions of the letters at curves of compared motions, relative to the width of the chart: of A, and from each letter to the
 // next
@@ -112,9 +112,9 @@ export class Chart {
   group = [this]; // the charts that show the same part of the horizontal axis
   zoomed = undefined; // the part of the horizontal axis that the reader has chosen, [from, to]; undefined: the usual axis
 
-  /** `seek` is called to go to a time [s]. */
-  constructor(element, height, seek) {
-    Object.assign(this, { element, seek });
+  /** `pointer.seek` is called to go to a time [s], `pointer.read` to read all charts at a time [s] or, without a time, no longer. */
+  constructor(element, height, pointer) {
+    Object.assign(this, { element, pointer });
     this.height = element.clientHeight || height;
     new ResizeObserver(() => this.fit()).observe(element);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.plot?.redraw(false));
@@ -176,7 +176,16 @@ export class Chart {
 
   /** Go to a time on the horizontal axis. */
   goTo(time) {
-    this.seek(time);
+    this.pointer.seek(time);
+  }
+
+  /** Return the time [s] that a value of the horizontal axis stands for, and the value that a time stands for (`placeOf`). */
+  timeOf(x) {
+    return x;
+  }
+
+  placeOf(time) {
+    return time;
   }
 
   /** Return the time that a place of the plot stands for, `left` and `top` [pixels] from its upper left corner. */
@@ -184,14 +193,23 @@ export class Chart {
     return this.plot.posToVal(left, "x");
   }
 
-  /** Show the text of `readingAt` for the value `x` of the horizontal axis, beside a dashed line; without `x`, remove both. */
+  /** Read all charts at the value `x` of this chart's horizontal axis; without `x`, no chart any longer. */
   read(x) {
-    if (x === undefined && this.reading === undefined) return;
+    if (x !== undefined || this.reading !== undefined) this.pointer.read(x === undefined ? undefined : this.timeOf(x));
+  }
+
+  /**
+   * Show the text of `readingAt` for a time, beside a dashed line; without a time, or at one that the horizontal axis does not show, remove
+   * both.
+   */
+  readAt(time) {
+    if (!this.plot) return;
+    const x = time === undefined ? undefined : this.placeOf(time);
+    const left = x === undefined ? NaN : this.plot.valToPos(x, "x");
     this.reading = x;
-    const text = x === undefined ? "" : this.readingAt(x);
+    const text = left >= 0 && left <= this.plot.over.clientWidth ? this.readingAt(x) : "";
     this.label.hidden = !text;
     if (!text) return;
-    const left = this.plot.valToPos(x, "x");
     if (this.label.parentElement !== this.plot.over) this.plot.over.append(this.label);
     this.label.textContent = text;
     this.label.classList.toggle("at-left", left > this.plot.over.clientWidth / 2);

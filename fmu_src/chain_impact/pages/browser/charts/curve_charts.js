@@ -42,7 +42,7 @@ export function writersOf(curves) {
 /** A chart of all curves with one unit. */
 class UnitChart extends TimeChart {
   get comparedCurves() {
-    return this.compared.flatMap(({ recording, ...line }) => {
+    return this.shownMotions.flatMap(({ recording, ...line }) => {
       const { time, curves } = this.curvesOf(recording) ?? { curves: [] };
       return curves.filter(({ name }) => this.names.includes(name) && !this.hidden.has(name)).map(({ values }) =>
         ({ points: [time, values.map((value) => this.factor * value)], ...line }));
@@ -77,17 +77,14 @@ class UnitChart extends TimeChart {
       this.plot.setData(this.plot.data);
     }
     this.mark(present);
-    const now = this.reading ?? present;
-    const [from, to] = this.span;
-    const isOff = now < from || now > to; // the chart does not show the present time
-    this.values.forEach(([name, value], k) => {
-      const own = isOff ? "–" : this.areZero[k] ? "always 0" : this.writers[k](valueAt(this.time, this.curves[k], now));
-      const others = this.compared.flatMap(({ recording, letter }) => {
+    this.writeValues(present, this.unitText, (k, now) => {
+      const own = this.areZero[k] ? "always 0" : this.writers[k](valueAt(this.time, this.curves[k], now));
+      const others = this.compared.map(({ recording }) => {
         const { time, curves } = this.curvesOf(recording) ?? { curves: [] };
-        const curve = curves.find((one) => one.name === name);
-        return curve && !isOff ? [`${letter} ${this.writers[k](this.factor * valueAt(time, curve, now))}`] : [];
+        const curve = curves.find(({ name }) => name === this.names[k]);
+        return curve ? this.writers[k](this.factor * valueAt(time, curve, now)) : "–";
       });
-      writeValues(value, isOff ? own : [own, this.unitText].filter((text) => text !== "").join("\u202f"), others);
+      return [[own, others.length ? "" : this.unitText].filter(Boolean).join("\u202f"), ...others];
     });
   }
 }
@@ -98,14 +95,6 @@ function valueAt(time, { values, isStepped }, now) {
   return isStepped ? values[row + Math.floor(share)] : valueAtPlace(values, [row, share]);
 }
 
-/** Write into `element` the text of a value and the texts of compared motions; nodes are replaced only if the number of texts changes. */
-function writeValues(element, own, others) {
-  if (element.childNodes.length !== 1 + others.length) element.replaceChildren("", ...others.map(() => make("small")));
-  [own, ...others].forEach((text, k) => {
-    element.childNodes[k].textContent = text;
-  });
-}
-
 export class CurveCharts {
   #compared = [];
 
@@ -114,8 +103,8 @@ export class CurveCharts {
    * switches to the view of one impact and back, `title` names this impact, and `note` names the compared motions that lack some of the
    * curves, followed by the text `whyWithout`.
    */
-  constructor(element, seek, { curvesOf, label, zoomButton, title, note, whyWithout }) {
-    Object.assign(this, { element, seek, curvesOf, label, zoomButton, title, note, whyWithout, charts: new Map() });
+  constructor(element, pointer, { curvesOf, label, zoomButton, title, note, whyWithout }) {
+    Object.assign(this, { element, pointer, curvesOf, label, zoomButton, title, note, whyWithout, charts: new Map() });
     zoomButton?.addEventListener("click", () => {
       zoomButton.setAttribute("aria-pressed", zoomButton.getAttribute("aria-pressed") !== "true");
       this.draw(this.frame, this.contact);
@@ -150,7 +139,7 @@ export class CurveCharts {
     element.setAttribute("role", "img");
     element.setAttribute("aria-label", `${this.label} over time; click, or arrow keys and Enter, to go to a time`);
     const unit = make("small", { className: "curve-unit" });
-    return Object.assign(new UnitChart(element, 104, entries, this.seek), { unit, curvesOf: this.curvesOf });
+    return Object.assign(new UnitChart(element, 104, entries, undefined, this.pointer), { unit, curvesOf: this.curvesOf });
   }
 
   zoom(part) {
@@ -161,12 +150,13 @@ export class CurveCharts {
     if (!isLarge) this.zoom();
   }
 
+  readAt(time) {
+    this.charts.forEach((chart) => chart.readAt(time));
+  }
+
   compare(recordings) {
     this.#compared = recordings;
-    this.charts.forEach((chart) => {
-      chart.compared = recordings;
-      chart.plot?.setData(chart.plot.data);
-    });
+    this.charts.forEach((chart) => chart.compare(recordings));
     this.#nameWithout();
   }
 

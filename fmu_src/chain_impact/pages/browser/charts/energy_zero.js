@@ -20,10 +20,15 @@ export function energyOffset(energies) {
   return energyRange(movedBy(energies, offset)) < CLOSER * energyRange(energies) ? offset : 0;
 }
 
+/** Return what an offset [J] adds to the energy with a name. */
+export function shiftOf(name, offset) {
+  return MOVED.includes(name) ? offset : 0;
+}
+
 /** Return energies, name → values, with an offset [J] added to the potential and the total energy. */
 export function movedBy(energies, offset) {
   return Object.fromEntries(Object.entries(energies).map(([name, values]) =>
-    [name, offset && MOVED.includes(name) ? values.map((value) => value + offset) : values]));
+    [name, shiftOf(name, offset) ? values.map((value) => value + offset) : values]));
 }
 
 /** Return the end of the chart's title: the unit and, except for 0, the offset [J] with the names of the moved energies (MOVED). */

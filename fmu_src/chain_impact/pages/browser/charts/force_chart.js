@@ -64,9 +64,9 @@ function depthText(tick, ticks) {
 
 /** The chart of the force of the present contact, over the time of the contact or over its penetration. */
 export class ForceChart extends Chart {
-  /** `seek` is called to go to a time of a contact: with the time [s] and the contact. */
-  constructor(element, quantity, title, loopButton, seek) {
-    super(element, 120, seek);
+  /** `pointer.seek` is called to go to a time of a contact: with the time [s] and the contact. */
+  constructor(element, quantity, title, loopButton, pointer) {
+    super(element, 120, pointer);
     Object.assign(this, { quantity, title, loopButton });
     this.unit = { ...unitsOf({}) }; // the units of the quantities of the contact that the chart shows
     this.make(
@@ -143,7 +143,15 @@ export class ForceChart extends Chart {
   }
 
   goTo(time) {
-    this.seek(this.shown.onset + time, this.shown);
+    this.pointer.seek(this.timeOf(time), this.shown);
+  }
+
+  timeOf(x) {
+    return this.shown.onset + x;
+  }
+
+  placeOf(time) {
+    return this.shown ? time - this.shown.onset : undefined;
   }
 
   timeAt(left, top) {

@@ -5,7 +5,7 @@ import { fixed, ticksOf, withMinus } from "../base/format.js";
 import {
   axisOptions, Chart, drawCompared, labelledWidth, largestIn, styleColour, ticksUpwards, timeTexts, timeTicks, writerOf,
 } from "./chart.js";
-import { energyOffset, movedBy, offsetText } from "./energy_zero.js";
+import { energyOffset, movedBy, offsetText, shiftOf } from "./energy_zero.js";
 
 const WIDTHS = { total: 2.4 };
 const DENSE = 0.4; // a curve with more turns than this for each pixel of the chart's width fills an area
@@ -21,9 +21,10 @@ export class TimeChart extends Chart {
   #isZero = false; // whether all values in view are 0, so that the axis has the tick 0 alone
   onset = undefined; // [s] the time from which the axis counts: an onset, or undefined to count from 0
 
-  constructor(element, height, entries, seek) {
-    super(element, height, seek);
-    this.entries = entries;
+  /** `entries`: element of the legend; `timeText`: element that tells the time of the legend's values. */
+  constructor(element, height, entries, timeText, pointer) {
+    super(element, height, pointer);
+    Object.assign(this, { entries, timeText });
   }
 
   /** Return the time on the axis as text. */
@@ -31,10 +32,10 @@ export class TimeChart extends Chart {
     return `${withMinus(fixed(time, 4))} s`;
   }
 
-  /** Read the chart at a time: the list of quantities shows the values at this time or, without a time, at the present time. */
-  read(time) {
+  /** Read the chart at a time: the legend shows the values at this time or, without a time, at the present time. */
+  readAt(time) {
     const { reading } = this;
-    super.read(time);
+    super.readAt(time);
     if (this.drawn && time !== reading) this.draw(...this.drawn);
   }
 
@@ -56,7 +57,7 @@ export class TimeChart extends Chart {
     data.slice(1).forEach((values, k) => {
       const alpha = turnsOf(values, pixel) > DENSE * width ? FAINT : 1;
       this.plot.series[k + 1].alpha = alpha;
-      this.values[k][1].previousElementSibling.style.setProperty("--opacity", alpha);
+      this.rows[k].term.style.setProperty("--opacity", alpha);
     });
     this.plot.setData(data);
   }
@@ -106,18 +107,40 @@ export class TimeChart extends Chart {
       },
       data,
     );
-    this.entries.replaceChildren();
-    this.values = curves.map((curve) => [curve.name, this.entryOf(curve)]);
+    this.rows = curves.map((curve) => ({ name: curve.name, term: this.#termOf("dt", curve), cells: [] }));
+    this.#fillLegend();
+  }
+
+  /** Show the curves of other recordings, too, as `compared` describes them. */
+  compare(recordings) {
+    this.compared = recordings;
+    if (!this.rows) return;
+    this.#fillLegend();
+    this.rescale();
+  }
+
+  /** Fill the legend: a row for each curve and, if motions are compared, a column for each motion below its dashes and its letter. */
+  #fillLegend() {
+    const { compared, entries, rows } = this;
+    const rowOf = (term, cells) => make("div", {}, term, ...cells);
+    rows.forEach((row) => {
+      row.cells = Array.from({ length: 1 + compared.length }, () => make("dd"));
+    });
+    this.unitCell = make("dt", { className: "unit" });
+    const letters = compared.map(({ letter, stroke }) => this.#termOf("dd", { name: letter, stroke, dash: [6, 3] }));
+    const heads = compared.length ? [make("dd", { textContent: "present" }), ...letters] : [];
+    entries.classList.toggle("with-motions", compared.length > 0);
+    entries.style.setProperty("--motions", 1 + compared.length);
+    entries.replaceChildren(rowOf(this.unitCell, heads), ...rows.map(({ term, cells }) => rowOf(term, cells)));
   }
 
   /**
-   * Add an entry to the legend: words for a quantity, which are a button that hides its curve, and a line that looks like the curve. Return
-   * the element of the entry in which the quantity's present value is to stand.
+   * Return the cell of the legend for a curve, or for all curves of a compared motion: words, which are a button that hides the curves, and
+   * a line that looks like them.
    */
-  entryOf({ name, words = name, stroke, dash, className = "" }) {
-    const [entry, value] = [make("div", { className }), make("dd")];
+  #termOf(tag, { name, words = name, stroke, dash }) {
     const button = make("button", { type: "button", textContent: words, ariaPressed: !this.hidden.has(name) });
-    const term = make("dt", { title: words === name ? "" : name }, button);
+    const term = make(tag, { className: "of-curve", title: words === name ? "" : name }, button);
     term.style.setProperty("--pattern", patternOf(stroke, dash));
     term.addEventListener("click", () => {
       const isShown = this.hidden.delete(name);
@@ -127,9 +150,26 @@ export class TimeChart extends Chart {
       if (index >= 0) this.plot.setSeries(index + 1, { show: isShown });
       this.rescale();
     });
-    entry.append(term, value);
-    this.entries.append(entry);
-    return value;
+    return term;
+  }
+
+  /** Return the compared motions whose curves are not hidden. */
+  get shownMotions() {
+    return this.compared.filter(({ letter }) => !this.hidden.has(letter));
+  }
+
+  /**
+   * Write the values at the time of the pointer or, without one, at the time `present` [s]: the texts that `textsAt(k, time)` returns for
+   * the curve with the index `k`, first of the present motion, then of each compared one. `unit`: their unit.
+   */
+  writeValues(present, unit, textsAt) {
+    const { compared, timeText, unitCell, reading: time = present } = this;
+    const [head, at] = [compared.length ? unit : "", `at ${withMinus(time.toFixed(5))}\u202fs`];
+    if (timeText) timeText.textContent = at;
+    unitCell.textContent = timeText ? head : `${head} ${at}`;
+    this.rows.forEach(({ cells }, k) => textsAt(k, time).forEach((text, n) => {
+      cells[n].textContent = text;
+    }));
   }
 
   /**
@@ -157,13 +197,12 @@ export class EnergyChart extends TimeChart {
   energies = {}; // name of an energy → its values as they are drawn, with the offset
   offset = 0; // [J] the number that the chart adds to the potential and the total energy (energy_zero.js)
 
-  constructor(element, energies, seek) {
-    super(element, 180, energies, seek);
+  constructor(element, energies, pointer) {
+    super(element, 180, energies, find("energy-time"), pointer);
   }
 
   get comparedCurves() {
-    const shown = this.compared.filter(({ letter }) => !this.hidden.has(totalOf(letter)));
-    return shown.map(({ recording: { rowTime: time, energies }, ...line }) =>
+    return this.shownMotions.map(({ recording: { rowTime: time, energies }, ...line }) =>
       ({ points: [time, movedBy(energies, this.offset).total ?? []], ...line }));
   }
 
@@ -182,28 +221,19 @@ export class EnergyChart extends TimeChart {
     if (!isSame) this.makeCurves(names.map(curveOf), data);
     this.setData(data);
     this.written = writerOf(data.slice(1));
-    this.entries.querySelectorAll(".of-pin").forEach((entry) => entry.remove());
-    this.totals = this.compared.map(({ letter, stroke, recording: other }) =>
-      [other, this.entryOf({ name: totalOf(letter), stroke, dash: [6, 3], className: "of-pin" })]);
   }
 
-  compare(recordings) {
-    this.compared = recordings;
-    if (this.recording) this.show(this.recording);
-  }
-
-  draw(present) {
-    this.drawn = [present];
-    this.mark(this.recording.timeAt(present));
-    const frame = this.reading === undefined ? present : this.recording.frameAt(this.reading);
-    this.values.forEach(([name, value]) => {
-      value.textContent = this.written(this.recording.betweenRows(this.energies[name], frame));
-    });
-    const time = this.reading ?? this.recording.timeAt(present);
-    this.totals.forEach(([other, value]) => {
-      const { total } = movedBy({ total: other.energies.total }, this.offset);
-      value.textContent = total ? this.written(other.betweenRows(total, other.frameAt(time))) : "–";
-    });
+  draw(frame) {
+    this.drawn = [frame];
+    const { recording, compared, offset, reading } = this;
+    const present = recording.timeAt(frame);
+    this.mark(present);
+    const valueOf = (one, name, time) => {
+      const at = one === recording && reading === undefined ? frame : one.frameAt(time);
+      return one.energies[name] ? this.written(one.betweenRows(one.energies[name], at) + shiftOf(name, offset)) : "–";
+    };
+    this.writeValues(present, "J", (k, time) =>
+      [recording, ...compared.map((line) => line.recording)].map((one) => valueOf(one, this.names[k], time)));
   }
 }
 
@@ -246,9 +276,6 @@ function patternOf(stroke, dash = [1]) {
   const parts = ends.map((end, k) => `${k % 2 ? "transparent" : `var(--${stroke})`} ${end - dash[k]}px ${end}px`);
   return `repeating-linear-gradient(to right, ${parts.join(", ")})`;
 }
-
-/** Return the name of the total energy of the pinned motion with a letter. */
-const totalOf = (letter) => `${letter}: total`;
 
 /** Draw faint vertical lines at the onsets of the impacts on a plot of uPlot. */
 function drawOnsets({ ctx, bbox, valToPos }, impacts) {

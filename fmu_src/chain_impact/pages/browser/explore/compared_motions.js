@@ -151,10 +151,8 @@ export class ComparedMotions {
     const lines = pinned.map(({ recording, colour }) => ({ recording, stroke: `pin-${colour}`, letter: LETTERS[colour - 1] }));
     player.panels.forEach(([, , chart]) => chart.compare(lines));
     panel.hidden = pinned.length === 0;
-    // While the table of pinned motions is shown, the page has another layout: in a low window, for example, the charts are lower, so that
-    // the list of the present motion's impacts has room (explore.css).
+    // while the table of pinned motions is shown, the cards beside the motion may be lower (explore.css)
     document.body.classList.toggle("with-pins", !panel.hidden);
-    document.body.style.setProperty("--pins", 2 + pinned.length); // number of rows of the table
     if (panel.hidden) return;
     const text = ["present", this.#changesOf(player.recording)].filter(Boolean).join(": ");
     const listed = pinned.map((motion, k) => ({ ...motion, letter: lines[k].letter, text: this.#textOf(motion) }));

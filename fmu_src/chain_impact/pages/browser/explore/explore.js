@@ -15,6 +15,7 @@ import { consoleInterface } from "./console.js";
 import { CurveChoice } from "./curve_choice.js";
 import { Editor } from "./editor.js";
 import { connectExport } from "./export_dialog.js";
+import { foldInputsWithoutRoom } from "./folded_inputs.js";
 import { Handles } from "./handles.js";
 import { UndoHistory } from "./history.js";
 import { addJumps } from "./jumps.js";
@@ -26,7 +27,6 @@ import { showMainParameters } from "./parameters/sliders.js";
 import { RefusedStart } from "./refused_start.js";
 import { fillMap } from "./saved_page.js";
 import { Simulation } from "./simulation.js";
-import { keepChartsWhole } from "./whole_charts.js";
 
 // The present view stays if the next view lies inside it and is larger than this fraction of it; the size of a view is its longer side.
 const KEPT = 0.5;
@@ -147,5 +147,5 @@ const tellByHand = () => {
 changes.onOpen(tellByHand);
 tellByHand();
 addJumps();
-keepChartsWhole(changes);
+foldInputsWithoutRoom(changes);
 simulation.begin();

@@ -1,4 +1,4 @@
-// Lets the reader fold each card beside the drawing: its title is a button that hides or shows the rest of the card.
+// The column of cards beside the drawing. The reader can fold each card: its title is a button that hides or shows the rest of the card.
 
 import { make } from "../base/dom.js";
 
@@ -16,6 +16,19 @@ export function connectFolding() {
       card.scrollIntoView({ block: "nearest" });
     });
   });
+}
+
+/** Let the column of cards fade at each end where more of it follows. */
+export function connectFades() {
+  const column = document.querySelector("aside");
+  const show = () => {
+    const { scrollTop, scrollHeight, clientHeight } = column;
+    column.classList.toggle("more-above", scrollTop > 1);
+    column.classList.toggle("more-below", scrollTop + clientHeight < scrollHeight - 1);
+  };
+  column.addEventListener("scroll", show);
+  const watch = new ResizeObserver(show);
+  [column, ...column.children].forEach((card) => watch.observe(card));
 }
 
 /** Fold or unfold a card. */

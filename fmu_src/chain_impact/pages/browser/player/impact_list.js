@@ -7,7 +7,8 @@ import { capitalized, placeText, touchingPartText, wallText } from "../scene/wor
 
 const LONGEST_LIST = 2000; // largest number of rows in the list, because each needs several elements of the page
 const FIRST = 10; // number of rows that the list shows at first where the page itself scrolls
-const NEAR = 5; // number of rows around the present impact that the list shows at first where it scrolls with the charts
+// number of rows around the present impact that the list shows at first where it scrolls with the charts; fewer in a window below LOW
+const [NEAR, FEW_NEAR, LOW] = [5, 4, 740]; // LOW: [pixels]
 const COLUMNS = ["#", "time, s", "point", "wall", "speed", "e′", "peak"];
 const JOINT_FORCE = "in joint"; // head of the column for the largest force in a joint, which the list has if these forces are known
 const OF_LARGE_LIST = ["duration", "penetration", "impulse"]; // columns that only an enlarged list has
@@ -95,10 +96,11 @@ export class ImpactList {
     this.more.textContent = isWhole ? "Fewer impacts" : `All ${this.count} impacts`;
   }
 
-  /** Mark the rows near the row with an index, NEAR in all. */
+  /** Mark some rows near the row with an index. */
   #showNear(index) {
-    const first = Math.max(0, Math.min(index - Math.floor(NEAR / 2), this.rows.length - NEAR));
-    this.rows.forEach((row, k) => row.classList.toggle("near", k >= first && k < first + NEAR));
+    const near = innerHeight < LOW ? FEW_NEAR : NEAR;
+    const first = Math.max(0, Math.min(index - Math.floor(near / 2), this.rows.length - near));
+    this.rows.forEach((row, k) => row.classList.toggle("near", k >= first && k < first + near));
   }
 
   /** Fill the list with the impacts of a recording, at most the first LONGEST_LIST; a line tells the number of the others. */

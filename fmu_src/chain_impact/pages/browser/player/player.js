@@ -9,7 +9,7 @@ import { ChainDrawing } from "../drawing/chain_drawing.js";
 import { Clock } from "./clock.js";
 import { connect } from "./controls.js";
 import { enlargeable } from "./enlarged_cards.js";
-import { connectFolding } from "./folding.js";
+import { connectFades, connectFolding } from "./folding.js";
 import { ImpactList, impactText } from "./impact_list.js";
 import { Zoom } from "./zoom.js";
 
@@ -25,27 +25,31 @@ export class Player {
   constructor(speed) {
     this.clock = new Clock(speed);
     this.drawing = new ChainDrawing(find("scene"));
+    const pointer = {
+      seek: (time, contact) => this.clock.seek(time, contact),
+      read: (time) => this.panels.forEach(([, card, part]) => card.hidden || part.readAt(time)),
+    };
     this.panels = [
       [({ energies }) => Object.keys(energies).length > 0, find("energy").closest("section"),
-        new EnergyChart(find("energy"), find("energies"), (time) => this.clock.seek(time))],
+        new EnergyChart(find("energy"), find("energies"), pointer)],
       [({ inputs }) => inputs?.curves.length > 0, find("inputs-over-time").closest("section"),
-        new CurveCharts(find("inputs-over-time"), (time) => this.clock.seek(time),
+        new CurveCharts(find("inputs-over-time"), pointer,
           { curvesOf: ({ inputs }) => inputs, label: "Driven inputs", note: find("inputs-note"),
             whyWithout: "such an input is constant there or does not exist" })],
       [({ outputs }) => outputs?.curves.length > 0, find("outputs-over-time").closest("section"),
-        new CurveCharts(find("outputs-over-time"), (time) => this.clock.seek(time),
+        new CurveCharts(find("outputs-over-time"), pointer,
           { curvesOf: ({ outputs }) => outputs, label: "Outputs", zoomButton: find("zoom-impact"),
             title: find("outputs-impact"), note: find("outputs-note"),
             whyWithout: "a pin of another scene keeps its outputs" })],
       [({ impacts }) => impacts.length > 0, find("force").closest("section"),
-        new ForceChart(find("force"), find("contact-quantity"), find("contact-name"), find("force-loop"),
-          (time, contact) => this.clock.seek(time, contact))],
+        new ForceChart(find("force"), find("contact-quantity"), find("contact-name"), find("force-loop"), pointer)],
     ];
     this.impacts = new ImpactList(find("impacts"), (impact) => this.clock.toImpact(impact));
     enlargeable([...this.panels.map(([, card, part]) => [card, part]), [find("list"), this.impacts]]);
     this.zoom = new Zoom(this);
     this.showControls = connect(this.clock, this.drawing, this.zoom);
     connectFolding();
+    connectFades();
     this.clock.onChange(() => this.drawSoon());
     new ResizeObserver(() => this.fit()).observe(find("view"));
   }
