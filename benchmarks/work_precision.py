@@ -26,7 +26,7 @@ from benchmarks.problems import DEFAULT, PROBLEMS
 from benchmarks.race import ROUNDS, judge, race, seconds_at
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import INK, headline
-from chain_impact.studies.sweep.maps import number_few_decades
+from chain_impact.studies.sweep.colour_bars import number_few_decades
 from chain_impact.text import number
 
 NAMES = ("four", "ten", "thirty")

@@ -1,15 +1,17 @@
 """Maps of a sweep: their cells, axes, colours, lines and marks."""
 
-# Tests: studies/sweep/contours.py, studies/sweep/map_marks.py
+# Tests: studies/sweep/contours.py, studies/sweep/map_marks.py, studies/sweep/colour_bars.py
+# Tests: pictures/drawing/shared_names.py
 
 import matplotlib.style
 import numpy as np
 import pytest
 
+from chain_impact.pictures.drawing.shared_names import framed_panels
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene
+from chain_impact.studies.sweep.colour_bars import FAILED_COLOUR, colours_of, cut_values_words
 from chain_impact.studies.sweep.contours import LEAST_ROOM
-from chain_impact.studies.sweep.maps import FAILED_COLOUR, _colours, cut_values_words
 from chain_impact.studies.sweep.quantities import QUANTITIES
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.text import number
@@ -31,14 +33,15 @@ def test_maps_are_the_columns_with_ordered_axes():
 
 
 @pytest.mark.full("more cases", but=1)
-@pytest.mark.parametrize(("width", "across"), [(4.7, 1), (7.5, 1), (10.8, 3)])
+@pytest.mark.parametrize(("width", "across"), [(3.3, 1), (4.7, 3), (10.8, 3)])
 def test_three_maps_leave_no_gap(width, across):
     vary = {"contact.restitution": "0.5:0.8:4", "contact.stiffness": "1e6:1e8:4:log"}
     page = sweep(SCENE, vary).plot(
         panels=["peak_force", "impact.count", "max_penetration"], size=(width, None)
     )
-    lefts = {round(axes.get_position().x0, 2) for axes in page.axes if axes.get_xlabel()}
-    assert len(lefts) == across
+    maps = list(framed_panels(page))
+    assert len({round(axes.get_position().x0, 2) for axes in maps}) == across
+    assert len([axes for axes in page.axes if axes.get_xlabel() == "contact.restitution"]) == 1
 
 
 @pytest.mark.full("takes long")
@@ -46,7 +49,7 @@ def test_colours_suit_wide_ranges_and_counts():
     """The peak force grows by three decades with the stiffness; the number of impacts is whole."""
     vary = {"contact.stiffness": "1e4:1e10:6:log", "contact.restitution": "0.4,0.5,0.6,0.8"}
     page = sweep(SCENE, vary).plot(panels=["peak_force", "impact.count"])
-    force, impacts = (axes.collections[0] for axes in page.axes if axes.get_xlabel())
+    force, impacts = (axes.collections[0] for axes in framed_panels(page))
     assert [type(one.norm).__name__ for one in (force, impacts)] == ["LogNorm", "BoundaryNorm"]
     counts = np.unique(impacts.get_array())
     assert len({tuple(impacts.to_rgba(count)) for count in counts}) == len(counts) > 1
@@ -62,7 +65,7 @@ def test_a_map_has_the_same_numbers_and_inks_on_a_dark_ground(points):
         with matplotlib.style.context(style):
             page = found.plot(panels=["peak_force"])
             page.draw_without_rendering()
-        axis = page.axes[1].yaxis
+        axis = page.axes[0].collections[0].colorbar.ax.yaxis
         numbers.append([text.get_text() for text in axis.get_ticklabels(which="both")])
         inks.append([text.get_color() for text in page.axes[0].texts])
     assert numbers[0] == numbers[1]
@@ -81,12 +84,10 @@ def test_three_parameters_have_a_map_for_each_value_of_one():
     vary = {"contact.restitution": "0.3:0.9:4", "contact.model": laws, "contact.stiffness": "1e7:1e9:5:log"}
     found = sweep(SCENE, vary)
     page = found.plot()
-    *maps, bar = page.axes
+    *maps, bar, frame = page.axes
     assert [axes.get_title() for axes in maps] == laws
-    assert [text.get_text() for text in page.legends[0].get_texts()] == [
-        "above each map: contact.model",
-        "scene",
-    ]
+    assert (frame.get_title(), page.legends) == ("contact.model", [])
+    assert [[text.get_text() for text in axes.texts].count("scene") for axes in maps] == [0, 1]
     assert bar.get_ylabel() == "peak force [kN]"
     meshes = [axes.collections[0] for axes in maps]
     assert meshes[0].norm is meshes[1].norm
@@ -98,7 +99,7 @@ def test_three_parameters_have_a_map_for_each_value_of_one():
     assert page.texts[1].get_text().count("in the scene (+)") == 2
     narrow = found.plot(panels="impact.count", size=(84 / 25.4, None))
     assert len({round(axes.get_position().y0, 3) for axes in narrow.axes[:2]}) == 1
-    assert narrow.axes[-1].get_xlabel() == "impacts"
+    assert [axes.get_xlabel() for axes in narrow.axes[2:]] == ["impacts", "contact.restitution"]
     with pytest.raises(SceneError, match="2 panels must be 1 if 3 parameters vary"):
         found.plot(panels=["impact.count", "peak_force"])
 
@@ -109,7 +110,7 @@ def test_maps_are_three_in_a_row_and_each_column_has_a_label():
     page = sweep(SCENE.with_values({"simulation.stop_time": 0.1}), vary).plot(size=(120 / 25.4, None))
     maps = page.axes[:5]
     assert len({round(axes.get_position().y1, 3) for axes in maps[:3]}) == 1
-    assert [axes.get_xlabel() != "" for axes in maps] == [False, False, False, True, False]
+    assert [axes.get_xlabel() for axes in page.axes[:6]] == [*[""] * 5, "contact.restitution"]
     numbered = [axes.xaxis.get_tick_params()["labelbottom"] for axes in maps]
     assert numbered == [False, False, True, True, True]  # the third is above an empty place
     assert page.get_figheight() < 220 / 25.4
@@ -124,7 +125,7 @@ def test_no_map_is_alone_in_its_row_and_the_nearest_one_has_a_frame(count, rows,
     vary["initial.angle[1]"] = f"-1:1:{count}"
     scene = SCENE.with_values({"simulation.stop_time": 0.01, "initial.angle[1]": -0.9})
     page = sweep(scene, vary).plot(panels="energy.kinetic", size=(width, None))
-    maps = [axes for axes in page.axes if axes.get_title()]
+    maps = list(framed_panels(page))
     heights = [round(axes.get_position().y1, 3) for axes in maps]
     assert [heights.count(height) for height in sorted({*heights}, reverse=True)] == rows
     framed = [axes.get_title() for axes in maps if axes.spines["top"].get_visible()]
@@ -151,7 +152,7 @@ def test_runs_without_an_impact_are_hatched_and_not_in_the_scale():
 
 @pytest.mark.parametrize(("count", "kind"), [(5, "LogNorm"), (40, "LogNorm")])
 def test_more_values_do_not_change_the_scale(count, kind):
-    norm, *_ = _colours(QUANTITIES[-1], np.append(1.0, np.linspace(9.0, 11.0, count)))
+    norm, *_ = colours_of(QUANTITIES[-1], np.append(1.0, np.linspace(9.0, 11.0, count)))
     assert type(norm).__name__ == kind
 
 
@@ -196,11 +197,31 @@ def test_a_fine_map_has_lines_with_their_values():
 
 def test_a_coarse_map_has_the_values_of_its_cells_and_ends_at_limits():
     found = sweep(SCENE, {"contact.stiffness": "1e7:1e9:4:log", "contact.restitution": "0.2:0.98:4"})
-    axes = drawn(found).axes[0]
+    axes, *_ = panels = list(framed_panels(drawn(found)))
     told = sorted(float(text.get_text()) for text in axes.texts)
     assert told == pytest.approx(sorted(1e-3 * found["peak_force"]), rel=5e-3)
-    ends = axes.get_xlim() if "restitution" in axes.get_xlabel() else axes.get_ylim()
-    assert ends[1] == 1.0
+    assert axes.get_ylim()[1] == 1.0
+    assert len(panels) == 4
+    assert {text.xyann[1] for text in axes.texts} == {0.0}  # no number is under the scene's mark
+
+
+def test_the_name_of_the_mark_covers_no_contour_of_a_narrow_map():
+    found = sweep(SCENE, {"contact.stiffness": "1e7:1e9:10:log", "contact.restitution": "0.4:0.8:10"})
+    page = found.plot(size=(84 / 25.4, None))
+    maps = list(framed_panels(page))
+    for axes in maps:
+        assert axes.bbox.width < 2.0 * axes.bbox.height
+        assert axes.collections[0].colorbar.orientation == "horizontal"
+        (name,) = (text.get_window_extent() for text in axes.texts if text.get_text() == "scene")
+        for line in axes.collections[1:]:
+            paths = [path.transformed(line.get_transform()) for path in line.get_paths()]
+            assert not any(path.intersects_bbox(name, filled=False) for path in paths)
+
+
+def test_a_parameter_without_effect_is_told():
+    vary = {"contact.restitution": "0.3:0.9:5", "initial.x": "0.4,0.5", "contact.stiffness": "1e7,1e8,1e9"}
+    found = sweep(SCENE, vary)
+    assert found.plot().get_suptitle().replace("\n", " ").endswith(", initial.x has no effect")
 
 
 def test_only_the_map_of_the_own_value_is_marked_and_empty_maps_are_named():
@@ -212,5 +233,5 @@ def test_only_the_map_of_the_own_value_is_marked_and_empty_maps_are_named():
     assert crosses == [0, 0, 1]
     assert page.axes[2].get_title() == "1e-8"
     page = found.plot(panels=["peak_force"])  # a rigid wall has impulses
-    assert "solver.tolerance" in page.legends[0].get_texts()[0].get_text()
+    assert "solver.tolerance" in [axes.get_title() for axes in page.axes]
     assert any("peak force" in text.get_text() for text in page.axes[0].texts)

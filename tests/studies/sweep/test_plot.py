@@ -52,8 +52,8 @@ def test_a_page_of_any_width_has_all_panels(kind, width):
     found = sweep(SCENE, vary, **options)
     page = found.plot(size=(width / 25.4, 16.0))
     assert page.get_figwidth() == width / 25.4
-    told = [(axes.get_ylabel(), axes.get_xlabel(), axes.get_title().replace("\n", " ")) for axes in page.axes]
-    labels = {label.partition(", ")[0] for texts in told for label in texts}
+    told = [(axes.get_ylabel(), axes.get_xlabel(), axes.get_title()) for axes in page.axes]
+    labels = {label.replace("\n", " ").partition(", ")[0] for texts in told for label in texts}
     assert {quantity.label for quantity in results_of(found).every} <= labels
     foot = [text.get_text() for legend in page.legends for text in legend.get_texts()]
     assert "failed or only impulses" in foot or kind != "number and all choices"

@@ -23,6 +23,7 @@ from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.drawing.legends import fit_legends
 from chain_impact.pictures.drawing.line_breaks import COMMA, broken_lines
+from chain_impact.pictures.drawing.shared_names import FRAME, framed_panels
 from chain_impact.pictures.drawing.sizes import LEAST_SIZE, Size, figure_size
 from chain_impact.pictures.drawing.style import (
     DPI,
@@ -222,15 +223,18 @@ def lacking_height(fill: Fill, figure: Figure, mean: float = 0.0) -> float:
     A result of at most 0 means that the figure has room. The result inf means that the lack is not known:
     there is no room for axes at all, or the axes are high enough, but texts are cut off or overlap.
 
-    Axes are high enough if each with a label along y, or with a heading (``name_above``), has at least
-    LEAST_AXES_HEIGHT, and if the mean height of these axes is at least ``mean`` [inches].
+    Axes are high enough if each with a label along y of its own or shared (``framed_panels``), or with a
+    heading (``name_above``), has at least LEAST_AXES_HEIGHT, and if the mean height of these axes is at least
+    ``mean`` [inches].
     """
     with warnings.catch_warnings(), suppress(UserWarning):
         warnings.filterwarnings("error", "constrained_layout not applied")
         fill(figure)
         if not isinstance(figure.get_layout_engine(), PlaceHolderLayoutEngine):
             figure.draw_without_rendering()
-        named = [axes for axes in figure.axes if axes.get_ylabel() or has_heading(axes)]
+        framed = list(framed_panels(figure))
+        named = [axes for axes in figure.axes if axes.get_ylabel() or has_heading(axes) or axes in framed]
+        named = [axes for axes in named if axes.get_gid() != FRAME]
         sides = np.array([axes.bbox.height / figure.dpi for axes in named])
         lacks = len(sides) * max(LEAST_AXES_HEIGHT - sides.min(), mean - sides.mean()) if len(sides) else 0.0
         if lacks > 0.0:

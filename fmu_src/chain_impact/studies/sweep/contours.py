@@ -15,9 +15,10 @@ from matplotlib.patheffects import Normal, Stroke
 from chain_impact.pictures.drawing.dark_ground import COLOURED_GROUND
 
 # MOST_PIECES: a contour in more pieces is left out; LEAST_CELLS: the least number of cells on each axis for
-# contours; LEAST_ROOM: the least distance of the value of a contour from the next line, relative to the map
-MOST_PIECES, LEAST_CELLS, LEAST_ROOM = 2, 10, 0.07
-MARK_AND_NAME = np.array([[0.0, 0.0], [0.0, 0.05]])  # the places of the scene's mark and name, from the mark
+# contours; LEAST_ROOM: the least distance of the value of a contour from the next line, and LEAST_LENGTH: the
+# least extent of a contour along an axis, both relative to the map
+MOST_PIECES, LEAST_CELLS, LEAST_ROOM, LEAST_LENGTH = 2, 5, 0.07, 0.2
+MIDDLE = 0.6  # the part of a cell in which a mark is over the number in the cell
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,16 @@ class Scale:
     names: list[str]
     middles: np.ndarray
 
+    def scaled(self, values: Any) -> np.ndarray:
+        """Return values, or their logarithms on a logarithmic axis."""
+        return np.asarray(np.log(values) if self.logarithmic else values)
+
+    def cell_at(self, value: float) -> int | None:
+        """Return the index of the cell whose middle part (MIDDLE) has a value, if there is one."""
+        edges = self.scaled(self.edges)
+        off = np.abs(self.scaled(self.middles) - self.scaled(value)) / np.diff(edges)
+        return int(off.argmin()) if off.min() < 0.5 * MIDDLE else None
+
 
 def draw_contours(
     axes: Axes,
@@ -53,9 +64,9 @@ def draw_contours(
     """Draw contours at ``levels`` in a map, each piece of a contour with its value.
 
     A contour with more than MOST_PIECES pieces is left out, as in a map of a chaotic motion, and so is a
-    piece without room for its value. A map with fewer than LEAST_CELLS cells on an axis has no contours. The
-    value stands at the place that is farthest from other contours, other values, the edges and the scene's
-    mark at ``own``.
+    short piece, or one without room for its value. A map with fewer than LEAST_CELLS cells on an axis has no
+    contours. The value stands at the place that is farthest from other contours, other values, the edges and
+    the scene's mark at ``own``.
     """
     found: dict[float, list[np.ndarray]] = {}
     for level in levels if min(shown.shape) >= LEAST_CELLS else ():
@@ -65,13 +76,13 @@ def draw_contours(
         if len(pieces) <= MOST_PIECES:
             found[level] = pieces
     places = {level: [_axes_fractions(piece, scales) for piece in pieces] for level, pieces in found.items()}
-    taken = [] if None in own else [_axes_fractions(np.array([own], float), scales) + MARK_AND_NAME]
+    taken = [] if None in own else [_axes_fractions(np.array([own], float), scales)]
     for level, pieces in found.items():
         others = [piece for other, there in places.items() if other != level for piece in there]
         kept = []
         for piece, place in zip(pieces, places[level], strict=True):
             row = _roomy(place, [*others, *taken])
-            if row is None:
+            if row is None or np.ptp(place, axis=0).max() < LEAST_LENGTH:
                 continue
             kept.append(Path(piece))
             taken.append(place[row : row + 1])
@@ -95,9 +106,7 @@ def _axes_fractions(points: np.ndarray, scales: tuple[Scale, Scale]) -> np.ndarr
     """Return points of a map, shape (S, 2), as fractions of its width and height."""
     found = []
     for part, scale in zip(points.T, scales, strict=True):
-        low, high, at = (
-            np.log(each) if scale.logarithmic else each for each in (*scale.edges[[0, -1]], part)
-        )
+        low, high, at = map(scale.scaled, (*scale.edges[[0, -1]], part))
         found.append((at - low) / (high - low))
     return np.transpose(found)
 

@@ -17,14 +17,13 @@ from chain_impact.pictures.drawing.figures import name_above
 from chain_impact.pictures.drawing.law_looks import law_look
 from chain_impact.pictures.drawing.legends import legend_at_foot
 from chain_impact.pictures.drawing.style import BLACK, COUNT_STEPS, PALETTE, give_ticks
+from chain_impact.studies.sweep.colour_bars import WIDE_RANGE, number_few_decades
 from chain_impact.studies.sweep.maps import (
     NEVER,
     NO_IMPACT,
     SCENE_LINE,
-    WIDE_RANGE,
     is_logarithmic,
     label_of,
-    number_few_decades,
     own_value,
 )
 from chain_impact.studies.sweep.quantities import COUNT, EQUAL_RESULTS, Quantity, results_of

@@ -15,15 +15,14 @@ from chain_impact.pictures.drawing.figures import name_above
 from chain_impact.pictures.drawing.legends import legend_above, legend_at_foot
 from chain_impact.pictures.drawing.style import BLUE, COUNT_STEPS, INK, give_ticks
 from chain_impact.scene.words.unit_text import with_unit
+from chain_impact.studies.sweep.colour_bars import WIDE_RANGE, number_few_decades
 from chain_impact.studies.sweep.curves import RING, mark_at_foot
 from chain_impact.studies.sweep.maps import (
     NEVER,
     NO_IMPACT,
     SCENE_LINE,
-    WIDE_RANGE,
     is_logarithmic,
     label_of,
-    number_few_decades,
     own_value,
 )
 from chain_impact.studies.sweep.quantities import LOADS, Quantity

@@ -16,6 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from chain_impact.pictures.drawing.style import WIDE
+from chain_impact.studies.sweep.colour_bars import NUMBERS_WIDTH
 from chain_impact.studies.sweep.curves import COLOURS
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.histograms import MOST_SCATTERS
@@ -32,11 +33,15 @@ MOST_VARIED = 3
 # three panels without dots stand in one row of a figure that is wide enough (``columns``)
 MOST_IN_ROW, SMALL_MAPS = 3, 4  # SMALL_MAPS: the largest number of maps of one result in a row
 ONE_PANEL_WIDTH = 6.5  # [inch] default width of a figure with one panel
-# [inch] the least width of a figure: THREE_MAPS with maps of three results in a row, each with its own
-# colours; THREE_SMALL with SMALL_MAPS maps of one result in a row, which share numbers and colours
-THREE_MAPS, THREE_SMALL = 9.0, 4.0
-# [inch] default heights of a row: ROW_HEIGHT of panels, MAP_HEIGHT of maps of one result
-ROW_HEIGHT, MAP_HEIGHT = 2.7, 2.2
+# [inch] the least width of a figure with SMALL_MAPS maps of one result in a row, or with maps of two or three
+# results in a row
+THREE_SMALL = 4.0
+# [inch] ROW_HEIGHT: the default height of a row of panels; MAP_GAP: the space above a map for names and
+# a bar; HEAD_AND_FOOT: the space for texts above and below all maps
+ROW_HEIGHT, MAP_GAP, HEAD_AND_FOOT = 2.7, 0.65, 1.2
+# in rows that are lower than ROW_HEIGHT, the height of a map relative to its width; but it is at least
+# LOWEST_MAP [inch]
+MAP_SHAPE, LOWEST_MAP = 0.75, 1.1
 DOTS, CURVES, MAPS, HISTOGRAMS = "dots", "curves", "maps", "histograms"
 
 
@@ -107,23 +112,24 @@ def columns(design: Design, count: int, width: float) -> int:
 
     - Maps of one result: as few as at most SMALL_MAPS in a row allow, or MOST_IN_ROW in a figure narrower
       than THREE_SMALL; one more if otherwise the last row would have a single map.
+    - Other maps: 3 of 3, at most 2 of another count; in a figure narrower than THREE_SMALL, 1 of at most 3.
     - Other panels in a figure that is too narrow for two columns (WIDE): 1.
     - Panels with dots: as few as the least possible number of rows allows.
-    - Other panels: 3 of 3, but 1 of 3 maps in a figure narrower than THREE_MAPS; at most 2 of another count.
+    - Other panels: 3 of 3, at most 2 of another count.
     """
     kind = kind_of(design)
     if have_third(varying_in(design), kind):
         most = MOST_IN_ROW if width < THREE_SMALL else SMALL_MAPS
         across = math.ceil(count / math.ceil(count / most))
         return across + int(across > 1 and count % across == 1)
-    if width < WIDE:
+    if kind == MAPS and width < THREE_SMALL and count <= MOST_IN_ROW:
+        return 1
+    if kind != MAPS and width < WIDE:
         return 1
     if kind == DOTS:
         most = max(1, int((width - CHOICES_WIDTH) / DOTS_WIDTH))
         return math.ceil(count / math.ceil(count / most))
-    if count == MOST_IN_ROW:
-        return 1 if kind == MAPS and width < THREE_MAPS else MOST_IN_ROW
-    return min(count, 2)
+    return count if count == MOST_IN_ROW else min(count, 2)
 
 
 def usual_size(design: Design, quantities: int, width: float | None = None) -> tuple[float, float]:
@@ -138,7 +144,8 @@ def usual_size(design: Design, quantities: int, width: float | None = None) -> t
     rows = math.ceil(count / columns(design, count, width := width or usual))
     if kind == DOTS:
         return usual, 0.7 + rows * (0.6 + 0.22 * len(varying[0].values))
-    if have_third(varying, kind):
-        return usual, 1.2 + rows * MAP_HEIGHT
+    if kind == MAPS:
+        high = max(LOWEST_MAP, MAP_SHAPE * (width - NUMBERS_WIDTH) / columns(design, count, width))
+        return usual, HEAD_AND_FOOT + rows * min(ROW_HEIGHT, high + MAP_GAP)
     # in one narrow column, rows have half of the height
     return usual, 0.6 + rows * ROW_HEIGHT if width >= WIDE else 0.6 + ROW_HEIGHT * max(1.0, 0.5 * rows)

@@ -10,7 +10,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
+from matplotlib.contour import ContourSet
+from matplotlib.figure import Figure
 from matplotlib.patheffects import Normal, Stroke
+from matplotlib.text import Annotation
+from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.drawing.dark_ground import COLOURED_GROUND
 from chain_impact.studies.sweep.contours import Scale
@@ -20,21 +24,60 @@ SCENE_MARK |= {"markeredgewidth": 0.9, "linestyle": "", "clip_on": False, "zorde
 """The mark of the scene's own values in a map, with matplotlib's names."""
 HATCHED: dict[str, Any] = {"facecolor": "white", "edgecolor": "0.6", "hatch": "////", "linewidth": 0.0}
 """The look of the cells of runs without an impact, with matplotlib's names."""
-NAME_MARGIN = 0.12  # a mark in the outer part NAME_MARGIN of a map has its name beside the edge
+SCENE = "scene"  # the name of the mark
+# the places of the name from which ``place_names`` chooses, the first free one: its distance from the mark
+# [points] to the right and up, and how it is aligned
+PLACES = [
+    ((0.0, 4.5), "center", "bottom"),
+    ((0.0, -4.5), "center", "top"),
+    ((6.0, 0.0), "left", "center"),
+    ((-6.0, 0.0), "right", "center"),
+    ((4.5, 4.0), "left", "bottom"),
+    ((-4.5, 4.0), "right", "bottom"),
+    ((4.5, -4.0), "left", "top"),
+    ((-4.5, -4.0), "right", "top"),
+]
 
 
 def mark_scene(axes: Axes, own: Sequence[float | None], *, named: bool) -> None:
-    """Draw a mark at the scene's values; if ``named``, with the word "scene" above, or below at the top."""
+    """Draw a mark at the scene's values; if ``named``, with the word "scene", see ``place_names``."""
     axes.plot(*np.array(own, float)[:, None], **SCENE_MARK)
-    if not named:
-        return
-    across, up = axes.transAxes.inverted().transform(axes.transData.transform(np.array(own, float)))
-    ha = "left" if across < NAME_MARGIN else "right" if across > 1.0 - NAME_MARGIN else "center"
-    look: dict[str, Any] = {"color": "white", "fontsize": "x-small", "gid": COLOURED_GROUND, "ha": ha}
-    look["path_effects"] = [Stroke(linewidth=1.8, foreground="black"), Normal()]
-    side = 1.0 if up < 1.0 - NAME_MARGIN else -1.0
-    place: dict[str, Any] = {"textcoords": "offset points", "va": "bottom" if side > 0.0 else "top"}
-    axes.annotate("scene", np.array(own, float).tolist(), (0.0, 4.5 * side), **place, **look)
+    if named:
+        look: dict[str, Any] = {"color": "white", "fontsize": "small", "gid": COLOURED_GROUND}
+        look["path_effects"] = [Stroke(linewidth=1.8, foreground="black"), Normal()]
+        axes.annotate(SCENE, np.array(own, float).tolist(), (0.0, 0.0), textcoords="offset points", **look)
+
+
+def place_names(figure: Figure) -> None:
+    """Move the name of each mark of the scene to a side where it covers no contour, and no value of one.
+
+    The layout of the figure must be complete. Without a free side, the name covers as few as possible.
+    """
+    for axes in figure.axes:
+        lines = [
+            path.transformed(part.get_transform())
+            for part in axes.collections
+            if isinstance(part, ContourSet)
+            for path in part.get_paths()
+        ]
+        for name in axes.texts:
+            if isinstance(name, Annotation) and name.get_text() == SCENE:
+                values = [text.get_window_extent() for text in axes.texts if text is not name]
+                found = []
+                for place in PLACES:
+                    _put(name, place)
+                    box = name.get_window_extent()
+                    is_outside = not np.allclose(Bbox.union([axes.bbox, box]).size, axes.bbox.size)
+                    covered = [box.overlaps(value) for value in values]
+                    covered += [line.intersects_bbox(box, filled=False) for line in lines]
+                    found.append((is_outside, sum(covered)))
+                _put(name, PLACES[found.index(min(found))])
+
+
+def _put(name: Annotation, place: tuple[tuple[float, float], str, str]) -> None:
+    """Put the name of a mark at one of PLACES."""
+    name.xyann, ha, va = place
+    name.set(ha=ha, va=va)
 
 
 def hatch(axes: Axes, scales: tuple[Scale, Scale], cells: np.ndarray) -> None:

@@ -14,13 +14,16 @@ from chain_impact.studies.sweep.maps import NO_IMPACT, unit_of
 from chain_impact.studies.sweep.quantities import Quantity, Results, number_text
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.text import few
+from chain_impact.text import few, number
 
 MOST_REASONS = 2  # the largest number of reasons of failed runs that the headline lists
 # A share is the part of the variance of the ranks of a result that the mean over a parameter's values has,
 # or a squared rank correlation. A parameter is named if its share is at least LEAST_SHARE; one parameter
 # alone is named if its share is at least MAIN times that of any other.
 LEAST_SHARE, MAIN = 0.2, 2.0
+# The headline tells that a parameter of a grid hardly matters if it changes a result, whatever the others
+# are, by at most SMALL_EFFECT times the largest |result|; at most NO_EFFECT, due to steps, is no effect.
+SMALL_EFFECT, NO_EFFECT = 0.01, 1e-6
 
 
 def headline_parts(runs: Runs, results: Results, mark: str, *, small: bool = False) -> list[str]:
@@ -37,7 +40,7 @@ def headline_parts(runs: Runs, results: Results, mark: str, *, small: bool = Fal
         if np.isfinite(values).any():
             span = quantity.range_text(values[np.isfinite(values)])
             parts += [span, effect_text(runs, quantity) if " to " in span else ""]
-    parts.append(no_impact_text(runs, told[0]))
+    parts += [idle_text(runs, told[0]), no_impact_text(runs, told[0])]
     failed = int(runs.failed.sum())
     if failed:
         words = [word.replace("_", " ") for word in np.unique(runs[STATUS_WORD][runs.failed])]
@@ -67,6 +70,27 @@ def effect_text(runs: Runs, quantity: Quantity) -> str:
         mostly = " mostly" if others else ""
         return f"{sense}{mostly} with {first}" if sense else f"depends{mostly} on {first}"
     return f"depends on {first} and {others[0]}"
+
+
+def idle_text(runs: Runs, quantity: Quantity) -> str:
+    """Return words for the varied parameters of a grid that hardly matter: "initial.x has no effect".
+
+    A parameter hardly matters if its effect is at most SMALL_EFFECT. The text is "" if there is none, if only
+    one parameter varies, and for samples.
+    """
+    varying, told = varying_in(runs.design), list[str]()
+    if len(varying) == 1 or runs.design.samples is not None:
+        return ""
+    values = np.ma.masked_invalid(quantity.known(runs).reshape(runs.design.shape))
+    largest = float(np.abs(values).max()) if values.count() else 0.0
+    for variation in varying if largest else ():
+        changes = np.ma.ptp(values, axis=runs.design.variations.index(variation))
+        effect = float(changes.max()) / largest
+        if effect <= NO_EFFECT:
+            told.append(f"{variation.name} has no effect")
+        elif effect <= SMALL_EFFECT:
+            told.append(f"{variation.name} changes it by ≤ {number(100.0 * effect, 2)} %")
+    return ", ".join(told)
 
 
 def share_of(runs: Runs, variation: Variation, values: np.ndarray) -> tuple[float, str]:

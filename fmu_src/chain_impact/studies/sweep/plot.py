@@ -38,6 +38,7 @@ from chain_impact.studies.sweep.layout import (
     usual_size,
     varying_in,
 )
+from chain_impact.studies.sweep.map_marks import place_names
 from chain_impact.studies.sweep.maps import (
     NO_IMPACT,
     draw_maps,
@@ -148,9 +149,11 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
         draw_samples(panels, runs, quantities, varying)
     else:
         draw_maps(figure, panels, runs, quantities, (first, *others))
-    name_once(figure)
-    figure.align_ylabels()
+    if kind != MAPS:  # maps share their names
+        name_once(figure)
+        figure.align_ylabels()
     settle(figure)
+    place_names(figure)
 
 
 def name_once(figure: Figure) -> None:
