@@ -13,7 +13,7 @@ from chain_impact.recording.recording import Recording as Recording
 from chain_impact.recording.sensitivity import Sensitivities as Sensitivities
 from chain_impact.recording.stick_slip import STICK_SLIP_DTYPE as STICK_SLIP_DTYPE
 from chain_impact.results.animate import AnimationError as AnimationError
-from chain_impact.results.ranking import Effect as Effect
+from chain_impact.results.effects import Effect as Effect
 from chain_impact.results.ranking import Ranking as Ranking
 from chain_impact.results.result import Result as Result
 from chain_impact.scene.errors import SceneError as SceneError

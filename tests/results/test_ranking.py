@@ -1,6 +1,6 @@
 """The ranking of parameters by their effect on a quantity."""
 
-# Tests: pictures/bars.py, results/quantity.py
+# Tests: pictures/bars.py, results/effects.py, results/quantity.py
 
 import re
 from dataclasses import replace
@@ -10,7 +10,8 @@ import pytest
 from matplotlib.text import Text
 
 from chain_impact import SceneError, UnknownNameError, load_scene, simulate
-from chain_impact.results.ranking import ranking_of, split_by_step
+from chain_impact.results.effects import split_by_step
+from chain_impact.results.ranking import ranking_of
 from chain_impact.scene.words.unit_text import stiffness_unit
 from chain_impact.text import signed
 from tests.helpers.scenes.stops import knee
@@ -195,13 +196,16 @@ def test_the_axis_of_refuted_effects_has_the_scale_of_the_runs(result):
         arrows[line.get_marker()].append(line.get_ydata()[0])
     assert arrows[">"] == [0]
     assert arrows["<"] == [1, 3]
-    assert len(arrows["D"]) == 3, "the third run confirms its effect"
+    assert len(arrows["D"]) == 4, "the third run confirms its effect"
     assert [bar.get_facecolor()[3] for bar in axes.patches] == [0.0, 0.0, 1.0, 0.0]  # hollow
     told = " ".join(page.texts[1].get_text().split())
-    assert "3 differ by more than 25 % (hollow bars; the diamond is the run); a bar with an arrow" in told
+    assert "3 differ by more than 25 % (hollow bars); a bar with an arrow" in told
     title = page.get_suptitle()
-    assert "effect of" in title.replace("\n", " ")
+    assert title.replace("\n", " ").startswith(
+        f"PinnedArm: {effects[2].parameter} + 1 % raises point[2].x of "
+    )
     assert "+\n" not in title
+    assert "change in a run" in page.legends[0].get_texts()[0].get_text()
 
 
 def test_bars_of_runs_are_in_the_order_of_the_runs_if_all_runs_differ(result):
@@ -270,8 +274,9 @@ def test_a_share_is_written_with_two_digits():
 def test_the_unit_of_a_picture_suits_its_bars():
     found = simulate("four_link_box", stop_time=0.6, sensitivities="contact.*").ranking("max_penetration")
     page = found.plot()
-    assert "on largest penetration =" in page.get_suptitle()
-    assert page.get_suptitle().endswith(f"{1e3 * found.value:.4g} mm")
+    title, most = page.get_suptitle().replace("\n", " "), found.effects[0]
+    value, share = f"{1e3 * found.value:.4g} mm", f"{signed(abs(100.0 * most.change / found.value))[1:]} %"
+    assert f"{most.parameter} + 1 % lowers the largest penetration of {value} by about {share}" in title
     for axes in page.axes:
         assert "[µm]" in axes.get_xlabel()
         assert 0.1 < max(abs(bar.get_width()) for bar in axes.patches) < 1000.0

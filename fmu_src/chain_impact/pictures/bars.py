@@ -9,10 +9,12 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.pictures.drawing.figures import settle
+from chain_impact.pictures.drawing.legends import legend_at_head
 from chain_impact.pictures.drawing.style import (
     DECREASE,
     INCREASE,
@@ -33,7 +35,10 @@ BAR_MARGIN = 0.03  # the space between the longest bar and the axis' end, relati
 # [points] the space between the axes and the heading of the texts, and between the axes and a title above it
 HEADING_SPACE, TITLE_SPACE = 3.0, 16.0
 DOT = 24.0  # [square points] the size of a dot
-RUN_MARK = 4.5  # [points] the size of the diamonds, see ``Bars.marks``
+DIAMOND: dict[str, Any] = {"marker": "D", "markersize": 4.0, "color": INK, "linestyle": ""}
+DIAMOND |= {"markeredgecolor": "white", "markeredgewidth": 0.5, "clip_on": False, "zorder": 4.0}
+"""The properties of the diamonds, see ``Bars.marks``, with matplotlib's names."""
+RUN_LABEL = "change in a run (bar: to first order)"
 THICK = 0.66  # the thickness of a bar, relative to the distance between bars
 # bars are cut off only if the longest bar extends more than CUT times as far from 0 as what must be visible
 CUT = 4.0
@@ -54,8 +59,8 @@ class Bars:
         heading: a text above the column of ``texts``.
         title: a text above the block.
         colours: the colour of each bar; without colours, the colour of a bar shows the sign of its value.
-        marks: for each bar None or a second value, at which a diamond stands; such a bar is hollow. If the
-            second value is NaN, the bar is hollow without a diamond.
+        marks: for each bar None or a second value, at which a diamond stands; a NaN has no diamond.
+        hollow: for each bar whether it is hollow, because its second value refutes the first one.
         dots: whether a dot stands in place of each bar, for an axis that is not linear; without ``marks``.
     """
 
@@ -67,17 +72,18 @@ class Bars:
     title: str = ""
     colours: Sequence[str] = ()
     marks: Sequence[float | None] = ()
+    hollow: Sequence[bool] = ()
     dots: bool = False
 
     @property
-    def mark_of_each(self) -> Sequence[float | None]:
-        """``marks``, or None for each bar if there are none."""
-        return self.marks or [None] * len(self.values)
+    def is_hollow(self) -> Sequence[bool]:
+        """``hollow``, or False for each bar if there are none."""
+        return self.hollow or [False] * len(self.values)
 
     @property
     def ends(self) -> tuple[float, float]:
         """The ends of the axis without margins (``axis_ends``)."""
-        return axis_ends(self.values, self.mark_of_each)
+        return axis_ends(self.values, self.marks, self.hollow)
 
     @property
     def are_cut(self) -> bool:
@@ -86,18 +92,19 @@ class Bars:
         return any(not low <= value <= high for value in self.values if math.isfinite(value))
 
 
-def axis_ends(values: Sequence[float], marks: Sequence[float | None]) -> tuple[float, float]:
+def axis_ends(
+    values: Sequence[float], marks: Sequence[float | None] = (), hollow: Sequence[bool] = ()
+) -> tuple[float, float]:
     """Return the ends of the axis for bars: the least and the largest of 0, all ``values`` and all ``marks``.
 
-    If most bars have marks, and all marks and all bars without a mark are much nearer to 0 than the longest
+    If most bars are hollow, and all marks and all bars without a mark are much nearer to 0 than the longest
     bar (CUT), bars are cut off at ROOM_BESIDE times the largest distance of these marks and bars from 0.
     """
     seen = [value for value in (*values, *marks) if value is not None and math.isfinite(value)]
     low, high = min([0.0, *seen]), max([0.0, *seen])
-    shown = [value if mark is None else mark for value, mark in zip(values, marks, strict=True)]
+    shown = [value if mark is None else mark for value, mark in zip(values, marks or values, strict=True)]
     reach = max((abs(value) for value in shown if math.isfinite(value)), default=0.0)
-    is_refuted = 2 * sum(mark is not None for mark in marks) > len(marks)
-    if is_refuted and 0.0 < CUT * reach < max(-low, high):
+    if 2 * sum(hollow) > len(values) and 0.0 < CUT * reach < max(-low, high):
         return max(low, -ROOM_BESIDE * reach), min(high, ROOM_BESIDE * reach)
     return low, high
 
@@ -123,6 +130,8 @@ def fill_bars(
     if any(block.are_cut for block in blocks):
         warning += CUT_BARS
     headline(figure, title, conditions, *([(warning, PEAK_COLOUR)] if warning else []))
+    if any(mark is not None and math.isfinite(mark) for block in blocks for mark in block.marks):
+        legend_at_head(figure, [Line2D([], [], label=RUN_LABEL, **DIAMOND)])
     if not blocks:
         axes = figure.subplots()
         axes.set(xticks=[], yticks=[])
@@ -147,15 +156,16 @@ def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool
     if block.dots:
         axes.scatter(block.values, rows, s=DOT, color=colours, zorder=3.0, clip_on=False)
     else:
-        marks = block.mark_of_each
-        hollow = ["none" if mark is not None else colour for mark, colour in zip(marks, colours, strict=True)]
-        axes.barh(rows, block.values, THICK, color=hollow, edgecolor=colours)
+        fills = [
+            "none" if hollow else colour for hollow, colour in zip(block.is_hollow, colours, strict=True)
+        ]
+        axes.barh(rows, block.values, THICK, color=fills, edgecolor=colours)
         for row, (value, colour) in enumerate(zip(block.values, colours, strict=True)):
             if not ends[0] <= value <= ends[1]:
                 _draw_arrow(axes, row, colour, to_right=value > 0.0)
-        for row, mark in enumerate(marks):
+        for row, mark in enumerate(block.marks):
             if mark is not None:
-                axes.plot([mark], [row], "D", color=INK, markersize=RUN_MARK)
+                axes.plot([mark], [row], **DIAMOND)
     beside: dict[str, Any] = {"textcoords": "offset points", "fontsize": "small"}
     for row, text in zip(rows, block.texts, strict=True):
         place: dict[str, Any] = {"xy": (1.0, row), "xycoords": axes.get_yaxis_transform(), "va": "center"}

@@ -7,13 +7,21 @@ import math
 import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.sensitivity import FIRST_ORDER, PART, Sensitivities, differs, step_of
+from chain_impact.recording.sensitivity import FIRST_ORDER, PART, Sensitivities, step_of
 from chain_impact.recording.summary import digits
+from chain_impact.results.effects import (
+    Effect,
+    best_known,
+    simulated_first,
+    simulated_text,
+    sorted_by_run,
+    split_by_step,
+)
 from chain_impact.results.quantity import quantity_named
 from chain_impact.scene.errors import names_matching
 from chain_impact.scene.words.unit_text import bracketed_unit, unit_text, with_unit
@@ -33,50 +41,6 @@ LARGE_SHARE = 0.2
 LEAST_EFFECT = 1e-12
 NAMED_STEPS = 2  # the largest number of different steps that the heading of a block of bars lists
 MOST_BARS = 16  # largest number of bars in the picture of a ranking
-
-
-class Effect(NamedTuple):
-    """The effect of a small change, a step, of one parameter on the quantity.
-
-    Attributes:
-        parameter: the name of the parameter or input in the FMU.
-        value: the value of the parameter, in its ``unit``.
-        unit: the unit of the parameter.
-        step: the change of the parameter in words: "1 %" of the value, or "0.01 N·m" if the value is 0.
-        change: the change of the quantity by this step, to first order, in the unit of the quantity.
-        derivative: the derivative of the quantity with respect to the parameter.
-        simulated: the change of the quantity in a run with the parameter changed by this step; NaN if the
-            quantity does not exist in this run, as for a missing impact; None if no run was simulated.
-    """
-
-    parameter: str
-    value: float
-    unit: str
-    step: str
-    change: float
-    derivative: float
-    simulated: float | None = None
-
-    @property
-    def differs(self) -> bool:
-        """Whether ``simulated`` differs from ``change`` by more than FIRST_ORDER, or ``simulated`` is NaN.
-
-        The property is False if ``simulated`` is None.
-        """
-        return self.simulated is not None and differs(self.change, self.simulated)
-
-    @property
-    def told(self) -> str:
-        """The value with its unit; if the value is 0, also the step: "0 + 0.01 N·m"."""
-        return with_unit(f"{self.value:.6g}", self.unit) if self.value else f"0 + {self.step}"
-
-
-def split_by_step(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
-    """Return two lists: effects of steps of 1 %, and effects of fixed steps, for parameters that are 0.
-
-    The sizes of effects in different lists cannot be compared.
-    """
-    return [effect for effect in effects if effect.value], [effect for effect in effects if not effect.value]
 
 
 @dataclass(frozen=True, repr=False)
@@ -132,7 +96,7 @@ class Ranking:
         yield "effect   of 1 % of each parameter, to first order"
         of_value, at_zero = split_by_step(self.effects)
         if self._only_runs_hold:
-            of_value, at_zero = _sorted_by_run(of_value), _sorted_by_run(at_zero)
+            of_value, at_zero = sorted_by_run(of_value), sorted_by_run(at_zero)
         yield from self._tables(of_value)
         if at_zero:
             yield f"effect   of {PART:g} of its unit added to a parameter that is 0: not comparable"
@@ -165,7 +129,7 @@ class Ranking:
                 f"{effect.change:+.3g}",
                 signed(100.0 * self.share(effect)) if self.value else "—",
                 f"{effect.derivative:.4g}",
-                *((("" if effect.simulated is None else _simulated_text(effect)),) if checked else ()),
+                *((("" if effect.simulated is None else simulated_text(effect)),) if checked else ()),
             )
             for effect in effects
         ]
@@ -227,20 +191,20 @@ class Ranking:
         """
         from chain_impact import pictures
 
-        percent, blocks = f"{100.0 * PART:g} %", self._blocks()
+        blocks = self._blocks()
         drawn = list(itertools.chain(*blocks))
         checked = [effect for effect in drawn if effect.simulated is not None]
         told = self.verdict(checked)
-        warning = f"{told} (hollow bars; the diamond is the run)" if any(e.differs for e in drawn) else ""
+        warning = f"{told} (hollow bars)" if any(e.differs for e in drawn) else ""
         if self._only_runs_hold:
             warning = f"{told}: the bars are the runs, not first order"
-            blocks = list(map(_simulated_first, blocks))
+            blocks = list(map(simulated_first, blocks))
         changes = [[effect.change for effect in effects] for effects in blocks]
-        marks = [list(map(_mark, effects)) for effects in blocks]
-        reach = [max(map(abs, ends)) for ends in map(pictures.axis_ends, changes, marks)]
+        marks = [[effect.simulated for effect in effects] for effects in blocks]
+        hollow = [[effect.differs for effect in effects] for effects in blocks]
+        reach = [max(map(abs, ends)) for ends in map(pictures.axis_ends, changes, marks, hollow)]
         longest = [max(map(abs, values)) for values in changes]
         sizes = list(map(min, reach, longest))
-        factor, unit = readable(abs(self.value), self.unit)
         more = max(len(self.effects) - MOST_BARS, 0)
         parts = [
             self.where,
@@ -251,8 +215,7 @@ class Ranking:
         ]
         pictures.fill_bars(
             figure,
-            title=f"{self.source}: effect of + {percent} on {self._words}"
-            f" = {with_unit(digits(factor * self.value), unit)}",
+            title=f"{self.source}: {self._winner(drawn)}",
             warning=warning,
             conditions="; ".join(filter(None, parts)),
             blocks=[pictures.Bars(**self._bars(*each)) for each in zip(blocks, sizes, strict=True)],
@@ -264,12 +227,33 @@ class Ranking:
         drawn = list(itertools.chain(*self._blocks()))
         return bool(drawn) and all(e.differs and np.isfinite(e.simulated or 0.0) for e in drawn)
 
+    def _winner(self, drawn: Sequence[Effect]) -> str:
+        """Return a sentence on the largest effect of 1 % or, without any, of a fixed step, and the quantity.
+
+        Of an effect that a run has checked, the change in the run counts.
+        """
+        factor, unit = readable(abs(self.value), self.unit)
+        value = with_unit(digits(factor * self.value), unit)
+        if not drawn:
+            return f"no effect on {self._words} = {value}"
+        alike = [effect for effect in drawn if bool(effect.value) == bool(drawn[0].value)]
+        most = max(alike, key=lambda effect: abs(best_known(effect)))
+        change = best_known(most)
+        scale, unit_of_change = readable(abs(change), self.unit)
+        size = f"{signed(100.0 * abs(change / self.value))} %" if self.value else ""
+        size = (size or with_unit(signed(scale * abs(change)), unit_of_change)).removeprefix("+")
+        about = "" if most.simulated is not None and math.isfinite(most.simulated) else "about "
+        what = f"{self._words} of {value}" if self.value else self._words
+        return (
+            f"{most.parameter} + {most.step} {'raises' if change > 0.0 else 'lowers'} {what} by {about}{size}"
+        )
+
     @property
     def _words(self) -> str:
         """The quantity in words if it is one of PEAKS or JOINT_FORCE, else the name of the quantity."""
         if peak := PEAKS.get(self.quantity):
-            return peak.words
-        return "joint force" if self.quantity == JOINT_FORCE else self.quantity
+            return f"the {peak.words}"
+        return "the joint force" if self.quantity == JOINT_FORCE else self.quantity
 
     def _blocks(self) -> list[list[Effect]]:
         """Return the largest effects, at most MOST_BARS, as ``split_by_step``; an empty list is left out.
@@ -292,7 +276,7 @@ class Ranking:
             return f"{signed(100.0 * change / abs(self.value))} %" if self.value else signed(factor * change)
 
         texts = [
-            f"{change_text(effect.change)} (run: {_simulated_text(effect, change_text)})"
+            f"{change_text(effect.change)} (run: {simulated_text(effect, change_text)})"
             if effect.differs
             else change_text(effect.change)
             for effect in effects
@@ -302,32 +286,11 @@ class Ranking:
         words = " or ".join(steps) if len(steps) <= NAMED_STEPS else f"{PART:g} in SI units"
         why = " of the value" if effects[0].value else ", as the value is 0: not comparable"
         title = f"+ {words}{why}"
-        marks = [None if mark is None else factor * mark for mark in map(_mark, effects)]
+        marks = [None if effect.simulated is None else factor * effect.simulated for effect in effects]
         names = [effect.parameter for effect in effects]
         bars = {"names": names, "values": values, "texts": texts, "label": label, "title": title}
-        return bars | {"marks": marks, "heading": "relative" if self.value else ""}
-
-
-def _mark(effect: Effect) -> float | None:
-    """Return ``simulated``, the change in a run, if ``effect.differs``; else None."""
-    return effect.simulated if effect.differs else None
-
-
-def _simulated_first(effects: Sequence[Effect]) -> list[Effect]:
-    """Return effects whose ``change`` is the change in the run, the largest first, without ``simulated``."""
-    return [
-        effect._replace(change=effect.simulated or 0.0, simulated=None) for effect in _sorted_by_run(effects)
-    ]
-
-
-def _sorted_by_run(effects: Sequence[Effect]) -> list[Effect]:
-    """Return effects by the changes in their runs, the largest first; effects without a run come last."""
-    return sorted(effects, key=lambda effect: (effect.simulated is None, -abs(effect.simulated or 0.0)))
-
-
-def _simulated_text(effect: Effect, told: Callable[[float], str] = "{:+.3g}".format) -> str:
-    """Return ``simulated``, the change in a run, as text (``told``); "none" if it is None or NaN."""
-    return "none" if effect.simulated is None or math.isnan(effect.simulated) else told(effect.simulated)
+        hollow = [effect.differs for effect in effects]
+        return bars | {"marks": marks, "hollow": hollow, "heading": "relative" if self.value else ""}
 
 
 def ranking_of(

@@ -1,0 +1,77 @@
+"""The effect of one parameter on a quantity of a run, to first order and in a run with the new value."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from chain_impact.recording.sensitivity import differs
+from chain_impact.scene.words.unit_text import with_unit
+
+
+class Effect(NamedTuple):
+    """The effect of a small change, a step, of one parameter on the quantity.
+
+    Attributes:
+        parameter: the name of the parameter or input in the FMU.
+        value: the value of the parameter, in its ``unit``.
+        unit: the unit of the parameter.
+        step: the change of the parameter in words: "1 %" of the value, or "0.01 N·m" if the value is 0.
+        change: the change of the quantity by this step, to first order, in the unit of the quantity.
+        derivative: the derivative of the quantity with respect to the parameter.
+        simulated: the change of the quantity in a run with the parameter changed by this step; NaN if the
+            quantity does not exist in this run, as for a missing impact; None if no run was simulated.
+    """
+
+    parameter: str
+    value: float
+    unit: str
+    step: str
+    change: float
+    derivative: float
+    simulated: float | None = None
+
+    @property
+    def differs(self) -> bool:
+        """Whether ``simulated`` differs much from ``change`` (``differs``), or is NaN.
+
+        The property is False if ``simulated`` is None.
+        """
+        return self.simulated is not None and differs(self.change, self.simulated)
+
+    @property
+    def told(self) -> str:
+        """The value with its unit; if the value is 0, also the step: "0 + 0.01 N·m"."""
+        return with_unit(f"{self.value:.6g}", self.unit) if self.value else f"0 + {self.step}"
+
+
+def split_by_step(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
+    """Return two lists: effects of steps of 1 %, and effects of fixed steps, for parameters that are 0.
+
+    The sizes of effects in different lists cannot be compared.
+    """
+    return [effect for effect in effects if effect.value], [effect for effect in effects if not effect.value]
+
+
+def best_known(effect: Effect) -> float:
+    """Return the change of the quantity in a run or, if it is not known, to first order."""
+    run = effect.simulated
+    return effect.change if run is None or math.isnan(run) else run
+
+
+def simulated_first(effects: Sequence[Effect]) -> list[Effect]:
+    """Return effects whose ``change`` is the change in the run, the largest first, without ``simulated``."""
+    return [
+        effect._replace(change=effect.simulated or 0.0, simulated=None) for effect in sorted_by_run(effects)
+    ]
+
+
+def sorted_by_run(effects: Sequence[Effect]) -> list[Effect]:
+    """Return effects by the changes in their runs, the largest first; effects without a run come last."""
+    return sorted(effects, key=lambda effect: (effect.simulated is None, -abs(effect.simulated or 0.0)))
+
+
+def simulated_text(effect: Effect, told: Callable[[float], str] = "{:+.3g}".format) -> str:
+    """Return ``simulated``, the change in a run, as text (``told``); "none" if it is None or NaN."""
+    return "none" if effect.simulated is None or math.isnan(effect.simulated) else told(effect.simulated)
