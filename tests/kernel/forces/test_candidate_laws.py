@@ -191,15 +191,19 @@ def test_the_depth_scale_of_a_contact_that_lasts_holds_its_energy(lasting):
     assert np.count_nonzero(lasting.contacts.depth_scale) == len(LASTING)
 
 
-def test_a_factor_is_derived_again_at_the_start_of_a_run_only(lasting):
-    """Otherwise it is kept while what it follows from is the same; the damping follows the stiffness."""
+def test_a_factor_is_kept_for_the_same_law_restitution_and_exponent(lasting):
+    """The next run keeps the factor, too; the damping follows the stiffness."""
     lasting.law.damping_factor[0] = 77.0
     lasting.given.stiffness *= 2.0
     change_law(lasting, "ye", 0.5)
     assert (lasting.law.damping_factor == 77.0).all()
     assert lasting.contacts.damping[2] == pytest.approx(77.0 * lasting.given.stiffness / SPEED, rel=1e-12)
     assert start_laws(lasting) == OK
+    assert (lasting.law.damping_factor == 77.0).all()
+    lasting.contact_settings.exponent = 2.0
+    assert start_laws(lasting) == OK
     assert (lasting.law.damping_factor == CONTACT_LAWS["ye"].damping_factor(0.5)).all()
+    assert (lasting.law.rate_exponent == 2.0).all()
 
 
 def test_a_wall_that_becomes_rigid_derives_no_depth_scale(lasting):

@@ -162,10 +162,13 @@ def twins(monkeypatch):
 
 
 def test_a_replay_starts_as_the_instance_does(twins):
+    """It derives the laws again, because derivatives may have changed since an earlier start."""
     d, t = twins
     d.initial.angular_velocity[:], d.inputs.tip_force[:] = (0.3, -0.4), (1.0, 2.0)
     d.given.tip_force[:] = 1.0, 2.0
     assert initialize(d, 1.5) == OK
+    replay.start_tangent(d, t)
+    t.law.damping_factor[:] = 77.0
     t.scratch.load.x[:], t.contacts.active_count, t.step.method, t.trust.reason = 9.0, 3, 1, 7
     replay.start_tangent(d, t)
     records = [

@@ -53,9 +53,6 @@ USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked
 def start_laws(d):
     """Find which candidates have the same law, and set the laws of all candidates; return a status."""
     for c in range(d.candidates):
-        # with the number 0 ``derive_damping`` derives the constants again, because any parameter may have
-        # changed
-        d.law.number[c] = 0
         first, source = 0, law_origin(d, c)
         while law_origin(d, first) != source:
             first += 1
@@ -223,8 +220,13 @@ def check_law_values(d, c):
 
 
 def is_damping_derived(d, c):
-    """Return whether the constants of candidate c were derived from the given law number and restitution."""
-    return d.law.number[c] == given_law_number(d, c) and d.law.restitution[c] == given_restitution(d, c)
+    """Return whether the constants of candidate c were derived from the given law.
+
+    The constants depend on the law's number, restitution and exponent. A run keeps the constants of the run
+    before it if these three are the same.
+    """
+    same_law = d.law.number[c] == given_law_number(d, c) and d.law.exponent[c] == law_exponent(d, c)
+    return same_law and d.law.restitution[c] == given_restitution(d, c)
 
 
 def derive_damping(d, c):

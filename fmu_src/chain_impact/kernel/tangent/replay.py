@@ -110,6 +110,9 @@ def start_tangent(d, t):
     copy_given_and_modes(d, t)
     apply_inputs(t)
     derive_drives(t)
+    # each constant of a law is derived again: its derivatives may have changed where its value has not
+    for c in range(t.candidates):
+        t.law.number[c] = 0
     start_laws(t)
     begin_trust(t)
     set_run_start(t, d.step.communication_point)
