@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.drawing.distinct_curves import FAST, envelope, merged_dashes, plot_curves
+from chain_impact.pictures.drawing.distinct_curves import (
+    FAST,
+    envelope,
+    merged_dashes,
+    parts_with_dashes,
+    plot_curves,
+)
 
 TIME = np.linspace(0.0, 3.0, 20_001)
 
@@ -55,6 +61,25 @@ def test_other_curves_are_lines(curve):
     axes = drawn(curve)
     assert not axes.collections
     assert len(axes.lines) == 1
+
+
+def test_dashes_of_lines_that_coincide_leave_each_other_free():
+    turn = np.linspace(0.0, 2.0 * np.pi, 500)
+    loop = np.array([np.cos(turn), np.sin(turn)])
+    half = loop * np.where(turn < np.pi, 1.0, 0.8)
+    base, second, third, apart = parts_with_dashes([loop, 1.001 * loop[:, ::2], half, 0.9 * loop])
+    assert [dashes for _, dashes in (*base, *apart)] == [None, None]
+    np.testing.assert_allclose(base[0][0], loop)
+    assert [dashes is None for _, dashes in third] == [False, True]
+    for points, dashes in third:
+        inside = np.hypot(*points[:, 5:-5]) < 0.9
+        assert inside.all() if dashes is None else not inside.any()
+    styles = [part[0][1] for part in (second, third)]
+    assert [len(gap) for _, gap in styles] == [2, 2]
+    length = sum(styles[0][1])
+    drawn_at = [(np.arange(0.0, length, 0.1) + offset) % length < on for offset, (on, _) in styles]
+    assert not np.logical_and(*drawn_at).any()
+    assert not np.logical_or(*drawn_at).all()  # the first line is seen in the gaps
 
 
 def test_dashes_of_lines_that_merge_leave_each_other_free():

@@ -10,12 +10,13 @@ from matplotlib.quiver import Quiver
 
 from chain_impact import load_scene, simulate
 from chain_impact.pictures import draw_chain
-from chain_impact.pictures.drawing.style import LOAD, PEAK_COLOUR
-from chain_impact.pictures.motion.impact_rings import RING_DISTANCE, fastest_first
+from chain_impact.pictures.drawing.style import LOAD, PEAK_COLOUR, force_text
+from chain_impact.pictures.motion.impact_rings import RING_DISTANCE, fastest_first, rings
 from chain_impact.pictures.motion.joint_forces import part_in_view
 from chain_impact.pictures.motion.poses import FAINT_POSES, MOST_STRONG_POSES, distinct_poses, strong_rows
 from chain_impact.pictures.over_time.impacts import hardest, marks_of
 from chain_impact.pictures.words.headline import marked_peaks, peaks
+from chain_impact.pictures.words.impact_numbers import number_list, numbers_of
 from chain_impact.recording.joint_peaks import joint_peaks
 from chain_impact.recording.joint_stops import range_lines
 from chain_impact.recording.view import ball_of, size_of
@@ -175,7 +176,29 @@ def test_impacts_at_one_place_share_a_ring():
         for row in (hit(0.2 + k / 5, 0, "y_min", 1.0 + k), hit(0.3 + k / 5, 1, "y_max", 9.0))
     ]
     motion = motion_of(swing(apart, walls))
-    assert sorted(texts(motion)) == ["2", "4", "6", "7", "8"], "the largest impacts"
+    assert sorted(texts(motion)) == ["1, 3, 5, 7", "2", "4", "6", "8"]
+    many = [hit(0.2 + k / 10, k % 2, "y_max" if k % 2 else "y_min", 1.0 + (k == 4)) for k in range(14)]
+    told = [text.replace("\n", " ") for text in texts(motion_of(swing(many, walls)))]
+    assert told[0] == "5 + 6 more"
+
+
+@pytest.mark.full("more cases", but="rod_drop")
+@pytest.mark.parametrize("model", ["four_link_box", "rod_drop"])
+def test_no_list_of_numbers_at_a_ring_is_silently_short(model):
+    recording = recorded(model)
+    page = recording.plot(size=(84 / 25.4, None))
+    motion = next(axes for axes in page.axes if axes.get_label() == "motion")
+    told = [text.replace("\n", " ") for text in texts(motion)]
+    order = hardest(marks_of(recording)[1]).tolist()
+    for hits in rings(motion, recording).values():
+        assert {number_list(row + 1 for row in hits), *numbers_of(sorted(hits, key=order.index))} & {*told}
+
+
+def test_the_largest_joint_force_is_told_first():
+    arm = simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}))
+    motion = next(axes for axes in arm.plot(size=(84 / 25.4, None)).axes if axes.get_label() == "motion")
+    told = [text.get_text() for text in motion.texts if text.get_color() == LOAD]
+    assert told[0].endswith(force_text(joint_peaks(arm)[0].force, "N"))
 
 
 @pytest.mark.full("more cases", but=3)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -19,10 +20,10 @@ SOFT = 0.45  # the opacity of a band, from 0 to 1
 BIN, FAST_TURNS, FAST_PART, LEAST_TURN = 4.0, 6, 0.2, 0.05
 # the largest distance of two curves that look like one curve, relative to the range of all compared curves
 SAME_CURVE = 0.005
-# MERGED: two lines merge if their usual distance (``_apart``), relative to the range of all lines, is at most
-# this; PIECES: the number of points of a line at which the distance is measured; DASH: the length of a dash,
-# in line widths
-MERGED, PIECES, DASH = 0.008, 200, 3.0
+# MERGED: lines coincide where their distance, relative to the range of all lines, is at most this; PIECES:
+# the number of points of a line at which the distance is measured; LEAST_DASHED: the least length of a part
+# with dashes, relative to the range of all lines; DASH: the length of a dash, in line widths
+MERGED, PIECES, LEAST_DASHED, DASH = 0.008, 600, 0.05, 3.0
 CLEAR = 0.2  # the opacity of the area for a fast curve, from 0 to 1
 FAST = "pale: range of an oscillation, line: mean"
 
@@ -93,10 +94,9 @@ def hidden_counts(curves: Sequence[np.ndarray], same: float = SAME_CURVE, share:
 def merged_dashes(lines: Sequence[np.ndarray]) -> list[Any]:
     """Return for each line a style of dashes if it merges with the first line of a group, else None.
 
-    Lines merge if they nearly coincide (MERGED). A line that merges with the first line of no group is itself
-    the first line of a new group. The caller draws the first line of a group without dashes, below the other
-    lines of the group. The dashes of these other lines alternate: one dash of each, and then a gap through
-    which the first line is visible.
+    Lines merge if the median of their distances is small (MERGED). A line that merges with the first line of
+    no group is itself the first line of a new group. The caller draws the first line of a group without
+    dashes, below the other lines of the group, whose dashes alternate (``_dashes``).
 
     Args:
         lines: x and y of each line, each of shape (2, S), in the same axes.
@@ -104,38 +104,89 @@ def merged_dashes(lines: Sequence[np.ndarray]) -> list[Any]:
     Returns:
         The styles, as matplotlib takes them.
     """
+    evenly = [_points_at(*each) for each in _measured(lines)]
+    groups: dict[int, list[int]] = {}
+    for k, line in enumerate(evenly):
+        apart = {
+            j: max(np.median(_gaps(*pair)) for pair in ((evenly[j], line), (line, evenly[j]))) for j in groups
+        }
+        groups.setdefault(next((j for j in groups if apart[j] <= MERGED), k), []).append(k)
+    dashes: list[Any] = [None] * len(lines)
+    for group in groups.values():
+        for place, k in enumerate(group[1:]):
+            dashes[k] = _dashes(place, len(group) - 1)
+    return dashes
+
+
+def parts_with_dashes(lines: Sequence[np.ndarray]) -> list[list[tuple[np.ndarray, Any]]]:
+    """Return for each line its parts: points, shape (2, S), and a style of dashes, or None for a solid part.
+
+    Where lines nearly coincide (MERGED), the first of them is solid, and the dashes of the others, which are
+    drawn above it, alternate (``_dashes``). Elsewhere, and over lengths below LEAST_DASHED, a line is solid.
+
+    Args:
+        lines: x and y of each line, each of shape (2, S), in the same axes.
+
+    Returns:
+        The parts in their order along each line, with dashes as matplotlib takes them.
+    """
+    measured, parts = _measured(lines), []
+    evenly = [_points_at(*each) for each in measured]
+    for k, (line, (_, way, places)) in enumerate(zip(lines, measured, strict=True)):
+        near = np.array([_gaps(evenly[k], other) <= MERGED for other in evenly])
+        # the number of lines at each place that are below this line, and of all that are above the first one
+        below, above = near[:k].sum(axis=0), near.sum(axis=0) - 1
+        looks = np.where(below > 0, len(lines) * below + above, 0)
+        for start, stop in _runs(looks):
+            looks[start:stop] *= places[stop - 1] - places[start] >= LEAST_DASHED
+        own = []
+        for start, stop in _runs(looks):
+            first, last = places[start], places[min(stop, PIECES - 1)]
+            along = np.concatenate([[first], way[(way > first) & (way < last)], [last]])
+            dashes = _dashes(int(below[start]) - 1, int(above[start])) if looks[start] else None
+            own.append((_points_at(line, way, along), dashes))
+        parts.append(own)
+    return parts
+
+
+def _dashes(place: int, count: int) -> tuple[float, tuple[float, float]]:
+    """Return the dashes of one of ``count`` lines above a solid line: one dash of each line, and then a gap.
+
+    The solid line is visible through the gap. ``place`` is the number of the line, from 0.
+    """
+    return -DASH * place, (DASH, DASH * count)
+
+
+def _measured(lines: Sequence[np.ndarray]) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Return each line relative to the range of all, the lengths of the way at its points, and PIECES places.
+
+    The places have equal distances, from 0 to the length of the line.
+    """
     if not lines:
         return []
     low, high = (np.array([end(line, axis=1) for line in lines]) for end in (np.min, np.max))
     span = high.max(axis=0) - low.min(axis=0)
-    evenly = [_evenly(line / np.where(span > 0.0, span, 1.0)[:, None]) for line in lines]
-    groups: dict[int, list[int]] = {}
-    for k, line in enumerate(evenly):
-        first = next((j for j in groups if _apart(evenly[j], line) <= MERGED), k)
-        groups.setdefault(first, []).append(k)
-    dashes: list[Any] = [None] * len(lines)
-    for group in groups.values():
-        others = group[1:]
-        for place, k in enumerate(others):
-            dashes[k] = (-DASH * place, (DASH, DASH * len(others)))
-    return dashes
+    scaled = [line / np.where(span > 0.0, span, 1.0)[:, None] for line in lines]
+    ways = [np.append(0.0, np.hypot(*np.diff(line)).cumsum()) for line in scaled]
+    return [(line, way, np.linspace(0.0, way[-1], PIECES)) for line, way in zip(scaled, ways, strict=True)]
 
 
-def _evenly(line: np.ndarray) -> np.ndarray:
-    """Return PIECES points at equal distances along a line of shape (2, S), as an array (2, PIECES)."""
-    way = np.concatenate([[0.0], np.hypot(*np.diff(line)).cumsum()])
-    at = np.linspace(0.0, way[-1], PIECES)
-    return np.array([np.interp(at, way, part) for part in line])
+def _gaps(points: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Return the distance of each point, shape (2, P), from the nearest of ``others``, shape (2, Q)."""
+    return np.asarray(np.hypot(*(points[:, :, None] - others[:, None, :])).min(axis=1))
 
 
-def _apart(first: np.ndarray, second: np.ndarray) -> float:
-    """Return the usual distance of two lines of evenly spaced points, each of shape (2, S).
+def _runs(values: np.ndarray) -> list[tuple[int, int]]:
+    """Return start and stop of each range of indices over which ``values`` are equal."""
+    return list(pairwise([0, *(np.flatnonzero(np.diff(values)) + 1).tolist(), len(values)]))
 
-    Each line has a median of the distances of its points from the nearest point of the other line. The result
-    is the larger one of the two medians.
+
+def _points_at(line: np.ndarray, way: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return the points of a line at some ``places``, the lengths of the way along the line, shape (2, P).
+
+    ``line`` has the shape (2, S); ``way`` has the length of the way at each of its points, shape (S,).
     """
-    distances = np.hypot(*(first[:, :, None] - second[:, None, :]))
-    return float(max(np.median(distances.min(axis=along)) for along in (0, 1)))
+    return np.array([np.interp(places, way, part) for part in line])
 
 
 def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> bool:

@@ -34,10 +34,10 @@ TURNS = (
     LABEL_DIRECTIONS // 2,
 )
 COVERED = 0.6  # the largest part of a leader's length that may cover other drawn pixels
-# STRONG: a pixel is strong if its red, green or blue, 0 to 255, is below this number. CROSSED: [points] two
+# STRONG: a pixel is strong if its red, green or blue, 0 to 255, is below this number. CROSSED: [points]
 # limits of the length of a leader on strong pixels, in the order in which they are tried. OWN: [points] the
 # first part of a leader, which does not count for CROSSED, because the mark of the position is there.
-CROSSED, OWN, STRONG = (0.0, 4.0), 6.0, 128
+CROSSED, OWN, STRONG = (0.0, 4.0, 12.0), 6.0, 128
 # [points] Without leaders, no strong pixel between a position and its label may be farther from the position
 # than this.
 OWN_LINE = 4.5

@@ -31,7 +31,7 @@ BROWN, VIOLET = "#7a4b2a", "#7a3fa8"
 PEAK_COLOUR = VERMILLION  # the colour of the impact with the largest force, moment or impulse
 # the colours of a decrease and of an increase, which no curve has and colour-blind readers can distinguish
 DECREASE, INCREASE = "#a08400", "#5e3c99"
-LOAD = "#0b7285"  # the colour of the forces in joints, also in films and pages
+LOAD = "#b3006e"  # the colour of the forces in joints, also in films and pages; no time has it
 PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, UMBER, PLUM)
 """The colours of curves.
 

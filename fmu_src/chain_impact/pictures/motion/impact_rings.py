@@ -9,18 +9,12 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from chain_impact.kernel.record.constants import STICKS
-from chain_impact.pictures.drawing.labels import Ink, Label
+from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
 from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR
 from chain_impact.pictures.motion.joint_forces import name_loads
 from chain_impact.pictures.over_time.impacts import hardest, marks_of
 from chain_impact.pictures.words.headline import marked_peaks
-from chain_impact.pictures.words.impact_numbers import (
-    MOST_IN_LABEL,
-    choices,
-    items,
-    number_list,
-    write_first_whole,
-)
+from chain_impact.pictures.words.impact_numbers import numbers_of
 from chain_impact.recording.joint_stops import touching_place
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import NO_WALL
@@ -81,21 +75,20 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
 def number_rings(axes: Axes, recording: Recording, ink: Ink) -> None:
     """Write the numbers of the impacts beside their rings, beyond the walls, where ``ink`` is free.
 
-    All impacts have numbers or, without room for that, the largest ones and the last one (``choices``). The
-    largest forces in joints (``name_loads``) come last.
+    The label of a ring has the numbers of all its impacts, or that of the hardest one and how many more there
+    are (``numbers_of``). The rings with the hardest impacts come first; only the largest force in a joint
+    (``name_loads``) comes before them, and other forces in joints come last.
     """
-    hits_at = {
-        spot: (_label_place(recording, recording.impacts[hits[0]], spot), hits)
-        for spot, hits in rings(axes, recording).items()
-    }
-    tries = []
-    for rows in choices(hardest(marks_of(recording)[1]).tolist()):
-        told = [(place, [hit + 1 for hit in hits if hit in rows]) for place, hits in hits_at.values()]
-        told = [(place, numbers) for place, numbers in told if numbers]
-        if all(items(numbers) <= MOST_IN_LABEL for _, numbers in told):
-            tries.append([Label(number_list(numbers), *place) for place, numbers in told])
-    write_first_whole(axes, tries, ink, lines=True, fontsize="small", color=INK)
-    name_loads(axes, recording, ink)
+    name_loads(axes, recording, ink, slice(1))
+    place_in = {row: place for place, row in enumerate(hardest(marks_of(recording)[1]).tolist())}
+    labels = []
+    for spot, hits in rings(axes, recording).items():
+        whole, short = numbers_of(sorted(hits, key=place_in.__getitem__))
+        place = _label_place(recording, recording.impacts[hits[0]], spot)
+        labels.append((min(map(place_in.__getitem__, hits)), Label(whole, *place, short=short)))
+    ordered = [label for _, label in sorted(labels, key=lambda entry: entry[0])]
+    place_labels(axes, ordered, ink, lines=True, fontsize="small", color=INK)
+    name_loads(axes, recording, ink, slice(1, None))
 
 
 def _label_place(

@@ -77,12 +77,13 @@ def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> f
     return float(parts.min(initial=1.0))
 
 
-def name_loads(axes: Axes, recording: Recording, ink: Ink) -> None:
-    """Write the MOST_FORCES largest of the peak forces in joints, where ``ink`` has room.
+def name_loads(axes: Axes, recording: Recording, ink: Ink, wanted: slice) -> None:
+    """Write those of the MOST_FORCES largest forces in joints that are ``wanted``, where ``ink`` has room.
 
-    Each force stands near the position of its joint at the time of the force.
+    ``wanted`` selects from the forces, the largest first. Each force stands near the position of its joint at
+    the time of the force. A force without room leaves out all smaller ones.
     """
-    peaks = [peak for peak in joint_peaks(recording)[:MOST_FORCES] if peak.force > 0.0]
+    peaks = [peak for peak in joint_peaks(recording)[:MOST_FORCES][wanted] if peak.force > 0.0]
     values = [force_text(peak.force, "N") for peak in peaks]
     labels = [
         Label(
@@ -92,4 +93,6 @@ def name_loads(axes: Axes, recording: Recording, ink: Ink) -> None:
         )
         for peak, value in zip(peaks, values, strict=True)
     ]
-    place_labels(axes, labels, ink, lines=True, fontsize="small", color=LOAD)
+    for label in labels:
+        if place_labels(axes, [label], ink, lines=True, fontsize="small", color=LOAD):
+            return

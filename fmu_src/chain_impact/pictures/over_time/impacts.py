@@ -19,13 +19,7 @@ from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import GREY, INK, PEAK_COLOUR, is_narrow, load_unit, scale_numbers
 from chain_impact.pictures.over_time.time_axis import show_all_time
 from chain_impact.pictures.words.headline import marked_peaks, strengths
-from chain_impact.pictures.words.impact_numbers import (
-    MOST_IN_LABEL,
-    choices,
-    items,
-    number_list,
-    write_first_whole,
-)
+from chain_impact.pictures.words.impact_numbers import choices, numbers_of, write_first_whole
 from chain_impact.pictures.words.point_names import POINT, number_of, short_names, what_touches
 from chain_impact.recording.contact_times import SEEN_CONTACT, contact_ends, impacts_at_peaks
 from chain_impact.recording.impact_words import speed_unit
@@ -277,8 +271,8 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
 
     If ``numbered_step`` is a number k > 1, every k-th impact gets a number. Otherwise all impacts get one or,
     without room for that, those with the highest marks and the last impact (``choices``); impacts whose marks
-    coincide share a label. If an impact in ``marked_peaks`` has a label of its own, this label also has the
-    force, moment or impulse, if there is room.
+    coincide share a label (``numbers_of``). If an impact in ``marked_peaks`` has a label of its own, this
+    label also has the force, moment or impulse, if there is room.
     """
     times, high = marks_of(recording)
     if not len(times):
@@ -289,15 +283,15 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
 
     def label(rows: Sequence[int]) -> Label:
         """Return the label of the impacts ``rows`` at the mark of the first one."""
-        text, place = number_list(row + 1 for row in rows), (float(times[rows[0]]), float(high[rows[0]]))
+        (text, short), place = numbers_of(rows), (float(times[rows[0]]), float(high[rows[0]]))
         if rows[0] in strongest and len(rows) == 1:
             value = strongest[rows[0]]
             return Label(f"{text}: {value}", place, short=text, look={"color": PEAK_COLOUR})
-        return Label(text, place)
+        return Label(text, place, short=short)
 
     tries = [[label([row]) for row in range(step - 1, len(times), step)]] if step > 1 else []
     for rows in choices(hardest(high).tolist()):
-        groups = {tuple(common[row]) if items(common[row]) <= MOST_IN_LABEL else (row,) for row in rows}
+        groups = {tuple(sorted(common[row], key=lambda row: -high[row])) for row in rows}
         if len(groups) <= NUMBERED:
             tries.append([label(group) for group in sorted(groups, key=lambda group: -high[group[0]])])
     write_first_whole(axes, tries, ink, fontsize="small")

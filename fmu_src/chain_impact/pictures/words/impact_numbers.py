@@ -10,10 +10,10 @@ from matplotlib.axes import Axes
 from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
 
 LEAST_RUN = 3  # the least number of successive numbers that are written as a range
-MOST_IN_LABEL = 3  # the largest number of items in a label; an item is an impact, or a range such as "1–81"
+MOST_IN_LABEL = 4  # the largest number of items in a label; an item is an impact, or a range such as "1–81"
 # if not all impacts have room for their numbers, so many of the largest impacts have one; the first count
 # with room is taken
-LARGEST = (8, 5, 3, 2, 1)
+LARGEST = (20, 16, 12, 10, 8, 6, 5, 4, 3, 2, 1)
 
 
 def choices(order: Sequence[int]) -> Iterator[list[int]]:
@@ -41,9 +41,15 @@ def write_first_whole(axes: Axes, tries: Iterable[Sequence[Label]], ink: Ink, **
             return
 
 
-def items(numbers: Iterable[int]) -> int:
-    """Return how many numbers and ranges ``number_list`` writes."""
-    return number_list(numbers).count(",") + 1
+def numbers_of(rows: Sequence[int]) -> tuple[str, str]:
+    """Return the numbers of impacts that share a label as text, and a short text.
+
+    The text has all numbers or, if they are more than MOST_IN_LABEL items, the number of the first impact in
+    ``rows`` and how many more there are: "5 + 14 more". The short text is "5, …".
+    """
+    whole, first = number_list(row + 1 for row in rows), f"{rows[0] + 1}"
+    text = whole if whole.count(",") < MOST_IN_LABEL else f"{first} + {len(rows) - 1} more"
+    return text, min(f"{first}, …" if len(rows) > 1 else first, text, key=len)
 
 
 def number_list(numbers: Iterable[int]) -> str:

@@ -28,12 +28,12 @@ def message(comparison: LawRuns, *, small: bool = False) -> str:
     if not comparison.has_restitution:
         ran = sum(math.isfinite(run.peak_force) for run in runs)
         where = "" if small else f" in the {compared_impact(comparison.scene)}"
-        return f"{name}: {peaks(comparison, runs)}{where}, {plural(ran, 'law')}"
+        return f"{name}: {peaks(comparison, runs)}{where}, {counted(runs, ran)}"
     if not restitutions:
         return f"{name}: the first impact does not end under any law"
     ends = dict.fromkeys((f"{min(restitutions):.2f}", f"{max(restitutions):.2f}"))
     told = ", ".join(filter(None, (f"restitution {' to '.join(ends)}", peaks(comparison, runs))))
-    where = "" if small else f" in the first impact, {plural(len(restitutions), 'law')}"
+    where = "" if small else f" in the first impact, {counted(runs, len(restitutions))}"
     return f"{name}: {told} for e = {e:g}{where}"
 
 
@@ -45,6 +45,11 @@ def laws_with_e(comparison: LawRuns) -> list[LawRun]:
     impulsive = {law for law, each in CONTACT_LAWS.items() if each.impulsive}
     runs = [run for run in comparison.runs if run.law not in {LOSSLESS, *impulsive}]
     return runs or list(comparison.runs)
+
+
+def counted(runs: Sequence[LawRun], count: int) -> str:
+    """Return words for a ``count`` of the laws of ``runs``: "16 laws with losses", if all have losses."""
+    return plural(count, "law") + (" with losses" if all(run.law != LOSSLESS for run in runs) else "")
 
 
 def peaks(comparison: LawRuns, runs: Sequence[LawRun]) -> str:

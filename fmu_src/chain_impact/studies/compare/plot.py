@@ -19,7 +19,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band, merged_dashes
+from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band, parts_with_dashes
 from chain_impact.pictures.drawing.figures import check_alone, draw_figure, settle
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS, law_look
 from chain_impact.pictures.drawing.legends import legend_at_foot
@@ -53,6 +53,10 @@ JUMP_NOTE_OF_LAW = "force jumps at the onset"
 IMPULSIVE = " (impulse)"  # the end of the label of a law of impulses, if the law has no colour
 IMPULSE: dict[str, Any] = {**LAW_LOOKS["newton_impact"], "linewidth": 1.2, "zorder": 3.5}
 """The look of the line of a law of impulses that has no colour."""
+# the heights of the panels of loops and energy, relative to each other, and the look of the legend, in a
+# narrow figure
+LOOPS_ABOVE: Any = (2.2, 1.0)
+NARROW_LEGEND: dict[str, Any] = {"handlelength": 1.2, "handletextpad": 0.4, "borderpad": 0.1}
 LEAD_SHARE = 0.1  # longest time shown before the first impact, relative to the time shown after its onset
 # number of penetrations at which the lower and upper edge of the grey band of loops are computed
 BAND_POINTS = 400
@@ -76,7 +80,8 @@ def plot_comparison(
     check_alone(path, size)
     with drawn_into([ax]):
         draw_loops(ax, comparison, looks_of(comparison))
-        ax.legend(handles=legend_handles(with_dashes(looks_of(comparison), ax), ax))
+        dash_lines(ax)
+        ax.legend(handles=legend_handles(looks_of(comparison), ax))
         fit_into_figure([ax])
     return ax
 
@@ -87,11 +92,12 @@ def fill(figure: Figure, comparison: LawRuns) -> None:
     small = is_narrow(figure)
     looks = looks_of(comparison, small=small)
     headline(figure, message(comparison, small=small), conditions(comparison, looks))
-    loops, energy = figure.subplots(*((2, 1) if small else (1, 2)))
+    panels: dict[str, Any] = {"nrows": 2, "height_ratios": LOOPS_ABOVE} if small else {"ncols": 2}
+    loops, energy = figure.subplots(**panels)
     draw_loops(loops, comparison, looks)
     draw_energy(energy, comparison, looks)
-    looks = with_dashes(looks, loops, energy)
-    legend_at_foot(figure, legend_handles(looks, energy, loops))
+    dash_lines(loops, energy)
+    legend_at_foot(figure, legend_handles(looks, energy, loops), **(NARROW_LEGEND if small else {}))
     settle(figure)
 
 
@@ -102,7 +108,7 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     describe the contact alone (``no_restitution``); a remark if the impact is not free; the e′ without
     losses, if e′ is known, the contact is not ``pressed_again``, and e′ is not 1.00 or the impact not free;
     stiffness and tolerance; the peak force of the law without e; the number of grey lines, unless the grey
-    lines are drawn as a band.
+    lines are drawn as a band; the end of the runs, if the panel of energy does not show it.
     """
     contact, impact = comparison.contact, comparison.first_impact
     names = ("effective_mass", "impact_speed", "peak_force", "max_penetration")
@@ -116,6 +122,10 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     # whether the laws in the grey band have an entry in the legend, which tells their number
     is_told = bool(laws_in_band(comparison, looks))
     others = [f"grey: {plural(grey, 'other law')}"] if grey and not is_told else []
+    results = [run.result for run in comparison.runs if run.result is not None]
+    last = max(result.time[-1] for result in results)
+    if max(shown_time(result).end for result in results) < last:
+        others.append(f"the runs end at {last:g} s")
     limits, most = "" if comparison.is_free else "not free", comparison.reached[0].lossless
     if math.isfinite(most) and not comparison.pressed_again and (limits or f"{most:.2f}" != "1.00"):
         limits = f"{limits or 'with other forces during the impact'}: e′ = {most:.2f} without losses"
@@ -165,9 +175,10 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
 
     Laws with equal loops share one line, under the first of these laws; its label names all of them. A label
     has the reasons of ``named_laws`` for the first of these laws that has any and, if the e′ describe the
-    contact alone, e′ of the first impact. With ``small`` only the label of the reference law has reasons. The
-    label of a law that acts by impulses and has no colour is only the law's id with IMPULSIVE. The laws are
-    in the order of their e′, the largest first.
+    contact alone, e′ of the first impact. With ``small`` only the labels of the reference and of LOSSLESS
+    have reasons, and only that of the reference has the sign e′. The label of a law that acts by impulses and
+    has no colour is only the law's id with IMPULSIVE. The laws are in the order of their e′, the largest
+    first.
     """
     why = named_laws(comparison)
     twins: dict[str, list[str]] = {}
@@ -179,11 +190,12 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
         laws = twins[first]
         reasons = [why[law] for law in laws if law in why]
         first_reason = next(filter(None, reasons), "")
-        if small and comparison.reference not in laws:
+        is_brief = small and comparison.reference not in laws
+        if is_brief and LOSSLESS not in laws:
             first_reason = ""
         restitution = comparison[first].restitution
         is_told = comparison.has_restitution and math.isfinite(restitution)
-        reached = f"e′ = {restitution:.2f}" if is_told else ""
+        reached = f"{'' if is_brief else 'e′ = '}{restitution:.2f}" if is_told else ""
         told = ", ".join(filter(None, (first_reason, reached)))
         label = ", ".join(laws) + (f" ({told})" if told else "")
         if comparison.reference in laws:
@@ -320,9 +332,9 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
         label = f"first impact that differs from {comparison.reference}"
         axes.scatter([], [], color=INK, label=label, **mark)
     every = [run.result for run in comparison.runs if run.result is not None]
-    shown, last = [shown_time(result) for result in every], max(result.time[-1] for result in every)
+    shown = [shown_time(result) for result in every]
     end = max(time.end for time in shown)
-    axes.set(xlabel=name_time(axes, end) + (f"; the runs end at {last:g} s" if end < last else ""))
+    axes.set_xlabel(name_time(axes, end))
     start = min(time.start for time in shown)
     first = min((result.impacts["onset"][0] for result in every if len(result.impacts)), default=start)
     # before the first impact all curves are equal, so only the last part of the time before it is shown
@@ -337,25 +349,30 @@ def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
         axes.plot(along, up, **looks[law])
 
 
-def with_dashes(looks: Looks, *panels: Axes) -> Looks:
-    """Give dashes to coloured lines that lie on others in any panel, so that each of them is visible.
+def dash_lines(*panels: Axes) -> None:
+    """Give coloured lines in each panel dashes where they coincide, so that each of them is visible.
 
-    A law has the same dashes in all panels. Returns the looks with these dashes.
+    The line of the reference needs no dashes, because it is wide and below all others. A line keeps its label
+    and its solid parts; the parts with dashes are further lines.
     """
-    order = sorted(looks.values(), key=lambda look: look["zorder"] != REFERENCE_LAYER)
-    coloured = [look["label"] for look in order if look["color"] not in (GREY, INK)]
-    styles: dict[str, Any] = {}
     for axes in panels:
-        lines = {line.get_label(): np.array(line.get_data(), float) for line in axes.lines}
-        drawn = [label for label in coloured if label in lines]
-        dashes = zip(drawn, merged_dashes([lines[label] for label in drawn]), strict=True)
-        styles = {label: dash for label, dash in dashes if dash} | styles
-    for line in (line for axes in panels for line in axes.lines if line.get_label() in styles):
-        line.set_linestyle(styles[str(line.get_label())])
-    return {
-        law: look | {"linestyle": dash} if (dash := styles.get(look["label"])) else look
-        for law, look in looks.items()
-    }
+        lines = [
+            line
+            for line in axes.lines
+            if line.get_zorder() > REFERENCE_LAYER and line.get_color() not in (GREY, INK)
+        ]
+        parts = parts_with_dashes([np.array(line.get_data(), float) for line in lines])
+        for line, own in zip(lines, parts, strict=True):
+            styles: dict[Any, list[np.ndarray]] = {}
+            for points, dashes in own:
+                styles.setdefault(dashes, []).append(np.append(points, [[math.nan]] * 2, axis=1))
+            if len(own) == 1 and None in styles:
+                continue
+            line.set_data(np.concatenate(styles.pop(None, [np.zeros((2, 0))]), axis=1))
+            look: dict[str, Any] = {"color": line.get_color(), "linewidth": line.get_linewidth()}
+            for dashes, pieces in styles.items():
+                joined = np.concatenate(pieces, axis=1)
+                axes.plot(*joined, **look, linestyle=dashes, zorder=line.get_zorder(), label="_")
 
 
 def legend_handles(looks: Looks, *panels: Axes) -> list[Any]:
