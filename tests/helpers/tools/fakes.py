@@ -10,8 +10,8 @@ import pytest
 class CheckedPatch(pytest.MonkeyPatch):
     """A ``monkeypatch`` that checks what it puts in place of a function or class of the package.
 
-    A fake takes the arguments that the function requires, has no other keywords, and refuses a call that the
-    function refuses, so that no test goes on with older arguments.
+    A fake takes the arguments that the function requires, requires no other keyword, and refuses a
+    call that the function refuses, so that no test goes on with older arguments.
     """
 
     def setattr(self, target, name, *value, **settings):
@@ -46,13 +46,17 @@ def checked(fake, real):
 
 
 def check_arguments(given, right, name):
-    """Raise a `TypeError` if a fake refuses the shortest call of a function, or names other keywords."""
-    needed = [each for each in right.parameters.values() if each.default is each.empty]
-    positions = [each for each in needed if each.kind in (each.POSITIONAL_ONLY, each.POSITIONAL_OR_KEYWORD)]
-    keywords = [each.name for each in needed if each.kind is each.KEYWORD_ONLY]
+    """Raise a `TypeError` if a fake refuses the shortest call of a function, or requires another keyword."""
+    positions, keywords = required(right)
     try:
-        given.bind_partial(*positions, **dict.fromkeys(keywords))
-        own = [each.name for each in given.parameters.values() if each.kind is each.KEYWORD_ONLY]
-        right.bind_partial(**dict.fromkeys(own))
+        given.bind_partial(*positions, **keywords)
+        right.bind_partial(**required(given)[1])
     except TypeError as error:
         raise TypeError(f"The fake of {name}{right} has other arguments {given}: {error}") from None
+
+
+def required(arguments):
+    """Return the arguments without a default: (positions, keywords), each with the value None."""
+    needed = [each for each in arguments.parameters.values() if each.default is each.empty]
+    positions = [None for each in needed if each.kind in (each.POSITIONAL_ONLY, each.POSITIONAL_OR_KEYWORD)]
+    return positions, {each.name: None for each in needed if each.kind is each.KEYWORD_ONLY}
