@@ -1,7 +1,10 @@
 """The page with a recording: its files, its headline, its panels, and no overlaps."""
 
+# Tests: pictures/panels.py
+
 import dataclasses
 import itertools
+import re
 
 import matplotlib as mpl
 import matplotlib.style
@@ -13,7 +16,9 @@ from matplotlib.text import Text
 
 from chain_impact.pictures.over_time.impacts import LANE
 from chain_impact.pictures.overview_layout import is_over_time
+from chain_impact.pictures.panels import PANELS
 from chain_impact.recording.recording import Recording
+from chain_impact.results.scene_recording import SceneRecording
 from tests.pictures.pictures import (
     MODELS,
     boxes,
@@ -34,6 +39,11 @@ COLOURS = 10  # maximal number of distinguishable colours
 
 def picture(name):
     return crowd() if name == "sixty impacts" else recorded(name)
+
+
+def test_the_text_of_plot_names_all_panels_in_their_order():
+    text = re.search(r" panels: some of (.*?); by default", SceneRecording.plot.__doc__, re.DOTALL)[1]
+    assert re.findall(r"``(\w+)``", text) == list(PANELS)
 
 
 @pytest.mark.full("takes long")

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.figures import settle
@@ -16,16 +15,13 @@ from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.drawing.style import is_narrow, styled, write_foot
 from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
-from chain_impact.pictures.motion.impact_rings import number_rings
-from chain_impact.pictures.motion.line_motion import draw_along_line, line_of_motion
 from chain_impact.pictures.motion.motion import draw_motion, entries_and_note
 from chain_impact.pictures.motion.view import GROWN, is_flat
-from chain_impact.pictures.over_time.dry_friction import draw_stick_slip, move_legend_to_foot
-from chain_impact.pictures.over_time.energies import draw_energy
-from chain_impact.pictures.over_time.impacts import draw_impacts, number_impacts, place_of_late_peaks
-from chain_impact.pictures.over_time.single_impact import draw_one_impact, is_alone, number_one_impact
+from chain_impact.pictures.over_time.dry_friction import move_legend_to_foot
+from chain_impact.pictures.over_time.impacts import place_of_late_peaks
 from chain_impact.pictures.over_time.time_axis import draw_clock, label_time
 from chain_impact.pictures.overview_layout import SLIM, axes_of, broadness, is_beside, is_over_time, size_for
+from chain_impact.pictures.panels import PANELS
 from chain_impact.pictures.words.headline import write_head
 from chain_impact.pictures.words.point_names import full_names
 from chain_impact.recording.recording import Recording
@@ -39,36 +35,6 @@ WHOLE_WIDTH = (1.25, GROWN[1])
 # NARROW_NUMBER: the same in a narrow figure; MOST_BAND: the largest width of this area, relative to the
 # longer side of the view without margins
 NUMBER, NARROW_NUMBER, MOST_BAND = 30.0, 24.0, 0.25
-
-
-def draw_place(axes: Axes, recording: Recording) -> None:
-    """Draw the position of the chain: over time for a ball that moves along a line, else in the plane."""
-    along = line_of_motion(recording)
-    if along is None:
-        draw_motion(axes, recording)
-    else:
-        draw_along_line(axes, recording, along)
-
-
-def number_places(axes: Axes, recording: Recording, ink: Ink) -> None:
-    """Write the numbers of impacts into the panel of a motion, but not if the motion is drawn over time."""
-    if not is_over_time(recording, "motion"):
-        number_rings(axes, recording, ink)
-
-
-PANELS: dict[str, Callable[[Axes, Recording], None]] = {
-    "motion": draw_place,
-    "impact": draw_one_impact,
-    "energy": draw_energy,
-    "impacts": draw_impacts,
-    "friction": draw_stick_slip,
-}
-"""The panels of a picture: name → function that draws the panel."""
-NUMBERS = {"motion": number_places, "impact": number_one_impact, "impacts": number_impacts}
-"""Name of a panel → function that writes the numbers of impacts into the panel, after the layout is final.
-
-The function of the panel "impact" writes the peak force.
-"""
 
 
 @styled()
@@ -97,7 +63,7 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     motion = None if is_over_time(recording, "motion") else panel_axes.get("motion")
     for name, axes in panel_axes.items():
         if name in shown:
-            PANELS[name](axes, recording)
+            PANELS[name].draw(axes, recording)
             move_legend_to_foot(axes, figure)
         else:
             draw_clock(axes, recording, is_marked="energy" in shown)
@@ -131,9 +97,8 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
         settle(figure, scaled)
     figure.set_layout_engine("none")  # nothing moves while labels are placed
     ink = Ink(figure)
-    for name, write in NUMBERS.items():
-        if name in panel_axes:
-            write(panel_axes[name], recording, ink)
+    for name in (name for name in PANELS if name in panel_axes):
+        PANELS[name].write_numbers(panel_axes[name], recording, ink)
 
 
 def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
@@ -147,15 +112,15 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
         raise ValueError(f"ax: there are {len(given)} axes for {len(shown)} panels: {', '.join(shown)}")
     with drawn_into(given):
         for name, panel in zip(shown, given, strict=True):
-            PANELS[name](panel, recording)
+            PANELS[name].draw(panel, recording)
             if is_over_time(recording, name):
                 label_time(panel, recording, is_marked=name == "energy")
         fit_into_figure(given)
         for figure in {panel.get_figure(root=True) for panel in given}:
             ink = Ink(figure)
             for name, panel in zip(shown, given, strict=True):
-                if name in NUMBERS and panel.get_figure(root=True) is figure:
-                    NUMBERS[name](panel, recording, ink)
+                if panel.get_figure(root=True) is figure:
+                    PANELS[name].write_numbers(panel, recording, ink)
 
 
 def panels_to_draw(recording: Recording, panels: Sequence[str]) -> list[str]:
@@ -173,14 +138,7 @@ def panels_to_draw(recording: Recording, panels: Sequence[str]) -> list[str]:
             raise ValueError(
                 f"panels = {list(panels)!r}: {name!r} is not a panel; must be of {', '.join(PANELS)}"
             )
-    one = not panels and is_alone(recording)
-    counts = {
-        "impact": one,
-        "energy": len(recording.energies),
-        "impacts": 0 if one else len(recording.impacts),
-        "friction": len(recording.stick_slip),
-    }
-    return [name for name in PANELS if (name in panels if panels else counts.get(name, 1))]
+    return [name for name in PANELS if (name in panels if panels else PANELS[name].count(recording))]
 
 
 def usual_size(

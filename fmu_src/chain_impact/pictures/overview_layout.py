@@ -15,7 +15,7 @@ from chain_impact.pictures.drawing.sizes import Size, figure_size
 from chain_impact.pictures.drawing.style import COLUMN, FULL, WIDE
 from chain_impact.pictures.motion.line_motion import line_of_motion
 from chain_impact.pictures.motion.view import view_of
-from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, rubbing_places
+from chain_impact.pictures.panels import PANELS
 from chain_impact.recording.recording import Recording
 
 # Ratios of width to height of the motion. SLIM, BROAD: the least and the largest ratio that the panel of
@@ -27,15 +27,10 @@ BROADEST_FLAT = 3.5  # a larger ratio counts as this ratio when panels are arran
 # ``motion_share`` of a motion that is as high as wide, in a wide and in a narrow figure; it sets the width of
 # the panel only
 WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
-# RUBBING_ROW: the height of each row of the panel of dry friction, for one contact or joint;
-# LINE_MOTION_HEIGHT: the height of the panel of a ball that moves along a line; CLOCK_SHARE: the height of
-# the axis that shows the colours of time; MOTION_ABOVE_HEIGHT: the largest height of the panel of motion
-# above other panels, on a figure with a width of COLUMN or less. All are relative to the height of the panel
-# of energies.
-RUBBING_ROW, LINE_MOTION_HEIGHT, CLOCK_SHARE, MOTION_ABOVE_HEIGHT = 0.21, 1.4, 0.06, 2.5
-# If a recording has at most FEW_IMPACTS impacts, the height of their panel is LOW_IMPACTS, relative to the
-# height of the panel of energies.
-FEW_IMPACTS, LOW_IMPACTS = 3, 0.65
+# CLOCK_SHARE: the height of the axis that shows the colours of time; MOTION_ABOVE_HEIGHT: the largest height
+# of the panel of motion above other panels, on a figure with a width of COLUMN or less. Both are relative to
+# the height of the panel of energies.
+CLOCK_SHARE, MOTION_ABOVE_HEIGHT = 0.06, 2.5
 # the largest height of the panel of motion, relative to the width of the figure, if the user gives no height:
 # HIGHEST from WIDE on, NARROW_HIGHEST from COLUMN to WIDE
 HIGHEST, NARROW_HIGHEST = 0.4, 0.65
@@ -94,13 +89,8 @@ def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
     colours of time comes last. ``shown`` has the names of all panels.
     """
     timed = [name for name in shown if is_in_column(recording, name)]
-    known = {"motion": LINE_MOTION_HEIGHT}
-    if len(recording.impacts) <= FEW_IMPACTS:
-        known["impacts"] = LOW_IMPACTS
-    if "friction" in timed:
-        known["friction"] = RUBBING_ROW * len(rubbing_places(recording)[:MOST_ROWS])
     has_colours = timed and len(timed) < len(shown)
-    return [known.get(name, 1.0) for name in timed] + ([CLOCK_SHARE] if has_colours else [])
+    return [PANELS[name].height(recording) for name in timed] + ([CLOCK_SHARE] if has_colours else [])
 
 
 def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> tuple[float, float]:

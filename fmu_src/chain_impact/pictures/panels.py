@@ -1,0 +1,75 @@
+"""The panels of the usual picture of a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from matplotlib.axes import Axes
+
+from chain_impact.pictures.drawing.labels import Ink
+from chain_impact.pictures.motion.impact_rings import number_rings
+from chain_impact.pictures.motion.line_motion import draw_along_line, line_of_motion
+from chain_impact.pictures.motion.motion import draw_motion
+from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, draw_stick_slip, rubbing_places
+from chain_impact.pictures.over_time.energies import draw_energy
+from chain_impact.pictures.over_time.impacts import draw_impacts, number_impacts
+from chain_impact.pictures.over_time.single_impact import draw_one_impact, is_alone, number_one_impact
+from chain_impact.recording.recording import Recording
+
+# Heights of panels in the column of panels over time, relative to the height of the panel of energies.
+# RUBBING_ROW: each row of the panel of dry friction, for one contact or joint. LINE_MOTION_HEIGHT: the panel
+# of a ball that moves along a line. LOW_IMPACTS: the panel of at most FEW_IMPACTS impacts.
+RUBBING_ROW, LINE_MOTION_HEIGHT, LOW_IMPACTS, FEW_IMPACTS = 0.21, 1.4, 0.65, 3
+
+
+class Panel(NamedTuple):
+    """A panel of the usual picture.
+
+    Attributes:
+        draw: draws the panel.
+        count: the number of data that a recording has for the panel; a panel without data is drawn only if
+            its name is given.
+        height: the height in the column of panels over time, relative to that of the panel of energies.
+        write_numbers: writes the numbers of impacts, or the peak force of a single impact, into the panel
+            after the layout is final.
+    """
+
+    draw: Callable[[Axes, Recording], None]
+    count: Callable[[Recording], int]
+    height: Callable[[Recording], float] = lambda _: 1.0
+    write_numbers: Callable[[Axes, Recording, Ink], None] = lambda *_: None
+
+
+def draw_place(axes: Axes, recording: Recording) -> None:
+    """Draw the position of the chain: over time for a ball that moves along a line, else in the plane."""
+    along = line_of_motion(recording)
+    if along is None:
+        draw_motion(axes, recording)
+    else:
+        draw_along_line(axes, recording, along)
+
+
+def number_places(axes: Axes, recording: Recording, ink: Ink) -> None:
+    """Write the numbers of impacts into the panel of a motion, but not if the motion is drawn over time."""
+    if line_of_motion(recording) is None:
+        number_rings(axes, recording, ink)
+
+
+PANELS = {
+    "motion": Panel(draw_place, lambda _: 1, lambda _: LINE_MOTION_HEIGHT, number_places),
+    "impact": Panel(draw_one_impact, is_alone, write_numbers=number_one_impact),
+    "energy": Panel(draw_energy, lambda recording: len(recording.energies)),
+    "impacts": Panel(
+        draw_impacts,
+        lambda recording: 0 if is_alone(recording) else len(recording.impacts),
+        lambda recording: LOW_IMPACTS if len(recording.impacts) <= FEW_IMPACTS else 1.0,
+        number_impacts,
+    ),
+    "friction": Panel(
+        draw_stick_slip,
+        lambda recording: len(recording.stick_slip),
+        lambda recording: RUBBING_ROW * len(rubbing_places(recording)[:MOST_ROWS]),
+    ),
+}
+"""Name → panel, in the order in which a picture shows panels."""
