@@ -30,6 +30,7 @@ RECORDING = (
     "base/ticks.js",
     "explore/edited_scene.js",
     "explore/map/map_colours.js",
+    "explore/map/map_contour.js",
     "explore/map/map_rows.js",
     "explore/refused_start.js",
     "explore/stopped_run.js",

@@ -163,16 +163,29 @@ def test_the_first_map_and_its_colours_contain_the_present_run(show):
 def test_the_colours_of_crowded_values_have_equally_many_runs(script):
     values = [1 + 0.001 * k for k in range(80)] + [1.2 + 0.05 * k for k in range(20)]
     shares, knots = script.evaluate(
-        "(all) => { const { shareOf, knots } = colourScale(all, false); return [all.map(shareOf), knots]; }",
+        "(all) => (({ shareOf, knots }) => [all.map(shareOf), knots])(colourScale(all, false, 'equal'))",
         values,
     )
     assert shares == sorted(shares)
     assert (shares[0], shares[-1]) == (0.0, 1.0)
     assert shares[50] == pytest.approx(0.5, abs=0.03)
     assert len(knots) == 9
-    assert (
-        script.evaluate("(values) => colourScale(values, false).knots ?? null", list(range(1, 100))) is None
-    )
+    usual = script.evaluate("(all) => all.map(colourScale(all, false).shareOf)", values)
+    assert np.ptp(np.diff(usual) / np.diff(values)) < 1e-9, "the usual scale is linear"
+
+
+def test_the_line_of_a_limit_goes_along_cells(script):
+    results = [1.0, 1.0, 1.0, 1.0, 9.0, 1.0, 1.0, 1.0, None]
+    edges = script.evaluate("(results) => contourOf(results, 3, 5)", results)
+    assert sorted(sorted(edge) for edge in edges) == [
+        [[0.5, 0.5], [0.5, 1.5]],
+        [[0.5, 0.5], [1.5, 0.5]],
+        [[0.5, 1.5], [1.5, 1.5]],
+        [[1.5, 0.5], [1.5, 1.5]],
+    ]
+    assert script.evaluate("(results) => contourOf(results, 3, 9)", results) == []
+    outer = script.evaluate("(results) => contourOf(results, 2, 5)", [1.0, 9.0, 1.0, 9.0])
+    assert outer == [[[0.5, 0], [0.5, 0.5]], [[0.5, 0.5], [0.5, 1]]]
 
 
 HIDDEN = """() => {
@@ -225,6 +238,7 @@ def test_the_texts_of_a_map_are_whole_on_a_phone(show, model):
                 assert is_apart, (output, text, other[0])
     if model == "four_link_box":
         page.locator("#map-output").select_option("peak_force")
+        page.locator("#map-scale").select_option("equal")
         titles = [text for text, *_ in page.evaluate(TEXTS, "text:not(.map-value)")]
         assert titles[-2:] == ["Largest force at a wall, kN", "(an equal number of runs for each colour)"]
 

@@ -14,9 +14,7 @@ const CLASS_COLOURS = [
 export const [WITHOUT, FAILED] = [[128, 128, 128, 70], [128, 128, 128, 200]];
 const { QUANTILE_MARGIN, LARGE_QUANTILE, MOST_COLOURS, WIDE_COLOURS } = SHARED.mapColours;
 
-const KNOTS = 9; // number of values between which colours of crowded values lie
-const CROWDED = 2; // least ratio of the largest to the least value, for values that crowd
-const FAR_FROM_MIDDLE = 0.2; // values can crowd only if their median is farther than this from the middle, as a fraction of the scale
+const [KNOTS, LEAST_KNOTS] = [9, 4]; // number of values between which colours have equally many runs, and the least number of them
 
 /** Return the colour for a fraction of the scale, limited to 0 to 1, as [red, green, blue], each from 0 to 255. */
 export function colourAt(share) {
@@ -56,15 +54,14 @@ function colourEnds(values, isLogarithmic) {
 }
 
 /**
- * Return at most KNOTS of the increasing `values`, with about equally many values between two of them, if the values crowd; else undefined.
- * Values crowd if `low` > 0, `high` > CROWDED × `low`, and the median is far from the middle of `low` and `high`, the ends of the colours.
+ * Return at most KNOTS of the increasing `values` from `low` to `high`, the ends of the colours: about equally many values lie between two
+ * of them; undefined if these are fewer than LEAST_KNOTS.
  */
 function knotsOf(values, [low, high]) {
-  const share = (values[values.length >> 1] - low) / (high - low);
-  if (!(low > 0 && high > CROWDED * low && Math.abs(share - 0.5) > FAR_FROM_MIDDLE)) return undefined;
   const within = values.filter((value) => value >= low && value <= high);
-  const knots = Array.from({ length: KNOTS }, (_, k) => within[Math.round((k * (within.length - 1)) / (KNOTS - 1))]);
-  return knots.filter((value, k) => k === 0 || value > knots[k - 1]);
+  const all = Array.from({ length: KNOTS }, (_, k) => within[Math.round((k * (within.length - 1)) / (KNOTS - 1))]);
+  const knots = all.filter((value, k) => k === 0 || value > all[k - 1]);
+  return knots.length < LEAST_KNOTS ? undefined : knots;
 }
 
 /** Return a function from a value to a fraction of the scale of colours, on which the `knots` have equal distances. */
@@ -90,27 +87,22 @@ function countBins(least, most) {
 /**
  * Return the scale of the colours for the outputs of a map; null without finite outputs. It has the `extremes` of the outputs, the values
  * at the `ends` of the colours, `shareOf`, a function from a value to a fraction of the scale, and either `bins` (for different counts: the
- * limits of the colours) or `isLogarithmic`, with `knots` for values that crowd: values between which about equally many runs lie. The
- * `asked` scale is "linear", "logarithmic" or, for the one that fits the outputs, "": only positive outputs have a logarithmic scale.
+ * limits of the colours) or `isLogarithmic`. The `asked` scale is "linear", "logarithmic", "equal" (with `knots`: values between which
+ * about equally many runs lie) or "": linear or, for a wide range, logarithmic. Only positive outputs have a logarithmic scale.
  */
 export function colourScale(outputs, areCounts, asked = "") {
   const values = outputs.filter(Number.isFinite).sort((a, b) => a - b);
   if (!values.length) return null;
   const extremes = [values[0], values.at(-1)];
   if (areSame(...extremes)) return { extremes, ends: extremes, isLogarithmic: false, shareOf: () => 0.5 };
-  if (asked && !areCounts) {
-    const hasDecades = asked === "logarithmic" && extremes[0] > 0;
-    const limits = colourEnds(values, hasDecades);
-    return { extremes, ends: limits, isLogarithmic: hasDecades, shareOf: axisScale(...limits, hasDecades).shareOf };
-  }
   if (areCounts) {
     const bins = countBins(...extremes);
     const shareOf = (value) => bins.findLastIndex((limit) => limit < value) / (bins.length - 2);
     return { extremes, ends: [bins[0], bins.at(-1)], bins, shareOf };
   }
-  const isLogarithmic = extremes[0] > 0 && extremes[1] / extremes[0] >= WIDE_COLOURS;
+  const isWide = asked === "logarithmic" || (asked === "" && extremes[1] / extremes[0] >= WIDE_COLOURS);
+  const isLogarithmic = extremes[0] > 0 && isWide;
   const ends = colourEnds(values, isLogarithmic);
-  const knots = isLogarithmic ? undefined : knotsOf(values, ends);
-  if (knots?.length > 3) return { extremes, ends, isLogarithmic, knots, shareOf: shareBetween(knots) };
-  return { extremes, ends, isLogarithmic, shareOf: axisScale(...ends, isLogarithmic).shareOf };
+  const knots = asked === "equal" ? knotsOf(values, ends) : undefined;
+  return { extremes, ends, isLogarithmic, knots, shareOf: knots ? shareBetween(knots) : axisScale(...ends, isLogarithmic).shareOf };
 }

@@ -47,11 +47,13 @@ export function markRuns(scales, map, place, { present, chosen }) {
   const middle = (index) => [place.left + (index % points) * width, place.top + (points - 1 - Math.floor(index / points)) * height];
   const colourOf = (value) => (map.output.places ? classColour(value) : colourAt(scale.shareOf(value)));
   const write = (value, [x, y], kind, anchor = "middle", below = value) => scales.plain(outputText(value, map))
-    .attr({ x, y: y + 4, "text-anchor": anchor, fill: inkOn(colourOf(below)) }).addClass(`map-value ${kind}`);
+    .attr({ x, y: y + 4, "text-anchor": anchor, fill: inkOn(colourOf(below)), stroke: `rgb(${colourOf(below)})` })
+    .addClass(`map-value ${kind}`);
   const texts = results.filter(Number.isFinite).map((value) => outputText(value, map));
   const wide = texts.reduce((most, { length }) => Math.max(most, SIGN * length), LEAST_WIDTH);
+  const hasRoom = wide <= width && NUMBER_HEIGHT <= height;
   const steps = [Math.ceil((wide + BETWEEN) / width), Math.ceil(NUMBERS_ABOVE / height)];
-  const isWritten = (number, k) => number % steps[k] === Math.floor(steps[k] / 2);
+  const isWritten = (number, k) => hasRoom && number % steps[k] === Math.floor(steps[k] / 2);
   const ring = present && ringOf(present.at, place, wide);
   const written = ring ? [[ring.middle, ring.y]] : []; // the middles of all numbers
   const [rightmost, lowest] = [place.left + place.width - wide / 2, place.top + place.height - NUMBER_HEIGHT];
