@@ -13,6 +13,7 @@ from tests.pages.in_pages import (
     PHONE,
     PIXELS,
     ROWS,
+    go_to,
     impacts_of,
     packed_module,
     page_contents,
@@ -435,16 +436,14 @@ def test_a_chart_is_read_by_mouse_and_keys_while_the_motion_stays(show, result):
 
 def test_the_chart_of_a_force_has_the_number_of_its_peak(show, result):
     page = show()
-    page.evaluate("""() => {
-      const write = CanvasRenderingContext2D.prototype.fillText;
-      window.written = [];
-      CanvasRenderingContext2D.prototype.fillText = function (...given) {
-        written.push(given[0]);
-        write.apply(this, given);
-      };
-    }""")
     page.locator("#impacts tbody tr button").nth(1).click()
     peak = page.locator("#impacts tbody tr").nth(1).locator("td").last.inner_text()
     head, unit = page.locator("#impacts th").last.inner_text().split(", ")
     assert (head, float(peak)) == ("peak", pytest.approx(result.impacts["peak_force"][1] / 1e3, rel=5e-3))
-    until(page, f"written.includes('{peak}\u202f{unit}')")
+    text, present = page.locator("#force .peak"), page.locator("#force .now")
+    until(page, f"document.querySelector('#force .peak').textContent === '{peak}\u202f{unit}'")
+    for onset in result.impacts["onset"][:3]:
+        for later in np.linspace(0.0, 2e-3, 9):  # the line at the present time passes the peak
+            go_to(page, onset + later)
+            box, line = text.bounding_box(), present.bounding_box()
+            assert line is None or not box["x"] < line["x"] < box["x"] + box["width"]

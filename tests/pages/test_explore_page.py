@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from chain_impact import explore, load_scene, simulate
-from tests.pages.in_pages import DESK, PHONE, impacts_of, until, until_told
+from tests.pages.in_pages import DESK, PHONE, PIXELS, go_to, impacts_of, until, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -344,13 +344,24 @@ def test_the_slider_of_the_restitution_ends_where_the_law_does(show):
     until(page, "chainImpact.parameters['contact.restitution'] === '0'")
 
 
-def test_the_words_for_a_contact_without_a_curve_are_whole(show):
-    page = show("bouncing_ball")
+def test_a_rigid_wall_has_a_chart_of_impulses_and_an_arrow(show):
+    page = show("bouncing_ball", {"simulation.stop_time": 3.0})
+    first = simulate(load_scene("bouncing_ball")).impacts[0]
+    words = f"{first['impulse']:.2f}\u202fN·s"
     title = page.locator("#contact-name")
-    assert "no force over time is known" in title.inner_text()
+    assert title.inner_text().endswith(f", {words}, rigid")
     whole = "(one) => one.scrollWidth <= one.clientWidth && one.scrollHeight <= one.clientHeight"
     assert title.evaluate(whole)
-    assert title.bounding_box()["height"] > 30.0, "two lines"
+    assert page.inner_text("#contact-quantity") == "Impulses"
+    assert page.inner_text("#force .peak") == words
+    assert page.locator("#force-loop").is_hidden()
+    assert page.evaluate(PIXELS, ["force", "force"]) > 200
+    assert page.locator(".arrow").count() == 0
+    go_to(page, first["onset"] + 0.02)
+    assert page.locator(".arrow").count() == 1
+    assert page.text_content(".force-text") == words
+    go_to(page, first["onset"] + 0.4)
+    assert page.locator(".arrow").count() == 0, "the arrow is seen for a moment"
     card = page.locator("#contact").bounding_box()
     box = title.bounding_box()
     assert box["y"] + box["height"] <= card["y"] + card["height"]

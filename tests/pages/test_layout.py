@@ -221,6 +221,7 @@ def test_the_list_of_impacts_covers_no_part_of_a_chart(show, model, hash_):
 def test_a_page_without_impacts_is_as_wide_as_the_screen(show, size):
     page = show(hash_="#simulation.stop_time=0.2", viewport=size)
     until(page, "document.querySelector('#impacts.none')")
+    assert page.locator("#contact").is_hidden()
     page.evaluate("chainImpact.show({'simulation.stop_time': 0.1})")
     until(page, "document.getElementById('impacts-before').textContent")
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")

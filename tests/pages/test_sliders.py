@@ -162,15 +162,15 @@ def test_the_targets_of_a_slider_have_sliders(show):
         assert float(page.evaluate("chainImpact.parameters")[f"slider.target_{quantity}"]) > 0.0
 
 
-def test_a_stiffness_without_effect_is_pale_and_its_forces_have_no_chart(show):
+def test_a_stiffness_without_effect_is_pale_and_the_chart_has_impulses(show):
     page = show("bouncing_ball", {"simulation.stop_time": 2.0})
     row = page.locator(".main-parameter").filter(has=page.get_by_role("slider", name="Stiffness"))
     assert row.locator(".no-effect").inner_text() == "No effect with Newton (1687)."
     opacity = "one => Number(getComputedStyle(one).opacity)"
     assert row.locator("input[type=range]").evaluate(opacity) < 0.6
-    assert not page.locator("#force").is_visible()
+    assert page.inner_text("#contact-quantity") == "Impulses"
     page.evaluate("chainImpact.show({ 'contact.model': 'flores' })")
-    page.locator("#force").wait_for(state="visible")
+    until_told(page, "Contact force", "contact-quantity")
     assert row.locator("input[type=range]").evaluate(opacity) == 1.0
     assert not row.locator(".no-effect").is_visible()
 

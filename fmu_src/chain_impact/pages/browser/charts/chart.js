@@ -15,7 +15,8 @@ const NARROWEST = 48; // [pixels] least width of a vertical axis, enough for mos
 // next
 const [LETTERS_FROM, LETTERS_APART] = [0.1, 0.19];
 const READ_STEPS = 100; // number of steps of the arrow keys along the horizontal axis of a chart
-const LETTER_DOT = 6; // [pixels] radius of the dot around a curve's letter
+export const LETTER_DOT = 6; // [pixels] radius of the dot around a curve's letter
+const LETTERS_FREE = 2.4; // least distance between two such dots, relative to LETTER_DOT
 const LEAST_DRAG = 6; // [pixels] a shorter drag in an enlarged chart is a click
 const LABEL_MARGIN = 4; // [pixels] free space to the left of a label of an axis
 const DECIMALS_OF_LARGEST = 3; // number of decimals with which values are written if the largest of them lies between 1 and 10
@@ -298,16 +299,19 @@ export class Chart {
 
 /**
  * Draw the curve of a compared recording, {points: [horizontal values, vertical values], stroke (name of a colour), letter}: dashed, with
- * its letter in a dot.
+ * its letter in a dot. The dot lies away from the positions `taken` on the canvas, to which its position is added.
  */
-export function drawCompared(plot, { points: [along, up], stroke, letter }) {
+export function drawCompared(plot, { points: [along, up], stroke, letter }, taken) {
   drawCurve(plot, [along, up], stroke);
   const { ctx, bbox, valToPos } = plot;
   const goal = bbox.left + (LETTERS_FROM + LETTERS_APART * (letter.codePointAt(0) - "A".codePointAt(0))) * bbox.width;
   const seen = Array.from(along, (x, k) => [valToPos(x, "x", true), valToPos(up[k], "y", true)])
     .filter(([x, y]) => x >= bbox.left && x <= bbox.left + bbox.width && y >= bbox.top && y <= bbox.top + bbox.height);
   if (!seen.length) return;
-  const [x, y] = seen.reduce((best, at) => (Math.abs(at[0] - goal) < Math.abs(best[0] - goal) ? at : best));
+  const apart = LETTERS_FREE * LETTER_DOT * devicePixelRatio;
+  const free = seen.filter(([x, y]) => taken.every(([tx, ty]) => Math.hypot(x - tx, y - ty) > apart));
+  const [x, y] = (free.length ? free : seen).reduce((best, at) => (Math.abs(at[0] - goal) < Math.abs(best[0] - goal) ? at : best));
+  taken.push([x, y]);
   ctx.save();
   ctx.beginPath();
   ctx.arc(x, y, LETTER_DOT * devicePixelRatio, 0, 2 * Math.PI);

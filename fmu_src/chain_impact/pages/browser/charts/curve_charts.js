@@ -61,8 +61,8 @@ class UnitChart extends TimeChart {
     this.areZero = this.curves.map(({ values }) => values.every((value) => value === 0));
     const data = [time, ...this.curves.map(({ values }) => values)];
     const words = curves.map((curve) => `${curve.name}: ${curve.words}`).join();
-    if (words === this.shownWords) this.plot.setData(data);
-    else this.makeCurves(curves, data);
+    if (words !== this.shownWords) this.makeCurves(curves, data);
+    this.setData(data);
     this.shownWords = words;
   }
 

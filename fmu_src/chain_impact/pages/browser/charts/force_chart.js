@@ -1,18 +1,23 @@
 // The chart of the force of one contact, over time or over penetration.
 
-import { durationText, forceText, forceTicks, unitsOf, withMinus } from "../base/format.js";
+import { make } from "../base/dom.js";
+import { durationText, fixed, forceText, forceTicks, impulseText, unitsOf, withMinus } from "../base/format.js";
+import { LabelSpace, positionsAround } from "../drawing/label_positions.js";
 import { partnerOf } from "../recording/partners.js";
 import { hasImpulseOnly, lastBefore, placeIn, valueAtPlace } from "../recording/recording.js";
 import {
-  axisOptions, Chart, contactTitle, drawCompared, drawCurve, labelledWidth, MOMENT, styleColour, ticksText, ticksUpwards,
+  axisOptions, Chart, contactTitle, drawCompared, drawCurve, labelledWidth, LETTER_DOT, MOMENT, styleColour, ticksText, ticksUpwards,
 } from "./chart.js";
 
 const AROUND = 0.35; // time that the chart shows before and after a contact, relative to the contact's duration
 const MARGIN = 1.08; // ends of the axis of forces, relative to the extremes of the curves; above a contact's curves, PEAK_ROOM replaces it
-// [pixels] height above all curves for the text of the peak force, distance of the text from the peak, and radius of the dot at the peak
-const [PEAK_ROOM, PEAK_ABOVE, PEAK_DOT] = [22, 5, 2.5];
+// [pixels] height above all curves for the text of the peak force, radius of the dot at the peak, and size of the letters of the text
+const [PEAK_ROOM, PEAK_DOT, PEAK_TEXT] = [22, 2.5, 11];
+// distance of the middle of this text from the peak [pixels], and its multiples that are tried in this order
+const [PEAK_AWAY, PEAK_MULTIPLES] = [12, [1, 1.6, 2.4, 3.4, 4.6]];
+const NEAR_LINE = 70; // [pixels] the text may give way to the line at the present time if the line is nearer to the peak
 // largest extent of both axes, relative to the curves of the contact itself: parts of compared curves beyond it are cut off
-const MOST_BESIDE = 3;
+const MOST_BESIDE = 2.2;
 const [ONLY_IMPULSE, NO_COURSE] = ["an impulse only", "no known force over time"]; // why a contact has no curve
 const DOUBTFUL_PAIR = "doubtful pair"; // the note on a curve of a doubtful partner
 const LEAST_IN = { m: 1, mm: 1e-4, µm: 0 }; // [m] least value of the last tick with which an axis of penetrations is in a unit
@@ -56,6 +61,17 @@ function courseAround(recording, contact) {
   return { times, margin, force: force ?? times.map(() => 0), depth, friction };
 }
 
+/**
+ * Return the impulses of the impacts of a recording at rigid walls or, if `contact` is at a rigid stop of a joint, at such stops, as
+ * points of a curve [times, impulses] that rises from 0 to each impulse and falls to 0 again. A rest, whose impulse grows with time, is
+ * left out, except for the `contact` itself.
+ */
+function impulsesLike({ impacts }, contact) {
+  const alike = impacts.filter((impact) => hasImpulseOnly(impact) && Boolean(impact.atStop) === Boolean(contact.atStop) &&
+    (impact === contact || Number.isFinite(impact.rebound ?? NaN)));
+  return [alike.flatMap(({ onset }) => [onset, onset, onset]), alike.flatMap(({ impulse }) => [0, impulse, 0])];
+}
+
 /** Return the label of a tick of an axis of penetrations [m]: all of `ticks` are in metres, in millimetres or in micrometres. */
 function depthText(tick, ticks) {
   const [factor, unit] = [[1, "m"], [1e3, "mm"], [1e6, "µm"]].find(([, name]) => ticks.at(-1) >= LEAST_IN[name]);
@@ -82,9 +98,9 @@ export class ForceChart extends Chart {
         scales: { x: { time: false }, y: { range: (_, least, most) => [MARGIN * Math.min(least, 0), MARGIN * Math.max(most, 1e-9)] } },
         hooks: {
           draw: [(plot) => {
-            if (this.loop) drawCurve(plot, this.loop, "force", "force-fill");
-            this.curves?.forEach((curve) => drawCompared(plot, curve));
-            this.#writePeak(plot);
+            const own = this.loop ?? this.impulses;
+            if (own) drawCurve(plot, own, "force", "force-fill");
+            this.#drawPeak(plot);
           }],
         },
         axes: [
@@ -100,7 +116,8 @@ export class ForceChart extends Chart {
     );
     this.dot = document.createElement("div");
     Object.assign(this.dot, { className: "loop-now", hidden: true });
-    this.plot.over.append(this.dot);
+    this.peakText = make("div", { className: "peak" });
+    this.plot.over.append(this.dot, this.peakText);
     loopButton.addEventListener("click", () => {
       loopButton.setAttribute("aria-pressed", loopButton.getAttribute("aria-pressed") !== "true");
       this.zoom();
@@ -113,45 +130,70 @@ export class ForceChart extends Chart {
     this.draw(frame, shown);
   }
 
-  /** Write the peak force of the shown contact directly above its largest force, which has a dot; other curves give way to the text. */
-  #writePeak({ ctx, bbox, valToPos, data }) {
-    const peak = this.shown?.peak;
-    const [along, up] = this.loop ?? data;
-    const top = up.indexOf(highest(up));
-    if (!peak || top < 0) return;
-    const text = forceText(peak, 3, this.unit.force);
-    const [x, y] = [valToPos(along[top], "x", true), valToPos(up[top], "y", true)];
+  /** Draw the curves of compared motions, and a dot at the largest force of the shown contact; write the peak force beside the dot. */
+  #drawPeak({ ctx, bbox, valToPos, data }) {
+    const [along, up] = this.loop ?? this.impulses ?? data;
+    const toCanvas = ([x, y]) => [valToPos(x, "x", true), valToPos(y, "y", true)];
+    const { shown } = this;
+    const top = this.impulses ? along.indexOf(shown.onset) + 1 : shown?.peak ? up.indexOf(highest(up)) : -1;
+    const taken = top < 0 ? [] : [toCanvas([along[top], up[top]])];
+    this.curves?.forEach((curve) => drawCompared(this.plot, curve, taken));
+    const toPlot = ([x, y]) => [(x - bbox.left) / devicePixelRatio, (y - bbox.top) / devicePixelRatio];
+    this.taken = taken.map(toPlot); // first the peak, then the letters
+    this.peakText.hidden = top < 0;
+    if (top < 0) return;
+    const curves = [[along, up], ...this.curves.map(({ points }) => points)];
+    this.courses = curves.map(([xs, ys]) => Array.from(xs, (x, k) => toPlot(toCanvas([x, ys[k]]))));
     ctx.save();
-    ctx.font = `600 ${11 * devicePixelRatio}px system-ui, sans-serif`;
-    const half = ctx.measureText(text).width / 2;
-    Object.assign(ctx, { textAlign: "center", textBaseline: "alphabetic", lineJoin: "round", lineWidth: 4 * devicePixelRatio });
-    Object.assign(ctx, { fillStyle: styleColour("force"), strokeStyle: styleColour("panel") });
-    const at = [Math.min(Math.max(x, bbox.left + half), bbox.left + bbox.width - half), y - PEAK_ABOVE * devicePixelRatio];
-    ctx.strokeText(text, ...at);
-    ctx.fillText(text, ...at);
     ctx.beginPath();
-    ctx.arc(x, y, PEAK_DOT * devicePixelRatio, 0, 2 * Math.PI);
+    ctx.arc(...taken[0], PEAK_DOT * devicePixelRatio, 0, 2 * Math.PI);
+    ctx.fillStyle = styleColour("force");
     ctx.fill();
     ctx.restore();
+    this.peakText.textContent = this.impulses ? impulseText(shown) : forceText(shown.peak, 3, this.unit.force);
+    this.#placePeak();
+  }
+
+  /** Place the text of the peak force where it covers no curve, no letter, and not the line at the present time. */
+  #placePeak() {
+    const { clientWidth: width, clientHeight: height } = this.plot.over;
+    const space = new LabelSpace(width, height, 0);
+    this.courses.forEach((course) => space.reserveLine(course));
+    this.taken.forEach((at, k) => space.reserveAround(at, k ? LETTER_DOT + 1 : PEAK_DOT + 1));
+    const line = this.line.hidden || this.at === undefined ? NaN : this.plot.valToPos(this.at, "x");
+    if (!this.line.hidden) space.reserveLine([[line, 0], [line, height]]);
+    const candidates = positionsAround(this.taken[0], [0, -1], PEAK_AWAY, PEAK_MULTIPLES);
+    const { at: [x, y], anchor } = space.findPosition(this.peakText.textContent, PEAK_TEXT, candidates) ?? candidates[0];
+    const across = { start: 0, middle: -50, end: -100 }[anchor];
+    Object.assign(this.peakText.style, { left: `${x}px`, top: `${y}px`, translate: `${across}% -50%` });
+    this.isNearLine = Math.abs(line - this.taken[0][0]) < NEAR_LINE;
+  }
+
+  mark(x = this.at) {
+    super.mark(x);
+    if (this.peakText.hidden || !this.courses || x === undefined) return;
+    const isNear = Math.abs(this.plot.valToPos(x, "x") - this.taken[0][0]) < NEAR_LINE;
+    if (isNear || this.isNearLine) this.#placePeak();
   }
 
   /** Return a text with the time [s] since the onset and the force then; "" for a loop, where a penetration can have two forces. */
   readingAt(time) {
     if (this.loop) return "";
+    if (this.impulses) return `${withMinus(fixed(time, 4))} s`;
     const [times, force] = this.plot.data;
     return `${withMinus(durationText(time))}: ${forceText(valueAtPlace(force, placeIn(times, time)), 3, this.unit.force)}`;
   }
 
   goTo(time) {
-    this.pointer.seek(this.timeOf(time), this.shown);
+    this.pointer.seek(this.timeOf(time), this.impulses ? undefined : this.shown);
   }
 
   timeOf(x) {
-    return this.shown.onset + x;
+    return this.impulses ? x : this.shown.onset + x;
   }
 
   placeOf(time) {
-    return this.shown ? time - this.shown.onset : undefined;
+    return this.impulses ? time : this.shown && time - this.shown.onset;
   }
 
   timeAt(left, top) {
@@ -180,7 +222,7 @@ export class ForceChart extends Chart {
     if (contact !== this.shown) this.#show(contact);
     this.line.hidden = this.dot.hidden = true;
     if (!this.loop) {
-      this.mark(this.recording.timeAt(frame) - contact.onset);
+      this.mark(this.placeOf(this.recording.timeAt(frame)));
       return;
     }
     const course = this.recording.courseOf(contact);
@@ -200,16 +242,26 @@ export class ForceChart extends Chart {
     const { times, margin, force: inside, friction: along, depth } = courseAround(recording, contact);
     const rubs = along?.some((force) => force !== 0);
     const friction = rubs ? along : times.map(() => null);
+    const hasCurve = inside.some((force) => force > 0);
     this.loopButton.hidden = !depth;
     this.loop = depth && this.loopButton.getAttribute("aria-pressed") === "true" ? [depth, inside, times] : null;
     const lines = this.compared.map((line) => ({ ...line, ...this.#courseIn(line.recording, contact) }));
     this.curves = lines.filter(({ points }) => points);
+    this.impulses = !hasCurve && !this.curves.length && hasImpulseOnly(contact) ? impulsesLike(recording, contact) : null;
+    if (this.impulses) {
+      Object.assign(this, { loop: null }).loopButton.hidden = true;
+      this.curves = this.compared.map((line) => ({ ...line, points: impulsesLike(line.recording, contact) }))
+        .filter(({ points: [onsets] }) => onsets.length);
+      this.unit.force = this.unit.impulse;
+    }
     const all = (axis) => this.curves.map(({ points }) => points[axis]);
     const most = extentOf(this.loop ? [depth] : [], all(0));
-    const high = extentOf([contact.peak === null ? inside : [contact.peak], friction], all(1));
-    this.plot.setData(this.loop ? [[0, most], [null, null], [null, null]] : [times, inside, friction], false);
+    const ownForces = this.impulses ? this.impulses[1] : contact.peak === null ? inside : [contact.peak];
+    const high = extentOf([ownForces, friction], all(1));
+    this.plot.setData(this.loop || this.impulses ? [[0, most], [null, null], [null, null]] : [times, inside, friction], false);
     this.plot.batch(() => {
       if (this.zoomed) this.plot.setScale("x", { min: this.zoomed[0], max: this.zoomed[1] });
+      else if (this.impulses) this.plot.setScale("x", { min: recording.start, max: recording.end });
       else if (this.loop) this.plot.setScale("x", { min: 0, max: 1.05 * most });
       else if (end > onset) this.plot.setScale("x", { min: -margin, max: end - onset + margin });
       else this.plot.setScale("x", { min: -MOMENT, max: MOMENT });
@@ -217,21 +269,21 @@ export class ForceChart extends Chart {
       // the limits contain the margin, because uPlot applies the function `range` of an axis only to limits that it finds itself
       this.plot.setScale("y", { min: MARGIN * Math.min(0, ...friction), max: (high > NO_FORCE ? high : 1) / (1 - room) });
     });
-    // The chart is hidden if neither the contact nor a compared motion has a curve. An impulse of a rigid wall has none, and neither has a
-    // contact between two rows of the recording.
-    const hasCurve = inside.some((force) => force > 0);
-    const isKnown = hasCurve || this.curves.length > 0;
+    // A contact between two rows of the recording has no curve, and neither has an impulse of a rigid wall: the chart then shows the curves
+    // of compared motions or else the impulses; without them, it is hidden.
+    const isKnown = hasCurve || this.impulses || this.curves.length > 0;
     this.element.hidden = !isKnown;
     this.loopButton.hidden ||= !isKnown;
     const isRigid = hasImpulseOnly(contact);
     const isHeld = isRigid && hasCurve;
     const [force, moment] = isHeld ? ["Holding force", "Holding moment"] : ["Contact force", "Moment of the stop"];
-    const letters = hasCurve ? "" : this.curves.map(({ letter }) => letter).join(", ");
+    const letters = hasCurve || this.impulses ? "" : this.curves.map(({ letter }) => letter).join(", ");
     const quantity = (unitsOf(contact).force === "N" ? force : moment) + (isHeld ? " after the impulse" : letters && ` of ${letters}`);
-    this.quantity.textContent = this.loop ? `${quantity} over penetration` : quantity;
-    const without = letters ? `present: ${isRigid ? ONLY_IMPULSE : NO_COURSE}` : "no force over time is known";
+    const impulses = contact.atStop ? "Angular impulses" : "Impulses";
+    this.quantity.textContent = this.impulses ? impulses : this.loop ? `${quantity} over penetration` : quantity;
+    const without = this.impulses ? "rigid" : letters ? `present: ${isRigid ? ONLY_IMPULSE : NO_COURSE}` : "no force over time is known";
     const own = hasCurve ? durationText(end - onset, 2) : without;
-    const whyOf = ({ points, why = "" }) => (points && noteAbove(points[1], high, this.unit.force)) || why;
+    const whyOf = ({ points, why = "" }) => (this.impulses ? "" : (points && noteAbove(points[1], high, this.unit.force)) || why);
     const lettersWith = (why) => lines.filter((line) => whyOf(line) === why).map(({ letter }) => letter).join(", ");
     const notes = [...new Set(lines.map(whyOf))].filter(Boolean).map((why) => `; ${lettersWith(why)}: ${why}`).join("");
     const legend = (rubs && !this.loop ? "; dotted: friction" : "") + notes;

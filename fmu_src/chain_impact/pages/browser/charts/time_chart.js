@@ -10,6 +10,8 @@ import { energyOffset, movedBy, offsetText, shiftOf } from "./energy_zero.js";
 const WIDTHS = { total: 2.4 };
 const DENSE = 0.4; // a curve with more turns than this for each pixel of the chart's width fills an area
 const FAINT = 0.5; // opacity of a curve that fills an area, so that other curves are seen behind it
+const ENVELOPE_STEP = 2; // [pixels] width of the strips in whose extremes the envelope of such a curve has its corners
+const ENVELOPE_FILL = 35; // [%] opacity of the envelope's area relative to its lines
 const CURVE_APART = 0.3; // [pixels of the screen] least distance between two points of a drawn curve
 
 /** A chart of quantities over time, with a list of their names and their values at the present time. */
@@ -50,7 +52,7 @@ export class TimeChart extends Chart {
     return this.zoomed?.[0] < end ? this.zoomed : this.close ?? [start, end];
   }
 
-  /** Show rows of values for the curves; a curve that turns so often that it fills an area is pale, as its entry in the legend is. */
+  /** Show rows of values for the curves; of a curve that turns so often that it fills an area, the pale envelope is shown. */
   setData(data) {
     const { clientWidth: width, clientHeight: height } = this.element;
     const pixel = largestIn(data.slice(1)) / height; // turns of less than this, such as those of round-off, are not seen
@@ -76,6 +78,7 @@ export class TimeChart extends Chart {
     const series = curves.map(({ name, stroke, dash, isStepped }) => ({
       show: !this.hidden.has(name),
       stroke: () => styleColour(stroke),
+      fill: (plot, k) => (plot.series[k].alpha < 1 ? `color-mix(in srgb, ${styleColour(stroke)} ${ENVELOPE_FILL}%, transparent)` : null),
       width: WIDTHS[name] ?? 1.6,
       dash,
       points: { show: false },
@@ -100,7 +103,8 @@ export class TimeChart extends Chart {
         hooks: {
           drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts)],
           draw: [(plot) => {
-            this.comparedCurves.forEach((curve) => drawCompared(plot, curve));
+            const letters = [];
+            this.comparedCurves.forEach((curve) => drawCompared(plot, curve, letters));
             if (plot === this.plot) this.mark(); // the horizontal axis may have changed, so the line at the present time is drawn again
           }],
         },
@@ -256,6 +260,7 @@ function turnsOf(values, least) {
  */
 function pathOf(plot, series, first, last) {
   const [times, values] = [plot.data[0], plot.data[series]];
+  if (plot.series[series].alpha < 1) return envelopeOf(plot, times, values);
   const stroke = new Path2D();
   let [x, y] = [-Infinity, -Infinity];
   for (let row = first; row <= last; row += 1) {
@@ -265,6 +270,24 @@ function pathOf(plot, series, first, last) {
     [x, y] = [left, top];
   }
   return { stroke };
+}
+
+/** Return the path of a curve's envelope: one line through the largest values in narrow strips, one through the least, and their area. */
+function envelopeOf(plot, times, values) {
+  const strips = new Map(); // number of a strip → [position of its middle, least and largest vertical position in it]
+  times.forEach((time, row) => {
+    const strip = Math.floor(plot.valToPos(time, "x", true) / ENVELOPE_STEP);
+    const y = plot.valToPos(values[row], "y", true);
+    const [, high, low] = strips.get(strip) ?? [0, y, y];
+    strips.set(strip, [(strip + 0.5) * ENVELOPE_STEP, Math.min(high, y), Math.max(low, y)]);
+  });
+  const ends = [...strips.values()];
+  const [stroke, fill] = [new Path2D(), new Path2D()];
+  [ends.map(([x, high]) => [x, high]), ends.map(([x, , low]) => [x, low]).reverse()].forEach((line) => line.forEach((at, k) => {
+    stroke[k ? "lineTo" : "moveTo"](...at);
+    fill.lineTo(...at);
+  }));
+  return { stroke, fill };
 }
 
 /**

@@ -8,8 +8,8 @@ import { STOPS } from "../scene/geometry.js";
 import { ArrowScale } from "./arrow_scale.js";
 import { Camera } from "./camera.js";
 import { isCrossed, LabelSpace, positionsAround } from "./label_positions.js";
-import { isOwnPlace, recentImpacts, ringsOf } from "./rings.js";
-import { drawKey, drawRuler, drawScaleBar, STRIP } from "./scale_strip.js";
+import { impulsesOf, isOwnPlace, recentImpacts, ringsOf } from "./rings.js";
+import { drawStrip, STRIP } from "./scale_strip.js";
 import { drawRail } from "./slider_rail.js";
 import { traceFinder, traceOf } from "./trace.js";
 
@@ -73,9 +73,8 @@ export class ChainDrawing {
     this.tail = Array.from({ length: TAIL_PARTS }, (_, part) =>
       this.drawing.polyline().addClass("tail").fill("none").opacity((part + 1) / TAIL_PARTS));
     // `letters` has those of compared motions
-    for (const name of ["rings", "arcs", "circles", "bodies", "links", "joints", "stopTexts", "letters", "numbers", "arrows", "labels"]) {
-      this[name] = this.drawing.group();
-    }
+    const groups = "rings arcs circles bodies links joints stopTexts letters numbers arrows labels strip"; // from the hindmost on
+    groups.split(" ").forEach((name) => Object.assign(this, { [name]: this.drawing.group() }));
     this.above = this.drawing.group().addClass("above"); // the group in front of the chain in which other modules draw
     this.linesAbove = () => []; // function that returns the lines in `above`, which labels must not cover
     // function that returns the positions of `letters`, which labels must not cover, and the `lines` in `behind`, which they avoid
@@ -149,9 +148,7 @@ export class ChainDrawing {
     this.#drawWalls(0);
     this.pin = this.recording.pin.map((line) => [line, this.ground.polyline().addClass("pin")]);
     this.rail = drawRail(this.ground, this.stopTexts, this.recording, (points) => this.#toScreen(points));
-    const free = this.recording.drawn.loads.length ? drawKey(this.ground, width) : width;
-    const rulerEnd = this.recording.peakForce > 0 ? drawRuler(this.ground, this.arrowScale, free) : 0;
-    drawScaleBar(this.ground, this.camera.scale, free, rulerEnd);
+    drawStrip(this.strip, this);
     this.discs.forEach(([, ownRadius, disc]) => disc.radius(ownRadius * this.camera.scale));
     const trace = traceOf(this.recording, this.camera);
     ({ frames: this.traceFrames, positions: this.tracePositions } = trace);
@@ -211,7 +208,8 @@ export class ChainDrawing {
     this.labelSpace.avoid((box) => lines.some((line) => isCrossed(box, line)));
     [...this.dots.map(([point]) => all[point]), ...letters].forEach((at) => this.labelSpace.reserveAround(at));
     const rings = this.#drawRings(frame);
-    const texts = [...this.#drawArrows(frame), ...this.#drawLoads(frame)];
+    const texts = [...this.#drawArrows(frame), ...this.#drawLoads(frame), ...impulsesOf(recording, rings)
+      .flatMap(({ position, away, length, text }) => this.#arrow(position, away, length, "force", text))];
     texts.forEach((text) => this.#label(...text)); // labels are written after all arrows are drawn, so that they keep off each arrow
     this.#drawNames(all, bodies);
     this.#numberRings(rings);
@@ -346,7 +344,7 @@ export class ChainDrawing {
       // the label tells if friction changes the shown force, because the list of impacts has the force without friction
       const whole = forceText(force);
       const rubs = friction && whole !== forceText(normal);
-      texts.push(...this.#arrow([x, y], [dx, dy], force, "force", held + whole + (rubs ? " with friction" : "")));
+      texts.push(...this.#arrow([x, y], [dx, dy], this.arrowScale.lengthOf(force), "force", held + whole + (rubs ? " with friction" : "")));
     });
     recording.stuckJointsAt(frame).forEach((joint) => {
       const centre = this.camera.toScreen(...recording.pointAt(frame, Math.max(joint - 1, 0)));
@@ -365,16 +363,15 @@ export class ChainDrawing {
     const most = Math.max(...sized.map(({ size }) => size));
     return sized.filter(({ size }) => this.arrowScale.isOnScale(size)).flatMap(({ n, x, y, size }) => {
       const position = camera.toScreen(...recording.pointAt(frame, n - 1));
-      return this.#arrow(position, [x / size, -y / size], size, "load", size === most ? forceText(size) : "");
+      return this.#arrow(position, [x / size, -y / size], this.arrowScale.lengthOf(size), "load", size === most ? forceText(size) : "");
     });
   }
 
   /**
-   * Draw the arrow of a force [N] from a position in a direction (a unit vector), both on the screen; `kind`: its class in the style sheet.
-   * Return a list with the arguments of `#label` for its text; the list is empty without a text, and for a short arrow.
+   * Draw an arrow of a `length` [pixels] from a position in a direction (a unit vector), both on the screen; `kind`: its class in the style
+   * sheet. Return a list with the arguments of `#label` for its text; the list is empty without a text, and for a short arrow.
    */
-  #arrow([x, y], [dx, dy], force, kind, text) {
-    const length = this.arrowScale.lengthOf(force);
+  #arrow([x, y], [dx, dy], length, kind, text) {
     const head = Math.min(14, 0.6 * length);
     const at = (along, across) => [x + dx * along - dy * across, y + dy * along + dx * across];
     this.arrows.line([at(0, 0), at(length - head, 0)]).addClass(`arrow ${kind}`);

@@ -1,5 +1,8 @@
 // The rings around recent impacts, which grow and fade, and the rule for the numbers beside them.
 
+import { impulseText } from "../base/format.js";
+import { hasImpulseOnly } from "../recording/recording.js";
+
 const RING_TIME = 0.25; // [s] simulated time for which an impact has a ring
 // [pixels] RING: diameter of a ring at the onset, and the growth of the diameter in RING_TIME; RINGS_APART: difference of the diameters of
 // two rings at one position
@@ -9,6 +12,7 @@ const OWN = 0.8; // the distance of a number from its ring must be smaller than 
 const NUMBERED_PART = 0.5; // fraction of RING_TIME for which a ring has its number beside it
 const PALE = 0.1; // a ring with a smaller opacity may lie behind a label
 const MOST_RINGS = 3; // largest number of rings at one position: those of its last impacts
+const IMPULSE_ARROW = 72; // [pixels] length of the arrow of the largest impulse
 const NUMBERS = 8; // largest number of impacts that have their numbers at one time
 
 /** Return the impacts that have rings at a frame: those with an onset at the time of the frame, or less than RING_TIME before. */
@@ -40,6 +44,23 @@ export function ringsOf(recent, places, now) {
     };
   });
 }
+
+/**
+ * Return the arrows of the impulses of rigid walls at recent impacts, whose `rings` are still seen: each with the `position` and `away` of
+ * its ring, its `length` [pixels] and its `text`. The lengths are in proportion to the cube roots of the impulses.
+ */
+export function impulsesOf({ impacts }, rings) {
+  const recent = rings.filter(({ number, isSeen }) => isSeen && isImpulse(impacts[number - 1]));
+  if (!recent.length) return [];
+  const most = Math.max(...impacts.filter(isImpulse).map(({ impulse }) => impulse));
+  return recent.map(({ number, ...ring }) => {
+    const impact = impacts[number - 1];
+    return { ...ring, length: IMPULSE_ARROW * Math.cbrt(impact.impulse / most), text: impulseText(impact) };
+  });
+}
+
+/** Return whether an impact is an impulse of a rigid wall: neither that of a stop of a joint, nor that of a rest, which grows with time. */
+const isImpulse = (impact) => hasImpulseOnly(impact) && !impact.atStop && impact.impulse > 0 && Number.isFinite(impact.rebound ?? NaN);
 
 /** Return a function: middle of a place for a ring's number → whether it is clearly nearer to the ring than to rings at other positions. */
 export function isOwnPlace({ position }, rings) {

@@ -16,12 +16,21 @@ export function belowStrip([[x0, y0], [x1, y1]]) {
   return ends.map((share) => [x0 + share * (x1 - x0), y0 + share * (y1 - y0)]);
 }
 
+/** Draw the strip of a `ChainDrawing`; in an enlarged drawing, where links may cross the strip, it has a ground of its own. */
+export function drawStrip(group, { recording, arrowScale, camera, size: [width], lens }) {
+  group.clear();
+  if (lens) group.rect(width, STRIP).addClass("strip-ground");
+  const free = recording.drawn.loads.length ? drawKey(group, width) : width;
+  const rulerEnd = recording.peakForce > 0 ? drawRuler(group, arrowScale, free) : 0;
+  drawScaleBar(group, camera.scale, free, rulerEnd);
+}
+
 /**
  * Draw a scale bar of a round length, at most LONGEST_BAR × `width`: in the middle or, if the ruler of forces reaches so far, to the right
  * of the ruler's end, `rulerEnd` [pixels]. A bar that would end beyond `width` is not drawn. `width`: that of the strip to the left of any
  * legend [pixels]; `scale`: in pixels per metre.
  */
-export function drawScaleBar(group, scale, width, rulerEnd) {
+function drawScaleBar(group, scale, width, rulerEnd) {
   const wanted = (LONGEST_BAR * width) / scale;
   const power = 10 ** Math.floor(Math.log10(wanted));
   const length = power * [5, 2, 1].find((factor) => factor * power <= wanted);
@@ -39,7 +48,7 @@ export function drawScaleBar(group, scale, width, rulerEnd) {
  * Draw the ruler of an `ArrowScale` with its marks, up to the largest force, but at least MARK_TO_HEAD beyond the last mark; write the
  * ruler's longest name that fits into the `width`. Return the horizontal position of the end of the name [pixels].
  */
-export function drawRuler(group, { longest, marks }, width) {
+function drawRuler(group, { longest, marks }, width) {
   const [left, y] = [12, STRIP - 7];
   const right = left + Math.max(longest, ...marks.map(({ at }) => at + MARK_TO_HEAD));
   group.line([[left, y], [right, y]]).addClass("bar ruler");
@@ -58,7 +67,7 @@ export function drawRuler(group, { longest, marks }, width) {
 /**
  * Draw the legend of the two kinds of arrows, with a background that hides walls; return the horizontal position of its left end [pixels].
  */
-export function drawKey(group, width) {
+function drawKey(group, width) {
   group.rect(2 * KEY, STRIP - 5).move(width - 2 * KEY, 0).addClass("key-ground");
   [["joint", "load"], ["wall", "force"]].forEach(([name, kind], column) => {
     group.plain(`➝ ${name}`).attr({ x: width - 8 - KEY * column, y: 0.6 * STRIP + 4 }).addClass(`key ${kind}`);

@@ -30,6 +30,7 @@ export function drawRail(group, front, recording, toScreen) {
     const [below, above] = tops.map((top) =>
       segments.filter((segment) => isCrossed([x - HALF_TEXT, top, x + HALF_TEXT, top + 2 * LINE_OF_TEXT], segment)).length);
     const top = above < below ? tops[1] : tops[0];
+    front.rect(2 * HALF_TEXT, 2 * LINE_OF_TEXT + 2).move(x - HALF_TEXT, top).addClass("text-ground");
     const text = `${SHARED.names.SLIDER_STOPS[name]} ${withMinus(String(Number(digits(position))))}\u202fm`;
     return [text, AT_EDGE].map((words, line) => {
       const y = top + (line + 0.8) * LINE_OF_TEXT;
