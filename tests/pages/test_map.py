@@ -191,16 +191,33 @@ def test_a_ranking_has_the_effects_of_the_ranking_of_a_result(show):
     told = page.evaluate(RANKED)
     result = simulate("four_link_box", sensitivities=["*"])
     ranking = result.ranking("peak_force")
-    shares = {name: float(text.replace("−", "-").removesuffix("\u202f%")) for name, text in told[:10]}
-    expected = share_by_step(ranking, exactly=True)
-    assert list(shares) == list(expected)[:10]
-    assert list(shares.values()) == pytest.approx(list(expected.values())[:10], rel=0.1)
-    steps = page.locator(".effect small").all_inner_texts()
-    assert {"+ 1\u202f%", "+ 1°"} <= set(steps[:10])
-    assert all(step.startswith("+ 0.01") for step in steps[10:]), "parameters that are 0 come last"
+    shares = {name: float(text.replace("−", "-").removesuffix("\u202f%")) for name, text in told}
+    angles = {effect.parameter for effect in ranking.effects if effect.unit == "rad"}
+    steps = page.locator(".effect > :nth-child(2)").all_inner_texts()
+    for step, is_angle in (("+ 1\u202f%", False), ("+ 1°", True)):
+        group = [name for (name, _), one in zip(told, steps, strict=True) if one == step]
+        exact = share_by_step(ranking, exactly=True)
+        expected = {name: share for name, share in exact.items() if (name in angles) == is_angle}
+        assert group == list(expected)[: len(group)], "each kind of step has a group"
+        assert [shares[name] for name in group] == pytest.approx(
+            list(expected.values())[: len(group)], rel=0.1
+        )
+    assert all(step.startswith("+ 0.01") for step in steps[steps.index("+ 1°") :] if step != "+ 1°"), (
+        "parameters that are 0 come last"
+    )
+    assert page.locator("#map-ranking h3").count() == 3
+    longest = page.locator("h3 + .effect .effect-bar").evaluate_all(
+        "bars => bars.map(({ style }) => [style.getPropertyValue('--from'), style.getPropertyValue('--to')])"
+    )
+    assert all("0%" in ends or "100%" in ends for ends in longest), "each group has a scale of its own"
+    more = page.get_by_role("button", name="Show all ")
+    count = int(more.inner_text().split()[-1])
+    more.click()
+    assert page.locator(".effect").count() == count > len(steps)
+    assert more.count() == 0
     table = saved(page, "Ranking as CSV").read_text().splitlines()
     assert table[0].startswith("parameter,value,step,change of peak_force")
-    assert len(table) > 1 + len(steps)
+    assert len(table) > 1 + count
     page.locator("#map-output").select_option("max_penetration")
     page.locator("#map-ranking-text").get_by_text("Largest penetration = ").wait_for()
     deeper = list(share_by_step(result.ranking("max_penetration")))
@@ -216,7 +233,7 @@ def test_a_ranking_of_a_count_has_whole_numbers(show):
     page.get_by_role("button", name="Map…").click()
     page.get_by_role("button", name="What drives it?").click()
     page.locator("#map-ranking-text").get_by_text("Number of impacts = 1. ").wait_for()
-    changes = page.locator(".effect span:nth-child(3)").all_inner_texts()
+    changes = page.locator(".effect > :nth-child(4)").all_inner_texts()
     assert changes
     assert all(re.fullmatch(r"[+−]\d+", change) for change in changes)
 

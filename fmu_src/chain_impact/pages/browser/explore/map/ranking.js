@@ -9,26 +9,32 @@ import { quantityOf, scaledTo } from "./map_scales.js";
 // the step of each parameter, relative to its value or, for a value of 0, in its SI unit (PART in recording/sensitivity.py)
 const STEP_SHARE = 0.01;
 const ANGLE_STEP = Math.PI / 180; // step of each angle [rad]: its value depends on the direction from which it is counted
-const MOST_AT_ZERO = 4; // largest number of parameters with the value 0 in the list
 const LEAST_SHARE = 1e-6; // an effect that is at most this, relative to the output, can be an error of the solver, and counts as none
-const MOST_EFFECTS = 10; // largest number of parameters in the list
+// the kinds of steps, whose effects cannot be compared with each other: `most` is the number of parameters that the list shows at first
+const KINDS = {
+  relative: { head: "A step of 1\u202f% of the value", most: 8 },
+  angle: { head: "A step of 1°", most: 5 },
+  absolute: { head: "For values of 0, a step of 0.01 of the unit, which is arbitrary", most: 3 },
+};
 // parameters that are no part of the mechanism, and exponents, which change the unit of a stiffness
 const NOT_RANKED = /^(solver|simulation)\.|\.exponent$/;
 
 /**
  * Return a parameter's `name`, its `value` after a step, with the `sign` 1, or, if the scene refuses this value, after the opposite step,
- * with the `sign` −1; undefined if the scene refuses both. The `text` tells the step: 1 % of the value, 1° for an angle, or for a value of
- * 0 (`isAtZero`) a hundredth of the unit.
+ * with the `sign` −1; undefined if the scene refuses both. The `text` tells the step, by its `kind` (KINDS): 1 % of the value, 1° for an
+ * angle, or for a value of 0 a hundredth of the unit.
  */
 function stepOf(changes, name) {
   const { unit } = changes.parameters.get(name);
   const before = changes.valueOf(name);
-  const isAngle = unit === "rad";
-  const isAtZero = before === 0 && !isAngle;
-  const step = isAngle ? ANGLE_STEP : isAtZero ? STEP_SHARE : Math.abs(before) * STEP_SHARE;
-  const size = isAngle ? "1°" : isAtZero ? `${STEP_SHARE}\u202f${unitText(unit)}`.trim() : "1\u202f%";
-  const upwards = before < 0 && !isAngle ? -1 : 1; // 1 % more of a negative value is a more negative value
-  const steps = [1, -1].map((sign) => ({ name, sign, isAtZero, value: before + sign * upwards * step, text: `+ ${size}` }));
+  const kind = unit === "rad" ? "angle" : before === 0 ? "absolute" : "relative";
+  const [step, size] = {
+    angle: [ANGLE_STEP, "1°"],
+    absolute: [STEP_SHARE, `${STEP_SHARE}\u202f${unitText(unit)}`.trim()],
+    relative: [Math.abs(before) * STEP_SHARE, "1\u202f%"],
+  }[kind];
+  const upwards = kind === "relative" && before < 0 ? -1 : 1; // 1 % more of a negative value is a more negative value
+  const steps = [1, -1].map((sign) => ({ name, sign, kind, value: before + sign * upwards * step, text: `+ ${size}` }));
   return steps.find(({ value }) => {
     try {
       return changes.with({ [name]: value });
@@ -65,6 +71,7 @@ export class Ranking {
 
   /** Begin the list, which takes the place of the map when the list has entries; if `isShown` is false, show the map again. */
   #show(isShown) {
+    this.isWhole = false;
     this.text.hidden = !isShown;
     this.#fill([]);
     this.button.setAttribute("aria-pressed", isShown);
@@ -127,36 +134,54 @@ export class Ranking {
       .map((run) => ({ ...run, change: run.sign * (valueOf(run) - base) }))
       .sort((one, other) => Math.abs(other.change) - Math.abs(one.change));
     const some = effects.filter(({ change }) => Math.abs(change) > LEAST_SHARE * Math.abs(base));
-    const [usual, zeros] = [false, true].map((wanted) => some.filter(({ isAtZero }) => isAtZero === wanted));
-    const listed = base === null ? [] : [...usual.slice(0, MOST_EFFECTS), ...zeros.slice(0, MOST_AT_ZERO)];
-    const largest = Math.max(...listed.map(({ change }) => Math.abs(change)));
+    const groups = base === null ? [] : Object.entries(KINDS).map(([wanted, { head, most }]) => {
+      const all = some.filter(({ kind }) => kind === wanted);
+      return { head, all, listed: this.isWhole ? all : all.slice(0, most) };
+    }).filter(({ all }) => all.length);
     this.csv = csvOfRanking(this.changes, effects, output, base);
-    const rows = listed.map(({ name, change, text: step }) => {
-      const ends = [50, 50 + (50 * change) / largest].sort((a, b) => a - b).map((end) => `${end}%`);
-      const bar = make("span", { className: `effect-bar ${change < 0 ? "less" : ""}` });
-      ["--from", "--to"].forEach((key, k) => bar.style.setProperty(key, ends[k]));
-      const sign = change > 0 ? "+" : "";
-      const share = base ? `${sign}${withMinus(digits((100 * change) / Math.abs(base), 2))}\u202f%` : "";
-      const row = make("button", { type: "button", className: "effect", title: `Vary ${name} in the map, to the right` },
-        make("span", {}, this.wordsOf(name), " ", make("small", { textContent: step })), bar,
-        make("span", { textContent: sign + write(change, 2) }),
-        make("span", { textContent: share }));
-      row.addEventListener("click", () => {
-        this.#show(false);
-        this.choose(name);
-      });
-      return row;
-    });
-    const atZero = rows.splice(Math.min(usual.length, MOST_EFFECTS));
-    const textContent = "Parameters that are 0, for which the size of a step is arbitrary:";
-    const head = make("p", { className: "note", textContent });
-    this.#fill([...rows, ...(atZero.length ? [head, ...atZero] : [])]);
-    const others = [some.length > listed.length && `${some.length - listed.length} more with smaller effects`,
-      effects.length > some.length && `${effects.length - some.length} without any effect`,
+    const listed = groups.flatMap((group) => group.listed);
+    const rowsOf = (group) => group.map((effect) => this.#row(effect, { base, write, largest: Math.abs(group[0].change) }));
+    this.#fill(groups.flatMap((group) => [make("h3", { textContent: group.head }), ...rowsOf(group.listed)]));
+    if (listed.length) this.#addHead(some.length > listed.length ? some.length : 0);
+    const others = [effects.length > some.length && `${effects.length - some.length} without any effect`,
       shown.refused && `${shown.refused} not varied, because the scene refuses both steps`].filter(Boolean).join(", ");
     const effect = "Effects of a small step of a parameter, each from a run";
     const told = `${effect}${others && `; ${others}`}. Choose one to vary it in the map, to the right.`;
     text.textContent = base === null ? `${quantityOf(output.name)} is not known ${output.isPlace ? "as a number" : "in this run"}.`
       : `${quantityOf(output.name)} = ${write(base, 4)}. ${told}`;
+  }
+
+  /**
+   * Return the row of an effect, a button that varies its parameter in the map. `base`: the output without a step; `write`: a function that
+   * writes an output; `largest`: the largest change in the row's group, which the longest bar stands for.
+   */
+  #row({ name, change, text: step }, { base, write, largest }) {
+    const ends = [50, 50 + (50 * change) / largest].sort((a, b) => a - b).map((end) => `${end}%`);
+    const bar = make("span", { className: `effect-bar ${change < 0 ? "less" : ""}` });
+    ["--from", "--to"].forEach((key, k) => bar.style.setProperty(key, ends[k]));
+    const sign = change > 0 ? "+" : "";
+    const share = base ? `${sign}${withMinus(digits((100 * change) / Math.abs(base), 2))}\u202f%` : "";
+    const texts = [this.wordsOf(name), step, sign + write(change, 2), share].map((textContent) => make("span", { textContent }));
+    texts.splice(2, 0, bar);
+    const row = make("button", { type: "button", className: "effect", title: `Vary ${name} in the map, to the right` }, ...texts);
+    row.addEventListener("click", () => {
+      this.#show(false);
+      this.choose(name);
+    });
+    return row;
+  }
+
+  /** Begin the list with a legend of the bars and, if `count` is not 0, with a button that shows all effects, `count` in number. */
+  #addHead(count) {
+    const keys = [["", "the output grows"], ["less", "the output becomes smaller"]].map(([kind, words]) =>
+      make("span", {}, make("i", { className: `effect-key ${kind}` }), words));
+    const head = make("p", { className: "note effect-head" }, ...keys, "each group has a scale of its own");
+    const more = make("button", { type: "button", textContent: `Show all ${count}` });
+    more.addEventListener("click", () => {
+      this.isWhole = true;
+      this.#draw();
+    });
+    if (count) head.append(more);
+    this.list.prepend(head);
   }
 }
