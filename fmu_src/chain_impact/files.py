@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import stat
 import tempfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from errno import EIO
@@ -33,6 +34,11 @@ def included(in_package: str, in_repository: str) -> Path:
     """
     installed = Path(__file__).parent / in_package
     return installed if installed.exists() else Path(__file__).parents[2] / in_repository
+
+
+def with_checksum(start: bytes, content: bytes) -> bytes:
+    """Return ``start``, the checksum (CRC-32) of ``content`` as 8 bytes, and ``content``."""
+    return start + zlib.crc32(content).to_bytes(8, "little") + content
 
 
 def others_can_write(status: os.stat_result) -> bool:

@@ -111,6 +111,22 @@ def as_html(parts: Iterable[str | TextTable]) -> str:
     return f"<div>{''.join(blocks)}</div>"
 
 
+class Printed:
+    """An object whose text is lines and tables: plain text, and HTML in a notebook."""
+
+    def _lines_and_tables(self, *, in_notebook: bool) -> Iterable[str | TextTable]:
+        """Return the lines and tables of the text; in a notebook there may be more."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        """Return the object as text of several lines."""
+        return as_text(self._lines_and_tables(in_notebook=False))
+
+    def _repr_html_(self) -> str:
+        """Return the object as HTML for a notebook."""
+        return as_html(self._lines_and_tables(in_notebook=True))
+
+
 def html_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return a table of texts as HTML; each row is one line of the HTML."""
     cells = [("th", head), *(("td", row) for row in rows)]

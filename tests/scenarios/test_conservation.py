@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, simulate
-from chain_impact.scene.scene import SOLVER_METHODS
+from chain_impact.kernel.record.constants import SOLVER_METHODS
 from tests.helpers.models.reference import momenta
 from tests.helpers.scenes.problems import GRAVITY, default_scene, of_law, rod, tumbling_chain
 

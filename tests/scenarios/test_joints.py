@@ -8,9 +8,9 @@ from scipy.integrate import solve_ivp
 
 from chain_impact import simulate
 from chain_impact.kernel.ode.control import ERROR_ORDER
-from chain_impact.kernel.record.constants import IMPLICIT
+from chain_impact.kernel.record.constants import IMPLICIT, SOLVER_METHODS
 from chain_impact.kernel.status import OK
-from chain_impact.scene.scene import SOLVER_METHODS, with_values
+from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
 from tests.helpers.models.reference import balance, momenta
 from tests.helpers.models.textbook import Textbook

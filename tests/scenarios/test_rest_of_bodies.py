@@ -8,7 +8,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from chain_impact import simulate
-from chain_impact.scene.scene import SOLVER_METHODS
+from chain_impact.kernel.record.constants import SOLVER_METHODS
 from tests.helpers.models.reference import balance
 from tests.helpers.scenes.problems import (
     FLOOR,

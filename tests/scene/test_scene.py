@@ -1,5 +1,7 @@
 """Scene files: their meaning, numbers of links, values set by name, and unreadable files."""
 
+# Tests: scene/plain_data.py, scene/value_paths.py
+
 import copy
 from dataclasses import is_dataclass
 from fractions import Fraction
@@ -8,10 +10,10 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.record.constants import SOLVER_METHODS
 from chain_impact.scene.files.models import model_names, models_folder
 from chain_impact.scene.keys.chain_tables import MAX_LINKS, Link
 from chain_impact.scene.scene import (
-    SOLVER_METHODS,
     SceneError,
     fixed_hint,
     load_scene,

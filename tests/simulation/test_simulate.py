@@ -13,10 +13,11 @@ import pytest
 import chain_impact
 from chain_impact import load_scene, simulate
 from chain_impact.kernel import status
+from chain_impact.kernel.record.constants import SOLVER_METHODS
 from chain_impact.kernel.record.contacts import LOG_SIZE
 from chain_impact.kernel.record.instance import STATE_OUTPUTS
 from chain_impact.scene.files.models import models_folder
-from chain_impact.scene.scene import SOLVER_METHODS, SceneError, with_values
+from chain_impact.scene.scene import SceneError, with_values
 from chain_impact.simulation import kernels
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.instance import Instance

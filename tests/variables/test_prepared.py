@@ -13,11 +13,11 @@ from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.fmu.documents import documents
 from chain_impact.fmu.native_target import native_files
 from chain_impact.kernel.chain.inertia import DERIVED
-from chain_impact.kernel.record.constants import NO_CONTACT
+from chain_impact.kernel.record.constants import NO_CONTACT, SOLVER_METHODS
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.errors import UnknownNameError
 from chain_impact.scene.files.models import model_names
-from chain_impact.scene.scene import SOLVER_METHODS, with_values
+from chain_impact.scene.scene import with_values
 from chain_impact.variables import prepared as prepared_module
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.listing import value_at

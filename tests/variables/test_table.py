@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.record.constants import WALLS
+from chain_impact.kernel.record.constants import SOLVER_METHODS, WALLS
 from chain_impact.kernel.record.instance import output_dtype
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import candidates
-from chain_impact.scene.scene import SOLVER_METHODS, with_values
+from chain_impact.scene.scene import with_values
 from chain_impact.scene.signal_inputs import driven_by
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.prepared import PreparedScene

@@ -5,13 +5,13 @@ from __future__ import annotations
 import hashlib
 import struct
 import uuid
-import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import accumulate
 from typing import Any
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
+from chain_impact.files import with_checksum
 from chain_impact.fmu.model_description import TOKEN
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import parts_in_words
@@ -124,7 +124,7 @@ def table_bytes(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
     head |= {"size": head["texts_at"] + len(texts), "checksum": 0, "record_size": len(record)}
     packed_head = _structure(HEAD_FORMATS, {**head, "magic": MAGIC, "guid": guid.encode()})
     checked = packed_head[CHECKED_FROM:] + content
-    return packed_head[: CHECKED_FROM - 8] + zlib.crc32(checked).to_bytes(8, "little") + checked
+    return with_checksum(packed_head[: CHECKED_FROM - 8], checked)
 
 
 def _structure(formats: Mapping[str, str], values: Mapping[str, Any]) -> bytes:

@@ -25,7 +25,7 @@ from chain_impact.results.effects import (
 from chain_impact.results.quantity import quantity_named
 from chain_impact.scene.errors import names_matching
 from chain_impact.scene.words.unit_text import bracketed_unit, unit_text, with_unit
-from chain_impact.text import TextTable, as_html, as_text, plural, readable, signed
+from chain_impact.text import Printed, TextTable, plural, readable, signed
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ MOST_BARS = 16  # largest number of bars in the picture of a ranking
 
 
 @dataclass(frozen=True, repr=False)
-class Ranking:
+class Ranking(Printed):
     """Parameters and inputs in the order of their effect on a quantity, the largest effect first.
 
     Attributes:
@@ -75,13 +75,9 @@ class Ranking:
     left_out: tuple[str, ...] = ()
     value_in: Callable[[Recording], float] = field(compare=False, kw_only=True)
 
-    def __repr__(self) -> str:
-        """Return the ranking as text: tables of the effects, and remarks (``parts``)."""
-        return as_text(self.parts())
-
-    def _repr_html_(self) -> str:
-        """Return the contents of ``repr`` as HTML for a notebook."""
-        return as_html(self.parts())
+    def _lines_and_tables(self, *, in_notebook: bool) -> Iterator[str | TextTable]:  # noqa: ARG002
+        """Return tables of the effects, and remarks."""
+        return self.parts()
 
     def share(self, effect: Effect) -> float:
         """Return the change of an effect divided by |value of the quantity|; NaN if the value is 0."""

@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, overload
@@ -25,7 +25,7 @@ from chain_impact.results.scene_recording import SceneRecording
 from chain_impact.scene.errors import SceneError, SceneWarning, UnknownNameError, names_matching
 from chain_impact.scene.facts import FACTS
 from chain_impact.scene.half_planes import HalfPlane
-from chain_impact.text import as_html, as_text
+from chain_impact.text import Printed, TextTable
 from chain_impact.variables.hints import series_hint
 from chain_impact.variables.outputs import OUTPUTS
 from chain_impact.variables.prepared import PreparedScene, field_at
@@ -44,7 +44,7 @@ ENERGIES = {
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Result(SceneRecording):
+class Result(Printed, SceneRecording):
     """The result of a simulation: a recording with its scene.
 
     Two results are equal if all their attributes except ``stepwise`` and ``rerun`` are equal.
@@ -333,13 +333,10 @@ class Result(SceneRecording):
         """
         return tables.stick_slip_table(self.stick_slip, self.wall_names)
 
-    def __repr__(self) -> str:
-        """Return the summary of the run in some lines, with the first impacts."""
-        return as_text(summary.summary_lines(self, len(self.names), self._facts(), summary.LISTED_IN_SHORT))
-
-    def _repr_html_(self) -> str:
-        """Return the summary as HTML for a notebook, with more impacts than in ``repr``."""
-        return as_html(summary.summary_lines(self, len(self.names), self._facts(), summary.LISTED_IMPACTS))
+    def _lines_and_tables(self, *, in_notebook: bool) -> Iterable[str | TextTable]:
+        """Return the summary of the run, with the first impacts; with more of them in a notebook."""
+        listed = summary.LISTED_IMPACTS if in_notebook else summary.LISTED_IN_SHORT
+        return summary.summary_lines(self, len(self.names), self._facts(), listed)
 
     def _facts(self) -> list[str]:
         """Return lines on the energy, on a wall or slider stop that is too soft, and on the solver's work."""

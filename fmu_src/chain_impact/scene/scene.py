@@ -8,36 +8,32 @@ import functools
 import operator
 import os
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import Field, dataclass, is_dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import Field, dataclass, replace
 from html import escape
-from numbers import Integral
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from chain_impact.kernel.record.constants import SOLVER_METHODS
 from chain_impact.scene import complete_scene, shapes
 from chain_impact.scene.checks import checks
-from chain_impact.scene.contents import Contents, named_point_hint, slider_hint
+from chain_impact.scene.contents import Contents
 from chain_impact.scene.derived import path_in_file, paths_in_scene, rule_at, rule_of, tables, without_derived
 from chain_impact.scene.display import drawing, scene_text
-from chain_impact.scene.errors import SceneError, UnknownNameError, value_text
+from chain_impact.scene.errors import SceneError, value_text
 from chain_impact.scene.facts import SceneFacts, friction_joints
 from chain_impact.scene.fast_values import with_numbers
 from chain_impact.scene.files.lines import fault_hint, line_of
 from chain_impact.scene.files.models import scene_file_path, unreadable
 from chain_impact.scene.files.text_file import text_of
-from chain_impact.scene.keys.chain_tables import Link
+from chain_impact.scene.plain_data import plain, without_empty
 from chain_impact.scene.reading import Reader, keys_of, tell_all_faults
-from chain_impact.scene.rules.key_rules import Derived, keys
+from chain_impact.scene.rules.key_rules import Derived
+from chain_impact.scene.value_paths import path_and_value, paths_by_name, single_values
 from chain_impact.scene.warning import warn
 from chain_impact.scene.words.names import (
     DataPath,
     as_typed,
-    fmu_name,
     name_of,
-    other_names,
-    parameter_hint,
     path_text,
 )
 
@@ -72,7 +68,7 @@ class Scene(Contents):
         The value is None where the scene has none, such as the position of a missing wall.
         """
         walls = [wall.name for wall in self.walls]
-        return {name_of(path, walls): value for path, value in _leaves(self)}
+        return {name_of(path, walls): value for path, value in single_values(self)}
 
     @property
     def moving_walls(self) -> tuple[str, ...]:
@@ -203,11 +199,6 @@ def _has_counts(data: Any) -> bool:
     return any(isinstance(table, Mapping) and "count" in table for table in tables)
 
 
-def _paths_by_name(scene: Scene) -> dict[str, DataPath]:
-    """Return name → path for each key outside of lists, and each single value, such as `link[1].mass`."""
-    return _keys() | _names(scene)
-
-
 def scene_to_dict(scene: Scene, *, derived: bool = False) -> dict[str, Any]:
     """Return the scene as plain dicts, lists and values that TOML can hold.
 
@@ -215,51 +206,11 @@ def scene_to_dict(scene: Scene, *, derived: bool = False) -> dict[str, Any]:
     corners of boxes in place of ``shape`` and ``height``; a scene that is read from these data has all of
     them as given values.
     """
-    data = _plain(scene)
+    data = plain(scene)
     if not derived:
         without_derived(data, scene.derived_paths)
     shapes.set_corners_apart(data, given=derived)
-    return _without_empty(shapes.without_corners(data))
-
-
-def _plain(value: Any) -> Any:
-    """Return a value of a scene as plain dicts, lists and values.
-
-    Keys whose value is None are left out, empty tables and lists are not. dataclasses.asdict would be slower,
-    because it copies each number.
-    """
-    if is_dataclass(value):
-        parts = ((entry.name, getattr(value, entry.name)) for entry in keys(value.__class__))
-        return {name: _plain(part) for name, part in parts if part is not None}
-    if isinstance(value, Mapping):
-        return {name: _plain(part) for name, part in value.items()}
-    return [_plain(part) for part in value] if isinstance(value, tuple) else value
-
-
-def _without_empty(data: dict[str, Any]) -> dict[str, Any]:
-    """Return a scene's data without empty [stops], [signals] and ``points``, and materials without values."""
-    data, contact, chain = dict(data), data["contact"], data["chain"]
-    if isinstance(chain, Mapping) and isinstance(chain.get("links"), list):
-        data["chain"] = {**chain, "links": [_without_no_points(link) for link in chain["links"]]}
-    for table in ("stops", "signals"):
-        if isinstance(data.get(table), Mapping) and not data[table]:
-            del data[table]
-    if isinstance(contact, Mapping) and isinstance(contact.get("wall"), Mapping):
-        walls = {name: table for name, table in contact["wall"].items() if _holds(table)}
-        data["contact"] = {key: value for key, value in contact.items() if key != "wall"}
-        data["contact"] |= {"wall": walls} if walls else {}
-    return data
-
-
-def _without_no_points(link: Any) -> Any:
-    """Return the data of a link without the key ``points`` if its list is empty."""
-    empty = isinstance(link, Mapping) and isinstance(link.get("points"), list) and not link["points"]
-    return {key: value for key, value in link.items() if key != "points"} if empty else link
-
-
-def _holds(table: Any) -> bool:
-    """Return False for a table that is empty or whose values are all None; True for anything else."""
-    return not isinstance(table, Mapping) or any(value is not None for value in table.values())
+    return without_empty(shapes.without_corners(data))
 
 
 def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[Any, ...], Any]) -> Scene:
@@ -280,8 +231,8 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[A
     if (quick := with_numbers(scene, changes)) is not None:
         return quick
     # To make the table of all names takes longer than most changes: it is made once, and only if needed.
-    names = functools.cache(lambda: _paths_by_name(scene))
-    values = [_path_and_value(scene, names, *change) for change in changes.items()]
+    names = functools.cache(lambda: paths_by_name(scene))
+    values = [path_and_value(scene, names, *change) for change in changes.items()]
     try:
         changed = _with_any(scene, values)
     except SceneError as error:
@@ -294,7 +245,7 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[A
 
 def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     """Return the scene after changes, pairs (path, new value), with all data read and checked again."""
-    data, paths = _plain(scene), [path for path, _ in values]
+    data, paths = plain(scene), [path for path, _ in values]
     if JOINT_ANGLES_PATH in paths and complete_scene.ANGLES not in tables(paths):
         del data["initial"]["angles"]
     # if one entry of a derived list is given, all entries of the list become given values
@@ -309,33 +260,12 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
             raise SceneError(
                 f"{scene.name}: {value_text(path)} is not a path to a value of the scene"
             ) from None
-    changed = _validated(_without_empty(shapes.without_corners(data)), scene.name, in_file=False)
+    changed = _validated(without_empty(shapes.without_corners(data)), scene.name, in_file=False)
     kept = scene.has_joint_angles and complete_scene.ANGLES not in paths
     return replace(changed, has_joint_angles=kept or changed.has_joint_angles)
 
 
 JOINT_ANGLES_PATH = ("initial", "joint_angles")  # this key may be given in place of ``initial.angles``
-
-
-def _path_and_value(
-    scene: Scene, all_names: Callable[[], dict[str, DataPath]], change: str | DataPath, given: Any
-) -> tuple[DataPath, Any]:
-    """Return the path and the new value of a change; ``change`` is the path or the name of the value.
-
-    Refuse an unknown name, but no path. ``all_names`` is a function that returns name → path for all names of
-    the scene; it is called only if the name is not in ``_keys``. ``given`` is the new value.
-    """
-    given = given.tolist() if hasattr(given, "tolist") else given
-    if not isinstance(change, str):
-        return change, given
-    names = _keys() if change in _keys() else all_names()
-    spellings = (change, *other_names(change))
-    name_as_typed, change = change, next((name for name in spellings if name in names), fmu_name(change))
-    if (hint := slider_hint(scene, change)) or change not in names:
-        hint = hint or parameter_hint(change, len(scene.chain.links), scene.signals)
-        hint = hint or named_point_hint(scene, change, names)
-        raise UnknownNameError(scene.name, name_as_typed, names, "not a parameter", hint)
-    return names[change], _chosen(scene, change, given)
 
 
 def fixed_hint(scene: Scene, name: str) -> str | None:
@@ -345,55 +275,3 @@ def fixed_hint(scene: Scene, name: str) -> str | None:
     """
     there = scene.values.get(name) is not None
     return "change it in the scene file, with --set or with_values" if there else None
-
-
-@functools.cache
-def _keys() -> dict[str, DataPath]:
-    """Return dotted key → path, for keys that are neither in lists of tables nor in named tables.
-
-    A named table is one to which the user gives a name, such as a signal.
-    """
-    return {key: tuple(key.split(".")) for key, _ in scene_keys() if not set("[<") & set(key)}
-
-
-def _names(scene: Scene) -> dict[str, DataPath]:
-    """Return name → path, for every single value of the scene."""
-    walls = [wall.name for wall in scene.walls]
-    return {name_of(path, walls): path for path, _ in _leaves(scene)}
-
-
-def _leaves(
-    value: Any, path: DataPath = (), unit: str = "", skipped: int = 0
-) -> Iterator[tuple[DataPath, Any]]:
-    """Yield path and value of every single value in ``value``, which has the path ``path`` in the scene.
-
-    In a list of numbers with a ``unit``, each entry is a single value; in a list of tables, each value of
-    each table is one. Any other list is a single value as a whole. The first ``skipped`` entries of a list
-    are left out: these are the corners of a box, which follow from its size.
-    """
-    if is_dataclass(value):
-        for entry in (entry for entry in keys(value.__class__) if not entry.metadata.get("file_only")):
-            inner, unit = getattr(value, entry.name), entry.metadata.get("unit", "")
-            skipped = value.corners if entry.name == "points" and isinstance(value, Link) else 0
-            yield from _leaves(inner, (*path, entry.name), unit, skipped)
-    elif isinstance(value, Mapping):
-        for name, child in value.items():
-            yield from _leaves(child, (*path, name))
-    elif isinstance(value, tuple) and value[skipped:] and (unit or is_dataclass(value[0])):
-        for i, child in enumerate(value[skipped:], skipped):
-            yield from _leaves(child, (*path, i))
-    else:
-        yield path, value[skipped:] if skipped else value
-
-
-def _chosen(scene: Scene, name: str, value: Any) -> Any:
-    """Return the choice of the parameter ``name`` with the number ``value`` in the FMU; numbers begin at 1.
-
-    Only contact laws and the methods of the solver have numbers. For any other name, for a number of no
-    choice, and for a value that is no integer, ``value`` is returned unchanged.
-    """
-    if isinstance(value, bool) or not isinstance(value, Integral):
-        return value
-    laws = dict.fromkeys(("contact.model", "stops.model"), scene.law_names)
-    choices = {**laws, "solver.method": SOLVER_METHODS}.get(name, ())
-    return choices[int(value) - 1] if 0 < int(value) <= len(choices) else value

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.files import with_checksum
 from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.status import OK
 from chain_impact.recording.impacts import LOG_DTYPE, sorted_impacts
@@ -253,7 +254,7 @@ class Chain:
         changes = self._instance.all_changes
         head = STATE.pack(MAGIC, 0, self._digest, self._stepped, len(impacts), len(changes))
         checked = head[CHECKED_FROM:] + impacts.tobytes() + changes.tobytes() + self._reals.tobytes()
-        return MAGIC + zlib.crc32(checked).to_bytes(8, "little") + checked
+        return with_checksum(MAGIC, checked)
 
     def restore(self, state: bytes) -> None:
         """Return to a saved state.

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.record.constants import WALLS
-from chain_impact.scene.scene import SOLVER_METHODS, Scene, scene_from_dict
+from chain_impact.kernel.record.constants import SOLVER_METHODS, WALLS
+from chain_impact.scene.scene import Scene, scene_from_dict
 
 MOST_LINKS, LONG_LINKS = 10, (11, 60)
 HARD_WORK = 2e4  # work limit, in evaluations, of a scene that necessarily needs much work

@@ -21,8 +21,9 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.kernel.record.constants import SOLVER_METHODS
 from chain_impact.kernel.status import OK, STATUS_NAME
-from chain_impact.scene.scene import SOLVER_METHODS, Scene, scene_from_dict
+from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.instance import Instance
 from tests.helpers.campaigns.random_parts import Draw

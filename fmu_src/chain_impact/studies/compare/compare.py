@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,7 +37,7 @@ from chain_impact.studies.law_exchange import (
     law_values,
     stiffened,
 )
-from chain_impact.text import as_html, as_text
+from chain_impact.text import Printed, TextTable
 
 if TYPE_CHECKING:
     import pandas
@@ -54,7 +54,7 @@ impact reaches at K times each factor.
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Comparison(LawRuns):
+class Comparison(Printed, LawRuns):
     """The results of one scene with each of several contact laws.
 
     The text of a comparison is a table with a line for each law, and advice on the law to use.
@@ -68,13 +68,9 @@ class Comparison(LawRuns):
             scene's stiffness; if this impact is not free (``is_free``), at larger stiffnesses, too.
     """
 
-    def __repr__(self) -> str:
-        """Return the table and the advice as text of several lines."""
-        return as_text(report(self))
-
-    def _repr_html_(self) -> str:
-        """Return the table and the advice for a notebook."""
-        return as_html(report(self))
+    def _lines_and_tables(self, *, in_notebook: bool) -> Iterator[str | TextTable]:  # noqa: ARG002
+        """Return the table and the advice."""
+        return report(self)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return a table of pandas with a row for each law and the columns of ``save_csv``.

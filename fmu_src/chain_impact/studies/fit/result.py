@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,7 +12,7 @@ from chain_impact.deprecated import OlderName
 from chain_impact.extras import require
 from chain_impact.studies.fit.estimates import Estimates, LawEstimates
 from chain_impact.studies.fit.report import report
-from chain_impact.text import as_html, as_text
+from chain_impact.text import Printed, TextTable
 
 if TYPE_CHECKING:
     import pandas
@@ -36,7 +37,7 @@ class LawFit(LawEstimates):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Fit(Estimates):
+class Fit(Printed, Estimates):
     """The estimates of the free parameters.
 
     The text of a fit is a report. The name of a parameter is that in the FMU; if the parameter has a value
@@ -71,13 +72,9 @@ class Fit(Estimates):
     runs = OlderName("evaluations")
     models = OlderName("model_runs")
 
-    def __repr__(self) -> str:
-        """Return the whole report as text of several lines."""
-        return as_text(report(self))
-
-    def _repr_html_(self) -> str:
-        """Return the whole report for a notebook."""
-        return as_html(report(self))
+    def _lines_and_tables(self, *, in_notebook: bool) -> Iterator[str | TextTable]:  # noqa: ARG002
+        """Return the whole report."""
+        return report(self)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the estimates as a table of pandas, one row for each free parameter.
