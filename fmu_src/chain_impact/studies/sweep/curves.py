@@ -38,10 +38,11 @@ RING: dict[str, Any] = CROSS | {"marker": "o", "markerfacecolor": "none"}
 FOOT = 0.05  # the distance of the crosses from an edge of the panel, relative to the size of the panel
 FEW_VALUES = 40  # a curve through at most this number of values has a marker at each of them
 MARK_SIZE, DOT_SIZE = 3.0, 2.0  # [points] the sizes of a mark and of a dot
-MARKERS = "os^Dv<>phX"  # the marks of counts of several lines
-# COUNT_GAP: the largest distance of marks of equal counts [inch]; PART_FOR_MARKS: the part of the distance of
-# two values that all marks of a value take
-COUNT_GAP, PART_FOR_MARKS = 0.055, 0.75
+MARKERS = "os^Dv<>phX"  # the marks of several lines, the same in all panels
+# COUNT_GAP: the largest distance of lines with equal counts [inch]; PART_FOR_LINES: the part of the distance
+# of two counts that all lines of a count take
+COUNT_GAP, PART_FOR_LINES = 0.055, 0.75
+EQUAL_COUNTS = "equal counts one above the other"
 # If the axis of the parameter is logarithmic, the axis of a quantity that is no count is logarithmic, too, if
 # the smallest value of the quantity is > 0, and the largest value is at least DECADE times the smallest
 # value: a power law is then a straight line.
@@ -76,24 +77,18 @@ def draw_curves(
         for place, ((names, rows), look, use) in enumerate(looks):
             text = " = ".join(names)
             label = f"{text} (failed)" if choice and runs.failed[rows].all() else text
-            marks: dict[str, Any] = {}
-            across_up = values[rows], shown[rows]
-            is_beside = quantity.is_count and not is_sampled
+            across_up, marks = (values[rows], shown[rows]), dict[str, Any]()
             if is_sampled:
                 marks = {"marker": ".", "linestyle": "", "rasterized": True}
-            elif is_beside:
-                # a count has no line, which would show numbers that no run has; marks of equal counts stand
-                # side by side
-                marks = {"marker": MARKERS[place % len(MARKERS)], "linestyle": "", "markersize": MARK_SIZE}
             else:
                 across_up = broken_line(*across_up, runs[COUNT][rows])
                 if len(rows) <= FEW_VALUES:
-                    marks = {"marker": "o", "markersize": MARK_SIZE}
+                    marks = {"marker": MARKERS[place % len(MARKERS)], "markersize": MARK_SIZE}
                 elif len(across_up[0]) > len(rows):
                     marks = {"marker": ".", "markersize": DOT_SIZE}
             (line,) = axes.plot(*across_up, label=label, linewidth=1.4, **look | marks)
-            if is_beside:
-                line.set_transform(axes.transData + _shift_beside(axes, place, len(lines), len(rows)))
+            if quantity.is_count and len(lines) > 1:
+                line.set_transform(axes.transData + _shift_up(axes, place, len(lines), shown))
             if use and (dash := next(dashes)) and not quantity.is_count:
                 line.set(linestyle=dash, marker="None")  # marks would hide those of the line below
         mark_at_foot(axes, values[runs.failed], CROSS)
@@ -103,14 +98,12 @@ def draw_curves(
         axes.set_xscale("log" if is_logarithmic(across) else "linear")
         axes.set_xlabel(label_of(runs, across))
         give_ticks(axes)
-        _dress(axes, quantity, shown)
+        _dress(axes, quantity, shown, EQUAL_COUNTS if len(lines) > 1 else "")
         if (own := own_value(runs, across)) is not None:
             axes.axvline(own, **SCENE_LINE)
     entries: list[Any] = [Line2D([], [], label=NO_IMPACT, **RING)] if has_missed else []
     if choice:
-        # marks of counts have no lines
-        lined = [axes for axes, quantity in zip(panels, quantities, strict=True) if not quantity.is_count]
-        handles, _ = (lined or panels)[0].get_legend_handles_labels()
+        handles, _ = panels[0].get_legend_handles_labels()
         entries = [Line2D([], [], linestyle="", label=f"{label_of(runs, choice)}:"), *handles, *entries]
     figure = panels[0].get_figure(root=True)
     if entries and figure is not None:
@@ -129,16 +122,18 @@ def broken_line(values: np.ndarray, shown: np.ndarray, counts: np.ndarray) -> tu
     return np.insert(values.astype(float), gaps, np.nan), np.insert(shown.astype(float), gaps, np.nan)
 
 
-def _shift_beside(axes: Axes, place: int, count: int, points: int) -> ScaledTranslation:
-    """Return the shift of the marks of a line that stand beside those of ``count`` − 1 other lines.
+def _shift_up(axes: Axes, place: int, count: int, shown: np.ndarray) -> ScaledTranslation:
+    """Return the shift upward of the line at a ``place`` among ``count`` lines with counts ``shown``.
 
-    The distance of two marks is at most COUNT_GAP, and all marks of a value have room between two of
-    ``points`` values.
+    So lines with equal counts stand one above the other, the first on top. Their distance is at most
+    COUNT_GAP, and all lines of a count have room between two counts.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
-    room = PART_FOR_MARKS * axes.get_window_extent().width / figure.dpi / max(points, 1) / count
-    return ScaledTranslation((place - 0.5 * (count - 1)) * min(COUNT_GAP, room), 0.0, figure.dpi_scale_trans)
+    finite = shown[np.isfinite(shown)]
+    counts = float(np.ptp(finite)) + 1.0 if finite.size else 1.0
+    room = PART_FOR_LINES * axes.get_window_extent().height / figure.dpi / counts / count
+    return ScaledTranslation(0.0, (0.5 * (count - 1) - place) * min(COUNT_GAP, room), figure.dpi_scale_trans)
 
 
 def mark_at_foot(axes: Axes, values: np.ndarray, mark: dict[str, Any]) -> None:
@@ -231,19 +226,22 @@ def course_text(values: np.ndarray, shown: np.ndarray, name: str) -> str:
     return " and ".join(told)
 
 
-def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
+def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray, of_counts: str) -> None:
     """Set the vertical axis of a panel; if no run has a value of the quantity, write NEVER in the panel.
 
-    ``shown``: the value of the quantity in each run; it is not finite if the run has no value.
+    ``shown``: the value of the quantity in each run; it is not finite if the run has no value. ``of_counts``:
+    words that the name of a count has.
     """
     finite = shown[np.isfinite(shown)]
-    name_above(axes, quantity.label_for(finite))
+    words = of_counts if quantity.is_count else ""
+    name_above(axes, ", ".join(filter(None, (quantity.label_for(finite), words))))
     if ends := quantity.ends_for(finite):
         axes.set_ylim(*ends)
     if not finite.size:
         axes.text(0.5, 0.5, NEVER, transform=axes.transAxes, ha="center", color="0.4")
     elif quantity.is_count:
         axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, steps=COUNT_STEPS))
+        axes.set_ylim(finite.min() - 0.5, finite.max() + 0.5)
     elif finite.min() > 0.0:
         is_over_log = axes.get_xscale() == "log" and finite.max() >= DECADE * finite.min()
         if is_over_log or spread(finite) >= WIDE_RANGE:
