@@ -10,7 +10,6 @@ import matplotlib.style
 import numpy as np
 import pytest
 from matplotlib.collections import PathCollection
-from matplotlib.colors import to_rgb
 
 from chain_impact import fit, load_scene, simulate
 from chain_impact.pictures.drawing.style import PEAK_COLOUR
@@ -68,6 +67,8 @@ def test_panels_have_rooms_of_their_own(count):
     places = [axes.get_position() for axes in page.axes]
     assert len(places) == 2 * count
     assert not any(one.overlaps(other) for one, other in itertools.combinations(places, 2))
+    assert len({round(place.y0, 3) for place in places}) == 2  # one row
+    assert count == len(TIP) or places[-1].width < 0.8 * places[0].width  # the panel of impacts
 
 
 def test_the_headline_has_what_was_found(found):
@@ -151,13 +152,13 @@ def test_the_first_panel_of_a_narrow_page_explains_the_curve_and_the_dots(found,
     legends = [panel.get_legend() for panel in page.axes[::2]]
     told = [[text.get_text() for text in legend.get_texts()] if legend else [] for legend in legends]
     first, second, onsets = told
-    assert [text.partition(" ")[0] for text in first] == ["model", "measured", "±"]
+    assert [text.partition(" ")[0] for text in first] == ["model", "measured", "σ"]
     assert "measured" not in " ".join(second), "the same dots"
-    assert {"model", "measured"} <= {*onsets}, "a circle and bars are other marks"
-    _, points = page.axes[0].get_lines()
-    ground, colour = (np.array(to_rgb(each)) for each in (page.get_facecolor(), points.get_color()))
-    seen = ground + points.get_alpha() * (colour - ground)
-    assert contrast(seen, ground) > (3.0 if style == "dark_background" else 1.5)
+    assert {"model", "measured"} <= {*onsets}, "a dash and bars are other marks"
+    curve, points = page.axes[0].get_lines()
+    assert points.get_zorder() > curve.get_zorder()
+    assert contrast(points.get_color(), page.get_facecolor()) > 7.0
+    assert contrast(points.get_color(), curve.get_color()) > 3.0
 
 
 def test_the_picture_of_a_fit_is_written_to_a_file(found, tmp_path):

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import SubplotSpec
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.bars import Bars, bars_size, draw_bars
@@ -27,6 +27,7 @@ from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.drawing.style import (
+    BLACK,
     GREY,
     IMPACT_LINE,
     INK,
@@ -66,10 +67,14 @@ FIT_PANEL_WIDTH, FIT_PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
 # free space before the first and after the last number on an axis of impact numbers; successive numbers have
 # the distance 1
 AXIS_MARGIN = 0.5
-# opacity of the dots of values measured over time, so that the model's curve is visible behind the dots
-DOT_OPACITY = 0.35
+# [points] the size of the dots of measured values, which are drawn above the model's curve; DATA_ABOVE: their
+# matplotlib zorder
+FIT_DOT, DATA_ABOVE = 3.0, 5.0
+MODEL_DASH: dict[str, Any] = {"markersize": 16.0, "markeredgewidth": 1.8}  # the model's value of an impact
+PANEL_PARTS = (5, 2)  # the relative heights of values and residuals
+ROW_WIDTHS = [3, 3, 2]  # the relative widths of two panels over time and one of impacts in a row
 # largest number of dots of a data set over time; of more values only every n-th is drawn
-MOST_DOTS = 60
+MOST_DOTS = 40
 # the colour of the model's quantities of impacts, and of the model's curve if there is a single data set; the
 # curves of several data sets have the palette's colours
 MODEL = VERMILLION
@@ -103,27 +108,32 @@ def plot_fit(
     """Draw the picture of a fit, as ``Fit.plot`` describes."""
     if fit.ranking:
         return draw_figure(partial(fill_ranking, fit=fit), path, size, bars_size([len(fit.ranking)]))
-    count = min(len(fit.columns), MOST_FIT_PANELS)
-    width = 1.5 * FIT_PANEL_WIDTH if count == 1 else 2.0 * FIT_PANEL_WIDTH
-    return draw_figure(
-        partial(fill, fit=fit), path, size, (width, 0.7 + math.ceil(count / 2) * FIT_PANEL_HEIGHT)
-    )
+    names = list(fit.columns)[:MOST_FIT_PANELS]
+    width = 1.5 * FIT_PANEL_WIDTH if len(names) == 1 else 2.0 * FIT_PANEL_WIDTH
+    rows = math.ceil(len(names) / len(_widths(names)))
+    return draw_figure(partial(fill, fit=fit), path, size, (width, 0.7 + rows * FIT_PANEL_HEIGHT))
 
 
 @styled()
 def fill(figure: Figure, fit: Estimates) -> None:
     """Draw a panel for each of the first MOST_FIT_PANELS columns, and the headline, on an empty figure."""
     names = list(fit.columns)[:MOST_FIT_PANELS]
-    across = 1 if len(names) == 1 or is_narrow(figure) else 2
-    results = [_model(fit, k) for k in range(len(fit.data))]
-    grid = figure.add_gridspec(math.ceil(len(names) / across), across)
-    # with two panels in a row and an odd number of panels, the last panel is as wide as a row
-    alone = len(names) - 1 if len(names) % across else None
-    cells = [grid[k // across, :] if k == alone else grid[k // across, k % across] for k in range(len(names))]
-    has_lines = [_panel(cell, fit, name, results) for cell, name in zip(cells, names, strict=True)]
+    widths = [1] if is_narrow(figure) else _widths(names)
+    across, rows = len(widths), math.ceil(len(names) / len(widths))
+    # one grid for all panels: then their axes stand exactly below each other
+    shape = {"width_ratios": widths, "height_ratios": [*PANEL_PARTS] * rows}
+    grid = figure.add_gridspec(len(PANEL_PARTS) * rows, across, **shape)
+    results, has_lines = [_model(fit, k) for k in range(len(fit.data))], False
+    for k, name in enumerate(names):
+        row, column = divmod(k, across)
+        # the last panel is as wide as its row, but not a panel of impacts, which has few values
+        is_alone = k == len(names) - 1 and not column and name not in MEASURED_OF_IMPACT
+        cells = [grid[2 * row + part, slice(None) if is_alone else column] for part in (0, 1)]
+        values = figure.add_subplot(cells[0])
+        has_lines |= _panel(values, figure.add_subplot(cells[1], sharex=values), fit, name, results)
     residuals = figure.axes[1::2]
     for k, axes in enumerate(residuals):
-        below = residuals[k + across : k + across + 1] or residuals[-1:] * (alone is not None)
+        below = residuals[k + across : k + across + 1] or residuals[-1:] * (len(names) % across == 1)
         if any(other is not axes and other.get_xlabel() == axes.get_xlabel() for other in below):
             axes.set_xlabel("")
     poor = ", ".join(alike_neighbours(fit))
@@ -137,7 +147,7 @@ def fill(figure: Figure, fit: Estimates) -> None:
     more.append(f"±: standard error; Δ: model − data; {marks}: ± {USUAL:g} σ")
     if any(line.get_label() == MEAN for axes in figure.axes for line in axes.lines):
         more.append("line through Δ: its running mean")
-    if any(has_lines):
+    if has_lines:
         more.append("grey lines: impacts of the model")
     told = _estimate_texts(fit)
     kept = 1 if is_narrow(figure) else MOST_IN_TITLE
@@ -145,7 +155,18 @@ def fill(figure: Figure, fit: Estimates) -> None:
     title = f"{fit.scene.name}: {', '.join(told[:kept])}"
     lines = [(warning, PEAK_COLOUR)] if poor else []
     headline(figure, title, SEPARATOR.join(filter(None, [*told[kept:], *more, size])), *lines)
+    figure.align_ylabels()
     settle(figure)
+
+
+def _widths(names: Sequence[str]) -> list[int]:
+    """Return the relative widths of the columns of a wide picture with panels for the columns ``names``.
+
+    Two panels stand in a row; a third and last panel of impacts stands beside them, and is narrower.
+    """
+    if len(names) == len(ROW_WIDTHS) and names[-1] in MEASURED_OF_IMPACT:
+        return ROW_WIDTHS
+    return [1] * min(len(names), 2)
 
 
 @styled()
@@ -226,13 +247,11 @@ def _model(fit: Estimates, k: int) -> Result:
     return simulate(scene, inputs=inputs, interpolation=fit.interpolation, **rows)
 
 
-def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) -> bool:
-    """Draw a measured column in a cell: data and model, and below these the residuals Δ divided by σ.
+def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: list[Result]) -> bool:
+    """Draw a measured column: data and model in the axes ``values``, and the residuals Δ divided by σ below.
 
     ``results``: the model's run of each data set. Returns whether the panel has lines at impacts.
     """
-    axes: Any = cell.subgridspec(2, 1, height_ratios=(5, 2)).subplots(sharex=True)
-    values, residuals = axes
     parts = _columns(fit, name, results)
     over_impacts, has_lines = name in MEASURED_OF_IMPACT, False
     several = len(fit.data) > 1
@@ -240,32 +259,29 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
     scale, unit = axis_unit(fit.unit(name), [measured[fit.columns[name]]])
     largest = float(np.nanmax(np.abs(fit.residuals / fit.sigma)[fit.columns[name]], initial=USUAL))
     residuals.set(ylim=(-1.15 * largest, 1.15 * largest))
-    spread = f"± {USUAL:g} σ; σ = {sigma_of(fit, name)}"
-    band = residuals.axhspan(-USUAL, USUAL, color=PALE, zorder=0, linewidth=0, label=spread)
+    residuals.axhspan(-USUAL, USUAL, color=PALE, zorder=0, linewidth=0)
+    spread = Line2D([], [], linestyle="", label=f"σ = {sigma_of(fit, name)}")
     for colour, part in zip(_colours(len(parts)), parts, strict=True):
         dots_label = f"data set {part.data_set + 1}" if several else "measured"
-        mark_style: dict[str, Any] = {"linestyle": "", "marker": ".", "color": colour}
-        mark_style |= {"markersize": 4 if over_impacts else 8, "markeredgewidth": 0}
+        mark_style: dict[str, Any] = {"linestyle": "", "marker": "o", "color": colour, "zorder": DATA_ABOVE}
+        mark_style |= {"markersize": FIT_DOT, "markeredgewidth": 0, "label": dots_label}
         if over_impacts:
-            mark_style |= {"yerr": scale * USUAL * fit.sigma[part.rows], "capsize": 2, "label": dots_label}
+            mark_style |= {"yerr": scale * USUAL * fit.sigma[part.rows], "capsize": 2}
             values.errorbar(part.at, scale * measured[part.rows], **mark_style)
             model = scale * (measured[part.rows] + fit.residuals[part.rows])
-            label = None if several else "model"
-            values.plot(part.at, model, "o", color=MODEL, markerfacecolor="none", markersize=9, label=label)
+            values.plot(part.at, model, "_", color=MODEL, **MODEL_DASH)
         else:
             look = {"color": colour} if several else {"color": MODEL, "label": "model"}
-            has_lines |= _curve(
-                axes, results[part.data_set], scale * results[part.data_set][name], part.at.max(), look
-            )
+            run = results[part.data_set]
+            has_lines |= _curve((values, residuals), run, scale * run[name], part.at.max(), look)
             step = math.ceil(len(part.rows) / MOST_DOTS)
-            mark_style |= {"alpha": DOT_OPACITY, "markevery": step}
-            mark_style |= {"label": dots_label if step == 1 else f"{dots_label} (1 of {step})"}
+            mark_style |= {"markevery": step} | ({"label": f"{dots_label} (1 of {step})"} if step > 1 else {})
             values.plot(part.at, scale * measured[part.rows], **mark_style)
         off = fit.residuals[part.rows] / fit.sigma[part.rows]
         residuals.plot(part.at, off, ".", color=colour, markersize=3)
         if not over_impacts and len(off) >= LEAST_FOR_MEAN:
             means = running_means(part.at, off)
-            residuals.plot(*means, color=colour if several else INK, linewidth=1.2, label=MEAN)
+            residuals.plot(*means, color=colour if several else MODEL, linewidth=1.4, label=MEAN)
     values.set_ylabel(f"{name}{bracketed_unit(unit)}")
     values.tick_params(labelbottom=False)
     residuals.set_ylabel("Δ [σ]")
@@ -277,7 +293,10 @@ def _panel(cell: SubplotSpec, fit: Estimates, name: str, results: list[Result]) 
             residuals.set_xlim(np.nanmin(numbers) - AXIS_MARGIN, np.nanmax(numbers) + AXIS_MARGIN)
         residuals.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     if len(parts) <= len(PALETTE):
-        legend_above(values, [*values.get_legend_handles_labels()[0], band])
+        handles = values.get_legend_handles_labels()[0]
+        if over_impacts and not several:
+            handles = [Line2D([], [], color=MODEL, linewidth=1.8, label="model"), *handles]
+        legend_above(values, [*handles, spread])
     return has_lines
 
 
@@ -306,7 +325,7 @@ def _curve(
     for axes in panels:
         across: dict[str, Any] = {"linewidth": 0.6, "zorder": 0, "transform": axes.get_xaxis_transform()}
         axes.vlines(onsets, 0.0, 1.0, faint(axes, IMPACT_LINE), **across)
-    panels[0].plot(result.time[until], model[until], **{"linewidth": 1.2, "zorder": 4.0} | look)
+    panels[0].plot(result.time[until], model[until], **{"linewidth": 1.8, "zorder": 4.0} | look)
     return len(onsets) > 0
 
 
@@ -334,7 +353,8 @@ def _numbers(data: Measurements, rows: np.ndarray, result: Result) -> np.ndarray
 
 
 def _colours(count: int) -> list[str]:
-    return [PALETTE[k % len(PALETTE)] for k in range(count)]
+    """Return the colour of the data of each data set; that of a single one has the colour of text."""
+    return [BLACK] if count == 1 else [PALETTE[k % len(PALETTE)] for k in range(count)]
 
 
 def _estimate_texts(fit: Estimates) -> list[str]:
