@@ -221,6 +221,18 @@ def test_a_carriage_has_one_size_in_all_motions(show):
     assert widths[0] == pytest.approx(widths[1], rel=1e-6)
 
 
+def test_a_ball_has_its_size_in_all_motions(show):
+    page = show("golf_ball", {"contact.radius": 0.0213, "initial.y": 0.8213})
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.restitution': 0.7})")
+    until(page, "document.querySelectorAll('circle.compared').length === 1")
+    sizes = page.evaluate(
+        "['.compared', '.disc'].map((one) => document.querySelector(`circle${one}`).r.baseVal.value)"
+    )
+    assert sizes[0] == pytest.approx(sizes[1])
+    assert sizes[0] > 8.0
+
+
 def test_two_pins_leave_the_list_of_impacts_in_sight(show):
     page = show(viewport={"width": 1366, "height": 768})
     for value in (0.4, 0.6):

@@ -93,6 +93,15 @@ def test_the_labels_of_sliders_have_one_line_on_a_desk(show):
     assert [label for label in heights if label[1] > 1.5 * heights[0][1]] == []
 
 
+@pytest.mark.parametrize(("size", "is_open"), [((1920, 1080), True), ((1366, 768), False)])
+def test_all_parameters_are_shown_at_once_where_they_have_room(show, size, is_open):
+    page = show(viewport=dict(zip(("width", "height"), size, strict=True)))
+    until(page, f"document.getElementById('list-of-parameters').open === {str(is_open).lower()}")
+    assert page.locator("#main-parameters").bounding_box()["y"] > 0.0
+    assert page.locator("#parameters").evaluate("one => one.scrollTop") == 0
+    assert page.locator("#list-of-parameters .parameter").first.is_visible() is is_open
+
+
 def test_the_help_needs_no_scrolling_on_a_desk(show):
     page = show(viewport=DESK)
     page.keyboard.press("?")

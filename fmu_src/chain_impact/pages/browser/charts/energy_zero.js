@@ -31,9 +31,9 @@ export function movedBy(energies, offset) {
     [name, shiftOf(name, offset) ? values.map((value) => value + offset) : values]));
 }
 
-/** Return the end of the chart's title: the unit and, except for 0, the offset [J] with the names of the moved energies (MOVED). */
+/** Return the end of the chart's title, after the unit: the offset [J] with the names of the moved energies (MOVED); "" for 0. */
 export function offsetText(offset) {
-  return offset ? `J; shown: ${MOVED.join(" and ")} ${offset > 0 ? "+" : "−"} ${digits(Math.abs(offset), 2)}\u202fJ` : "J";
+  return offset ? `shown: ${MOVED.join(" and ")} ${offset > 0 ? "+" : "−"} ${digits(Math.abs(offset), 2)}\u202fJ` : "";
 }
 
 /** Return the size [J] of the range that contains 0 and all values of all energies. */

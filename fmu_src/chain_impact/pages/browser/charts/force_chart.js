@@ -124,6 +124,12 @@ export class ForceChart extends Chart {
     });
   }
 
+  fit() {
+    const { height } = this;
+    super.fit();
+    if (this.shown && this.height !== height) this.rescale(); // the room for the number of the peak has a fixed height
+  }
+
   rescale() {
     const { frame, shown } = this;
     this.shown = null;

@@ -169,7 +169,7 @@ export class TimeChart extends Chart {
   writeValues(present, unit, textsAt) {
     const { compared, timeText, unitCell, reading: time = present } = this;
     const [head, at] = [compared.length ? unit : "", `at ${withMinus(time.toFixed(5))}\u202fs`];
-    if (timeText) timeText.textContent = at;
+    if (timeText) timeText.textContent = `${unit} ${at}`;
     unitCell.textContent = timeText ? head : `${head} ${at}`;
     this.rows.forEach(({ cells }, k) => textsAt(k, time).forEach((text, n) => {
       cells[n].textContent = text;
@@ -221,7 +221,7 @@ export class EnergyChart extends TimeChart {
     // the supplied energy has dots: where the motion repeats, its curve lies on that of the dissipated energy
     const curveOf = (name) =>
       ({ name, words: name, stroke: name, dash: name === "supplied" ? [2, 3] : undefined });
-    find("energy-unit").textContent = offsetText(this.offset);
+    find("energy-offset").textContent = offsetText(this.offset);
     if (!isSame) this.makeCurves(names.map(curveOf), data);
     this.setData(data);
     this.written = writerOf(data.slice(1));

@@ -134,6 +134,9 @@ export class ComparedMotions {
       recording.bodiesAt(frame, this.player.recording).forEach((corners) => {
         behind.polygon(corners.map((corner) => camera.toScreen(...corner))).addClass(`compared ${kind}`).fill("none");
       });
+      if (recording.ball !== null && recording.radius > 0) {
+        behind.circle(2 * recording.radius * camera.scale).center(...positions[recording.ball]).addClass(`compared ${kind}`).fill("none");
+      }
       if (!recording.isPoint) behind.polyline(positions).addClass(`compared ${kind}`).fill("none");
     }
     for (const { recording, kind, letter, positions, at: [x, y] } of shown) {

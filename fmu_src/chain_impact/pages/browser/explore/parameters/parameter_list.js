@@ -26,8 +26,11 @@ function lacking(keys, words) {
   return first ? `The scene has no such parameter; a scene file may have ${[first, ...others.slice(0, 2)].join(", ")}.` : "";
 }
 
+const FREE_HEIGHT = 220; // [pixels] least free height of the column of parameters with which the list is open from the start
+
 /**
- * Fill the list of all parameters, the element `details`, when the reader first opens it for a scene. The parameters are in groups with
+ * Fill the list of all parameters, the element `details`, when it first opens for a scene: when the reader opens it or, beside the motion,
+ * at the start, if there is room (FREE_HEIGHT). The parameters are in groups with
  * titles. The field `search` keeps only the parameters for which each word in the field is in the name, in the words for the parameter or
  * in the meaning; if none is left, a sentence names `keys` of scene files with these words, or the most similar parameter. The title of the
  * list tells the number of changed parameters.
@@ -72,10 +75,18 @@ export function showParameterList(details, changes, keys) {
     body.replaceChildren(); // rows of another scene go, also if one has the focus
     refreshRows();
   };
+  let isByReader = true; // whether the reader opens the list
   details.firstElementChild.addEventListener("click", fill); // before the list opens: the event "toggle" comes later
   details.addEventListener("toggle", () => {
     refresh();
-    if (details.open) details.firstElementChild.scrollIntoView(); // the list opens below the visible part of the page
+    if (details.open && isByReader) details.firstElementChild.scrollIntoView(); // the list opens below the visible part of the page
+    isByReader = true;
+  });
+  requestAnimationFrame(() => {
+    const free = details.parentElement.getBoundingClientRect().bottom - details.getBoundingClientRect().bottom;
+    if (free < FREE_HEIGHT || details.open || !matchMedia("(min-width: 961px)").matches) return;
+    isByReader = false;
+    details.open = true;
   });
   search.addEventListener("input", filter);
   changes.onOpen(() => {
