@@ -186,12 +186,19 @@ def test_outputs_are_chosen_by_hand_and_go_into_the_link(show):
         ("nothing", "nothing is not an output."),
         ("pointt[4].x", "pointt[4].x is not an output; the nearest is point[4].x."),
         ("x*", "no output is like x*."),
+        ("contact[*].force", "no output is like contact[*].force; the nearest is contact[*].x_min.force."),
         ("*", "must be at most 18."),
     ):
         field.fill(text)
         field.press("Enter")
         assert page.locator("#curves-text").inner_text().endswith(sentence)
         assert page.evaluate(SHOWN) == ["contact[4].y_min.force"]
+    field.fill("point[4].x, point[4].velocity_x")
+    field.press("Enter")
+    until(page, f"{SHOWN}.join() === 'point[4].x'")
+    told = page.inner_text("#curves-text")
+    assert told == "point[4].velocity_x is not an output; the nearest is point[4].vx."
+    assert field.input_value() == "point[4].x, point[4].velocity_x", "the wrong name can be mended"
     field.fill("energy.total, point[4].y")
     field.press("Enter")
     until(page, f"{SHOWN}.join() === 'point[4].y,energy.total'")

@@ -87,7 +87,8 @@ def test_a_typed_quantity_may_have_units_and_arithmetic(script):
         ("2*0.6", "m", 1.2), ("-1/2*-3+1", "1", 2.5), ("1e-3", "s", 1e-3), ("0,5", "1", 0.5),
         ("pi/2", "rad", np.pi / 2), ("-2*pi", "rad/s", -2 * np.pi), ("pi", "m", np.pi),
         ("5 MN/m^1.5", "N/m¹·⁵", 5e6), ("2 kN/mm^1.5", "N/m¹·⁵", 2e3 / 1e-3**1.5), ("5 cm2", "m2", 5e-4),
-        ("-1 g", "m/s2", -9.80665),
+        ("-1 g", "m/s2", -9.80665), ("2 Nm", "N.m", 2.0), ("2 kNm", "N.m", 2e3), ("3 N m", "N.m", 3.0),
+        ("4 Nm/rad", "N.m/rad", 4.0), ("5 kgm²", "kg.m2", 5.0), ("5 g.m2", "kg.m2", 5e-3),
     ]  # fmt: skip
     wrong = [("45 grad", "rad"), ("2 kg", "m"), ("5 N", "N/m¹·⁵"), ("2 3", "m"), ("", "m")]
     found = script.evaluate("(cases) => cases.map(([text, unit]) => typed(text, unit))", [*cases, *wrong])

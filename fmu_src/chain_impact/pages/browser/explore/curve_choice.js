@@ -14,22 +14,23 @@ function like(text, columns) {
   return columns.map(({ name }) => name).filter((name) => pattern.test(name));
 }
 
-/** Return words for an error on a name that no output has; the words propose the most similar name, if there is one. */
-function noOutput(name, columns) {
-  return `${name} is not an output${nearestText(name, columns.map((column) => column.name))}`;
+/** Return words for a fault: a name, or a pattern with `*`, that no output has; the words propose the most similar one, if there is any. */
+function noOutput(part, columns) {
+  const names = columns.map(({ name }) => name);
+  if (!part.includes("*")) return `${part} is not an output${nearestText(part, names)}`;
+  const patterns = names.filter((name) => name.includes("[")).map((name) => name.replaceAll(/\[\d+\]/g, "[*]"));
+  return `no output is like ${part}${nearestText(part, [...new Set(patterns)])}`;
 }
 
 /**
- * Return the names of the outputs that a text names: names between commas, in which `*` stands for any text, as for `simulate --curves`.
- * Refuse an unknown name, more than MOST_CURVES outputs with the same unit, and more than MOST_UNITS units.
+ * Return { names, fault } for a text: the names of the outputs that it names between commas, in which `*` stands for any text, as for
+ * `simulate --curves`; and words for the names that no output has, "" without one. Refuse more than MOST_CURVES outputs with the same unit,
+ * and more than MOST_UNITS units.
  */
 function namesIn(text, columns) {
-  const all = text.split(",").map((part) => part.trim()).filter(Boolean).flatMap((part) => {
-    const names = like(part, columns);
-    if (!names.length) throw new RangeError(part.includes("*") ? `no output is like ${part}` : noOutput(part, columns));
-    return names;
-  });
-  const names = [...new Set(all)];
+  const parts = text.split(",").map((part) => part.trim()).filter(Boolean);
+  const names = [...new Set(parts.flatMap((part) => like(part, columns)))];
+  const fault = parts.filter((part) => !like(part, columns).length).map((part) => noOutput(part, columns)).join(". ");
   const units = columns.filter(({ name }) => names.includes(name)).map(({ unit }) => unit);
   const kinds = [...new Set(units)];
   kinds.forEach((unit) => {
@@ -37,7 +38,7 @@ function namesIn(text, columns) {
     if (count > MOST_CURVES) throw new RangeError(`${count} outputs in ${unitText(unit) || "no unit"}; must be at most ${MOST_CURVES}`);
   });
   if (kinds.length > MOST_UNITS) throw new RangeError(`outputs in ${kinds.length} units; must be at most ${MOST_UNITS}`);
-  return names;
+  return { names, fault };
 }
 
 export class CurveChoice {
@@ -117,7 +118,9 @@ export class CurveChoice {
 
   /** Choose the outputs that a text names, without calling the listener; an error tells which choice is not possible. */
   take(text) {
-    this.names = namesIn(text, this.#columns);
+    const { names, fault } = namesIn(text, this.#columns);
+    if (fault) throw new RangeError(fault);
+    this.names = names;
   }
 
   /**
@@ -132,12 +135,15 @@ export class CurveChoice {
     charts.scrollIntoView({ block: "nearest" });
   }
 
+  /** Choose the outputs that a text names, and tell the fault of other names; without any output, the choice stays. */
   #choose(text) {
     try {
-      this.take(text);
-      this.isNew = this.names.length > 0;
+      const { names, fault } = namesIn(text, this.#columns);
+      if (fault && !names.length) throw new RangeError(fault);
+      this.names = names;
+      this.isNew = names.length > 0;
       this.#listener();
-      this.#refresh();
+      this.#refresh(fault && `${fault}.`);
     } catch (error) {
       this.#refresh(`${error.message}.`);
     }

@@ -96,7 +96,7 @@ export class OpenScene {
     find("description").hidden = !find("description").textContent;
     find("inputs").hidden = still.length === 0;
     const words = still.map((input) => inputText(input, valueOf)).join("; ");
-    find("inputs").textContent = `These inputs keep their start values here: ${words}.`;
+    find("inputs").textContent = `These inputs keep their start values here: ${words}. A signal in the scene file can change them.`;
     find("edit-first").hidden = !this.text;
   }
 }

@@ -54,7 +54,13 @@ function factorOf(word, unit) {
   if (plain === "g" && whole === "m/s2") return STANDARD_GRAVITY;
   const [words, parts] = [plain, whole].map((text) => text.split("/"));
   if (words.length !== parts.length) return NaN;
-  return parts.map((part, k) => prefixFactor(words[k], part)).reduce((above, below) => above / below);
+  return parts.map((part, k) => prefixFactor(withPoints(words[k], part), part)).reduce((above, below) => above / below);
+}
+
+/** Return a `word` for a product of units, such as kNm or kN m, with the points between letters that the `part` of a unit has: kN.m. */
+function withPoints(word, part) {
+  const [whole, bare] = [word, part].map((text) => text.replaceAll(/(?<=[a-z])[. ]+(?=[a-z])/gi, ""));
+  return bare !== part && whole.endsWith(bare) ? whole.slice(0, -bare.length) + part : word;
 }
 
 /** Return the factor from a `word` to a `part` of a unit with perhaps another prefix, as mm^1.5 for m^1.5; NaN for other words. */

@@ -75,9 +75,10 @@ export function inputText(name, valueOf) {
   return capitalized(words);
 }
 
-/** Return the words for a number of a signal: "push: value 1" for the key value[1] of the signal push. */
+/** Return the words for a number of a signal: "push: time 1", or "push: value 1 at time 1" for the key value[1] of the signal push. */
 export function signalText(signal, key) {
-  return `${signal}: ${key.replaceAll("_", " ").replace(/\[(\d+)\]$/, "\u00a0$1")}`;
+  const words = key.replaceAll("_", " ").replace(/\[(\d+)\]$/, "\u00a0$1");
+  return `${signal}: ${words.replace(/^value(\u00a0\d+)$/, "$& at time$1")}`;
 }
 
 /** Return the words for a parameter: "Mass of link 1" for link[1].mass, "Initial angle of link 2", "Gravity, x", "Box, x_min". */
