@@ -37,18 +37,33 @@ def drawn_peaks(recording: Recording, curves: Curves) -> list[Peak]:
 
 
 def largest_drawn(curves: Curves) -> str:
-    """Return words for the largest |value| of all curves of forces: "drawn forces up to 7.48 kN".
+    """Return words for the largest |value| of all curves of forces: "contact[4].y_min.force up to 7.48 kN".
 
-    Without curves of forces, the words are on moments or, without these, on impulses. The components x and y
-    of a force count as one force. The result is "" without such curves, and if all values are 0.
+    The result is "" without a ``largest_force``.
     """
-    for unit, word in MARKED.items():
+    name, size = largest_force(curves)
+    if not name:
+        return ""
+    unit = next(curves.units[output] for output in curves.values if output.startswith(name.strip("|")))
+    return f"{name} up to {force_text(float(size[largest_row(size)]), unit_text(unit))}"
+
+
+def largest_force(curves: Curves) -> tuple[str, np.ndarray]:
+    """Return the name and the |values| over time of the curve of a force with the largest |value|.
+
+    Without curves of forces, the result is the curve of a moment or, without these, of an impulse. The
+    components x and y of a force count as one force: "|joint[1].force|". The name is "" without such curves,
+    and if all values are 0.
+    """
+    for unit in MARKED:
         names = [name for name in curves.values if curves.units.get(name) == unit]
-        sizes = [np.abs(curves.values[name]) for name in names] + list(amounts(curves, names).values())
-        most = [float(size[row]) for size in sizes if (row := largest_row(size)) is not None]
+        sizes = {name: np.abs(curves.values[name]) for name in names}
+        sizes |= {f"|{owner}.force|": size for owner, size in amounts(curves, names).items()}
+        most = {name: size[row] for name, size in sizes.items() if (row := largest_row(size)) is not None}
         if most:
-            return f"drawn {word}s up to {force_text(max(most), unit_text(unit))}"
-    return ""
+            name = max(most, key=lambda each: most[each])
+            return name, sizes[name]
+    return "", np.zeros(0)
 
 
 def extremes(

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from chain_impact.pictures.curve_looks import DASHES, SHORT_DASHES, looks_of, owner_of, shared_part
 from chain_impact.pictures.curve_peaks import (
@@ -17,6 +18,8 @@ from chain_impact.pictures.curve_peaks import (
     drawn_peaks,
     extremes,
     largest_drawn,
+    largest_force,
+    largest_row,
     largest_vectors,
 )
 from chain_impact.pictures.drawing.distinct_curves import hidden_counts, plot_curves
@@ -36,9 +39,9 @@ from chain_impact.pictures.drawing.style import (
 from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
 from chain_impact.pictures.over_time.energies import ENERGIES, energy_look
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
-from chain_impact.pictures.over_time.time_axis import impact_lines, mark_impacts, name_time
+from chain_impact.pictures.over_time.time_axis import impact_handles, mark_impacts, name_time
 from chain_impact.pictures.words.headline import hit_words, peak_of, write_head
-from chain_impact.recording.contact_times import has_impulses
+from chain_impact.recording.contact_times import SEEN_CONTACT, has_impulses
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.words.names import AXES, name_parts
@@ -86,7 +89,8 @@ def clear_panels(curves: Curves) -> list[list[str]]:
 
     All outputs of a panel have one unit. If a unit has more curves than PALETTE has colours, there is a panel
     for each quantity with this unit; the quantity is the last part of an output's name (``shared_part``). But
-    if there would be more than MOST_PANELS panels in all, each unit has a single panel.
+    if there would be more than MOST_PANELS panels in all, each unit has a single panel. A panel whose outputs
+    are 0 at all times is left out if there is another one.
     """
     panels: list[list[str]] = []
     for names in curves.panels:
@@ -97,7 +101,9 @@ def clear_panels(curves: Curves) -> list[list[str]]:
         for name in names:
             quantities.setdefault(shared_part([name]), []).append(name)
         panels += quantities.values()
-    return panels if len(panels) <= MOST_PANELS else curves.panels
+    panels = panels if len(panels) <= MOST_PANELS else curves.panels
+    moving = [names for names in panels if any(curves.values[name].any() for name in names)]
+    return moving or panels
 
 
 def check_curves(curves: Curves) -> None:
@@ -123,32 +129,36 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     """Draw the curves on an empty figure.
 
     If the title is "", the headline names the impact around which the curves are drawn
-    (``shown_impact_words``); for curves of the whole run, it tells the largest force that is drawn, and
-    summarizes the run. None means no headline.
+    (``shown_impact_words``); for curves of the whole run, it summarizes the run and, if there is one panel,
+    tells the largest force in it. Of several panels, the text below the headline tells this force. None means
+    no headline.
 
     Raises:
         ValueError: as ``check_curves``.
     """
     check_curves(curves)
+    panels = clear_panels(curves)
     if title is not None:
         seen = shown_impact_words(recording, curves)
         summary = f"{recording.name}: {seen}" if seen else ""
-        told = (seen if title else "", largest_vectors(curves))
         most = peak_of(recording, curves.number - 1) if seen else drawn_peaks(recording, curves)
-        lead = None if most else largest_drawn(curves)
+        force = "" if most else largest_drawn(curves)
+        is_one = len(panels) == 1
+        told = (seen if title else "", "" if is_one or seen else force, largest_vectors(curves))
+        lead = (None if most else force) if is_one else ""
         write_head(figure, recording, title or summary, *told, most=most, lead=lead)
-    panels = clear_panels(curves)
     zero = always_zero(curves, panels)
     notes = [f"0 in the whole view: {few(zero, MOST_NAMED)}"] if zero else []
     if lacks_impulses(recording, curves):
         notes.append(NO_FORCE)
+    if number := narrow_peak(recording, curves):
+        notes.append(f"narrow peaks: --around {number} shows impact {number}")
     if notes:
         write_foot(figure, "; ".join(notes))
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
     found = draw_all(list(grid), recording, curves, panels)
     for axes in grid:
-        # a narrow figure has numbers below each panel, which make space for the labels of the largest values
-        axes.tick_params(labelbottom=axes is grid[-1] or is_narrow(figure))
+        axes.tick_params(labelbottom=axes is grid[-1])
         if axes is not grid[-1]:
             axes.set_xlabel("")
     figure.align_ylabels()
@@ -166,6 +176,21 @@ def lacks_impulses(recording: Recording, curves: Curves) -> bool:
     onsets = recording.impacts["onset"][~recording.is_at_joint_stop]
     is_seen = (onsets >= curves.time[0]) & (onsets <= curves.time[-1])
     return is_force and bool(is_seen.any()) and has_impulses(recording.parameters.get("contact.model", ""))
+
+
+def narrow_peak(recording: Recording, curves: Curves) -> int:
+    """Return the number, from 1, of the impact with the largest drawn force if its curve looks like a line.
+
+    The result is 0 without such an impact, and for curves around an impact.
+    """
+    name, size = largest_force(curves)
+    if curves.number or not name:
+        return 0
+    time = curves.time[largest_row(size)]
+    impacts = recording.impacts
+    is_within = (impacts["onset"] <= time) & (time <= impacts["end"])
+    looks_like_line = is_within & (impacts["duration"] < SEEN_CONTACT * recording.duration)
+    return int(looks_like_line.argmax()) + 1 if looks_like_line.any() else 0
 
 
 def shown_impact_words(recording: Recording, curves: Curves) -> str:
@@ -208,26 +233,22 @@ def draw_all(
     """
     figure = grid[0].get_figure(root=True)
     wide = beside and figure is not None and not is_narrow(figure)
-    start, factor, label = 0.0, 1.0, ""
+    start, factor = 0.0, 1.0
     if curves.onset is not None:
         start, factor = curves.onset, 1e3
-        label = f"time after the onset at {curves.onset:.6f} s [ms]"
     time, shown = factor * (curves.time - start), shown_time(recording)
     ends = time[[0, -1]]
     if curves.onset is None:
         ends = np.array([shown.start, shown.end])
-        label = "; ".join(filter(None, (impact_lines(recording, *ends), shown.note)))
-    else:
-        is_known = np.isfinite(recording.impacts["end"][curves.number - 1])
-        others = impact_lines(recording, *(start + ends / factor))
-        label = "; ".join(filter(None, (label, others, "dotted: the end" if is_known else "")))
+    keys = impact_handles(grid[0], recording, *(start + ends / factor))
     places: dict[str, int] = {}
     found: list[list[Label]] = []
     seen = (time >= ends[0]) & (time <= ends[1])
     for axes, names in zip(grid, (drawn_in(curves, names) for names in panels), strict=True):
         mark_impacts(axes, recording, start, factor)
         if curves.number:
-            mark_end(axes, recording, curves.number, start, factor)
+            ended = mark_end(axes, recording, curves.number, factor)
+            keys += ended if axes is grid[0] else []
         drawn = [curves.values[name] for name in names]
         own = curves.units[names[0]]
         scale, unit = axis_unit(own, drawn)
@@ -239,7 +260,7 @@ def draw_all(
                 | look_of_energy(name)
                 | {
                     "linestyle": dashes(look // len(PALETTE) + hidden, own),
-                    "label": name if wide else short_name(name, names),
+                    "label": name,
                 },
             )
             for name, look, hidden in looks
@@ -258,8 +279,10 @@ def draw_all(
         if curves.onset is None:
             shade_rests(axes, shown)
         axes.set_xlim(*ends)
-        of_time = name_time(axes, ends[-1]) if curves.onset is None else ""
-        axes.set_xlabel("; ".join(filter(None, (of_time, label))))
+        of_time = f"time after the onset at {start:.6f} s [ms]"
+        if curves.onset is None:
+            of_time = "; ".join(filter(None, (name_time(axes, ends[-1]), shown.note)))
+        axes.set_xlabel(of_time)
         axes.margins(y=0.16 if own in MARKED else 0.08)
         if own in MARKED and all(not (values[seen] < 0.0).any() for values in drawn):
             axes.set_ylim(LEAST_ZERO_SHARE * axes.get_ylim()[1])
@@ -267,14 +290,14 @@ def draw_all(
             give_ticks(axes)
         else:
             axes.set(ylim=ZERO_ENDS, yticks=[0.0])
-        if not is_alone:
-            legend_above(axes)
+        handles = [] if is_alone else axes.get_legend_handles_labels()[0]
+        legend_above(axes, [*handles, *(keys if axes is grid[0] else [])])
     return found
 
 
 def full_name(name: str) -> str:
     """Return the label of a panel with one curve: ``name``, if long with the quantity in line 2."""
-    return name if len(name) <= LONGEST_LABEL else f"{owner_of(name)}\n{shared_part([name])}"
+    return name if len(name) <= LONGEST_LABEL else f"{owner_of(name)}.\n{shared_part([name])}"
 
 
 def dashes(number: int, unit: str) -> Any:
@@ -290,8 +313,9 @@ def look_of_energy(name: str) -> dict[str, Any]:
 
 
 def always_zero(curves: Curves, panels: Sequence[Sequence[str]]) -> list[str]:
-    """Return the outputs without a curve in their panel, of all panels: outputs that are always 0."""
-    return [name for names in panels for name in names if name not in drawn_in(curves, names)]
+    """Return the outputs without a curve in ``panels``: outputs that are always 0."""
+    drawn = {name for names in panels for name in drawn_in(curves, names)}
+    return [name for names in curves.panels for name in names if name not in drawn]
 
 
 def drawn_in(curves: Curves, names: Sequence[str]) -> list[str]:
@@ -304,15 +328,18 @@ def drawn_in(curves: Curves, names: Sequence[str]) -> list[str]:
     return moving if moving and len(moving) < len(names) - 1 else list(names)
 
 
-def mark_end(axes: Axes, recording: Recording, number: int, start: float, factor: float) -> None:
-    """Draw a dotted line at the end of impact ``number``, from 1, if this end is known.
+def mark_end(axes: Axes, recording: Recording, number: int, factor: float) -> list[Any]:
+    """Draw a dotted line at the end of impact ``number``, from 1; return the entry of a legend for it.
 
-    ``start`` and ``factor`` are as in ``mark_impacts``.
+    If the end is not known, there is no line, and the result is empty. ``factor`` is the factor from seconds
+    after the onset to the unit of the axis.
     """
-    end = recording.impacts["end"][number - 1]
-    if np.isfinite(end):
-        look: dict[str, Any] = {"color": faint(axes, END_LINE), "linewidth": 0.8, "linestyle": ":"}
-        axes.axvline(factor * (end - start), **look, zorder=0)
+    onset, end = (recording.impacts[name][number - 1] for name in ("onset", "end"))
+    if not np.isfinite(end):
+        return []
+    look: dict[str, Any] = {"color": faint(axes, END_LINE), "linewidth": 0.8, "linestyle": ":"}
+    axes.axvline(factor * (end - onset), **look, zorder=0)
+    return [Line2D([], [], label=f"end of impact {number}", **look)]
 
 
 def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
@@ -333,12 +360,3 @@ def vector_of(names: Sequence[str]) -> str:
     """
     words = {VECTORS.get(name.rpartition(".")[2], "") for name in names}
     return words.pop() if len(words) == 1 else ""
-
-
-def short_name(name: str, names: Sequence[str]) -> str:
-    """Return a name for the legend: without the last part if all of several ``names`` share this part.
-
-    The label of the axis has the shared part.
-    """
-    shared = shared_part(names) if len(names) > 1 else ""
-    return name.removesuffix(f".{shared}")
