@@ -81,4 +81,9 @@ def test_an_error_has_the_parts_of_its_message():
         parse_scene("name = 1\n[chain]\nlinks = []", "one.toml")
     error = caught.value
     assert (error.source, error.name, error.line) == ("one.toml", "name", 1)
-    assert str(error) == f"one.toml: name {error.fault} (at line 1)"
+    (other,) = error.others
+    assert (other.source, other.name, other.line) == ("", "chain.links", 3)
+    assert (
+        str(error)
+        == f"one.toml: name {error.fault} (at line 1); 1 more: chain.links {other.fault} (at line 3)"
+    )

@@ -125,7 +125,9 @@ def test_an_error_names_the_entry_of_the_file_where_entries_are_not_links():
         "[{length = 2.0, mass = 3.0}]", "[{length = 2.0, mass = 3.0, count = 3}, {mass = 1.0}]"
     )
     message = refusal(parse_scene, text, "f")
-    assert message == "f: chain.links[2].length is missing (at line 2)"
+    assert message.startswith(
+        "f: chain.links[2].length is missing (at line 2); 1 more: initial.angles has 1 "
+    )
     text = text.replace("{mass = 1.0}", "{mass = 1.0, length = 1.0, joint_min = 0.2, joint_max = 0.1}")
     text = text.replace("[0.5]", "[0.5, 0.5, 0.5, 0.5]")
     message = refusal(parse_scene, text, "f")
@@ -267,7 +269,8 @@ def test_a_bad_file_is_refused_by_name_and_reason(tmp_path, content, reason):
 
 
 def test_a_message_is_one_line_even_for_a_file_name_of_two():
-    assert refusal(parse_scene, "", "two\nlines.toml") == "two lines.toml: name is missing (model name)"
+    message = refusal(parse_scene, "", "two\nlines.toml")
+    assert message.startswith("two lines.toml: name is missing (model name); 1 more: chain.links is missing")
 
 
 def test_only_names_that_windows_reserves_are_refused():
@@ -326,4 +329,13 @@ def test_a_message_has_all_wrong_keys_and_values_with_their_lines():
         "chain.links[1].masss is unknown; the nearest key is chain.links[].mass (at line 10); "
         "chain.links[1].length = -1 must be a finite number > 0 [m] (at line 8); "
         "contact.stiffness = -1.0 must be a finite number > 0 [N/m^exponent] (at line 13)"
+    )
+
+
+def test_a_missing_key_hides_no_fault_and_a_misspelled_key_is_told_once():
+    assert refusal(parse_scene, "[[chain.links]]\nlenght = 'a'\nmass = 1.0\n", "bad.toml") == (
+        "bad.toml: name is missing (model name); 3 more: "
+        "chain.links[1].lenght is unknown; the nearest key is chain.links[].length (at line 2); "
+        "chain.links[1].length = 'a' must be a finite number > 0 [m] (at line 1); "
+        "initial.angles is missing (angle of each link, absolute, from +x)"
     )

@@ -28,6 +28,8 @@ class SceneError(ValueError):
         fault: the rest of the message, such as the value and the allowed values.
         line: the number of the line in the file, which follows in the message; None if it is not known.
         others: errors on other keys of the same file, with which the message ends.
+        meant: the name of the key in the same table for which the unknown last key of the path probably
+            stands; "" for none.
     """
 
     def __init__(self, fault: str, path: DataPath = (), name: str = "") -> None:
@@ -36,6 +38,7 @@ class SceneError(ValueError):
         self.path, self.name, self.fault, self.source = path, name, fault, ""
         self.line: int | None = None
         self.others: list[SceneError] = []
+        self.meant = ""
 
     def __str__(self) -> str:
         """Return the message as one line, also if names or values in the message have line breaks."""

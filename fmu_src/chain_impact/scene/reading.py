@@ -13,7 +13,6 @@ from typing import Any, get_args, get_origin
 
 from chain_impact.scene.errors import SceneError, refusal, refused, value_text
 from chain_impact.scene.rules.key_rules import Derived, allowed, extended, keeps, keys, without_none
-from chain_impact.scene.rules.refusals import sentence
 from chain_impact.scene.words.angles import or_degrees, radians_of
 from chain_impact.scene.words.names import DataPath, path_text
 from chain_impact.scene.words.similar_names import nearest, one_typo, proposed
@@ -22,6 +21,9 @@ from chain_impact.scene.words.unit_text import number_hint, power_hint
 # the least similarity, from 0 to 1, to an unknown key at which an error proposes a key of the same table
 SIMILAR_KEY = 0.7
 MOST_FAULTS = 8  # one message tells at most this number of faults
+# values for a key that must not be missing, while other faults are searched: one of them is a valid value of
+# most keys
+PLACEHOLDERS = (1.0, "x")
 _ONE = r"\s*[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?\s*"
 _VALUES_TYPED = re.compile(rf"{_ONE}(?:[:,]{_ONE})+(?::log)?")
 
@@ -71,7 +73,7 @@ class Reader:
         entries = {entry.name: entry for entry in keys(table)}
         for name in data:
             if name not in entries:
-                raise refused((*path, name), self._unknown(table, path, name))
+                raise self._unknown(table, path, name)
         values: dict[str, Any] = {}
         scope = dict(tables)
         for entry in entries.values():
@@ -152,19 +154,21 @@ class Reader:
             name: self._table(entry_type(kind), entry, (*path, name), tables) for name, entry in value.items()
         }
 
-    def _unknown(self, table: Any, path: DataPath, name: Any) -> str:
-        """Return the fault on an unknown key `name` of `table`, with the most similar key of any table.
+    def _unknown(self, table: Any, path: DataPath, name: Any) -> SceneError:
+        """Return the error on an unknown key `name` of `table`, with the most similar key of any table.
 
-        If no key is similar, the fault lists the keys of `table`.
+        If no key is similar, the error lists the keys of `table`.
         """
-        name = value_text(name).strip("'")
+        where, name = (*path, name), value_text(name).strip("'")
         here = [entry.name for entry in keys(table)]
         prefix = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
         if near := nearest(name, here, at_least=SIMILAR_KEY) or one_typo(name, here):
-            return f"is unknown; the nearest key is {prefix}{'.' * bool(prefix)}{near}"
+            error = refused(where, f"is unknown; the nearest key is {prefix}{'.' * bool(prefix)}{near}")
+            error.meant = near
+            return error
         if near := name if name in self._keys() else one_typo(name, self._keys()):
-            return f"is unknown; the nearest key is {self._keys()[near]}"
-        return sentence("unknown", keys=", ".join(here))
+            return refused(where, f"is unknown; the nearest key is {self._keys()[near]}")
+        return refusal(where, "unknown", keys=", ".join(here))
 
     def _moved(self, item: Any, value: Mapping[Any, Any]) -> str:
         """Return advice on ``value``, one table in place of a list of tables: where its wrong keys belong.
@@ -195,8 +199,9 @@ def tell_all_faults(
 ) -> None:
     """Give an error the errors on other keys that the ``Reader`` of ``root`` refuses, and all their lines.
 
-    To find them, the data are read again without the refused keys, until there are MOST_FAULTS errors. A key
-    that must not be missing gets a number in place of its refused value.
+    To find them, the data are read again without the refused keys, until there are MOST_FAULTS errors. The
+    value of a misspelled key goes to the key that is probably meant. A key that must not be missing gets one
+    of PLACEHOLDERS.
 
     Args:
         error: the first error on the data.
@@ -204,15 +209,13 @@ def tell_all_faults(
         data: the data.
         line_of: function from the path of a key to the number of its line.
     """
-    data, last, replaced = deepcopy(data), error, False
+    data, last, attempt = deepcopy(data), error, 0
     found = {error.path: error}
-    while len(found) < MOST_FAULTS and _without(data, last.path, replaced):
+    while len(found) < MOST_FAULTS and _correct(data, last, attempt):
         try:
             Reader(root).read(data)
         except SceneError as fault:
-            last, replaced = fault, fault.path in found and not replaced
-            if fault.path in found and not replaced:
-                break
+            last, attempt = fault, attempt + 1 if fault.path in found else 0
             found.setdefault(fault.path, fault)
         else:
             break
@@ -221,16 +224,22 @@ def tell_all_faults(
         one.line = line_of(one.path)
 
 
-def _without(data: Any, path: DataPath, replaced: bool) -> bool:
-    """Take the value at a path from the data, or replace it by 1.0; return whether that was possible."""
-    *owners, key = path or (None,)
+def _correct(data: Any, error: SceneError, attempt: int) -> bool:
+    """Take the refused value from the data, or replace it by a placeholder; return whether that was possible.
+
+    The value is taken at ``attempt`` 0. It goes to the key ``error.meant`` of its table, unless the table has
+    this key. Each further attempt uses the next placeholder.
+    """
+    *owners, key = error.path or (None,)
     try:
         for step in owners:
             data = data[step]
-        if replaced:
-            data[key] = 1.0
+        if attempt:
+            data[key] = PLACEHOLDERS[attempt - 1]
         else:
-            del data[key]
+            value = data.pop(key, None)
+            if error.meant:
+                data.setdefault(error.meant, value)
     except (LookupError, TypeError):
         return False
     return isinstance(data, dict)
