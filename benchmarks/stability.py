@@ -25,6 +25,7 @@ from benchmarks.peers.cvode import OVER_BUDGET, Cvode
 from benchmarks.peers.on_kernel import OnKernel
 from benchmarks.peers.ours import Kernel, OnInstance
 from benchmarks.peers.scipy import Scipy
+from chain_impact.pictures.drawing.shared_names import name_around
 from chain_impact.pictures.drawing.style import INK, headline
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.errors import SimulationError
@@ -301,7 +302,9 @@ DEAREST, FAILED, EDGES = 1000.0, "0.9", "#f4f4f4"
 
 
 def draw(figure: Any, record: Any) -> None:
-    """Draw one map for each method: stiffness to the right, restitution upwards.
+    """Draw one map for each method, ours first, then those with more completed runs and less cost first.
+
+    Stiffness grows to the right, restitution upwards.
 
     The colour of a completed run shows its cost, divided by that of the cheapest method at the same stiffness
     and restitution; the colour of any other run shows its outcome.
@@ -313,14 +316,17 @@ def draw(figure: Any, record: Any) -> None:
     headline(
         figure,
         f"chain-impact completes {min(ours)} of {cells} runs, other methods {min(others)} to {max(others)}",
-        "over stiffness [N/m$^{1.5}$] and restitution  ·  "
-        f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  "
-        "in each title: completed runs  ·  cost: CPU time",
+        f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  in each title: completed runs",
     )
     cost = LogNorm(1.0, DEAREST)
     cheapest = cheapest_of(record["results"]["cells"])
     panels = figure.subplots(4, 4, sharex=True, sharey=True).ravel()
-    for axes, method in zip(panels, settings["methods"], strict=True):
+    spent = {
+        m: [row["cpu"] for row in record["results"]["cells"] if row["method"] == m and "cpu" in row]
+        for m in done
+    }
+    ranked = sorted(settings["methods"], key=lambda m: (m not in OURS, -done[m], np.median(spent[m])))
+    for axes, method in zip(panels, ranked, strict=True):
         costs = np.full((len(restitutions), len(stiffnesses)), np.nan)
         axes.set_facecolor(FAILED)
         for row in (row for row in record["results"]["cells"] if row["method"] == method):
@@ -339,10 +345,7 @@ def draw(figure: Any, record: Any) -> None:
         axes.set_yticks(range(len(restitutions)), [f"{e:g}" for e in restitutions])
         axes.grid(visible=False)
         axes.tick_params(length=0)
-    for axes in panels[-4:]:
-        axes.set_xlabel("stiffness K [N/m$^{1.5}$]")
-    for axes in panels[::4]:
-        axes.set_ylabel("restitution e")
+    name_around(panels.tolist(), below="stiffness K [N/m$^{1.5}$]", beside="restitution e")
     keys = [
         Line2D(
             [], [], color=INK, marker=f"$\\mathrm{{{letter}}}$", linestyle="", markeredgewidth=0.0, label=name
@@ -350,7 +353,7 @@ def draw(figure: Any, record: Any) -> None:
         for name, letter in OUTCOMES.items()
         if letter and any(name in tally[m] for m in tally)
     ]
-    label = "cost, as a multiple of that of the cheapest method that completes"
+    label = "CPU time, as a multiple of that of the fastest method that completes"
     bar = figure.colorbar(mesh, ax=panels.tolist(), label=label, extend="max", aspect=40)
     bar.set_ticks([1, 10, 100, 1000], labels=["1", "10", "100", "≥ 1000"])
     figure.legend(handles=keys, loc="outside lower center", ncols=len(keys), handletextpad=0.2)

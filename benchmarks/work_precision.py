@@ -16,6 +16,7 @@ import resource
 import subprocess
 import sys
 import tempfile
+import textwrap
 from typing import Any
 
 from matplotlib.lines import Line2D
@@ -38,6 +39,7 @@ peers.contenders(PROBLEMS["four"], 1e-8, 1.2, [{family!r}])[0][{name!r}].run()
 """
 SIZE = (WIDTH, 6.4)  # [inch] of the chart
 NAMES_IN_ROW = 5  # number of names in a row of the legend
+TOLD = 24  # the largest number of characters in a line of the reason why a contender is absent
 ALL_ROUNDS: dict[str, Any] = {"linewidth": 3.0, "alpha": 0.3}
 """The look of the vertical line from the least to the largest time of all rounds."""
 
@@ -99,11 +101,13 @@ def factors_told(equal: list[dict[str, Any]]) -> tuple[str, str]:
         return "", ""
     every = sorted(factor for factors in found.values() for factor in factors)
     order = sorted(found, key=lambda name: found[name][-1])
-    parts = [f"{name} {_between(found[name])}" for name in order]
+    first, *others = (f"as {name}" for name in order)
+    ranges = [_between(found[name]) for name in order]
+    parts = [f"{ranges[0]} times as fast {first}", *map(" ".join, zip(ranges[1:], others, strict=True))]
     setting = f"chain-impact at tolerance {number(DEFAULT)}"
     return (
         f"{setting} is {_between(every)} times as fast as others at equal error",
-        f"CPU time at equal error over that of simulate() at this tolerance: {', '.join(parts)}",
+        ", ".join(parts),
     )
 
 
@@ -126,6 +130,11 @@ def draw(figure: Any, record: Any) -> None:
             panels.append(axes)
             draw_runs(axes, [row for row in rows if row.get(key, 0.0) > 0.0], key)
             axes.set(xlabel=label, ylabel="" if column else "CPU time [ms]")
+            absent = {*record["settings"]["left out"]} - {row["name"] for row in rows}
+            if absent and not line:
+                reasons = [f"{each} {record['settings']['left out'][each]}" for each in sorted(absent)]
+                where = {"transform": axes.transAxes, "ha": "right", "va": "top", "color": INK}
+                axes.text(1.0, 1.0, textwrap.fill("; ".join(reasons), TOLD), fontsize="small", **where)
             if not line:
                 impacts = max((row["onsets"] for row in rows if row["right"]), default=0)
                 axes.set_title(f"{PROBLEMS[name].title}, {PROBLEMS[name].times[-1]:g} s\n{impacts} impacts")
@@ -136,12 +145,10 @@ def draw(figure: Any, record: Any) -> None:
     keys.append(Line2D([], [], color=INK, label="all rounds", **ALL_ROUNDS))
     figure.legend(handles=keys, loc="outside lower center", ncols=NAMES_IN_ROW)
     title, factors = factors_told(results["at equal error"])
-    started = ", ".join(f"{name} {seconds:.2g} s" for name, seconds in results["start-up [s]"].items())
     told = [
         factors,
         f"points of simulate() from the right: tolerances from {decade(TOLERANCES[0])} to "
         f"{decade(TOLERANCES[-1])}, in steps of 100",
-        f"first result of a new process: {started}",
     ]
     headline(
         figure,

@@ -100,7 +100,17 @@ def test_both_panels_of_the_errors_of_models_have_the_same_limits(charts):
     first, second = page.axes
     assert first.get_ylim() == second.get_ylim()
     assert first.get_xlim() != second.get_xlim()
+    assert len(page.legends[0].get_texts()) == 5, "stiffnesses have their names at their lines"
     assert "right" not in " ".join(text.get_text() for text in page.texts)
+
+
+def test_methods_that_complete_more_runs_come_first(charts):
+    _, page = message(charts("stability"), stored("stability"))
+    titles = [axes.get_title() for axes in page.axes if ": " in axes.get_title()]
+    done = [int(title.rpartition(" ")[2]) for title in titles if not title.startswith("chain-impact")]
+    assert done == sorted(done, reverse=True)
+    assert titles[0].startswith("chain-impact auto")
+    assert [axes.get_ylabel() for axes in page.axes].count("restitution e") == 1
 
 
 def test_a_peer_without_a_time_is_a_gap(charts):
