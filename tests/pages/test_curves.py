@@ -193,12 +193,12 @@ def test_outputs_are_chosen_by_hand_and_go_into_the_link(show):
         field.press("Enter")
         assert page.locator("#curves-text").inner_text().endswith(sentence)
         assert page.evaluate(SHOWN) == ["contact[4].y_min.force"]
-    field.fill("point[4].x, point[4].velocity_x")
+    field.fill("point[4].x, point[4].velocity_y")
     field.press("Enter")
     until(page, f"{SHOWN}.join() === 'point[4].x'")
     told = page.inner_text("#curves-text")
-    assert told == "point[4].velocity_x is not an output; the nearest is point[4].vx."
-    assert field.input_value() == "point[4].x, point[4].velocity_x", "the wrong name can be mended"
+    assert told == "point[4].velocity_y is not an output; the nearest is point[4].vy."
+    assert field.input_value() == "point[4].x, point[4].velocity_y", "the wrong name can be mended"
     field.fill("energy.total, point[4].y")
     field.press("Enter")
     until(page, f"{SHOWN}.join() === 'point[4].y,energy.total'")
