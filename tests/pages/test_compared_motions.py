@@ -451,6 +451,15 @@ def test_a_change_to_many_times_the_force_is_told_as_a_factor(show):
     change.filter(has_text=re.compile(r"^A → now ×\u202f[1-9]\d(\.\d)?$")).wait_for()
 
 
+def test_an_energy_of_round_off_is_0_in_the_summary(show):
+    page = show("simple_pendulum")
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'gravity.y': -5})")
+    until(page, "document.querySelector('.pin-text').textContent.includes('−5')")
+    rows = [row.locator("td").all_inner_texts() for row in page.locator("#pins tbody tr").all()]
+    assert rows == [["0", "–", "0\u202fJ", ""], ["0", "–", "0\u202fJ", "none"]]
+
+
 def test_forces_and_impulses_are_not_compared_and_angles_are_in_degrees(show):
     page = show()
     page.evaluate("chainImpact.show({'contact.model': 'newton_impact', 'initial.angle[2]': -2.16})")

@@ -8,6 +8,7 @@ import { placeText } from "../scene/words.js";
 const TO_PRESENT = "From this motion to the present one";
 const SAME_TIME = 1e-9; // [s] times that differ by less count as equal
 const MANIFOLD = 10; // least factor between two forces or impulses that is told as a factor, not in percent
+const ENERGY_ROUND_OFF = 1e-6; // energies below this, relative to the largest one, count as 0
 const LISTED = 100; // number of impacts of each motion, from the first on, that are compared
 const CLEAR = 0.01; // least relative difference of a time since the start, or of a force, that the summary tells
 
@@ -56,9 +57,11 @@ export function pairsTable(motions, isPresent) {
   return [make("thead", {}, head), make("tbody", {}, ...body)];
 }
 
-/** Return the total energy of a recording at its end [J]; undefined if the recording has none. */
-function endEnergy({ energies: { total } }) {
-  return total?.at(-1);
+/** Return the total energy of a recording at its end [J], 0 if it is round-off (ENERGY_ROUND_OFF); undefined if there are no energies. */
+function endEnergy({ energies: { total, ...parts } }) {
+  const largest = Object.values(parts).flatMap((values) => Array.from(values)).reduce((most, value) => Math.max(most, Math.abs(value)), 0);
+  const end = total?.at(-1);
+  return Math.abs(end) < ENERGY_ROUND_OFF * largest ? 0 : end;
 }
 
 function energyText(joules) {
@@ -68,7 +71,7 @@ function energyText(joules) {
 /** Return the change of the energy at the end from one recording to another as text; "" if an energy is unknown. */
 function energyChange(from, to) {
   const change = endEnergy(to) - endEnergy(from);
-  const text = Number.isFinite(change) ? withMinus(digits(change, 2)) : "";
+  const text = change ? withMinus(digits(change, 2)) : ""; // no text for an unknown energy, which makes the change NaN
   return text && `${change > 0 ? "+" : ""}${text}\u202fJ`;
 }
 
