@@ -249,6 +249,17 @@ def test_two_pins_leave_the_list_of_impacts_in_sight(show):
     assert boxes["#list"]["y"] + boxes["#list"]["height"] < top
 
 
+def test_the_names_of_outputs_are_whole_beside_many_pins(show):
+    page = show(hash_="#curves=contact[2].y_min.force", viewport=DESK)
+    for value in (0.4, 0.5, 0.55, 0.6):
+        page.get_by_role("button", name="Pin").click()
+        page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
+        until_told(page, impacts_of({"contact.restitution": value}))
+    terms = page.locator("#outputs-over-time .of-curve")
+    assert terms.all_inner_texts() == ["A", "B", "C", "D", "contact[2].y_min.force"]
+    assert terms.last.bounding_box()["height"] < 20.0, "one line"
+
+
 @pytest.mark.parametrize("height", [768, 800])
 def test_five_pins_and_the_legend_of_energies_are_in_sight(show, height):
     page = show(viewport={"width": 1366, "height": height})

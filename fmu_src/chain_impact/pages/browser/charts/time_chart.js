@@ -10,6 +10,7 @@ import { energyOffset, movedBy, offsetText, shiftOf } from "./energy_zero.js";
 const WIDTHS = { total: 2.4 };
 const DENSE = 0.4; // a curve with more turns than this for each pixel of the chart's width fills an area
 const FAINT = 0.5; // opacity of a curve that fills an area, so that other curves are seen behind it
+const MOST_BESIDE_NAMES = 3; // with more compared motions, a legend with long names has the values below them
 const ENVELOPE_STEP = 2; // [pixels] width of the strips in whose extremes the envelope of such a curve has its corners
 const ENVELOPE_FILL = 35; // [%] opacity of the envelope's area relative to its lines
 const CURVE_APART = 0.3; // [pixels of the screen] least distance between two points of a drawn curve
@@ -134,8 +135,10 @@ export class TimeChart extends Chart {
     const letters = compared.map(({ letter, stroke }) => this.#termOf("dd", { name: letter, stroke, dash: [6, 3] }));
     const heads = compared.length ? [make("dd", { textContent: "present" }), ...letters] : [];
     entries.classList.toggle("with-motions", compared.length > 0);
+    entries.classList.toggle("many-motions", compared.length > MOST_BESIDE_NAMES);
     entries.style.setProperty("--motions", 1 + compared.length);
-    entries.replaceChildren(rowOf(this.unitCell, heads), ...rows.map(({ term, cells }) => rowOf(term, cells)));
+    const head = compared.length || !this.timeText ? [rowOf(this.unitCell, heads)] : [];
+    entries.replaceChildren(...head, ...rows.map(({ term, cells }) => rowOf(term, cells)));
   }
 
   /**
