@@ -31,7 +31,7 @@ def test_samples_of_several_parameters_are_histograms():
     texts = [correlation_text(value) for value in (1.0, -1.0, 0.9986, -0.99998, 0.5)]
     assert texts == ["1.00", "−1.00", "0.999", "−0.99998", "0.50"]
     assert [axes.get_title().replace("\n", " ") for axes in dots[1:]] == [
-        "peak force divided by its trend over contact.stiffness"
+        "ratio [–] of peak force to its trend over contact.stiffness"
     ] * 2
     ratios = dots[1].lines[0].get_ydata()
     assert np.ptp(np.log(ratios)) < 0.5 * np.ptp(np.log(found["peak_force"]))
@@ -44,6 +44,26 @@ def test_samples_of_several_parameters_are_histograms():
     assert told[1].startswith("90 % of the runs: ")
     counts, *_ = found.plot(panels="impact.count").axes
     assert {bar.get_x() % 1.0 for bar in counts.patches} == {0.5}
+
+
+def test_a_choice_of_samples_has_a_box_with_the_median_that_the_text_tells():
+    vary = {"contact.stiffness": "1e6:1e9:log", "contact.model": "flores,zhang_sharf"}
+    page = drawn(sweep(SCENE, vary, samples=16))
+    axes = page.axes[-1]
+    assert axes.get_xlabel() == "contact.model; sideways: spread only"
+    told = " ".join(page.texts[1].get_text().split())
+    names = [label.get_text() for label in axes.get_xticklabels()]
+    for name, box, median in zip(names, axes.patches, axes.collections, strict=True):
+        inside = [y for x, y in axes.lines[0].get_xydata() if abs(x - names.index(name)) < 0.5]
+        (level,) = {y for _, y in median.get_segments()[0]}
+        assert level == pytest.approx(np.median(inside))
+        assert box.get_y() == pytest.approx(np.quantile(inside, 0.25))
+        assert f"{level:.3g} with {name}" in told
+    assert "1e6" not in told  # the axis shows the range
+    assert [text.get_text() for text in page.legends[0].get_texts()] == [
+        "value in the scene",
+        "middle half and median",
+    ]
 
 
 def test_the_parameter_without_dots_is_named():

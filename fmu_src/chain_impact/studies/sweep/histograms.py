@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.map_colours import WIDE_COLOURS, spread
@@ -25,7 +27,7 @@ from chain_impact.studies.sweep.maps import (
     label_of,
     own_value,
 )
-from chain_impact.studies.sweep.quantities import LOADS, Quantity
+from chain_impact.studies.sweep.quantities import LOADS, Quantity, number_text
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.text import plural
@@ -34,10 +36,14 @@ QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}
 """Quantile → matplotlib's style of the line that marks the quantile in each histogram."""
 # the colour and the opacity of the bars: lines on the bars have contrast on a white and on a dark ground
 BARS = (BLUE, 0.4)
+FEW_COUNTS = 5  # the largest number of distances between the numbers at the axis of a histogram
 MOST_SCATTERS = 3  # the largest number of parameters over which each quantity of samples is drawn
 # GOLDEN: the distance of successive dots over a choice, of which the fractions are evenly spread; DOTS_PART:
 # the width of the dots of a choice, relative to the distance of two choices
 GOLDEN, DOTS_PART = 0.618034, 0.5
+# BOX_WIDTH: that of the box of a choice, relative to the distance of two choices; BOX_LINE: [points]
+BOX_WIDTH, BOX_LINE = 0.6, 0.9
+BOX_WORDS, SPREAD = "middle half and median", "; sideways: spread only"
 # a trend counts with at least the squared rank correlation TRENDING, and LEAST_TREND runs
 TRENDING, LEAST_TREND = 0.5, 12
 FEWEST = 3  # the correlation of fewer than FEWEST pairs of values counts as 0
@@ -64,7 +70,7 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
         if logarithmic and values.max() < WIDE_RANGE * values.min():
             number_few_decades(axes.xaxis)
         edges = edges_of(values, logarithmic=logarithmic, whole=quantity.is_count)
-        axes.hist(values, edges.tolist(), color=BARS, edgecolor=INK, linewidth=0.4)
+        axes.hist(values, edges.tolist(), color=BARS, edgecolor="white", linewidth=1.0)
         low, middle, high = np.quantile(values, list(QUANTILES))
         between = with_unit(f"{low:.3g} … {high:.3g}", quantity.unit)
         labels = ("_", f"median {with_unit(f'{middle:.3g}', quantity.unit)}", f"90 % of the runs: {between}")
@@ -75,7 +81,8 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
             axes.plot([], [], linestyle="", label=f"{NO_IMPACT}: {plural(untouched, 'run')}, not drawn")
         legend_above(axes)
         give_ticks(axes)
-        axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, steps=COUNT_STEPS))
+        few: dict[str, Any] = {"nbins": FEW_COUNTS, "integer": True, "min_n_ticks": 1, "steps": COUNT_STEPS}
+        axes.yaxis.set_major_locator(MaxNLocator(**few))
 
 
 def draw_samples(
@@ -93,10 +100,17 @@ def draw_samples(
             trend = None if variation is drawn[0] else trend_over(runs, quantity, drawn[0])
             _scatter(axes, runs, quantity, variation, trend)
             if trend is not None:
-                name_above(axes, f"{quantity.name} divided by its trend over {drawn[0].name}")
+                name_above(axes, f"ratio [–] of {quantity.name} to its trend over {drawn[0].name}")
+    keys: list[Any] = []
+    if any(own_value(runs, variation) is not None for variation in drawn):
+        keys.append(Line2D([], [], label="value in the scene", **SCENE_LINE))
+    if any(variation.choices for variation in drawn):
+        keys.append(Patch(facecolor="none", edgecolor=INK, linewidth=BOX_LINE, label=BOX_WORDS))
+    if any(quantity.missed(runs).any() for quantity in quantities):
+        keys.append(Line2D([], [], label=NO_IMPACT, **RING))
     figure = panels[0].get_figure(root=True)
-    if figure is not None and any(quantity.missed(runs).any() for quantity in quantities):
-        legend_at_foot(figure, [Line2D([], [], label=NO_IMPACT, **RING)])
+    if figure is not None and keys:
+        legend_at_foot(figure, keys)
 
 
 def drawn_parameters(runs: Runs, varying: Sequence[Variation]) -> list[Variation]:
@@ -133,7 +147,8 @@ def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
 def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]) -> str:
     """Return words with the number of runs and, for each quantity, rank correlations with varied numbers.
 
-    The largest |correlation| comes first. Quantities without a correlation are left out.
+    The largest |correlation| comes first. Quantities without a correlation are left out. For a choice, the
+    words have the median with each choice, of the quantity or its ratio to the trend that the panel shows.
     """
     numbers, parts = [variation.name for variation in varying if not variation.choices], [f"{len(runs)} runs"]
     for quantity in quantities:
@@ -142,6 +157,19 @@ def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Vari
         if order:
             told = ", ".join(f"{correlation_text(found[name])} with {name}" for name in order)
             parts.append(f"rank correlation of {quantity.name}: {told}")
+        for choice in (variation for variation in varying if variation.choices):
+            trend = trend_over(runs, quantity, drawn_parameters(runs, varying)[0])
+            values = quantity.known(runs) if trend is None else quantity.known(runs) / trend
+            each = [
+                (name, values[runs[choice.name] == name]) for name in choice.shown(np.unique(choice.values))
+            ]
+            medians = [
+                f"{number_text(float(f'{np.nanmedian(found):.3g}'))} with {name}"
+                for name, found in each
+                if np.isfinite(found).any()
+            ]
+            what = f"{quantity.name}" if trend is None else "the ratio"
+            parts.append(f"median of {what}: {', '.join(medians)}")
     return "; ".join(parts)
 
 
@@ -183,14 +211,17 @@ def _scatter(
         names = variation.shown(np.unique(variation.values)).tolist()
         # the dots of a choice lie side by side, at places that repeat in each run of the program
         beside = (np.arange(len(runs)) * GOLDEN) % 1.0 - 0.5
-        given = np.array([names.index(name) for name in given]) + DOTS_PART * beside
+        places = np.array([names.index(name) for name in given])
+        for place in range(len(names)):
+            _draw_box(axes, place, shown[(places == place) & np.isfinite(shown)])
+        given = places + DOTS_PART * beside
         axes.set_xticks(range(len(names)), names)
         axes.set_xlim(-0.5, len(names) - 0.5)
     else:
         axes.set_xscale("log" if is_logarithmic(variation) else "linear")
     axes.plot(given, shown, ".", color=BLUE, markersize=4.0, rasterized=True)
     mark_at_foot(axes, np.asarray(given)[quantity.missed(runs)], RING)
-    axes.set_xlabel(label_of(runs, variation))
+    axes.set_xlabel(label_of(runs, variation) + (SPREAD if variation.choices else ""))
     name_above(axes, quantity.label)
     finite = shown[np.isfinite(shown)]
     if finite.size and spread(finite) >= WIDE_COLOURS and not quantity.is_count:
@@ -201,6 +232,16 @@ def _scatter(
         axes.axvline(own, **SCENE_LINE)
     if not variation.choices:
         give_ticks(axes)
+
+
+def _draw_box(axes: Axes, place: int, values: np.ndarray) -> None:
+    """Draw a box around the middle half of some values, with a line at their median, at a place along x."""
+    if values.size:
+        low, middle, high = np.quantile(values, (0.25, 0.5, 0.75))
+        look: dict[str, Any] = {"edgecolor": INK, "linewidth": BOX_LINE, "zorder": 3.0}
+        axes.bar([place], [high - low], BOX_WIDTH, [low], color="none", **look)
+        half = 0.5 * BOX_WIDTH
+        axes.hlines([middle], place - half, place + half, INK, linewidth=2.0 * BOX_LINE, zorder=3.0)
 
 
 def edges_of(values: np.ndarray, *, logarithmic: bool, whole: bool) -> np.ndarray:

@@ -194,7 +194,7 @@ def conditions(runs: Runs, varying: list[Variation]) -> str:
 
     After a range stands the value in the scene: with (+) or (dashed line) if the picture marks the value
     (``marked_parameters``), and with (outside) if the value is beyond the range. Of samples, a parameter over
-    which the picture has no dots is named as such.
+    which the picture has no dots is named as such; of the others, the axes show range and choices.
     """
     parts, shown = [], marked_parameters(runs, varying)
     is_sampled = kind_of(runs.design) == HISTOGRAMS
@@ -211,6 +211,11 @@ def conditions(runs: Runs, varying: list[Variation]) -> str:
         if variation.choices:
             told = f", {choice} in the scene" if choice in variation.shown(variation.values) else ""
         told += ", no panel" if is_sampled and variation not in shown else ""
+        if is_sampled and variation in shown:
+            told = told.removeprefix(", ")
+            if told and (variation.choices or marked == " (outside)"):
+                parts.append(f"{variation.name}: {told}")
+            continue
         parts.append(f"{count}{told}" if variation.choices else f"{variation.name} {interval}{told}")
     return "; ".join(parts)
 
