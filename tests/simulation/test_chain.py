@@ -1,6 +1,7 @@
 """A chain stepped in Python: bit-equal to simulate(); states, settable values and refused values."""
 
 # Tests: simulation/instance.py, simulation/chain_access.py, simulation/chain_rows.py
+# Tests: simulation/chain_states.py
 
 import itertools
 import math

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-import struct
-import zlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import astuple
 from functools import cached_property
@@ -13,11 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.files import with_checksum
 from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.status import OK
 from chain_impact.recording.impacts import LOG_DTYPE, sorted_impacts
-from chain_impact.recording.stick_slip import CHANGE_DTYPE, phases_of
+from chain_impact.recording.stick_slip import phases_of
 from chain_impact.results.result import Result
 from chain_impact.scene.asked_inputs import how_asked
 from chain_impact.scene.errors import SceneError, UnknownNameError, names_matching, value_text
@@ -27,6 +24,7 @@ from chain_impact.scene.words.angles import or_degrees, radians_of
 from chain_impact.scene.words.names import input_key
 from chain_impact.simulation.chain_access import Access, Selection, access_to, with_present_values
 from chain_impact.simulation.chain_rows import ChainRows
+from chain_impact.simulation.chain_states import DAMAGED, ChainState, state_from
 from chain_impact.simulation.errors import SimulationError, fault_text
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import spans_of
@@ -34,12 +32,6 @@ from chain_impact.text import plural
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.prepared import PreparedScene
-
-# the head of a saved state: magic number, CRC-32 of all bytes from CHECKED_FROM on, digest of the scene,
-# whether the chain has made a step, number of contacts that have ended, number of changes of friction modes
-STATE = struct.Struct("<8sQ16sqqq")
-CHECKED_FROM = 16
-MAGIC = b"chainsv2"
 
 
 class Chain:
@@ -252,9 +244,7 @@ class Chain:
         self._collect()
         impacts = np.concatenate([np.zeros(0, LOG_DTYPE), *self._impacts])
         changes = self._instance.all_changes
-        head = STATE.pack(MAGIC, 0, self._digest, self._stepped, len(impacts), len(changes))
-        checked = head[CHECKED_FROM:] + impacts.tobytes() + changes.tobytes() + self._reals.tobytes()
-        return with_checksum(MAGIC, checked)
+        return ChainState(self._stepped, impacts, changes, self._reals).as_bytes(self._digest)
 
     def restore(self, state: bytes) -> None:
         """Return to a saved state.
@@ -265,24 +255,13 @@ class Chain:
         if not isinstance(state, bytes | bytearray | memoryview):
             subject = f"restore({value_text(state)})"
             raise SceneError(f"{self.scene.name}: {subject} must be given the bytes that save() returned")
-        state = bytes(state)
-        magic, checksum, digest, stepped, *counts = STATE.unpack_from(state.ljust(STATE.size, b"\0"))
-        changes_at = STATE.size + counts[0] * LOG_DTYPE.itemsize
-        record_at = changes_at + counts[1] * CHANGE_DTYPE.itemsize
-        if (
-            magic != MAGIC
-            or digest != self._digest
-            or min(counts) < 0
-            or len(state) != record_at + self._reals.nbytes
-        ):
-            raise SceneError(f"{self.scene.name}: restore: the bytes are no state of this scene")
-        words = np.frombuffer(state, offset=record_at).copy()
-        if checksum != zlib.crc32(state[CHECKED_FROM:]) or not self._instance.is_sound(words):
-            raise SceneError(f"{self.scene.name}: restore: the state is damaged")
-        self._reals[:] = words
-        self._impacts = [np.frombuffer(state, LOG_DTYPE, counts[0], STATE.size).copy()]
-        self._instance.changes = [np.frombuffer(state, CHANGE_DTYPE, counts[1], changes_at).copy()]
-        self._stepped, self._initialized, self._observed = bool(stepped), True, False
+        subject = f"{self.scene.name}: restore"
+        saved = state_from(bytes(state), self._digest, self._reals.nbytes, subject)
+        if not self._instance.is_sound(saved.words):
+            raise SceneError(f"{subject}: {DAMAGED}")
+        self._reals[:] = saved.words
+        self._impacts, self._instance.changes = [saved.impacts], [saved.changes]
+        self._stepped, self._initialized, self._observed = saved.stepped, True, False
         if self._rows is not None:
             self._rows.restore(self._instance)
 
