@@ -17,6 +17,7 @@ from chain_impact.pictures.over_time.impacts import draw_impacts, stop_scale
 from chain_impact.pictures.overview import fill
 from chain_impact.recording.csv_file import read_csv
 from chain_impact.recording.impacts import IMPACT_DTYPE
+from chain_impact.recording.interactions import JOINT_STOP
 from chain_impact.recording.joint_stops import (
     RANGE_RADIUS,
     JointRange,
@@ -24,7 +25,6 @@ from chain_impact.recording.joint_stops import (
     ranges_of,
     touching_place,
 )
-from chain_impact.recording.stick_slip import JOINT_STOP
 from chain_impact.results.result import Result
 from tests.helpers.scenes.stops import UP, knee
 

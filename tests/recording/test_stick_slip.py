@@ -1,5 +1,7 @@
 """Phases of dry friction: from a log of changes, from outputs, in results and on the screen."""
 
+# Tests: recording/interactions.py
+
 import math
 from dataclasses import replace
 

@@ -9,9 +9,10 @@ import numpy as np
 
 from chain_impact.recording.bodies import is_of_body
 from chain_impact.recording.impacts import NO_IMPACTS, impacts_shown
+from chain_impact.recording.interactions import WALL
 from chain_impact.recording.joint_stops import ranges_of
 from chain_impact.recording.recording import Recording, StoredRecording
-from chain_impact.recording.stick_slip import WALL, phases_from
+from chain_impact.recording.stick_slip import phases_from
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.text_file import comma_separated, likely_time, text_of
 from chain_impact.scene.scene import Scene

@@ -15,10 +15,17 @@ from chain_impact.recording.bodies import site_radii
 from chain_impact.recording.equality import same
 from chain_impact.recording.impact_words import touching_part_name
 from chain_impact.recording.impacts import NO_IMPACTS
+from chain_impact.recording.interactions import (
+    WALL,
+    Interaction,
+    contacts_in,
+    friction_of,
+    interactions_in_joints,
+)
 from chain_impact.recording.joint_stops import JointRange, is_joint_stop
 from chain_impact.recording.older_names import OlderNames
 from chain_impact.recording.sensitivity import Sensitivities
-from chain_impact.recording.stick_slip import FRICTION, NO_PHASES, SLIDER_STOP, WALL, Interaction
+from chain_impact.recording.stick_slip import NO_PHASES
 from chain_impact.recording.tables import save_columns, save_impacts
 from chain_impact.scene.display.bodies import Rail, outlines_from, rail_from
 from chain_impact.scene.errors import names_matching
@@ -226,30 +233,12 @@ class Recording(OlderNames):
     @cached_property
     def interactions(self) -> list[Interaction]:
         """The known contacts at walls and stops, and joints and sliders with dry friction, over time."""
-        interactions = [
-            Interaction(
-                *(point, wall, values["force"]),
-                *(values.get("penetration"), values.get("penetration_rate")),
-                *(values.get("friction_force"), values.get("sticking")),
-                SLIDER_STOP if self._is_slider_stop(wall) else WALL,
-            )
-            for (point, wall), values in self.columns_of("contact").items()
-            if "force" in values
+        stops = SLIDER_STOPS if self._has_slider else ()
+        return [
+            *contacts_in(self.columns_of("contact"), stops),
+            *interactions_in_joints(self.columns_of("joint")),
+            *friction_of(0, self.columns_of("slider").get((0, ""), {}), "friction_force"),
         ]
-        for (joint, _), values in self.columns_of("joint").items():
-            if "stop_moment" in values:
-                interactions += Interaction.contacts_of_stops(joint, values["stop_moment"])
-            if "sticking" in values:
-                moment = values.get("friction_moment")
-                sticking = values["sticking"]
-                interactions.append(
-                    Interaction(joint, "", None, friction=moment, sticking=sticking, kind=FRICTION)
-                )
-        slider = self.columns_of("slider").get((0, ""), {})
-        if "sticking" in slider:
-            force, sticking = slider.get("friction_force"), slider["sticking"]
-            interactions.append(Interaction(0, "", None, friction=force, sticking=sticking, kind=FRICTION))
-        return interactions
 
     @property
     def contact_forces(self) -> dict[tuple[int, str], np.ndarray | None]:
@@ -282,8 +271,12 @@ class Recording(OlderNames):
 
     def _is_slider_stop(self, wall: str) -> bool:
         """Return whether ``wall`` is a stop of a slider; without a slider, a wall may have such a name."""
-        has_slider = "slider.angle" in self.parameters or "slider.position" in self.columns
-        return has_slider and wall in SLIDER_STOPS
+        return self._has_slider and wall in SLIDER_STOPS
+
+    @property
+    def _has_slider(self) -> bool:
+        """Whether the base is on a slider."""
+        return "slider.angle" in self.parameters or "slider.position" in self.columns
 
     @cached_property
     def is_at_joint_stop(self) -> np.ndarray:

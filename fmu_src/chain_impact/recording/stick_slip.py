@@ -1,14 +1,14 @@
-"""Contacts and dry friction over time, and the phases of sticking and sliding."""
+"""The phases of sticking and sliding by dry friction."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from chain_impact.kernel.record.constants import NO_FRICTION, STICKS
-from chain_impact.scene.words.names import STOPS, point_label
+from chain_impact.recording.interactions import Interaction
+from chain_impact.scene.words.names import point_label
 
 CHANGE_DTYPE = np.dtype([("time", np.float64), ("point", np.int64), ("wall", np.int64), ("mode", np.int64)])
 """A change of the mode of dry friction, as the kernel logs it. The columns are: the time [s] from which on
@@ -83,52 +83,6 @@ def phase_cells(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) 
     """
     end = "" if np.isnan(phase["end"]) else f"{phase['end']:.6f}"
     return f"{phase['start']:.6f}", end, element_label(phase, walls, names), MODES[int(phase["mode"])]
-
-
-WALL, SLIDER_STOP, JOINT_STOP, FRICTION = "wall", "stop of a slider", "stop of a joint", "friction"
-"""The kinds of ``Interaction``; FRICTION is dry friction in a joint or on a slider."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Interaction:
-    """A contact with a wall or with a stop of a joint or slider; or dry friction in a joint or on a slider.
-
-    Attributes:
-        point: the number of the point; for a joint the number of the joint, 1…N; for a slider 0.
-        wall: the name of the wall; for a stop joint_min, joint_max, slider_min or slider_max; "" for dry
-            friction in a joint or on a slider.
-        force: the normal force of the wall, shape (T,) [N]; for a stop of a joint the absolute value of
-            its moment [N·m]; None for dry friction in a joint or on a slider.
-        penetration: the penetration, shape (T,) [m]; None if unknown, as always at a stop of a joint.
-        rate: the rate of penetration, shape (T,) [m/s]; None if unknown, as always at a stop of a joint.
-        friction: the force of dry friction on the point, shape (T,) [N]; it is positive along t = (n_y,
-            −n_x), for the wall's normal n. For a joint it is the moment of dry friction [N·m], for a slider
-            the force of dry friction on the carriage [N]; both are positive where they push the angle or the
-            position to larger values. None without dry friction.
-        sticking: shape (T,); above 0 in the rows in which the contact, joint or slider sticks, else 0. None
-            without dry friction.
-        kind: WALL, SLIDER_STOP, JOINT_STOP or FRICTION; ``wall`` does not tell it, because a wall may have
-            the name of a stop if the chain has no such stop.
-    """
-
-    point: int
-    wall: str
-    force: np.ndarray | None
-    penetration: np.ndarray | None = None
-    rate: np.ndarray | None = None
-    friction: np.ndarray | None = None
-    sticking: np.ndarray | None = None
-    kind: str = WALL
-
-    @classmethod
-    def contacts_of_stops(cls, joint: int, moment: np.ndarray) -> Iterator[Interaction]:
-        """Yield the contact of a joint's link with joint_min and the contact with joint_max.
-
-        ``moment`` is the output that both share: the moment of the stops on the link, shape (T,) [N·m]. It is
-        positive while the link touches joint_min, and negative while the link touches joint_max.
-        """
-        for stop, sign in zip(STOPS, (1.0, -1.0), strict=True):
-            yield cls(joint, stop, np.maximum(sign * moment, 0.0), kind=JOINT_STOP)
 
 
 def phases_from(time: np.ndarray, interactions: Iterable[Interaction], walls: Sequence[str]) -> np.ndarray:

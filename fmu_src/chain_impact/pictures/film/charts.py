@@ -18,8 +18,8 @@ from chain_impact.pictures.drawing.style import INK, LOAD, give_ticks, load_unit
 from chain_impact.pictures.film.scale_bar import SMALL
 from chain_impact.pictures.over_time.energies import energy_curves
 from chain_impact.pictures.over_time.time_axis import mark_impacts
+from chain_impact.recording.interactions import SLIDER_STOP, WALL
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.stick_slip import SLIDER_STOP, WALL
 
 FORCE = "#d9480f"  # the colour of wall forces in a film
 CHARTS = (0.69, 0.12, 0.29, 0.6)

@@ -36,10 +36,10 @@ from chain_impact.pictures.motion.bodies import FILL, body_look, draw_rail
 from chain_impact.pictures.motion.motion import colour_of_time
 from chain_impact.pictures.motion.walls import draw_pin, draw_room, moves
 from chain_impact.pictures.over_time.energies import ENERGIES
+from chain_impact.recording.interactions import FRICTION, JOINT_STOP
 from chain_impact.recording.joint_stops import range_lines, touching_place
 from chain_impact.recording.pacing import SLOW_RATE, TAIL, rate_text
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.stick_slip import FRICTION, JOINT_STOP
 from chain_impact.recording.view import framed, pin_mark, places_of, radius_of
 from chain_impact.scene.display.bodies import placed
 
