@@ -55,6 +55,9 @@ def test_a_page_of_any_width_has_all_panels(kind, width):
     told = [(axes.get_ylabel(), axes.get_xlabel(), axes.get_title()) for axes in page.axes]
     labels = {label.replace("\n", " ").partition(", ")[0] for texts in told for label in texts}
     assert {quantity.label for quantity in results_of(found).every} <= labels
+    if kind in {"two choices", "number and all choices"}:
+        numbers = {text.get_text() for axes in page.axes for text in axes.get_yticklabels()}
+        assert {"two choices": {"auto", "explicit"}}.get(kind, {*CONTACT_LAWS}) <= numbers
     foot = [text.get_text() for legend in page.legends for text in legend.get_texts()]
     assert "failed or only impulses" in foot or kind != "number and all choices"
 

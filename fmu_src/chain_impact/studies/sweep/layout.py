@@ -113,16 +113,18 @@ def columns(design: Design, count: int, width: float) -> int:
     - Maps of one result: as few as at most SMALL_MAPS in a row allow, or MOST_IN_ROW in a figure narrower
       than THREE_SMALL; one more if otherwise the last row would have a single map.
     - Other maps: 3 of 3, at most 2 of another count; in a figure narrower than THREE_SMALL, 1 of at most 3.
+      With names of choices: 1 in a figure narrower than WIDE; of one result, narrower than THREE_SMALL.
     - Other panels in a figure that is too narrow for two columns (WIDE): 1.
     - Panels with dots: as few as the least possible number of rows allows.
     - Other panels: 3 of 3, at most 2 of another count.
     """
-    kind = kind_of(design)
-    if have_third(varying_in(design), kind):
-        most = MOST_IN_ROW if width < THREE_SMALL else SMALL_MAPS
+    kind, varying = kind_of(design), varying_in(design)
+    has_names = any(variation.choices for variation in sorted_parameters(varying, kind)[:2])
+    if have_third(varying, kind):
+        most = SMALL_MAPS if width >= THREE_SMALL else 1 if has_names else MOST_IN_ROW
         across = math.ceil(count / math.ceil(count / most))
         return across + int(across > 1 and count % across == 1)
-    if kind == MAPS and width < THREE_SMALL and count <= MOST_IN_ROW:
+    if kind == MAPS and (width < WIDE if has_names else width < THREE_SMALL and count <= MOST_IN_ROW):
         return 1
     if kind != MAPS and width < WIDE:
         return 1

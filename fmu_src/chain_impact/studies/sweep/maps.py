@@ -70,11 +70,11 @@ def draw_maps(
         for axes, cells in zip(group, untouched, strict=True):
             hatch(axes, scales, cells)
     for axes in panels:
-        for axis, scale in zip((axes.xaxis, axes.yaxis), scales, strict=True):
-            if scale.names:
-                axis.set_ticks(range(len(scale.names)), scale.names)
         axes.set_xscale("log" if scales[0].logarithmic else "linear")
         axes.set_yscale("log" if scales[1].logarithmic else "linear")
+        for axis, scale in zip((axes.xaxis, axes.yaxis), scales, strict=True):
+            if scale.names:  # a new scale would remove them
+                axis.set_ticks(range(len(scale.names)), scale.names)
         if scales[0].names:
             axes.tick_params(axis="x", rotation=90)
     near = _name_maps(panels, runs, over)
