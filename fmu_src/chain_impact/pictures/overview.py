@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.figures import settle
@@ -15,11 +16,11 @@ from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.drawing.style import is_narrow, styled, write_foot
 from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
-from chain_impact.pictures.motion.motion import draw_motion, entries_and_note
+from chain_impact.pictures.motion.motion import all_entries, draw_motion, entries_and_note
 from chain_impact.pictures.motion.view import GROWN, is_flat
 from chain_impact.pictures.over_time.dry_friction import move_legend_to_foot
 from chain_impact.pictures.over_time.impacts import place_of_late_peaks
-from chain_impact.pictures.over_time.time_axis import draw_clock, label_time
+from chain_impact.pictures.over_time.time_axis import add_time_keys, draw_clock, label_time
 from chain_impact.pictures.overview_layout import SLIM, axes_of, broadness, is_beside, is_over_time, size_for
 from chain_impact.pictures.panels import PANELS
 from chain_impact.pictures.words.headline import write_head
@@ -61,44 +62,63 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
         write_head(figure, recording, title, panels=shown)
     panel_axes = axes_of(figure, recording, shown)
     motion = None if is_over_time(recording, "motion") else panel_axes.get("motion")
+    timed = [axes for name, axes in panel_axes.items() if is_over_time(recording, name)]
+    keyed = panel_axes["energy"] if "energy" in shown else next(iter(timed), None)
+    if keyed is not None:
+        add_time_keys(keyed, recording, is_marked="energy" in shown)
     for name, axes in panel_axes.items():
         if name in shown:
             PANELS[name].draw(axes, recording)
             move_legend_to_foot(axes, figure)
         else:
-            draw_clock(axes, recording, is_marked="energy" in shown)
-    timed = [axes for name, axes in panel_axes.items() if is_over_time(recording, name)]
+            draw_clock(axes, recording)
     if timed and "time" not in panel_axes:
-        label_time(timed[-1], recording, is_marked="energy" in shown)
+        label_time(timed[-1], recording)
     figure.align_ylabels(timed)
-    is_small = motion is not None and is_narrow(figure)
-    if motion is not None and is_small:
-        entries, note = entries_and_note(motion)
-        legend_above(motion, entries)
-        if note:
-            write_foot(figure, note)
-    ratio = broadness(recording) if motion is not None else 1.0
-    is_alone = len(panel_axes) == 1 or not is_beside(ratio, figure.get_figwidth())
-    legend = legend_beside(motion, entries) if motion is not None and is_small and is_alone else None
-    scaled = None if is_flat(recording) else motion
-    settle(figure, scaled)
-    if motion is not None:
-        room = motion.get_position(original=True).transformed(figure.transFigure)
-        free = room.width - LEGEND_ROOM * legend.get_window_extent().width if legend else 0.0
-        is_slim = free >= max(ratio * room.height, 0.0 if ratio <= SLIM else LEAST_MOTION * room.width)
-        motion.clear()
-        width = free if is_slim else room.width
-        side = max(room.height, min(width, room.height * ratio)) * 72.0 / figure.dpi
-        band = min((NARROW_NUMBER if is_narrow(figure) else NUMBER) / side, MOST_BAND)
-        draw_motion(motion, recording, room.height / width, band, WHOLE_WIDTH if is_alone else GROWN)
-        if is_small:
-            put, (entries, _) = legend_beside if is_slim else legend_above, entries_and_note(motion)
-            put(motion, entries)
-        settle(figure, scaled)
+    if motion is None:
+        settle(figure)
+    else:
+        ratio = broadness(recording)
+        is_alone = len(panel_axes) == 1 or not is_beside(ratio, figure.get_figwidth())
+        _settle_motion(figure, motion, recording, ratio, is_alone=is_alone)
     figure.set_layout_engine("none")  # nothing moves while labels are placed
     ink = Ink(figure)
     for name in (name for name in PANELS if name in panel_axes):
         PANELS[name].write_numbers(panel_axes[name], recording, ink)
+
+
+def _settle_motion(
+    figure: Figure, motion: Axes, recording: Recording, ratio: float, *, is_alone: bool
+) -> None:
+    """Arrange a figure with the panel ``motion``, and draw the motion anew for the room of this panel.
+
+    ``ratio`` is the motion's width over its height; ``is_alone``: whether no panel is beside the motion. In a
+    narrow figure, the legend is beside a slim motion that is alone, and has all entries; else it is above the
+    motion, and the foot of the figure has some of its entries.
+    """
+    is_small, scaled = is_narrow(figure), None if is_flat(recording) else motion
+    legend = legend_beside(motion, all_entries(motion)) if is_small and is_alone else None
+    settle(figure, scaled)
+    room = motion.get_position(original=True).transformed(figure.transFigure)
+    free = room.width - LEGEND_ROOM * legend.get_window_extent().width if legend else 0.0
+    is_slim = free >= max(ratio * room.height, 0.0 if ratio <= SLIM else LEAST_MOTION * room.width)
+    if is_small and not is_slim:
+        entries, note = entries_and_note(motion)
+        legend_above(motion, entries)
+        if note:
+            write_foot(figure, note)
+        settle(figure, scaled)
+        room = motion.get_position(original=True).transformed(figure.transFigure)
+    motion.clear()
+    width = free if is_slim else room.width
+    side = max(room.height, min(width, room.height * ratio)) * 72.0 / figure.dpi
+    band = min((NARROW_NUMBER if is_small else NUMBER) / side, MOST_BAND)
+    draw_motion(motion, recording, room.height / width, band, WHOLE_WIDTH if is_alone else GROWN)
+    if is_small and is_slim:
+        legend_beside(motion, all_entries(motion))
+    elif is_small:
+        legend_above(motion, entries_and_note(motion)[0])
+    settle(figure, scaled)
 
 
 def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
@@ -112,9 +132,10 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
         raise ValueError(f"ax: there are {len(given)} axes for {len(shown)} panels: {', '.join(shown)}")
     with drawn_into(given):
         for name, panel in zip(shown, given, strict=True):
-            PANELS[name].draw(panel, recording)
             if is_over_time(recording, name):
-                label_time(panel, recording, is_marked=name == "energy")
+                add_time_keys(panel, recording, is_marked=name == "energy")
+                label_time(panel, recording)
+            PANELS[name].draw(panel, recording)
         fit_into_figure(given)
         for figure in {panel.get_figure(root=True) for panel in given}:
             ink = Ink(figure)

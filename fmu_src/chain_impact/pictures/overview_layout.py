@@ -22,7 +22,7 @@ from chain_impact.recording.recording import Recording
 # motion has beside other panels. BROADEST_BESIDE: a motion with a larger ratio has the whole width of the
 # figure, above the other panels. BROADEST_HIGH: on a figure with a width of COLUMN or less, a motion with a
 # larger ratio has a lower panel than MOTION_ABOVE_HEIGHT.
-SLIM, BROAD, BROADEST_BESIDE, BROADEST_HIGH = 0.6, 1.0, 1.6, 1.7
+SLIM, BROAD, BROADEST_BESIDE, BROADEST_HIGH = 0.6, 1.0, 1.6, 2.3
 BROADEST_FLAT = 3.5  # a larger ratio counts as this ratio when panels are arranged
 # ``motion_share`` of a motion that is as high as wide, in a wide and in a narrow figure; it sets the width of
 # the panel only
@@ -30,19 +30,22 @@ WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # CLOCK_SHARE: the height of the axis that shows the colours of time; MOTION_ABOVE_HEIGHT: the largest height
 # of the panel of motion above other panels, on a figure with a width of COLUMN or less. Both are relative to
 # the height of the panel of energies.
-CLOCK_SHARE, MOTION_ABOVE_HEIGHT = 0.06, 2.5
+CLOCK_SHARE, MOTION_ABOVE_HEIGHT = 0.06, 2.2
 # the largest height of the panel of motion, relative to the width of the figure, if the user gives no height:
 # HIGHEST from WIDE on, NARROW_HIGHEST from COLUMN to WIDE
 HIGHEST, NARROW_HIGHEST = 0.4, 0.65
 # Lengths in inches.
 # LOWEST: the least height of the panel of motion beside other panels.
 # ENERGY_HEIGHT: the height of a panel of energies.
+# ENERGY_IN_COLUMN: the same on a figure with a width of COLUMN or less.
+# COLUMN_FOOT: the height of the texts at the foot of a figure with a width of COLUMN or less.
 # TEXTS: the height of the legend and the numbers of a panel over time.
 # HEADS: the height of the headline plus the height of the labels below all panels.
 # LABELS: the height of the legend and the labels of a motion.
 # MARGINS: the width of the numbers and labels at the left and right of the motion.
 # LEAST_BESIDE: the least width of panels over time beside the motion, with their numbers and labels.
 LOWEST, ENERGY_HEIGHT, TEXTS, HEADS, LABELS, MARGINS, LEAST_BESIDE = 2.4, 1.15, 0.45, 1.0, 0.6, 0.9, 2.6
+ENERGY_IN_COLUMN, COLUMN_FOOT = 0.75, 0.45
 
 
 def is_over_time(recording: Recording, name: str) -> bool:
@@ -97,22 +100,25 @@ def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> t
     """Return the width and the usual height of a figure [inches] with the panels in ``shown``.
 
     The width is that of ``size`` or, without ``size``, the usual one. But the result is FIGURE_SIZE, whatever
-    ``size`` is, for a motion in the plane alone, for panels without a motion, and for a figure with a width
-    of COLUMN or less that has a motion in the plane above the other panels.
+    ``size`` is, for a motion in the plane alone, and for panels without a motion.
     """
     width = figure_size(size)[0] if size else FULL
     timed = [name for name in shown if is_in_column(recording, name)]
     ratio = broadness(recording)
     if not timed or "motion" not in shown:
         return FIGURE_SIZE
-    over_time = ENERGY_HEIGHT * sum(heights_of(recording, shown)) + TEXTS * len(timed)
+    is_column = width <= COLUMN and "motion" not in timed and not is_beside(ratio, width)
+    energy = ENERGY_IN_COLUMN if is_column else ENERGY_HEIGHT
+    over_time = energy * sum(heights_of(recording, shown)) + TEXTS * len(timed)
     if "motion" in timed:
         return width, HEADS + over_time
     if is_beside(ratio, width):
         motion = (motion_share(ratio, width) * width - MARGINS) / ratio
         return width, HEADS + max(over_time, min(max(motion, LOWEST), HIGHEST * width) + TEXTS)
     if width <= COLUMN:
-        return FIGURE_SIZE
+        return width, HEADS + LABELS + COLUMN_FOOT + over_time + ENERGY_IN_COLUMN * _height_above(
+            ratio, width
+        )
     height = HEADS + LABELS + _whole_height(ratio, width) + over_time
     return width, max(height, FIGURE_SIZE[1]) if width < WIDE else height
 

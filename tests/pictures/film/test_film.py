@@ -1,6 +1,6 @@
 """Films: their content as their viewers see them."""
 
-# Tests: pictures/film/charts.py, pictures/film/file_formats.py
+# Tests: pictures/film/charts.py, pictures/film/file_formats.py, pictures/film/places.py
 # Tests: pictures/film/scale_bar.py, pictures/film/writing.py
 
 import itertools
@@ -13,9 +13,10 @@ from PIL import Image
 
 from chain_impact import Recording, SceneWarning, load_scene, parse_scene, record_slowly, simulate
 from chain_impact.pictures.drawing.dark_ground import lighter
-from chain_impact.pictures.drawing.style import LOAD, TIME_COLOURS
+from chain_impact.pictures.drawing.style import LOAD, TIME_COLOURS, force_text
 from chain_impact.pictures.film.charts import largest_forces, stretch
-from chain_impact.pictures.film.film import FILM_STYLE, FORCE, SIZE_WITH_CHARTS, Film
+from chain_impact.pictures.film.film import FILM_STYLE, FORCE, Film
+from chain_impact.pictures.film.places import LEAST_WIDTH, SIZE_WITH_CHARTS, places_for
 from chain_impact.pictures.film.scale_bar import draw_scale_bar
 from chain_impact.pictures.film.writing import MOST_SLOWED_FRAMES, RATES, draw_frames, resolution, write_film
 from chain_impact.pictures.over_time.energies import ENERGIES
@@ -285,10 +286,23 @@ def test_rates_as_text(rate, text):
     assert rate_text(rate) == text
 
 
+def test_a_slim_motion_leaves_its_room_to_the_charts():
+    figure, slim = Figure(SIZE_WITH_CHARTS), np.array([[0.0, 0.0], [0.4, 1.0]])
+    usual = places_for(figure, slim, wide=True, has_charts=False)
+    narrow, broad = (places_for(figure, slim * [part, 1.0], wide=True, has_charts=True) for part in (1, 9))
+    assert usual == broad
+    assert narrow.scene[2] == LEAST_WIDTH
+    assert narrow.wider == pytest.approx(usual.scene[2] - LEAST_WIDTH)
+    assert narrow.clock[0] == pytest.approx(usual.clock[0] - narrow.wider)
+
+
 def test_a_film_has_the_largest_force_over_time_with_a_cursor(recording):
     page = Film(Figure((8.0, 4.5), dpi=80), recording, recording.time[[0, -1]])
     energy, strip = (cursor.axes for cursor in page.cursors)
     assert strip.get_title(loc="left") == "largest force [kN]"
+    assert [text.get_text() for text in strip.texts] == [
+        force_text(recording.impacts["peak_force"].max(), "N")
+    ]
     (line,) = (line for line in strip.lines if line.get_color() == FORCE)
     peak = 1e-3 * np.nanmax(recording.impacts["peak_force"])
     assert line.get_ydata().max() == pytest.approx(peak, rel=0.02)

@@ -164,8 +164,9 @@ def test_without_impacts_the_panel_says_so():
 
 def test_a_contact_that_lasts_has_a_band_to_its_end():
     recording = recorded("sliding_rod")
-    axes = drawn(recording)[0].axes
-    (speeds,) = (panel for panel in axes if panel.get_label() == "impacts")
+    (of_friction,) = (panel for panel in drawn(recording)[0].axes if panel.get_label() == "impacts")
+    assert not [text for text in of_friction.texts if text.get_gid() == LANE], "the panel below has the rows"
+    (speeds,) = recording.plot(panels=["impacts"]).axes
     bands = [line for lines in speeds.collections for line in lines.get_segments() if np.ptp(line[:, 1]) == 0]
     bands = {(round(float(x0), 9), round(float(x1), 9)) for (x0, _), (x1, _) in bands}
     expected = {

@@ -341,7 +341,9 @@ def has_heading(axes: Axes) -> bool:
 
 
 def thin_ticks(axes: Axes) -> None:
-    """Give axes fewer numbers along x if the numbers overlap; if still necessary, only those at both ends.
+    """Give axes fewer numbers along x if the numbers overlap; if still necessary, every second or so.
+
+    The number nearest to 0 stays if two numbers have room beside each other; else both ends have numbers.
 
     Only axes with ticks from a MaxNLocator, as by default, are changed.
     """
@@ -350,9 +352,14 @@ def thin_ticks(axes: Axes) -> None:
     axes.locator_params(axis="x", nbins=LEAST_TICKS, min_n_ticks=LEAST_TICKS, steps=COARSE_STEPS)
     if numbers_meet(axes.xaxis):
         texts = numbers_in_view(axes.xaxis)
-        first, *between, last = (text.get_text() for text in texts)
-        ticks = [float(text.get_position()[0]) for text in texts]
-        axes.set_xticks(ticks, [first, *[""] * len(between), last])
+        ticks, names = [float(text.get_position()[0]) for text in texts], [text.get_text() for text in texts]
+        zero = int(np.abs(ticks).argmin())
+        for step in range(2, len(ticks)):
+            kept = [name * ((k - zero) % step == 0) for k, name in enumerate(names)]
+            axes.set_xticks(ticks, kept)
+            if sum(map(bool, kept)) > 1 and not numbers_meet(axes.xaxis):
+                return
+        axes.set_xticks(ticks, [names[0], *[""] * (len(names) - 2), names[-1]])
 
 
 def numbers_meet(axis: Axis) -> bool:

@@ -24,7 +24,7 @@ CLOSE = 4.0  # [points] the usual distance from a position to its label
 # leader. Then come the distances LEADER_DISTANCES, with a leader, or, if leaders are not allowed, UNLED.
 NEARBY = (1.0, 1.2)
 UNLED = (1.3, 1.5, 1.8, 2.1)
-LEADER_DISTANCES = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5)
+LEADER_DISTANCES = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5, 12.5, 15.0)
 # LABEL_DIRECTIONS: the number of directions that are tried, equally spaced in a full turn; TURNS: the order
 # of these directions, as steps away from the best direction, to both sides
 LABEL_DIRECTIONS = 16

@@ -44,6 +44,7 @@ LEGEND_BESIDE: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.
 # the space between two entries in a row of a legend, and between two rows, relative to the font size
 ENTRY_GAP, ROW_GAP = 0.8, 0.2
 LOOKS = ("color", "facecolor", "linestyle", "marker")  # by which two entries with one label differ
+KEY = "key"  # the matplotlib identifier (gid) of artists whose entries come last in a legend above axes
 MARK = "above"  # the matplotlib identifier (gid) of a legend above its axes, by which the legend is found
 
 
@@ -55,7 +56,8 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None) -> None:
     """
     if handles is None:
         handles, _ = axes.get_legend_handles_labels()
-    _put(axes, [(handle, str(handle.get_label())) for handle in handles])
+    ordered = sorted(handles, key=lambda handle: handle.get_gid() == KEY)
+    _put(axes, [(handle, str(handle.get_label())) for handle in ordered])
 
 
 def legend_beside(axes: Axes, handles: Sequence[Any]) -> Any:

@@ -179,12 +179,6 @@ def faint(axes: Axes, fraction: float) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def is_full(axes: Axes) -> bool:
-    """Return whether axes belong to a figure of at least the usual width FULL, or to no figure."""
-    figure = axes.get_figure(root=True)
-    return figure is None or figure.get_figwidth() >= FULL
-
-
 def is_narrow(figure: Figure) -> bool:
     """Return whether a figure is too narrow for two columns of axes (WIDE)."""
     return bool(figure.get_figwidth() < WIDE)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import EngFormatter
+from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.drawing.style import force_text
 from chain_impact.pictures.film.scale_bar import placed_below
@@ -63,10 +64,10 @@ class ArrowScale:
         return marks
 
     def draw(self, axes: Axes, y: float, colour: str) -> None:
-        """Draw the ruler with its marks and name, from the left edge of axes on.
+        """Draw the ruler with its marks, from 0 on, and its name, from the left edge of axes on.
 
-        A mark whose number would touch the number at its right is left out. ``y`` is the height of the ruler
-        above the figure's lower edge, relative to the figure's height.
+        A mark whose number would touch that of the largest force, of 0, or of a larger force is left out.
+        ``y`` is the height of the ruler above the figure's lower edge, relative to the figure's height.
         """
         _, place, text_look = placed_below(axes, colour)
         left, _ = axes.get_xlim()
@@ -75,13 +76,14 @@ class ArrowScale:
         end = left + LONGEST_ARROW * self.side
         axes.plot([left, end], [y, y], **marks)
         axes.annotate(SCALE_NAME, (end, y), (4.0, 0.0), ha="left", **text_look)
-        free = math.inf
-        for at, text in self.marks():
+        (largest, *others), taken = self.marks(), list[Bbox]()
+        for at, text in [largest, (0.0, "0"), *others]:
             below: dict[str, Any] = text_look | {"ha": "center", "va": "top"}
             label = axes.annotate(text, (left + at, y), (0.0, -RULER_TICK - 1.0), **below)
             box = label.get_window_extent()
-            if box.x1 > free:  # in a small film, this number would touch its right neighbour
+            # in a small film, this number may touch another one
+            if any(box.padded(NUMBER_SPACE * box.height).overlaps(other) for other in taken):
                 label.remove()
                 continue
             axes.plot([left + at], [y], "|", **marks)
-            free = box.x0 - NUMBER_SPACE * box.height
+            taken.append(box)

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from chain_impact.pictures.drawing.distinct_curves import plot_curves
-from chain_impact.pictures.drawing.style import INK, LOAD, give_ticks, load_unit
+from chain_impact.pictures.drawing.style import INK, LOAD, force_text, give_ticks, load_unit
 from chain_impact.pictures.film.scale_bar import SMALL
 from chain_impact.pictures.over_time.energies import energy_curves
 from chain_impact.pictures.over_time.time_axis import mark_impacts
@@ -30,16 +30,22 @@ CHARTS = (0.69, 0.12, 0.29, 0.6)
 EVEN, TICK_GAP, END_TOLERANCE = 0.01, 0.13, 1e-9
 # heights of the chart of forces and of the space above this chart, relative to the height of the figure
 STRIP, STRIP_TOP_MARGIN = 0.13, 0.075
+FORCE_HEADROOM = 1.25  # the upper end of the axis of forces, relative to the largest force
+FORCE_COLOURS = {"wall": FORCE, "joint": LOAD}
+"""Kind of forces → their colour."""
 
 
-def draw_charts(figure: Figure, recording: Recording, times: np.ndarray, top: float) -> list[Line2D]:
+def draw_charts(
+    figure: Figure, recording: Recording, times: np.ndarray, top: float, wider: float = 0.0
+) -> list[Line2D]:
     """Draw the charts; return a vertical line, the cursor, of each chart; the chart of energies is first.
 
     ``times`` has the time of the recording that each of the F frames shows [s], ascending, shape (F,).
     Without forces at walls or in joints there is no chart of forces. The legend of the energies must end
-    below ``top``, a height above the foot of the figure [pixels].
+    below ``top``, a height above the foot of the figure [pixels]. The charts reach farther to the left than
+    CHARTS by ``wider``, relative to the width of the figure.
     """
-    left, low, width, high = CHARTS
+    left, low, width, high = np.add(CHARTS, (-wider, 0.0, wider, 0.0)).tolist()
     forces = largest_forces(recording)
     lift = STRIP + STRIP_TOP_MARGIN if forces else 0.0
     panels = [figure.add_axes((left, low + lift, width, high - lift))]
@@ -52,6 +58,8 @@ def draw_charts(figure: Figure, recording: Recording, times: np.ndarray, top: fl
         mark_impacts(axes, recording)
         axes.set_xlim(*recording.time[[0, -1]])
         is_stretched = stretch(axes, times)
+    if forces:
+        _name_peak(panels[1], recording, forces)
     panels[-1].set_xlabel("time [s], stretched in slow motion" if is_stretched else "time [s]")
     # at the ends of the axis the cursor would be clipped
     look: dict[str, Any] = {"color": INK, "linewidth": 1.0, "animated": True, "clip_on": False}
@@ -81,7 +89,8 @@ def stretch(axes: Axes, times: np.ndarray) -> bool:
         if np.abs(at[kept] - at[k]).min() >= TICK_GAP:
             kept.append(k)
     kept.sort()
-    axes.set_xticks(ticks[kept], [f"{tick:.10g}" for tick in ticks[kept]])
+    numbers = [f"{tick:.10g}" for tick in ticks[kept]]
+    axes.set_xticks([float(number) for number in numbers], numbers)
     axes.set_xlim(*ends)
     return True
 
@@ -107,10 +116,21 @@ def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]
     peak = max(float(force.max()) for force in forces.values())
     factor, unit = load_unit(peak, "N")
     for name, force in forces.items():
-        axes.plot(recording.time, factor * force, color={"wall": FORCE, "joint": LOAD}[name], linewidth=1.2)
+        axes.plot(recording.time, factor * force, color=FORCE_COLOURS[name], linewidth=1.2)
     axes.set_title(f"largest force [{unit}]", loc="left", fontsize=SMALL, pad=2.0)
-    axes.set_ylim(bottom=0.0)
+    axes.set_ylim(0.0, FORCE_HEADROOM * factor * peak)
     give_ticks(axes)
+
+
+def _name_peak(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) -> None:
+    """Write the largest of all forces beside its place on a curve, on the side with more room."""
+    name, force = max(forces.items(), key=lambda each: float(each[1].max()))
+    row, factor = int(force.argmax()), load_unit(float(force.max()), "N")[0]
+    place = float(recording.time[row]), factor * float(force[row])
+    is_left = axes.transAxes.inverted().transform(axes.transData.transform(place))[0] > 0.5  # noqa: PLR2004
+    look: dict[str, Any] = {"color": FORCE_COLOURS[name], "fontsize": SMALL, "va": "center"}
+    look |= {"ha": "right" if is_left else "left", "textcoords": "offset points"}
+    axes.annotate(force_text(float(force[row]), "N"), place, (-4.0 if is_left else 4.0, 0.0), **look)
 
 
 def _draw_energies(axes: Axes, recording: Recording, top: float) -> None:

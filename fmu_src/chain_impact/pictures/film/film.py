@@ -30,6 +30,7 @@ from chain_impact.pictures.film.arrow_numbers import Number, write_numbers
 from chain_impact.pictures.film.arrow_scale import ArrowScale
 from chain_impact.pictures.film.caption import Caption
 from chain_impact.pictures.film.charts import FORCE, draw_charts, largest_forces
+from chain_impact.pictures.film.places import SIZE_WITH_CHARTS, places_for
 from chain_impact.pictures.film.scale_bar import SMALL, draw_scale_bar
 from chain_impact.pictures.film.tip_trace import trace_of
 from chain_impact.pictures.motion.bodies import FILL, body_look, draw_rail
@@ -54,13 +55,6 @@ Chain and path of the tip have the colours of time, as in the picture of a run.
 FILM_STYLE: Any = STYLE | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
 FILM_STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED, "xtick.labelsize": SMALL, "ytick.labelsize": SMALL}
 """Settings of matplotlib for a film."""
-SIZE_WITH_CHARTS = (7.0, 3.9375)  # [inch] the least width and height of a figure with charts
-# the axes with the chain: left, bottom, width and height, relative to the size of the figure
-SCENE = (0.02, 0.09, 0.6, 0.79)
-# positions of the texts: left edge and middle of the height, relative to the size of the figure
-CLOCK, RATE, CAPTION = (0.69, 0.95), (0.69, 0.895), (0.69, 0.832)
-SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.09, 0.96, 0.69), (0.02, 0.84), (0.55, 0.84)
-"""The axes and texts on a figure that has no room for charts, in the form of SCENE, CLOCK and RATE."""
 # half of the length of the bar along a wall that marks a sticking contact, relative to the smaller side of
 # the view
 HALF_BAR = 0.035
@@ -92,20 +86,24 @@ class Film:
         self.interactions, self.moving = recording.interactions, list[Any]()
         self.numbers, self.arrows = list[Number](), list[np.ndarray]()
         wide = bool((figure.get_size_inches() > 0.99 * np.array(SIZE_WITH_CHARTS)).all())
-        scene, clock, rate = (SCENE, CLOCK, RATE) if wide else (SMALL_SCENE, SMALL_CLOCK, SMALL_RATE)
         self.tells_energies = wide and bool(recording.energies)
-        self.scene = figure.add_axes(scene)
+        radius = radius_of(recording)
+        framing = framed(places_of(recording), recording.walls, radius, pinned=recording.pinned)
+        place = places_for(figure, framing[0], wide=wide, has_charts=self.tells_energies)
+        self.scene = figure.add_axes(place.scene)
         figure.text(
-            SCENE[0], 0.94, recording.name, fontsize=13 if wide else 10, fontweight="bold", va="center"
+            place.scene[0], 0.94, recording.name, fontsize=13 if wide else 10, fontweight="bold", va="center"
         )
         moving: dict[str, Any] = {"animated": True, "va": "center"}
-        self.clock = figure.text(*clock, "", fontsize=15 if wide else 10, fontweight="bold", **moving)
-        self.rate = figure.text(*rate, "", fontsize=10, **moving)
-        self.caption = Caption(figure, CAPTION, recording, times if self.tells_energies else times[:0])
-        radius = radius_of(recording)
-        self._draw_ground(radius)
+        self.clock = figure.text(*place.clock, "", fontsize=15 if wide else 10, fontweight="bold", **moving)
+        self.rate = figure.text(*place.rate, "", fontsize=10, **moving)
+        told = times if self.tells_energies else times[:0]
+        self.caption = Caption(figure, place.caption, recording, told)
+        self._draw_ground(*framing)
         self.cursors = (
-            draw_charts(figure, recording, times, self.caption.lowest) if self.tells_energies else []
+            draw_charts(figure, recording, times, self.caption.lowest, place.wider)
+            if self.tells_energies
+            else []
         )
         still: dict[str, Any] = {"animated": True, "solid_capstyle": "round", "solid_joinstyle": "round"}
         self.trace_times, self.path = trace_of(recording, self.side)
@@ -117,15 +115,7 @@ class Film:
         self.ranges = LineCollection([], colors=MUTED, linewidths=1.2, animated=True)
         for lines in (self.trace, self.tail, self.ranges):
             self.scene.add_collection(lines, autolim=False)
-        body: dict[str, Any] = {**body_look(INK), "animated": True}
-        touching = recording.touching_radii if radius > 0.0 else {}
-        self.discs = {point: Circle((0, 0), own, animated=True) for point, own in touching.items()}
-        self.bodies = {link: Polygon(corners, **body) for link, corners in recording.outlines.items()}
-        base = {**body, "facecolor": to_rgb(PALE)}
-        self.carriage = [(Polygon(np.zeros((4, 2)), **base), recording.rail)] if recording.rail else []
-        self.patches = [*self.discs.values(), *self.bodies.values(), *(patch for patch, _ in self.carriage)]
-        for patch in self.patches:
-            self.scene.add_patch(patch)
+        self._add_bodies(radius)
         (self.chain,) = self.scene.plot([], [], linewidth=4.0, **still)
         mark: dict[str, Any] = {"linestyle": "", "marker": "o", "animated": True}
         self.sites, self.joints, self.tip = (
@@ -140,8 +130,21 @@ class Film:
         if peak > 0.0:
             self.scale.draw(self.scene, SCALE, MUTED)
         if self.loads:
-            self._draw_key(figure, 0.99 if not wide else SCENE[0] + SCENE[2])
+            self._draw_key(figure, 0.99 if not wide else place.scene[0] + place.scene[2])
         self._suit(figure)
+
+    def _add_bodies(self, radius: float) -> None:
+        """Add discs, outlines and the carriage; ``radius`` is the result of ``radius_of``."""
+        body: dict[str, Any] = {**body_look(INK), "animated": True}
+        touching = self.recording.touching_radii if radius > 0.0 else {}
+        self.discs = {point: Circle((0, 0), own, animated=True) for point, own in touching.items()}
+        self.bodies = {link: Polygon(corners, **body) for link, corners in self.recording.outlines.items()}
+        base = {**body, "facecolor": to_rgb(PALE)}
+        rail = self.recording.rail
+        self.carriage = [(Polygon(np.zeros((4, 2)), **base), rail)] if rail else []
+        self.patches = [*self.discs.values(), *self.bodies.values(), *(patch for patch, _ in self.carriage)]
+        for patch in self.patches:
+            self.scene.add_patch(patch)
 
     def _veil(self, axes: Any) -> Rectangle:
         """Add a veil to the axes of a chart, which makes the time after the shown time pale."""
@@ -182,9 +185,8 @@ class Film:
             handles=handles, ncols=2, fontsize=SMALL, handlelength=1.4, columnspacing=1.0, **position
         )
 
-    def _draw_ground(self, radius: float) -> None:
+    def _draw_ground(self, view: np.ndarray, anchor: np.ndarray) -> None:
         pinned = self.recording.pinned
-        view, anchor = framed(places_of(self.recording), self.recording.walls, radius, pinned=pinned)
         self.side = float(min(np.ptp(view, axis=0)))
         # the axes have equal scales along x and y, so they also show room beside, above or below the view
         room, size = self.scene.get_window_extent().size, np.ptp(view, axis=0)

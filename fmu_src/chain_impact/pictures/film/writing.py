@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.dark_ground import Ground
 from chain_impact.pictures.film.file_formats import write_gif, write_mp4
-from chain_impact.pictures.film.film import FILM_COLOURS, FILM_STYLE, SIZE_WITH_CHARTS, Film
+from chain_impact.pictures.film.film import FILM_COLOURS, FILM_STYLE, Film
+from chain_impact.pictures.film.places import SIZE_WITH_CHARTS
 from chain_impact.progress import Progress
 from chain_impact.recording.pacing import fastest_sine, frame_times, slow_spans
 from chain_impact.recording.recording import Recording
@@ -27,9 +28,9 @@ FRAMES_OF_SINE = 8.0
 # If the user gives no speed, a film with slow motion is slowed down to show a fast sine, but only until the
 # film has MOST_SLOWED_FRAMES frames, because more frames take minutes to draw.
 MOST_SLOWED_FRAMES = 1500
-# Pixels per inch. MOST_DPI, LEAST_DPI: the largest and the least number in a film with charts; SMALL_DPI: the
-# number in a film that is too small for charts.
-MOST_DPI, LEAST_DPI, SMALL_DPI = 100, 60, 80
+# Pixels per inch. LEAST_DPI: the least number in a film with charts; SMALL_DPI: the number in a film that is
+# too small for charts.
+LEAST_DPI, SMALL_DPI = 60, 80
 
 
 def write_film(
@@ -131,9 +132,10 @@ def draw_frames(
 
 
 def resolution(size: tuple[int, int]) -> float:
-    """Return the pixels per inch of a film, from LEAST_DPI to MOST_DPI: fewer in a smaller film.
+    """Return the pixels per inch of a film, at least LEAST_DPI: the more, the larger the film is.
 
-    A film that is too small for charts at LEAST_DPI has SMALL_DPI. ``size``: width and height [pixels].
+    So the texts keep their size relative to the film. A film that is too small for charts at LEAST_DPI has
+    SMALL_DPI. ``size``: width and height [pixels].
     """
     density = min(pixels / inches for pixels, inches in zip(size, SIZE_WITH_CHARTS, strict=True))
-    return min(MOST_DPI, density) if density >= LEAST_DPI else SMALL_DPI
+    return density if density >= LEAST_DPI else SMALL_DPI

@@ -49,6 +49,7 @@ def draw_rail(axes: Axes, recording: Recording) -> list[LineCollection]:
     if not recording.rail:
         return []
     lines = recording.rail.lines(recording.points[:, 0])
-    drawn = LineCollection(lines, colors=INK, linewidths=1.2, capstyle="round", zorder=2.5)
+    label = "slider, stops" if recording.rail.stops else "slider"
+    drawn = LineCollection(lines, colors=INK, linewidths=1.2, capstyle="round", zorder=2.5, label=label)
     axes.add_collection(drawn, autolim=False)
     return [drawn]

@@ -79,7 +79,7 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> None:
     are (``numbers_of``). The rings with the hardest impacts come first; only the largest force in a joint
     (``name_loads``) comes before them, and other forces in joints come last.
     """
-    name_loads(axes, recording, ink, slice(1))
+    is_told = name_loads(axes, recording, ink, slice(1))
     place_in = {row: place for place, row in enumerate(hardest(marks_of(recording)[1]).tolist())}
     labels = []
     for spot, hits in rings(axes, recording).items():
@@ -88,7 +88,8 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> None:
         labels.append((min(map(place_in.__getitem__, hits)), Label(whole, *place, short=short)))
     ordered = [label for _, label in sorted(labels, key=lambda entry: entry[0])]
     place_labels(axes, ordered, ink, lines=True, fontsize="small", color=INK)
-    name_loads(axes, recording, ink, slice(1, None))
+    if is_told:
+        name_loads(axes, recording, ink, slice(1, None))
 
 
 def _label_place(

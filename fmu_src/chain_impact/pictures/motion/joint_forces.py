@@ -77,11 +77,11 @@ def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> f
     return float(parts.min(initial=1.0))
 
 
-def name_loads(axes: Axes, recording: Recording, ink: Ink, wanted: slice) -> None:
+def name_loads(axes: Axes, recording: Recording, ink: Ink, wanted: slice) -> bool:
     """Write those of the MOST_FORCES largest forces in joints that are ``wanted``, where ``ink`` has room.
 
     ``wanted`` selects from the forces, the largest first. Each force stands near the position of its joint at
-    the time of the force. A force without room leaves out all smaller ones.
+    the time of the force. A force without room leaves out all smaller ones. Returns whether all have room.
     """
     peaks = [peak for peak in joint_peaks(recording)[:MOST_FORCES][wanted] if peak.force > 0.0]
     values = [force_text(peak.force, "N") for peak in peaks]
@@ -93,6 +93,5 @@ def name_loads(axes: Axes, recording: Recording, ink: Ink, wanted: slice) -> Non
         )
         for peak, value in zip(peaks, values, strict=True)
     ]
-    for label in labels:
-        if place_labels(axes, [label], ink, lines=True, fontsize="small", color=LOAD):
-            return
+    look: dict[str, Any] = {"lines": True, "fontsize": "small", "color": LOAD}
+    return all(not place_labels(axes, [label], ink, **look) for label in labels)

@@ -114,19 +114,28 @@ def draw_motion(
     legend_above(axes)
 
 
-def entries_and_note(axes: Axes) -> tuple[list[Any], str]:
-    """Return the artists for the legend of a motion in a narrow figure, and a text for its foot.
+def all_entries(axes: Axes) -> list[Any]:
+    """Return the artists for the legend of a motion in a narrow figure.
 
-    The text explains the lines whose labels are in FOOT_LOOKS, which have no entry. The first artist in
-    PEAK_COLOUR has none if a text of the figure in this colour tells the impact with the largest force.
+    The first artist in PEAK_COLOUR is left out if a text of the figure in this colour tells the impact with
+    the largest force.
     """
-    handles, labels = axes.get_legend_handles_labels()
-    kept = [handle for handle, label in zip(handles, labels, strict=True) if label not in FOOT_LOOKS]
+    kept, _ = axes.get_legend_handles_labels()
     figure = axes.get_figure(root=True)
     if figure is not None and any(text.get_color() == PEAK_COLOUR for text in figure.texts):
         rings = [line for line in kept if isinstance(line, Line2D) and line.get_color() == PEAK_COLOUR]
         kept = [handle for handle in kept if handle not in rings[:1]]
-    return kept, ", ".join(f"{look}: {label}" for label, look in FOOT_LOOKS.items() if label in labels)
+    return kept
+
+
+def entries_and_note(axes: Axes) -> tuple[list[Any], str]:
+    """Return the artists for the legend above a motion in a narrow figure, and a text for its foot.
+
+    The text explains the lines whose labels are in FOOT_LOOKS, which have no entry.
+    """
+    told = {str(handle.get_label()): handle for handle in all_entries(axes)}
+    note = ", ".join(f"{look}: {label}" for label, look in FOOT_LOOKS.items() if label in told)
+    return [handle for label, handle in told.items() if label not in FOOT_LOOKS], note
 
 
 def colour_of_time(recording: Recording) -> Any:

@@ -20,6 +20,7 @@ FAINT_MARKS = 8  # the number of faint ground marks of a moving base, from rows 
 # [1] the distance of the point whose path is the trace of a moving wall (``_wall_trace``) from an end of the
 # wall's visible part, relative to the length of the visible part
 TRACE_GAP = 0.04
+LEAST_TRACE = 0.02  # a wall whose way is at most this part of the view's longer side has no trace
 
 
 def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times: Sequence[float]) -> None:
@@ -48,7 +49,8 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
         if any(map(len, between)) and not has_label:  # all walls share one entry of the legend
             axes.collections[-1].set_label("moving wall")
             has_label = True
-        _draw_trace(axes, _wall_trace(recording, name, lines(name, ends)), recording.time, shade)
+        if np.ptp(recording.moved_walls[name]) > LEAST_TRACE * np.ptp(corners, axis=0).max():
+            _draw_trace(axes, _wall_trace(recording, name, lines(name, ends)), recording.time, shade)
     if recording.pinned and moves(recording.points[:, 0]):
         _draw_base(axes, recording, shade)
 

@@ -16,7 +16,7 @@ from chain_impact.pictures.drawing.dark_ground import OCHRE
 from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band, hidden_counts, plot_curves
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import BLACK, BLUE, BROWN, GREEN, PURPLE, VIOLET
-from chain_impact.pictures.over_time.time_axis import mark_impacts, show_all_time
+from chain_impact.pictures.over_time.time_axis import show_all_time, tick_impacts
 from chain_impact.recording.recording import Recording
 
 # The curve of an energy except the total energy is dashed if, in at least the part MOSTLY of all rows, the
@@ -47,8 +47,8 @@ TINY_ENERGY = 0.05
 
 
 def draw_energy(axes: Axes, recording: Recording) -> None:
-    """Draw the energies over time, with lines at impacts; small energies (``tiny_curves``) as a band."""
-    mark_impacts(axes, recording)
+    """Draw the energies over time, with marks at impacts; small energies (``tiny_curves``) as a band."""
+    tick_impacts(axes, recording)
     time, curves = recording.detailed_energies[0], energy_curves(recording)
     tiny = tiny_curves(curves)
     plot_curves(axes, time, [curve for k, curve in enumerate(curves) if k not in tiny])

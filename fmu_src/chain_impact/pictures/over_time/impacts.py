@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation
@@ -17,6 +18,7 @@ from matplotlib.transforms import ScaledTranslation
 from chain_impact.pictures.drawing.labels import Ink, Label
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import GREY, INK, PEAK_COLOUR, is_narrow, load_unit, scale_numbers
+from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, rubbing_places
 from chain_impact.pictures.over_time.time_axis import show_all_time
 from chain_impact.pictures.words.headline import marked_peaks, strengths
 from chain_impact.pictures.words.impact_numbers import choices, numbers_of, write_first_whole
@@ -24,6 +26,7 @@ from chain_impact.pictures.words.point_names import POINT, number_of, short_name
 from chain_impact.recording.contact_times import SEEN_CONTACT, contact_ends, impacts_at_peaks
 from chain_impact.recording.impact_words import speed_unit
 from chain_impact.recording.recording import Recording
+from chain_impact.recording.stick_slip import element_label
 
 # the largest number of different looks of marks, each for a point or a joint at its stops, or for all others
 MOST_OWN_MARKS = 5
@@ -33,6 +36,7 @@ REGULAR, EQUAL_DISTANCES = 5, 0.2
 NUMBERED = 60  # the largest number of labels with numbers of impacts
 # the upper end of the axis, relative to the largest value; the excess is room for numbers
 HEADROOM = 1.3
+MOST_WHOLE_NAMES = 3  # the largest number of points in a narrow figure whose names all have the word "point"
 # [points] the size of the mark of an impact, and the increase for each group with marks that cover this mark
 IMPACT_DOT, COVERED_RIM = 4.5, 3.0
 # the width and height of a cell in which all marks of impacts count as one mark, relative to the run's
@@ -64,7 +68,8 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     A vertical line, the stem, joins the mark to the height 0. The form of a mark tells the point, or the
     joint at a stop (``point_groups``). The impacts in ``marked_peaks`` have the colour PEAK_COLOUR.
 
-    Contacts that are long enough to be visible are thick, pale lines in a strip below the height 0. Each
+    Contacts that are long enough to be visible are thick, pale lines in a strip below the height 0, but not
+    those that a panel of dry friction shows (``are_told``). Each
     group with such contacts has a row in the strip, with its name at the left; the axis of time is below the
     strip. If there are impacts both at walls and at stops of joints, the values at stops of joints have an
     axis on the right.
@@ -77,8 +82,8 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     strongest = {peak.row for peak in marked_peaks(recording)}
     figure = axes.get_figure(root=True)
     assert figure is not None
-    labels = legend_names([name for name, *_ in groups], is_brief=is_narrow(figure))
     lines = np.stack([times, np.zeros(len(tops)), times, tops], axis=1).reshape(-1, 2, 2)
+    labels = legend_names([name for name, *_ in groups], is_narrow=is_narrow(figure))
     for (name, mark, hits), label in zip(groups, labels, strict=True):
         colour = mark["color"]
         stems = [(PEAK_COLOUR, 2.0 * STEM) if row in strongest else (colour, STEM) for row in hits]
@@ -94,7 +99,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
             bold = {"color": PEAK_COLOUR, "markersize": form * IMPACT_DOT, "label": "_", "zorder": 2.1}
             axes.plot(times[row], tops[row], **look | bold)
         goes_on = hits[ends[hits] - onsets[hits] > SEEN_CONTACT * span]
-        if len(goes_on):
+        if len(goes_on) and not are_told(figure, recording, goes_on):
             draw_contacts(axes, np.stack([onsets, ends])[:, goes_on], lanes, name, colour)
             lanes += 1
     if lanes:
@@ -113,7 +118,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         axes.spines["right"].set_visible(True)
     if len(times):
         handles, _ = axes.get_legend_handles_labels()
-        if (ends - onsets > SEEN_CONTACT * span).any():
+        if lanes:
             handles.append(Line2D([], [], color=GREY, linewidth=CONTACT, label="in contact"))
         if (told := place_of_late_peaks(recording)) and not is_narrow(figure):
             stem: dict[str, Any] = {"color": INK, "marker": "|", "markersize": STEM_KEY}
@@ -124,10 +129,20 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     show_all_time(axes, recording)
 
 
-def legend_names(names: Sequence[str], *, is_brief: bool) -> list[str]:
-    """Return the labels of groups; if ``is_brief``, only the first point has the word "point"."""
+def legend_names(names: Sequence[str], *, is_narrow: bool) -> list[str]:
+    """Return the labels of groups; of many in a narrow figure, only the first point has the word "point"."""
     first = next((name for name in names if name.startswith(POINT)), "")
+    is_brief = is_narrow and len(names) > MOST_WHOLE_NAMES
     return [name.removeprefix(POINT) if is_brief and name != first else name for name in names]
+
+
+def are_told(figure: Figure, recording: Recording, rows: np.ndarray) -> bool:
+    """Return whether a panel of dry friction in the figure shows the contacts of the impacts in ``rows``."""
+    if all(axes.get_label() != "friction" for axes in figure.axes):
+        return False
+    shown = rubbing_places(recording)[:MOST_ROWS]
+    walls, names = recording.wall_names, recording.point_names
+    return all(element_label(recording.impacts[row], walls, names) in shown for row in rows)
 
 
 def place_of_late_peaks(recording: Recording) -> str:

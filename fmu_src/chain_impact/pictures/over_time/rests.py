@@ -24,14 +24,20 @@ class ShownTime(NamedTuple):
         start: the start of the axis [s].
         end: the end of the axis [s].
         rests: start and end [s] of each time without motion, with the part that the axis cuts off.
-        note: words for the label of the axis, on the times without motion and on cut ends of the run:
-            "shaded: at rest; the run ends at 10 s". "" if there is no time without motion.
+        word: "at rest" or a similar word for the times without motion; "" if there are none.
+        cuts: words on cut ends of the run, such as "the run ends at 10 s"; "" if none is cut.
     """
 
     start: float
     end: float
     rests: list[tuple[float, float]]
-    note: str
+    word: str
+    cuts: str
+
+    @property
+    def note(self) -> str:
+        """Return words on times without motion and on cut ends: "shaded: at rest; the run ends at 10 s"."""
+        return "; ".join(filter(None, (f"shaded: {self.word}" if self.word else "", self.cuts)))
 
 
 def shown_time(recording: Recording) -> ShownTime:
@@ -50,10 +56,9 @@ def shown_time(recording: Recording) -> ShownTime:
             max(first, first + before - REST_AT_START * moving),
             min(last, last - after + REST_AT_END * moving),
         )
-    words = f"shaded: {rest_word(recording)}" if resting else ""
     cuts = [f"starts at {first:g} s"] * (start > first) + [f"ends at {last:g} s"] * (end < last)
-    words += f"; the run {' and '.join(cuts)}" if cuts else ""
-    return ShownTime(start, end, resting, words)
+    told = f"the run {' and '.join(cuts)}" if cuts else ""
+    return ShownTime(start, end, resting, rest_word(recording) if resting else "", told)
 
 
 def shade_rests(axes: Axes, shown: ShownTime) -> None:

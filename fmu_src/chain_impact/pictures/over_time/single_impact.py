@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 
 from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
+from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR, force_text, give_ticks, load_unit
 from chain_impact.pictures.over_time.impacts import HEADROOM
 from chain_impact.pictures.words.headline import peaks
@@ -25,6 +28,9 @@ MUCH_LONGER = 2.0
 # If a run cannot be repeated, the force of a contact is drawn from the recording's rows within the contact,
 # if there are at least LEAST_CONTACT_ROWS such rows.
 LEAST_CONTACT_ROWS = 20
+# the places of two strokes on an axis that is cut, relative to its length; their form and their look
+BREAK, SLASH = (0.97, 0.985), [(-0.4, -1.0), (0.4, 1.0)]
+BREAK_LOOK: dict[str, Any] = {"linestyle": "", "color": "black", "markersize": 8.0, "clip_on": False}
 OPACITY = 0.15  # the opacity of the area below the curve, from 0 to 1
 
 
@@ -78,8 +84,9 @@ def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray
 def draw_one_impact(axes: Axes, recording: Recording) -> None:
     """Draw the force, or moment at a stop of a joint, of the hardest impact over the time after the onset.
 
-    The label of the horizontal axis tells the duration of the contact, or that it lasts to the end. If
-    ``course_of_hardest`` knows no force, a text says this.
+    The legend tells the duration of the contact, or that it lasts to the end. Two strokes on the horizontal
+    axis tell that the axis ends before the contact. If ``course_of_hardest`` knows no force, a text says
+    this.
     """
     found = course_of_hardest(recording)
     if found is None:
@@ -89,15 +96,19 @@ def draw_one_impact(axes: Axes, recording: Recording) -> None:
     impact = recording.impacts[row]
     factor, unit = prefixed(shown_contact(impact, time, force), "s")
     along, up, force_unit = curve_of(recording, found)
-    axes.fill_between(along, up, color=PEAK_COLOUR, alpha=OPACITY, linewidth=0.0)
+    duration = float(impact["end"] - impact["onset"])
+    lasting = "lasts to the end" if lasts(impact) else f"lasts {force_text(duration, 's')}"
+    words = f"impact {row + 1}, {lasting}"
+    axes.fill_between(along, up, color=PEAK_COLOUR, alpha=OPACITY, linewidth=0.0, label=words)
     axes.plot(along, up, color=PEAK_COLOUR, linewidth=1.4)
     shown = factor * shown_contact(impact, time, force)
     axes.set(xlim=(-0.03 * shown, 1.03 * shown), ylim=(0.0, HEADROOM * float(up.max())))
-    duration = float(impact["end"] - impact["onset"])
-    lasting = "lasts to the end" if lasts(impact) else f"lasts {force_text(duration, 's')}"
-    axes.set_xlabel(f"impact {row + 1}: time after the onset [{unit}]; {lasting}")
+    if shown < along[-1]:
+        axes.plot(BREAK, [0.0, 0.0], marker=SLASH, **BREAK_LOOK, transform=axes.transAxes)
+    axes.set_xlabel(f"time after the onset [{unit}]")
     axes.set_ylabel(f"{'moment' if recording.is_joint_stop(impact['wall']) else 'force'} [{force_unit}]")
     give_ticks(axes)
+    legend_above(axes)
 
 
 def curve_of(

@@ -7,14 +7,16 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 from matplotlib.transforms import Bbox
 
+from chain_impact.pictures.drawing.legends import KEY
 from chain_impact.pictures.drawing.style import (
     IMPACT_LINE,
+    SHADE,
     TIME_COLOURS,
     faint,
     give_ticks,
-    is_full,
     scale_numbers,
 )
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
@@ -22,20 +24,22 @@ from chain_impact.pictures.words.headline import time_unit
 from chain_impact.recording.recording import Recording
 
 CLOCK_HEIGHT = 0.045  # [inch] the height of the bar with the colours of time
+# the part of the text's colour (``faint``) in the mark of an impact at the upper edge of axes, and the lower
+# end of this mark, relative to the height of the axes
+TICK, TICK_FOOT = 0.6, 0.92
 TIME_MARGIN = 0.015  # the margin at both ends of an axis of time, relative to the shown time
 
 
-def draw_clock(axes: Axes, recording: Recording, *, is_marked: bool) -> None:
+def draw_clock(axes: Axes, recording: Recording) -> None:
     """Draw a bar over the shown time in the colours that times have in the panel of the motion.
 
-    The label of the axis of time is below the bar; ``is_marked`` is as for ``label_time``.
+    The label of the axis of time is below the bar.
     """
     shown = shown_time(recording)
     start, end = shown.start, max(shown.end, shown.start + 1e-9)
     axes.set_axes_locator(_slim)
     axes.imshow(np.linspace([0.0], [1.0], 256).T, TIME_COLOURS, aspect="auto", extent=(start, end, 0, 1))
-    note = "the same colours as in the motion" if is_full(axes) else ""
-    label_time(axes, recording, note, is_marked=is_marked)
+    label_time(axes, recording)
     axes.set_yticks([])
     axes.spines[:].set_visible(False)
     axes.tick_params(bottom=False, labelbottom=False)  # the panel above already has the numbers of this axis
@@ -49,20 +53,27 @@ def _slim(axes: Any, _: Any) -> Bbox:
     return Bbox([[place.x0, place.y1 - CLOCK_HEIGHT / figure.get_figheight()], [place.x1, place.y1]])
 
 
-def label_time(axes: Axes, recording: Recording, note: str = "", *, is_marked: bool) -> None:
-    """Give the x axis the label and the limits of the shown time.
+def label_time(axes: Axes, recording: Recording) -> None:
+    """Give the x axis the label and the limits of the shown time."""
+    shown = shown_time(recording)
+    margin = TIME_MARGIN * max(shown.end - shown.start, 1e-9)
+    axes.set(xlabel=name_time(axes, shown.end), xlim=(shown.start - margin, shown.end + margin))
 
-    The label also has words on times without motion, which are shaded or cut off. Without such times, the
-    label has the ``note``. ``is_marked``: whether panels with this time have the lines of ``mark_impacts``,
-    which the label then explains.
+
+def add_time_keys(axes: Axes, recording: Recording, *, is_marked: bool) -> None:
+    """Add the entries of the legend for the marks of impacts, if ``is_marked``, and for times without motion.
+
+    The entry for times without motion also tells cut ends of the run. Call the function before the legend of
+    the axes is made.
     """
     shown = shown_time(recording)
-    lines = impact_lines(recording, shown.start, shown.end) if is_marked else ""
-    margin = TIME_MARGIN * max(shown.end - shown.start, 1e-9)
-    axes.set(
-        xlabel="; ".join(filter(None, (name_time(axes, shown.end), lines, shown.note or note))),
-        xlim=(shown.start - margin, shown.end + margin),
-    )
+    if is_marked and impact_lines(recording, shown.start, shown.end):
+        look: dict[str, Any] = {"color": faint(axes, TICK), "marker": "|", "markersize": 5.0, "gid": KEY}
+        axes.plot([], [], linestyle="", label="impacts", **look)
+    if shown.rests:
+        words = ", ".join(filter(None, (shown.word, shown.cuts)))
+        look = {"color": faint(axes, 2.0 * SHADE), "linewidth": 0.0, "gid": KEY}
+        axes.add_patch(Rectangle((0.0, 0.0), 0.0, 0.0, label=words, **look))
 
 
 def name_time(axes: Axes, end: float) -> str:
@@ -76,6 +87,12 @@ def show_all_time(axes: Axes, recording: Recording) -> None:
     """Shade the times in which nothing moves, and give ``axes`` enough numbers along x and y."""
     shade_rests(axes, shown_time(recording))
     give_ticks(axes)
+
+
+def tick_impacts(axes: Axes, recording: Recording) -> None:
+    """Draw a short mark at the onset of each impact, at the upper edge of axes over time [s]."""
+    look: dict[str, Any] = {"linewidth": 0.8, "zorder": 0.5, "transform": axes.get_xaxis_transform()}
+    axes.vlines(recording.impacts["onset"], TICK_FOOT, 1.0, faint(axes, TICK), **look)
 
 
 def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: float = 1.0) -> None:

@@ -1,0 +1,48 @@
+"""The places of the parts of a film: the axes with the chain, the texts, and the room for charts."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+SIZE_WITH_CHARTS = (7.0, 3.9375)  # [inch] the least width and height of a figure with charts
+# the axes with the chain: left, bottom, width and height, relative to the size of the figure
+SCENE = (0.02, 0.09, 0.6, 0.79)
+LEAST_WIDTH = 0.45  # the least width of the axes with the chain beside charts, relative to that of the figure
+# positions of the texts: left edge and middle of the height, relative to the size of the figure
+CLOCK, RATE, CAPTION = (0.69, 0.95), (0.69, 0.895), (0.69, 0.832)
+SMALL_PLACES = (0.02, 0.09, 0.96, 0.69), (0.02, 0.84), (0.55, 0.84)
+"""SCENE, CLOCK and RATE on a figure that has no room for charts."""
+
+
+class Places(NamedTuple):
+    """The places of the parts of a film, relative to the size of its figure.
+
+    Attributes:
+        scene: the axes with the chain: left, bottom, width and height.
+        clock, rate, caption: left edge and middle of the height of each text.
+        wider: how much farther than usual the charts reach to the left.
+    """
+
+    scene: tuple[float, float, float, float]
+    clock: tuple[float, float]
+    rate: tuple[float, float]
+    caption: tuple[float, float]
+    wider: float
+
+
+def places_for(figure: Figure, view: np.ndarray, *, wide: bool, has_charts: bool) -> Places:
+    """Return the places in a figure for a ``view`` (``framed``); ``wide``: whether charts have room.
+
+    If the figure ``has_charts``, the axes with the chain are only as wide as the view is at their height, but
+    at least LEAST_WIDTH, and the charts take the rest.
+    """
+    if not wide:
+        return Places(*SMALL_PLACES, CAPTION, 0.0)
+    inches, (width, height) = figure.get_size_inches(), np.ptp(view, axis=0)
+    needed = SCENE[3] * inches[1] * width / height / inches[0] if has_charts else SCENE[2]
+    left = SCENE[2] - float(np.clip(needed, LEAST_WIDTH, SCENE[2]))
+    clock, rate, caption = ((place[0] - left, place[1]) for place in (CLOCK, RATE, CAPTION))
+    return Places((*SCENE[:2], SCENE[2] - left, SCENE[3]), clock, rate, caption, left)
