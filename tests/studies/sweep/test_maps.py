@@ -119,7 +119,9 @@ def test_maps_are_three_in_a_row_and_each_column_has_a_label():
 
 
 @pytest.mark.parametrize(("count", "rows"), [(5, [3, 2]), (7, [4, 3]), (9, [3, 3, 3])])
-@pytest.mark.parametrize("width", [84 / 25.4, 190 / 25.4])
+@pytest.mark.parametrize(
+    "width", [pytest.param(84 / 25.4, marks=pytest.mark.full("another width")), 190 / 25.4]
+)
 def test_no_map_is_alone_in_its_row_and_the_nearest_one_has_a_frame(count, rows, width):
     vary = {"contact.restitution": "0.3:0.6:10", "contact.stiffness": "1e7:1e8:10"}
     vary["initial.angle[1]"] = f"-1:1:{count}"

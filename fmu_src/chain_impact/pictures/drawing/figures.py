@@ -158,21 +158,24 @@ def fitting(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
     height = usual[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual[0])))
     most = max(LEAST_SIZE, min(TALLEST, SLENDER * width))
     height = min(max(LEAST_SIZE, height), most)
-    found = figure_at_least(fill, width, height, USUAL_AXES_HEIGHT)
-    return found if found.get_figheight() <= most else figure_at_least(fill, width, most, FLAT_AXES_HEIGHT)
+    with suppress(NoRoomError):
+        return figure_at_least(fill, width, height, USUAL_AXES_HEIGHT, most)
+    return figure_at_least(fill, width, most, FLAT_AXES_HEIGHT)
 
 
-def figure_at_least(fill: Fill, width: float, height: float, mean: float) -> Figure:
+def figure_at_least(fill: Fill, width: float, height: float, mean: float, most: float = math.inf) -> Figure:
     """Return a figure with a width and a height [inches], or the higher one that its contents need.
 
-    ``mean`` is as in ``lacking_height``.
+    ``mean`` is as in ``lacking_height``, ``most`` as in ``least_figure``.
 
     Raises:
-        ValueError: when no tried height is enough.
+        NoRoomError: when no tried height is enough.
     """
     figure = StyledFigure(figsize=(width, height), dpi=DPI, free_height=True)
     lacks = lacking_height(fill, figure, mean)
-    return figure if lacks <= 0.0 else least_figure(fill, width, height, mean, lacks, free_height=True)
+    if lacks <= 0.0:
+        return figure
+    return least_figure(fill, width, height, mean, lacks, most=most, free_height=True)
 
 
 def least_figure(
@@ -182,25 +185,30 @@ def least_figure(
     mean: float = 0.0,
     lacks: float = math.inf,
     *,
+    most: float = math.inf,
     free_height: bool = False,
 ) -> Figure:
     """Return the lowest figure with room for its contents; its height is found by bisection.
 
     ``height`` [inches] is too low. The possible heights are ``height``, rounded up to a multiple of STEP,
-    plus 1, 2, … or HIGHER − 1 times STEP. ``mean`` is as in ``lacking_height``. ``lacks`` is the result of
-    ``lacking_height`` at ``height``, inf if unknown. ``free_height`` is as in ``StyledFigure``.
+    plus 1, 2, … or HIGHER − 1 times STEP, up to ``most`` [inches]. ``mean`` is as in ``lacking_height``.
+    ``lacks`` is the result of ``lacking_height`` at ``height``, inf if unknown. ``free_height`` is as in
+    ``StyledFigure``.
 
     Raises:
-        ValueError: when no possible height is enough.
+        NoRoomError: when no possible height is enough.
     """
     heights = STEP * (math.ceil(height / STEP) + np.arange(1, HIGHER))
+    heights = heights[heights <= most]
     # all heights up to the index ``low`` are too low, and all from the index ``high`` on are enough
     low, high, found = -1, len(heights), None
     while high - low > 1:
-        # the next guess follows from the lack of height at the last guess, if this lack is known and not 0;
-        # else the next guess is the middle between ``low`` and ``high``
+        # The next guess follows from the lack of height at the last guess, if this lack is known and not 0.
+        # Else the next guess is the middle between ``low`` and ``high``; but the height ``most`` comes first,
+        # because often no height up to it is enough.
         is_known = lacks != 0.0 and math.isfinite(lacks)
-        guess = int(heights.searchsorted(height + lacks)) if is_known else (low + high) // 2
+        middle = high - 1 if found is None and math.isfinite(most) else (low + high) // 2
+        guess = int(heights.searchsorted(height + lacks)) if is_known else middle
         k = min(max(guess, low + 1), high - 1)
         height = float(heights[k])
         figure = StyledFigure(figsize=(width, height), dpi=DPI, free_height=free_height)
