@@ -21,11 +21,11 @@ from benchmarks.peers.ours import Kernel
 from benchmarks.problems import DEFAULT, PROBLEMS, STEEL
 from benchmarks.race import judge
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.pictures.drawing.style import BLUE, GREY, INK, headline
+from chain_impact.pictures.drawing.style import BLUE, GREY, INK, write_headline
 from chain_impact.scene.scene import Scene, with_values
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.law_exchange import law_values
-from chain_impact.text import number
+from chain_impact.text import number_text
 
 PROBLEM = PROBLEMS["steel"]
 STIFFNESSES = (1e5, 1e6, 1e7, 1e8, 1e9, 1e10, STEEL, 1e12)
@@ -140,11 +140,13 @@ def draw(figure: Any, record: dict[str, Any]) -> None:
         r["tip"] for r in rows if r["choice"] == "law" or (r["choice"] == GRID and r["stiffness"] != STEEL)
     )
     most = max(row["tip"] for row in default)
-    parts = [f"{number(r['tip'], 1)} mm to {r['stop']} s, in {1e3 * r['seconds']:.1g} ms" for r in default]
-    headline(
+    parts = [
+        f"{number_text(r['tip'], 1)} mm to {r['stop']} s, in {1e3 * r['seconds']:.1g} ms" for r in default
+    ]
+    write_headline(
         figure,
-        f"chain-impact at tolerance {number(DEFAULT)} errs by ≤ {number(most, 1)} mm, "
-        f"another law or stiffness by ≥ {number(wrong, 1)} mm",
+        f"chain-impact at tolerance {number_text(DEFAULT)} errs by ≤ {number_text(most, 1)} mm, "
+        f"another law or stiffness by ≥ {number_text(wrong, 1)} mm",
         f"four_link_box with the stiffness of steel: {'; '.join(parts)} of CPU time",
     )
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
@@ -170,12 +172,12 @@ def draw_stiffness(axes: Any, rows: list[dict[str, Any]]) -> None:
             first = "K = " if named == math.inf else ""
             look: dict[str, Any] = {"va": "center", "fontsize": "small", "color": INK, "xytext": (3, 0)}
             axes.annotate(
-                f"{first}{number(stiffness)}", (max(times), height), textcoords="offset points", **look
+                f"{first}{number_text(stiffness)}", (max(times), height), textcoords="offset points", **look
             )
             named = height
     mine = [row for row in rows if (row["choice"], row["stiffness"]) == (GRID, STEEL)]
     look = {"color": OURS, "marker": "o", "markersize": 4, "linewidth": 2.0, "zorder": 4}
-    label = f"zhang_sharf, K = {number(STEEL)} N/m$^{{1.5}}$ (steel), with its tolerances"
+    label = f"zhang_sharf, K = {number_text(STEEL)} N/m$^{{1.5}}$ (steel), with its tolerances"
     axes.loglog([1e3 * row["seconds"] for row in mine], [row["tip"] for row in mine], label=label, **look)
     for row in mine[1::2]:
         name_point(axes, f"1e{math.log10(row['tolerance']):.0f}", row, OURS)

@@ -27,10 +27,10 @@ from benchmarks.peers.ours import Kernel
 from benchmarks.race import ROUNDS, Entries, above_loosest, race, seconds_at
 from chain_impact import simulate
 from chain_impact.pictures.drawing.dark_ground import ORANGE, PLUM
-from chain_impact.pictures.drawing.style import BLUE, GREEN, INK, PURPLE, headline
+from chain_impact.pictures.drawing.style import BLUE, GREEN, INK, PURPLE, write_headline
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
-from chain_impact.text import number
+from chain_impact.text import number_text
 from tests.helpers.scenes.friction import SLOPE, sled, thrown
 
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10)
@@ -287,7 +287,7 @@ def draw(figure: Any, record: Any) -> None:
     panels[0].set_yticks(
         [LEAST, 1e-4, 1e-2, 1.0, 1e2, 1e4], ["none", *(f"$10^{{{k}}}$" for k in (-4, -2, 0, 2, 4))]
     )
-    headline(figure, *told(results))
+    write_headline(figure, *told(results))
     # below the lowest decade that is drawn, the axis is broken: "none" is not on the logarithmic scale
     panels[0].axhline(BREAK, color=INK, linewidth=0.8, linestyle=(0.0, (1.0, 3.0)))
     figure.legend(handles=highest_first(panels), loc="outside lower center", ncols=NAMES_IN_ROW)
@@ -310,7 +310,7 @@ def told(results: dict[str, list[dict[str, Any]]]) -> tuple[str, str]:
     return (
         f"chain-impact holds a rod on a slope, on which MuJoCo's defaults drift {creep / 1e3:.2g} mm/s",
         "noslip holds it, too, with about the errors of the defaults  ·  "
-        f"none: below {number(BREAK)} µm/s  ·  defaults, "
+        f"none: below {number_text(BREAK)} µm/s  ·  defaults, "
         f"thrown chain: {times} the CPU time of our loosest run, and {more} the error, "
         f"with steps of {1e3 * SHOWN:g} ms",
     )

@@ -36,8 +36,8 @@ from chain_impact.compilation import compilers, ready
 from chain_impact.compilation.cache import get_or_make
 from chain_impact.compilation.collecting import collect_only
 from chain_impact.compilation.entry_points import Entries
-from chain_impact.compilation.functions import compiled
-from chain_impact.compilation.lower import lowered
+from chain_impact.compilation.functions import compiled_function
+from chain_impact.compilation.lower import lowered_code
 from chain_impact.compilation.record_type import INSTANCE, vector
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.equations import mechanical_energy, rate_from_state, stored_energy
@@ -67,7 +67,7 @@ POSITION_ERROR = 1e-2
 MARGIN = 5e-2
 
 
-@compiled
+@compiled_function
 def rate_at(d, y, out):
     """Set ``out`` to the rate f(y) of the components of ``y``."""
     d.statistics.rhs_evaluations += 1
@@ -76,7 +76,7 @@ def rate_at(d, y, out):
         out[j] = d.scratch.stage[0, j]
 
 
-@compiled
+@compiled_function
 def happen(d, time, y, found):
     """Let the found events take effect.
 
@@ -130,7 +130,7 @@ def rate(_t, y, out, d):
     rate_at(d, vector(y, len(d.step.state) - PLAIN), out)
 
 
-@compiled
+@compiled_function
 def least_event(d, y):
     """Return the smallest event function plus CLEAR, and its rate, or 0 if it is that of a new latch."""
     lowest, slope = np.inf, 0.0
@@ -192,7 +192,7 @@ def switch(d, clock, values, found):
 # --- for stability.py: the energy and depth of a state, and fixed steps -----------------------------------
 
 
-@compiled
+@compiled_function
 def looked_at(d, y):
     """Return energy [J], largest penetration [m], and largest depth of points without a contact [m]."""
     locate_points(d, y)
@@ -206,7 +206,7 @@ def looked_at(d, y):
     return kinetic + potential + stored_energy(d, y), deepest, outside
 
 
-@compiled
+@compiled_function
 def raise_seen(d, y, seen):
     """Replace each of the three numbers in ``seen`` by the result of ``looked_at`` if this is larger."""
     energy, deepest, outside = looked_at(d, y)
@@ -276,7 +276,7 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
 # --- for CVODE, which has a root function for each event --------------------------------------------------
 
 
-@compiled
+@compiled_function
 def static_depth(d):
     """Return the penetration [m] under the weight of link 1."""
     weight = abs(d.chain.gravity[1]) * d.chain.mass[0]
@@ -365,7 +365,7 @@ def entry_points() -> Entries:
 def lower(file: str) -> None:
     """Write the C functions to a file in LLVM's language; this changes how the process compiles."""
     collect_only(any_python=False, guarded=True)
-    Path(file).write_text(lowered(entry_points()), encoding="utf-8")
+    Path(file).write_text(lowered_code(entry_points()), encoding="utf-8")
 
 
 def digest(*sources: Path) -> str:

@@ -17,10 +17,10 @@ from benchmarks.looks import OURS, WIDTH, highest_first, strong
 from benchmarks.peers import MissingError
 from benchmarks.peers.cvode import BUDGET, COUNTS, Cvode, driver
 from benchmarks.peers.ours import OnInstance
-from chain_impact.pictures.drawing.style import BLUE, INK, headline
+from chain_impact.pictures.drawing.style import BLUE, INK, write_headline
 from chain_impact.scene.scene import Scene, load_scene, with_values
 from chain_impact.simulation.instance import Instance
-from chain_impact.text import number
+from chain_impact.text import number_text
 from tests.helpers.kernel.kernel_calls import advance
 
 STIFFNESSES = (1e6, 1e8, 1e10, 1e12)
@@ -148,10 +148,11 @@ def draw(figure: Any, record: dict[str, Any]) -> None:
     ]
     least, most = (common.rounded(end(factors), 2) for end in (min, max))
     settings = record["settings"]
-    headline(
+    write_headline(
         figure,
         f"chain-impact is {least:g} to {most:g} times as fast as CVODE for a chain that comes to rest",
-        f"four_link_box for {settings['stop time']:g} s  ·  tolerance {number(settings['tolerance'])}  ·  "
+        f"four_link_box for {settings['stop time']:g} s  ·  "
+        f"tolerance {number_text(settings['tolerance'])}  ·  "
         f"careful: {100.0 * POSITION_ERROR:g} % of the static penetration is the allowed error of positions, "
         f"and a contact ends {100.0 * MARGIN:g} % of it above the "
         "wall; as users have it: neither",

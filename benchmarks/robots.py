@@ -26,8 +26,8 @@ from scipy.integrate import solve_ivp
 from chain_impact import SceneError, simulate
 from chain_impact.conversion.convert import ALL, read_robot
 from chain_impact.conversion.joints import NoChainError
-from chain_impact.conversion.mjcf_files import compiled
-from chain_impact.conversion.planar import Choices, Converted
+from chain_impact.conversion.mjcf_files import compile_model
+from chain_impact.conversion.planar import ConversionChoices, ConversionResult
 from chain_impact.conversion.proposals import chain_of
 from chain_impact.conversion.robot import Robot
 from chain_impact.conversion.urdf import moving_parts, urdf_of
@@ -63,7 +63,7 @@ class Compared(NamedTuple):
         return self.difference is None or self.difference <= ALIKE or bool(self.cause)
 
 
-def compared(path: Path, choices: Choices = ALL) -> Compared:
+def compared(path: Path, choices: ConversionChoices = ALL) -> Compared:
     """Return a robot's file compared with MuJoCo; if its joints form no chain, with the proposed joints."""
     try:
         robot = read_robot(path, choices.keyframe)
@@ -95,7 +95,7 @@ def _moving(robot: Robot, names: Sequence[str]) -> Robot:
     return replace(robot, bodies=bodies)
 
 
-def turned_in_scene(done: Converted, robot: Robot, names: Sequence[str]) -> np.ndarray:
+def turned_in_scene(done: ConversionResult, robot: Robot, names: Sequence[str]) -> np.ndarray:
     """Return how far each hinge turns in the scene [rad], with the sign that its angle has in the file."""
     data = {key: table for key, table in done.data.items() if key not in ("box", "walls", "contact", "stops")}
     links = [
@@ -126,7 +126,7 @@ def mujoco_model(path: Path) -> Any:
     Visual and collision parts of URDF are left out.
     """
     if path.suffix == ".xml":
-        model = compiled(mujoco, path).model
+        model = compile_model(mujoco, path).model
     else:
         root = ElementTree.fromstring(moving_parts(urdf_of(path)))
         named = {link.get("name") for link in root.iter("link") if link.get("name")}
@@ -191,7 +191,7 @@ def main() -> None:
     print("| file | joints | difference, rad | told first |\n|---|---|---|---|")
     for path in options.files:
         try:
-            found = compared(path, Choices(joints))
+            found = compared(path, ConversionChoices(joints))
         except ValueError as error:
             print(f"| {path} | | | MuJoCo: {' '.join(str(error).split())} |")
             continue

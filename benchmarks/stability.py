@@ -26,7 +26,7 @@ from benchmarks.peers.on_kernel import OnKernel
 from benchmarks.peers.ours import Kernel, OnInstance
 from benchmarks.peers.scipy import Scipy
 from chain_impact.pictures.drawing.shared_names import name_around
-from chain_impact.pictures.drawing.style import INK, headline
+from chain_impact.pictures.drawing.style import INK, write_headline
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.instance import Instance
@@ -313,7 +313,7 @@ def draw(figure: Any, record: Any) -> None:
     stiffnesses, restitutions = settings["stiffnesses"], settings["restitutions"]
     cells, done = len(stiffnesses) * len(restitutions), {m: tally[m].get("completed", 0) for m in tally}
     ours, others = ([done[m] for m in done if (m in OURS) == own] for own in (True, False))
-    headline(
+    write_headline(
         figure,
         f"chain-impact completes {min(ours)} of {cells} runs, other methods {min(others)} to {max(others)}",
         f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  in each title: completed runs",

@@ -26,9 +26,9 @@ from benchmarks.looks import LOOKS, WIDTH, highest_first, look
 from benchmarks.problems import DEFAULT, PROBLEMS
 from benchmarks.race import ROUNDS, judge, race, seconds_at
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import INK, headline
+from chain_impact.pictures.drawing.style import INK, write_headline
 from chain_impact.studies.sweep.colour_bars import number_few_decades
-from chain_impact.text import number
+from chain_impact.text import number_text
 
 NAMES = ("four", "ten", "thirty")
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
@@ -104,7 +104,7 @@ def factors_told(equal: list[dict[str, Any]]) -> tuple[str, str]:
     first, *others = (f"as {name}" for name in order)
     ranges = [_between(found[name]) for name in order]
     parts = [f"{ranges[0]} times as fast {first}", *map(" ".join, zip(ranges[1:], others, strict=True))]
-    setting = f"chain-impact at tolerance {number(DEFAULT)}"
+    setting = f"chain-impact at tolerance {number_text(DEFAULT)}"
     return (
         f"{setting} is {_between(every)} times as fast as others at equal error",
         ", ".join(parts),
@@ -113,7 +113,7 @@ def factors_told(equal: list[dict[str, Any]]) -> tuple[str, str]:
 
 def _between(factors: list[float]) -> str:
     """Return the least and the largest of sorted numbers as words."""
-    low, high = number(factors[0], 2), number(factors[-1], 2)
+    low, high = number_text(factors[0], 2), number_text(factors[-1], 2)
     return low if low == high else f"{low} to {high}"
 
 
@@ -150,7 +150,7 @@ def draw(figure: Any, record: Any) -> None:
         f"points of simulate() from the right: tolerances from {decade(TOLERANCES[0])} to "
         f"{decade(TOLERANCES[-1])}, in steps of 100",
     ]
-    headline(
+    write_headline(
         figure,
         title or "CPU time over errors of the tip and of onsets",
         SEPARATOR.join(filter(None, told)),

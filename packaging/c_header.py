@@ -8,7 +8,7 @@ from pathlib import Path
 
 from chain_impact.compilation.compilers import INTERFACE
 from chain_impact.compilation.signatures import declarations
-from chain_impact.fmu.table import HEAD_FORMATS, MAGIC, TABLE_KINDS, TABLE_TYPES, VARIABLE
+from chain_impact.fmu.table import HEAD_FORMATS, MAGIC, TABLE_ROLES, TABLE_TYPES, VARIABLE
 from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.record.counts import COUNTS, FEATURES, LARGEST_COUNT
 from chain_impact.kernel.status import ONSET_DUE, PAUSED
@@ -24,7 +24,7 @@ def header() -> str:
         "/* What Python shares with C. packaging/c_header.py writes this file. */",
         "#ifndef shared_h\n#define shared_h\n\n#include <stdint.h>",
         "/* fmu/table.py: values of Variable.type and Variable.kind; an enumeration is an integer */\n"
-        + f"{_indices(TABLE_TYPES)}\n{_indices(TABLE_KINDS)}",
+        + f"{_indices(TABLE_TYPES)}\n{_indices(TABLE_ROLES)}",
         f'/* fmu/table.py: the structures of the file model.bin */\n#define TABLE_MAGIC "{MAGIC.decode()}"',
         _structure("Variable", VARIABLE),
         _structure("Table", HEAD_FORMATS),

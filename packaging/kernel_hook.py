@@ -26,7 +26,7 @@ def kernels() -> ModuleType:
         sys.modules["chain_impact"] = package
     try:
         folders = import_module("chain_impact.compilation.folders")
-        folders.writable(folders.base_folder())
+        folders.make_folder(folders.base_folder())
     except RuntimeError:  # the build has no home folder, or no space there
         os.environ["CHAIN_IMPACT_CACHE"] = tempfile.mkdtemp(prefix="chain-impact-")
     here = str(Path(__file__).parent)
@@ -59,7 +59,7 @@ def target() -> str:
     if given and given not in system.PLATFORMS:
         raise RuntimeError(f"{PLATFORM} = {given} must be one of {', '.join(system.PLATFORMS)}")
     if not (given or system.HOST):
-        raise RuntimeError(system.nowhere())
+        raise RuntimeError(system.no_kernel_sentence())
     return given or str(system.HOST)
 
 

@@ -27,8 +27,8 @@ REQUIREMENTS = [
 def _wanted(platform: str, release: bool) -> dict[str, tuple[str, int | None]]:
     """Return the kernels of a wheel: file name → kind and scenes."""
     return {
-        ready.library_name(scope, platform, kind=kind): (kind, scope)
-        for kind in ready.PARTS
+        ready.library_name(scope, platform, library_kind=kind): (kind, scope)
+        for kind in ready.LIBRARY_PARTS
         for scope in ready.wheel_scopes(kind, release)
     }
 
@@ -86,7 +86,7 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
             return [one.result() for one in running]
 
         preparing = pool.submit(compilers.prepare_zig, platform)
-        texts = dict(zip(ready.PARTS, each(text, ready.PARTS), strict=True))
+        texts = dict(zip(ready.LIBRARY_PARTS, each(text, ready.LIBRARY_PARTS), strict=True))
         preparing.result()
 
         names = [*wanted, browser.MODULE]
@@ -95,12 +95,12 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
             def link(file: Path) -> None:
                 say(f"linking {name}, {names.index(name) + 1} of {len(names)}")
                 if name == browser.MODULE:
-                    browser.link(ready.compiled_for_browsers(lambda: texts[compilers.KERNEL]), file)
+                    browser.link(ready.browser_object_file(lambda: texts[compilers.KERNEL]), file)
                     return
                 kind, scope = wanted[name]
                 parts = [
-                    ready.compiled(scope, platform, what, functools.partial(texts.__getitem__, what))
-                    for what in ready.PARTS[kind]
+                    ready.object_file(scope, platform, what, functools.partial(texts.__getitem__, what))
+                    for what in ready.LIBRARY_PARTS[kind]
                 ]
                 compilers.link(parts, file, platform)
 

@@ -22,6 +22,6 @@ def test_signs_that_the_console_does_not_have_do_not_end_the_program(monkeypatch
 
 def test_words_are_quoted_as_the_shell_takes_them(monkeypatch):
     monkeypatch.setattr(console, "SYSTEM", "Linux")
-    assert console.quoted("a b[c]") == "'a b[c]'"
+    assert console.quoted_word("a b[c]") == "'a b[c]'"
     monkeypatch.setattr(console, "SYSTEM", "Windows")
-    assert console.quoted(r"C:\a b\python.exe") == r'"C:\a b\python.exe"'
+    assert console.quoted_word(r"C:\a b\python.exe") == r'"C:\a b\python.exe"'

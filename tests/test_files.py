@@ -6,17 +6,17 @@ import pytest
 from filelock import FileLock, Timeout
 
 from chain_impact import files
-from chain_impact.files import written_whole
+from chain_impact.files import written_atomically
 
 
 def test_a_file_of_the_repository_is_found_inside_an_installed_package(monkeypatch, tmp_path):
-    assert files.included("fmu/slave.py", "fmu_src/slave.py").name == "slave.py"
-    assert (files.included("models", "models") / "rod_drop").is_dir()
+    assert files.packaged_path("fmu/slave.py", "fmu_src/slave.py").name == "slave.py"
+    assert (files.packaged_path("models", "models") / "rod_drop").is_dir()
     monkeypatch.setattr(files, "__file__", str(tmp_path / "a" / "package" / "files.py"))
-    assert files.included("fmu/slave.py", "src/slave.py") == tmp_path / "src" / "slave.py"
+    assert files.packaged_path("fmu/slave.py", "src/slave.py") == tmp_path / "src" / "slave.py"
     (tmp_path / "a" / "package" / "fmu").mkdir(parents=True)
     (tmp_path / "a" / "package" / "fmu" / "slave.py").touch()
-    assert files.included("fmu/slave.py", "x") == tmp_path / "a" / "package" / "fmu" / "slave.py"
+    assert files.packaged_path("fmu/slave.py", "x") == tmp_path / "a" / "package" / "fmu" / "slave.py"
 
 
 @pytest.mark.parametrize("name", ["Linux", "Windows"])
@@ -46,7 +46,7 @@ def test_a_kernel_that_windows_holds_is_not_removed(monkeypatch):
 
 def test_a_file_appears_only_when_it_is_whole(tmp_path):
     path = tmp_path / "out.txt"
-    with written_whole(path) as fresh:
+    with written_atomically(path) as fresh:
         fresh.write_text("half")
         assert not path.exists()
         assert fresh.suffix == ".txt"  # matplotlib chooses the format by the suffix
@@ -58,7 +58,7 @@ def test_a_reader_of_a_replaced_file_goes_on_reading_it(tmp_path):
     path = tmp_path / "out.txt"
     path.write_text("old")
     with path.open() as reader:
-        with written_whole(path) as fresh:
+        with written_atomically(path) as fresh:
             fresh.write_text("new")
         assert reader.read() == "old"
     assert path.read_text() == "new"
@@ -66,7 +66,7 @@ def test_a_reader_of_a_replaced_file_goes_on_reading_it(tmp_path):
 
 def test_a_file_has_the_mode_of_any_other(tmp_path):
     (tmp_path / "plain").write_text("")
-    with written_whole(tmp_path / "whole") as fresh:
+    with written_atomically(tmp_path / "whole") as fresh:
         fresh.write_text("")
     assert (tmp_path / "whole").stat().st_mode == (tmp_path / "plain").stat().st_mode
 
@@ -77,9 +77,9 @@ def test_a_target_that_is_no_plain_file_is_written_in_place(tmp_path):
     target.write_text("old")
     link.symlink_to(target)
     os.mkfifo(pipe)
-    with written_whole(link) as fresh:
+    with written_atomically(link) as fresh:
         fresh.write_text("new")
     assert link.is_symlink()
     assert target.read_text() == "new"
-    with written_whole(pipe) as fresh:
+    with written_atomically(pipe) as fresh:
         assert fresh == pipe

@@ -18,7 +18,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.forces.lossless_contact import lossless_depth
 from chain_impact.pictures.drawing.law_looks import law_look
 from chain_impact.pictures.drawing.legends import legend_at_foot
-from chain_impact.pictures.drawing.style import DPI, GREY, STYLE, headline
+from chain_impact.pictures.drawing.style import DPI, GREY, STYLE, write_headline
 from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.scene import load_scene, scene_from_dict
 from chain_impact.simulation.simulate import simulate
@@ -109,7 +109,7 @@ def draw(path: Path) -> None:
         )
         error.set(xlabel="prescribed restitution e", ylabel="realised − prescribed", xlim=(0, 1))
         error.set(ylim=(-0.15, 0.15))
-        headline(
+        write_headline(
             page,
             "Realised and prescribed restitution of all laws that are a force",
             f"free impacts of 1 kg at 1 m/s  ·  within {NEAR} for e from {FROM} to 1: {near} of {total} laws",

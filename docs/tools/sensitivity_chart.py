@@ -19,11 +19,11 @@ from matplotlib.figure import Figure
 
 from chain_impact import Result, simulate
 from chain_impact.pictures.drawing.dark_ground import is_dark
-from chain_impact.pictures.drawing.style import BLACK, DPI, PALETTE, STYLE, headline
+from chain_impact.pictures.drawing.style import BLACK, DPI, PALETTE, STYLE, write_headline
 from chain_impact.pictures.over_time.time_axis import mark_impacts
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts
 from chain_impact.recording.sensitivity import Sensitivities
-from chain_impact.text import number
+from chain_impact.text import number_text
 from docs.tools import DOCS
 
 WIDTH = 190.0 / 25.4  # [inch] that of a printed page
@@ -102,7 +102,7 @@ def draw_forces(axes: Axes, result: Result) -> None:
             "fontsize": "small",
             "color": "white" if is_dark(image.to_rgba(share)) else BLACK,
         }
-        axes.text(column, row, number(share, 2) if share <= MOST else f"> {MOST:g}", **look)
+        axes.text(column, row, number_text(share, 2) if share <= MOST else f"> {MOST:g}", **look)
     names = [f"{k + 1}\n{hit['onset']:.2f} s" for k, hit in enumerate(result.impacts)]
     axes.set_xticks(range(len(names)), names)
     axes.set_yticks(range(len(KINDS)), list(KINDS))
@@ -124,7 +124,7 @@ def draw(path: Path) -> None:
         motion, forces = page.subplots(1, 2, width_ratios=(1.25, 1.0))
         draw_motion(motion, result)
         draw_forces(forces, result)
-        headline(page, TITLE, f"{CONDITIONS}; {message(result)}")
+        write_headline(page, TITLE, f"{CONDITIONS}; {message(result)}")
         page.savefig(path, dpi="figure")
 
 

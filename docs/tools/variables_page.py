@@ -11,7 +11,7 @@ from chain_impact.scene.facts import ALWAYS
 from chain_impact.scene.scene import load_scene, scene_keys
 from chain_impact.scene.words.names import AXES, INPUTS_OF
 from chain_impact.scene.words.unit_text import unit_text
-from chain_impact.variables.kind import LINE, Kind
+from chain_impact.variables.kind import SLOPED_WALL, Kind
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import METHODS, PARAMETERS
@@ -121,7 +121,7 @@ def _meaning(kind: Kind) -> str:
         return MEANINGS[kind.pattern]
     choices = choices_of(load_scene("four_link_box"))[METHODS] if kind.choices == METHODS else ()
     listed = ", ".join(f"{number} = {item.name}" for number, item in enumerate(choices, 1))
-    heading = "wall at any angle: " if kind.heading == LINE else ""
+    heading = "wall at any angle: " if kind.heading == SLOPED_WALL else ""
     return heading + short_description(kind.text).format_map(IN_GENERAL) + (f": {listed}" if listed else "")
 
 

@@ -32,6 +32,6 @@ def prepare_console() -> None:
             stream.reconfigure(errors="replace")
 
 
-def quoted(word: str) -> str:
+def quoted_word(word: str) -> str:
     """Return a word of a command in the form that the command line of this system reads as one word."""
     return subprocess.list2cmdline([word]) if SYSTEM == WINDOWS else shlex.quote(word)

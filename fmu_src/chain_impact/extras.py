@@ -10,7 +10,7 @@ from typing import Any
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
-from chain_impact.console import quoted
+from chain_impact.console import quoted_word
 
 
 class MissingExtraError(ImportError):
@@ -45,4 +45,4 @@ def how_to_install(extra: str) -> str:
     else:
         prefix = f"{origin['vcs_info']['vcs']}+" if "vcs_info" in origin else ""
         wanted = f"chain-impact[{extra}]" + (f" @ {prefix}{url}" if url else "")
-    return f"{quoted(sys.executable)} -m pip install {quoted(wanted)}"
+    return f"{quoted_word(sys.executable)} -m pip install {quoted_word(wanted)}"

@@ -26,7 +26,7 @@ def user_cache_folder() -> Path:
     return Path(platformdirs.user_cache_dir("chain-impact", appauthor=False))
 
 
-def included(in_package: str, in_repository: str) -> Path:
+def packaged_path(in_package: str, in_repository: str) -> Path:
     """Return the path of a file or folder that a wheel of this package contains.
 
     The result is ``in_package``, relative to the package, if that exists; else, in an installation without a
@@ -91,7 +91,7 @@ def removing_files() -> Iterator[None]:
 
 
 @contextmanager
-def written_whole(path: Path) -> Iterator[Path]:
+def written_atomically(path: Path) -> Iterator[Path]:
     """Context that yields a path to write to; at the context's end, the file appears at ``path`` in one step.
 
     If the writing fails, ``path`` stays as it is. But if ``path`` is a link, a device or anything else that

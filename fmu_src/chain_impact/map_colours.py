@@ -10,7 +10,8 @@ from itertools import count
 import numpy as np
 
 # [1] colours, except those of counts, are logarithmic if the ratio of the largest to the least value
-# (``spread``) is at least this; with linear colours, values below a tenth of the largest would look the same
+# (``value_ratio``) is at least this; with linear colours, values below a tenth of the largest would look the
+# same
 WIDE_COLOURS = 10.0
 # [1] the colours end at a quantile if the extreme value is farther from this quantile than QUANTILE_MARGIN
 # times the difference of both quantiles, if not 0; otherwise the colours end at the extreme value
@@ -22,7 +23,7 @@ LARGE_QUANTILE = 0.95
 MOST_COLOURS = 12
 
 
-def spread(values: np.ndarray) -> float:
+def value_ratio(values: np.ndarray) -> float:
     """Return the ratio of the largest to the least value; 1 if any value is not positive.
 
     The ratio does not depend on how many values lie between both, so that a finer map has the same scale.

@@ -119,7 +119,7 @@ HOST = _host(SYSTEM, _machine(), struct.calcsize("P"))
 """The name of the platform on which this Python runs; "" if kernels do not exist for it."""
 
 
-def nowhere() -> str:
+def no_kernel_sentence() -> str:
     """Return the sentence, with a remedy, for a platform on which kernels do not exist."""
     platforms = "Linux (x86-64, ARM), Windows (x86-64) and macOS, with a Python of 64 bits"
     return (

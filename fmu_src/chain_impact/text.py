@@ -10,19 +10,19 @@ from itertools import groupby, zip_longest
 from typing import NamedTuple
 
 
-def plural(count: int, what: str) -> str:
+def count_text(count: int, what: str) -> str:
     """Return a count with its noun, for example 1 impact, 2 impacts, 3 boxes."""
     ending = "es" if what.endswith(("sh", "ch", "x")) else "s"
     return f"{count} {what}{ending if count != 1 else ''}"
 
 
-def few(names: Sequence[str], shown: int) -> str:
+def names_text(names: Sequence[str], shown: int) -> str:
     """Return the first ``shown`` names and, if there are others, their number: "a, b and 3 more"."""
     more = f" and {len(names) - shown} more" if len(names) > shown else ""
     return f"{', '.join(names[:shown])}{more}"
 
 
-def number(value: float, digits: int = 4) -> str:
+def number_text(value: float, digits: int = 4) -> str:
     """Return a number as text with at most ``digits`` significant digits: 0.5, 1e8, 2.145e10.
 
     A fraction has no zeros at its end, an exponent none at its start.
@@ -33,7 +33,7 @@ def number(value: float, digits: int = 4) -> str:
 def span_text(low: float, high: float) -> str:
     """Return two numbers with three significant digits each, as "0.750 to 1.12"; equal ones only once."""
     texts = (
-        f"{end:#.3g}".rstrip(".") if abs(end) < LEAST_EXPONENT else number(end, 3) for end in (low, high)
+        f"{end:#.3g}".rstrip(".") if abs(end) < LEAST_EXPONENT else number_text(end, 3) for end in (low, high)
     )
     return " to ".join(dict.fromkeys(texts))
 
@@ -42,7 +42,7 @@ LEAST_EXPONENT = 999.5  # from this size on, a number with three digits has an e
 WHOLE = 99.5  # from this size on, a number with two digits would have an exponent, as in 1e+02
 
 
-def signed(value: float) -> str:
+def signed_text(value: float) -> str:
     """Return a number with its sign to two significant digits; as a whole number if |value| ≥ WHOLE."""
     return f"{value:+#.2g}".rstrip(".") if abs(value) < WHOLE else f"{value:+.0f}"
 
@@ -58,7 +58,7 @@ An example is kN. With a prefix these values have few digits.
 """
 
 
-def prefixed(largest: float, unit: str) -> tuple[float, str]:
+def prefixed_unit(largest: float, unit: str) -> tuple[float, str]:
     """Return a factor and a unit with a prefix, such as 0.001 and kN: values times the factor have this unit.
 
     In this unit the ``largest`` value is between 1 and 1000, if a prefix for this exists.
@@ -72,15 +72,15 @@ def prefixed(largest: float, unit: str) -> tuple[float, str]:
 PREFIXED_UNITS = (*LOAD_UNITS, "m", "m/s", "m/s2", "s", "rad", "rad/s")
 
 
-def readable(largest: float, unit: str) -> tuple[float, str]:
-    """Return ``prefixed`` for a unit in PREFIXED_UNITS; any other unit stays, with the factor 1.
+def readable_unit(largest: float, unit: str) -> tuple[float, str]:
+    """Return ``prefixed_unit`` for a unit in PREFIXED_UNITS; any other unit stays, with the factor 1.
 
     ``largest`` is the largest |value| that is shown in the unit.
     """
-    return prefixed(largest, unit) if unit in PREFIXED_UNITS else (1.0, unit)
+    return prefixed_unit(largest, unit) if unit in PREFIXED_UNITS else (1.0, unit)
 
 
-def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
+def aligned_lines(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
     """Yield the lines of a table with columns as narrow as possible; a head may have several lines."""
     heads = list(zip_longest(*(name.split("\n")[::-1] for name in head), fillvalue=""))[::-1]
     widths = [max(map(len, column)) for column in zip(*heads, *rows, strict=True)]
@@ -97,7 +97,7 @@ class TextTable(NamedTuple):
 
 def as_text(parts: Iterable[str | TextTable]) -> str:
     """Return lines and tables as a text of several lines."""
-    blocks = ([part] if isinstance(part, str) else aligned(*part) for part in parts)
+    blocks = ([part] if isinstance(part, str) else aligned_lines(*part) for part in parts)
     return "\n".join(line for block in blocks for line in block)
 
 

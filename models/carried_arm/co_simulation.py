@@ -43,7 +43,7 @@ def draw(path, time, columns):
     import numpy as np
     from matplotlib.figure import Figure
 
-    from chain_impact.pictures.drawing.style import BLUE, DPI, INK, PEAK_COLOUR, STYLE, VIOLET, headline
+    from chain_impact.pictures.drawing.style import BLUE, DPI, INK, PEAK_COLOUR, STYLE, VIOLET, write_headline
 
     forces = np.hypot(columns["joint[1].force.x"], columns["joint[1].force.y"])
     # a new largest force lies within a communication step, at whose end it is drawn
@@ -53,7 +53,7 @@ def draw(path, time, columns):
     peak = forces[row]
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(8, 5.6), layout="constrained")
-        headline(
+        write_headline(
             figure,
             f"CarriedArm: peak force on the carriage {peak:.0f} N at {time[row]:.3f} s",
             f"two FMUs, carriage and arm  ·  communication step {time[1]:g} s  ·  dot: the arm hits a wall",

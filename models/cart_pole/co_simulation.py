@@ -44,13 +44,13 @@ def draw(path, time, columns):
     from matplotlib.figure import Figure
 
     from chain_impact.pictures.drawing.dark_ground import ORANGE
-    from chain_impact.pictures.drawing.style import BLUE, DPI, GREEN, INK, STYLE, VERMILLION, headline
+    from chain_impact.pictures.drawing.style import BLUE, DPI, GREEN, INK, STYLE, VERMILLION, write_headline
 
     tilts = [math.degrees(angle) - 90.0 for angle in columns["link[1].angle"]]
     pushed = [t for t, push in zip(time, columns["tip.force.x"], strict=True) if push]
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(8, 5.4), layout="constrained")
-        headline(
+        write_headline(
             figure,
             f"CartPole: balanced, largest lean {max(map(abs, tilts)):.0f}°",
             "two FMUs, cart and controller",

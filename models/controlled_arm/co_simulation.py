@@ -47,7 +47,7 @@ def draw(path, columns, parameters):
         PEAK_COLOUR,
         STYLE,
         TIME_COLOURS,
-        headline,
+        write_headline,
     )
     from chain_impact.scene.half_planes import half_planes
 
@@ -60,7 +60,7 @@ def draw(path, columns, parameters):
     )
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10, 6), dpi=DPI, layout="constrained")
-        headline(
+        write_headline(
             figure,
             f"ControlledArm: peak force of the wall {peak:.0f} N, then {force[-1]:.0f} N",
             "two FMUs, arm and controller  ·  targets of the joints lie behind the wall  ·  restitution e = "

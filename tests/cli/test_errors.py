@@ -15,7 +15,7 @@ from matplotlib import pyplot
 
 from chain_impact import model_names
 from chain_impact.cli import parser
-from chain_impact.cli.named_options import typed_in, with_option
+from chain_impact.cli.named_options import typed_options, with_option
 from chain_impact.extras import MissingExtraError
 
 SCENES = {
@@ -185,7 +185,7 @@ def test_an_output_never_replaces_a_file_that_is_read(refused, here, arguments):
 def test_values_of_options_are_found_as_typed():
     words = ["sweep", "--threads=4", "--vary", "a=1", "--plot", "--show", "-o", "runs.csv"]
     options = ["--threads", "--vary", "-o"]
-    assert typed_in(words, options) == [("--threads", "4"), ("--vary", "a=1"), ("-o", "runs.csv")]
+    assert typed_options(words, options) == [("--threads", "4"), ("--vary", "a=1"), ("-o", "runs.csv")]
 
 
 @pytest.mark.parametrize(

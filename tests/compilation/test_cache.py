@@ -28,9 +28,9 @@ MARK = 8  # bytes of a checksum
 @pytest.fixture(autouse=True)
 def _empty(tmp_path, monkeypatch):
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
-    cache._version.cache_clear()
+    cache._compiler_version.cache_clear()
     yield
-    cache._version.cache_clear()
+    cache._compiler_version.cache_clear()
 
 
 def files():
@@ -139,7 +139,7 @@ def test_another_compiler_has_another_place_and_none_that_of_the_extra(monkeypat
     before = present_kernel_folder()
     for version, same in ((lambda _: "0.0.1", False), (absent, True)):
         monkeypatch.setattr(cache, "version", version)
-        cache._version.cache_clear()
+        cache._compiler_version.cache_clear()
         assert (present_kernel_folder() == before) == same
 
 
@@ -170,10 +170,10 @@ def test_a_read_only_cache_gives_an_error_that_says_what_to_set(monkeypatch):
         raise PermissionError(errno.EACCES, "Permission denied", str(dir))
 
     monkeypatch.setattr(folders.tempfile, "TemporaryFile", refused)
-    folders.writable.cache_clear()
+    folders.make_folder.cache_clear()
     assert get_or_make("a.so", lambda _: None).read_text() == "whole"
     assert not_kept(base_folder(), "Permission denied")
-    folders.writable.cache_clear()
+    folders.make_folder.cache_clear()
 
 
 def not_kept(folder, reason):
@@ -187,7 +187,7 @@ def not_kept(folder, reason):
 def shared(request, monkeypatch):
     """Return a cache folder in which another user may have put a library to run."""
     base = get_or_make("a.so", lambda path: path.write_text("foreign")).parents[1]
-    folders.writable.cache_clear()
+    folders.make_folder.cache_clear()
     user = base.stat().st_uid
     if request.param == "of another user":
         monkeypatch.setattr(folders.os, "getuid", lambda: user + 1)
@@ -199,7 +199,7 @@ def shared(request, monkeypatch):
     else:
         base.chmod(0o777)
     yield base
-    folders.writable.cache_clear()
+    folders.make_folder.cache_clear()
 
 
 def _owned_by(folder, user, monkeypatch, group=0):
@@ -224,7 +224,7 @@ def test_a_damaged_file_is_made_again(damage):
     """A damaged library is compiled again, because a truncated library would end the process with SIGBUS."""
     file = get_or_make("a.so", whole)
     if damage == "without its checksum":
-        cache._mark(file).unlink()
+        cache._checksum_file(file).unlink()
     else:
         file.write_text({"cut": "who", "empty": "", "changed": "whale"}[damage])
     assert cache.find("a.so") is None

@@ -140,7 +140,7 @@ def stand_in(tmp_path, monkeypatch):
     """Replace the compilers by stand-ins, with an empty cache and no prebuilt library."""
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
     monkeypatch.delenv(ready.RELEASE, raising=False)
-    monkeypatch.setattr(ready, "_usable", lambda: False)
+    monkeypatch.setattr(ready, "_is_usable", lambda: False)
     both = Compilers()
     for name in ("lower", "compile_part", "link"):
         monkeypatch.setattr(compilers, name, getattr(both, name))

@@ -65,9 +65,9 @@ def made(tmp_path, monkeypatch, said):
     assert not ready_kernels.all_cached()
     ready_kernels.make(tmp_path / "ready", say=said.append)
     monkeypatch.setattr(ready, "FOLDER", tmp_path / "ready")
-    ready._usable.cache_clear()
+    ready._is_usable.cache_clear()
     yield tmp_path / "ready"
-    ready._usable.cache_clear()
+    ready._is_usable.cache_clear()
 
 
 @needs_compilers
@@ -83,7 +83,7 @@ def test_a_second_wheel_of_the_same_sources_takes_no_compiler(made, tmp_path, mo
 @needs_compilers
 def test_there_is_a_kernel_for_every_chain_which_takes_no_compiler(made, monkeypatch):
     monkeypatch.setattr(ready, "find_spec", lambda _: None)
-    found = ready.find(ready.library_name(None, "linux64", kind=ready.DERIVATIVES))
+    found = ready.find(ready.library_name(None, "linux64", library_kind=ready.DERIVATIVES))
     assert found.read_text() == "kernel for None and derivatives for None"
     assert kernel_library(4, derivatives=True) == found
     assert ready.find(ready.library_name(ready.exact_scope(64), "linux64")).read_text() == "kernel for None"
@@ -92,8 +92,8 @@ def test_there_is_a_kernel_for_every_chain_which_takes_no_compiler(made, monkeyp
     assert ready.find(ready.library_name(None, "win64")) is None
     assert ready.find(browser.MODULE).read_text() == "kernel for a browser"
     # with and without derivatives, static and moving walls, and a browser module
-    assert len(ready.libraries()) == 5
-    assert ready.module() == "kernel"
+    assert len(ready.ready_kernels()) == 5
+    assert ready.lowered_kernel() == "kernel"
     assert lzma.decompress((made / ready.MODULE).read_bytes()) == b"kernel"
     assert not [path for path in made.iterdir() if path.is_dir()]
 
@@ -101,7 +101,9 @@ def test_there_is_a_kernel_for_every_chain_which_takes_no_compiler(made, monkeyp
 @needs_compilers
 def test_the_making_of_kernels_says_what_it_does(made, said):
     """pip shows these lines: none comes long after the previous line."""
-    assert sorted(said[:2]) == [f"compiling {what}, for any number of links" for what in sorted(ready.PARTS)]
+    assert sorted(said[:2]) == [
+        f"compiling {what}, for any number of links" for what in sorted(ready.LIBRARY_PARTS)
+    ]
     assert "linking derivatives-any-linux64.so, 3 of 5" in said
     assert len(said) == 7
 
@@ -132,8 +134,9 @@ def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(made, t
     assert ready_kernels.all_cached(release=True)
     assert not [line for line in said if "kernel-any-" in line]
     monkeypatch.setattr(ready, "FOLDER", tmp_path / "release")
-    ready._usable.cache_clear()
-    assert len(ready.libraries()) == len(ready.WHEEL_SCOPES) + 3  # two with derivatives, and a browser module
+    ready._is_usable.cache_clear()
+    # two with derivatives, and a browser module
+    assert len(ready.ready_kernels()) == len(ready.WHEEL_SCOPES) + 3
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "nothing"))
     for links in range(1, ready.LARGEST_EXACT + 1):
         assert kernel_library(links).read_text() == f"kernel for {links}"
@@ -146,13 +149,13 @@ def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(made, t
 def test_kernels_of_other_sources_are_not_used(made):
     """A user may have changed the kernel's sources in the installed package."""
     (made / ready.MADE_FROM).write_text("of before")
-    ready._usable.cache_clear()
+    ready._is_usable.cache_clear()
     assert ready.find(ready.library_name(None, "linux64")) is None
-    assert ready.module() is None
-    assert ready.libraries() == []
+    assert ready.lowered_kernel() is None
+    assert ready.ready_kernels() == []
     (made / ready.MADE_FROM).write_text(fingerprint())
-    ready._usable.cache_clear()
-    assert len(ready.libraries()) > 1
+    ready._is_usable.cache_clear()
+    assert len(ready.ready_kernels()) > 1
 
 
 def test_compilers_and_python_of_a_wheel_are_those_of_the_project():

@@ -4,7 +4,7 @@ import pytest
 
 from chain_impact import SceneError
 from chain_impact.conversion.convert import scene_of_robot
-from chain_impact.conversion.planar import Choices
+from chain_impact.conversion.planar import ConversionChoices
 
 ARM = """
 <mujoco model="{name}">
@@ -152,7 +152,7 @@ def read(tmp_path, text, **choices):
     """Return the scene of a robot file with a text, and the messages about it."""
     file = tmp_path / ("robot.xml" if "<mujoco" in text else "robot.urdf")
     file.write_text(text, encoding="utf-8")
-    return scene_of_robot(file, Choices(**choices))
+    return scene_of_robot(file, ConversionChoices(**choices))
 
 
 def refused(tmp_path, text, **choices):

@@ -5,7 +5,7 @@
 import pytest
 
 from benchmarks.robots import ALIKE, compared
-from chain_impact.conversion.planar import Choices
+from chain_impact.conversion.planar import ConversionChoices
 from tests.conversion.robot_files import TWO, arm, cart, drives, free, joint, key, link, urdf
 from tests.tiers import needs_interop
 
@@ -167,7 +167,7 @@ OTHERWISE = {
 def beside(tmp_path, text, **choices):
     file = tmp_path / ("robot.xml" if "<mujoco" in text else "robot.urdf")
     file.write_text(text, encoding="utf-8")
-    return compared(file, Choices(**choices))
+    return compared(file, ConversionChoices(**choices))
 
 
 @pytest.mark.parametrize("name", SAME)

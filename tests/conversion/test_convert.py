@@ -9,7 +9,7 @@ from chain_impact import SceneError, load_scene, model_names, simulate
 from chain_impact.cli import main
 from chain_impact.conversion.convert import convert, scene_of_robot
 from chain_impact.conversion.mjcf_writing import mjcf_of
-from chain_impact.conversion.planar import Choices
+from chain_impact.conversion.planar import ConversionChoices
 from chain_impact.scene.files.models import models_folder
 from chain_impact.scene.scene import scene_from_dict, scene_of
 from tests.tiers import needs_interop
@@ -110,7 +110,7 @@ def test_a_scene_is_the_same_again_after_mjcf(model, tmp_path):
 def test_the_model_of_a_real_arm_is_what_convert_makes_of_its_file():
     """The model equals the converted file except for start, target angles, and limits of the angles."""
     joints = ["shoulder_lift_joint", "elbow_joint", "wrist_1_joint"]
-    made, _ = scene_of_robot(models_folder() / "ur5e" / "ur5e.xml", Choices(joints))
+    made, _ = scene_of_robot(models_folder() / "ur5e" / "ur5e.xml", ConversionChoices(joints))
     model = load_scene("ur5e")
     assert made.initial.position == model.initial.position
     assert made.inputs == model.inputs

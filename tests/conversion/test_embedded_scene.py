@@ -9,7 +9,7 @@ import pytest
 from chain_impact import SceneError
 from chain_impact.conversion.convert import scene_of_robot
 from chain_impact.conversion.mjcf_writing import mjcf_of
-from chain_impact.conversion.planar import Choices
+from chain_impact.conversion.planar import ConversionChoices
 from chain_impact.scene.scene import parse_scene, scene_of
 from tests.tiers import needs_interop
 
@@ -27,7 +27,7 @@ HOPPER = [(0.296, -0.02, 0.005, "heel"), (0.226, 0.102, 0.005, "toe")]
 
 def converted(tmp_path, model, change=lambda text: text, **choices):
     (tmp_path / "model.xml").write_text(change(mjcf_of(scene_of(model))[0]), encoding="utf-8")
-    return scene_of_robot(tmp_path / "model.xml", Choices(**choices))
+    return scene_of_robot(tmp_path / "model.xml", ConversionChoices(**choices))
 
 
 def element(text, name):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact.conversion import mjcf_fields
-from chain_impact.conversion.differences import SceneAspect, lines
+from chain_impact.conversion.differences import SceneAspect, difference_lines
 from chain_impact.conversion.mjcf_fields import (
     DISABLED,
     FIELD_REMARKS,
@@ -85,7 +85,7 @@ def test_each_flag_of_mujoco_is_honoured_or_has_no_effect():
 def test_reported_fields_are_reported_where_they_are_not_at_their_default(row):
     model = rich()
     title = "warning" if row.effect == SceneAspect.MOTION else "differs" if row.differs else "left out"
-    before = lines(unsupported_fields(model), title)
+    before = difference_lines(unsupported_fields(model), title)
     if row.field == "key_plastic":
         assert model.nplastic == 0  # number of plastic springs, which are reported separately
         return
@@ -96,14 +96,14 @@ def test_reported_fields_are_reported_where_they_are_not_at_their_default(row):
         value.flat[-1] = row.default + 1
     else:
         setattr(holder, name, row.default + 1)
-    after = lines(unsupported_fields(model), title)
+    after = difference_lines(unsupported_fields(model), title)
     (new,) = set(after) - set(before)
     assert row.text in new
 
 
 def test_a_field_that_the_table_does_not_have_is_told_if_it_is_not_zero(monkeypatch):
     monkeypatch.setattr(mjcf_fields, "USED_FIELDS", USED_FIELDS.replace("body_mass", ""))
-    told = lines(unsupported_fields(rich()), "warning")
+    told = difference_lines(unsupported_fields(rich()), "warning")
     assert [line for line in told if "body_mass" in line and "not known to this version" in line]
 
 

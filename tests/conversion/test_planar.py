@@ -11,7 +11,7 @@ import pytest
 from chain_impact import SceneError, extras, load_scene
 from chain_impact.conversion.mjcf import read_mjcf
 from chain_impact.conversion.mjcf_writing import mjcf_of
-from chain_impact.conversion.planar import Choices
+from chain_impact.conversion.planar import ConversionChoices
 from chain_impact.conversion.proposals import chain_of
 from chain_impact.conversion.robot import Body, Joint, Plane, Robot
 from chain_impact.conversion.urdf import read_urdf
@@ -45,7 +45,7 @@ def arm(*joints, **more):
 
 
 def scene(robot, *wanted, **choices):
-    done = chain_of(robot, Choices(joints=wanted, **choices), "arm.urdf")
+    done = chain_of(robot, ConversionChoices(joints=wanted, **choices), "arm.urdf")
     return scene_from_dict(done.data, "arm"), done
 
 

@@ -13,7 +13,7 @@ from PIL import Image
 
 from chain_impact import load_scene, simulate
 from chain_impact.compilation.library import browser_module
-from chain_impact.pages.explore import contents, packed
+from chain_impact.pages.explore import compressed_text, contents
 from tests.pages.javascript import function_of
 
 DESK, PHONE, ON_ITS_SIDE = (
@@ -61,7 +61,7 @@ def without_advice(refusal):
 @cache
 def packed_module(law_file=""):
     """Return the module for a browser, as the page holds the module."""
-    return packed(browser_module(law_file=law_file).read_bytes())
+    return compressed_text(browser_module(law_file=law_file).read_bytes())
 
 
 def bits(text):

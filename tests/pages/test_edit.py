@@ -79,7 +79,7 @@ def test_the_structure_of_a_scene_is_that_of_python(script, source):
     contents = scene_to_dict(scene.with_values({"outputs.sensitivities": []}))
     known, lists, owners = script.evaluate(STRUCTURE, [page_contents(scene)["kit"], contents])
     structure = structure_of(scene_from_dict(contents, "scene.toml"))
-    assert known == structure.known
+    assert known == structure.numbers
     assert lists == {name: [*members] for name, members in structure.lists.items()}
     for kind, row in OWNER_KINDS.items():
         found = structure.owners(kind)

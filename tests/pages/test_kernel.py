@@ -10,7 +10,7 @@ from chain_impact import SceneError, SimulationError, load_scene, model_names, s
 from chain_impact.kernel import status
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.recording.pacing import frame_rate, frame_times, slow_spans
-from chain_impact.recording.view import ball_of, framed, pin_mark, radius_of
+from chain_impact.recording.view import ball_of, film_view, pin_mark, radius_of
 from chain_impact.scene.asked_inputs import with_inputs
 from chain_impact.scene.candidates import parts_in_words
 from chain_impact.studies.animate import record_slowly
@@ -204,7 +204,7 @@ def test_the_page_shows_what_an_animation_shows(motions, scene):
     radius = radius_of(known)
     centre = ball_of(known)  # of a ball without a radius, the page shows the centre alone
     shown = known.points if centre is None or radius else known.points[:, [centre]]
-    view, anchor = framed(shown, known.walls, radius, pinned=known.pinned)
+    view, anchor = film_view(shown, known.walls, radius, pinned=known.pinned)
     size = np.ptp(view, axis=0).max()
     np.testing.assert_allclose(found["view"], view, atol=0.01 * size)
     assert found["anchor"] == anchor.tolist()

@@ -14,7 +14,7 @@ import quickjs
 
 from chain_impact import Recording, load_scene, model_names, simulate
 from chain_impact.pages import explore, recorded
-from chain_impact.pages.assembly import FRAGMENTS, PAGE, STYLES, modules, program, text_of
+from chain_impact.pages.assembly import FRAGMENTS, PAGE, STYLES, module_files, program, text_of
 from chain_impact.pages.recorded import data, page
 from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.friction import pendulum, sled
@@ -130,7 +130,7 @@ def test_ten_seconds_of_four_links_are_small():
 def test_thinned_rows_keep_shown_rows_and_rows_beside_impacts(monkeypatch):
     monkeypatch.setattr(recorded, "MOST_PAGE_ROWS", 1000)
     whole = simulate("four_link_box", output_step=1e-5)
-    found = recorded.thinned(whole, 0.6)
+    found = recorded.thin_rows(whole, 0.6)
     assert len(found.time) < 0.2 * len(whole.time)
     assert (found.time[[0, -1]] == whole.time[[0, -1]]).all()
     assert found.impacts.tobytes() == whole.impacts.tobytes()
@@ -186,7 +186,7 @@ def test_the_modules_are_one_program(name):
     assert not re.search(r"^(import|export)\b", text, re.MULTILINE)
     quickjs.Context().get("Function")(f"async () => {{\n{text}\n}}")
     # the modules share one scope, in which a second function of a name would silently replace the first
-    sources = "".join(map(text_of, modules(name)))  # whose lines at the top level are not indented
+    sources = "".join(map(text_of, module_files(name)))  # whose lines at the top level are not indented
     declared = re.findall(
         r"^(?:export )?(?:async )?(?:function\*?|class|const|let|var) (\w+)", sources, re.MULTILINE
     )
@@ -197,7 +197,7 @@ def test_the_modules_are_one_program(name):
 def test_the_folders_hold_what_the_pages_are_made_of():
     files = {file.relative_to(PAGE).as_posix() for file in PAGE.rglob("*") if file.is_file()}
     parts = {f"player/{name}.html" for name in ("recorded_page", *FRAGMENTS)}
-    parts |= {"explore/explore.html", "explore/explore.css", *STYLES, *modules(*PROGRAMS)}
+    parts |= {"explore/explore.html", "explore/explore.css", *STYLES, *module_files(*PROGRAMS)}
     assert files == parts | {f"vendor/{name}" for name in ("README.md", *VENDORED)}
 
 

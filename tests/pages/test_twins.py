@@ -25,7 +25,7 @@ import quickjs
 
 import chain_impact
 from chain_impact import load_scene, model_names, simulate
-from chain_impact.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
+from chain_impact.map_colours import WIDE_COLOURS, colour_ends, count_bins, value_ratio
 from chain_impact.pages.assembly import text_of
 from chain_impact.pages.drawn import GROUPS, drawn_entries
 from chain_impact.pages.recorded import data, free_sides, impacts
@@ -35,11 +35,11 @@ from chain_impact.pictures.film.film import FORCE, MUTED
 from chain_impact.pictures.over_time.energies import ENERGIES, without_gap
 from chain_impact.recording.joint_stops import ranges_of
 from chain_impact.recording.pacing import frame_rate, frame_times, rate_text, slow_spans
-from chain_impact.recording.view import framed, free_room, pin_mark, places_of, radius_of
+from chain_impact.recording.view import film_view, free_room, pin_mark, places_of, radius_of
 from chain_impact.scene.display.bodies import outlines_from, rail_from
 from chain_impact.scene.half_planes import half_planes
 from chain_impact.scene.words.angles import radians_of
-from chain_impact.scene.words.similar_names import proposed
+from chain_impact.scene.words.similar_names import proposed_name
 from chain_impact.scene.words.unit_text import stiffness_unit, unit_text
 from tests.helpers.campaigns import random_scenes
 from tests.helpers.scenes.friction import sled
@@ -155,7 +155,7 @@ def test_the_view_of_a_motion(script, seed):
     corners = chance.normal(0.0, 0.2, (4, 2)) if chance.random() < 0.3 and not pinned else np.zeros((0, 2))
     places = np.concatenate([points, points[:, :1] + corners], axis=1)
     found = script.evaluate(VIEW, [points.tolist(), free_sides(walls), radius, pinned, corners.tolist()])
-    view, anchor = framed(places, walls, radius, pinned=pinned)
+    view, anchor = film_view(places, walls, radius, pinned=pinned)
     close(found["view"], view, size=10.0)
     assert found["anchor"] == anchor.tolist()
     lines = pin_mark(points) if pinned else []
@@ -228,7 +228,7 @@ def test_the_page_of_a_recording_shows_the_frames_and_the_view_of_a_film(script,
     points = np.stack([found["x"], found["y"]], axis=-1).reshape(len(times), -1, 2)
     known = [[np.interp(times, result.time, column) for column in rows] for rows in result.all_points.T]
     np.testing.assert_allclose(points, np.array(known).transpose(2, 1, 0), atol=1e-3)
-    view, anchor = framed(places_of(result), result.walls, radius_of(result), pinned=result.pinned)
+    view, anchor = film_view(places_of(result), result.walls, radius_of(result), pinned=result.pinned)
     np.testing.assert_allclose(found["view"], view, atol=1e-3 * np.ptp(view))
     assert found["anchor"] == anchor.tolist()
 
@@ -325,7 +325,7 @@ def test_a_misspelt_name_gets_the_same_proposal(script, seed):
     wrong = [misspelt(chance, str(chance.choice(known))) for _ in range(30)]
     wrong += ["lenght", "stifness", "force", "joint[9].angle", "link.mass", "x", "4].x", "[", ""]
     wrong += ["contact.bounce", "floor", "a.law"]
-    assert script.evaluate(PROPOSED, [wrong, known]) == [proposed(name, known) for name in wrong]
+    assert script.evaluate(PROPOSED, [wrong, known]) == [proposed_name(name, known) for name in wrong]
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -335,7 +335,7 @@ def test_the_colours_of_a_map(script, seed):
     values = 10.0 ** chance.uniform(0.0, chance.choice([0.3, 4.0]), 200) - chance.choice([0.0, 1.5])
     values[:3] *= chance.choice([1.0, 1e3], 3)
     ends, is_logarithmic = script.evaluate(COLOURS, [*values, None])
-    assert is_logarithmic == (spread(values) >= WIDE_COLOURS)
+    assert is_logarithmic == (value_ratio(values) >= WIDE_COLOURS)
     close(ends, colour_ends(values, logarithmic=is_logarithmic))
 
 

@@ -12,7 +12,7 @@ from chain_impact.pictures.drawing import figures
 from chain_impact.pictures.drawing.dark_ground import GLARE, luminance
 from chain_impact.pictures.drawing.labels import Ink
 from chain_impact.pictures.drawing.legends import MARK
-from chain_impact.pictures.drawing.style import styled
+from chain_impact.pictures.drawing.style import drawing_style
 from chain_impact.pictures.over_time.impacts import LANE
 from chain_impact.pictures.overview import fill, usual_size
 from chain_impact.recording.recording import Recording
@@ -137,7 +137,7 @@ def boxes(axes):
 WIDTHS = [width / 25.4 for width in (84, 120, 190)]  # inches
 
 
-@styled()
+@drawing_style()
 def told(page):
     """Return all texts of a page, and the rectangles that the texts cover."""
     page.draw_without_rendering()
@@ -187,7 +187,7 @@ def check_rules(page):
     check_ink(page)
 
 
-@styled()
+@drawing_style()
 def check_ink(page):
     """Check that no text in the axes covers a line or a mark; a text with an outline may cover pale lines."""
     inside = [text for axes in page.axes for text in axes.texts if text.get_gid() != LANE]

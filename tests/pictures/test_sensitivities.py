@@ -14,18 +14,18 @@ from matplotlib.colors import rgb_to_hsv, to_hex, to_rgb
 from matplotlib.figure import Figure
 
 from chain_impact import UnknownNameError, load_scene, simulate
-from chain_impact.pictures.drawing.dark_ground import lighter
+from chain_impact.pictures.drawing.dark_ground import lightened_colour
 from chain_impact.pictures.drawing.style import PALETTE
 from chain_impact.pictures.first_order import (
     MOST_OF_ZERO,
-    hold_to_first_order,
+    is_first_order_true,
     keeps_order,
     known_changes,
     shares,
     span_of,
     with_small_steps,
 )
-from chain_impact.pictures.rows_of_impacts import is_outside_impacts, shifted, short_contacts
+from chain_impact.pictures.rows_of_impacts import is_outside_impacts, is_shifted, short_contacts
 from chain_impact.pictures.sensitivities import LARGEST_EFFECTS, fill_sensitivities, looks_of
 from chain_impact.pictures.sensitivity_table import (
     CELL_HEIGHT,
@@ -70,7 +70,7 @@ def test_curves_are_the_changes(swing, page):
     *outputs, table = page.axes
     for axes, name in zip(outputs, ("point[2].x", "point[2].y", "energy.total"), strict=True):
         curves = [line for line in axes.lines if len(line.get_xdata()) == len(swing.time)]
-        gaps = short_contacts(swing)[:, None] | shifted(swing, found)
+        gaps = short_contacts(swing)[:, None] | is_shifted(swing, found)
         for line, shown in zip(curves, np.where(gaps, np.nan, found.changes(name)).T, strict=True):
             scale = 1e3 if axes.get_ylabel().endswith(("[mm]", "[mJ]")) else 1.0
             np.testing.assert_allclose(line.get_ydata(), scale * shown)
@@ -142,7 +142,7 @@ def test_the_most_important_of_many_parameters_have_colours():
         collection for collection in page.axes[1].collections if collection.get_label()[:1].isdigit()
     ]  # the band of the other parameters
     others = [k for k, parameter in enumerate(found.parameters) if parameter not in told]
-    grey = np.where(shifted(recording, found), np.nan, found.changes("point[1].y"))[:, others]
+    grey = np.where(is_shifted(recording, found), np.nan, found.changes("point[1].y"))[:, others]
     ends = band.get_datalim(page.axes[1].transData).intervaly
     np.testing.assert_allclose(1e-3 * ends, (np.nanmin(grey), np.nanmax(grey)))  # mm
     (legend,) = page.legends
@@ -271,7 +271,7 @@ def test_a_coordinate_at_rest_and_a_shift_do_not_decide_the_headline():
     """The rod falls freely: x has a range of round-off, and a longer link shifts the tip at once."""
     falling = simulate("rod_drop", stop_time=0.3, sensitivities=["gravity.y", "link[1].length"])
     for name in ("point[1].x", "point[1].y"):
-        assert hold_to_first_order(shares(falling, falling.sensitivities, name)).all()
+        assert is_first_order_true(shares(falling, falling.sensitivities, name)).all()
     only = simulate("rod_drop", stop_time=0.3, sensitivities=["gravity.y"])
     assert "changes point[1].y by 4.4 mm at 0.3 s" in only.plot_sensitivities().get_suptitle()
 
@@ -308,7 +308,9 @@ def test_numbers_of_cells_stay_legible_on_a_dark_ground(swing):
             mixed = opacity * np.array(colour) + (1.0 - opacity) * np.array(to_rgb(ground))
             assert contrast(mixed, text) >= 4.5
     names = [text.get_color() for text in table.get_yticklabels()]
-    assert [to_hex(colour) for colour in names] == [to_hex(lighter(colour)) for colour in PALETTE[:2]]
+    assert [to_hex(colour) for colour in names] == [
+        to_hex(lightened_colour(colour)) for colour in PALETTE[:2]
+    ]
 
 
 def test_the_colours_of_the_table_are_no_colours_of_curves(page):

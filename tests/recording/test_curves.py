@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.recording.curves import bends, refined
+from chain_impact.recording.curves import bends, refine_times
 
 
 def test_curves_reach_the_peaks_of_lasting_contacts():
@@ -23,17 +23,19 @@ def test_times_are_added_where_a_curve_bends():
         asked.append(time)
         return {"line": 2.0 * time, "pulse": np.exp(-(((time - 0.503) / 0.01) ** 2))}
 
-    time, series = refined(np.linspace(0.0, 1.0, 101), series_at, ["line", "pulse"])
+    time, series = refine_times(np.linspace(0.0, 1.0, 101), series_at, ["line", "pulse"])
     assert series["pulse"].max() == pytest.approx(1.0, rel=1e-3)
     added = np.setdiff1d(time, asked[0])
     assert len(added)
     assert np.abs(added - 0.503).max() < 0.06
-    time, _ = refined(np.linspace(0.0, 1.0, 101), series_at, ["line"])
+    time, _ = refine_times(np.linspace(0.0, 1.0, 101), series_at, ["line"])
     assert len(time) == 101
 
 
 def test_a_run_that_ends_early_keeps_its_times():
-    time, series = refined(np.linspace(0.0, 1.0, 11), lambda at: {"y": np.sin(20.0 * at[at <= 0.55])}, ["y"])
+    time, series = refine_times(
+        np.linspace(0.0, 1.0, 11), lambda at: {"y": np.sin(20.0 * at[at <= 0.55])}, ["y"]
+    )
     assert time[-1] <= 0.55
     assert len(time) == len(series["y"]) > 6
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from chain_impact import DifferentiatedRun, Recording, compare, load_scene, simulate
-from chain_impact.recording.equality import equal
+from chain_impact.recording.equality import are_equal
 
 SCENE = load_scene("rod_drop").with_values({"simulation.stop_time": 0.5})
 
@@ -54,8 +54,8 @@ def test_a_number_makes_the_difference():
 def test_unknown_numbers_are_equal():
     table = np.zeros(2, [("time", float), ("point", int)])
     table["time"] = math.nan
-    assert equal({"a": [math.nan, table]}, {"a": [math.nan, table.copy()]})
-    assert not equal({"a": [math.nan, table]}, {"a": [0.0, table]})
-    assert not equal(table, None)
-    assert not equal(None, table)
-    assert not equal(table, table.tolist())
+    assert are_equal({"a": [math.nan, table]}, {"a": [math.nan, table.copy()]})
+    assert not are_equal({"a": [math.nan, table]}, {"a": [0.0, table]})
+    assert not are_equal(table, None)
+    assert not are_equal(None, table)
+    assert not are_equal(table, table.tolist())

@@ -12,7 +12,7 @@ from rich.table import Table
 from chain_impact import load_scene, simulate
 from chain_impact.cli.screen import plain_lines, summary
 from chain_impact.pictures.drawing.figures import FIGURE_SIZE
-from chain_impact.pictures.motion.impact_rings import fastest_first, rings
+from chain_impact.pictures.motion.impact_rings import rings, rows_by_speed
 from chain_impact.pictures.over_time.impacts import draw_impacts, stop_scale
 from chain_impact.pictures.overview import fill
 from chain_impact.recording.csv_file import read_csv
@@ -73,7 +73,7 @@ def test_the_speeds_of_impacts_at_stops_can_be_compared_with_others():
     np.testing.assert_array_equal(
         found.linear_impact_speeds, impacts["impact_speed"] * np.where(at_stop, 0.5, 1.0)
     )
-    speeds = found.linear_impact_speeds[fastest_first(found)].tolist()
+    speeds = found.linear_impact_speeds[rows_by_speed(found)].tolist()
     assert speeds == sorted(speeds, reverse=True)
     knee_at = found.point_at(1, impacts["onset"][0])
     np.testing.assert_allclose(

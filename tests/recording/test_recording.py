@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import Recording, simulate
-from chain_impact.recording.impacts import impacts_shown
+from chain_impact.recording.impacts import shown_impacts
 
 # every digit, the ends of the range, a negative zero, and values that are no number
 AWKWARD = [0.1 + 0.2, 1 / 3, 5e-324, 1.7976931348623157e308, -0.0, np.nan, np.inf, -1e-300]
@@ -86,7 +86,7 @@ def shown(rows):
     """Return onset, point, wall and speed of impacts, by rows of count, time, point, wall and speed."""
     names = ("count", "last_time", "last_point", "last_wall", "last_speed")
     columns = {f"impact.{name}": np.array(column) for name, column in zip(names, zip(*rows), strict=True)}  # noqa: B905
-    found = impacts_shown(columns)
+    found = shown_impacts(columns)
     for name in ("end", "peak_force", "max_penetration", "impulse"):
         assert np.isnan(found[name]).all()
     return found[["onset", "point", "wall", "impact_speed"]].tolist()

@@ -12,12 +12,12 @@ from chain_impact import load_scene, simulate
 from chain_impact.cli import screen
 from chain_impact.recording.joint_peaks import LARGEST_OF_ROWS, SAMPLED, joint_peaks
 from chain_impact.recording.summary import LISTED_IMPACTS, LISTED_IN_SHORT, energy_lines
-from chain_impact.text import plural
+from chain_impact.text import count_text
 from tests.helpers.scenes.problems import dropped_ball
 
 
 def test_counts_other_than_one_have_the_plural():
-    assert [plural(n, "row") for n in (0, 1, 2)] == ["0 rows", "1 row", "2 rows"]
+    assert [count_text(n, "row") for n in (0, 1, 2)] == ["0 rows", "1 row", "2 rows"]
 
 
 def test_energy_that_was_not_recorded_has_no_lines():

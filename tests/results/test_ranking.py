@@ -13,7 +13,7 @@ from chain_impact import SceneError, UnknownNameError, load_scene, simulate
 from chain_impact.results.effects import split_by_step
 from chain_impact.results.ranking import ranking_of
 from chain_impact.scene.words.unit_text import stiffness_unit
-from chain_impact.text import signed
+from chain_impact.text import signed_text
 from tests.helpers.scenes.stops import knee
 from tests.helpers.tools.differences import slope
 
@@ -166,7 +166,7 @@ def test_effects_that_a_second_run_refutes_are_told_and_drawn(result):
     assert {effect.simulated for effect in checked.effects} == {change}
     assert all(effect.differs for effect in checked.effects)
     assert f"{change:+.3g}" in repr(checked)
-    share = signed(100.0 * change / ranking.value).replace("-", "−")
+    share = signed_text(100.0 * change / ranking.value).replace("-", "−")
     page = checked.plot()
     texts = [text.get_text() for axes in page.axes for text in axes.texts]
     assert all(share in text for text in texts if text != "relative")
@@ -262,7 +262,7 @@ def test_round_off_of_a_position_on_a_wall_is_not_ranked():
 
 
 def test_a_share_is_written_with_two_digits():
-    assert [signed(share) for share in (0.4, -4.0, 12.0, 0.084, 520.0)] == [
+    assert [signed_text(share) for share in (0.4, -4.0, 12.0, 0.084, 520.0)] == [
         "+0.40",
         "-4.0",
         "+12",
@@ -275,7 +275,10 @@ def test_the_unit_of_a_picture_suits_its_bars():
     found = simulate("four_link_box", stop_time=0.6, sensitivities="contact.*").ranking("max_penetration")
     page = found.plot()
     title, most = page.get_suptitle().replace("\n", " "), found.effects[0]
-    value, share = f"{1e3 * found.value:.4g} mm", f"{signed(abs(100.0 * most.change / found.value))[1:]} %"
+    value, share = (
+        f"{1e3 * found.value:.4g} mm",
+        f"{signed_text(abs(100.0 * most.change / found.value))[1:]} %",
+    )
     assert f"{most.parameter} + 1 % lowers the largest penetration of {value} by about {share}" in title
     for axes in page.axes:
         assert "[µm]" in axes.get_xlabel()

@@ -9,7 +9,7 @@ from chain_impact.pictures.over_time.impacts import marks_of, point_groups
 from chain_impact.recording.csv_file import read_csv
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
-from chain_impact.scene.display.bodies import outline, outlines_from, placed
+from chain_impact.scene.display.bodies import outline, outlines_from, placed_corners
 from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.scenes import bodies
 from tests.tiers import needs_interop
@@ -61,7 +61,7 @@ def test_an_outline_is_the_convex_hull_of_discs():
 def test_an_outline_goes_with_its_link():
     scene = scene_from_dict(BRICK, "Brick")
     (corners,) = outlines_from(scene.values, scene.contact.points).values()
-    there = placed(corners, np.array([1.0, 2.0]), np.array([1.0, 2.5]))
+    there = placed_corners(corners, np.array([1.0, 2.0]), np.array([1.0, 2.5]))
     assert there.min(axis=0) == pytest.approx([1.0 - 0.12, 2.0 - 0.02])
     assert there.max(axis=0) == pytest.approx([1.0 + 0.12, 2.5 + 0.02])
     run = simulate(scene, stop_time=0.1)

@@ -16,7 +16,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.run import record_fmu
 from chain_impact.progress import log_once
-from chain_impact.recording.equality import equal
+from chain_impact.recording.equality import are_equal
 from chain_impact.scene.files.models import model_names
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.settings import with_settings
@@ -244,7 +244,7 @@ def test_runs_in_threads_leave_the_process_as_it_is(tmp_path_factory, kind):
     assert (sys.stdout, sys.stderr, Path.cwd()) == before
     assert set(seen) == {before}
     for result in found[::2]:
-        assert equal(result.impacts, alone.impacts)
+        assert are_equal(result.impacts, alone.impacts)
         assert all(np.array_equal(result.columns[name], alone.columns[name]) for name in alone.columns)
     assert len(set(found[1::2])) == 1
     assert "a contact point starts beyond a wall" in found[1]

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.scene.asked_inputs import how_asked, inputs_of
+from chain_impact.scene.asked_inputs import inputs_of, request_hint
 from chain_impact.scene.words.names import INPUTS_OF
 from tests.helpers.tools.refusal import refusal
 
@@ -24,7 +24,7 @@ def test_what_is_advised_makes_the_input(model):
         for wall in walls
     }
     for name in sorted(names - {*inputs_of(scene)}):
-        advice = how_asked(scene, name)
+        advice = request_hint(scene, name)
         near = re.search(r"the nearest is ([^,;]+)", advice)
         wanted = near[1] if near else name
         if asked := ASKS.search(advice):
@@ -41,5 +41,5 @@ def test_what_is_advised_makes_the_input(model):
 
 def test_a_free_base_has_no_joint_1():
     scene = load_scene("rod_drop").with_values({"inputs.joint_torques": True})
-    assert 'chain.base = "free"' in how_asked(scene, "joint[1].torque")
-    assert "chain.base" not in how_asked(load_scene("pinned_arm"), "joint[3].torque")
+    assert 'chain.base = "free"' in request_hint(scene, "joint[1].torque")
+    assert "chain.base" not in request_hint(load_scene("pinned_arm"), "joint[3].torque")

@@ -7,7 +7,8 @@ import pytest
 from chain_impact import compare, simulate
 from chain_impact.scene.errors import SceneError
 from chain_impact.studies.compare.compare import OVERLAPS
-from chain_impact.studies.compare.plot import conditions, looks_of, message
+from chain_impact.studies.compare.headline import headline
+from chain_impact.studies.compare.plot import conditions, looks_of
 from chain_impact.studies.compare.text import advice, heading, law_table, legend
 from chain_impact.studies.law_exchange import contact_at, contact_with_law, keeps_exponents, law_values
 from tests.helpers.scenes.stops import UP, knee
@@ -93,7 +94,7 @@ def test_laws_are_compared_at_a_wall_where_stops_keep_their_law(kept):
     other = found["kelvin_voigt"]
     energy = 0.5 * at_wall["effective_mass"] * at_wall["impact_speed"] ** 2
     assert depth(other.stiffness, 1.0, energy) == pytest.approx(depth(1e8, 1.5, energy), rel=1e-12)
-    assert "for e = 0.25 in the first impact" in message(found)
+    assert "for e = 0.25 in the first impact" in headline(found)
     assert conditions(found, looks_of(found)).startswith("first impact at a wall of ")
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.recording.equality import equal
+from chain_impact.recording.equality import are_equal
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.studies.animate import record_slowly
 
@@ -15,7 +15,7 @@ def test_a_dense_recording_is_the_same_simulation():
     scene = load_scene("four_link_box")
     done = []
     close, even = record_slowly(scene, progress=done.append), simulate(scene)
-    assert equal(close.impacts, even.impacts)
+    assert are_equal(close.impacts, even.impacts)
     assert (close.time[0], close.time[-1]) == (0.0, 2.0)
     for name in ("point[4].x", "energy.total"):
         assert close.columns[name][-1] == even.columns[name][-1]
@@ -27,8 +27,8 @@ def test_inputs_act_as_in_simulate():
     scene = load_scene("pinned_arm")
     inputs = {"joint[1].torque": 2.0, "joint[2].torque": ([0.0, 0.10005, 0.3], [1.0, -1.0, 0.5])}
     close, even = record_slowly(scene, inputs=inputs), simulate(scene, inputs=inputs)
-    assert equal(close.impacts, even.impacts)
-    assert not equal(close.impacts, record_slowly(scene).impacts)
+    assert are_equal(close.impacts, even.impacts)
+    assert not are_equal(close.impacts, record_slowly(scene).impacts)
     for name in ("point[2].x", "energy.total", "energy.supplied"):
         assert close.columns[name][-1] == even.columns[name][-1]
 
@@ -37,7 +37,7 @@ def test_a_function_is_held_between_communication_points():
     scene = load_scene("pinned_arm").with_values({"simulation.step_size": 0.01})
     inputs = {"joint[1].torque": lambda t: 5.0 * np.sin(10.0 * t)}
     close, even = record_slowly(scene, inputs=inputs), simulate(scene, inputs=inputs)
-    assert equal(close.impacts, even.impacts)
+    assert are_equal(close.impacts, even.impacts)
     assert close.columns["energy.total"][-1] == even.columns["energy.total"][-1]
 
 

@@ -48,7 +48,7 @@ def are_known(known, *rules):
 @pytest.mark.parametrize("scene", [EVERYTHING, CART], ids=["everything", "cart"])
 def test_each_fact_and_each_list_is_explained(scene):
     structure = structure_of(scene)
-    assert {*structure.known} == FACTS.keys() | KEYS | LISTS.keys() | {*COUNTS}
+    assert {*structure.numbers} == FACTS.keys() | KEYS | LISTS.keys() | {*COUNTS}
     assert structure.lists.keys() == LISTS.keys()
     assert all(name in LISTS[one].meaning for one in LISTS for name in members_of(one))
 
@@ -102,7 +102,7 @@ def test_no_owner_changes_what_holds_for_its_scene():
 )
 def test_the_conditions_of_a_scene_are_those_that_users_read(scene):
     structure = structure_of(scene)
-    known, links, slider, contact = structure.known, scene.chain.links, scene.chain.slider, scene.contact
+    known, links, slider, contact = structure.numbers, scene.chain.links, scene.chain.slider, scene.contact
     asked, walls = scene.inputs.wall_motion, scene.half_planes
     moving = [name for name in scene.wall_names if name in walls and {"*", name} & {*asked}]
     assert [wall["name"] for wall in structure.lists["moving_walls"]] == moving
@@ -123,7 +123,7 @@ def test_the_conditions_of_a_scene_are_those_that_users_read(scene):
 def test_joint_stops_are_one_owner_and_sliders_have_no_friction():
     stopped = CART.with_values({"link[3].joint_min": -2.0, "link[3].joint_max": 2.0, "slider.max": 0.1})
     structure = structure_of(stopped)
-    pairs = structure.known["pairs"]
+    pairs = structure.numbers["pairs"]
     stops = [owner.values for owner in structure.owners("stop")]
     assert [(stop["n"], stop["at"]) for stop in stops] == [(2, pairs), (3, pairs + 1)]
     *contacts, end = structure.owners("contact")

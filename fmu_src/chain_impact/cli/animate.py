@@ -30,7 +30,7 @@ from chain_impact.results.animate import FILM_SIZE, FORMATS, LEAST_SIDE, MOST_SI
 from chain_impact.scene.scene import load_scene
 from chain_impact.scene.settings import with_settings
 from chain_impact.simulation.errors import RunError
-from chain_impact.text import plural
+from chain_impact.text import count_text
 
 PAGE = FORMATS[0]  # suffix of a page for the browser; an animation with any other of FORMATS is a film
 
@@ -172,5 +172,5 @@ def read_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recor
     recording = read_csv(path, known)
     links, wanted = recording.points.shape[1] - 1, len(known.chain.links)
     if links != wanted:
-        raise UsageError(f"{path} has {plural(links, 'link')}, and --scene {scene} has {wanted}")
+        raise UsageError(f"{path} has {count_text(links, 'link')}, and --scene {scene} has {wanted}")
     return recording

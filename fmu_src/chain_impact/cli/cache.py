@@ -33,7 +33,7 @@ def contents() -> Iterator[str]:
 
     The folder with the kernels of the present sources and compilers is marked "in use".
     """
-    kernels, entries, present = ready.libraries(), cache.entries(), cache.present_kernel_folder()
+    kernels, entries, present = ready.ready_kernels(), cache.entries(), cache.present_kernel_folder()
     yield "ready    " + (f"{len(kernels)} kernels in {kernels[0].parent}" if kernels else "–")
     yield f"cache    {present.parent}, {sum(entry.size for entry in entries) / 1e6:.1f} MB"
     for entry in entries:

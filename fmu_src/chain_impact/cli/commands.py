@@ -30,7 +30,7 @@ from chain_impact.cli import (
     sweep,
     validate,
 )
-from chain_impact.cli.named_options import typed_in, with_option
+from chain_impact.cli.named_options import typed_options, with_option
 from chain_impact.cli.options import UsageError, similar_file_hint, style_of
 from chain_impact.cli.progress import complain, out, say
 from chain_impact.compilation.errors import BuildError
@@ -38,7 +38,7 @@ from chain_impact.console import prepare_console
 from chain_impact.extras import MissingExtraError
 from chain_impact.results.animate import AnimationError
 from chain_impact.scene.errors import SceneError, SceneWarning
-from chain_impact.scene.words.similar_names import nearest
+from chain_impact.scene.words.similar_names import nearest_name
 from chain_impact.simulation.errors import RunError
 
 REMEDIES = dict.fromkeys((ENOSPC, EDQUOT), "free some space, or write to another disk") | dict.fromkeys(
@@ -69,9 +69,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         say(FIRST_STEPS)
         return 2
     out.quiet = options.quiet and not options.only_prints
-    typed = typed_in(sys.argv[1:] if arguments is None else arguments, options.valued)
+    typed = typed_options(sys.argv[1:] if arguments is None else arguments, options.valued)
     try:
-        with hints_shown(), style_of(options):
+        with show_hints(), style_of(options):
             code: int = options.run(options)
     except (AnimationError, SceneError, UsageError, BuildError, RunError) as error:
         complain(with_option(str(error), typed))
@@ -94,7 +94,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 @contextmanager
-def hints_shown() -> Iterator[None]:
+def show_hints() -> Iterator[None]:
     """Context manager in which a warning is printed as one line, and equal warnings only once.
 
     Python's own print of a warning would add the file, the line number and the line of code. With
@@ -150,7 +150,7 @@ class Parser(argparse.ArgumentParser):
             return f"{option} is not an option; files are written by {', '.join(written)}"
         # names are compared without dashes, because dashes would make all short names similar
         long = [name[2:] for name in self._option_string_actions if name.startswith("--")]
-        near = nearest(option.strip("-"), long)
+        near = nearest_name(option.strip("-"), long)
         verbs = ", ".join(self.elsewhere.get(option, ()))
         hint = f"; it belongs to {verbs}" if verbs else f"; the nearest is --{near}" if near else ""
         return f"{option} is not an option{hint}"
@@ -163,7 +163,7 @@ class Parser(argparse.ArgumentParser):
         """
         if action.choices is None or value in action.choices:
             return
-        near = nearest(str(value), map(str, action.choices))
+        near = nearest_name(str(value), map(str, action.choices))
         few = f"must be one of {', '.join(map(str, action.choices))}"
         what = "is not a command" if isinstance(action.choices, dict) else few
         raise argparse.ArgumentError(action, f"{value} {what}" + (f"; the nearest is {near}" if near else ""))

@@ -74,12 +74,12 @@ def settings(source: str) -> Offer:
 def parameters(source: str) -> Offer:
     """Return the names of the parameters that ``--vary`` takes, and the choices of each enumeration."""
     from chain_impact.scene.scene import load_scene
-    from chain_impact.studies.sweep.variation import sweepable
+    from chain_impact.studies.sweep.variation import sweepable_variables
 
-    return Offer(sweepable(load_scene(source)), _choices(source))
+    return Offer(sweepable_variables(load_scene(source)), _choices(source))
 
 
-def differentiable(source: str) -> Offer:
+def differentiable_names(source: str) -> Offer:
     """Return the names of the parameters and inputs that ``--sensitivity`` and ``--free`` take."""
     return Offer([*_model(source).differentiable])
 
@@ -91,7 +91,7 @@ def outputs(source: str) -> Offer:
     return Offer(_model(source).outputs_by_name)
 
 
-def rankable(source: str) -> Offer:
+def rankable_names(source: str) -> Offer:
     """Return the names that ``--rank`` takes, without the names of quantities of single impacts."""
     from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
 

@@ -28,7 +28,7 @@ ONCE = {
     ),
     "--keyframe": ("NAME", "keyframe of MJCF at which the robot starts, or none; default: the first"),
 }
-"""Option that can be given once → its metavariable and its help, in the order of the fields of ``Choices``
+"""Option that can be given once → its metavariable and its help, as the fields of ``ConversionChoices``
 after the first one."""
 
 
@@ -55,9 +55,9 @@ def add(verbs: Verbs) -> None:
 def run(options: argparse.Namespace) -> int:
     """Convert a file, and print the remarks of the conversion, warnings first; return the exit code."""
     from chain_impact.conversion.convert import convert, remark_lines
-    from chain_impact.conversion.planar import Choices
+    from chain_impact.conversion.planar import ConversionChoices
 
-    choices = Choices(names_in(*options.joints), options.plane, options.tip, options.keyframe)
+    choices = ConversionChoices(names_in(*options.joints), options.plane, options.tip, options.keyframe)
     to_mjcf = options.output.suffix.lower() == ".xml"
     for option, chosen in zip(("--joints", *ONCE), choices, strict=True):
         if chosen and to_mjcf:

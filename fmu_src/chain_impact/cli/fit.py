@@ -6,7 +6,7 @@ import argparse
 from itertools import chain
 from pathlib import Path
 
-from chain_impact.cli.completers import complete, differentiable
+from chain_impact.cli.completers import complete, differentiable_names
 from chain_impact.cli.options import (
     UsageError,
     Verbs,
@@ -67,7 +67,7 @@ def add(verbs: Verbs) -> None:
     for option in REPEATED:
         named = add_repeated(fit, *option)
         if "=" not in option[1]:
-            complete(named, differentiable, listed=True)
+            complete(named, differentiable_names, listed=True)
     fit.add_argument(
         "--columns", metavar="NAMES", help="use these columns only, * for any text: point[4].*; default: all"
     )

@@ -71,7 +71,10 @@ def run(options: argparse.Namespace) -> int:
         shown = {"name", "description"}
         derived = scene.derived
         facts += [
-            (name, f"{_rounded(value)}  # derived: {derived[name]}" if name in derived else _as_set(value))
+            (
+                name,
+                f"{_rounded_value(value)}  # derived: {derived[name]}" if name in derived else _as_set(value),
+            )
             for name, value in scene.values.items()
             if name not in shown and value not in (None, "", ())
         ]
@@ -99,10 +102,10 @@ def _start_and_rule(variable: Any, rules: Mapping[str, str]) -> object:
     ``rules`` is name of a derived parameter → how the value follows from other parameters, in words.
     """
     rule = rules.get(variable.name)
-    return f"{_rounded(float(variable.start))}  # derived: {rule}" if rule else _start(variable)
+    return f"{_rounded_value(float(variable.start))}  # derived: {rule}" if rule else _start(variable)
 
 
-def _rounded(value: object) -> object:
+def _rounded_value(value: object) -> object:
     """Return a derived value for printing: a real number with at most 15 significant digits.
 
     Any other value is returned in a form whose text ``--set`` accepts.

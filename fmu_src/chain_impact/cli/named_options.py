@@ -13,7 +13,7 @@ Change = tuple[int, int, str]
 """A change of a text: index of the first character to replace, index after the last one, new characters."""
 
 
-def typed_in(words: Sequence[str], options: Iterable[str]) -> list[tuple[str, str]]:
+def typed_options(words: Sequence[str], options: Iterable[str]) -> list[tuple[str, str]]:
     """Return (option, value) for each of the ``options`` in a command: ``--size 84`` or ``--size=84``."""
     known, found = {*options}, []
     for word, following in zip(words, [*words[1:], ""], strict=True):
@@ -37,8 +37,8 @@ def with_option(message: str, typed: Iterable[tuple[str, str]]) -> str:
     fault = message.partition("; ")[0]
     if fault.startswith("-") or "(at line " in message:
         return message
-    told = (pair for pair in typed if not re.search(rf"(?<!\S){pair[0]}(?![\w-])", fault))
-    changes = [change for option, value in told for change in _changes(fault, option, value)]
+    unnamed = (pair for pair in typed if not re.search(rf"(?<!\S){pair[0]}(?![\w-])", fault))
+    changes = [change for option, value in unnamed for change in _changes(fault, option, value)]
     if not changes:
         return message
     start, end, text = min(changes)
@@ -58,9 +58,9 @@ def _changes(fault: str, option: str, value: str) -> Iterator[Change]:
             if found := re.search(rf"{START}{pattern}(?![\w*/\[]|\.\w)", fault):
                 yield found.start(), found.end(), f"{option} {part}"
         return
-    values = "|".join(map(re.escape, sorted(_shown(given), key=len, reverse=True)))
-    whole = rf"(?<![\w.\[*])(?:{word} of )?{re.escape(name)} = (?:{values})(?![\w.])"
-    if found := re.search(whole, fault):
+    values = "|".join(map(re.escape, sorted(_texts_of_value(given), key=len, reverse=True)))
+    setting = rf"(?<![\w.\[*])(?:{word} of )?{re.escape(name)} = (?:{values})(?![\w.])"
+    if found := re.search(setting, fault):
         yield found.start(), found.end(), f"{option} {value}"
     elif found := re.search(rf"{START}{re.escape(name)}(?:\[\d+\])* = ", fault):
         yield found.start(), found.start(), f"{option} {value}: "
@@ -78,7 +78,7 @@ def _names(value: str) -> Iterator[tuple[str, str]]:
     )
 
 
-def _shown(given: str) -> set[str]:
+def _texts_of_value(given: str) -> set[str]:
     """Return the texts by which an error may show the value ``given``: as typed, as read, and as a number."""
     value = value_of(given)
     shown = {given, value_text(given), str(value), value_text(value)}

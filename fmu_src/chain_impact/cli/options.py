@@ -17,7 +17,7 @@ from chain_impact.scene.asked_inputs import with_inputs
 from chain_impact.scene.files.models import model_names, scene_file_path
 from chain_impact.scene.scene import Scene, load_scene
 from chain_impact.scene.settings import with_settings
-from chain_impact.scene.words.similar_names import nearest, nearest_file
+from chain_impact.scene.words.similar_names import nearest_file, nearest_name
 
 if TYPE_CHECKING:
     from chain_impact.pictures.drawing.sizes import Size
@@ -224,7 +224,7 @@ def style_name(text: str) -> str:
     from matplotlib import style  # imported here, because the import takes long
 
     if text not in style.available:
-        near = nearest(text, style.available)
+        near = nearest_name(text, style.available)
         hint = f"the nearest is {near}" if near else f"must be one of {', '.join(style.available)}"
         raise argparse.ArgumentTypeError(f"{text} is not a style of matplotlib; {hint}")
     return text

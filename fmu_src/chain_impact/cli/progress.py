@@ -10,7 +10,7 @@ from time import monotonic
 
 from rich.console import Console
 
-from chain_impact.progress import Progress, log, silent
+from chain_impact.progress import Progress, log, no_progress
 
 BRIEF = 1.0  # [s] time after the start of work at which the progress bar of the whole work appears
 # [s] the least time between two lines with the finished fraction, which stand in place of the progress bar
@@ -42,35 +42,35 @@ def progress(work: str = "simulating") -> Iterator[Progress]:
     nothing. ``work`` are the words for the work.
     """
     if out.quiet:
-        yield silent
+        yield no_progress
     elif err.is_terminal:
         with _bar(work) as advance:
             yield advance
     else:
-        with _listening(logging.INFO, lambda record: complain(record.getMessage())):
-            yield _now_and_then(work)
+        with _listen(logging.INFO, lambda record: complain(record.getMessage())):
+            yield _limit_rate(work)
 
 
 @contextmanager
-def _listening(level: int, receive: Callable[[logging.LogRecord], None]) -> Iterator[None]:
+def _listen(level: int, receive: Callable[[logging.LogRecord], None]) -> Iterator[None]:
     """Context manager that calls ``receive`` with each message that is logged at ``level`` or above."""
 
-    def heard(record: logging.LogRecord) -> bool:
+    def receive_at_level(record: logging.LogRecord) -> bool:
         if record.levelno >= level:
             receive(record)
         return True
 
     before = log.level
-    log.addFilter(heard)
+    log.addFilter(receive_at_level)
     log.setLevel(level)
     try:
         yield
     finally:
-        log.removeFilter(heard)
+        log.removeFilter(receive_at_level)
         log.setLevel(before)
 
 
-def _now_and_then(work: str) -> Progress:
+def _limit_rate(work: str) -> Progress:
     """Return a function (fraction) that prints ``work`` and the fraction, at most once in LINE_INTERVAL."""
     written = monotonic()
 
@@ -123,7 +123,7 @@ def _bar(work: str) -> Iterator[Progress]:
             shown = fraction
 
     try:
-        with _listening(logging.DEBUG, receive):
+        with _listen(logging.DEBUG, receive):
             yield advance
     finally:
         if bar.task_ids:

@@ -33,8 +33,8 @@ from chain_impact.results.result import Result
 from chain_impact.scene.keys.tables import Box
 from chain_impact.scene.words.unit_text import unit_text
 from chain_impact.studies.compare.compare import Comparison
-from chain_impact.studies.compare.text import advice, formatted, heading, law_table as compared, legend
-from chain_impact.text import TextTable, plural
+from chain_impact.studies.compare.text import advice, format_number, heading, law_table as compared, legend
+from chain_impact.text import TextTable, count_text
 
 # matches the separators in the description of a variable such as solver.status, before each number with a
 # meaning: ": " and "; " in "status: 0 running; 1 ended"
@@ -109,12 +109,12 @@ def variable_lines(variables: Iterable[Any], width: int) -> Iterator[str]:
             yield f"{start}  {meaning}".rstrip()
         else:
             yield start.rstrip()
-            yield from indented(meaning, width, 4)
+            yield from indented_lines(meaning, width, 4)
         for code in codes:
-            yield from indented(code, width, 6, hanging=3)
+            yield from indented_lines(code, width, 6, hanging=3)
 
 
-def indented(text: str, width: int, by: int, hanging: int = 0) -> list[str]:
+def indented_lines(text: str, width: int, by: int, hanging: int = 0) -> list[str]:
     """Return the lines into which a text is broken, indented by ``by`` characters.
 
     Lines after the first one are indented by ``hanging`` characters more. A line has at most ``width``
@@ -127,11 +127,11 @@ def indented(text: str, width: int, by: int, hanging: int = 0) -> list[str]:
 def summary(recording: Recording) -> Iterator[RenderableType]:
     """Yield lines and tables of the summary of a run: impacts, dry friction, rest, loads, energies."""
     count, listed = recording.impact_count, len(recording.impacts)
-    impacts = plural(count, "impact")
+    impacts = count_text(count, "impact")
     if listed < count:
         impacts += f", {listed} listed: an FMU shows only the latest in a communication step"
     yield headline(recording.name, f"  0 … {recording.time[-1]:g} s, {impacts}")
-    for part in tabulated(impact_list(recording, LISTED_IMPACTS)):
+    for part in with_screen_tables(impact_list(recording, LISTED_IMPACTS)):
         yield f"{part}; --impacts FILE writes all" if isinstance(part, str) else part
     yield from meanings(recording)
     yield from passed_wall_lines(recording)
@@ -141,7 +141,7 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
     yield from energy_lines(recording.energies)
 
 
-def tabulated(parts: Iterable[str | TextTable]) -> Iterator[RenderableType]:
+def with_screen_tables(parts: Iterable[str | TextTable]) -> Iterator[RenderableType]:
     """Yield ``parts``, with each table of texts replaced by a table for the screen."""
     for part in parts:
         if isinstance(part, str):
@@ -208,10 +208,10 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
     yield table
     if len(phases) > PHASES:
         more, sticking = phases[PHASES:], int((phases[PHASES:]["mode"] == STICKS).sum())
-        whole = "; Result.stick_slip in Python has all" if isinstance(recording, Result) else ""
+        remedy = "; Result.stick_slip in Python has all" if isinstance(recording, Result) else ""
         yield (
-            f"and {plural(len(more), 'more phase')} of dry friction, {sticking} of sticking, the last from "
-            f"{more['start'][-1]:.6f} s on{whole}"
+            f"and {count_text(len(more), 'more phase')} of dry friction, {sticking} of sticking, "
+            f"the last from {more['start'][-1]:.6f} s on{remedy}"
         )
     if (phases["mode"] != STICKS).any():
         yield "mode     slip + along +x at a floor, or with a positive rate in a joint; slip - the other way"
@@ -239,7 +239,7 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
         table = table_of(head, head[1:])
         for row in range(len(sensitivities.impacts)):
             cells = (column[row, k] for column in columns)
-            table.add_row(str(row + 1), *(formatted(cell, "+.3g") if cell else "0" for cell in cells))
+            table.add_row(str(row + 1), *(format_number(cell, "+.3g") if cell else "0" for cell in cells))
         yield table if len(sensitivities.impacts) else "no impact"
     for limit in sensitivities.limits:
         yield f"limit    {limit}"

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chain_impact.cli.completers import complete, differentiable, outputs, rankable
+from chain_impact.cli.completers import complete, differentiable_names, outputs, rankable_names
 from chain_impact.cli.options import (
     Once,
     UsageError,
@@ -29,7 +29,7 @@ from chain_impact.cli.options import (
     write_picture,
 )
 from chain_impact.cli.progress import say
-from chain_impact.cli.screen import sensitivity_tables, show, summary, tabulated
+from chain_impact.cli.screen import sensitivity_tables, show, summary, with_screen_tables
 from chain_impact.cli.source import Source
 from chain_impact.recording.curves import Curves, curves_of
 from chain_impact.recording.recording import Recording
@@ -38,7 +38,7 @@ from chain_impact.results.result import Result
 from chain_impact.scene.errors import SceneError
 from chain_impact.simulation.errors import RunError
 from chain_impact.studies.accuracy import Differences
-from chain_impact.text import plural
+from chain_impact.text import count_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -73,10 +73,10 @@ class Canvas:
         write_picture(self.path, self.size, plot)
         if self.window:
             # imported here, because the import takes a second
-            from chain_impact.pictures.drawing.style import suit_figure
+            from chain_impact.pictures.drawing.style import adapt_to_dark_style
 
             fill(self.window)
-            suit_figure(self.window)
+            adapt_to_dark_style(self.window)
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ def _add_derivatives(verb: argparse.ArgumentParser) -> None:
         "also find the derivatives with respect to these parameters and inputs, and draw them in place of "
         "the motion: contact.stiffness,link[*].mass",
     )
-    complete(named, differentiable, listed=True)
+    complete(named, differentiable_names, listed=True)
     ranked = verb.add_argument(
         "--rank",
         action=Once,
@@ -159,7 +159,7 @@ def _add_derivatives(verb: argparse.ArgumentParser) -> None:
         "joint_force, impact[2].peak_force or an output at the end, and draw the effects; --sensitivity "
         "limits the list",
     )
-    complete(ranked, rankable)
+    complete(ranked, rankable_names)
 
 
 def _add_picture(verb: argparse.ArgumentParser) -> None:
@@ -287,7 +287,7 @@ def report(
     elif canvas:
         shown = recording if sensitivities or fault else source.with_enough_rows(recording)
         draw(canvas, shown, has_derivatives=bool(sensitivities))
-    show(tabulated(ranking.parts()) if ranking else summary(recording))
+    show(with_screen_tables(ranking.parts()) if ranking else summary(recording))
     if tighter:
         say(f"check    {difference_text(tighter.differences(recording))}")
     if sensitivities and not ranking:
@@ -334,7 +334,7 @@ def draw_curves(canvas: Canvas, recording: Recording, curves: Curves) -> None:
 def difference_text(differences: Differences) -> str:
     """Return the text that ``--check`` prints: the largest differences of points [m] and onsets [s]."""
     points = f"points by at most {differences.position:.1e} m ({differences.point} at {differences.time:g} s)"
-    onsets = f"onsets by at most {differences.onset:.1e} s ({plural(differences.impacts, 'impact')}) and "
+    onsets = f"onsets by at most {differences.onset:.1e} s ({count_text(differences.impacts, 'impact')}) and "
     parted = (
         f"; from {differences.end:.6f} s on, the two runs have other impacts" if differences.parted else ""
     )

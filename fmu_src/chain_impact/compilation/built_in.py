@@ -24,8 +24,8 @@ from chain_impact.compilation.record_type import (
     Path,
     Record,
     address_of,
+    affine_value,
     array_at,
-    built,
 )
 from chain_impact.kernel.record import input_fields, operations, ranges
 from chain_impact.kernel.record.fields import SETTABLE, WORD
@@ -55,21 +55,21 @@ def _inputs(part: Record) -> list[Field]:
 
 
 @lower_builtin(input_fields.input_field, Record, types.Integer)
-def _input(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+def _lower_input(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     instance, given = arguments
     part, kind = signature.args
     number = context.cast(builder, given, kind, types.intp)
     fields = _inputs(part)
 
     def place_of(field: Field) -> list[ir.Value]:
-        sizes = [built(size, builder, instance) for size in field.shape]
+        sizes = [affine_value(size, builder, instance) for size in field.shape]
         return [address_of(context, builder, instance, field), *sizes]
 
-    address, *shape = _chosen(builder, number, [partial(place_of, field) for field in fields])
+    address, *shape = _choose_value(builder, number, [partial(place_of, field) for field in fields])
     return array_at(context, builder, fields[0].kind, address, shape)
 
 
-def _chosen(
+def _choose_value(
     builder: ir.IRBuilder, number: ir.Value, makers: Sequence[Callable[[], list[ir.Value]]]
 ) -> list[ir.Value]:
     """Return the LLVM values that ``makers[number]`` makes; those of ``makers[0]`` for a number out of range.
@@ -116,10 +116,10 @@ def _give_field(function: Callable[..., Any], paths: Sequence[Path], kind: types
             field = signature.args[0].field(*path)
             assert field.kind == kind
             assert not field.stride, f"{'.'.join(path)} is a column of a table"
-            count = builder.udiv(built(field.size, builder, instance), cgutils.intp_t(WORD))
+            count = builder.udiv(affine_value(field.size, builder, instance), cgutils.intp_t(WORD))
             return [address_of(context, builder, instance, field), count]
 
-        address, count = _chosen(builder, number, [partial(place_of, path) for path in paths])
+        address, count = _choose_value(builder, number, [partial(place_of, path) for path in paths])
         return array_at(context, builder, kind, address, [count])
 
 
@@ -141,8 +141,8 @@ def _give_bound(function: Callable[..., Any], bounds: Sequence[Affine]) -> None:
     def _bound(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
         instance, number = arguments
         number = context.cast(builder, number, signature.args[1], types.intp)
-        makers = [partial(lambda bound: [built(bound, builder, instance)], bound) for bound in bounds]
-        (chosen,) = _chosen(builder, number, makers)
+        makers = [partial(lambda bound: [affine_value(bound, builder, instance)], bound) for bound in bounds]
+        (chosen,) = _choose_value(builder, number, makers)
         return chosen
 
 
@@ -163,10 +163,10 @@ def _type_of_block(_context: Any) -> Any:
 
 
 @lower_builtin(duals.tangent_instance, Record, types.Integer)
-def _block(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+def _lower_block(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     instance, number = arguments
     primal_size, tangent_size = (
-        built(record.field().size, builder, instance) for record in (INSTANCE, TANGENT)
+        affine_value(record.field().size, builder, instance) for record in (INSTANCE, TANGENT)
     )
     number = context.cast(builder, number, signature.args[1], types.int64)
     return cgutils.pointer_add(
@@ -183,11 +183,11 @@ def _type_of_words(_context: Any) -> Any:
 
 
 @lower_builtin(duals.as_words, Record)
-def _words(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+def _lower_words(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     (instance,) = arguments
-    whole = signature.args[0].field()
-    size = builder.udiv(built(whole.size, builder, instance), cgutils.intp_t(WORD))
-    return array_at(context, builder, types.float64, address_of(context, builder, instance, whole), [size])
+    field = signature.args[0].field()
+    size = builder.udiv(affine_value(field.size, builder, instance), cgutils.intp_t(WORD))
+    return array_at(context, builder, types.float64, address_of(context, builder, instance, field), [size])
 
 
 @type_callable(operations.clear_numbers)
@@ -199,11 +199,11 @@ def _type_of_clear(_context: Any) -> Any:
 
 
 @lower_builtin(operations.clear_numbers, Record)
-def _clear(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+def _lower_clear(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     (instance,) = arguments
     part = signature.args[0].field()
     address = address_of(context, builder, instance, part)
-    cgutils.memset(builder, address, built(part.size, builder, instance), 0)
+    cgutils.memset(builder, address, affine_value(part.size, builder, instance), 0)
     return context.get_dummy_value()
 
 
@@ -216,7 +216,7 @@ def _type_of_copy_row(_context: Any) -> Any:
 
 
 @lower_builtin(operations.copy_row, Record, types.Integer, types.Integer)
-def _copy_row(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+def _lower_copy_row(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     instance, *numbers = arguments
     table, *kinds = signature.args
     rows = [context.cast(builder, *pair, types.int64) for pair in zip(numbers, kinds, strict=True)]
@@ -259,14 +259,14 @@ def _has_dual(source: types.Type, target: types.Type) -> bool:
 
 
 @lower_builtin(duals.copy_values, Record, Record)
-def _copy_values(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+def _lower_copy_values(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     part = signature.args[0].path
     _copy_fields(context, builder, arguments, lambda path: path[: len(part)] == part)
     return context.get_dummy_value()
 
 
 @lower_builtin(duals.copy_given, Record, Record, types.Integer)
-def _copy_given(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+def _lower_copy_given(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     when = signature.args[2].literal_value
     _copy_fields(context, builder, arguments[:2], lambda path: SETTABLE.get(path[0]) == when)
     return context.get_dummy_value()
@@ -286,7 +286,7 @@ def _copy_fields(
             word = context.get_data_type(field.kind)
             count: ir.Value = cgutils.intp_t(1)
             for size in field.shape:
-                count = builder.mul(count, built(size, builder, source))
+                count = builder.mul(count, affine_value(size, builder, source))
             source_words, source_step = _words_of(context, builder, source, field, word)
             target_words, target_step = _words_of(context, builder, target, TABLES["tangent"][path], word)
             with cgutils.for_range(builder, count) as loop:

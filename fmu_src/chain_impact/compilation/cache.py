@@ -22,7 +22,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from chain_impact.compilation.errors import BuildError
-from chain_impact.compilation.folders import base_folder, explained, trusted, writable
+from chain_impact.compilation.folders import base_folder, explain_unwritable_folder, is_trusted, make_folder
 from chain_impact.compilation.sources import COMPILERS, fingerprint
 from chain_impact.files import removing_files
 from chain_impact.progress import log
@@ -39,12 +39,12 @@ UNREPORTED_WAIT = 1.0  # [s] a process that waits longer for another one, which 
 
 def present_kernel_folder() -> Path:
     """Return the cache's folder for kernels of the present sources and compilers."""
-    return base_folder() / _present()
+    return base_folder() / _present_name()
 
 
-def _present() -> str:
+def _present_name() -> str:
     """Return the name of the cache's folder for the present sources and compilers."""
-    return _digest(tuple(f"{name} {_version(name)}" for name in COMPILERS))
+    return _digest(tuple(f"{name} {_compiler_version(name)}" for name in COMPILERS))
 
 
 @functools.cache
@@ -59,11 +59,11 @@ def linker_folder() -> Path:
     Raises:
         BuildError: when nothing can be stored in the cache.
     """
-    return writable(base_folder()) / f"{LINKER}{_version('ziglang')}"
+    return make_folder(base_folder()) / f"{LINKER}{_compiler_version('ziglang')}"
 
 
 @functools.cache
-def _version(compiler: str) -> str:
+def _compiler_version(compiler: str) -> str:
     """Return the version of a compiler: the installed one or, if it is not installed, the required one."""
     try:
         return version(compiler)
@@ -77,22 +77,22 @@ def find(name: str) -> Path | None:
     The result is None, too, if other users can write to the cache, because they could have changed the file.
     """
     folder = present_kernel_folder()
-    if not trusted(folder.parent) or not _is_whole(folder / name):
+    if not is_trusted(folder.parent) or not _is_intact(folder / name):
         return None
     with suppress(OSError):  # a cache that root owns can be read, but its folder cannot be marked as used
         os.utime(folder)  # this marks the folder as used now, so that ``_prune`` keeps it
     return folder / name
 
 
-def _is_whole(path: Path) -> bool:
+def _is_intact(path: Path) -> bool:
     """Return whether ``path`` is a folder, or a file with the checksum that the mark of the file holds."""
     try:
-        return path.is_dir() or _mark(path).read_bytes() == _checksum(path)
+        return path.is_dir() or _checksum_file(path).read_bytes() == _checksum(path)
     except OSError:
         return False
 
 
-def _mark(file: Path) -> Path:
+def _checksum_file(file: Path) -> Path:
     """Return the path of the mark of a file: another file in the same folder, with the file's checksum."""
     return file.with_name(f".{file.name}.crc32")
 
@@ -101,7 +101,7 @@ def _checksum(file: Path) -> bytes:
     return b"%08x" % zlib.crc32(file.read_bytes())
 
 
-def holds(file: Path) -> bool:
+def is_in_cache(file: Path) -> bool:
     """Return whether a file is in the folder of the cache, so that ``clear`` may remove it."""
     return base_folder() in file.parents
 
@@ -120,23 +120,23 @@ def get_or_make(name: str, make: Callable[[Path], None]) -> Path:
     existing = find(name)
     if existing:
         return existing
-    base = writable(base_folder())
-    folder = base / _present()
-    with explained(base):
+    base = make_folder(base_folder())
+    folder = base / _present_name()
+    with explain_unwritable_folder(base):
         folder.mkdir(parents=True, exist_ok=True)
-        with _locked(folder / f".{name}.lock"):
+        with _hold_lock(folder / f".{name}.lock"):
             if not find(name):
-                with _scratch(folder, name) as scratch:
+                with _temporary_folder(folder, name) as scratch:
                     make(scratch / name)
                     if not (scratch / name).is_dir():
-                        _mark(folder / name).write_bytes(_checksum(scratch / name))
+                        _checksum_file(folder / name).write_bytes(_checksum(scratch / name))
                     (scratch / name).replace(folder / name)
                 _prune(folder)
     return folder / name
 
 
 @contextmanager
-def _locked(path: Path) -> Iterator[None]:
+def _hold_lock(path: Path) -> Iterator[None]:
     """Context manager that holds the lock file ``path``, after waiting for other processes that hold it.
 
     The operating system releases the lock if the process is killed. A process that waits longer than
@@ -157,7 +157,7 @@ def _locked(path: Path) -> Iterator[None]:
 
 
 @contextmanager
-def _scratch(folder: Path, name: str) -> Iterator[Path]:
+def _temporary_folder(folder: Path, name: str) -> Iterator[Path]:
     """Context manager that yields a temporary folder in ``folder`` for making ``name``, and then removes it.
 
     Temporary folders for the same name, which killed processes have left, are removed first.
@@ -213,8 +213,8 @@ def entries() -> list[Entry]:
     list is empty if there is no cache, or if other users can write to the cache.
     """
     base = base_folder()
-    folders = sorted(base.iterdir()) if trusted(base) else []
-    return [_entry(path) for path in folders if path.is_dir() and _OURS.fullmatch(path.name)]
+    folders = sorted(base.iterdir()) if is_trusted(base) else []
+    return [_read_entry(path) for path in folders if path.is_dir() and _OURS.fullmatch(path.name)]
 
 
 def clear() -> int:
@@ -226,7 +226,7 @@ def clear() -> int:
     return sum(entry.size for entry in removed)
 
 
-def _entry(path: Path) -> Entry:
+def _read_entry(path: Path) -> Entry:
     size = 0
     for file in path.rglob("*"):
         with suppress(FileNotFoundError):  # a running compiler may remove its file at the same time

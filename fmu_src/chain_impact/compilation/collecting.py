@@ -105,11 +105,11 @@ def collect_only(*, any_python: bool, guarded: bool) -> None:
             for functions that only the kernel calls.
     """
     codegen.JITCPUCodegen._library_class = Library
-    codegen.JITCPUCodegen.set_env = _nothing
+    codegen.JITCPUCodegen.set_env = _do_nothing
     cpu.CPUContext.call_conv = property(Convention)
     cpu.CPUContext.create_cfunc_wrapper = partialmethod(_entry_point, guarded=guarded)
-    base.BaseContext.get_abi_sizeof = _remembered(base.BaseContext.get_abi_sizeof, lambda _, kind: str(kind))
-    types.Function.get_call_type = _remembered(  # type: ignore[method-assign]
+    base.BaseContext.get_abi_sizeof = _compute_once(base.BaseContext.get_abi_sizeof, lambda _, one: str(one))
+    types.Function.get_call_type = _compute_once(  # type: ignore[method-assign]
         types.Function.get_call_type,
         lambda function, _, kinds, keywords: (function, kinds, *keywords.items()),
     )
@@ -143,10 +143,10 @@ def _entry_point(context: Any, library: Library, description: Any, *_: Any, guar
     )
     entry = ir.Function(module, kind, description.llvm_cfunc_wrapper_name)
     builder = ir.IRBuilder(entry.append_basic_block("entry"))
-    caller_settings = builder.call(_external(module, WORD, USUAL_REGISTERS), ()) if guarded else None
+    caller_settings = builder.call(_declare_external(module, WORD, USUAL_REGISTERS), ()) if guarded else None
     _, value = context.call_conv.call_function(builder, inner, result, arguments, entry.args)
     if caller_settings:
-        builder.call(_external(module, ir.VoidType(), PUT_BACK, WORD), [caller_settings])
+        builder.call(_declare_external(module, ir.VoidType(), PUT_BACK, WORD), [caller_settings])
         # The calls of the lowered function and of the functions for the registers must not be inlined: LLVM
         # could then move arithmetic before the registers are set, or after they are restored.
         for call in builder.block.instructions:
@@ -156,7 +156,7 @@ def _entry_point(context: Any, library: Library, description: Any, *_: Any, guar
     library.add_ir_module(module)
 
 
-def _external(module: ir.Module, result: ir.Type, name: str, *arguments: ir.Type) -> ir.Function:
+def _declare_external(module: ir.Module, result: ir.Type, name: str, *arguments: ir.Type) -> ir.Function:
     return ir.Function(module, ir.FunctionType(result, arguments), name)
 
 
@@ -174,7 +174,7 @@ def _runs_passes(leave_out: Container[str]) -> Callable[..., None]:
     return run
 
 
-def _remembered(method: Callable[..., Any], key: Callable[..., Any]) -> Callable[..., Any]:
+def _compute_once(method: Callable[..., Any], key: Callable[..., Any]) -> Callable[..., Any]:
     """Return a method that computes each result of ``method`` once, because numba asks thousands of times.
 
     ``key`` is a function of the arguments; calls with equal keys have the same result.
@@ -190,7 +190,7 @@ def _remembered(method: Callable[..., Any], key: Callable[..., Any]) -> Callable
     return remembered
 
 
-def _nothing(*_: Any) -> None:
+def _do_nothing(*_: Any) -> None:
     """Do nothing, in place of numba's method ``set_env``, which stores a Python object for compiled code.
 
     Only code that runs in this process would need the object.

@@ -63,24 +63,24 @@ a kernel without the rare features take less time."""
 _SIZES = tuple(f"chain_{name}" for name in (*COUNTS, *FEATURES))
 """The names of the LLVM functions that return the counts and flags at the start of a record, in the record's
 order."""
-_FEW = _SIZES[COUNTS.index("channels") :]
+_RARE_SIZES = _SIZES[COUNTS.index("channels") :]
 """The last names in _SIZES: those of the functions that return counts and flags of rare features. In kernels
 for a number of links, or for any number (None), these functions return 0."""
 KernelScope = int | tuple[int, ...] | None
 """The scenes that a kernel can run: a number of links, or None for any number, without rare features; GENERAL
 for all scenes; a tuple of all counts and flags at the start of a record for the scenes with exactly these."""
 # C code of a function that does nothing; the first braces stand for the name of the function
-STUB = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
+STUB_CODE = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
 # LLVM code of a function that reads a count or flag from the record. LLVM is told that the number does not
 # change while the kernel runs, and is at least 0 and less than ``end``.
-HELD = """define internal i64 @{name}(ptr %instance) alwaysinline {{
+READ_COUNT_CODE = """define internal i64 @{name}(ptr %instance) alwaysinline {{
   %place = getelementptr i64, ptr %instance, i64 {word}
   %number = load i64, ptr %place, align 8, !invariant.load !{{}}, !range !{{i64 0, i64 {end}}}
   ret i64 %number
 }}
 """
-CONSTANT = """define internal i64 @{name}(ptr %instance) alwaysinline {{
+FIXED_COUNT_CODE = """define internal i64 @{name}(ptr %instance) alwaysinline {{
   ret i64 {number}
 }}
 """
@@ -134,11 +134,13 @@ def add_prelude(module: str, scope: KernelScope, registers: str = REGISTERS) -> 
     if isinstance(scope, tuple):
         fixed = dict(zip(_SIZES, scope, strict=True))
     else:
-        fixed = dict.fromkeys(() if scope == GENERAL else _FEW, 0) | ({"chain_links": scope} if scope else {})
+        fixed = dict.fromkeys(() if scope == GENERAL else _RARE_SIZES, 0) | (
+            {"chain_links": scope} if scope else {}
+        )
     prelude = "".join(
-        CONSTANT.format(name=name, number=fixed[name])
+        FIXED_COUNT_CODE.format(name=name, number=fixed[name])
         if name in fixed
-        else HELD.format(name=name, word=word, end=LARGEST_COUNT + 1)
+        else READ_COUNT_CODE.format(name=name, word=word, end=LARGEST_COUNT + 1)
         for word, name in enumerate(_SIZES)
     )
     # a hidden function is private to a library, so a call of it is direct, not through a table of addresses
@@ -187,13 +189,13 @@ def compile_part(module: str, compiled: Path, platform: str, part: str, scope: K
     """
     kernel = compiled.with_name("kernel.ll")
     kernel.write_text(add_prelude(module, scope))
-    flags = ["-c", *_tuning(part, scope)]
+    flags = ["-c", *_tuning_flags(part, scope)]
     if "windows" not in PLATFORMS[platform].target:  # code for Windows does not need the flag -fPIC
         flags.append("-fPIC")
-    _zig(platform, compiled, kernel, flags=flags)
+    _compile_with_zig(platform, compiled, kernel, flags=flags)
 
 
-def _tuning(part: str, scope: KernelScope) -> tuple[str, ...]:
+def _tuning_flags(part: str, scope: KernelScope) -> tuple[str, ...]:
     """Return the compiler's flags for the speed of ``part`` of a kernel for the scenes ``scope``."""
     if part == DERIVATIVES:
         return ()
@@ -246,7 +248,7 @@ def prepare_zig(platform: str) -> None:
         if not zig_is_prepared(platform):
             # the library must contain code, because zig crashes at an empty library for macOS
             something = Path(scratch, "something.c")
-            something.write_text(STUB.replace("hidden", "default").format("something"), encoding="utf-8")
+            something.write_text(STUB_CODE.replace("hidden", "default").format("something"), encoding="utf-8")
             _zig_library(platform, Path(scratch, "library"), something)
             (folder / f"prepared-{platform}").touch()
 
@@ -269,8 +271,8 @@ def _zig_library(platform: str, library: Path, *inputs: Path) -> None:
         options.append("-Wl,-install_name,@rpath/kernel.dylib")
     # Start files are left out, because nothing calls them. zig's runtime is left out, too, because zig would
     # first have to build it; only a library for Windows needs this runtime.
-    libraries = ["-nostdlib", *(_from_windows() if "windows" in target else ["-lm", "-lc"])]
-    _zig(platform, library, *inputs, flags=options, libraries=libraries)
+    libraries = ["-nostdlib", *(_windows_flags() if "windows" in target else ["-lm", "-lc"])]
+    _compile_with_zig(platform, library, *inputs, flags=options, libraries=libraries)
 
 
 def write_stubs(library: Path, law: Path | None, *, derivatives: bool = False) -> tuple[Path, ...]:
@@ -281,7 +283,7 @@ def write_stubs(library: Path, law: Path | None, *, derivatives: bool = False) -
     there is one, and the C file, which is in the folder of ``library``.
     """
     missing = ({} if derivatives else HOOKS) | ({"user_law_present": ("i64", (), 1)} if law else LAW)
-    text = "".join(map(STUB.format, PYTHON_SYMBOLS))
+    text = "".join(map(STUB_CODE.format, PYTHON_SYMBOLS))
     for name, (result, arguments, nothing) in missing.items():
         named = ", ".join(f"{C_TYPES[kind]} a{k}" for k, kind in enumerate(arguments)) or "void"
         text += f"{C_TYPES[result]} {name}({named}) {{ return ({C_TYPES[result]}){nothing}; }}\n"
@@ -290,7 +292,7 @@ def write_stubs(library: Path, law: Path | None, *, derivatives: bool = False) -
     return (law, beside) if law else (beside,)
 
 
-def _zig(
+def _compile_with_zig(
     platform: str, output: Path, *inputs: Path, flags: Iterable[str], libraries: Iterable[str] = ()
 ) -> None:
     """Run zig's C compiler for a platform, with C_FLAGS and ``flags``, to make ``output`` of ``inputs``."""
@@ -311,7 +313,7 @@ def run_zig(arguments: Iterable[str], output: Path) -> None:
     _check(_run("-m", "ziglang", *arguments, **places))
 
 
-def _from_windows() -> list[str]:
+def _windows_flags() -> list[str]:
     """Return zig's options for a library that uses the C functions and headers of Windows."""
     headers = files("ziglang") / "lib" / "libc" / "include" / "any-windows-any"
     options = ["-Wl,--no-entry", "-rtlib=compiler-rt"]

@@ -65,33 +65,33 @@ class _Model(models.PrimitiveModel):
 # ---- code in LLVM's language ------------------------------------------------------------------------------
 
 
-def _made(builder: ir.IRBuilder, value: ir.Value, slopes: ir.Value) -> ir.Value:
+def _make_dual(builder: ir.IRBuilder, value: ir.Value, slopes: ir.Value) -> ir.Value:
     kind = ir.LiteralStructType([ir.DoubleType(), VECTOR], packed=True)
     dual = builder.insert_value(ir.Constant(kind, ir.Undefined), value, 0)
     return builder.insert_value(dual, slopes, 1)
 
 
-def _parts(builder: ir.IRBuilder, dual: ir.Value) -> tuple[ir.Value, ir.Value]:
+def _value_and_slopes(builder: ir.IRBuilder, dual: ir.Value) -> tuple[ir.Value, ir.Value]:
     return builder.extract_value(dual, 0), builder.extract_value(dual, 1)
 
 
-def _all(builder: ir.IRBuilder, number: ir.Value) -> ir.Value:
+def _repeat_number(builder: ir.IRBuilder, number: ir.Value) -> ir.Value:
     """Return a vector of DIRECTIONS entries, each of which is ``number``."""
     vector = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), number, cgutils.int32_t(0))
     places = ir.Constant(ir.VectorType(cgutils.int32_t, DIRECTIONS), [0] * DIRECTIONS)
     return builder.shuffle_vector(vector, ir.Constant(VECTOR, ir.Undefined), places)
 
 
-def _times(builder: ir.IRBuilder, number: ir.Value, slopes: ir.Value) -> ir.Value:
-    return builder.fmul(_all(builder, number), slopes)
+def _scale_slopes(builder: ir.IRBuilder, number: ir.Value, slopes: ir.Value) -> ir.Value:
+    return builder.fmul(_repeat_number(builder, number), slopes)
 
 
-def _none() -> ir.Value:
+def _zero_slopes() -> ir.Value:
     return ir.Constant(VECTOR, [0.0] * DIRECTIONS)
 
 
 def _cast(context: Any, builder: ir.IRBuilder, given: types.Type, _to: types.Type, value: ir.Value) -> Any:
-    return _made(builder, context.cast(builder, value, given, float64), _none())
+    return _make_dual(builder, context.cast(builder, value, given, float64), _zero_slopes())
 
 
 for _kind in (types.Float, types.Integer, types.Boolean, types.IntegerLiteral):
@@ -134,10 +134,10 @@ def _lower(function: Any, code: Code, *kinds: types.Type) -> None:
     ``code(context, builder, *arguments)`` writes this code, and returns the LLVM value of the result.
     """
 
-    def lowered(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
+    def lower_call(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
         return code(context, builder, *arguments)
 
-    lower_builtin(function, *kinds)(lowered)
+    lower_builtin(function, *kinds)(lower_call)
 
 
 def _ordinary_value(context: Any, builder: ir.IRBuilder, function: Any, *numbers: ir.Value) -> ir.Value:
@@ -157,7 +157,7 @@ _AUGMENTED_OPERATORS = {
 _ONE = ir.Constant(ir.DoubleType(), 1.0)
 
 
-def _bilinear(operation: str, slopes: Callable[..., tuple[ir.Value, ir.Value]]) -> tuple[Code, ...]:
+def _bilinear_codes(operation: str, slopes: Callable[..., tuple[ir.Value, ir.Value]]) -> tuple[Code, ...]:
     """Return the codes of a sum, difference or product for the types ``_KINDS`` of its operands a and b.
 
     ``operation`` is the name of LLVM's instruction for the values. ``slopes(a, b)`` returns the derivatives
@@ -166,43 +166,43 @@ def _bilinear(operation: str, slopes: Callable[..., tuple[ir.Value, ir.Value]]) 
 
     def code(_context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
         (a, *da), (b, *db) = (
-            (x_or_y,) if x_or_y.type == ir.DoubleType() else _parts(builder, x_or_y) for x_or_y in (x, y)
+            (number,) if number.type == ir.DoubleType() else _value_and_slopes(builder, number)
+            for number in (x, y)
         )
         by_a, by_b = slopes(a, b)
-        terms = [_times(builder, by_a, x_or_y) for x_or_y in da] + [
-            _times(builder, by_b, x_or_y) for x_or_y in db
-        ]
-        return _made(builder, getattr(builder, operation)(a, b), functools.reduce(builder.fadd, terms))
+        terms = [_scale_slopes(builder, by_a, slope) for slope in da]
+        terms += [_scale_slopes(builder, by_b, slope) for slope in db]
+        return _make_dual(builder, getattr(builder, operation)(a, b), functools.reduce(builder.fadd, terms))
 
     return code, code, code
 
 
-def _quotient() -> tuple[Code, ...]:
+def _quotient_codes() -> tuple[Code, ...]:
     def both(_context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
-        (a, da), (b, db) = _parts(builder, x), _parts(builder, y)
+        (a, da), (b, db) = _value_and_slopes(builder, x), _value_and_slopes(builder, y)
         quotient = builder.fdiv(a, b)
         # derivative of a quotient: (a/b)′ = (a′ − (a/b) b′)/b
-        slopes = builder.fsub(da, _times(builder, quotient, db))
-        return _made(builder, quotient, _times(builder, builder.fdiv(_ONE, b), slopes))
+        slopes = builder.fsub(da, _scale_slopes(builder, quotient, db))
+        return _make_dual(builder, quotient, _scale_slopes(builder, builder.fdiv(_ONE, b), slopes))
 
     def first(_context: Any, builder: ir.IRBuilder, x: ir.Value, b: ir.Value) -> ir.Value:
-        a, da = _parts(builder, x)
-        return _made(builder, builder.fdiv(a, b), _times(builder, builder.fdiv(_ONE, b), da))
+        a, da = _value_and_slopes(builder, x)
+        return _make_dual(builder, builder.fdiv(a, b), _scale_slopes(builder, builder.fdiv(_ONE, b), da))
 
     def second(_context: Any, builder: ir.IRBuilder, a: ir.Value, y: ir.Value) -> ir.Value:
-        b, db = _parts(builder, y)
+        b, db = _value_and_slopes(builder, y)
         quotient = builder.fdiv(a, b)
         slope = builder.fneg(builder.fdiv(quotient, b))
-        return _made(builder, quotient, _times(builder, slope, db))
+        return _make_dual(builder, quotient, _scale_slopes(builder, slope, db))
 
     return both, first, second
 
 
 _CODES = {
-    operator.add: _bilinear("fadd", lambda _a, _b: (_ONE, _ONE)),
-    operator.sub: _bilinear("fsub", lambda _a, _b: (_ONE, ir.Constant(ir.DoubleType(), -1.0))),
-    operator.mul: _bilinear("fmul", lambda a, b: (b, a)),
-    operator.truediv: _quotient(),
+    operator.add: _bilinear_codes("fadd", lambda _a, _b: (_ONE, _ONE)),
+    operator.sub: _bilinear_codes("fsub", lambda _a, _b: (_ONE, ir.Constant(ir.DoubleType(), -1.0))),
+    operator.mul: _bilinear_codes("fmul", lambda a, b: (b, a)),
+    operator.truediv: _quotient_codes(),
 }
 _KINDS = ((Dual, Dual), (Dual, types.Float), (types.Float, Dual))
 
@@ -225,7 +225,7 @@ for _function, _relation in (
 ):
     _declare(_function, boolean)
 
-    def _compared(
+    def _compare(
         _context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value, relation: str = _relation
     ) -> ir.Value:
         a, b = (
@@ -236,11 +236,11 @@ for _function, _relation in (
         return compare(relation, a, b)
 
     for _kinds in _KINDS:
-        _lower(_function, _compared, *_kinds)
+        _lower(_function, _compare, *_kinds)
 
 
-def _extreme(relation: str) -> Any:
-    def lowered(_context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
+def _extreme_code(relation: str) -> Any:
+    def lower_call(_context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
         best, *others = arguments
         for candidate in others:
             # max and min return the first of equal numbers, as in Python
@@ -248,15 +248,15 @@ def _extreme(relation: str) -> Any:
             best = builder.select(builder.fcmp_ordered(relation, a, b), candidate, best)
         return best
 
-    return lowered
+    return lower_call
 
 
 for _function, _relation in ((max, ">"), (min, "<")):
     _declare(_function, DUAL, DUAL)
-    lower_builtin(_function, types.VarArg(Dual))(_extreme(_relation))
+    lower_builtin(_function, types.VarArg(Dual))(_extreme_code(_relation))
 
 
-def _chain(function: Any, slope: Code) -> None:
+def _lower_chain_rule(function: Any, slope: Code) -> None:
     """Give numba the code of a function f for a dual number with value a and derivatives a′.
 
     The result has the value f(a) and the derivatives f′(a) a′. ``slope(context, builder, a, f(a))`` writes
@@ -264,9 +264,9 @@ def _chain(function: Any, slope: Code) -> None:
     """
 
     def code(context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
-        a, da = _parts(builder, x)
+        a, da = _value_and_slopes(builder, x)
         value = _ordinary_value(context, builder, function, a)
-        return _made(builder, value, _times(builder, slope(context, builder, a, value), da))
+        return _make_dual(builder, value, _scale_slopes(builder, slope(context, builder, a, value), da))
 
     _declare(function, DUAL)
     _lower(function, code, Dual)
@@ -283,71 +283,71 @@ def _root_slope(_context: Any, builder: ir.IRBuilder, _a: ir.Value, root: ir.Val
     return builder.select(builder.fcmp_ordered(">", root, zero), slope, zero)
 
 
-def _sign(_context: Any, builder: ir.IRBuilder, a: ir.Value, _value: ir.Value) -> ir.Value:
+def _sign_of(_context: Any, builder: ir.IRBuilder, a: ir.Value, _value: ir.Value) -> ir.Value:
     one, zero = ir.Constant(a.type, 1.0), ir.Constant(a.type, 0.0)
     return builder.select(builder.fcmp_ordered("<", a, zero), ir.Constant(a.type, -1.0), one)
 
 
-_chain(math.sqrt, _root_slope)
-_chain(abs, _sign)
+_lower_chain_rule(math.sqrt, _root_slope)
+_lower_chain_rule(abs, _sign_of)
 
 
-def _negated(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
-    a, da = _parts(builder, x)
-    return _made(builder, builder.fneg(a), builder.fneg(da))
+def _negate(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
+    a, da = _value_and_slopes(builder, x)
+    return _make_dual(builder, builder.fneg(a), builder.fneg(da))
 
 
 _declare(operator.neg, DUAL)
-_lower(operator.neg, _negated, Dual)
+_lower(operator.neg, _negate, Dual)
 
 
-def _finite(context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
+def _is_finite(context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
     return _ordinary_value(context, builder, math.isfinite, builder.extract_value(x, 0))
 
 
 _declare(math.isfinite, boolean)
-_lower(math.isfinite, _finite, Dual)
+_lower(math.isfinite, _is_finite, Dual)
 
 
 def _hypot(context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
-    (a, da), (b, db) = _parts(builder, x), _parts(builder, y)
+    (a, da), (b, db) = _value_and_slopes(builder, x), _value_and_slopes(builder, y)
     length = _ordinary_value(context, builder, math.hypot, a, b)
     # derivative of √(a² + b²): (a a′ + b b′)/√(a² + b²)
-    slopes = builder.fadd(_times(builder, a, da), _times(builder, b, db))
+    slopes = builder.fadd(_scale_slopes(builder, a, da), _scale_slopes(builder, b, db))
     zero = ir.Constant(length.type, 0.0)
     inverse = builder.fdiv(_ONE, length)
     # at length 0 the derivatives are set to 0, as for the square root (``_root_slope``)
     inverse = builder.select(builder.fcmp_ordered(">", length, zero), inverse, zero)
-    return _made(builder, length, _times(builder, inverse, slopes))
+    return _make_dual(builder, length, _scale_slopes(builder, inverse, slopes))
 
 
 _declare(math.hypot, DUAL)
 _lower(math.hypot, _hypot, Dual, Dual)
 
 
-def _truth(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
+def _is_nonzero(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
     a = builder.extract_value(x, 0)
     return builder.fcmp_unordered("!=", a, ir.Constant(a.type, 0.0))
 
 
 _declare(bool, boolean)
-_lower(bool, _truth, Dual)
+_lower(bool, _is_nonzero, Dual)
 
 
 # ---- functions of kernel/tangent/duals.py, which read and make dual numbers -------------------------------
 
 
-def _carried(
+def _attach_slope(
     _context: Any, builder: ir.IRBuilder, number: ir.Value, slope: ir.Value, argument: ir.Value
 ) -> ir.Value:
-    return _made(builder, number, _times(builder, slope, builder.extract_value(argument, 1)))
+    return _make_dual(builder, number, _scale_slopes(builder, slope, builder.extract_value(argument, 1)))
 
 
-def _slope(_context: Any, builder: ir.IRBuilder, x: ir.Value, direction: ir.Value) -> ir.Value:
+def _read_slope(_context: Any, builder: ir.IRBuilder, x: ir.Value, direction: ir.Value) -> ir.Value:
     return builder.extract_element(builder.extract_value(x, 1), direction)
 
 
-def _varies(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
+def _has_slope(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
     slopes = builder.extract_value(x, 1)
     some: ir.Value = ir.Constant(ir.IntType(1), 0)
     for direction in range(DIRECTIONS):
@@ -359,14 +359,16 @@ def _varies(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
 _declare(duals.value, float64)
 _lower(duals.value, lambda _context, builder, x: builder.extract_value(x, 0), Dual)
 _declare(duals.dual_with_slope, DUAL)
-_lower(duals.dual_with_slope, _carried, types.Float, types.Float, Dual)
+_lower(duals.dual_with_slope, _attach_slope, types.Float, types.Float, Dual)
 _declare(duals.slope, float64, types.int64)
-_lower(duals.slope, _slope, Dual, types.Integer)
+_lower(duals.slope, _read_slope, Dual, types.Integer)
 _declare(duals.replace_slope, DUAL, None)
 _lower(
     duals.replace_slope,
-    lambda _c, b, x, k, one: _made(b, _parts(b, x)[0], b.insert_element(_parts(b, x)[1], one, k)),
+    lambda _c, b, x, k, one: _make_dual(
+        b, _value_and_slopes(b, x)[0], b.insert_element(_value_and_slopes(b, x)[1], one, k)
+    ),
     *(Dual, types.Integer, types.Float),
 )
 _declare(duals.has_slope, boolean)
-_lower(duals.has_slope, _varies, Dual)
+_lower(duals.has_slope, _has_slope, Dual)

@@ -97,9 +97,9 @@ def entry_points() -> Entries:
         "trajectory": trajectory,
         "run_each": run_each,
     }
-    return {name: (_kind(signature), functions[name]) for name, signature in SIGNATURES.items()}
+    return {name: (_function_type(signature), functions[name]) for name, signature in SIGNATURES.items()}
 
 
-def _kind(signature: Signature) -> Any:
+def _function_type(signature: Signature) -> Any:
     """Return numba's type for a function with a signature."""
     return _TYPES[signature.result](*(_TYPES[kind] for kind in signature.arguments.values()))

@@ -39,7 +39,7 @@ def base_folder() -> Path:
         ) from None
 
 
-def trusted(base: Path) -> bool:
+def is_trusted(base: Path) -> bool:
     """Return whether the cache's folder ``base`` exists, and no other user except root can write to it.
 
     Another user could put a harmful kernel there. On Windows, only the existence is checked.
@@ -51,23 +51,23 @@ def trusted(base: Path) -> bool:
 
 
 @functools.cache
-def writable(base: Path) -> Path:
+def make_folder(base: Path) -> Path:
     """Return the cache's folder ``base``, which is made if it does not exist.
 
     Raises:
         BuildError: when nothing can be stored in the folder, or other users can write there.
     """
-    with explained(base):
+    with explain_unwritable_folder(base):
         with suppress(FileExistsError):
             base.mkdir(mode=0o700, parents=True)
         tempfile.TemporaryFile(dir=base).close()
-        if not trusted(base):
+        if not is_trusted(base):
             raise PermissionError(errno.EACCES, OTHERS, str(base))
     return base
 
 
 @contextmanager
-def explained(folder: Path) -> Iterator[None]:
+def explain_unwritable_folder(folder: Path) -> Iterator[None]:
     """Context manager in which an error that means that ``folder`` cannot be written becomes a BuildError.
 
     Such an error is an OSError, or the BuildError of a compiler while the disk is full.

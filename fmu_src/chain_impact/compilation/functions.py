@@ -54,7 +54,7 @@ BUILT_IN: set[Any] = {
 
 
 @cache
-def compiled(function: FunctionType) -> Any:
+def compiled_function(function: FunctionType) -> Any:
     """Return numba's object for a function, which numba compiles when another function calls it."""
     return njit(forceinline=getattr(function, "inlined", False), **OPTIONS)(function)
 
@@ -68,7 +68,7 @@ class Function(types.Dispatcher):
 
     def __init__(self, function: FunctionType) -> None:
         self._function = function
-        super().__init__(compiled(function))
+        super().__init__(compiled_function(function))
 
     def _dispatcher_for(self, arguments: Any) -> types.Dispatcher:
         """Return the type of the function that is called for arguments of these types.
@@ -78,7 +78,7 @@ class Function(types.Dispatcher):
         """
         rules = _DUAL if any(carries_derivatives(argument) for argument in arguments) else {}
         rules = _COMPLEX if types.complex128 in arguments else rules
-        return types.Dispatcher(compiled(rules.get(self._function, self._function)))
+        return types.Dispatcher(compiled_function(rules.get(self._function, self._function)))
 
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
         """Return the signature of the function for arguments of these types.

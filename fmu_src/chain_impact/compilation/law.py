@@ -18,7 +18,7 @@ from numba import float64, types
 from numba.core.errors import NumbaError
 from numba.extending import lower_builtin
 
-from chain_impact.compilation.functions import LAW_FORCE, MODULES, compiled
+from chain_impact.compilation.functions import LAW_FORCE, MODULES, compiled_function
 from chain_impact.kernel.forces.user_law import LAW_ARGUMENTS
 from chain_impact.kernel.mathematics import angles, exponentials, logarithms, powers
 from chain_impact.user_laws.law_file import LawError, UserLaw
@@ -35,12 +35,12 @@ vars(MATHEMATICS).update(
 )
 
 
-def _power(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+def _lower_power(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     return context.compile_internal(builder, powers.power, signature, arguments)
 
 
 for _operation in (pow, operator.pow, operator.ipow):
-    lower_builtin(_operation, float64, float64)(_power)
+    lower_builtin(_operation, float64, float64)(_lower_power)
 
 
 def law_entry(law: UserLaw) -> dict[str, tuple[Any, Callable[..., Any]]]:
@@ -68,14 +68,14 @@ def _checked_function(law: UserLaw) -> Callable[..., float]:
         exec(compile(law.source, f"{law.id}.py", "exec"), space)
         # because of this entry, numba compiles the functions of the law's file that the law calls
         MODULES.add(f"{law.id}.")
-        inner = compiled(space[law.id])
+        inner = compiled_function(space[law.id])
         inner.compile((float64,) * len(law.arguments))
         returned = inner.nopython_signatures[0].return_type
         if not isinstance(returned, types.Float | types.Integer):
             raise LawError(f"must return a number, not {returned}")
         call = f"lambda {', '.join(LAW_ARGUMENTS)}: float({law.id}({', '.join(law.arguments)}))"
         function: Callable[..., float] = eval(call, space)
-        compiled(function).compile((float64,) * len(LAW_ARGUMENTS))
+        compiled_function(function).compile((float64,) * len(LAW_ARGUMENTS))
     except LawError:
         raise
     except NumbaError as error:

@@ -11,7 +11,7 @@ from chain_impact.compilation import browser, cache, compilers, ready
 from chain_impact.compilation.compilers import DERIVATIVES, KERNEL, KernelScope
 from chain_impact.compilation.errors import BuildError
 from chain_impact.progress import log_once
-from chain_impact.system import HOST, nowhere
+from chain_impact.system import HOST, no_kernel_sentence
 from chain_impact.user_laws.law_file import LawError, UserLaw, read_law
 
 # [s] usual times for each part of a kernel, which messages tell: LOWERING to lower it, LINKING to compile and
@@ -43,12 +43,14 @@ def kernel_library(
             compiler, or when there is no kernel for this machine.
     """
     if not platform:
-        raise BuildError(nowhere())
+        raise BuildError(no_kernel_sentence())
     law = _law(law_file) if law_file else None
-    kind = DERIVATIVES if derivatives else KERNEL
-    exact = ready.exact_scope(scope, kind)
-    name = ready.library_name(exact, platform, _law_name(law) if law else "", kind)
-    existing = cache.find(name) if law else ready.best_kernel(scope, platform, kind) or cache.find(name)
+    library_kind = DERIVATIVES if derivatives else KERNEL
+    exact = ready.exact_scope(scope, library_kind)
+    name = ready.library_name(exact, platform, _law_name(law) if law else "", library_kind)
+    existing = (
+        cache.find(name) if law else ready.best_kernel(scope, platform, library_kind) or cache.find(name)
+    )
     if existing:
         return existing
     ready.require_compilers(_purpose(platform, law_file, derivatives))
@@ -62,10 +64,10 @@ def kernel_library(
             log_once(f"linking the kernel for {platform}", seconds)
             return module
 
-        return ready.compiled(exact, platform, part, text)
+        return ready.object_file(exact, platform, part, text)
 
     def link(file: Path) -> None:
-        parts = [part_file(part) for part in ready.PARTS[kind]]
+        parts = [part_file(part) for part in ready.LIBRARY_PARTS[library_kind]]
         with _naming_law_file(law_file):
             compilers.link(parts, file, platform, lowered_law)
 
@@ -96,7 +98,7 @@ def browser_module(law_file: str = "") -> Path:
         return module
 
     def link(file: Path) -> None:
-        compiled = ready.compiled_for_browsers(text)
+        compiled = ready.browser_object_file(text)
         with _naming_law_file(law_file):
             browser.link(compiled, file, lowered_law)
 
@@ -106,15 +108,15 @@ def browser_module(law_file: str = "") -> Path:
 def _lowered_kernel(part: str) -> str:
     """Return the text of a part of the kernel, KERNEL or DERIVATIVES, in LLVM's language.
 
-    The text is that of ``ready.module``, if it exists, for KERNEL; else from the cache, or newly lowered.
-    The text fits all scenes: ``compilers.add_prelude`` adds the counts.
+    The text is that of ``ready.lowered_kernel``, if it exists, for KERNEL; else from the cache, or newly
+    lowered. The text fits all scenes: ``compilers.add_prelude`` adds the counts.
     """
 
     def lower(module: Path) -> None:
         log_once("compiling the kernel", LOWERING[part])
         compilers.lower(module, part)
 
-    packed = ready.module() if part == KERNEL else None
+    packed = ready.lowered_kernel() if part == KERNEL else None
     return packed or cache.get_or_make(f"{part}.ll", lower).read_text()
 
 

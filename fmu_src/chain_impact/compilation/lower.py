@@ -32,7 +32,7 @@ TRIPLE = "x86_64-unknown-linux-gnu"
 FRAME = 2**20
 
 
-def lowered(entries: Entries) -> str:
+def lowered_code(entries: Entries) -> str:
     """Return the LLVM code of C functions and of all functions that they call.
 
     The code names no target processor, and declares the functions that return sizes, but does not define
@@ -44,8 +44,8 @@ def lowered(entries: Entries) -> str:
         callback = cfunc(signature, **OPTIONS)(function)
         libraries |= dict.fromkeys(callback._library.with_dependencies())
         names[callback.native_name] = name
-    whole = _joined([module for library in libraries for module in library.modules])
-    for symbol in (*whole.functions, *whole.global_variables):
+    joined_module = _join_modules([module for library in libraries for module in library.modules])
+    for symbol in (*joined_module.functions, *joined_module.global_variables):
         if symbol.name in names:
             symbol.name = names[symbol.name]
         if symbol.name in entries:
@@ -53,11 +53,11 @@ def lowered(entries: Entries) -> str:
         elif not symbol.is_declaration:
             # no other library sees the function; LLVM removes it if all calls of it are inlined
             symbol.linkage = llvm.Linkage.internal
-    _simplify(whole)
-    return "".join(f"{line}\n" for line in str(whole).splitlines() if not line.startswith("target "))
+    _simplify(joined_module)
+    return "".join(f"{line}\n" for line in str(joined_module).splitlines() if not line.startswith("target "))
 
 
-def _joined(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
+def _join_modules(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
     """Return all modules joined to one.
 
     The modules are joined in pairs, because the time to join two modules grows with the size of both.
@@ -69,7 +69,7 @@ def _joined(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
     return modules[0]
 
 
-def _simplify(whole: llvm.ModuleRef) -> None:
+def _simplify(module: llvm.ModuleRef) -> None:
     """Keep variables in registers, and remove code without effect, so that no compilation has to do this.
 
     Without this step, each compilation would begin with the same passes, so this step does not change the
@@ -84,12 +84,12 @@ def _simplify(whole: llvm.ModuleRef) -> None:
     passes.add_sroa_pass()
     passes.add_dead_code_elimination_pass()
     passes.add_simplify_cfg_pass()
-    for function in whole.functions:
+    for function in module.functions:
         if not function.is_declaration:
             passes.run(function, builder)
     unused = llvm.create_new_module_pass_manager()
     unused.add_global_dead_code_eliminate_pass()
-    unused.run(whole, builder)
+    unused.run(module, builder)
 
 
 def main() -> None:
@@ -105,7 +105,7 @@ def main() -> None:
     except LawError as error:
         print(" ".join(str(error).split()), file=sys.stderr)
         sys.exit(BAD_LAW)
-    text = lowered(entries)
+    text = lowered_code(entries)
     if fingerprint() != expected:
         sys.exit("the sources of the kernel have changed since the program began: run it again")
     path.write_text(text, encoding="utf-8")

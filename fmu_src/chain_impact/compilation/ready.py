@@ -37,7 +37,7 @@ WHEEL_SCOPES: tuple[int | None, ...] = (None, GENERAL, *range(1, LARGEST_EXACT +
 """The scenes of the kernels without derivatives in a wheel for release: None, any number of links; GENERAL,
 any number of links and all rare features; and each number of links from 1 to LARGEST_EXACT. In other wheels,
 and for kernels with derivatives, there are only None and GENERAL."""
-PARTS = {KERNEL: (KERNEL,), DERIVATIVES: (KERNEL, DERIVATIVES)}
+LIBRARY_PARTS = {KERNEL: (KERNEL,), DERIVATIVES: (KERNEL, DERIVATIVES)}
 """Kind of library → parts of the kernel that are compiled and linked for it."""
 
 
@@ -62,27 +62,29 @@ def is_release_build() -> bool:
     return os.environ.get(RELEASE) == "1"
 
 
-def exact_scope(scope: KernelScope, kind: str = KERNEL) -> KernelScope:
+def exact_scope(scope: KernelScope, library_kind: str = KERNEL) -> KernelScope:
     """Return the scenes for which to compile the kernel that runs the scenes ``scope``.
 
     If ``scope`` is a number of links, the result is this number while a wheel for release is built that gets
     a kernel for this number, else None, for any number of links. If ``scope`` is GENERAL, None, or a tuple
-    of all counts and flags of a scene, the result is ``scope``. ``kind`` is KERNEL or DERIVATIVES.
+    of all counts and flags of a scene, the result is ``scope``. ``library_kind`` is KERNEL or DERIVATIVES.
     """
-    return scope if isinstance(scope, tuple) or scope in wheel_scopes(kind, is_release_build()) else None
+    return (
+        scope if isinstance(scope, tuple) or scope in wheel_scopes(library_kind, is_release_build()) else None
+    )
 
 
-def wheel_scopes(kind: str, release: bool) -> tuple[int | None, ...]:
-    """Return the entries of WHEEL_SCOPES for which a wheel has kernels of a ``kind``: KERNEL or DERIVATIVES.
+def wheel_scopes(library_kind: str, release: bool) -> tuple[int | None, ...]:
+    """Return the entries of WHEEL_SCOPES for which a wheel has kernels of a ``library_kind``.
 
-    ``release``: whether the wheel is for release.
+    ``library_kind`` is KERNEL or DERIVATIVES; ``release`` says whether the wheel is for release.
     """
     # with derivatives, a kernel for one number of links would be only 5 % faster, so no wheel has one
-    return WHEEL_SCOPES if release and kind == KERNEL else (None, GENERAL)
+    return WHEEL_SCOPES if release and library_kind == KERNEL else (None, GENERAL)
 
 
-def library_name(scope: KernelScope, platform: str, law: str = "", kind: str = KERNEL) -> str:
-    """Return the file name of a kernel of a ``kind`` for a platform; ``scope``: its scenes.
+def library_name(scope: KernelScope, platform: str, law: str = "", library_kind: str = KERNEL) -> str:
+    """Return the file name of a kernel of a ``library_kind`` for a platform; ``scope``: its scenes.
 
     ``law`` is the name of the user's law in the kernel, with a checksum of its text; "" without a law.
     """
@@ -91,52 +93,54 @@ def library_name(scope: KernelScope, platform: str, law: str = "", kind: str = K
         size = "_".join(map(str, scope))
     else:
         size = {None: "any", GENERAL: "general"}.get(scope, str(scope))
-    return "-".join(filter(None, (kind, size, law, platform))) + suffix
+    return "-".join(filter(None, (library_kind, size, law, platform))) + suffix
 
 
 def find(name: str) -> Path | None:
     """Return the path of the ready file ``name``; None if there is none from the present sources."""
-    return FOLDER / name if _usable() and (FOLDER / name).is_file() else None
+    return FOLDER / name if _is_usable() and (FOLDER / name).is_file() else None
 
 
-def best_kernel(scope: KernelScope, platform: str, kind: str) -> Path | None:
-    """Return the path of a ready kernel of a ``kind`` that can run the scenes ``scope``, or None.
+def best_kernel(scope: KernelScope, platform: str, library_kind: str) -> Path | None:
+    """Return the path of a ready kernel of a ``library_kind`` that can run the scenes ``scope``, or None.
 
     For a number of links, this is the kernel for any number if there is no ready kernel for this number.
     """
     scopes = (scope,) if scope == GENERAL or isinstance(scope, tuple) else (scope, None)
-    return next(filter(None, (find(library_name(each, platform, kind=kind)) for each in scopes)), None)
+    return next(
+        filter(None, (find(library_name(each, platform, library_kind=library_kind)) for each in scopes)), None
+    )
 
 
-def module() -> str | None:
+def lowered_kernel() -> str | None:
     """Return the text of the lowered kernel in the wheel; None if there is none from the present sources."""
     packed = find(MODULE)
     return lzma.decompress(packed.read_bytes()).decode() if packed else None
 
 
-def libraries() -> list[Path]:
+def ready_kernels() -> list[Path]:
     """Return the sorted paths of all ready kernels; none if they were made from other sources."""
-    return sorted(FOLDER.glob("*-*")) if _usable() else []
+    return sorted(FOLDER.glob("*-*")) if _is_usable() else []
 
 
 @functools.cache
-def _usable() -> bool:
+def _is_usable() -> bool:
     mark = FOLDER / MADE_FROM
     return mark.is_file() and mark.read_text() == fingerprint()
 
 
-def compiled(scope: KernelScope, platform: str, part: str, text: Callable[[], str]) -> Path:
+def object_file(scope: KernelScope, platform: str, part: str, text: Callable[[], str]) -> Path:
     """Return the object file of ``part`` of a kernel from the cache, or compile the part.
 
     The part is for the scenes ``scope``. ``text`` returns the lowered part; it is called only if the part is
     not in the cache.
     """
-    name = Path(library_name(scope, platform, kind=part)).with_suffix(".o").name
+    name = Path(library_name(scope, platform, library_kind=part)).with_suffix(".o").name
     make = functools.partial(compilers.compile_part, platform=platform, part=part, scope=scope)
     return cache.get_or_make(name, lambda file: make(text(), file))
 
 
-def compiled_for_browsers(text: Callable[[], str]) -> Path:
+def browser_object_file(text: Callable[[], str]) -> Path:
     """Return the object file of the kernel for browsers from the cache, or compile the kernel.
 
     ``text`` returns the lowered kernel; it is called only if the object file is not in the cache.

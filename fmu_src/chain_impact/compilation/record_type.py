@@ -68,12 +68,12 @@ class Field:
     stride: int = 0
 
 
-def _kind(dtype: np.dtype) -> types.Type:
+def _numba_type(dtype: np.dtype) -> types.Type:
     """Return numba's type of a number, or of the entries of an array."""
     return DUAL if dtype == dual_dtype(np.dtype(REAL)) else from_dtype(dtype)
 
 
-def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
+def _fields_by_path(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
     """Return path → part, for all parts of an instance, from the types of records with the counts SAMPLES."""
     table: dict[Path, Field] = {}
 
@@ -82,7 +82,7 @@ def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
         if first_dtype.subdtype and is_table(first_dtype):
             add_columns(path, dtypes, offsets)
             return
-        kind = _kind(first_dtype.base)
+        kind = _numba_type(first_dtype.base)
         fields = () if kind == DUAL else first_dtype.names or ()
         table[path] = Field(
             offset=affine(offsets),
@@ -104,14 +104,17 @@ def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
         for name in row.names:
             kind, start = row.fields[name][:2]
             column_offset = affine([offset + start for offset in offsets])
-            table[*path, name] = Field(column_offset, size, (), _kind(kind), shape, row.itemsize)
+            table[*path, name] = Field(column_offset, size, (), _numba_type(kind), shape, row.itemsize)
 
     add((), layouts, [0] * len(layouts))
     return table
 
 
 LAYOUTS = [instance_dtype(*sample) for sample in SAMPLES]
-TABLES = {"instance": _table(LAYOUTS), "tangent": _table([tangent_dtype(layout) for layout in LAYOUTS])}
+TABLES = {
+    "instance": _fields_by_path(LAYOUTS),
+    "tangent": _fields_by_path([tangent_dtype(layout) for layout in LAYOUTS]),
+}
 
 
 class Record(types.Type):
@@ -153,7 +156,7 @@ class _Fields(AttributeTemplate):
         return types.Array(field.kind, len(field.shape), layout) if field.shape else field.kind
 
 
-def built(number: Affine, builder: ir.IRBuilder, instance: ir.Value) -> ir.Value:
+def affine_value(number: Affine, builder: ir.IRBuilder, instance: ir.Value) -> ir.Value:
     """Return the LLVM value of an affine function of the counts of an instance."""
     total: ir.Value = cgutils.intp_t(number.constant)
     for factor, name in zip(number.slopes, COUNT_FUNCTIONS.values(), strict=True):
@@ -171,7 +174,7 @@ def _count_function(builder: ir.IRBuilder, name: str) -> ir.Function:
 def address_of(context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field) -> ir.Value:
     """Return the address of a part of an instance, as a pointer to the first number of the part."""
     kind = context.get_data_type(types.float64 if field.fields else field.kind).as_pointer()
-    return cgutils.pointer_add(builder, instance, built(field.offset, builder, instance), kind)
+    return cgutils.pointer_add(builder, instance, affine_value(field.offset, builder, instance), kind)
 
 
 @lower_getattr_generic(Record)
@@ -183,7 +186,7 @@ def _get_field(context: Any, builder: ir.IRBuilder, record: Record, instance: ir
         return builder.call(_count_function(builder, function), [instance])
     address = address_of(context, builder, instance, field)
     if field.shape:
-        shape = [built(size, builder, instance) for size in field.shape]
+        shape = [affine_value(size, builder, instance) for size in field.shape]
         return array_at(context, builder, field.kind, address, shape, stride=field.stride)
     return context.unpack_value(builder, field.kind, address)
 
@@ -228,7 +231,7 @@ def _set_field(context: Any, builder: ir.IRBuilder, signature: Any, arguments: A
     context.pack_value(builder, field.kind, value, address_of(context, builder, instance, field))
 
 
-def _numbers(first: types.CPointer, *counts: types.Integer) -> Any:
+def _array_maker(first: types.CPointer, *counts: types.Integer) -> Any:
     """Return signature and code, for numba, of a function that makes an array over memory.
 
     ``first`` and ``counts`` are the types of the function's arguments: the address of the first number, and
@@ -246,10 +249,10 @@ def _numbers(first: types.CPointer, *counts: types.Integer) -> Any:
 @intrinsic
 def vector(_context: Any, first: types.CPointer, count: types.Integer) -> Any:
     """Return an array of numbers, shape (count,), from the address of its first number."""
-    return _numbers(first, count)
+    return _array_maker(first, count)
 
 
 @intrinsic
 def matrix(_context: Any, first: types.CPointer, rows: types.Integer, columns: types.Integer) -> Any:
     """Return an array of numbers, shape (rows, columns), from the address of its first number."""
-    return _numbers(first, rows, columns)
+    return _array_maker(first, rows, columns)

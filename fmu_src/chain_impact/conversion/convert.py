@@ -12,19 +12,19 @@ from chain_impact.conversion.differences import DIFFERS, LEFT_OUT, WARNING
 from chain_impact.conversion.embedded_scene import EmbeddedScene, merge_embedded_scene, read_embedded_scene
 from chain_impact.conversion.mjcf import read_mjcf
 from chain_impact.conversion.mjcf_writing import mjcf_of
-from chain_impact.conversion.planar import Choices, Converted
+from chain_impact.conversion.planar import ConversionChoices, ConversionResult
 from chain_impact.conversion.proposals import chain_of
 from chain_impact.conversion.robot import Robot, identifier
 from chain_impact.conversion.urdf import local_name, read_urdf, xml_of
-from chain_impact.files import written_whole
+from chain_impact.files import written_atomically
 from chain_impact.scene.errors import SceneError, SceneWarning
 from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import Scene, scene_from_dict, scene_of, scene_to_dict
 
-ALL = Choices()
+ALL = ConversionChoices()
 
 
-def scene_of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted]:
+def scene_of_robot(path: Path, choices: ConversionChoices = ALL) -> tuple[Scene, ConversionResult]:
     """Return the scene of a robot in URDF or MJCF, and its conversion with data and remarks.
 
     ``choices`` are the user's choices for the conversion.
@@ -41,16 +41,18 @@ def scene_of_robot(path: Path, choices: Choices = ALL) -> tuple[Scene, Converted
         robot = read_robot(path, choices.keyframe)
 
         @cache
-        def embedded() -> EmbeddedScene | None:
+        def read_embedded() -> EmbeddedScene | None:
             data = robot.embedded
             return None if data is None else read_embedded_scene(data, robot.name, str(path))
 
-        def completed(found: Converted) -> Converted:
-            ours = embedded()
+        def with_embedded(found: ConversionResult) -> ConversionResult:
+            ours = read_embedded()
             return found if ours is None else merge_embedded_scene(found, ours, choices)
 
-        done = completed(chain_of(robot, choices, str(path), lambda found: _scene(completed(found), path)))
-        return _scene(done, path), done
+        done = with_embedded(
+            chain_of(robot, choices, str(path), lambda found: _converted_scene(with_embedded(found), path))
+        )
+        return _converted_scene(done, path), done
 
 
 def read_robot(path: Path, keyframe: str | None = None) -> Robot:
@@ -70,12 +72,12 @@ def read_robot(path: Path, keyframe: str | None = None) -> Robot:
     return read_urdf(path)
 
 
-def _scene(done: Converted, path: Path) -> Scene:
+def _converted_scene(done: ConversionResult, path: Path) -> Scene:
     done.data["name"] = identifier(done.data["name"], "model")
     return scene_from_dict(done.data, str(path))
 
 
-def convert(source: str | Path, output: Path, choices: Choices = ALL) -> Converted:
+def convert(source: str | Path, output: Path, choices: ConversionChoices = ALL) -> ConversionResult:
     """Write the scene ``source`` as MJCF if ``output`` ends in .xml, else the robot ``source`` as a scene.
 
     Return the conversion with its remarks; in a written scene, these are also comments at the beginning. The
@@ -84,17 +86,17 @@ def convert(source: str | Path, output: Path, choices: Choices = ALL) -> Convert
     if output.suffix.lower() == ".xml":
         scene = scene_of(source)
         text, differs, left_out = mjcf_of(scene)
-        done = Converted(scene_to_dict(scene), [], differs, left_out, [])
+        done = ConversionResult(scene_to_dict(scene), [], differs, left_out, [])
     else:
         _, done = scene_of_robot(Path(source), choices)
         remarks = [f"From {Path(source).name}.", *(f"{title}: {line}" for title, line in remark_lines(done))]
         text = "".join(f"# {line}\n" for line in remarks) + f"\n{tomlkit.dumps(done.data)}"
-    with written_whole(output) as fresh:
+    with written_atomically(output) as fresh:
         fresh.write_text(text, encoding="utf-8")
     return done
 
 
-def remark_lines(done: Converted) -> list[tuple[str, str]]:
+def remark_lines(done: ConversionResult) -> list[tuple[str, str]]:
     """Return the remarks of a conversion as pairs (title, sentence), warnings first and notes last."""
     titles = (WARNING, DIFFERS, LEFT_OUT, "note")
     remarks = (done.warnings, done.differs, done.left_out, done.notes)

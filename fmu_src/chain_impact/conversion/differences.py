@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import IntEnum
 
-from chain_impact.text import few
+from chain_impact.text import names_text
 
 # [1] a `size` up to which a difference gives no warning, unless its `effect` is MOTION
 NEGLIGIBLE = 0.02
@@ -85,7 +85,7 @@ def joint_difference(name: str, text: str, effect: SceneAspect, *, differs: bool
 
 
 @contextmanager
-def collected_warnings(package: str) -> Iterator[list[str]]:
+def collect_warnings(package: str) -> Iterator[list[str]]:
     """Context manager that yields a list, and at its end fills it with notes on Python warnings.
 
     There is one note, "<package> warns: …", for each different text of a warning in the ``with`` block, but
@@ -100,7 +100,7 @@ def collected_warnings(package: str) -> Iterator[list[str]]:
     notes.extend(f"{package} warns: {text}" for text in whole)
 
 
-def lines(differences: Iterable[Difference], title: str) -> list[str]:
+def difference_lines(differences: Iterable[Difference], title: str) -> list[str]:
     """Return the sentences on the differences with the title ``title``: one for each kind and text.
 
     The sentences are in the order of ``SceneAspect``; of the same effect, the largest is first.
@@ -110,11 +110,13 @@ def lines(differences: Iterable[Difference], title: str) -> list[str]:
     for difference in ordered:
         if difference.title == title:
             names.setdefault((difference.kind, difference.text), []).append(difference.name)
-    return [line(kind, list(dict.fromkeys(of_kind)), text) for (kind, text), of_kind in names.items()]
+    return [
+        difference_line(kind, list(dict.fromkeys(of_kind)), text) for (kind, text), of_kind in names.items()
+    ]
 
 
-def line(kind: str, names: Sequence[str], text: str, shown: int = LINE_NAMES) -> str:
+def difference_line(kind: str, names: Sequence[str], text: str, shown: int = LINE_NAMES) -> str:
     """Return the line "<kind> <names>: <text>", with up to ``shown`` names and a count of further names."""
     if len(names) > 1:
         kind = PLURALS.get(kind, f"{kind}s")
-    return f"{' '.join(filter(None, (kind, few(names, shown))))}: {text}"
+    return f"{' '.join(filter(None, (kind, names_text(names, shown))))}: {text}"

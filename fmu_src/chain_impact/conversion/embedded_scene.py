@@ -17,11 +17,11 @@ from chain_impact.conversion.differences import LINE_NAMES
 from chain_impact.conversion.mjcf import read_mjcf_text
 from chain_impact.conversion.mjcf_contacts import point_name
 from chain_impact.conversion.mjcf_writing import mjcf_of
-from chain_impact.conversion.planar import Choices, Converted, planar_chain
+from chain_impact.conversion.planar import ConversionChoices, ConversionResult, planar_chain
 from chain_impact.conversion.robot import identifier
 from chain_impact.scene.scene import Scene, scene_from_dict, scene_to_dict
 from chain_impact.scene.words.names import input_key
-from chain_impact.text import few
+from chain_impact.text import names_text
 
 # two numbers are the same, up to round-off, if they differ by at most SAME_NUMBER, or by this part of the
 # larger one
@@ -41,7 +41,7 @@ class EmbeddedScene(NamedTuple):
     """
 
     scene: Scene
-    written: Converted
+    written: ConversionResult
 
 
 def read_embedded_scene(data: Mapping[str, Any], name: str, source: str) -> EmbeddedScene:
@@ -54,10 +54,12 @@ def read_embedded_scene(data: Mapping[str, Any], name: str, source: str) -> Embe
         MissingExtraError: when mujoco is not installed.
     """
     scene = scene_from_dict({**data, "name": identifier(name, "model")}, source)
-    return EmbeddedScene(scene, planar_chain(read_mjcf_text(mjcf_of(scene)[0]), Choices(), source))
+    return EmbeddedScene(scene, planar_chain(read_mjcf_text(mjcf_of(scene)[0]), ConversionChoices(), source))
 
 
-def merge_embedded_scene(found: Converted, embedded: EmbeddedScene, choices: Choices) -> Converted:
+def merge_embedded_scene(
+    found: ConversionResult, embedded: EmbeddedScene, choices: ConversionChoices
+) -> ConversionResult:
     """Return the conversion ``found`` of a file's elements, merged with the scene in the file.
 
     The docstring of this module tells which values hold. ``choices`` are the user's choices for ``found``.
@@ -70,7 +72,7 @@ def merge_embedded_scene(found: Converted, embedded: EmbeddedScene, choices: Cho
         for remarks, known in zip(found[1:], written[1:], strict=True)
     )
     if merger.changed:
-        text = few(list(dict.fromkeys(merger.changed)), LINE_NAMES)
+        text = names_text(list(dict.fromkeys(merger.changed)), LINE_NAMES)
         notes.append(f"values in which the file's elements differ from the scene in the file: {text}")
     if merger.lost:
         text = f"{', '.join(merger.lost)}: left out, as the file and the scene in it differ in axes or joints"
@@ -78,7 +80,7 @@ def merge_embedded_scene(found: Converted, embedded: EmbeddedScene, choices: Cho
     if merger.missing:
         text = f"{', '.join(merger.missing)}: left out or shortened, as the file lacks their wall or motor"
         warnings.append(text)
-    return Converted(data, warnings, differs, left_out, notes)
+    return ConversionResult(data, warnings, differs, left_out, notes)
 
 
 class _Merger:
@@ -99,7 +101,7 @@ class _Merger:
     """
 
     def __init__(
-        self, scene: Scene, written: Mapping[str, Any], found: Mapping[str, Any], choices: Choices
+        self, scene: Scene, written: Mapping[str, Any], found: Mapping[str, Any], choices: ConversionChoices
     ) -> None:
         self.scene, self.written, self.found = scene, written, found
         self.changed: list[str] = []
@@ -109,14 +111,14 @@ class _Merger:
         self.alike = one["base"] == other["base"] and len(one["links"]) == len(other["links"])
         chosen = bool(choices.joints or choices.plane or choices.tip)
         angles = (data["initial"]["angles"] for data in (written, found))
-        self.turned = not self.alike or (chosen and not _same(*angles))
+        self.turned = not self.alike or (chosen and not _are_equal(*angles))
         count = len(scene.chain.links) + len(scene.chain.sites)
         self.numbers = {identifier(point_name(k), "geom"): k for k in range(count + 1)}
 
     def data(self) -> dict[str, Any]:
         """Return the data of the merged scene, and fill ``changed``, ``lost`` and ``missing``."""
         ours = scene_to_dict(self.scene)
-        data: dict[str, Any] = self._merged("", *map(_mergeable, (ours, self.written, self.found)))
+        data: dict[str, Any] = self._merge_value("", *map(_mergeable_data, (ours, self.written, self.found)))
         if self.found["chain"]["base"] != "slider":
             data["chain"].pop("slider", None)
         data["walls"] = list(data["walls"].values())
@@ -165,7 +167,7 @@ class _Merger:
         of, _, rest = name.partition(".")
         return of == "signal" and rest.partition(".")[0] in set(self.scene.signals) - set(signals)
 
-    def _merged(self, key: str, ours: Any, written: Any, found: Any) -> Any:
+    def _merge_value(self, key: str, ours: Any, written: Any, found: Any) -> Any:
         """Return the scene's value ``ours`` if ``written`` and ``found`` are the same, else ``found``.
 
         Tables, and three lists of equal length, are merged entry by entry. An entry of ``walls`` that is in
@@ -178,7 +180,9 @@ class _Merger:
         if isinstance(found, dict) or isinstance(written, dict):
             tables = [table if isinstance(table, dict) else {} for table in (ours, written, found)]
             values = {
-                name: self._merged(f"{key}.{name}".strip("."), *(table.get(name, ABSENT) for table in tables))
+                name: self._merge_value(
+                    f"{key}.{name}".strip("."), *(table.get(name, ABSENT) for table in tables)
+                )
                 for name in dict.fromkeys(name for table in tables for name in table)
             }
             return {name: value for name, value in values.items() if value is not ABSENT}
@@ -186,8 +190,8 @@ class _Merger:
         if len({len(value) for value in lists}) == 1 and len(lists) == 3:  # noqa: PLR2004
             numbered = isinstance(next(iter(found), None), dict)
             keys = [f"{key}[{n}]" if numbered else key for n in range(1, len(found) + 1)]
-            return [self._merged(*parts) for parts in zip(keys, *lists, strict=True)]
-        if _same(written, found):
+            return [self._merge_value(*parts) for parts in zip(keys, *lists, strict=True)]
+        if _are_equal(written, found):
             return ours
         self.changed.append(key)
         return found
@@ -202,7 +206,7 @@ class _Merger:
         removed = before.keys() - now.keys()
         walls = {name: dict(table) for name, table in ours.get("wall", {}).items() if name not in removed}
         for name, friction in now.items():
-            if not _same(before.get(name), friction):
+            if not _are_equal(before.get(name), friction):
                 self.changed.append(f"contact.wall.{name}.friction")
                 walls.setdefault(name, {})["friction"] = friction
                 # MJCF has only one coefficient of friction, which replaces both coefficients of the scene
@@ -219,15 +223,15 @@ class _Merger:
         written, found = (data["chain"]["links"] for data in (self.written, self.found))
         points = [link.get("points", []) for link in found]
         if self.alike:
-            bare = [[_without(link, BODY) for link in tables] for tables in (ours, written, found)]
-            links: list[dict[str, Any]] = self._merged("link", *bare)
+            bare = [[_without_keys(link, BODY) for link in tables] for tables in (ours, written, found)]
+            links: list[dict[str, Any]] = self._merge_value("link", *bare)
             same = [
-                _same([one["length"], one.get("points", [])], [other["length"], of])
+                _are_equal([one["length"], one.get("points", [])], [other["length"], of])
                 for one, other, of in zip(written, found, points, strict=True)
             ]
         else:
             self.changed.append("chain.links")
-            links, same = [_without(link, BODY) for link in found], [False] * len(found)
+            links, same = [_without_keys(link, BODY) for link in found], [False] * len(found)
         touching = set[int]()
         for i, (link, tables) in enumerate(zip(links, points, strict=True)):
             own, ends = self._points(i, tables, link["length"])
@@ -265,16 +269,16 @@ class _Merger:
                 continue
             known = before[number]
             place = [table["x"], table["y"]]
-            at_end = [i + end for end in (0, 1) if _same(place, [end * length, 0.0])]
-            if number < first and at_end and _same(table["radius"], known["radius"]):
+            at_end = [i + end for end in (0, 1) if _are_equal(place, [end * length, 0.0])]
+            if number < first and at_end and _are_equal(table["radius"], known["radius"]):
                 ends |= {*at_end}
             elif number < first:
                 points.append(table | {"name": f"point_{number}"})
             else:
-                points.append(self._kept(table, known, number - first))
+                points.append(self._keep_point(table, known, number - first))
         return points, ends
 
-    def _kept(self, table: dict[str, Any], known: Mapping[str, Any], index: int) -> dict[str, Any]:
+    def _keep_point(self, table: dict[str, Any], known: Mapping[str, Any], index: int) -> dict[str, Any]:
         """Return ``table`` with name and numbers of the scene's point; numbers changed in the file stay.
 
         Args:
@@ -283,17 +287,21 @@ class _Merger:
             index: index of the point in ``scene.chain.sites``.
         """
         site = self.scene.chain.sites[index][1]
-        kept = {key: getattr(site, key) for key in ("x", "y", "radius") if _same(table[key], known[key])}
+        kept = {key: getattr(site, key) for key in ("x", "y", "radius") if _are_equal(table[key], known[key])}
         return {**table, **kept, "name": site.name}
 
 
-def _mergeable(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the data of a scene in the form that ``_merged`` needs: ``walls`` is a table from name to wall.
+def _mergeable_data(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the data of a scene in the form of ``_merge_value``: ``walls`` is a table from name to wall.
 
     ``chain.links`` and ``contact`` are left out, because ``_links`` and ``_contact`` merge these tables.
     """
     walls = {wall["name"]: wall for wall in data.get("walls", [])}
-    return {**_without(data, ["contact"]), "chain": _without(data["chain"], ["links"]), "walls": walls}
+    return {
+        **_without_keys(data, ["contact"]),
+        "chain": _without_keys(data["chain"], ["links"]),
+        "walls": walls,
+    }
 
 
 def _frictions(data: Mapping[str, Any]) -> dict[str, float]:
@@ -303,16 +311,16 @@ def _frictions(data: Mapping[str, Any]) -> dict[str, float]:
     return {name: materials.get(name, {}).get("friction", 0.0) for name in names}
 
 
-def _without(table: Mapping[str, Any], keys: Sequence[str]) -> dict[str, Any]:
+def _without_keys(table: Mapping[str, Any], keys: Sequence[str]) -> dict[str, Any]:
     return {key: value for key, value in table.items() if key not in keys}
 
 
-def _same(one: Any, other: Any) -> bool:
+def _are_equal(one: Any, other: Any) -> bool:
     """Return whether two values are equal; numbers in them may differ by round-off (SAME_NUMBER)."""
     if isinstance(one, dict) and isinstance(other, dict):
-        return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
+        return one.keys() == other.keys() and all(_are_equal(one[key], other[key]) for key in one)
     if isinstance(one, list) and isinstance(other, list):
-        return len(one) == len(other) and all(map(_same, one, other))
+        return len(one) == len(other) and all(map(_are_equal, one, other))
     if isinstance(one, float | int) and isinstance(other, float | int):
         return math.isclose(one, other, rel_tol=SAME_NUMBER, abs_tol=SAME_NUMBER)
     return bool(one == other)

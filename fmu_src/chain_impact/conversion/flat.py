@@ -28,7 +28,7 @@ class Plan(NamedTuple):
     y: np.ndarray
     axis: np.ndarray
 
-    def flat(self, point: np.ndarray) -> np.ndarray:
+    def project(self, point: np.ndarray) -> np.ndarray:
         """Return the coordinates in the scene, shape (…, 2), of points or vectors in space, shape (…, 3)."""
         return np.stack([point @ self.x, point @ self.y], axis=-1)
 
@@ -53,14 +53,14 @@ def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
     """
     axis = axis / np.linalg.norm(axis)
     if directions is not None:
-        x, y = _chosen(axis, directions, source)
+        x, y = _chosen_axes(axis, directions, source)
     else:
         up = _component_across(Z, axis)
         y = up if np.linalg.norm(up) > PARALLEL_ANGLE else _component_across(Y, axis)
         y = y / np.linalg.norm(y)
         x = np.cross(y, axis)
         x = x * (_sign(x[0]) or _sign(x[1]))
-    x, y = _cleaned(x), _cleaned(y)
+    x, y = _without_round_off(x), _without_round_off(y)
     return Plan(x, y, np.cross(x, y))
 
 
@@ -73,7 +73,7 @@ def _sign(value: float) -> float:
     return 0.0 if abs(value) < PARALLEL_ANGLE else float(np.sign(value))
 
 
-def _chosen(axis: np.ndarray, directions: str, source: str) -> tuple[np.ndarray, np.ndarray]:
+def _chosen_axes(axis: np.ndarray, directions: str, source: str) -> tuple[np.ndarray, np.ndarray]:
     axes = {
         f"{sign}{name}": factor * direction
         for sign, factor in (("", 1.0), ("-", -1.0))
@@ -85,7 +85,7 @@ def _chosen(axis: np.ndarray, directions: str, source: str) -> tuple[np.ndarray,
         raise SceneError(f"--plane {directions}: {allowed}")
     x, y = (axes[name] for name in names)
     if abs(np.dot(x, y)) > PARALLEL_ANGLE or max(abs(np.dot(x, axis)), abs(np.dot(y, axis))) > PARALLEL_ANGLE:
-        turning = " ".join(f"{part:.4g}" for part in _cleaned(axis))
+        turning = " ".join(f"{part:.4g}" for part in _without_round_off(axis))
         raise SceneError(
             f"{source}: --plane {directions}: x and y must be at right angles to each other and to the "
             f"axes of the joints, which point along ({turning})"
@@ -98,7 +98,7 @@ def rounded_to_zero(value: float) -> float:
     return 0.0 if abs(value) < NUMBER_ROUND_OFF else value
 
 
-def _cleaned(axis: np.ndarray) -> np.ndarray:
+def _without_round_off(axis: np.ndarray) -> np.ndarray:
     """Return a unit vector in which each component near 0 or ±1, up to round-off, is exactly 0 or ±1."""
     whole = np.rint(axis)
     return np.where(np.abs(axis - whole) < NUMBER_ROUND_OFF, whole, axis) + 0.0

@@ -32,7 +32,7 @@ class NoChainError(SceneError):
 
 
 @dataclass(frozen=True)
-class Moving:
+class MovingJoint:
     """A joint, the index of its body, and the place of its axis in space.
 
     ``anchor`` is a point on the axis [m], ``axis`` the unit vector along it, both shape (3,). Both
@@ -46,7 +46,7 @@ class Moving:
     axis: np.ndarray
 
 
-class Chosen(NamedTuple):
+class ChosenJoints(NamedTuple):
     """The joints that form a chain.
 
     Attributes:
@@ -59,8 +59,8 @@ class Chosen(NamedTuple):
     """
 
     poses: list[tuple[np.ndarray, np.ndarray]]
-    hinges: list[Moving]
-    slides: list[Moving]
+    hinges: list[MovingJoint]
+    slides: list[MovingJoint]
     held: set[str]
 
     @property
@@ -69,7 +69,7 @@ class Chosen(NamedTuple):
         return ("pinned", "slider", "free")[len(self.slides)]
 
 
-def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
+def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> ChosenJoints:
     """Return the joints that form the chain.
 
     ``wanted`` are the names of the joints that move, while all others are held at their start; without names
@@ -79,7 +79,7 @@ def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
         NoChainError: when the moving joints form no planar chain.
         UnknownNameError: when the robot has no joint with a wanted name.
     """
-    held = _held(robot, wanted, source)
+    held = _held_joints(robot, wanted, source)
     poses, moving = moving_joints(robot, held)
     slides = [moved for moved in moving if moved.joint.kind == "slide"]
     hinges = [moved for moved in moving if moved.joint.kind == "hinge"]
@@ -95,29 +95,31 @@ def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> Chosen:
     _check_parallel(hinges, source)
     _check_slides(robot, slides, moving, source)
     _check_serial(robot, hinges, source)
-    return Chosen(poses, hinges, slides, held)
+    return ChosenJoints(poses, hinges, slides, held)
 
 
-def moving_joints(robot: Robot, held: set[str]) -> tuple[list[tuple[np.ndarray, np.ndarray]], list[Moving]]:
+def moving_joints(
+    robot: Robot, held: set[str]
+) -> tuple[list[tuple[np.ndarray, np.ndarray]], list[MovingJoint]]:
     """Return the pose of each body, and the joints that are not in ``held``, in the order of their bodies.
 
     A pose is a rotation matrix and a position [m] in space. The joints ``held``, by name, are at their start,
     all others at zero.
     """
     poses = _poses(robot, held)
-    return poses, [moved for moved in _placed(robot, poses) if moved.joint.name not in held]
+    return poses, [moved for moved in _place_joints(robot, poses) if moved.joint.name not in held]
 
 
-def joints_at_start(robot: Robot) -> list[Moving]:
+def joints_at_start(robot: Robot) -> list[MovingJoint]:
     """Return all joints of a robot with their places in space at the start."""
-    return list(_placed(robot, _poses(robot, set(joint_names(robot)))))
+    return list(_place_joints(robot, _poses(robot, set(joint_names(robot)))))
 
 
-def _placed(robot: Robot, poses: list[tuple[np.ndarray, np.ndarray]]) -> Iterator[Moving]:
+def _place_joints(robot: Robot, poses: list[tuple[np.ndarray, np.ndarray]]) -> Iterator[MovingJoint]:
     for b, body in enumerate(robot.bodies):
         rotation, position = poses[b]
         for joint in body.joints:
-            yield Moving(joint, b, position + rotation @ joint.anchor, rotation @ joint.axis)
+            yield MovingJoint(joint, b, position + rotation @ joint.anchor, rotation @ joint.axis)
 
 
 def joint_names(robot: Robot) -> list[str]:
@@ -125,7 +127,7 @@ def joint_names(robot: Robot) -> list[str]:
     return [joint.name for body in robot.bodies for joint in body.joints]
 
 
-def _held(robot: Robot, wanted: Sequence[str], source: str) -> set[str]:
+def _held_joints(robot: Robot, wanted: Sequence[str], source: str) -> set[str]:
     names = joint_names(robot)
     for name in wanted:
         if name not in names:
@@ -165,7 +167,7 @@ def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
     return np.asarray(np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross)
 
 
-def _check_limits(moving: list[Moving], source: str) -> None:
+def _check_limits(moving: list[MovingJoint], source: str) -> None:
     for joint in (moved.joint for moved in moving):
         if joint.low >= joint.high:
             unit, other = ("m", "") if joint.kind == "slide" else ("rad", " (a `continuous` one can)")
@@ -177,7 +179,7 @@ def _check_limits(moving: list[Moving], source: str) -> None:
             raise NoChainError(f"{source}: joint {joint.name}: its {what}", [joint.name])
 
 
-def _check_parallel(hinges: list[Moving], source: str) -> None:
+def _check_parallel(hinges: list[MovingJoint], source: str) -> None:
     if len(parallel_groups(hinges)) > 1:
         names = [hinge.joint.name for hinge in hinges]
         raise NoChainError(
@@ -185,9 +187,9 @@ def _check_parallel(hinges: list[Moving], source: str) -> None:
         )
 
 
-def parallel_groups(hinges: Sequence[Moving]) -> list[list[Moving]]:
+def parallel_groups(hinges: Sequence[MovingJoint]) -> list[list[MovingJoint]]:
     """Return all ``hinges`` in groups; the axes in a group are parallel to that of its first hinge."""
-    groups: list[list[Moving]] = []
+    groups: list[list[MovingJoint]] = []
     left = list(hinges)
     while left:
         sines = np.linalg.norm(np.cross([hinge.axis for hinge in left], left[0].axis), axis=1)
@@ -197,7 +199,7 @@ def parallel_groups(hinges: Sequence[Moving]) -> list[list[Moving]]:
     return groups
 
 
-def _check_slides(robot: Robot, slides: list[Moving], order: list[Moving], source: str) -> None:
+def _check_slides(robot: Robot, slides: list[MovingJoint], order: list[MovingJoint], source: str) -> None:
     """Refuse sliding joints that a scene cannot have.
 
     A scene can have one slide in the plane of the motion, or two in this plane at right angles to each other,
@@ -222,7 +224,7 @@ def _check_slides(robot: Robot, slides: list[Moving], order: list[Moving], sourc
         _check_limits(slides, source)
 
 
-def _check_serial(robot: Robot, hinges: list[Moving], source: str) -> None:
+def _check_serial(robot: Robot, hinges: list[MovingJoint], source: str) -> None:
     for before, hinge in pairwise(hinges):
         if before.body == hinge.body or before.body not in ancestors(robot, hinge.body):
             names = [before.joint.name, hinge.joint.name]

@@ -17,11 +17,11 @@ from chain_impact.conversion.mjcf_contacts import Contacts
 from chain_impact.conversion.mjcf_couplings import couplings
 from chain_impact.conversion.mjcf_drives import Drives
 from chain_impact.conversion.mjcf_fields import flag_notes, unsupported_fields
-from chain_impact.conversion.mjcf_files import Compiled, compiled, warned_by
+from chain_impact.conversion.mjcf_files import CompiledModel, collect_mujoco_warnings, compile_model
 from chain_impact.conversion.robot import Body, Joint, Robot
 from chain_impact.extras import require
 from chain_impact.scene.errors import SceneError, UnknownNameError
-from chain_impact.text import plural
+from chain_impact.text import count_text
 
 TEXT_NAME = "chain_impact"
 """The name of the text element that has the data of the scene as JSON, in files of this package."""
@@ -56,8 +56,8 @@ def read_mjcf(path: Path, keyframe: str | None = None) -> Robot:
         MissingExtraError: when mujoco is not installed.
     """
     mujoco = require("mujoco", "convert")
-    with warned_by(mujoco) as warned:
-        file = compiled(mujoco, path)
+    with collect_mujoco_warnings(mujoco) as warned:
+        file = compile_model(mujoco, path)
         start, note = _start(mujoco, file.model, keyframe, str(path))
         robot = _Reader(mujoco, file, start, str(path)).robot(path.stem, note)
     return replace(robot, notes=[*robot.notes, *warned])
@@ -67,7 +67,7 @@ def read_mjcf_text(text: str) -> Robot:
     """Return the robot from the text of MJCF that this package has written for a scene."""
     mujoco = require("mujoco", "convert")
     spec = mujoco.MjSpec.from_string(text)
-    file = Compiled(spec, spec.compile(), set(), [])
+    file = CompiledModel(spec, spec.compile(), set(), [])
     start, note = _start(mujoco, file.model, None, TEXT_NAME)
     return _Reader(mujoco, file, start, TEXT_NAME).robot(TEXT_NAME, note)
 
@@ -108,7 +108,7 @@ def _embedded_data(text: str, source: str) -> dict[str, Any]:
 class _Reader:
     """The reader of a compiled model; ``differences`` has what a scene lacks, or has in another form."""
 
-    def __init__(self, mujoco: Any, file: Compiled, start: Start, source: str) -> None:
+    def __init__(self, mujoco: Any, file: CompiledModel, start: Start, source: str) -> None:
         self.mujoco, self.spec, self.model, self.start = mujoco, file.spec, file.model, start
         texts = (text.data for text in self.spec.texts if text.name == TEXT_NAME)
         self.embedded = next((_embedded_data(text, source) for text in texts), None)
@@ -126,7 +126,7 @@ class _Reader:
             *couplings(self.mujoco, model),
             *unsupported_fields(model),
             *self.contacts.differences(),
-            *self._others(),
+            *self._other_elements(),
         ]
         return Robot(
             name=self.spec.modelname or name,
@@ -218,19 +218,19 @@ class _Reader:
             speed=float(self.start.speeds[dof]),
             turn=self._axes(self.start.positions[at : at + 4]) if kind == "ball" else None,
         )
-        return self.drives.driven(one, j, zero)
+        return self.drives.with_actuators(one, j, zero)
 
     def _tell_soft(self, joint: str, what: str, where: str) -> None:
         text = f"{what} soft in MuJoCo; a scene has its own, in {where}"
         self.differences.append(joint_difference(joint, text, SceneAspect.CONTACT, differs=True))
 
-    def _others(self) -> Iterator[Difference]:
+    def _other_elements(self) -> Iterator[Difference]:
         """Yield one difference that counts sensors, cameras, lights and skins; nothing if there are none."""
         model = self.model
         kinds = {"sensor": model.nsensor, "camera": model.ncam, "light": model.nlight, "skin": model.nskin}
         counts = Counter({kind: count for kind, count in kinds.items() if count})
         if counts:
-            what = ", ".join(plural(count, kind) for kind, count in counts.items())
+            what = ", ".join(count_text(count, kind) for kind, count in counts.items())
             yield Difference(kind=what, text="not in the scene", effect=SceneAspect.NONE)
 
     def _axes(self, quaternion: np.ndarray) -> np.ndarray:

@@ -52,7 +52,7 @@ class Contacts:
     def _is_still(self, g: int) -> bool:
         return bool(self.model.body_weldid[self.model.geom_bodyid[g]] == 0)
 
-    def _touch(self, geom: int, other: int) -> bool:
+    def _can_touch(self, geom: int, other: int) -> bool:
         """Return whether two shapes, given by their indices, can touch each other, by rules of MuJoCo.
 
         The result is False if the file disables contacts, else True if the file lists the shapes as a pair.
@@ -70,7 +70,7 @@ class Contacts:
         types, affinities = model.geom_contype, model.geom_conaffinity
         return bool(types[geom] & affinities[other] or types[other] & affinities[geom])
 
-    def _rubs(self, geom: int, other: int) -> float:
+    def _sliding_friction(self, geom: int, other: int) -> float:
         """Return the coefficient of sliding friction between two shapes, by MuJoCo's rules.
 
         A listed pair has its own coefficient. Otherwise the coefficient is that of the shape with the higher
@@ -95,9 +95,9 @@ class Contacts:
         self.mujoco.mj_kinematics(model, data)
         for g in self.walls:
             touching = [
-                (int(model.geom_bodyid[other]) - 1, self._rubs(g, other))
+                (int(model.geom_bodyid[other]) - 1, self._sliding_friction(g, other))
                 for other in self.moving
-                if self._touch(g, other)
+                if self._can_touch(g, other)
             ]
             yield Plane(
                 name=model.geom(g).name or f"{g}",
@@ -134,9 +134,9 @@ class Contacts:
         alone = is_point and not self.walls and self.works
         return LinkShape(
             kind=word,
-            touches=alone or any(self._touch(g, other) for other in others if other != g),
+            touches=alone or any(self._can_touch(g, other) for other in others if other != g),
             name=identifier(name, "geom") if name else "",
-            walls=any(self._touch(g, wall) for wall in self.walls),
+            walls=any(self._can_touch(g, wall) for wall in self.walls),
             is_point=is_point,
             corners=corners @ axes.T + model.geom_pos[g],
             radius=radius,
@@ -152,7 +152,7 @@ class Contacts:
         model = self.model
         walls = False
         for g in self.still:
-            bodies = frozenset(int(model.geom_bodyid[o]) - 1 for o in self.moving if self._touch(g, o))
+            bodies = frozenset(int(model.geom_bodyid[o]) - 1 for o in self.moving if self._can_touch(g, o))
             walls |= g in self.walls and bool(bodies)
             if bodies and g not in self.walls:
                 kind = self.mujoco.mjtGeom(model.geom_type[g]).name.removeprefix("mjGEOM_").lower()

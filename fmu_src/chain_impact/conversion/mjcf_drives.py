@@ -70,10 +70,10 @@ class Drives:
         for a in range(model.nactuator):
             if kinds(model.actuator_trntype[a]) in (kinds.mjTRN_JOINT, kinds.mjTRN_JOINTINPARENT):
                 self.at.setdefault(int(model.actuator_trnid[a, 0]), []).append(a)
-            elif self._active(a):
+            elif self._is_active(a):
                 self._tell_other(a)
 
-    def _active(self, a: int) -> bool:
+    def _is_active(self, a: int) -> bool:
         """Return whether actuator ``a`` can act: the file disables neither all actuators nor its group."""
         group = int(self.model.actuator_group[a])
         off = 0 <= group < 31 and self.model.opt.disableactuator >> group & 1  # noqa: PLR2004
@@ -99,25 +99,25 @@ class Drives:
             SceneAspect.CONTACT if sticks else SceneAspect.MOTION,
         )
 
-    def driven(self, joint: Joint, j: int, zero: float) -> Joint:
+    def with_actuators(self, joint: Joint, j: int, zero: float) -> Joint:
         """Return ``joint``, MuJoCo's joint ``j``, with damping, rotor inertia and drives of its actuators.
 
         Active actuators that a scene cannot have are reported. ``zero`` is MuJoCo's angle [rad] or position
         [m] of the joint in the pose of the file, in which the angle or position of ``joint`` is 0.
         """
         for a in self.at.get(j, []):
-            joint = self._geared(joint, a)
+            joint = self._with_gear(joint, a)
         if joint.kind not in ("hinge", "slide"):
-            for a in filter(self._active, self.at.get(j, [])):
+            for a in filter(self._is_active, self.at.get(j, [])):
                 self._tell(a, f"acts on a {joint.kind}: is not in the scene", SceneAspect.MOTION, joint.name)
             return joint
-        actuators = [self._drive(joint, a) for a in self.at.get(j, []) if self._active(a)]
+        actuators = [self._drive(joint, a) for a in self.at.get(j, []) if self._is_active(a)]
         drives = [drive for drive in actuators if drive is not None]
         if drives:
             joint = self._with_drives(joint, j, drives, zero)
         return joint
 
-    def _geared(self, joint: Joint, a: int) -> Joint:
+    def _with_gear(self, joint: Joint, a: int) -> Joint:
         """Return a joint to which the damping and the rotor inertia of actuator ``a`` are added.
 
         Both are multiplied by the square of the gear ratio. Damping that is not linear is reported.

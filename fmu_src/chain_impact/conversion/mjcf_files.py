@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from chain_impact.conversion.differences import Difference, SceneAspect, collected_warnings
+from chain_impact.conversion.differences import Difference, SceneAspect, collect_warnings
 from chain_impact.scene.errors import SceneError
 
 CORNERS = (0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
@@ -20,7 +20,7 @@ FACES = (0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3)
 the three corners of each face."""
 
 
-class Compiled(NamedTuple):
+class CompiledModel(NamedTuple):
     """A compiled MJCF file.
 
     Attributes:
@@ -37,7 +37,7 @@ class Compiled(NamedTuple):
 
 
 @contextmanager
-def warned_by(mujoco: Any) -> Iterator[list[str]]:
+def collect_mujoco_warnings(mujoco: Any) -> Iterator[list[str]]:
     """Context manager that yields a list, and at its end fills it with notes on MuJoCo's warnings.
 
     By itself MuJoCo writes a warning to the screen, and to a file in the current folder.
@@ -45,13 +45,13 @@ def warned_by(mujoco: Any) -> Iterator[list[str]]:
     previous = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda text: warnings.warn(text, stacklevel=2))
     try:
-        with collected_warnings("MuJoCo") as notes:
+        with collect_warnings("MuJoCo") as notes:
             yield notes
     finally:
         mujoco.set_mju_user_warning(previous)
 
 
-def compiled(mujoco: Any, path: Path) -> Compiled:
+def compile_model(mujoco: Any, path: Path) -> CompiledModel:
     """Read and compile an MJCF file; if MuJoCo refuses to compile, compile once more with stand-ins.
 
     Raises:
@@ -66,7 +66,7 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
             spec = mujoco.MjSpec.from_file(str(path))
             absent = _stand_in(mujoco, spec, path)
             weightless = _clear_masses(mujoco, spec, absent)
-            model = _compiled_without(spec, weightless)
+            model = _compile_without(spec, weightless)
     except (ValueError, mujoco.FatalError) as error:
         raise SceneError(f"{path}: MuJoCo cannot read it: {error}") from None
     differences = [
@@ -79,7 +79,7 @@ def compiled(mujoco: Any, path: Path) -> Compiled:
         differences.append(
             Difference(kind="body", name=name, text=text, effect=SceneAspect.MASS, size=1.0, bodies=bodies)
         )
-    return Compiled(spec, model, set(absent), differences)
+    return CompiledModel(spec, model, set(absent), differences)
 
 
 def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
@@ -137,7 +137,7 @@ def _clear_masses(mujoco: Any, spec: Any, absent: dict[str, str]) -> list[tuple[
     return bodies
 
 
-def _compiled_without(spec: Any, weightless: list[tuple[Any, str]]) -> Any:
+def _compile_without(spec: Any, weightless: list[tuple[Any, str]]) -> Any:
     """Return the compiled model.
 
     If MuJoCo refuses a body because of its mass, the error names the meshes in ``weightless``, pairs (body,

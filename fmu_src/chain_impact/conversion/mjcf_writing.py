@@ -14,7 +14,7 @@ from chain_impact.conversion.mjcf_contacts import point_name
 from chain_impact.conversion.robot import JOINT_KEYS
 from chain_impact.scene.keys.chain_tables import Link, Slider
 from chain_impact.scene.scene import Scene, scene_to_dict
-from chain_impact.text import few
+from chain_impact.text import names_text
 
 # axis of a hinge: the scene's x and y are x and z in MJCF, because z points up in MuJoCo's pictures
 HINGE = "0 -1 0"
@@ -232,7 +232,7 @@ def _left_out(scene: Scene) -> Iterator[str]:
         if limit == 0.0:
             yield f"{name} = 0: MuJoCo has no such limit"
     if scene.signals:
-        names = few([f"signals.{name}" for name in scene.signals], 3)
+        names = names_text([f"signals.{name}" for name in scene.signals], 3)
         yield f"{names}: MuJoCo has no signals over time: a program must set what they drive"
     for key in ("joint_targets", "tip_force", "base_motion", "wall_motion"):
         if getattr(scene.inputs, key):

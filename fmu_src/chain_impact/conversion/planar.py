@@ -16,22 +16,22 @@ from chain_impact.conversion.differences import (
     WARNING,
     Difference,
     SceneAspect,
-    line,
-    lines,
+    difference_line,
+    difference_lines,
 )
 from chain_impact.conversion.flat import ZERO_LENGTH, Plan, plan_of, rounded_to_zero
-from chain_impact.conversion.joints import Chosen, Moving, NoChainError, ancestors, chosen_joints
+from chain_impact.conversion.joints import ChosenJoints, MovingJoint, NoChainError, ancestors, chosen_joints
 from chain_impact.conversion.robot import JOINT_KEYS, Body, Joint, Robot, scene_values
 from chain_impact.conversion.walls import Walls
 from chain_impact.scene.errors import UnknownNameError
-from chain_impact.text import few
+from chain_impact.text import names_text
 
 # number of significant digits of each real number in the scene of a robot; robot files usually have fewer
 # digits, so most further digits are round-off
 SCENE_DIGITS = 14
 
 
-class Choices(NamedTuple):
+class ConversionChoices(NamedTuple):
     """The choices of a user for a conversion.
 
     Attributes:
@@ -50,7 +50,7 @@ class Choices(NamedTuple):
     keyframe: str | None = None
 
 
-class Converted(NamedTuple):
+class ConversionResult(NamedTuple):
     """The data of a scene, and the remarks on its conversion from a robot, or to MJCF.
 
     Attributes:
@@ -68,7 +68,7 @@ class Converted(NamedTuple):
     notes: list[str]
 
 
-def planar_chain(robot: Robot, choices: Choices, source: str) -> Converted:
+def planar_chain(robot: Robot, choices: ConversionChoices, source: str) -> ConversionResult:
     """Return the scene of a robot, and the remarks on it; ``source`` is the file's name for messages.
 
     Raises:
@@ -81,9 +81,9 @@ def planar_chain(robot: Robot, choices: Choices, source: str) -> Converted:
 class _Conversion:
     """The conversion of one robot, which collects notes, and differences between robot and scene."""
 
-    def __init__(self, robot: Robot, choices: Choices, source: str) -> None:
+    def __init__(self, robot: Robot, choices: ConversionChoices, source: str) -> None:
         self.robot, self.choices, self.source = robot, choices, source
-        self.chosen: Chosen = chosen_joints(robot, choices.joints, source)
+        self.chosen: ChosenJoints = chosen_joints(robot, choices.joints, source)
         self.poses, self.hinges, self.slides, self.held = self.chosen
         self.plan: Plan = plan_of(self.hinges[0].axis, choices.plane, source)
         self.link_of, self.parts = self._parts()
@@ -91,10 +91,10 @@ class _Conversion:
         self.differences: list[Difference] = []
         self.notes = [self.plan.remark, *robot.notes]
 
-    def run(self) -> Converted:
+    def run(self) -> ConversionResult:
         """Return the data of the scene, and the remarks on the conversion."""
-        gravity = [rounded_to_zero(float(part)) for part in self.plan.flat(self._gravity())]
-        places = [self.plan.flat(hinge.anchor) for hinge in self.hinges]
+        gravity = [rounded_to_zero(float(part)) for part in self.plan.project(self._gravity())]
+        places = [self.plan.project(hinge.anchor) for hinge in self.hinges]
         places.append(places[-1] + self._tip())
         links: list[dict[str, Any]] = []
         directions = []
@@ -110,7 +110,7 @@ class _Conversion:
         began = start["position"], angles
         walls, points, differences = Walls(
             self.robot, self.chosen, self.plan, self.parts, places=places, start=began
-        ).converted()
+        ).convert()
         bodies = ({"points": tables} if tables else {} for tables in points)
         links = [link | body for link, body in zip(links, bodies, strict=True)]
         data = {
@@ -122,12 +122,13 @@ class _Conversion:
             "initial": {"angles": angles, "angular_velocities": speeds, **start},
         }
         if self.held:
-            self.notes.append(line("joint", sorted(self.held), "held at the start"))
+            self.notes.append(difference_line("joint", sorted(self.held), "held at the start"))
         relevant = [found for found in self.robot.differences if found.matters(self.held, self.link_of)]
-        relevant = [found for found in relevant if not (found.differs and found.joints & self._unheld())]
+        unheld = self._unheld_joints()
+        relevant = [found for found in relevant if not (found.differs and found.joints & unheld)]
         relevant += [*self.differences, *differences]
-        remarks = [lines(relevant, title) for title in (WARNING, DIFFERS, LEFT_OUT)]
-        return Converted(_rounded(data), remarks[0], remarks[1], remarks[2], self.notes)
+        remarks = [difference_lines(relevant, title) for title in (WARNING, DIFFERS, LEFT_OUT)]
+        return ConversionResult(_round_numbers(data), remarks[0], remarks[1], remarks[2], self.notes)
 
     def _inputs(self) -> dict[str, dict[str, bool]]:
         """Return ``{"inputs": {key: True, …}}`` for the inputs that drives of the scene need; {} for none."""
@@ -137,7 +138,7 @@ class _Conversion:
             inputs.add("slider_force" if name == "joint_torques" else name)
         return {"inputs": dict.fromkeys(sorted(inputs), True)} if inputs else {}
 
-    def _unheld(self) -> set[str]:
+    def _unheld_joints(self) -> set[str]:
         """Return the names of the joints that move a free base: the scene lacks these; else no names."""
         free = self.chosen.base == "free"
         return {moved.joint.name for moved in (*self.slides, self.hinges[0])} if free else set()
@@ -182,7 +183,7 @@ class _Conversion:
             else:
                 still.append(body.name)
         if still:
-            self.notes.append(line("body", still, "no motion, so no effect of the mass"))
+            self.notes.append(difference_line("body", still, "no motion, so no effect of the mass"))
         gravity = self.robot.gravity
         along = float(np.dot(gravity, self.plan.axis))
         if abs(along) > ZERO_LENGTH:
@@ -229,7 +230,7 @@ class _Conversion:
         if chosen is not None or far[name] > ZERO_LENGTH:
             others = [end for end in far if far[end] > ZERO_LENGTH and end != name]
             others.sort(key=lambda each: -far[each])
-            more = f"; --tip can take {few(others, LINE_NAMES)}" if others and chosen is None else ""
+            more = f"; --tip can take {names_text(others, LINE_NAMES)}" if others and chosen is None else ""
             self.notes.append(f"tip: the last link ends at {name}, {far[name]:.6g} m from its joint{more}")
             return ends[name]
         self.notes.append(
@@ -248,15 +249,15 @@ class _Conversion:
         reason = f"its centre of mass and its frames are on the axis of joint {name}{massless}"
         raise NoChainError(f"{self.source}: the last link has no length: {reason}", [name])
 
-    def _relative_to_hinge(self, hinge: Moving, b: int, point: np.ndarray) -> np.ndarray:
+    def _relative_to_hinge(self, hinge: MovingJoint, b: int, point: np.ndarray) -> np.ndarray:
         """Return the vector from a hinge to a point of body ``b``, in the scene's axes [m].
 
         ``point`` has the coordinates in the body's axes [m]. The joints of the chain are at zero.
         """
         rotation, position = self.poses[b]
-        return self.plan.flat(position - hinge.anchor + rotation @ point)
+        return self.plan.project(position - hinge.anchor + rotation @ point)
 
-    def _inertia(self, part: list[int], hinge: Moving) -> tuple[float, np.ndarray, float]:
+    def _inertia(self, part: list[int], hinge: MovingJoint) -> tuple[float, np.ndarray, float]:
         """Return mass [kg], centre of mass [m] and moment of inertia [kg·m²] of the bodies ``part`` together.
 
         The centre is relative to ``hinge``, in the scene's axes; if all bodies are without mass, the result
@@ -273,7 +274,7 @@ class _Conversion:
             about += float(axis @ body.inertia @ axis) + body.mass * float(np.sum((at - center) ** 2))
         return mass, center, about
 
-    def _mass(self, part: list[int], hinge: Moving, along: np.ndarray) -> dict[str, float]:
+    def _mass(self, part: list[int], hinge: MovingJoint, along: np.ndarray) -> dict[str, float]:
         """Return a link's mass, centre of mass (from ``hinge``) and inertia about it by their keys.
 
         A link without mass is refused. ``part``: indices of the link's bodies; ``along``: its unit vector.
@@ -306,7 +307,7 @@ class _Conversion:
             speeds.append(speed)
         if turned:
             text = "angles and torques have the other sign in the scene"
-            self.notes.insert(1, line("joint", turned, text, shown=len(turned)))
+            self.notes.insert(1, difference_line("joint", turned, text, shown=len(turned)))
         return angles, speeds
 
     def _joint(self, link: dict[str, Any], joint: Joint, offset: float, sign: float, grounded: bool) -> float:
@@ -353,7 +354,7 @@ class _Conversion:
 
         ``anchor`` is the place of joint 1 with the joints at zero [m], ``gravity`` the scene's [m/s²].
         """
-        ways = [self.plan.flat(slide.axis) for slide in self.slides]
+        ways = [self.plan.project(slide.axis) for slide in self.slides]
         if self.chosen.base == "slider":
             (way,), joint = ways, self.slides[0].joint
             at = self._start_within_stops(joint, joint.low, joint.start, joint.high, "m")
@@ -389,10 +390,10 @@ class _Conversion:
         }
 
 
-def _rounded(data: Any) -> Any:
+def _round_numbers(data: Any) -> Any:
     """Return the data of a scene with each real number rounded to SCENE_DIGITS significant digits."""
     if isinstance(data, dict):
-        return {key: _rounded(value) for key, value in data.items()}
+        return {key: _round_numbers(value) for key, value in data.items()}
     if isinstance(data, list):
-        return [_rounded(value) for value in data]
+        return [_round_numbers(value) for value in data]
     return rounded_to_zero(float(f"{data:.{SCENE_DIGITS}g}")) if isinstance(data, float) else data

@@ -51,14 +51,14 @@ def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) 
     is the rotation matrix and the position [m] of the shape's body.
     """
     rotation, position = pose
-    centers, radius = plan.flat(position + shape.corners @ rotation.T), shape.radius
+    centers, radius = plan.project(position + shape.corners @ rotation.T), shape.radius
     # no two corners are farther apart than twice the largest distance from the first corner
     size = max(np.linalg.norm(shape.corners - shape.corners[:1], axis=1), default=0.0)
     blur = max(ZERO_LENGTH, 2.0 * PARALLEL_ANGLE * float(size))
     if shape.disc is not None:
         # the vector `disc` is along the axis of the disc, and as long as the radius; `along` is its
         # projection onto the plane
-        along = plan.flat(rotation @ shape.disc)
+        along = plan.project(rotation @ shape.disc)
         size, seen = float(np.linalg.norm(shape.disc)), float(np.linalg.norm(along))
         if seen < PARALLEL_ANGLE * size:
             radius += size
@@ -83,10 +83,10 @@ def reach_of_oblique(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan
     if shape.disc is None:
         return None
     rotation, position = pose
-    along, size = plan.flat(rotation @ shape.disc), float(np.linalg.norm(shape.disc))
+    along, size = plan.project(rotation @ shape.disc), float(np.linalg.norm(shape.disc))
     if not PARALLEL_ANGLE < float(np.linalg.norm(along)) / size < math.sqrt(1.0 - PARALLEL_ANGLE**2):
         return None
-    centers = plan.flat(position + shape.corners @ rotation.T)
+    centers = plan.project(position + shape.corners @ rotation.T)
     beside = np.sqrt(np.maximum(size**2 - (DIRECTIONS @ along) ** 2, 0.0))
     return np.asarray((DIRECTIONS @ centers.T).max(axis=1) + beside + shape.radius)
 
@@ -97,7 +97,7 @@ def reach(balls: Sequence[Ball]) -> np.ndarray:
     return np.asarray(DIRECTIONS @ centers.T + np.array([ball.radius for ball in balls]))
 
 
-def outermost(balls: Sequence[Ball]) -> list[Ball]:
+def outermost_balls(balls: Sequence[Ball]) -> list[Ball]:
     """Return some of the balls of a link, so that a wall in any of DIRECTIONS touches one of these first.
 
     "First" holds up to the largest ``blur`` of the balls. The number of returned balls need not be the least
@@ -124,7 +124,7 @@ def is_within(inner: Ball, outer: Ball, joint: np.ndarray) -> bool:
     return away + inner.radius <= outer.radius + max(inner.blur, outer.blur)
 
 
-def once_at_joints(balls: Sequence[list[Ball]], places: Sequence[np.ndarray]) -> list[list[Ball]]:
+def without_repeated_balls(balls: Sequence[list[Ball]], places: Sequence[np.ndarray]) -> list[list[Ball]]:
     """Return the balls of each link, without those that lie in a ball of a neighbouring link for all angles.
 
     Balls with ``is_point`` always stay.

@@ -4,8 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-from chain_impact.conversion.joints import Moving, NoChainError, ancestors, joints_at_start, parallel_groups
-from chain_impact.conversion.planar import Choices, Converted, planar_chain
+from chain_impact.conversion.joints import (
+    MovingJoint,
+    NoChainError,
+    ancestors,
+    joints_at_start,
+    parallel_groups,
+)
+from chain_impact.conversion.planar import ConversionChoices, ConversionResult, planar_chain
 from chain_impact.conversion.robot import Robot
 from chain_impact.scene.errors import SceneError
 
@@ -13,8 +19,11 @@ TRIALS = 200  # largest number of conversions that are tried to find a proposal;
 
 
 def chain_of(
-    robot: Robot, choices: Choices, source: str, check: Callable[[Converted], object] = lambda done: done
-) -> Converted:
+    robot: Robot,
+    choices: ConversionChoices,
+    source: str,
+    check: Callable[[ConversionResult], object] = lambda done: done,
+) -> ConversionResult:
     """Return the scene of a robot; if the robot is not a planar chain, the error proposes joints to move.
 
     ``source`` is the file's name for messages. ``check`` is called with the conversion, and may raise a
@@ -28,7 +37,7 @@ def chain_of(
     try:
         done = planar_chain(robot, choices, source)
     except NoChainError as error:
-        names = _proposed(robot, choices, source, check)
+        names = _propose_joints(robot, choices, source, check)
         if names is None:
             raise
         how = f"--joints {','.join(names)} takes joints that make a chain, and holds the others"
@@ -37,8 +46,8 @@ def chain_of(
     return done
 
 
-def _proposed(
-    robot: Robot, choices: Choices, source: str, check: Callable[[Converted], object]
+def _propose_joints(
+    robot: Robot, choices: ConversionChoices, source: str, check: Callable[[ConversionResult], object]
 ) -> list[str] | None:
     """Return the names of the largest set of joints that a trial has converted to a scene; None for no set.
 
@@ -73,7 +82,7 @@ def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
     the names of the joints that may be in a list; without names, all may be.
     """
     pool = [moved for moved in joints_at_start(robot) if not wanted or moved.joint.name in wanted]
-    paths: list[list[Moving]] = []
+    paths: list[list[MovingJoint]] = []
     for group in parallel_groups([moved for moved in pool if moved.joint.kind == "hinge"]):
         paths += _paths(robot, group)
     for path in sorted(paths, key=len, reverse=True):
@@ -84,7 +93,7 @@ def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
         yield [hinge.joint.name for hinge in path]
 
 
-def _paths(robot: Robot, group: Sequence[Moving]) -> Iterator[list[Moving]]:
+def _paths(robot: Robot, group: Sequence[MovingJoint]) -> Iterator[list[MovingJoint]]:
     """Yield for each outermost joint of a group: the joints of the group from the base up to this joint.
 
     A joint is outermost if no other joint of the group comes after it. The joints of the group must be in the

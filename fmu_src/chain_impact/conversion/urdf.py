@@ -19,14 +19,14 @@ from chain_impact.conversion.differences import (
     LINE_NAMES,
     Difference,
     SceneAspect,
-    collected_warnings,
+    collect_warnings,
     joint_difference,
 )
 from chain_impact.conversion.robot import Body, Joint, LinkShape, Robot, identifier, outline
 from chain_impact.conversion.urdf_elements import GEOMETRIES, check_elements, other_elements
 from chain_impact.extras import require
 from chain_impact.scene.errors import SceneError
-from chain_impact.text import few
+from chain_impact.text import names_text
 
 KINDS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide"}
 """Type of a joint in URDF → ``Joint.kind``, for the joints that a scene can have."""
@@ -52,8 +52,8 @@ def read_urdf(path: Path) -> Robot:
     shapes = {link.get("name", ""): list(_shapes(link)) for link in root.iter("link")}
     _check_parts(root, path)
     check_elements(root, path)
-    with collected_warnings("yourdfpy") as warned:
-        robot = _loaded(yourdfpy, root, path)
+    with collect_warnings("yourdfpy") as warned:
+        robot = _load_robot(yourdfpy, root, path)
     links = {link.name: link for link in robot.links}
     by_parent: dict[str, list[Any]] = {}
     for joint in robot.joints:
@@ -65,18 +65,23 @@ def read_urdf(path: Path) -> Robot:
     roots = [name for name in named if name not in {joint.child for joint in robot.joints}]
     if len(roots) != 1:
         roots_text = (
-            f"has {few(roots, LINE_NAMES)}" if roots else "has none" if named else "it has no link at all"
+            f"has {names_text(roots, LINE_NAMES)}"
+            if roots
+            else "has none"
+            if named
+            else "it has no link at all"
         )
         raise SceneError(f"{path}: must have exactly one root link; {roots_text}")
     bodies: list[Body] = []
     places: dict[str, int] = {}
-    for name, joint in _ordered(roots[0], None, by_parent):
+    for name, joint in _links_in_order(roots[0], None, by_parent):
         places[name] = len(bodies)
         body = _body(name, links.get(name), joint, places[joint.parent] if joint else -1)
         bodies.append(replace(body, shapes=shapes.get(name, [])))
     if lost := [name for name in named if name not in places]:
         raise SceneError(
-            f"{path}: joints make a ring of {few(lost, LINE_NAMES)}; each link must lead back to {roots[0]}"
+            f"{path}: joints make a ring of {names_text(lost, LINE_NAMES)}; "
+            f"each link must lead back to {roots[0]}"
         )
     differences = [*other_elements(root), *_odd_inertias(bodies)]
     for joint in robot.joints:
@@ -84,7 +89,7 @@ def read_urdf(path: Path) -> Robot:
     return Robot(name=robot.name, bodies=bodies, gravity=GRAVITY, notes=warned, differences=differences)
 
 
-def _loaded(yourdfpy: Any, root: Element, path: Path) -> Any:
+def _load_robot(yourdfpy: Any, root: Element, path: Path) -> Any:
     """Return the robot as yourdfpy reads it, with links and joints, but without shapes.
 
     If yourdfpy fails for the file, and also for a single element, a SceneError names this element. Otherwise
@@ -234,7 +239,7 @@ def _outline(geometry: Element, origin: Element | None) -> dict[str, Any]:
     return placed if disc is None else placed | {"disc": axes @ disc}
 
 
-def _ordered(name: str, joint: Any, by_parent: dict[str, list[Any]]) -> Iterator[tuple[str, Any]]:
+def _links_in_order(name: str, joint: Any, by_parent: dict[str, list[Any]]) -> Iterator[tuple[str, Any]]:
     """Yield (name of a link, joint before this link) for the link ``name`` and all links after it.
 
     A link comes before all links after it. ``joint`` is the joint before the link ``name``, or None;

@@ -13,22 +13,22 @@ import numpy as np
 
 from chain_impact.conversion.differences import Difference, SceneAspect
 from chain_impact.conversion.flat import ZERO_LENGTH, Plan
-from chain_impact.conversion.joints import PARALLEL_ANGLE, Chosen, ancestors
+from chain_impact.conversion.joints import PARALLEL_ANGLE, ChosenJoints, ancestors
 from chain_impact.conversion.points import (
     OUTLINED,
     Ball,
     balls_of,
     is_within,
-    once_at_joints,
-    outermost,
+    outermost_balls,
     reach,
     reach_of_oblique,
     tables_of,
+    without_repeated_balls,
 )
 from chain_impact.conversion.robot import LinkShape, Plane, Robot
 from chain_impact.kernel.record.constants import WALLS
 from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP, BOX_NORMALS
-from chain_impact.text import plural
+from chain_impact.text import count_text
 
 Points = list[dict[str, Any]]
 """The tables of the points of one link."""
@@ -45,12 +45,12 @@ class Walls:
         parts: the indices of the bodies of each link.
         places: positions of the joints, then of the tip, with the joints of the chain at zero [m].
         start: position of the base [m] and absolute angles of the links [rad] at the start.
-        differences: the differences that ``converted`` has found, such as a plane that becomes no wall.
+        differences: the differences that ``convert`` has found, such as a plane that becomes no wall.
         walls: name of the plane, a point on it [m] and its unit normal, for each plane that becomes a wall.
     """
 
     robot: Robot
-    chosen: Chosen
+    chosen: ChosenJoints
     plan: Plan
     parts: Sequence[list[int]]
     places: Sequence[np.ndarray]
@@ -62,7 +62,7 @@ class Walls:
         """Store index of a body → index of its link, for all bodies of links."""
         self.link_of = {b: i for i, part in enumerate(self.parts) for b in part}
 
-    def converted(self) -> tuple[dict[str, Any], list[Points], list[Difference]]:
+    def convert(self) -> tuple[dict[str, Any], list[Points], list[Difference]]:
         """Return the tables ``box``, ``walls`` and ``contact``, the points of each link, and the differences.
 
         Empty tables are left out.
@@ -82,7 +82,7 @@ class Walls:
                 self._tell("plane", plane.name, "nothing that moves touches it: it is not a wall")
                 continue
             touching |= links
-            point, normal = self.plan.flat(plane.point), self.plan.flat(plane.normal)
+            point, normal = self.plan.project(plane.point), self.plan.project(plane.normal)
             self.walls.append((plane.name, point, normal))
             name, boxed = plane.name, plane.name in WALLS
             boxed = boxed and np.allclose(normal, BOX_NORMALS[WALLS.index(name)], 0.0, PARALLEL_ANGLE)
@@ -96,8 +96,8 @@ class Walls:
             friction = self._friction(plane)
             if friction > 0.0:
                 materials[name] = {"friction": friction}
-        balls = [outermost(self._touching_balls(i, touching)) for i in range(len(self.parts))]
-        points = self._started(once_at_joints(balls, self.places))
+        balls = [outermost_balls(self._touching_balls(i, touching)) for i in range(len(self.parts))]
+        points = self._points_at_start(without_repeated_balls(balls, self.places))
         contact = {
             **self._points(touching, balls),
             **({"wall": materials} if materials else {}),
@@ -188,7 +188,7 @@ class Walls:
         ]
         return [ball for ball in balls if not fixed or np.linalg.norm(ball.at - self.places[0]) > ZERO_LENGTH]
 
-    def _started(self, balls: Sequence[list[Ball]]) -> list[Points]:
+    def _points_at_start(self, balls: Sequence[list[Ball]]) -> list[Points]:
         """Return the tables of the points of each link for its ``balls``; no point may start in a wall.
 
         A point that would reach into a wall gets a smaller radius; a point whose centre would be in a wall is
@@ -200,11 +200,11 @@ class Walls:
             length = float(np.linalg.norm(span))
             along = np.array([math.cos(angle), math.sin(angle)])
             tables = tables_of(found, self.places[i], span / length)
-            points.append([table for table in tables if self._fits(i, table, at, along, length)])
+            points.append([table for table in tables if self._starts_outside(i, table, at, along, length)])
             at = at + length * along
         return points
 
-    def _fits(
+    def _starts_outside(
         self, i: int, table: dict[str, Any], joint: np.ndarray, along: np.ndarray, length: float
     ) -> bool:
         """Return whether the centre of a point starts outside of all walls; otherwise report the point.
@@ -263,7 +263,7 @@ class Walls:
                 if shape.touches is touches and not (self._is_point(shape) or _has_unknown_outline(shape))
             )
             if counts:
-                what = ", ".join(plural(count, kind) for kind, count in counts.items())
+                what = ", ".join(count_text(count, kind) for kind, count in counts.items())
                 effect = SceneAspect.CONTACT if touches and touching else SceneAspect.NONE
                 self.differences.append(Difference(kind="shapes", name=what, text=text, effect=effect))
         for i in range(len(self.parts)):

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.library import kernel_library
-from chain_impact.files import written_whole
+from chain_impact.files import written_atomically
 from chain_impact.fmu.check_description import description_findings
 from chain_impact.fmu.documents import documents
 from chain_impact.fmu.native_target import native_files
@@ -22,7 +22,7 @@ from chain_impact.fmu.scene_data import scene_data_file
 from chain_impact.fmu.versions import FMI_2, FMI_3, VERSIONS
 from chain_impact.progress import log
 from chain_impact.scene.scene import SceneSource, scene_of
-from chain_impact.system import HOST, PLATFORMS, nowhere
+from chain_impact.system import HOST, PLATFORMS, no_kernel_sentence
 from chain_impact.variables.prepared import PreparedScene, kernel_scope
 
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
@@ -76,7 +76,7 @@ def build_fmu(
         raise BuildError(f"target = {target!r} makes FMUs for FMI 2.0 only: FMI 3.0 needs target = 'native'")
     supported = TARGETS[target]
     if not all(platforms):
-        raise BuildError(nowhere())
+        raise BuildError(no_kernel_sentence())
     platforms = supported if list(platforms) == ["all"] else platforms
     if not platforms or set(platforms) - set(supported):
         other = "" if target == "native" or set(platforms) - set(PLATFORMS) else "; target = 'native' has all"
@@ -88,7 +88,7 @@ def build_fmu(
         platform: kernel_library(scope, platform, law_file=law, derivatives=varied) for platform in platforms
     }
     fmu, prepared = directory / f"{scene.name}.fmu", PreparedScene(scene)
-    with written_whole(fmu) as path:
+    with written_atomically(fmu) as path:
         log.debug("packaging the FMU")
         native = target == "native"
         files = native_files(prepared, kernels, fmi) if native else pythonfmu_files(prepared, kernels)

@@ -77,8 +77,8 @@ def description_findings(path: Path) -> list[Finding]:
             return [Finding(f"cannot be unpacked: {error}")]
     version = root.get("fmiVersion", "")
     if not version.startswith(FMI_VERSIONS):
-        said = f"fmiVersion = {version!r} must be one of {', '.join(FMI_VERSIONS)}: nothing else was checked"
-        return [Finding(said, attribute="fmiVersion")]
+        fault = f"fmiVersion = {version!r} must be one of {', '.join(FMI_VERSIONS)}: nothing else was checked"
+        return [Finding(fault, attribute="fmiVersion")]
     variables = variables_of(root)
     faults = [*list_findings(root, variables), *variable_findings(root, variables)]
     names = {variable.name for variable in variables} | {
@@ -88,7 +88,7 @@ def description_findings(path: Path) -> list[Finding]:
         faults += terminal_findings(content, names, file)
     structure = ModelStructure(root, variables)
     # fmpy (in ``_fmpy_faults``) would raise IndexError or KeyError for a reference to a missing variable
-    if not (lost := list(structure.lost())):
+    if not (lost := list(structure.missing_variable_faults())):
         faults += structure.findings()
         # a fault that the XML schema refuses causes other faults, so it is listed first
         faults = _fmpy_faults(path, known=bool(faults)) + faults

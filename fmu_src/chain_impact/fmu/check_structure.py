@@ -14,7 +14,7 @@ from xml.etree.ElementTree import Element
 from chain_impact.fmu.check_variables import DescribedVariable
 from chain_impact.fmu.findings import NAMED_VARIABLES, Finding
 from chain_impact.fmu.versions import is_fmi_2
-from chain_impact.text import few
+from chain_impact.text import names_text
 
 OUTPUT_LIST, DERIVATIVE_LIST, INITIAL_LIST = "Outputs", "Derivatives", "InitialUnknowns"
 _THIRD = {OUTPUT_LIST: "Output", DERIVATIVE_LIST: "ContinuousStateDerivative", INITIAL_LIST: "InitialUnknown"}
@@ -35,7 +35,7 @@ class ModelStructure:
         self.key = "index" if self.is_fmi_2 else "valueReference"
         numbers = map(str, range(1, len(variables) + 1))
         references = numbers if self.is_fmi_2 else [variable.reference for variable in variables]
-        self.known = dict(zip(references, variables, strict=True))
+        self.by_reference = dict(zip(references, variables, strict=True))
         self.lists: dict[str, list[Element]] = {}
         for node in root.findall("ModelStructure/*"):
             unknowns = node.findall("Unknown") if self.is_fmi_2 else [node]
@@ -43,7 +43,7 @@ class ModelStructure:
                 unknown for unknown in unknowns if unknown.get(self.key)
             )
 
-    def listed(self, name: str) -> list[str]:
+    def references_in(self, name: str) -> list[str]:
         """Return the references in a list of the model structure.
 
         ``name`` is the name of the list in FMI 2.0, also for a description of FMI 3.0.
@@ -51,33 +51,33 @@ class ModelStructure:
         nodes = self.lists.get(name if self.is_fmi_2 else _THIRD[name], [])
         return [node.attrib[self.key] for node in nodes]
 
-    def lost(self) -> Iterator[Finding]:
+    def missing_variable_faults(self) -> Iterator[Finding]:
         """Yield a fault for each reference to a variable that does not exist."""
-        count = f"an index from 1 to {len(self.known)}"
+        count = f"an index from 1 to {len(self.by_reference)}"
         what = count if self.is_fmi_2 else "the value reference of a variable"
         for variable in self.variables:
             targets = [("Dimension", "valueReference", size) for size in _sizes(variable)]
             if "derivative" in variable.attributes:
                 targets.append(("derivative", "derivative", variable.attributes["derivative"]))
             for path, key, target in targets:
-                if target not in self.known:
+                if target not in self.by_reference:
                     yield Finding(
                         f"{key} = {target!r} must be {what}", variable=variable.name, attribute=path
                     )
         for path, node in self._nodes():
-            if node.attrib[self.key] not in self.known:
-                said = f"{self.key} = {node.attrib[self.key]!r} must be {what}"
-                yield Finding(said, attribute=path.partition(",")[0])
-            for target in sorted(set(_depends(node)) - self.known.keys()):
+            if node.attrib[self.key] not in self.by_reference:
+                fault = f"{self.key} = {node.attrib[self.key]!r} must be {what}"
+                yield Finding(fault, attribute=path.partition(",")[0])
+            for target in sorted(set(_dependency_texts(node)) - self.by_reference.keys()):
                 yield Finding(f"{target!r} must be {what}", attribute=path)
 
     def findings(self) -> Iterator[Finding]:
-        """Yield the faults of the model structure, whose references must all exist (see ``lost``).
+        """Yield the faults of the model structure, if it has no ``missing_variable_faults``.
 
         An unknown may be missing, superfluous, listed twice or in the wrong place; a dependency may be wrong,
         and so may the kind of a variable that gives the size of an array.
         """
-        variables, derivatives = self.known, set(self.listed(DERIVATIVE_LIST))
+        variables, derivatives = self.by_reference, set(self.references_in(DERIVATIVE_LIST))
         states = {variables[reference].attributes.get("derivative", "") for reference in derivatives} - {""}
         outputs = {reference for reference in variables if variables[reference].causality == "output"}
         start = {reference for reference in outputs | states | derivatives if not variables[reference].exact}
@@ -86,26 +86,28 @@ class ModelStructure:
         }
         clocked = {reference for reference in variables if "clocks" in variables[reference].attributes}
         rates = {reference for reference in variables if "derivative" in variables[reference].attributes}
-        yield from self._complete(OUTPUT_LIST, outputs, outputs, "each output")
-        yield from self._complete(DERIVATIVE_LIST, (), rates, "variables with the attribute derivative")
+        yield from self._completeness_faults(OUTPUT_LIST, outputs, outputs, "each output")
+        yield from self._completeness_faults(
+            DERIVATIVE_LIST, (), rates, "variables with the attribute derivative"
+        )
         which = "each output, state and derivative that is calculated at the start, each calculatedParameter"
-        yield from self._complete(INITIAL_LIST, start - clocked, start | clocked, which)
+        yield from self._completeness_faults(INITIAL_LIST, start - clocked, start | clocked, which)
         for name, nodes in self.lists.items():
             path = f"ModelStructure/{name}"
             yield from repeated_findings((node.attrib[self.key] for node in nodes), self.key, path)
             # only FMI 2.0 has a list of this name; FMI 3.0 requires no order of initial unknowns
             if name == INITIAL_LIST:
-                yield from _rising(self.listed(name), path)
+                yield from _order_faults(self.references_in(name), path)
         for path, node in self._nodes():
-            yield from self._dependencies(path, node, states)
+            yield from self._dependency_faults(path, node, states)
         for variable in self.variables:
             for size in map(variables.__getitem__, _sizes(variable)):
                 kinds = size.causality, size.attributes.get("variability")
                 if size.type != "UInt64" or not {"structuralParameter", "constant"}.intersection(kinds):
-                    said = f"its size is {size.name}, which must be UInt64, constant or a structuralParameter"
-                    yield Finding(said, variable=variable.name, attribute="Dimension")
+                    text = f"its size is {size.name}, which must be UInt64, constant or a structuralParameter"
+                    yield Finding(text, variable=variable.name, attribute="Dimension")
 
-    def _complete(
+    def _completeness_faults(
         self, name: str, needed: Collection[str], allowed: set[str], what: str
     ) -> Iterator[Finding]:
         """Yield a fault for all variables that a list lacks, and one for all that the list must not have.
@@ -116,26 +118,30 @@ class ModelStructure:
             allowed: references that may be listed.
             what: words for the variables that belong into the list.
         """
-        listed = set(self.listed(name))
-        for said, wrong in (("lacks", set(needed) - listed), ("must not have", listed - allowed)):
+        listed = set(self.references_in(name))
+        for verb, wrong in (("lacks", set(needed) - listed), ("must not have", listed - allowed)):
             if wrong:
-                names = few(
-                    [self.known[reference].name for reference in self.known if reference in wrong],
+                names = names_text(
+                    [
+                        self.by_reference[reference].name
+                        for reference in self.by_reference
+                        if reference in wrong
+                    ],
                     NAMED_VARIABLES,
                 )
-                text = f"{said} {names}: it lists {what}, and nothing else"
+                text = f"{verb} {names}: it lists {what}, and nothing else"
                 yield Finding(text, attribute=f"ModelStructure/{name if self.is_fmi_2 else _THIRD[name]}")
 
-    def _dependencies(self, path: str, node: Element, states: Collection[str]) -> Iterator[Finding]:
+    def _dependency_faults(self, path: str, node: Element, states: Collection[str]) -> Iterator[Finding]:
         # The dependencies of event indicators are for debugging only, and FMI 3.0 (table 23) does not say on
         # which variables they may depend. So any variable is allowed, also outputs.
         debugging = node.tag == "EventIndicator"
-        depends, initial = _depends(node), INITIAL_LIST[:-1] in path
+        depends, initial = _dependency_texts(node), INITIAL_LIST[:-1] in path
         yield from repeated_findings(depends, self.key, path)
         if self.is_fmi_2:
-            yield from _rising(depends, path)
+            yield from _order_faults(depends, path)
         for name in depends:
-            variable = self.known[name]
+            variable = self.by_reference[name]
             state = not states or name in states or variable.attributes.get("variability") == "discrete"
             if not (
                 variable.causality in _OUTSIDE_CAUSALITIES
@@ -170,11 +176,11 @@ def _sizes(variable: DescribedVariable) -> list[str]:
     ]
 
 
-def _depends(node: Element) -> list[str]:
+def _dependency_texts(node: Element) -> list[str]:
     return (node.get("dependencies") or "").split()
 
 
-def _rising(numbers: Sequence[str], path: str) -> Iterator[Finding]:
+def _order_faults(numbers: Sequence[str], path: str) -> Iterator[Finding]:
     """Yield a fault for the first of the ``numbers`` that is smaller than the number before it, if any."""
     for before, after in pairwise(numbers):
         if int(after) < int(before):

@@ -168,8 +168,8 @@ def limit_findings(variable: DescribedVariable) -> Iterator[tuple[str, str]]:
 def _type_pairs(variable: DescribedVariable, types: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     declared = variable.attributes.get("declaredType", "")
     if types.get(declared, variable.type) != variable.type:
-        said = f"is a type of {types[declared]}, and the variable is of {variable.type}"
-        yield "declaredType", f"declaredType = {declared!r} {said}"
+        fault = f"is a type of {types[declared]}, and the variable is of {variable.type}"
+        yield "declaredType", f"declaredType = {declared!r} {fault}"
 
 
 def _attribute_pairs(variable: DescribedVariable, root: Element) -> Iterator[tuple[str, str]]:
@@ -235,8 +235,8 @@ def _aliases(variables: Sequence[DescribedVariable]) -> list[Finding]:
         elif None not in start and variable.value(str(start[0])) != other.value(str(start[1])):
             reason = f"their start values differ, {start[0]} and {start[1]}"
         if reason:
-            said = (
+            fault = (
                 f"valueReference = {variable.reference} is also the reference of {other.name}, and {reason}"
             )
-            findings.append(Finding(said, variable=variable.name, attribute="valueReference"))
+            findings.append(Finding(fault, variable=variable.name, attribute="valueReference"))
     return findings

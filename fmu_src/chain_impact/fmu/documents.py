@@ -119,8 +119,8 @@ def page(prepared: PreparedScene, fmi: int) -> str:
 def authorship(scene: Scene) -> str:
     """Return a paragraph with the scene's author, version, copyright and license; "" if none is given."""
     keys = ("author", "version", "copyright", "license")
-    said = [f"{key.capitalize()}: {escape(text)}" for key in keys if (text := getattr(scene, key))]
-    return f"<p>{'; '.join(said)}</p>" if said else ""
+    facts = [f"{key.capitalize()}: {escape(text)}" for key in keys if (text := getattr(scene, key))]
+    return f"<p>{'; '.join(facts)}</p>" if facts else ""
 
 
 def kinds(variables: Sequence[Variable]) -> list[Sequence[str]]:

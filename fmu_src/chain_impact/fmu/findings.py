@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from chain_impact.text import few
+from chain_impact.text import names_text
 
 DESCRIPTION = "modelDescription.xml"
 COMPLETE = "complete"
@@ -68,7 +68,7 @@ def finding_lines(findings: Iterable[Finding]) -> list[str]:
         if len(others) < MOST_ALIKE_FINDINGS:
             lines += [str(first), *map(str, others)]
         else:
-            names = few([finding.variable for finding in (first, *others)], NAMED_VARIABLES)
+            names = names_text([finding.variable for finding in (first, *others)], NAMED_VARIABLES)
             lines.append(str(replace(first, variable=names)))
     return lines
 

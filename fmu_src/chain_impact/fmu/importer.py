@@ -32,8 +32,8 @@ from chain_impact.system import HOST, PLATFORMS
 WARNING = 1
 SLAVES = "chain_impact.fmu"
 """The name of the logger to which the slaves in Python (slave.py) write their errors."""
-# two lists of the errors that FMUs report while ``listening`` lasts in the calling thread: `logged` has those
-# sent by FMI's callback, `said` those of slaves in Python, which the logger SLAVES gets
+# two lists of the errors that FMUs report while ``collect_messages`` lasts in the calling thread: `logged`
+# has those sent by FMI's callback, `slave_messages` those of slaves in Python, which the logger SLAVES gets
 _here = threading.local()
 
 
@@ -57,7 +57,7 @@ def read_fmu(path: Path) -> Any:
         raise SceneError(f"{path}: not a readable FMU: {reason}") from None
 
 
-def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
+def run_with_fmpy(path: Path, description: Any, **options: Any) -> np.ndarray:
     """Simulate an FMU of FMI 2.0 or 3.0 with fmpy; return fmpy's rows of outputs over time.
 
     Args:
@@ -77,13 +77,13 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
     _, missing = binary_of(mode.modelIdentifier, names, is_fmi_2=is_fmi_2(description.fmiVersion))
     if missing:
         raise RunError(f"{path}: {missing}")
-    with listening() as reasons:
+    with collect_messages() as reasons:
         try:
             # unpacked here, so that the files are removed in any case: fmpy leaves its own files behind after
             # a failed call
             with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
                 fmpy.extract(str(path), folder)
-                instance = loaded(description, folder)
+                instance = load_fmu(description, folder)
                 instantiate(instance)
                 kind = "CoSimulation" if description.coSimulation else "ModelExchange"
                 rows: np.ndarray = fmpy.simulate_fmu(
@@ -99,42 +99,42 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
 
 
 @contextmanager
-def listening() -> Iterator[Callable[[], list[str]]]:
+def collect_messages() -> Iterator[Callable[[], list[str]]]:
     """Context that collects the messages of FMUs that this thread runs.
 
     The context yields a function that returns the messages so far: the log messages of slaves in Python, then
     the errors that FMUs send by FMI's callback; warnings by this callback are left out.
     """
-    _here.said, _here.logged = [], []
+    _here.slave_messages, _here.logged = [], []
     try:
-        yield lambda: [*_here.said, *_here.logged]
+        yield lambda: [*_here.slave_messages, *_here.logged]
     finally:
-        del _here.said, _here.logged
+        del _here.slave_messages, _here.logged
 
 
-def _log(*call: Any) -> None:
-    """Collect an error that an FMU sends by FMI's callback, if the thread runs an FMU in ``listening``."""
+def _collect_error(*call: Any) -> None:
+    """Collect an error that an FMU sends by FMI's callback, if ``collect_messages`` lasts in this thread."""
     # FMI 2.0 passes the name of the instance before these three arguments, FMI 3.0 does not
     status, _category, message = call[-3:]
     if status > WARNING and hasattr(_here, "logged"):
         _here.logged.append(message.decode(errors="replace"))
 
 
-def _heard(record: logging.LogRecord) -> bool:
-    """Collect a log message of a slave in Python, if this thread runs an FMU in ``listening``.
+def _collect_record(record: logging.LogRecord) -> bool:
+    """Collect a log message of a slave in Python, if this thread runs an FMU in ``collect_messages``.
 
     The result tells the logger whether to log the message: only if this thread runs no FMU.
     """
-    said = getattr(_here, "said", None)
-    if said is not None:
-        said.append(record.getMessage())
-    return said is None
+    messages = getattr(_here, "slave_messages", None)
+    if messages is not None:
+        messages.append(record.getMessage())
+    return messages is None
 
 
-logging.getLogger(SLAVES).addFilter(_heard)
+logging.getLogger(SLAVES).addFilter(_collect_record)
 
 
-def loaded(description: Any, folder: str) -> Any:
+def load_fmu(description: Any, folder: str) -> Any:
     """Return fmpy's object for an unpacked FMU, whose library is loaded but not yet called."""
     from fmpy import fmi2, fmi3, platform
 
@@ -148,7 +148,7 @@ def loaded(description: Any, folder: str) -> Any:
 
 
 def instantiate(fmu: Any) -> None:
-    """Make the instance of a loaded FMU; messages of the FMU go to ``_log``."""
+    """Make the instance of a loaded FMU; messages of the FMU go to ``_collect_error``."""
     from fmpy import fmi2
 
     if isinstance(fmu, fmi2.FMU2Slave | fmi2.FMU2Model):
@@ -156,7 +156,7 @@ def instantiate(fmu: Any) -> None:
             callbacks = _callbacks()
         fmu.instantiate(callbacks=callbacks, loggingOn=True)
     else:
-        fmu.instantiate(loggingOn=True, logMessage=_log)
+        fmu.instantiate(loggingOn=True, logMessage=_collect_error)
 
 
 _ALONE = threading.Lock()
@@ -173,7 +173,7 @@ def _callbacks() -> Any:
     from fmpy import fmi2
 
     callbacks = fmi2.fmi2CallbackFunctions()
-    callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(_log)
+    callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(_collect_error)
     callbacks.allocateMemory, callbacks.freeMemory = (
         getattr(fmi2.defaultCallbacks, name) for name in ("allocateMemory", "freeMemory")
     )

@@ -175,11 +175,11 @@ def root_attributes(scene: Scene, tool: str) -> dict[str, str]:
 
     ``tool`` is the program that makes the FMU. Author, version, copyright and license are those of the scene.
     """
-    said = {name: getattr(scene, name) for name in ("author", "version", "copyright", "license")}
+    given = {name: getattr(scene, name) for name in ("author", "version", "copyright", "license")}
     return {
         "modelName": scene.name,
         "description": scene.description,
-        **{name: text for name, text in said.items() if text},
+        **{name: text for name, text in given.items() if text},
         "generationTool": tool,
         "generationDateAndTime": DATE,
         "variableNamingConvention": "structured",

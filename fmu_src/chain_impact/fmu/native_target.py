@@ -36,7 +36,7 @@ def native_files(prepared: PreparedScene, kernels: Mapping[str, Path], fmi: int)
             name="time",
             type="real",
             word=time_index,
-            kind="independent",
+            role="independent",
             low=-LARGEST_NUMBER,
             high=LARGEST_NUMBER,
             allowed="",

@@ -46,8 +46,8 @@ def binary_of(identifier: str, names: Collection[str], *, is_fmi_2: bool) -> tup
         there = "its folder binaries is empty"
     else:
         there = "it has no folder binaries"
-    said = f"is not in the FMU, so there is no binary for {HOST or 'this platform'}: {there}"
-    return "", Finding(said, paths[0] if paths else "binaries")
+    fault = f"is not in the FMU, so there is no binary for {HOST or 'this platform'}: {there}"
+    return "", Finding(fault, paths[0] if paths else "binaries")
 
 
 def _folders(names: Collection[str]) -> list[str]:

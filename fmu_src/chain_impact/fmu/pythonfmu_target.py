@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from importlib.metadata import distribution, version
 from pathlib import Path
 
-from chain_impact.files import included
+from chain_impact.files import packaged_path
 from chain_impact.fmu.model_description import model_description
 from chain_impact.fmu.table import files_with_description
 from chain_impact.fmu.versions import FMI_2
@@ -58,7 +58,7 @@ def pythonfmu_files(prepared: PreparedScene, kernels: Mapping[str, Path]) -> dic
 
 def slave_source() -> bytes:
     """Return the text of slave.py, from the installed chain_impact or from the repository."""
-    return included("fmu/slave.py", "fmu_src/slave.py").read_bytes()
+    return packaged_path("fmu/slave.py", "fmu_src/slave.py").read_bytes()
 
 
 def _pythonfmu_files(name: str, platforms: Mapping[str, Path]) -> dict[str, bytes]:

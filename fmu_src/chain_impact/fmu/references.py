@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from chain_impact.fmu.importer import read_fmu, simulated
+from chain_impact.fmu.importer import read_fmu, run_with_fmpy
 from chain_impact.fmu.model_description import nominal_values
 from chain_impact.progress import log
 from chain_impact.scene.keys.tables import STEP_ROUND_OFF
@@ -118,13 +118,13 @@ def reference(prepared: PreparedScene) -> Reference:
     while True:
         step = shortest * max(1, round(stop / shortest / REFERENCE_ROWS))
         count = max(1, math.floor(stop / step * (1 + STEP_ROUND_OFF)))
-        solution = _compared(prepared, np.minimum(np.arange(count + 1) * min(step, stop), stop))
+        solution = _reference_results(prepared, np.minimum(np.arange(count + 1) * min(step, stop), stop))
         if np.isfinite(solution.values[:, 0]).sum() > REFERENCE_ROWS / SHORTER or step == shortest:
             return solution
         stop /= SHORTER
 
 
-def _compared(prepared: PreparedScene, times: np.ndarray) -> Reference:
+def _reference_results(prepared: PreparedScene, times: np.ndarray) -> Reference:
     """Return the reference results at ``times``, equally spaced from 0 [s]; NaN near onsets and ends.
 
     The results end where runs with two tolerances begin to differ.
@@ -281,7 +281,7 @@ def check_references(path: Path) -> tuple[bool, str] | None:
     given = {"time": table.time, **{name: table.columns[name] for name in inputs}}
     rows = np.rec.fromarrays([*given.values()], dtype=[(name, float) for name in given])
     try:
-        results = simulated(
+        results = run_with_fmpy(
             path,
             description,
             output=outputs,

@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.fmu.importer import read_fmu, simulated
+from chain_impact.fmu.importer import read_fmu, run_with_fmpy
 from chain_impact.fmu.inputs import driven_rows
 from chain_impact.fmu.scene_data import SceneData, read_scene_data
 from chain_impact.kernel.record.constants import WALLS
-from chain_impact.progress import Progress, silent
-from chain_impact.recording.impacts import impacts_shown
+from chain_impact.progress import Progress, no_progress
+from chain_impact.recording.impacts import shown_impacts
 from chain_impact.recording.joint_stops import ranges_of
 from chain_impact.recording.recording import Recording, StoredRecording
 from chain_impact.recording.stick_slip import phases_from
@@ -70,7 +70,7 @@ def record_fmu(
         RunError: when the FMU has no binary for this machine, or reports a fault.
         OSError: when a file cannot be read.
     """
-    path, show = Path(path), progress or silent
+    path, show = Path(path), progress or no_progress
     description, data = _chain_of(path), read_scene_data(path)
     parameters, outputs = _parameters(description), _outputs(description)
     experiment, start_values = _settings(path, description.defaultExperiment, parameters, settings)
@@ -90,7 +90,7 @@ def record_fmu(
         return True
 
     try:
-        rows = simulated(
+        rows = run_with_fmpy(
             path,
             driven,
             start_values=start_values,
@@ -144,7 +144,11 @@ def _settings(
         name, value = fmu_name(typed), value_of(text)
         try:
             is_time = name in TIMES
-            values[name] = _positive(value) if is_time else _start_value(_known(name, parameters), value)
+            values[name] = (
+                _positive_number(value)
+                if is_time
+                else _start_value(_known_parameter(name, parameters), value)
+            )
         except SceneError as error:
             error.source, error.name = str(path), typed
             raise
@@ -174,12 +178,12 @@ def _recording(
     walls, stops = _walls(values), ranges_of(values)
     ends = [stop for stop in SLIDER_STOPS if stop.replace("_", ".") in values]
     names = (*dict.fromkeys((*WALLS, *walls)), *(STOPS if stops else ()), *ends)
-    parameters = {name: _named(variable, values[name]) for name, variable in variables.items()}
+    parameters = {name: _named_value(variable, values[name]) for name, variable in variables.items()}
     recorded = StoredRecording(
         name=description.modelName,
         time=np.asarray(rows["time"]),
         columns={name: rows[name] for name in outputs},
-        impacts=impacts_shown(rows, names),
+        impacts=shown_impacts(rows, names),
         walls=walls,
         wall_names=names,
         parameters=parameters | {name: float(rows[name][0]) for name in data.rules},
@@ -201,7 +205,7 @@ def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:
     return half_planes(box, lines)
 
 
-def _named(variable: Any, value: float) -> float | str:
+def _named_value(variable: Any, value: float) -> float | str:
     """Return the value of an FMU's parameter; for an enumeration, the name of the choice.
 
     If no choice has the value, the result is the value as text.
@@ -211,7 +215,7 @@ def _named(variable: Any, value: float) -> float | str:
     return next((item.name for item in variable.declaredType.items if float(item.value) == value), str(value))
 
 
-def _known(name: str, parameters: Mapping[str, Any]) -> Any:
+def _known_parameter(name: str, parameters: Mapping[str, Any]) -> Any:
     if name not in parameters:
         given = input_hint(name, "in a table, --inputs FILE")
         signals = {label for owner, _, label in grouped_by_owner(parameters) if owner == "signal"}
@@ -220,7 +224,7 @@ def _known(name: str, parameters: Mapping[str, Any]) -> Any:
     return parameters[name]
 
 
-def _positive(value: Any) -> float:
+def _positive_number(value: Any) -> float:
     if not _is_number(value) or not 0.0 < value < float("inf"):
         raise SceneError(f"= {value} must be a finite number > 0 [s]")
     return float(value)

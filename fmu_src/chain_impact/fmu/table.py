@@ -22,7 +22,7 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import TableRow
 
 MAGIC = b"chaintab"
-TABLE_TYPES, TABLE_KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
+TABLE_TYPES, TABLE_ROLES = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
 VARIABLE = {
     # the lowest and the highest value that may be set
     **dict.fromkeys(("low", "high"), "d"),
@@ -30,7 +30,7 @@ VARIABLE = {
     # value is written to both.
     **dict.fromkeys(("word", "set_word"), "q"),
     "length": "q",  # number of words from `word` on: 1, or more for an array
-    # indices in TABLE_TYPES and TABLE_KINDS
+    # indices in TABLE_TYPES and TABLE_ROLES
     **dict.fromkeys(("type", "kind"), "i"),
     **dict.fromkeys(("name", "allowed"), "i"),  # offsets in bytes of two texts, from `texts_at`
 }
@@ -103,7 +103,7 @@ def table_bytes(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
 
     def row(variable: TableRow, length: int) -> dict[str, float]:
         numbers = {name: getattr(variable, name) for name in ("low", "high", "word", "set_word")}
-        numbers |= {"type": TABLE_TYPES.index(variable.type), "kind": TABLE_KINDS.index(variable.kind)}
+        numbers |= {"type": TABLE_TYPES.index(variable.type), "kind": TABLE_ROLES.index(variable.role)}
         return numbers | {"length": length, "name": text(variable.name), "allowed": text(variable.allowed)}
 
     parts_of_scene = parts_in_words(prepared.scene)

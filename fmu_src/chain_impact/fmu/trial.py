@@ -20,7 +20,7 @@ from xml.etree import ElementTree
 
 from chain_impact.fmu.check_variables import REALS, DescribedVariable, Value, variables_of
 from chain_impact.fmu.findings import COMPLETE, DESCRIPTION, Finding
-from chain_impact.fmu.importer import instantiate, listening, loaded
+from chain_impact.fmu.importer import collect_messages, instantiate, load_fmu
 from chain_impact.fmu.references import REFERENCE_FILE, check_references
 from chain_impact.fmu.versions import FMI_2, FMI_3, is_fmi_2
 
@@ -59,8 +59,8 @@ class Trial:
         try:
             self.description = fmpy.read_model_description(folder, validate=False)
         except Exception as error:  # FMPy's reader raises any error on a wrong description
-            said = f"cannot be read by FMPy, so the binary is not run: {type(error).__name__}: {error}"
-            raise DescriptionError(said) from None
+            fault = f"cannot be read by FMPy, so the binary is not run: {type(error).__name__}: {error}"
+            raise DescriptionError(fault) from None
         self.variables = variables_of(ElementTree.parse(Path(folder, DESCRIPTION)).getroot())
         self.is_fmi_2 = is_fmi_2(self.description.fmiVersion)
         self.folder, self.binary, self.tell = folder, binary, tell
@@ -75,7 +75,7 @@ class Trial:
             CallError: when a call fails; the error's text is a sentence.
         """
         self.reasons = reasons
-        self.fmu = self.call("the loader", "", loaded, self.description, self.folder)
+        self.fmu = self.call("the loader", "", load_fmu, self.description, self.folder)
         self.call("Instantiate", "no instance", instantiate, self.fmu)
         experiment = self.description.defaultExperiment
         start = _number(experiment, "startTime", 0.0)
@@ -106,9 +106,9 @@ class Trial:
             return function(*arguments)
         except Exception as error:  # fmpy's errors have no common class
             otherwise = SILENT if without else str(error).replace(self.folder + os.sep, "")
-            said = self.reasons()[before:] or [otherwise]
+            reasons = self.reasons()[before:] or [otherwise]
             result = f"gives {without}" if without else "fails"
-            raise CallError(f"{name} {result}: {' '.join(said[0].split())[:SAID]}") from None
+            raise CallError(f"{name} {result}: {' '.join(reasons[0].split())[:SAID]}") from None
 
     def step_size(self) -> float:
         """Return a communication step [s] that the FMU should accept.
@@ -122,7 +122,9 @@ class Trial:
         length = _number(experiment, "stopTime", 1.0) - _number(experiment, "startTime", 0.0)
         return fixed or _number(experiment, "stepSize", 0.0) or max(length, 0.0) / 500 or 1e-3
 
-    def found(self, text: str, variable: DescribedVariable | None = None, attribute: str = "") -> None:
+    def report_finding(
+        self, text: str, variable: DescribedVariable | None = None, attribute: str = ""
+    ) -> None:
         """Write a finding to the report: a fault of a variable or, without ``variable``, of the binary."""
         if variable:
             self.tell(finding=asdict(Finding(text, DESCRIPTION, variable.name, attribute)))
@@ -145,7 +147,7 @@ class Trial:
             try:
                 values = self.call(f"Get{kind}", "", get, *arguments, *([] if self.is_fmi_2 else [size]))
             except CallError as error:
-                self.found(f"cannot be read as {size} {kind}: {error}", variable)
+                self.report_finding(f"cannot be read as {size} {kind}: {error}", variable)
                 continue
             texts = [
                 value.decode(errors="replace") if isinstance(value, bytes) else value for value in values
@@ -162,13 +164,15 @@ class Trial:
         for variable in self.variables:
             if variable.exact and variable.start and variable.name in values:
                 start_values = values[variable.name]
-                said = [variable.value(text) for text in variable.start]
-                said = said * len(start_values) if len(said) == 1 else said
-                if len(said) == len(start_values) and not _all_close(said, start_values):
-                    first = next(i for i in range(len(start_values)) if not _close(said[i], start_values[i]))
+                expected = [variable.value(text) for text in variable.start]
+                expected = expected * len(start_values) if len(expected) == 1 else expected
+                if len(expected) == len(start_values) and not _are_close(expected, start_values):
+                    first = next(
+                        i for i in range(len(start_values)) if not _is_close(expected[i], start_values[i])
+                    )
                     entry = f"[{first}]" if len(start_values) > 1 else ""
-                    self.found(
-                        f"start{entry} = {_text(said[first])}, and the FMU itself starts with "
+                    self.report_finding(
+                        f"start{entry} = {_text(expected[first])}, and the FMU itself starts with "
                         f"{_text(start_values[first])}",
                         variable,
                         "start",
@@ -187,21 +191,21 @@ class Trial:
                 values.get(variable.name, []) if variable.type in (*REALS, "Integer", "Enumeration") else ()
             ):
                 if side := variable.passed_limit(float(value)):
-                    self.found(f"is {_text(value)} after a step of {step:.9g} s, {side}", variable)
+                    self.report_finding(f"is {_text(value)} after a step of {step:.9g} s, {side}", variable)
         if not self.description.coSimulation.canGetAndSetFMUstate:
             return
         state = self.call("GetFMUState", "", self.fmu.getFMUState)
-        self.restored("SetFMUState", state, start + step, step)
+        self.check_restored_state("SetFMUState", state, start + step, step)
         if self.description.coSimulation.canSerializeFMUstate:
             self.call("SetFMUState", "", self.fmu.setFMUState, state)
             content = self.call("SerializeFMUState", "", self.fmu.serializeFMUState, state)
             again = self.call("DeserializeFMUState", "", self.fmu.deserializeFMUState, content)
             self.call("SetFMUState", "", self.fmu.setFMUState, state)
-            self.restored("DeserializeFMUState", again, start + step, step)
+            self.check_restored_state("DeserializeFMUState", again, start + step, step)
             self.call("FreeFMUState", "", self.fmu.freeFMUState, again)
         self.call("FreeFMUState", "", self.fmu.freeFMUState, state)
 
-    def restored(self, how: str, state: Any, time: float, step: float) -> None:
+    def check_restored_state(self, how: str, state: Any, time: float, step: float) -> None:
         """Take a step, restore the state, repeat the step; report the first variable that differs then.
 
         ``state`` is the state before the step, at ``time`` [s]; ``step`` is the step size [s]. ``how`` is the
@@ -216,9 +220,9 @@ class Trial:
         for variable in self.variables:
             known = first.get(variable.name, [])
             pairs = zip(known, again.get(variable.name, [math.nan] * len(known)), strict=True)
-            if differing := next((pair for pair in pairs if not _close(*pair)), None):
+            if differing := next((pair for pair in pairs if not _is_close(*pair)), None):
                 one, other = map(_text, differing)
-                self.found(
+                self.report_finding(
                     f"is {one} after a step, and {other} after the same step from the restored state ({how})",
                     variable,
                 )
@@ -238,15 +242,15 @@ def _number(holder: Any, name: str, otherwise: float) -> float:
     return number if math.isfinite(number) else otherwise
 
 
-def _close(value: Value, other: Value) -> bool:
+def _is_close(value: Value, other: Value) -> bool:
     if isinstance(value, str) or isinstance(other, str):
         return value == other
     both = math.isnan(value) and math.isnan(other)
     return both or math.isclose(value, other, rel_tol=START_ROUND_OFF, abs_tol=ABSOLUTE_TOLERANCE)
 
 
-def _all_close(some: Sequence[Value], others: Sequence[Value]) -> bool:
-    return len(some) == len(others) and all(map(_close, some, others))
+def _are_close(some: Sequence[Value], others: Sequence[Value]) -> bool:
+    return len(some) == len(others) and all(map(_is_close, some, others))
 
 
 def _text(value: Value) -> str:
@@ -264,7 +268,7 @@ def main() -> None:
             findings += "finding" in what
             print(json.dumps(what), file=report, flush=True)
 
-        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, listening() as reasons:
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, collect_messages() as reasons:
             try:
                 Trial(path, folder, binary, tell).run(reasons)
             except DescriptionError as error:

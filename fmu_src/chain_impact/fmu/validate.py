@@ -58,17 +58,17 @@ def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Valida
         root = ElementTree.fromstring(fmu.read(DESCRIPTION))
     modes = [mode for kind in ("CoSimulation", "ModelExchange") for mode in root.iterfind(kind)]
     if not modes:
-        said = f"not run: it has no CoSimulation or ModelExchange, only {_UNTRIED}"
-        return Validation(findings, [said] if root.find(_UNTRIED) is not None else [])
+        reason = f"not run: it has no CoSimulation or ModelExchange, only {_UNTRIED}"
+        return Validation(findings, [reason] if root.find(_UNTRIED) is not None else [])
     identifier = modes[0].get("modelIdentifier", "")
     binary, missing = binary_of(identifier, names, is_fmi_2=is_fmi_2(root.get("fmiVersion")))
     if missing:
         return Validation([*findings, missing], [])
-    tried = _tried(path, binary, timeout, references=not findings)
+    tried = _try_binary(path, binary, timeout, references=not findings)
     return Validation([*findings, *tried.findings], tried.notes)
 
 
-def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Validation:
+def _try_binary(path: Path, binary: str, timeout: float, *, references: bool) -> Validation:
     """Run the binary of an FMU in a process of its own (trial.py); return the findings and notes.
 
     ``references`` tells whether the reference results are compared, too.
@@ -107,13 +107,13 @@ def _tried(path: Path, binary: str, timeout: float, *, references: bool) -> Vali
     return Validation(findings, [line["passed"] for line in lines if "passed" in line])
 
 
-def _end(code: int, said: str) -> str:
+def _end(code: int, output: str) -> str:
     """Return words for how a process ended: by a signal, or with an exit code and its last line on stderr.
 
-    ``code`` is −1 times the signal's number, or the exit code; ``said`` is the text on stderr.
+    ``code`` is −1 times the signal's number, or the exit code; ``output`` is the text on stderr.
     """
     if code < 0:
         return f"crashes the process: {signal.Signals(-code).name}"
-    last = said.strip().splitlines()[-1:]
+    last = output.strip().splitlines()[-1:]
     how = f"0x{code:X}" if code > 2**16 else str(code)
     return f"ends the process, exit code {how}" + "".join(f": {line}" for line in last)

@@ -32,7 +32,7 @@ STRIPPED_FROM_STYLES = re.compile(
 SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
 
 
-def assembled(template: str, title: str, styles: Iterable[str], modules: str, **parts: str) -> str:
+def assemble_page(template: str, title: str, styles: Iterable[str], modules: str, **parts: str) -> str:
     """Return the HTML of a page with a player, from a template and its parts.
 
     Args:
@@ -64,20 +64,20 @@ def program(*names: str) -> str:
 
     ``names``: the files of the modules in pages/browser; the modules that these import are added.
     """
-    return f"{declaration()}\n{joined(*names)}"
+    return f"{declaration()}\n{joined_script(*names)}"
 
 
-def joined(*names: str) -> str:
+def joined_script(*names: str) -> str:
     """Return modules and all modules that they import, joined to one script.
 
     The script has no imports, and nothing that matches STRIPPED_FROM_SCRIPTS. No two of the modules may
     declare the same name at their top level.
     """
-    texts = (EXPORT.sub("", IMPORT.sub("", text_of(name))) for name in modules(*names))
+    texts = (EXPORT.sub("", IMPORT.sub("", text_of(name))) for name in module_files(*names))
     return STRIPPED_FROM_SCRIPTS.sub("", "\n".join(texts))
 
 
-def modules(*names: str) -> list[str]:
+def module_files(*names: str) -> list[str]:
     """Return the files ``names`` and all files that these import, imported ones first, from pages/browser."""
     found: list[str] = []
 

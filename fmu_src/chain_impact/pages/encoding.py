@@ -3,6 +3,6 @@
 import base64
 
 
-def encoded(content: bytes) -> str:
+def base64_text(content: bytes) -> str:
     """Return bytes in base64."""
     return base64.b64encode(content).decode("ascii")

@@ -10,16 +10,16 @@ from pathlib import Path
 from typing import Any
 
 from chain_impact.compilation.library import browser_module
-from chain_impact.files import written_whole
+from chain_impact.files import written_atomically
 from chain_impact.pages.assembly import (
     STRIPPED_FROM_SCRIPTS,
-    assembled,
-    joined,
+    assemble_page,
+    joined_script,
     program,
     styles,
     text_of,
 )
-from chain_impact.pages.encoding import encoded
+from chain_impact.pages.encoding import base64_text
 from chain_impact.pages.inline import InlinePage
 from chain_impact.pages.kit import kit
 from chain_impact.scene.files.models import model_names
@@ -61,7 +61,7 @@ def explore(
     text = page(scene_of(scene), words)
     if path is None:
         return InlinePage(text)
-    with written_whole(Path(path)) as fresh:
+    with written_atomically(Path(path)) as fresh:
         fresh.write_text(text, encoding="utf-8")
     return None
 
@@ -75,16 +75,16 @@ def page(scene: Scene, command: Sequence[str]) -> str:
         BuildError: when the module for a browser must be compiled, and this fails.
     """
     module = browser_module(scene.contact.law_file).read_bytes()
-    return assembled(
+    return assemble_page(
         text_of("explore/explore.html"),
         scene.name,
         [*styles(), text_of("explore/explore.css")],
         program(PROGRAM),
-        data=packed(json.dumps(contents(scene, command), separators=(",", ":")).encode()),
-        begin=joined(BEGIN),
-        kernel=packed(module),
+        data=compressed_text(json.dumps(contents(scene, command), separators=(",", ":")).encode()),
+        begin=joined_script(BEGIN),
+        kernel=compressed_text(module),
         toml=STRIPPED_FROM_SCRIPTS.sub("", text_of(TOML)),
-        worker=packed(program(WORKER).encode()),
+        worker=compressed_text(program(WORKER).encode()),
     )
 
 
@@ -98,10 +98,10 @@ def contents(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
     return {"file": file, "kit": kit(scene), "command": list(command)}
 
 
-def packed(content: bytes) -> str:
+def compressed_text(content: bytes) -> str:
     """Compress bytes, and return them as text in base64; the page can decompress them."""
     compressor = zlib.compressobj(9, wbits=-zlib.MAX_WBITS)
-    return encoded(compressor.compress(content) + compressor.flush())
+    return base64_text(compressor.compress(content) + compressor.flush())
 
 
 def _source(scene: SceneSource) -> str:

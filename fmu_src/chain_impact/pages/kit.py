@@ -29,13 +29,13 @@ from chain_impact.pages.signals import tables_of
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene.facts import ALWAYS, FACTS, LISTS
 from chain_impact.scene.reading import entry_type
-from chain_impact.scene.rules.key_rules import Derived, allowed, keys, without_none
+from chain_impact.scene.rules.key_rules import Derived, allowed_words, keys, without_none
 from chain_impact.scene.rules.rule_language import Tree, tree
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import driven_alone, quantities_driven_by
 from chain_impact.scene.words.names import INDEX_PLACE, DataPath
 from chain_impact.variables.indices import layout_of, word_index
-from chain_impact.variables.kind import LETTERS, MOTION, Block, Kind, filled
+from chain_impact.variables.kind import LETTERS, MOTION, Block, Kind, fill_path
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import COUNT_RULES, OWNER_KINDS, RECORD_NUMBERS, Owner
@@ -180,7 +180,7 @@ def _value(kind: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
     return (
         limits
         | pattern
-        | {"kind": kind.__name__, "unit": metadata["unit"], "allowed": allowed(kind, metadata)}
+        | {"kind": kind.__name__, "unit": metadata["unit"], "allowed": allowed_words(kind, metadata)}
     )
 
 
@@ -314,7 +314,7 @@ def word_terms(path: DataPath) -> list[int]:
     """
 
     def word(record: np.dtype, index: int) -> int:
-        return word_index(record, filled(path, {"at": index}))
+        return word_index(record, fill_path(path, {"at": index}))
 
     record = layout_of(*SAMPLES[0])
     return [*_affine(lambda record: word(record, 0)), word(record, 1) - word(record, 0)]

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.pages.assembly import assembled, program, script_data, styles, text_of
+from chain_impact.pages.assembly import assemble_page, program, script_data, styles, text_of
 from chain_impact.pages.drawn import COLUMN_OF_QUANTITY, drawn_entries
-from chain_impact.pages.encoding import encoded
+from chain_impact.pages.encoding import base64_text
 from chain_impact.pages.shared import FINEST
 from chain_impact.recording.joint_stops import JointRange
 from chain_impact.recording.pacing import frame_rate, frame_times, slow_spans
@@ -23,7 +23,7 @@ from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.words.names import SLIDER_STOPS
 
 RECORDED_PROGRAM = "player/recorded_page.js"
-MOST_PAGE_ROWS = 80_000  # of a recording with more rows, a page leaves out some (``thinned``)
+MOST_PAGE_ROWS = 80_000  # of a recording with more rows, a page leaves out some (``thin_rows``)
 
 
 def page(recording: Recording, speed: float, impact_time: float) -> str:
@@ -34,12 +34,14 @@ def page(recording: Recording, speed: float, impact_time: float) -> str:
         speed: the speed at which the recording plays at first; 1 is real time.
         impact_time: the time [s] that an impact takes on the screen; 0 for no slow motion.
     """
-    shown = data(thinned(recording, impact_time)) | {"speed": speed, "impactTime": impact_time}
+    shown = data(thin_rows(recording, impact_time)) | {"speed": speed, "impactTime": impact_time}
     template = text_of("player/recorded_page.html")
-    return assembled(template, recording.name, styles(), program(RECORDED_PROGRAM), data=script_data(shown))
+    return assemble_page(
+        template, recording.name, styles(), program(RECORDED_PROGRAM), data=script_data(shown)
+    )
 
 
-def thinned(recording: Recording, impact_time: float) -> Recording:
+def thin_rows(recording: Recording, impact_time: float) -> Recording:
     """Return a recording without some of its rows, if it has more than MOST_PAGE_ROWS.
 
     These rows stay: MOST_PAGE_ROWS rows with equally spaced indices, the rows next to a frame that the page
@@ -64,9 +66,9 @@ def data(recording: Recording) -> dict[str, Any]:
         "name": recording.name,
         "links": recording.link_count,
         "pointCount": points.shape[1],
-        "time": encoded(recording.time.astype("<f8").tobytes()),
-        "x": _packed(points[:, :, 0]),
-        "y": _packed(points[:, :, 1]),
+        "time": base64_text(recording.time.astype("<f8").tobytes()),
+        "x": _packed_numbers(points[:, :, 0]),
+        "y": _packed_numbers(points[:, :, 1]),
         "drawn": {
             group: [entry | found for entry in entries if (found := _column_data(entry["columns"]))]
             for group, entries in drawn_entries(recording.columns).items()
@@ -74,7 +76,7 @@ def data(recording: Recording) -> dict[str, Any]:
         "impacts": impacts(recording),
         "walls": free_sides(recording.walls),
         "gravity": {name: recording.parameters.get(name) for name in ("gravity.x", "gravity.y")},
-        "moved": {name: _packed(moved) for name, moved in recording.moved_walls.items()},
+        "moved": {name: _packed_numbers(moved) for name, moved in recording.moved_walls.items()},
         "stops": [_range(joint, limits) for joint, limits in recording.stops.items()],
         "radius": radius_of(recording),
         "ball": ball_of(recording),
@@ -101,17 +103,17 @@ def impacts(recording: Recording) -> list[dict[str, Any]]:
             "what": recording.touching_part(impact),
             "wall": recording.wall_names[impact["wall"]],
             "onset": float(impact["onset"]),
-            "end": _known(impact["end"]),
+            "end": _number_or_none(impact["end"]),
             "linearSpeed": linear_speed,
             "joint": int(impact["joint"]),
-            **{name: _known(impact[column]) for name, column in COLUMN_OF_QUANTITY.items()},
+            **{name: _number_or_none(impact[column]) for name, column in COLUMN_OF_QUANTITY.items()},
             "atStop": at_stop,
         }
         for impact, linear_speed, at_stop in at
     ]
 
 
-def _known(value: float) -> float | None:
+def _number_or_none(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
@@ -159,15 +161,15 @@ def _column_data(columns: Mapping[str, np.ndarray]) -> dict[str, Any] | None:
     rows = np.flatnonzero(np.any([*columns.values()], axis=0))
     if not len(rows):
         return None
-    packed = {name: _packed(column[rows]) for name, column in columns.items()}
-    return {"rows": encoded(rows.astype("<u4").tobytes()), "columns": packed}
+    packed = {name: _packed_numbers(column[rows]) for name, column in columns.items()}
+    return {"rows": base64_text(rows.astype("<u4").tobytes()), "columns": packed}
 
 
-def _packed(values: np.ndarray) -> dict[str, Any]:
+def _packed_numbers(values: np.ndarray) -> dict[str, Any]:
     """Return numbers packed in 16 bits: ``low``, ``high``, and as ``values``, in base64, integers k.
 
     The numbers are low + (high − low) k / FINEST, up to the rounding of k.
     """
     low, high = float(values.min()), float(values.max())
     integers = np.rint((values - low) * (FINEST / ((high - low) or 1.0)))
-    return {"low": low, "high": high, "values": encoded(integers.astype("<u2").tobytes())}
+    return {"low": low, "high": high, "values": base64_text(integers.astype("<u2").tobytes())}

@@ -96,8 +96,8 @@ def shared() -> dict[str, Any]:
         "peaks": {name: {"unit": peak.fmi_unit, "atStops": peak.at_stops} for name, peak in PEAKS.items()},
         "refusals": SENTENCES,
         "refusalRules": {
-            "FILE": [*map(_parsed, REFUSALS)],
-            "SIGNAL": [*map(_parsed, SIGNAL_REFUSALS)],
+            "FILE": [*map(_rule_data, REFUSALS)],
+            "SIGNAL": [*map(_rule_data, SIGNAL_REFUSALS)],
         },
         "laws": {
             name: {key: getattr(law, key) for key in LAW_FACTS}
@@ -147,18 +147,18 @@ def declaration() -> str:
     return f"const SHARED = {json.dumps(shared(), separators=(',', ':'))};"
 
 
-def _parsed(rule: RefusalRule) -> dict[str, Any]:
+def _rule_data(rule: RefusalRule) -> dict[str, Any]:
     """Return the data of a rule that refuses a value, with its condition and least value as syntax trees."""
     least = tree(rule.least) if rule.least else None
     return {**rule._asdict(), "condition": tree(rule.condition), "least": least, "bound": rule.least}
 
 
 def _constants(module: ModuleType, constants: Iterable[str]) -> dict[str, Any]:
-    return {name: _plain(getattr(module, name)) for name in constants}
+    return {name: _json_value(getattr(module, name)) for name in constants}
 
 
-def _plain(value: Any) -> Any:
+def _json_value(value: Any) -> Any:
     """Return a value in which lists replace arrays, so that JSON can hold it."""
     if isinstance(value, np.ndarray):
         return value.tolist()
-    return [_plain(entry) for entry in value] if isinstance(value, list | tuple) else value
+    return [_json_value(entry) for entry in value] if isinstance(value, list | tuple) else value

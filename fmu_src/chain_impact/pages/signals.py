@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.pages.encoding import encoded
+from chain_impact.pages.encoding import base64_text
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import driven_by
 from chain_impact.scene.signal_polynomials import table_of
@@ -30,8 +30,8 @@ def _table(scene: Scene, name: str) -> dict[str, Any]:
             times, powers, gain = table_of(signal, driven.input, driven.order, scene.simulation.stop_time)
             columns[driven.input] = {
                 "knots": len(times),
-                "times": _packed(times),
-                "powers": [_packed(column) for column in powers.T],
+                "times": _number_text(times),
+                "powers": [_number_text(column) for column in powers.T],
                 "gain": gain,
             }
     return {
@@ -42,9 +42,9 @@ def _table(scene: Scene, name: str) -> dict[str, Any]:
     }
 
 
-def _packed(numbers: np.ndarray) -> str:
+def _number_text(numbers: np.ndarray) -> str:
     """Return the bytes of numbers in base64, so that the page computes with exactly the same numbers.
 
     Each number has 8 bytes, the least significant byte first.
     """
-    return encoded(numbers.astype("<f8").tobytes())
+    return base64_text(numbers.astype("<f8").tobytes())

@@ -23,9 +23,9 @@ from chain_impact.pictures.drawing.style import (
     PALE,
     PEAK_COLOUR,
     TICK_STEPS,
-    headline,
+    drawing_style,
     is_narrow,
-    styled,
+    write_headline,
 )
 
 # [inch] the width of the figure; the sum of the spaces above and below all bars; the space between two
@@ -114,7 +114,7 @@ def bars_size(counts: Sequence[int]) -> tuple[float, float]:
     return BARS_WIDTH, BARS_MARGIN + BLOCK_SPACE * max(len(counts) - 1, 0) + BAR_HEIGHT * max(sum(counts), 2)
 
 
-@styled()
+@drawing_style()
 def fill_bars(
     figure: Figure, *, title: str, conditions: str, blocks: Sequence[Bars], warning: str = ""
 ) -> None:
@@ -129,7 +129,7 @@ def fill_bars(
     """
     if any(block.are_cut for block in blocks):
         warning += CUT_BARS
-    headline(figure, title, conditions, *([(warning, PEAK_COLOUR)] if warning else []))
+    write_headline(figure, title, conditions, *([(warning, PEAK_COLOUR)] if warning else []))
     if any(mark is not None and math.isfinite(mark) for block in blocks for mark in block.marks):
         legend_at_head(figure, [Line2D([], [], label=RUN_LABEL, **DIAMOND)])
     if not blocks:

@@ -21,7 +21,7 @@ from chain_impact.pictures.motion.bodies import body_look
 from chain_impact.pictures.motion.poses import draw_chain
 from chain_impact.pictures.motion.walls import draw_pin, draw_room
 from chain_impact.recording.view import pin_mark
-from chain_impact.scene.display.bodies import outlines_from, placed, rail_from
+from chain_impact.scene.display.bodies import outlines_from, placed_corners, rail_from
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.scene import Scene
 
@@ -44,14 +44,14 @@ SIGNS = (
 
 
 @contextmanager
-def repeatable() -> Iterator[None]:
+def draw_repeatably() -> Iterator[None]:
     """Let a ``with`` block draw equal pictures of equal scenes, whatever matplotlib's settings are."""
     own = STYLE | COLOURS | {"svg.hashsalt": "chain-impact"}
     with matplotlib.style.context("default"), matplotlib.rc_context(own):
         yield
 
 
-@repeatable()
+@draw_repeatably()
 def drawing(scene: Scene) -> str:
     """Return a drawing of the chain at the start as SVG: points, angles, walls and positive directions."""
     axes, joints, unit = _chain_figure(scene, DRAWING_SIZE, DRAWING_MARGIN, linewidth=5.0, markersize=8.0)
@@ -83,7 +83,7 @@ def drawing(scene: Scene) -> str:
     return f"<svg role='img' aria-label='{escape(scene.name)} at its start'{svg}"
 
 
-@repeatable()
+@draw_repeatably()
 def icon(scene: Scene) -> bytes:
     """Return a small picture of the chain at the start, with the walls, as PNG."""
     axes, *_ = _chain_figure(scene, ICON_SIZE, ICON_MARGIN, linewidth=4.0, markersize=6.0)
@@ -115,7 +115,7 @@ def _chain_figure(
     draw_room(axes, centre + 0.5 * scale * np.array([[-1.0], [1.0]]) * size, planes)
     draw_pin(axes, pin_mark(joints[None]) if scene.chain.base == "pinned" else [])
     outlines = outlines_from(scene.values, scene.contact.points)
-    bodies = [placed(corners, joints[n - 1], joints[n]) for n, corners in outlines.items()]
+    bodies = [placed_corners(corners, joints[n - 1], joints[n]) for n, corners in outlines.items()]
     if rail := rail_from(points[None], None, scene.values):
         lines = rail.lines(joints[:1])
         axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.2, zorder=2.5))

@@ -117,12 +117,12 @@ def largest_vectors(curves: Curves) -> str:
     times are those of the run [s] or, in a view of one impact, those after the onset [ms].
     """
     start, factor, unit = (0.0, 1.0, "s") if curves.onset is None else (curves.onset, 1e3, "ms")
-    told: dict[str, list[str]] = {}
+    texts_at_time: dict[str, list[str]] = {}
     for owner, sizes in amounts(curves, [name for names in curves.panels for name in names]).items():
         if (row := largest_row(sizes)) is not None:
             when = f"{factor * (curves.time[row] - start):.3g} {unit}"
-            told.setdefault(when, []).append(f"{owner} {force_text(float(sizes[row]), 'N')}")
-    parts = [f"{' and '.join(each)} at {when}" for when, each in told.items()]
+            texts_at_time.setdefault(when, []).append(f"{owner} {force_text(float(sizes[row]), 'N')}")
+    parts = [f"{' and '.join(each)} at {when}" for when, each in texts_at_time.items()]
     return f"largest |force|: {', '.join(parts)}" if parts else ""
 
 

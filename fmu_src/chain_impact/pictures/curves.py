@@ -29,14 +29,14 @@ from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import (
     FULL,
     PALETTE,
-    faint,
+    drawing_style,
+    faint_colour,
     give_ticks,
     is_narrow,
     load_unit,
-    styled,
     write_foot,
 )
-from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
+from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.over_time.energies import ENERGIES, energy_look
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
 from chain_impact.pictures.over_time.time_axis import impact_handles, mark_impacts, name_time
@@ -46,7 +46,7 @@ from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.words.names import AXES, name_parts
 from chain_impact.scene.words.unit_text import bracketed_unit, unit_text
-from chain_impact.text import LOAD_UNITS, few, plural
+from chain_impact.text import LOAD_UNITS, count_text, names_text
 
 # the largest number of curves in a panel, and the largest number of panels in a picture
 MOST_CURVES, MOST_PANELS = len(PALETTE) * len(DASHES), 8
@@ -65,7 +65,7 @@ VECTORS = {
 CONTACT_FORCES = ("force", "friction_force")
 NO_FORCE = "a rigid impact has an impulse, which no curve of a force shows"
 ZERO_ENDS = (-0.1, 1.0)  # the ends of an axis whose curves are all 0; the axis has no number but 0
-# the part of the text's colour in the colour of the line at the end of an impact; see ``faint``
+# the part of the text's colour in the colour of the line at the end of an impact; see ``faint_colour``
 END_LINE = 0.5
 # the largest number of names in the note at the foot of the picture on outputs that are always 0
 MOST_NAMED = 4
@@ -79,9 +79,9 @@ LEAST_ZERO_SHARE = -0.03
 
 def curves_size(curves: Curves) -> tuple[float, float]:
     """Return the default size of a figure with curves: width and height [inches]."""
-    told = TOLD_HEIGHT if largest_vectors(curves) else 0.0
+    note_height = TOLD_HEIGHT if largest_vectors(curves) else 0.0
     height = PANEL_HEIGHT + LEGEND_HEIGHT
-    return FULL, max(3.8, PANELS_MARGINS + told + height * len(clear_panels(curves)))
+    return FULL, max(3.8, PANELS_MARGINS + note_height + height * len(clear_panels(curves)))
 
 
 def clear_panels(curves: Curves) -> list[list[str]]:
@@ -124,7 +124,7 @@ def check_curves(curves: Curves) -> None:
             )
 
 
-@styled()
+@drawing_style()
 def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str | None = "") -> None:
     """Draw the curves on an empty figure.
 
@@ -144,11 +144,11 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
         most = peak_of(recording, curves.number - 1) if seen else drawn_peaks(recording, curves)
         force = "" if most else largest_drawn(curves)
         is_one = len(panels) == 1
-        told = (seen if title else "", "" if is_one or seen else force, largest_vectors(curves))
+        texts = (seen if title else "", "" if is_one or seen else force, largest_vectors(curves))
         lead = (None if most else force) if is_one else ""
-        write_head(figure, recording, title or summary, *told, most=most, lead=lead)
+        write_head(figure, recording, title or summary, *texts, most=most, lead=lead)
     zero = always_zero(curves, panels)
-    notes = [f"0 in the whole view: {few(zero, MOST_NAMED)}"] if zero else []
+    notes = [f"0 in the whole view: {names_text(zero, MOST_NAMED)}"] if zero else []
     if lacks_impulses(recording, curves):
         notes.append(NO_FORCE)
     if number := narrow_peak(recording, curves):
@@ -210,8 +210,8 @@ def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves)
     check_curves(curves)
     count = len(curves.panels)
     if len(given) != count:
-        raise ValueError(f"ax: there are {len(given)} axes for {plural(count, 'unit')} of curves")
-    with drawn_into(given):
+        raise ValueError(f"ax: there are {len(given)} axes for {count_text(count, 'unit')} of curves")
+    with draw_into(given):
         draw_all(given, recording, curves, curves.panels, beside=False)
         fit_into_figure(given)
 
@@ -271,8 +271,8 @@ def draw_all(
             axes.plot(time, scale * values, **look)
         # where the amount of a force has a curve, its largest value is told, and not those of the components
         parts = (line for name, line in lines.items() if name.partition(".force.")[0] not in sizes)
-        told = [(values[seen], look) for values, look in (*sizes.values(), *parts)]
-        found.append(extremes(time[seen], told, own, scale))
+        visible = [(values[seen], look) for values, look in (*sizes.values(), *parts)]
+        found.append(extremes(time[seen], visible, own, scale))
         quantity = shared_part(names) or QUANTITIES.get(own) or vector_of(names)
         is_alone = len(names) == 1 and len(names[0]) <= LONGEST_LEGEND_NAME
         axes.set_ylabel(f"{full_name(names[0]) if is_alone else quantity}{bracketed_unit(unit)}".lstrip())
@@ -337,7 +337,7 @@ def mark_end(axes: Axes, recording: Recording, number: int, factor: float) -> li
     onset, end = (recording.impacts[name][number - 1] for name in ("onset", "end"))
     if not np.isfinite(end):
         return []
-    look: dict[str, Any] = {"color": faint(axes, END_LINE), "linewidth": 0.8, "linestyle": ":"}
+    look: dict[str, Any] = {"color": faint_colour(axes, END_LINE), "linewidth": 0.8, "linestyle": ":"}
     axes.axvline(factor * (end - onset), **look, zorder=0)
     return [Line2D([], [], label=f"end of impact {number}", **look)]
 

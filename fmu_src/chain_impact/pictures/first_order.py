@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from chain_impact.pictures.over_time.energies import range_of
-from chain_impact.pictures.rows_of_impacts import is_outside_impacts, shifted, short_contacts
+from chain_impact.pictures.rows_of_impacts import is_outside_impacts, is_shifted, short_contacts
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.scene.words.names import AXES
@@ -30,22 +30,22 @@ STEP_PARTS = tuple(digit * 10.0**-power for power in range(1, 10) for digit in (
 def drawn_rows(recording: Recording, sensitivities: Sensitivities, known: np.ndarray) -> np.ndarray:
     """Return whether curves are drawn, at T times for P parameters, shape (T, P).
 
-    Curves have gaps within impacts that are too short to be visible, and where a jump is ``shifted``.
+    Curves have gaps within impacts that are too short to be visible, and where a jump is ``is_shifted``.
     ``known`` is the result of ``known_changes``.
     """
-    return np.asarray(known & ~short_contacts(recording)[:, None] & ~shifted(recording, sensitivities))
+    return np.asarray(known & ~short_contacts(recording)[:, None] & ~is_shifted(recording, sensitivities))
 
 
 def known_changes(recording: Recording, sensitivities: Sensitivities, relative: np.ndarray) -> np.ndarray:
     """Return whether changes to first order can hold, at T times for P parameters, shape (T, P).
 
-    They hold until they exceed a range (``hold_to_first_order``) or reverse the order of two impacts
+    They hold until they exceed a range (``is_first_order_true``) or reverse the order of two impacts
     (``keeps_order``). A gap of the curves (``drawn_rows``) before this time also ends the changes, so that
     all curves of a parameter end at the last row that is True.
 
     ``relative``, shape (T, P), is the largest of the ``shares`` of all drawn outputs.
     """
-    known = hold_to_first_order(relative) & keeps_order(recording, sensitivities)
+    known = is_first_order_true(relative) & keeps_order(recording, sensitivities)
     drawn = drawn_rows(recording, sensitivities, known)
     still_drawn = np.maximum.accumulate(drawn[::-1], axis=0)[::-1]
     return np.asarray(known & (still_drawn | known.all(axis=0)))
@@ -91,7 +91,7 @@ def span_of(recording: Recording, output: str) -> float:
     return span if span > RANGE_ROUND_OFF * max(np.abs(column).max() for column in columns) else 1.0
 
 
-def hold_to_first_order(relative: np.ndarray) -> np.ndarray:
+def is_first_order_true(relative: np.ndarray) -> np.ndarray:
     """Return whether changes to first order can hold, at T times for P parameters, shape (T, P).
 
     ``relative``, shape (T, P), is the largest of the ``shares`` of all drawn outputs. For a parameter, the

@@ -18,21 +18,21 @@ from chain_impact.pictures.drawing.style import (
     GREEN,
     INK,
     VERMILLION,
+    drawing_style,
     force_text,
     give_ticks,
-    headline,
     is_narrow,
     load_unit,
-    styled,
+    write_headline,
 )
-from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
+from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.over_time.single_impact import shown_contact
 from chain_impact.pictures.words.headline import hit_words
 from chain_impact.recording.course import Course
 from chain_impact.recording.impact_words import speed_unit
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
-from chain_impact.text import prefixed
+from chain_impact.text import prefixed_unit
 
 IMPACT_SIZE = (7.5, 4.8)  # [inch] default width and height of the figure
 SHOWN_BEFORE = 0.03  # for a long contact, the time shown before the onset, relative to that after the onset
@@ -42,7 +42,7 @@ LABEL_ROOM = 0.2  # the room for the largest value above and below a curve, rela
 LOOP = 1.6
 
 
-@styled()
+@drawing_style()
 def fill_impact(figure: Figure, recording: Recording, number: int, course: Course) -> None:
     """Draw impact ``number``, from 1, on an empty figure.
 
@@ -52,7 +52,7 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
     impact = recording.impacts[number - 1]
     stop = recording.is_joint_stop(impact["wall"])
     title = f"{recording.name}: {hit_words(recording, impact)}, impact {number}"
-    headline(figure, title, conditions(impact, course, stop))
+    write_headline(figure, title, conditions(impact, course, stop))
     if not is_narrow(figure):
         grid = figure.add_gridspec(3, 2)
         loop = figure.add_subplot(grid[:, 1], label="loop")
@@ -60,16 +60,16 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
         grid = figure.add_gridspec(4, 1, height_ratios=(1, 1, 1, LOOP))
         loop = figure.add_subplot(grid[3, 0], label="loop")
     shown = shown_contact(impact, course.time, course.force)
-    time_factor, time_unit = prefixed(shown, "s")
+    time_factor, time_unit = prefixed_unit(shown, "s")
     timed: list[Axes] = []
     most: list[tuple[Axes, Label]] = []
     for row, (name, values, unit, colour) in enumerate(quantities(course, stop)):
         axes = figure.add_subplot(grid[row, 0], sharex=timed[0] if timed else None, label=name)
         timed.append(axes)
-        factor, prefixed_unit = load_unit(np.abs(values).max(initial=0.0), unit)
-        axes.set_ylabel(f"{name} [{prefixed_unit}]")
+        factor, shown_unit = load_unit(np.abs(values).max(initial=0.0), unit)
+        axes.set_ylabel(f"{name} [{shown_unit}]")
         if not len(course.time):
-            say_impulse(axes)
+            write_impulse_note(axes)
             continue
         axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
         along, up = time_factor * (course.time - impact["onset"]), factor * values
@@ -118,7 +118,7 @@ def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> 
     """
     (_, force, force_unit, _), (_, depth, depth_unit, _), _ = quantities(course, at_stop)
     force_factor, prefixed_force_unit = load_unit(force.max(initial=0.0), force_unit)
-    depth_factor, prefixed_depth_unit = prefixed(depth.max(initial=0.0), depth_unit)
+    depth_factor, prefixed_depth_unit = prefixed_unit(depth.max(initial=0.0), depth_unit)
     label = f"{restitution_text(impact)}\n{course.energy_lost:.3g} J lost by the chain"
     x, y = depth_factor * depth, force_factor * force
     axes.plot(x, y, color=VERMILLION, label=label)
@@ -130,17 +130,17 @@ def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> 
     axes.set(xlabel=f"penetration [{prefixed_depth_unit}]", ylabel=f"{name} [{prefixed_force_unit}]")
     legend_above(axes)
     if not len(x):
-        say_impulse(axes)
+        write_impulse_note(axes)
 
 
 def fill_loop_axes(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
     """Draw force over penetration into axes that a user gives; arguments as for ``draw_loop``."""
-    with drawn_into([axes]):
+    with draw_into([axes]):
         draw_loop(axes, impact, course, at_stop=at_stop)
         fit_into_figure([axes])
 
 
-def say_impulse(axes: Axes) -> None:
+def write_impulse_note(axes: Axes) -> None:
     """Write into axes, in place of a curve, that the impact is an impulse."""
     axes.text(0.5, 0.5, "an impulse, without duration", transform=axes.transAxes, ha="center", color=INK)
     axes.set(xticks=[], yticks=[])

@@ -14,8 +14,8 @@ from chain_impact.pictures.drawing.labels import Ink
 from chain_impact.pictures.drawing.legends import legend_above, legend_beside
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
-from chain_impact.pictures.drawing.style import is_narrow, styled, write_foot
-from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
+from chain_impact.pictures.drawing.style import drawing_style, is_narrow, write_foot
+from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.motion.motion import all_entries, draw_motion, entries_and_note
 from chain_impact.pictures.motion.view import GROWN, is_flat
 from chain_impact.pictures.over_time.dry_friction import move_legend_to_foot
@@ -38,7 +38,7 @@ WHOLE_WIDTH = (1.25, GROWN[1])
 NUMBER, NARROW_NUMBER, MOST_BAND = 30.0, 24.0, 0.25
 
 
-@styled()
+@drawing_style()
 def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = "") -> None:
     """Draw the panels named ``panels`` on an empty figure; without names, those of ``panels_to_draw``.
 
@@ -130,7 +130,7 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
     shown, given = panels_to_draw(recording, panels), np.ravel(axes).tolist()
     if len(shown) != len(given):
         raise ValueError(f"ax: there are {len(given)} axes for {len(shown)} panels: {', '.join(shown)}")
-    with drawn_into(given):
+    with draw_into(given):
         for name, panel in zip(shown, given, strict=True):
             if is_over_time(recording, name):
                 add_time_keys(panel, recording, is_marked=name == "energy")

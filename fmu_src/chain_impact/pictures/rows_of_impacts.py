@@ -32,7 +32,7 @@ def rows_within(recording: Recording, impacts: np.ndarray) -> np.ndarray:
     return rows
 
 
-def shifted(recording: Recording, sensitivities: Sensitivities) -> np.ndarray:
+def is_shifted(recording: Recording, sensitivities: Sensitivities) -> np.ndarray:
     """Return whether each row lies between a jump at an impact and its shifted time, shape (T, P).
 
     A step of a parameter shifts onset and end of an impact. Between the old and the new time, the change of a

@@ -27,22 +27,22 @@ from chain_impact.pictures.drawing.style import (
     INK,
     OUTSIDE_COLOUR,
     PALETTE,
+    drawing_style,
     give_ticks,
-    headline,
     is_narrow,
-    styled,
     write_foot,
+    write_headline,
 )
 from chain_impact.pictures.first_order import drawn_rows, known_changes, shares, with_small_steps
 from chain_impact.pictures.over_time.time_axis import impact_handles, mark_impacts, name_time
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts
-from chain_impact.pictures.sensitivity_finding import NO_CHANGE, finding
+from chain_impact.pictures.sensitivity_finding import NO_CHANGE, headline_and_check
 from chain_impact.pictures.sensitivity_table import draw_impact_changes
 from chain_impact.pictures.words.headline import conditions
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.scene.words.unit_text import bracketed_unit
-from chain_impact.text import plural, readable
+from chain_impact.text import count_text, readable_unit
 
 # the largest number of parameters with coloured curves, those with the largest effects; other curves are grey
 LARGEST_EFFECTS = 4
@@ -62,7 +62,7 @@ END_LOOK |= {"zorder": 3.5}
 Looks = list[dict[str, Any]]
 
 
-@styled()
+@drawing_style()
 def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[str] = ()) -> None:
     """Draw the changes of outputs and impacts by each parameter on an empty figure.
 
@@ -73,11 +73,15 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     names = found.drawn(outputs)
     parts = np.stack([shares(recording, found, name) for name in names])
     known = known_changes(recording, found, parts.max(axis=0))
-    message, checked = finding(recording, found, names, parts, known)
-    told = [FIRST_ORDER_CHANGES, SHIFT_NOTE if len(recording.impacts) else "", "" if known.all() else ENDED]
+    message, checked = headline_and_check(recording, found, names, parts, known)
+    remarks = [
+        FIRST_ORDER_CHANGES,
+        SHIFT_NOTE if len(recording.impacts) else "",
+        "" if known.all() else ENDED,
+    ]
     scaled = with_small_steps(recording, found, names, known)
-    told.append(SCALED if any(part != 1.0 for part in scaled.parts.values()) else "")
-    headline(figure, message, conditions(recording, *told))
+    remarks.append(SCALED if any(part != 1.0 for part in scaled.parts.values()) else "")
+    write_headline(figure, message, conditions(recording, *remarks))
     relative = np.max([shares(recording, scaled, name) for name in names], axis=0)
     looks = looks_of(found, relative, scaled.parts, is_brief=is_narrow(figure))
     drawn = drawn_rows(recording, found, known)
@@ -162,7 +166,7 @@ def looks_of(
         scaled = f" (× {factors[name]:g})" if factors.get(name, 1.0) != 1.0 else ""
         return f"{name} + {sensitivities.step_text(name)}{scaled}"
 
-    rest = plural(len(others), "other parameter")
+    rest = count_text(len(others), "other parameter")
     if len(others) <= MOST_GREY and not is_brief:
         rest = ", ".join(label(names[k]) for k in others)
     colours, looks = iter(PALETTE), []
@@ -195,7 +199,7 @@ def draw_changes(
     changes = np.where(drawn, sensitivities.changes(output), np.nan)
     rows = is_outside_impacts(recording)
     low, high = scale_ends(changes[rows])
-    scale, unit = readable(max(-low, high), sensitivities.units[output])
+    scale, unit = readable_unit(max(-low, high), sensitivities.units[output])
     changes *= scale
     grey = [k for k, look in enumerate(looks) if look["color"] == GREY]
     if len(grey) > MOST_GREY:

@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from chain_impact.pictures.first_order import span_of
-from chain_impact.pictures.rows_of_impacts import is_outside_impacts, shifted
+from chain_impact.pictures.rows_of_impacts import is_outside_impacts, is_shifted
 from chain_impact.pictures.words.headline import time_unit
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities, differs
 from chain_impact.scene.words.unit_text import with_unit
-from chain_impact.text import WHOLE, number, readable
+from chain_impact.text import WHOLE, number_text, readable_unit
 
 # a change up to this, relative to the range of the output, counts as round-off
 NO_CHANGE = 1e-12
@@ -35,7 +35,7 @@ class Checked(NamedTuple):
     change: float
 
 
-def finding(
+def headline_and_check(
     recording: Recording,
     sensitivities: Sensitivities,
     outputs: Sequence[str],
@@ -91,7 +91,7 @@ def finding(
 
 
 def most_important(sensitivities: Sensitivities, relative: np.ndarray, known: np.ndarray) -> int:
-    """Return the index of the parameter that the headline names (``finding``).
+    """Return the index of the parameter that the headline names (``headline_and_check``).
 
     ``relative``: the largest of the ``shares`` of all outputs, shape (T, P). ``known`` is the result of
     ``known_changes``.
@@ -119,8 +119,8 @@ def _change_in_run(
 
 def _size_text(size: float, unit: str) -> str:
     """Return a |change| as text, if possible with a unit whose prefix suits the number: "362 µm"."""
-    scale, readable_unit = readable(size, unit)
-    return with_unit(number(scale * size, 2 if scale * size < WHOLE else 3), readable_unit)
+    scale, shown_unit = readable_unit(size, unit)
+    return with_unit(number_text(scale * size, 2 if scale * size < WHOLE else 3), shown_unit)
 
 
 def _change_sizes(
@@ -128,9 +128,9 @@ def _change_sizes(
 ) -> np.ndarray:
     """Return |change| of an output, to first order, for a step of parameter k, shape (T,), in its unit.
 
-    The result is 0 within impacts that end in the run, where a jump is ``shifted``, where the derivative is
-    unknown, and where ``known``, the result of ``known_changes``, is False.
+    The result is 0 within impacts that end in the run, where a jump is ``is_shifted``, where the derivative
+    is unknown, and where ``known``, the result of ``known_changes``, is False.
     """
     sizes = np.abs(np.nan_to_num(sensitivities.changes(output)[:, k]))
-    sizes[~known[:, k] | shifted(recording, sensitivities)[:, k]] = 0.0
+    sizes[~known[:, k] | is_shifted(recording, sensitivities)[:, k]] = 0.0
     return np.where(is_outside_impacts(recording), sizes, 0.0)

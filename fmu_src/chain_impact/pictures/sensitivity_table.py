@@ -15,7 +15,7 @@ from matplotlib.transforms import ScaledTranslation
 from chain_impact.pictures.drawing.style import DECREASE, GREY, INCREASE, INK, OUTSIDE_COLOUR, is_narrow
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
-from chain_impact.text import plural, signed
+from chain_impact.text import count_text, signed_text
 
 STRONGEST = 0.6  # the opacity of the largest changes, from 0 to 1: so low that the text on it stays legible
 # the colours of changes, with the opacity 0 for no change, so that they suit a light and a dark ground; blank
@@ -106,7 +106,7 @@ def draw_impact_changes(
     axes.xaxis.set_label_coords(0.0, 0.0, transform=axes.transAxes + offset)
     title = f"change of {quantity_words(quantity, recording.is_at_joint_stop)} [%]"
     if left_out := len(looks) - len(rows):
-        title += f"; {plural(left_out, 'parameter')} without a row"
+        title += f"; {count_text(left_out, 'parameter')} without a row"
     axes.set_title(title, fontsize="medium", loc="left")
     return max(len(rows) * CELL_HEIGHT, 0.0 if has_texts else SCALE_HEIGHT)
 
@@ -131,7 +131,7 @@ def has_numbers(figure: Figure, impacts: int) -> bool:
 
 def cell_text(change: float) -> str:
     """Return a change [%] as text with sign and two significant digits; "0" for |change| < LEAST_CHANGE."""
-    return "0" if abs(change) < LEAST_CHANGE else signed(change).replace("-", "−")
+    return "0" if abs(change) < LEAST_CHANGE else signed_text(change).replace("-", "−")
 
 
 def quantity_words(quantity: str, at_stops: np.ndarray) -> str:

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from chain_impact.recording.bodies import is_of_body
-from chain_impact.recording.impacts import NO_IMPACTS, impacts_shown
+from chain_impact.recording.impacts import NO_IMPACTS, shown_impacts
 from chain_impact.recording.interactions import WALL
 from chain_impact.recording.joint_stops import ranges_of
 from chain_impact.recording.recording import Recording, StoredRecording
 from chain_impact.recording.stick_slip import phases_from
 from chain_impact.scene.errors import SceneError
-from chain_impact.scene.files.text_file import comma_separated, likely_time, text_of
+from chain_impact.scene.files.text_file import comma_separated_text, likely_time, text_of
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import SENSITIVITY, SLIDER_STOPS
 
@@ -76,14 +76,14 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
                 f"{contact.wall}; it has {', '.join(walls) or 'none'}"
             )
     listed = "impact.count" in columns and scene is not None
-    impacts = impacts_shown({"time": time, **columns}, names) if listed else NO_IMPACTS
+    impacts = shown_impacts({"time": time, **columns}, names) if listed else NO_IMPACTS
     return replace(bare, impacts=impacts, stick_slip=phases_from(time, bare.interactions, names))
 
 
 def _columns(path: Path) -> dict[str, np.ndarray]:
     """Return the columns of a table of numbers, by their names."""
     try:
-        head, *text = comma_separated(text_of(path)).splitlines() or [""]
+        head, *text = comma_separated_text(text_of(path)).splitlines() or [""]
         names = [name.strip().strip('"') for name in head.split(",")]
         if "time" not in names and {"onset", "wall"} <= {*names}:
             raise ValueError("it is a list of impacts, not a motion; `simulate --csv` writes a motion")

@@ -99,7 +99,7 @@ def curves_of(
         time = np.unique(
             np.concatenate([seen, times_between(recording, low, high, close=around is not None)])
         )
-        time, moving = refined(time, rerun.series, chosen)
+        time, moving = refine_times(time, rerun.series, chosen)
     else:
         rows = (time >= low) & (time <= high)
         time, moving = time[rows], {name: values[rows] for name, values in recording.columns.items()}
@@ -111,7 +111,7 @@ def curves_of(
     return Curves(time, values, {name: units.get(name, "") for name in chosen}, onset, around or 0)
 
 
-def refined(
+def refine_times(
     time: np.ndarray, series_at: Callable[[np.ndarray], dict[str, np.ndarray]], names: Sequence[str]
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Return times, with more of them where the named outputs bend, and all outputs at these times.

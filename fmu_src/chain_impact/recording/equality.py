@@ -10,22 +10,24 @@ from typing import Any
 import numpy as np
 
 
-def same(value: Any, other: Any) -> bool:
-    """Return whether two objects have the same dataclass, and ``equal`` values of all compared fields."""
+def have_equal_fields(value: Any, other: Any) -> bool:
+    """Return whether two objects have the same dataclass, and ``are_equal`` values of all compared fields."""
     if type(other) is not type(value):
         return False
-    return all(equal(getattr(value, it.name), getattr(other, it.name)) for it in fields(value) if it.compare)
+    return all(
+        are_equal(getattr(value, it.name), getattr(other, it.name)) for it in fields(value) if it.compare
+    )
 
 
-def equal(first: Any, second: Any) -> bool:
+def are_equal(first: Any, second: Any) -> bool:
     """Return whether two values are equal; the values may be or contain arrays, and NaN equals NaN."""
     match first, second:
         case (np.ndarray(), _) | (_, np.ndarray()):
             return type(first) is type(second) and _equal_arrays(first, second)
         case Mapping(), Mapping():
-            return first.keys() == second.keys() and all(equal(first[key], second[key]) for key in first)
+            return first.keys() == second.keys() and all(are_equal(first[key], second[key]) for key in first)
         case (list(), list()) | (tuple(), tuple()):
-            return len(first) == len(second) and all(map(equal, first, second))
+            return len(first) == len(second) and all(map(are_equal, first, second))
         case float(), float():
             return first == second or (math.isnan(first) and math.isnan(second))
     return bool(first == second)

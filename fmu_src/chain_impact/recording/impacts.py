@@ -155,13 +155,13 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
         return stored
     table = _table(record, walls)
     count, cut = int(_column(record, "impact.count")[-1]), int(np.isnan(table["peak_force"]).sum())
-    told = []
+    sentences = []
     if len(table) < count:
-        told.append(
+        sentences.append(
             f"{count - len(table)} of {count} impacts are missing, as a communication step has more than the "
             "FMU shows: give the scene a larger outputs.impacts, or take shorter steps"
         )
-    warn("impacts_of", [*told, *([cut_sentence(cut)] if cut else [])])
+    warn("impacts_of", [*sentences, *([cut_sentence(cut)] if cut else [])])
     return table
 
 
@@ -220,7 +220,7 @@ def wall_names_of(record: Any) -> list[str]:
     return [*dict.fromkeys((*WALLS, *touched)), *stops, *ends]
 
 
-def impacts_shown(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
+def shown_impacts(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
     """Return the impacts that an FMU's outputs show, also if the FMU has no list: see `IMPACT_DTYPE`.
 
     ``walls`` has the names of all walls by their numbers. An FMU with `outputs.impacts = 0` has no list. Its

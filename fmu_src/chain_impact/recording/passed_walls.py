@@ -8,7 +8,7 @@ import numpy as np
 
 from chain_impact.scene.display.bodies import size_of_motion
 from chain_impact.scene.half_planes import HalfPlane
-from chain_impact.text import few
+from chain_impact.text import names_text
 
 # [1] A point passes through a wall if, at different times, its distances from the wall on the free side and
 # on the other side are both larger than this, relative to the size of the motion.
@@ -39,7 +39,7 @@ def points_through_walls(
         least = LEAST_PASSAGE * size_of_motion(positions)
         through = np.array(free)[(gaps.min(axis=0) < -least) & (gaps.max(axis=0) > least)]
         if len(through):
-            points = few([str(k) for k in through.tolist()], NAMED_POINTS)
+            points = names_text([str(k) for k in through.tolist()], NAMED_POINTS)
             which = f"point {points} passes" if len(through) == 1 else f"points {points} pass"
             sentences.append(f"{which} through {name} without touching it: see contact.points")
     return sentences

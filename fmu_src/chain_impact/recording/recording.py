@@ -12,7 +12,7 @@ from typing import Any, Self
 import numpy as np
 
 from chain_impact.recording.bodies import site_radii
-from chain_impact.recording.equality import same
+from chain_impact.recording.equality import have_equal_fields
 from chain_impact.recording.impact_words import touching_part_name
 from chain_impact.recording.impacts import NO_IMPACTS
 from chain_impact.recording.interactions import (
@@ -31,7 +31,7 @@ from chain_impact.scene.display.bodies import Rail, outlines_from, rail_from
 from chain_impact.scene.errors import names_matching
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.words.names import AXES, SLIDER_STOPS, grouped_by_owner
-from chain_impact.text import plural
+from chain_impact.text import count_text
 from chain_impact.variables.hints import output_hint
 
 
@@ -61,7 +61,7 @@ class Recording(OlderNames):
         inputs: the names of the inputs that have no column.
     """
 
-    __eq__ = same
+    __eq__ = have_equal_fields
     __hash__ = None  # type: ignore[assignment]
 
     name: str
@@ -249,8 +249,8 @@ class Recording(OlderNames):
         """Return the name, the end time [s], and the numbers of impacts, rows and columns."""
         end = f"{self.time[-1]:g}" if len(self.time) else "0"
         return (
-            f"Recording({self.name})  0 … {end} s, {plural(self.impact_count, 'impact')}, "
-            f"{plural(len(self.time), 'row')} of {plural(len(self.columns), 'column')}"
+            f"Recording({self.name})  0 … {end} s, {count_text(self.impact_count, 'impact')}, "
+            f"{count_text(len(self.time), 'row')} of {count_text(len(self.columns), 'column')}"
         )
 
     @property

@@ -9,11 +9,11 @@ from functools import cached_property
 import numpy as np
 
 from chain_impact.deprecated import OlderName
-from chain_impact.recording.equality import same
+from chain_impact.recording.equality import have_equal_fields
 from chain_impact.scene.errors import UnknownNameError
 from chain_impact.scene.words.names import sensitivity_name, value_at_start
 from chain_impact.scene.words.unit_text import bracketed_unit, scene_unit, with_unit
-from chain_impact.text import TextTable, as_html, plural
+from chain_impact.text import TextTable, as_html, count_text
 from chain_impact.variables.listing import derivatives
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
@@ -59,7 +59,7 @@ class Sensitivities:
         parts: name of a parameter with the value 0 → factor of its ``step``; 1 for all others.
     """
 
-    __eq__ = same
+    __eq__ = have_equal_fields
     __hash__ = None  # type: ignore[assignment]
 
     prepared: PreparedScene
@@ -105,8 +105,8 @@ class Sensitivities:
         """Return the numbers of outputs, rows and impacts with derivatives, and the parameters."""
         rows, outputs, _ = self.slopes.shape
         return (
-            f"Sensitivities({self.source}) of {plural(outputs, 'output')} in {plural(rows, 'row')} and of "
-            f"{plural(len(self.impacts), 'impact')}, with respect to {', '.join(self.parameters)}"
+            f"Sensitivities({self.source}) of {count_text(outputs, 'output')} in {count_text(rows, 'row')} "
+            f"and of {count_text(len(self.impacts), 'impact')}, with respect to {', '.join(self.parameters)}"
         )
 
     def _repr_html_(self) -> str:

@@ -17,7 +17,7 @@ from chain_impact.recording.rest import rest_lines
 from chain_impact.recording.stick_slip import element_label
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.unit_text import stiffness_unit
-from chain_impact.text import TextTable, few, plural
+from chain_impact.text import TextTable, count_text, names_text
 from chain_impact.variables.impact_units import unit_at
 
 # largest numbers of impacts in a list: LISTED_IMPACTS in notebooks and on the command line, LISTED_IN_SHORT
@@ -90,7 +90,7 @@ def impact_list(result: Recording, most: int) -> Iterator[str | TextTable]:
     if rows:
         yield TextTable(("#", *impact_heads(result)), rows)
     if (more := len(result.impacts) - most) > 0:
-        yield f"… and {plural(more, 'more impact')}"
+        yield f"… and {count_text(more, 'more impact')}"
 
 
 def passed_wall_lines(result: Recording) -> Iterator[str]:
@@ -100,8 +100,8 @@ def passed_wall_lines(result: Recording) -> Iterator[str]:
 
 def _headline(result: Recording, outputs: int) -> str:
     end = f"{result.time[-1]:g}" if len(result.time) else "0"
-    rows = f"{plural(len(result.time), 'row')} of {plural(outputs, 'output')}"
-    return f"{result.name}  0 … {end} s, {plural(len(result.impacts), 'impact')}, {rows}"
+    rows = f"{count_text(len(result.time), 'row')} of {count_text(outputs, 'output')}"
+    return f"{result.name}  0 … {end} s, {count_text(len(result.impacts), 'impact')}, {rows}"
 
 
 def impact_heads(result: Recording) -> tuple[str, ...]:
@@ -167,10 +167,14 @@ def load_lines(result: Recording) -> Iterator[str]:
             continue
         onset, end = result.impacts["onset"], np.where(lasts(result.impacts), np.inf, result.impacts["end"])
         numbers = [str(n + 1) for n in ((onset <= time) & (time <= end) & (onset < end)).nonzero()[0]]
-        during = f", during impact{'s' * (len(numbers) > 1)} {few(numbers, NAMED_IMPACTS)}" if numbers else ""
+        during = (
+            f", during impact{'s' * (len(numbers) > 1)} {names_text(numbers, NAMED_IMPACTS)}"
+            if numbers
+            else ""
+        )
         yield f"{begin}, at {time:.6f} s{during}"
     if len(peaks) > JOINTS:
-        yield f"{'':8} less in {plural(len(peaks) - JOINTS, 'more joint')}"
+        yield f"{'':8} less in {count_text(len(peaks) - JOINTS, 'more joint')}"
 
 
 def _friction_lines(result: Recording) -> Iterator[str]:
@@ -179,7 +183,7 @@ def _friction_lines(result: Recording) -> Iterator[str]:
     if not len(phases):
         return
     sticking = int((phases["mode"] == STICKS).sum())
-    yield f"friction {plural(sticking, 'phase')} of sticking, {len(phases) - sticking} of sliding"
+    yield f"friction {count_text(sticking, 'phase')} of sticking, {len(phases) - sticking} of sliding"
     last = phases[np.isnan(phases["end"]) & (phases["mode"] == STICKS)]
     elements = [
         f"{element_label(phase, result.wall_names, result.point_names)} since {phase['start']:.6f} s"

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.extras import require
-from chain_impact.files import written_whole
+from chain_impact.files import written_atomically
 from chain_impact.recording.stick_slip import MODES, NO_WALL
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.words.names import AXES
@@ -132,7 +132,7 @@ def save_columns(path: Path, columns: Mapping[str, np.ndarray]) -> None:
         OSError: when the file cannot be written.
     """
     count = max(len(column) for column in columns.values())
-    with written_whole(path) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
+    with written_atomically(path) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(columns)
         # converting all rows to lists at once would take four times the memory of the arrays
@@ -155,7 +155,7 @@ def save_impacts(path: Path, impacts: np.ndarray, walls: Sequence[str]) -> None:
     if suffix not in SUFFIXES:
         raise ValueError(f"{path}: the list of impacts must end in {', '.join(SUFFIXES)}")
     rows = zip(*columns.values(), strict=True)
-    with written_whole(path) as fresh:
+    with written_atomically(path) as fresh:
         if suffix == ".parquet":
             arrow = require("pyarrow", "sweep")
             kinds = {"wall": arrow.string(), "point": arrow.int64(), "joint": arrow.int64()}

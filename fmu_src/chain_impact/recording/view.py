@@ -111,7 +111,7 @@ def view_corners(
     return view, visible
 
 
-def framed(
+def film_view(
     points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float, *, pinned: bool
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the view of a film: the rectangle that ``view_corners`` returns with ROOM, and a margin.

@@ -6,10 +6,10 @@ import math
 import os
 from pathlib import Path
 
-from chain_impact.files import written_whole
+from chain_impact.files import written_atomically
 from chain_impact.pages.inline import InlinePage
 from chain_impact.pages.recorded import page
-from chain_impact.progress import Progress, silent
+from chain_impact.progress import Progress, no_progress
 from chain_impact.recording.pacing import IMPACT_TIME
 from chain_impact.recording.recording import Recording
 
@@ -35,7 +35,7 @@ def write_animation(
 
     ``chain_impact.animate`` describes the arguments.
     """
-    path, progress = None if path is None else Path(path), progress or silent
+    path, progress = None if path is None else Path(path), progress or no_progress
     kind = path.suffix.lower() if path else ".html"
     if kind not in FORMATS:
         raise AnimationError(f"{path}: the name must end in {', '.join(FORMATS)}")
@@ -49,7 +49,7 @@ def write_animation(
         raise AnimationError(f"{recording.name}: an animation needs two rows at least, with point[0].x")
     if path is None:
         return InlinePage(page(recording, speed or 1.0, impact_time))
-    with written_whole(path) as fresh:
+    with written_atomically(path) as fresh:
         if kind == ".html":
             fresh.write_text(page(recording, speed or 1.0, impact_time), encoding="utf-8")
         else:

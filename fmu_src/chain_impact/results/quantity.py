@@ -15,8 +15,8 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities, slopes_of_impacts
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.words.names import name_parts
-from chain_impact.scene.words.similar_names import nearest
-from chain_impact.text import plural
+from chain_impact.scene.words.similar_names import nearest_name
+from chain_impact.text import count_text
 from chain_impact.variables.impact_units import impact_units
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
 
@@ -63,7 +63,7 @@ def quantity_named(recording: Recording, sensitivities: Sensitivities, name: str
     if name not in sensitivities.columns:
         quantities = (*PEAKS, JOINT_FORCE, *sensitivities.columns)
         of_peak = re.sub(r"\w*$", r"peak_\g<0>", name, count=1)
-        near = of_peak if of_peak in quantities else nearest(name, quantities)
+        near = of_peak if of_peak in quantities else nearest_name(name, quantities)
         hint = f"the nearest is {near}" if near else f"must be an output, {', '.join((*PEAKS, JOINT_FORCE))}"
         if missing := recording.output_hint(of_peak):
             hint = f"the nearest is {of_peak}, and {missing}"
@@ -109,7 +109,7 @@ def _impact_quantity(
     """Return the quantity ``field`` of the impact with a number, from 1, with its derivatives."""
     impacts, slopes = recording.impacts, sensitivities.impact_slopes
     if not 1 <= number <= len(impacts):
-        few = plural(len(impacts), "impact")
+        few = count_text(len(impacts), "impact")
         raise SceneError(f"{recording.name}: impact[{number}].{field} does not exist; the run has {few}")
     if field not in slopes and field != DURATION:
         fields = ", ".join((*slopes, DURATION))

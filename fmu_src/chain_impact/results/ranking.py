@@ -25,7 +25,7 @@ from chain_impact.results.effects import (
 from chain_impact.results.quantity import quantity_named
 from chain_impact.scene.errors import names_matching
 from chain_impact.scene.words.unit_text import bracketed_unit, unit_text, with_unit
-from chain_impact.text import Printed, TextTable, plural, readable, signed
+from chain_impact.text import Printed, TextTable, count_text, readable_unit, signed_text
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
 
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ class Ranking(Printed):
                 effect.parameter,
                 effect.told,
                 f"{effect.change:+.3g}",
-                signed(100.0 * self.share(effect)) if self.value else "—",
+                signed_text(100.0 * self.share(effect)) if self.value else "—",
                 f"{effect.derivative:.4g}",
                 *((("" if effect.simulated is None else simulated_text(effect)),) if checked else ()),
             )
@@ -137,7 +137,7 @@ class Ranking(Printed):
         """Return a sentence: how many of the ``checked`` effects differ in their runs from first order."""
         limit, count, total = f"{100.0 * FIRST_ORDER:g} %", sum(e.differs for e in checked), len(checked)
         part = f"{total} of " if total < len(self.effects) else ""
-        runs = f"runs with the new values for {part}{plural(len(self.effects), 'effect')}"
+        runs = f"runs with the new values for {part}{count_text(len(self.effects), 'effect')}"
         if not count:
             return f"{runs}: {'all agree' if total > 1 else 'it agrees'} within {limit}"
         many = "all differ" if count == total > 1 else f"{count} differ{'s' * (count == 1)}"
@@ -190,10 +190,10 @@ class Ranking(Printed):
         blocks = self._blocks()
         drawn = list(itertools.chain(*blocks))
         checked = [effect for effect in drawn if effect.simulated is not None]
-        told = self.verdict(checked)
-        warning = f"{told} (hollow bars)" if any(e.differs for e in drawn) else ""
+        verdict = self.verdict(checked)
+        warning = f"{verdict} (hollow bars)" if any(e.differs for e in drawn) else ""
         if self._only_runs_hold:
-            warning = f"{told}: the bars are the runs, not first order"
+            warning = f"{verdict}: the bars are the runs, not first order"
             blocks = list(map(simulated_first, blocks))
         changes = [[effect.change for effect in effects] for effects in blocks]
         marks = [[effect.simulated for effect in effects] for effects in blocks]
@@ -205,7 +205,7 @@ class Ranking(Printed):
         parts = [
             self.where,
             f"{more} other effects are left out" if more else "",
-            f"{plural(len(self.without), 'parameter')} without effect" if self.without else "",
+            f"{count_text(len(self.without), 'parameter')} without effect" if self.without else "",
             f"of {len(self.unknown)} it is not known" if self.unknown else "",
             *(f"{name} is left out: it changes the unit of the stiffness" for name in self.left_out),
         ]
@@ -228,16 +228,16 @@ class Ranking(Printed):
 
         Of an effect that a run has checked, the change in the run counts.
         """
-        factor, unit = readable(abs(self.value), self.unit)
+        factor, unit = readable_unit(abs(self.value), self.unit)
         value = with_unit(digits(factor * self.value), unit)
         if not drawn:
             return f"no effect on {self._words} = {value}"
         alike = [effect for effect in drawn if bool(effect.value) == bool(drawn[0].value)]
         most = max(alike, key=lambda effect: abs(best_known(effect)))
         change = best_known(most)
-        scale, unit_of_change = readable(abs(change), self.unit)
-        size = f"{signed(100.0 * abs(change / self.value))} %" if self.value else ""
-        size = (size or with_unit(signed(scale * abs(change)), unit_of_change)).removeprefix("+")
+        scale, unit_of_change = readable_unit(abs(change), self.unit)
+        size = f"{signed_text(100.0 * abs(change / self.value))} %" if self.value else ""
+        size = (size or with_unit(signed_text(scale * abs(change)), unit_of_change)).removeprefix("+")
         about = "" if most.simulated is not None and math.isfinite(most.simulated) else "about "
         what = f"{self._words} of {value}" if self.value else self._words
         return (
@@ -265,11 +265,15 @@ class Ranking(Printed):
 
         ``size`` is the length of the longest bar that the axis shows.
         """
-        factor, unit = readable(size, self.unit)
+        factor, unit = readable_unit(size, self.unit)
         values = [factor * effect.change for effect in effects]
 
         def change_text(change: float) -> str:
-            return f"{signed(100.0 * change / abs(self.value))} %" if self.value else signed(factor * change)
+            return (
+                f"{signed_text(100.0 * change / abs(self.value))} %"
+                if self.value
+                else signed_text(factor * change)
+            )
 
         texts = [
             f"{change_text(effect.change)} (run: {simulated_text(effect, change_text)})"

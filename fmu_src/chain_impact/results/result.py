@@ -246,7 +246,7 @@ class Result(Printed, SceneRecording):
             UnknownNameError: when the result lacks the output of another field.
         """
         energy = np.zeros(len(self.time), [(name, np.float64) for name in ENERGIES])
-        known = self.prepared.structure.known
+        known = self.prepared.structure.numbers
         is_known = known["impulses"] and (self._has_all or "energy.friction" in self.names)
         for name, kind in ENERGIES.items():
             # the scene has no such output, for example without friction or supply: this energy is 0

@@ -12,8 +12,8 @@ from chain_impact.scene.errors import SceneError
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.files.table_file import read_table, samples_of
 from chain_impact.scene.signal_inputs import driven_alone
-from chain_impact.scene.words.names import INPUTS_OF, input_asked, input_key
-from chain_impact.scene.words.similar_names import nearest
+from chain_impact.scene.words.names import INPUTS_OF, input_key, input_request
+from chain_impact.scene.words.similar_names import nearest_name
 
 
 def inputs_of(scene: Contents, *, asked: bool = True) -> Iterator[str]:
@@ -55,7 +55,7 @@ def _lacking_owner(scene: Contents, name: str) -> str:
     return ""
 
 
-def how_asked(scene: Contents, name: str) -> str:
+def request_hint(scene: Contents, name: str) -> str:
     """Return the end of an error on the input ``name``, which the scene lacks.
 
     The end tells why the scene cannot have the input, or how to add the input; else it names the input with
@@ -66,11 +66,11 @@ def how_asked(scene: Contents, name: str) -> str:
     if lacking := _lacking_owner(scene, name):
         return lacking
     if key == "wall_motion" or name in possible:
-        return f"set {input_asked(name)}"
+        return f"set {input_request(name)}"
     if key and (base := {"slider": "slider", "base": "pinned"}.get(name.partition(".")[0])):
         return f'only a chain with chain.base = "{base}" has it'
-    if near := nearest(name, possible):
-        return f"the nearest is {near}" + ("" if near in there else f"; set {input_asked(near)}")
+    if near := nearest_name(name, possible):
+        return f"the nearest is {near}" + ("" if near in there else f"; set {input_request(near)}")
     return f"it has {', '.join(there)}" if there else "it has none"
 
 
@@ -104,7 +104,7 @@ def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any
                 raise SceneError(f"{file}: column {column} must be left out: {by}")
         if column not in inputs_of(scene):
             raise SceneError(
-                f"{file}: column {column} is not an input of {scene.name}; {how_asked(scene, column)}"
+                f"{file}: column {column} is not an input of {scene.name}; {request_hint(scene, column)}"
             )
     table = {"input": list(columns), "form": "table", "file": str(file.absolute())}
     table |= {"interpolation": interpolation} if interpolation else {}

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from chain_impact.scene.contents import AnyScene
-from chain_impact.scene.errors import no_wall, refusal, refused, value_text
+from chain_impact.scene.errors import error_at, no_wall_error, refusal, value_text
 from chain_impact.scene.half_planes import direction
 from chain_impact.scene.keys.tables import Material
 from chain_impact.scene.shapes import with_shapes
@@ -16,7 +16,7 @@ from chain_impact.user_laws.law_file import LawError, read_law
 ANGLES = ("initial", "angles")
 
 
-def completed(scene: AnyScene, folder: Path) -> AnyScene:
+def completed_scene(scene: AnyScene, folder: Path) -> AnyScene:
     """Return the scene with all values that follow from other keys, and with the contents of table files.
 
     Relative paths of files begin at ``folder``.
@@ -37,7 +37,7 @@ def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
     try:
         read_law(path)
     except LawError as error:
-        raise refused(("contact", "law_file"), f"= {file!r} {error}") from None
+        raise error_at(("contact", "law_file"), f"= {file!r} {error}") from None
     return replace(scene, contact=replace(scene.contact, law_file=str(path)))
 
 
@@ -102,5 +102,5 @@ def with_materials(scene: AnyScene) -> AnyScene:
     given = dict(scene.contact.wall)
     materials = {name: given.pop(name, Material()) for name in scene.half_planes}
     if given:
-        raise no_wall(("contact", "wall", next(iter(given))), materials)
+        raise no_wall_error(("contact", "wall", next(iter(given))), materials)
     return replace(scene, contact=replace(scene.contact, wall=materials))

@@ -9,7 +9,7 @@ from typing import Any
 from chain_impact.deprecated import OlderName
 from chain_impact.scene.rules.refusals import sentence
 from chain_impact.scene.words.names import DataPath, fmu_name, path_text
-from chain_impact.scene.words.similar_names import proposed
+from chain_impact.scene.words.similar_names import proposed_name
 
 NAMED_PARTS = 8  # a message lists quantities of only one owner: at most this number, then …
 SHOWN = 60  # a message has at most this number of characters of a value, then ...
@@ -69,15 +69,15 @@ def refusal(path: DataPath, fault: str, **words: object) -> SceneError:
 
     ``words`` replace the words in braces in the sentence.
     """
-    return refused(path, sentence(fault, **words))
+    return error_at(path, sentence(fault, **words))
 
 
-def refused(path: DataPath, fault: str) -> SceneError:
+def error_at(path: DataPath, fault: str) -> SceneError:
     """Return the error whose name is the text of ``path``, or "scene" for (), with the fault ``fault``."""
     return SceneError(fault, path, path_text(path) or "scene")
 
 
-def no_wall(path: DataPath, walls: Collection[str], value: str = "") -> SceneError:
+def no_wall_error(path: DataPath, walls: Collection[str], value: str = "") -> SceneError:
     """Return the error on a key at ``path`` that names no existing wall; ``walls`` are the existing ones.
 
     ``value`` are the first words of the sentence, such as "= 'roof' "; "" if the key itself is the name.
@@ -114,7 +114,7 @@ class UnknownNameError(SceneError, KeyError):
         if len(parts) > 1 and {*parts} <= {*names}:
             hint = f"it is {len(parts)} names: separate them by commas, or in Python give a list"
         if hint is None:
-            near = proposed(name, names) if isinstance(name, str) else None
+            near = proposed_name(name, names) if isinstance(name, str) else None
             hint = f"the nearest is {near}" if near else _names_of_owner(name, names) or otherwise
         text = name if isinstance(name, str) else value_text(name)
         super().__init__(f"is {what}; {hint}", name=text)

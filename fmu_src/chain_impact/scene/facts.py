@@ -76,7 +76,7 @@ LISTS = {
         "walls and stops in the order of wall_names; name; exists: it is an existing wall; touched: a point "
         "can touch it, and it is no stop"
     ),
-    "lines": Members("walls at any angle; name"),
+    "sloped_walls": Members("walls at any angle; name"),
     "laws": Members("contact laws, a user's law last; name"),
     "signals": Members("driven inputs; name: of the signal; input; knot_count"),
     "steps": Members(
@@ -288,7 +288,7 @@ FOUND: dict[str, Callable[[SceneFacts], list[dict[str, Any]]]] = {
     "sites": _sites,
     "candidates": _candidates,
     "walls": _walls,
-    "lines": lambda facts: [{"name": wall.name} for wall in facts.scene.walls],
+    "sloped_walls": lambda facts: [{"name": wall.name} for wall in facts.scene.walls],
     "laws": lambda facts: [{"name": name} for name in facts.scene.law_names],
     "signals": _signals,
     "steps": _steps,

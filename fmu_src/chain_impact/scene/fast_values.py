@@ -44,15 +44,15 @@ def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
     """Return path or name → (path, metadata of the key), for each value with the rule ``alone``."""
     metadata_of: dict[DataPath, Mapping[str, Any]] = {}
     for path, table in _TABLES.items():
-        metadata_of |= {(*path, name): metadata for name, metadata in _alone(table).items()}
-    for name, metadata in _alone(Initial).items():
+        metadata_of |= {(*path, name): metadata for name, metadata in _keys_checked_alone(table).items()}
+    for name, metadata in _keys_checked_alone(Initial).items():
         length = LINKS if metadata["per_link"] else len(AXES)
         metadata_of |= {("initial", name, k): metadata for k in range(length)}
     named = {name_of(path): (path, metadata) for path, metadata in metadata_of.items()}
     return named | {path: (path, metadata) for path, metadata in metadata_of.items()}
 
 
-def _alone(table: Any) -> dict[str, Mapping[str, Any]]:
+def _keys_checked_alone(table: Any) -> dict[str, Mapping[str, Any]]:
     """Return key → metadata for the keys of the dataclass ``table`` that have the rule ``alone``."""
     return {entry.name: entry.metadata for entry in keys(table) if entry.metadata["alone"]}
 
@@ -111,11 +111,13 @@ def _with_value(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
             if k >= len(numbers) or (key == "velocity" and scene.chain.base != "free"):
                 return None
             changed: dict[str, Any] = {key: (*numbers[:k], value, *numbers[k + 1 :])}
-            return _replaced(scene, initial=_replaced(scene.initial, **changed))
+            return _replace_fields(scene, initial=_replace_fields(scene.initial, **changed))
         case str(table), str(key) if not _matters_elsewhere(scene, path, value):
             before = getattr(scene, table)
             same = getattr(before, key) == value
-            return scene if same else _replaced(scene, **{table: _replaced(before, **{key: value})})
+            return (
+                scene if same else _replace_fields(scene, **{table: _replace_fields(before, **{key: value})})
+            )
     return None
 
 
@@ -138,18 +140,20 @@ def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | No
     if i >= len(links):
         return None
     change: dict[str, Any] = {key: value}
-    link = _replaced(links[i], **change)
+    link = _replace_fields(links[i], **change)
     if key == "mass" and ("chain", "links", i, "inertia") in scene.derived_paths:
         rule = _metadata_of_links()["inertia"]["default"]
-        link = _replaced(
+        link = _replace_fields(
             link, inertia=rule.value({key: getattr(link, key) for key in ("mass", "length", "height")})
         )
     if key in ("mass", "inertia") and not 0.0 < link.inertia < math.inf:
         return None
-    return _replaced(scene, chain=_replaced(scene.chain, links=(*links[:i], link, *links[i + 1 :])))
+    return _replace_fields(
+        scene, chain=_replace_fields(scene.chain, links=(*links[:i], link, *links[i + 1 :]))
+    )
 
 
-def _replaced(table: SceneTable, **changes: Any) -> SceneTable:
+def _replace_fields(table: SceneTable, **changes: Any) -> SceneTable:
     """Return a copy of the dataclass object ``table`` with some fields changed, without any check.
 
     ``dataclasses.replace`` would take twice the time.

@@ -32,7 +32,7 @@ def without_empty(data: dict[str, Any]) -> dict[str, Any]:
         if isinstance(data.get(table), Mapping) and not data[table]:
             del data[table]
     if isinstance(contact, Mapping) and isinstance(contact.get("wall"), Mapping):
-        walls = {name: table for name, table in contact["wall"].items() if _holds(table)}
+        walls = {name: table for name, table in contact["wall"].items() if _has_values(table)}
         data["contact"] = {key: value for key, value in contact.items() if key != "wall"}
         data["contact"] |= {"wall": walls} if walls else {}
     return data
@@ -44,6 +44,6 @@ def _without_no_points(link: Any) -> Any:
     return {key: value for key, value in link.items() if key != "points"} if empty else link
 
 
-def _holds(table: Any) -> bool:
+def _has_values(table: Any) -> bool:
     """Return False for a table that is empty or whose values are all None; True for anything else."""
     return not isinstance(table, Mapping) or any(value is not None for value in table.values())

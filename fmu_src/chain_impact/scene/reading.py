@@ -11,11 +11,18 @@ from dataclasses import MISSING, Field, is_dataclass
 from numbers import Integral, Real
 from typing import Any, get_args, get_origin
 
-from chain_impact.scene.errors import SceneError, refusal, refused, value_text
-from chain_impact.scene.rules.key_rules import Derived, allowed, extended, keeps, keys, without_none
+from chain_impact.scene.errors import SceneError, error_at, refusal, value_text
+from chain_impact.scene.rules.key_rules import (
+    Derived,
+    allowed_words,
+    extended_metadata,
+    keeps,
+    keys,
+    without_none,
+)
 from chain_impact.scene.words.angles import or_degrees, radians_of
 from chain_impact.scene.words.names import DataPath, path_text
-from chain_impact.scene.words.similar_names import nearest, one_typo, proposed
+from chain_impact.scene.words.similar_names import name_with_one_typo, nearest_name, proposed_name
 from chain_impact.scene.words.unit_text import number_hint, power_hint
 
 # the least similarity, from 0 to 1, to an unknown key at which an error proposes a key of the same table
@@ -73,12 +80,12 @@ class Reader:
         entries = {entry.name: entry for entry in keys(table)}
         for name in data:
             if name not in entries:
-                raise self._unknown(table, path, name)
+                raise self._unknown_key_error(table, path, name)
         values: dict[str, Any] = {}
         scope = dict(tables)
         for entry in entries.values():
             where = (*path, entry.name)
-            metadata = extended(entry.metadata, scope)
+            metadata = extended_metadata(entry.metadata, scope)
             value = data.get(entry.name)
             if value is None:
                 # a missing table without a default is read as an empty table, so that its keys get defaults
@@ -110,7 +117,7 @@ class Reader:
         result = _convert(kind, radians_of(value, metadata["unit"]))
         if result is None or not keeps(result, metadata):
             choices, unit = metadata["choices"], metadata["unit"]
-            needed = allowed(kind, metadata) + or_degrees(unit)
+            needed = allowed_words(kind, metadata) + or_degrees(unit)
             meant = nearest_choice(value, choices) if kind is str else meant_number(value, unit)
             raise refusal(path, "not_allowed", value=value_text(value), allowed=needed + meant)
         return result
@@ -127,7 +134,9 @@ class Reader:
             len(tables["chain"].links) if metadata["per_link"] else None if ... in others else 1 + len(others)
         )
         if isinstance(value, Mapping) and is_dataclass(item):
-            raise refusal(path, "one_table", name=path_text(path), others=self._moved(item, value))
+            raise refusal(
+                path, "one_table", name=path_text(path), others=self._misplaced_key_hint(item, value)
+            )
         if isinstance(value, list | tuple) and length not in (None, len(value)):
             found = f"{len(value)} value{'s' * (len(value) != 1)}"
             each = ", one for each link" if metadata["per_link"] else ""
@@ -154,7 +163,7 @@ class Reader:
             name: self._table(entry_type(kind), entry, (*path, name), tables) for name, entry in value.items()
         }
 
-    def _unknown(self, table: Any, path: DataPath, name: Any) -> SceneError:
+    def _unknown_key_error(self, table: Any, path: DataPath, name: Any) -> SceneError:
         """Return the error on an unknown key `name` of `table`, with the most similar key of any table.
 
         If no key is similar, the error lists the keys of `table`.
@@ -162,15 +171,15 @@ class Reader:
         where, name = (*path, name), value_text(name).strip("'")
         here = [entry.name for entry in keys(table)]
         prefix = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
-        if near := nearest(name, here, at_least=SIMILAR_KEY) or one_typo(name, here):
-            error = refused(where, f"is unknown; the nearest key is {prefix}{'.' * bool(prefix)}{near}")
+        if near := nearest_name(name, here, at_least=SIMILAR_KEY) or name_with_one_typo(name, here):
+            error = error_at(where, f"is unknown; the nearest key is {prefix}{'.' * bool(prefix)}{near}")
             error.meant = near
             return error
-        if near := name if name in self._keys() else one_typo(name, self._keys()):
-            return refused(where, f"is unknown; the nearest key is {self._keys()[near]}")
+        if near := name if name in self._keys() else name_with_one_typo(name, self._keys()):
+            return error_at(where, f"is unknown; the nearest key is {self._keys()[near]}")
         return refusal(where, "unknown", keys=", ".join(here))
 
-    def _moved(self, item: Any, value: Mapping[Any, Any]) -> str:
+    def _misplaced_key_hint(self, item: Any, value: Mapping[Any, Any]) -> str:
         """Return advice on ``value``, one table in place of a list of tables: where its wrong keys belong.
 
         A wrong key is one that the dataclass ``item`` of these tables lacks, but another table of the file
@@ -289,5 +298,5 @@ def decimal_comma(value: Any) -> str:
 
 def nearest_choice(value: Any, choices: Collection[str] | None) -> str:
     """Return a hint with the choice that is most similar to the wrong text ``value``; "" if none is."""
-    near = proposed(value, choices) if choices and isinstance(value, str) else None
+    near = proposed_name(value, choices) if choices and isinstance(value, str) else None
     return f"; the nearest is {near}" if near else ""

@@ -23,7 +23,7 @@ from chain_impact.scene.errors import SceneError, value_text
 from chain_impact.scene.facts import SceneFacts, friction_joints
 from chain_impact.scene.fast_values import with_numbers
 from chain_impact.scene.files.lines import fault_hint, line_of
-from chain_impact.scene.files.models import scene_file_path, unreadable
+from chain_impact.scene.files.models import scene_file_path, unreadable_message
 from chain_impact.scene.files.text_file import text_of
 from chain_impact.scene.plain_data import plain, without_empty
 from chain_impact.scene.reading import Reader, keys_of, tell_all_faults
@@ -126,7 +126,7 @@ def load_scene(source: str | os.PathLike[str]) -> Scene:
         path = scene_file_path(source)
         text = text_of(path)
     except (OSError, TypeError, ValueError) as error:
-        raise SceneError(unreadable(source, error)) from None
+        raise SceneError(unreadable_message(source, error)) from None
     scene = parse_scene(text, str(path))
     warn(str(path), checks.law_hints(scene))
     return scene
@@ -152,12 +152,12 @@ def parse_scene(text: str, source: str) -> Scene:
 
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
     """Return the checked scene; errors name the path `source`, relative paths begin at its folder."""
-    scene = _validated(data, source, in_file=True)
+    scene = _validated_scene(data, source, in_file=True)
     warn(source, checks.hints(scene))
     return scene
 
 
-def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
+def _validated_scene(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     """Return the checked scene from the data of a scene file, or raise a SceneError.
 
     If ``in_file`` is true, or an entry of the links has a count, the error has the path of the refused value
@@ -179,7 +179,7 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
         reader = Reader(Scene)
         scene = reader.read(data)
         scene = replace(scene, derived_paths=tuple(sorted(paths_in_scene(reader.derived, data))))
-        scene = complete_scene.completed(scene, Path(source).parent)
+        scene = complete_scene.completed_scene(scene, Path(source).parent)
         checks.check(scene)
     except SceneError as error:
         # an error of the reader has a path in the data; a later error has a path in the scene, in which an
@@ -260,7 +260,7 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
             raise SceneError(
                 f"{scene.name}: {value_text(path)} is not a path to a value of the scene"
             ) from None
-    changed = _validated(without_empty(shapes.without_corners(data)), scene.name, in_file=False)
+    changed = _validated_scene(without_empty(shapes.without_corners(data)), scene.name, in_file=False)
     kept = scene.has_joint_angles and complete_scene.ANGLES not in paths
     return replace(changed, has_joint_angles=kept or changed.has_joint_angles)
 

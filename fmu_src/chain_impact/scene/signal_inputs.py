@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 from chain_impact.scene.contents import AnyScene, Contents
-from chain_impact.scene.errors import SceneError, refusal, refused
+from chain_impact.scene.errors import SceneError, error_at, refusal
 from chain_impact.scene.files.table_file import read_table, samples_of
 from chain_impact.scene.keys.signal_tables import FORMS, Samples, Signal
 from chain_impact.scene.signal_polynomials import is_motion, knots_of
-from chain_impact.scene.words.similar_names import nearest
+from chain_impact.scene.words.similar_names import nearest_name
 
 Numbers = tuple[float, ...]
 TARGET_RATE = ".target_velocity"
@@ -104,7 +104,7 @@ def with_signals(scene: AnyScene, folder: Path) -> AnyScene:
     """
     if not scene.signals:
         return scene
-    completed = {name: _completed(name, signal) for name, signal in scene.signals.items()}
+    completed = {name: _with_defaults(name, signal) for name, signal in scene.signals.items()}
     stop = scene.simulation.stop_time
     completed = {
         name: _with_samples(name, signal, folder, stop) if signal.form == "table" else signal
@@ -124,14 +124,14 @@ def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signa
         status = path.stat()
         times, columns = _read(path, status.st_mtime_ns, status.st_size, stop)
     except OSError as error:
-        raise refused(key, f"= {signal.file!r} cannot be read ({error.strerror})") from None
+        raise error_at(key, f"= {signal.file!r} cannot be read ({error.strerror})") from None
     except SceneError as error:
-        raise refused(key, f": {error}") from None
+        raise error_at(key, f": {error}") from None
     for input_name in signal.input:
         if input_name not in columns:
-            near = nearest(input_name, columns)
+            near = nearest_name(input_name, columns)
             hint = f"; the nearest is {near}" if near else f"; it has {', '.join(columns)}"
-            raise refused(key, f"= {signal.file!r} has no column {input_name}{hint}")
+            raise error_at(key, f"= {signal.file!r} has no column {input_name}{hint}")
     return replace(
         signal,
         file=str(path),
@@ -150,7 +150,7 @@ def _read(path: Path, _changed: int, _size: int, stop: float) -> tuple[Numbers, 
     return tuple(times.tolist()), {name: tuple(column.tolist()) for name, column in columns.items()}
 
 
-def _completed(name: str, signal: Signal) -> Signal:
+def _with_defaults(name: str, signal: Signal) -> Signal:
     """Return the signal with the defaults of its form.
 
     Refuse a ``name`` that is no identifier, a signal without a required key, and one with a key that its form

@@ -128,7 +128,7 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
     period = signal.period
     if period and not is_closed(signal):
         at, values = np.append(at, at[0] + period), np.append(values, values[0])
-    at, powers = _interpolated(signal, driven, at, values, stop)
+    at, powers = _interpolate_table(signal, driven, at, values, stop)
     if not period:
         # the input has the first value of the table before the table begins, and the last value from its end
         # on
@@ -151,7 +151,7 @@ def table_of(signal: Signal, driven: str, order: int, stop: float) -> tuple[np.n
     return at, powers, gain if period else 0.0
 
 
-def _interpolated(
+def _interpolate_table(
     signal: Signal, driven: str, at: np.ndarray, values: np.ndarray, stop: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the interpolation of a table by R polynomials between its first and its last row, as two arrays.

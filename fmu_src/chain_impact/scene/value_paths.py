@@ -46,7 +46,7 @@ def path_and_value(
         hint = hint or parameter_hint(change, len(scene.chain.links), scene.signals)
         hint = hint or named_point_hint(scene, change, names)
         raise UnknownNameError(scene.name, name_as_typed, names, "not a parameter", hint)
-    return names[change], _chosen(scene, change, given)
+    return names[change], _chosen_value(scene, change, given)
 
 
 @functools.cache
@@ -88,7 +88,7 @@ def single_values(
         yield path, value[skipped:] if skipped else value
 
 
-def _chosen(scene: Contents, name: str, value: Any) -> Any:
+def _chosen_value(scene: Contents, name: str, value: Any) -> Any:
     """Return the choice of the parameter ``name`` with the number ``value`` in the FMU; numbers begin at 1.
 
     Only contact laws and the methods of the solver have numbers. For any other name, for a number of no

@@ -49,8 +49,8 @@ CALLS = 15_000
 # polynomials begins anew in each of these pieces.
 CALLS_PER_PIECE = 50
 SIMPLE = 5  # only a polynomial of at most this degree is extrapolated to find a jump or kink
-# [1] in the first round of ``_break``, a value belongs to the nearer of two polynomials only if the smaller
-# distance is at most NEARER times the larger one; in the second round any value belongs to the nearer one
+# [1] in the first round of ``_break_times``, a value belongs to the nearer of two polynomials only if the
+# smaller distance is at most NEARER times the larger one; in the second round this holds for any distance
 NEARER = 0.1
 NEWTON_STEPS = 4  # number of Newton steps from 0 to a zero of a polynomial near 0
 LEAST_ALLOWED = 1e-300  # replaces an allowed error of 0, because the code divides by the allowed error
@@ -126,14 +126,14 @@ class Approximator:
     def pieces(self, start: float, end: float) -> list[Piece]:
         """Return pieces of the functions between two times [s].
 
-        Neighbours that one polynomial fits are joined, except two that are ``_alike``.
+        Neighbours that one polynomial fits are joined, except two that are ``_are_alike``.
 
         Raises:
             NotSmoothError: when a function cannot be approximated.
         """
         pieces: list[Piece] = []
         dropped = 0
-        for piece in self._parted(start, end):
+        for piece in self._divide(start, end):
             dropped = dropped + 1 if piece is None else 0
             if dropped > NOISE:
                 raise self._not_smooth(pieces[-1].end if pieces else start)
@@ -181,12 +181,12 @@ class Approximator:
     def _join(self, pieces: list[Piece], piece: Piece) -> None:
         """Append a piece, or replace the last piece by one over both if both meet and one polynomial fits.
 
-        One polynomial for both pieces is not tried if they are ``_alike``.
+        One polynomial for both pieces is not tried if they are ``_are_alike``.
         """
         meets = bool(pieces) and pieces[-1].end == piece.start
         both = (
-            self._fitted(pieces[-1].start, piece.end)
-            if meets and not self._alike(pieces[-1], piece)
+            self._fit_piece(pieces[-1].start, piece.end)
+            if meets and not self._are_alike(pieces[-1], piece)
             else None
         )
         if both is None:
@@ -195,7 +195,7 @@ class Approximator:
             pieces[-1] = both
         self._last = pieces[-1]
 
-    def _alike(self, first: Piece, second: Piece) -> bool:
+    def _are_alike(self, first: Piece, second: Piece) -> bool:
         """Return whether two pieces are each half as long as the last interval without a polynomial.
 
         For this interval a polynomial has failed, or was not tried (``_is_vain``). One polynomial for two
@@ -204,7 +204,7 @@ class Approximator:
         halves = first.end - first.start, second.end - second.start, 0.5 * self._failed
         return max(halves) - min(halves) <= EQUAL_LENGTHS * halves[0]
 
-    def _parted(self, start: float, end: float) -> Iterator[Piece | None]:
+    def _divide(self, start: float, end: float) -> Iterator[Piece | None]:
         """Yield the pieces of an interval in order; None stands for a part so short that it is dropped."""
         if end - start <= self._shortest:
             yield None
@@ -218,7 +218,7 @@ class Approximator:
         vain = not simple and self._is_vain(length)
         if not simple and (far or vain) and end > self._foreseen_until:
             self._foresee(start, end)
-        fitted = None if far or vain else self._fitted(start, end)
+        fitted = None if far or vain else self._fit_piece(start, end)
         if fitted is not None:
             self._count += 1
             self._patience[length] = 1
@@ -229,10 +229,10 @@ class Approximator:
         if not far and not vain:
             self._patience[length] = min(2 * self._patience.get(length, 1), RETRY_PIECES)
             self._again[length] = self._count + self._patience[length]
-        before, after = (self._break(start, end) if simple and not far else None) or (middle, middle)
+        before, after = (self._break_times(start, end) if simple and not far else None) or (middle, middle)
         for part in itertools.pairwise((start, before, after, end)):
             if part[0] < part[1]:
-                yield from self._parted(*part)
+                yield from self._divide(*part)
 
     def _is_vain(self, length: int) -> bool:
         """Return whether to try no polynomial, because one of a similar length failed a few pieces before.
@@ -241,7 +241,7 @@ class Approximator:
         """
         return self._count < self._again.get(length, 0)
 
-    def _break(self, start: float, end: float) -> tuple[float, float] | None:
+    def _break_times(self, start: float, end: float) -> tuple[float, float] | None:
         """Return two times [s], just before and just after the only jump or kink of an interval.
 
         Both times are that of a kink if the polynomials of both sides have the functions' values at a time of
@@ -253,11 +253,11 @@ class Approximator:
         # The first round extrapolates polynomials from afar, to find on which side of the jump or kink a time
         # lies. The second round uses polynomials near the jump or kink, to find its time accurately.
         for until in (0.125 * quarter, self._shortest):
-            left = self._simple(before - quarter, before)
-            right = self._simple(after, after + quarter) if left is not None else None
+            left = self._simple_piece(before - quarter, before)
+            right = self._simple_piece(after, after + quarter) if left is not None else None
             if left is None or right is None:
                 return None
-            before, after = self._narrowed(left, right, until)
+            before, after = self._narrow(left, right, until)
             if after - before > until:
                 return None
             if before == after:
@@ -280,27 +280,27 @@ class Approximator:
                 found = x
         return time + found * unit
 
-    def _simple(self, start: float, end: float) -> Piece | None:
+    def _simple_piece(self, start: float, end: float) -> Piece | None:
         """Return the piece between two times [s] if it is accurate and its degree is at most SIMPLE.
 
         The result is None for any other piece.
         """
-        piece = self._fitted(start, end)
+        piece = self._fit_piece(start, end)
         return None if piece is None or piece.powers[SIMPLE + 1 :].any() else piece
 
-    def _narrowed(self, left: Piece, right: Piece, until: float) -> tuple[float, float]:
+    def _narrow(self, left: Piece, right: Piece, until: float) -> tuple[float, float]:
         """Return the last time [s] known before a jump or kink, and the first time known after it.
 
         The left piece has the functions' values before the jump or kink, the right piece after it. The
         interval between the two times is halved until it is at most ``until`` [s] long. In the first round of
-        ``_break``, the search also ends at a time at which neither piece has the functions' values. If both
-        pieces have the functions' values at a time, the search returns this time twice.
+        ``_break_times``, the search also ends at a time at which neither piece has the functions' values. If
+        both pieces have the functions' values at a time, the search returns this time twice.
         """
         before, after = left.end, right.start
         scale = np.where(self._scale > 0.0, self._scale, 1.0)
         while after - before > until:
             middle = np.array([0.5 * (before + after)])
-            value = self._called(middle, costly=True)
+            value = self._call(middle, costly=True)
             misses = [float((np.abs(part.values_at(middle) - value) / scale).max()) for part in (left, right)]
             if max(misses) <= max(DROPPED * float(np.min(self._accuracy)), FUNCTION_ROUND_OFF):
                 return float(middle[0]), float(middle[0])
@@ -312,7 +312,7 @@ class Approximator:
                 after = float(middle[0])
         return before, after
 
-    def _called(self, times: np.ndarray, *, costly: bool) -> np.ndarray:
+    def _call(self, times: np.ndarray, *, costly: bool) -> np.ndarray:
         """Return the values of the functions at times [s], shape (T, M).
 
         ``costly``: the times count against CALLS; raise NotSmoothError if this limit is passed.
@@ -326,11 +326,11 @@ class Approximator:
     def _not_smooth(self, time: float) -> NotSmoothError:
         return NotSmoothError(time, int(self._refused.argmax()))
 
-    def _fitted(self, start: float, end: float) -> Piece | None:
+    def _fit_piece(self, start: float, end: float) -> Piece | None:
         """Return the piece between two times [s] if it is accurate; else None."""
         if (start, end) in self._foreseen:
             return self._foreseen.pop((start, end))
-        return self._fits(np.array([start, end]))[0]
+        return self._fit_pieces(np.array([start, end]))[0]
 
     def _foresee(self, start: float, end: float) -> None:
         """Compute all pieces of an interval in one call, each about as long as the last piece.
@@ -347,9 +347,9 @@ class Approximator:
         ends = np.array([start, end])
         for _ in range(halvings):
             ends = np.insert(ends, range(1, len(ends)), 0.5 * (ends[:-1] + ends[1:]))
-        self._foreseen = dict(zip(itertools.pairwise(ends.tolist()), self._fits(ends), strict=True))
+        self._foreseen = dict(zip(itertools.pairwise(ends.tolist()), self._fit_pieces(ends), strict=True))
 
-    def _fits(self, ends: np.ndarray) -> list[Piece | None]:
+    def _fit_pieces(self, ends: np.ndarray) -> list[Piece | None]:
         """Return the P pieces between the times ``ends`` [s], shape (P + 1,).
 
         None stands for an inaccurate piece.
@@ -360,7 +360,7 @@ class Approximator:
         # shows there
         inside = np.minimum(0.1 * self._shortest, 0.002 * half)
         times = np.hstack([middle + half * _NODES, start + inside, end - inside])
-        called = self._called(times.ravel(), costly=bool(2.0 * half[0, 0] < self._fine))
+        called = self._call(times.ravel(), costly=bool(2.0 * half[0, 0] < self._fine))
         called = called.reshape(*times.shape, -1)
         values = called[:, :POINTS]
         series = _SERIES @ (values - values[:, :1])

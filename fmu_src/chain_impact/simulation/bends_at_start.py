@@ -37,7 +37,7 @@ def bends_at_start(record: Any, driven: tuple[Driven, ...]) -> list[int]:
         for k in range(d.signal.first_knot[j] + 1, d.signal.last_knot[j] + 1):
             if d.knot.time[k] == 0.0:
                 before, after = _start_derivatives(d, j, k - 1), _start_derivatives(d, j, k)
-                watched = _watched(each.input)
+                watched = _watched_orders(each.input)
                 if not np.allclose(before[watched], after[watched], rtol=SAME_DERIVATIVE, atol=0.0):
                     found.append(k)
     return found
@@ -48,7 +48,7 @@ def _start_derivatives(d: Any, j: int, segment: int) -> np.ndarray:
     return np.array(signal_at(d, j, 0.0))
 
 
-def _watched(name: str) -> list[int]:
+def _watched_orders(name: str) -> list[int]:
     """Return which of VALUE, RATE and SECOND of an input change the chain's accelerations at once.
 
     The motion of a wall counts as changing none, although it changes accelerations if a point touches the

@@ -16,7 +16,7 @@ from chain_impact.kernel.status import OK
 from chain_impact.recording.impacts import LOG_DTYPE, sorted_impacts
 from chain_impact.recording.stick_slip import phases_of
 from chain_impact.results.result import Result
-from chain_impact.scene.asked_inputs import how_asked
+from chain_impact.scene.asked_inputs import request_hint
 from chain_impact.scene.errors import SceneError, UnknownNameError, names_matching, value_text
 from chain_impact.scene.scene import Scene, SceneSource, fixed_hint, scene_of
 from chain_impact.scene.warning import warn
@@ -28,7 +28,7 @@ from chain_impact.simulation.chain_states import DAMAGED, ChainState, state_from
 from chain_impact.simulation.errors import SimulationError, fault_text
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import spans_of
-from chain_impact.text import plural
+from chain_impact.text import count_text
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.prepared import PreparedScene
@@ -203,10 +203,10 @@ class Chain:
             self._observe()
             self._observed = True
         values = self._reals[selection.words]
-        if selection.whole.size:
-            values[selection.whole] = self._integers[selection.words[selection.whole]]
+        if selection.integer_positions.size:
+            values[selection.integer_positions] = self._integers[selection.words[selection.integer_positions]]
         if isinstance(key, str) and "*" not in key:
-            return int(values[0]) if selection.whole.size else float(values[0])
+            return int(values[0]) if selection.integer_positions.size else float(values[0])
         return values
 
     def set(self, values: Mapping[str, Any] | str, value: Any = None) -> None:
@@ -224,7 +224,7 @@ class Chain:
         given = {values: value} if isinstance(values, str) else values
         checked = [self._checked_value(name, value) for name, value in given.items()]
         for access, number in checked:
-            memory = self._integers if access.whole else self._reals
+            memory = self._integers if access.is_integer else self._reals
             if memory[access.row.set_word] != number:
                 memory[access.row.word] = memory[access.row.set_word] = number
                 self._observed = False
@@ -278,7 +278,7 @@ class Chain:
 
     def __repr__(self) -> str:
         """Return a text with the name of the scene, its number of links and the present time."""
-        links = plural(len(self.scene.chain.links), "link")
+        links = count_text(len(self.scene.chain.links), "link")
         return f"Chain({self.scene.name}) of {links} at t = {self.time:.9g} s"
 
     def _ensure_initialized(self) -> None:
@@ -334,16 +334,18 @@ class Chain:
         access = self._accesses.get(name)
         if access is None:
             raise UnknownNameError(self.scene.name, name, self._accesses, "not a variable", self._hint(name))
-        if access.row.kind == "output" or (access.row.kind == "fixed" and self._stepped):
+        if access.row.role == "output" or (access.row.role == "fixed" and self._stepped):
             what = "is a fixed parameter and cannot be set after the first step"
-            if access.row.kind == "output":
+            if access.row.role == "output":
                 by = self._signal_of.get(name)
                 what = f"cannot be set: signals.{by} drives it" if by else "is an output and cannot be set"
             raise SceneError(f"{self.scene.name}: {name} {what}")
         try:
             number = access.choices.index(value) + 1 if value in access.choices else value
             number = radians_of(number, access.unit)
-            kept = access.row.low <= number <= access.row.high and (not access.whole or number == int(number))
+            kept = access.row.low <= number <= access.row.high and (
+                not access.is_integer or number == int(number)
+            )
         except (TypeError, ValueError):
             kept = False
         if not kept or isinstance(value, bool):
@@ -358,7 +360,7 @@ class Chain:
         run, how to change this value.
         """
         if input_key(name):
-            return how_asked(self.scene, name)
+            return request_hint(self.scene, name)
         return absent_hint(name) or fixed_hint(self.scene, name)
 
     @cached_property

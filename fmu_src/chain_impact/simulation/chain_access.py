@@ -15,34 +15,36 @@ from chain_impact.variables.variable import TableRow, Variable
 class Access(NamedTuple):
     """Access to a variable: its row of the FMU's table, the names of its choices, and its unit.
 
-    ``whole`` says whether the value is stored as an integer, as are whole numbers, choices and truth values.
+    ``is_integer`` says whether the value is stored as an integer, as are whole numbers, choices and truth
+    values.
     """
 
     row: TableRow
-    whole: bool
+    is_integer: bool
     choices: tuple[str, ...]
     unit: str
 
     def value(self, words: np.ndarray) -> Any:
         """Return the given value in the ``words`` of a record; for a choice its name."""
         number = words[self.row.set_word : self.row.set_word + 1]
-        if not self.whole:
+        if not self.is_integer:
             return float(number[0])
-        whole = int(number.view(np.int64)[0])
-        return self.choices[whole - 1] if self.choices else whole
+        integer = int(number.view(np.int64)[0])
+        return self.choices[integer - 1] if self.choices else integer
 
 
 @dataclass(frozen=True, slots=True)
 class Selection:
     """Several variables that a program reads together.
 
-    ``words`` are the indices of their values in use, in words of the record, and ``whole`` the positions, in
-    ``words``, of the integers. ``observed`` says whether outputs must be computed before reading: this is so
-    if a variable is an output, or its value in use and its given value have two places in the record.
+    ``words`` are the indices of their values in use, in words of the record; ``integer_positions`` are the
+    positions, in ``words``, of the integers. ``observed`` says whether outputs must be computed before
+    reading: this is so if a variable is an output, or its value in use and its given value have two places in
+    the record.
     """
 
     words: np.ndarray
-    whole: np.ndarray
+    integer_positions: np.ndarray
     observed: bool
 
     @classmethod
@@ -51,8 +53,8 @@ class Selection:
         rows = [access.row for access in accesses]
         return cls(
             words=np.array([row.word for row in rows], int),
-            whole=np.flatnonzero([access.whole for access in accesses]),
-            observed=any(row.kind == "output" or row.word != row.set_word for row in rows),
+            integer_positions=np.flatnonzero([access.is_integer for access in accesses]),
+            observed=any(row.role == "output" or row.word != row.set_word for row in rows),
         )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.results.result import Result
 from chain_impact.simulation.instance import Instance
-from chain_impact.simulation.output_rows import StepwiseColumns, chosen_columns, spans_of, structured
+from chain_impact.simulation.output_rows import StepwiseColumns, chosen_columns, spans_of, structured_rows
 from chain_impact.variables.prepared import PreparedScene
 
 
@@ -96,7 +96,7 @@ class ChainRows:
         return Result(
             prepared,
             np.array(self.times),
-            structured(numbers, indices.row),
+            structured_rows(numbers, indices.row),
             impacts[~(impacts["end"] < self.times[0])],
             stepwise=StepwiseColumns(numbers[:, width:count], indices.words[width:], indices.stepwise),
             stick_slip=phases[~(phases["end"] < self.times[0])],

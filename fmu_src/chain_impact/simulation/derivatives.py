@@ -18,7 +18,7 @@ from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.trust import JOINT, NO_IMPACT, TRUSTED
-from chain_impact.recording.equality import same
+from chain_impact.recording.equality import have_equal_fields
 from chain_impact.recording.impact_words import touching_part_name
 from chain_impact.recording.impacts import LOG_DTYPE, POSITION, sorted_impacts
 from chain_impact.recording.joint_stops import is_scene_joint_stop
@@ -36,7 +36,7 @@ from chain_impact.simulation.derivative_limits import (
     REASONS_OF_FRICTION,
 )
 from chain_impact.simulation.errors import SimulationError
-from chain_impact.simulation.inputs import Given, InputSchedule, input_schedule, inputs_by_name
+from chain_impact.simulation.inputs import GivenInputs, InputSchedule, input_schedule, inputs_by_name
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import WordRows
 from chain_impact.variables.indices import first_word, word_index
@@ -146,7 +146,7 @@ class DifferentiatedInstance(Instance):
 
     def collect(self) -> np.ndarray:
         """Return the contacts that have ended since the last call, and store their derivatives."""
-        slots = self._ended % self._log_at.room
+        slots = self._ended_contacts % self._log_at.room
         rows = super().collect()
         if len(rows):
             last = int(self.record["contact_log"]["count"])
@@ -159,7 +159,7 @@ class DifferentiatedInstance(Instance):
         """Return the contacts that still last, as ``Instance`` does, and store their derivatives."""
         rows = super().open_contacts()
         if len(rows):
-            log, slots = self._log, self._lasting % self._log_at.room
+            log, slots = self._log, self._lasting_contacts % self._log_at.room
             # after a fault, the tangent instances may have another contact in this row of the log:
             # derivatives are then NaN
             same = (log["point"][:, slots] == rows["point"]) & (log["wall"][:, slots] == rows["wall"])
@@ -219,13 +219,13 @@ class DifferentiatedInstance(Instance):
         """Sentences for users: which derivatives are NaN, one-sided or, by dry friction, inexact, and why."""
         trust, share = self._tangents["trust"][0], float(self._tangents["trust"]["neglected"].max())
         missing = [of for of, is_missing in zip(self.varied, self._missing, strict=True) if is_missing]
-        told = [
+        sentences = [
             *([LEFT_OPEN.format(share=share)] if share > LEAST_REPORTED_SHARE else []),
             *((NO_RISE if is_rise(of) else NO_LESS).format(parameter=of.name) for of in missing),
             *(ONE_SIDED.format(parameter=name) for name in self._one_sided),
         ]
         if trust["reason"] == TRUSTED:
-            return tuple(told)
+            return tuple(sentences)
         where, reasons, cause = "", REASONS, "impact"
         if trust["reason"] in REASONS_OF_FRICTION:
             reasons, cause = REASONS_OF_FRICTION, "dry friction"
@@ -238,7 +238,7 @@ class DifferentiatedInstance(Instance):
             reasons = REASONS_AT_STOPS if is_scene_joint_stop(scene, wall) else reasons
         reason = reasons[int(trust["reason"])]
         ended = f"there are no derivatives from t = {trust['time']:.9g} s on{where}: {reason}"
-        return ended, *told
+        return ended, *sentences
 
 
 def is_rise(parameter: Variable) -> bool:
@@ -264,7 +264,7 @@ class Differentiated:
             dry friction causes.
     """
 
-    __eq__ = same
+    __eq__ = have_equal_fields
     __hash__ = None  # type: ignore[assignment]
 
     values: np.ndarray
@@ -283,7 +283,7 @@ class DifferentiatedRun:
         scene: SceneSource,
         parameters: Sequence[str],
         outputs: Sequence[str],
-        inputs: Given | None = None,
+        inputs: GivenInputs | None = None,
         interpolation: str = "follow",
     ) -> None:
         """Prepare runs with derivatives of outputs with respect to parameters; both are given by name.

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from chain_impact.kernel.chain.inputs import CONTINUES, REINITIALIZE
-from chain_impact.scene.asked_inputs import how_asked
+from chain_impact.scene.asked_inputs import request_hint
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.table_file import TIME, TableSource, gap_hints, read_table, samples_of
 from chain_impact.scene.warning import warn
@@ -40,7 +40,7 @@ InputSource = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
 """What an input may be given as: a number, a function of the time [s], or a pair (times [s], values), each of
 shape (T,)."""
 Signal = InputSource  # ``Signal`` is the name under which users import this type
-Given = Mapping[str, InputSource] | TableSource
+GivenInputs = Mapping[str, InputSource] | TableSource
 """Name of an input → its value over time; or a table with the column ``time`` and one for each input."""
 Interpolation = Literal["follow", "hold", "linear", "spline"]
 """How an input acts between its samples, or between calls of its function: see ``simulate``."""
@@ -65,26 +65,26 @@ class InputSchedule:
 
     Attributes:
         times: communication points: the requested times and the starts of pieces, shape (G,) [s].
-        asked: whether the caller requested each communication point, shape (G,).
+        is_requested: whether the caller requested each communication point, shape (G,).
         paths: for each of the M inputs its path in the record; for a followed motion the path of its
             coefficients.
         pieces: the polynomials of the inputs.
-        first: index of the first row in each piece, shape (P,). Row k has the inputs from ``times[k - 1]`` to
-            ``times[k]``, row 0 those at the start.
+        first_row: index of the first row in each piece, shape (P,). Row k has the inputs from
+            ``times[k - 1]`` to ``times[k]``, row 0 those at the start.
         restarts: whether the solver re-initializes at the start of each piece, shape (P,).
-        slips: whether the speed of a belt jumps at the start of each piece, shape (P,).
+        belt_jumps: whether the speed of a belt jumps at the start of each piece, shape (P,).
         columns: name of an input → the index of a signal of ``pieces``, and the order of the derivative of
             this signal that the input is. They are the given inputs and, of a motion that the solver follows,
             also its position, velocity and acceleration that are not given.
     """
 
     times: np.ndarray
-    asked: np.ndarray
+    is_requested: np.ndarray
     paths: tuple[DataPath, ...]
     pieces: Pieces
-    first: np.ndarray
+    first_row: np.ndarray
     restarts: np.ndarray
-    slips: np.ndarray
+    belt_jumps: np.ndarray
     columns: Mapping[str, tuple[int, int]] = field(default_factory=dict)
 
     def values(self, rows: np.ndarray, names: Collection[str] | None = None) -> dict[str, np.ndarray]:
@@ -93,7 +93,7 @@ class InputSchedule:
         The inputs are those of ``columns`` that are among ``names``; by default all.
         """
         columns = {name: at for name, at in self.columns.items() if names is None or name in names}
-        which, times = self.first.searchsorted(rows, side="right") - 1, self.times[rows]
+        which, times = self.first_row.searchsorted(rows, side="right") - 1, self.times[rows]
         orders = {order for _, order in columns.values()}
         signals = {order: self.pieces.derivatives_at(times, which, order) for order in orders}
         return {name: signals[order][:, column] for name, (column, order) in columns.items()}
@@ -103,11 +103,11 @@ class InputSchedule:
 
         Pieces that start after the last of ``times`` are left out.
         """
-        begins = self.times[np.maximum(self.first - 1, 0)]
+        begins = self.times[np.maximum(self.first_row - 1, 0)]
         merged = np.union1d(times, begins[begins <= times[-1]])
         first = np.searchsorted(merged, begins, side="right")
-        first[self.first == 0] = 0
-        return replace(self, times=merged, asked=np.isin(merged, times), first=first)
+        first[self.first_row == 0] = 0
+        return replace(self, times=merged, is_requested=np.isin(merged, times), first_row=first)
 
     def set(self, record: Any, row: int) -> None:
         """Set the inputs in a record to those of a row.
@@ -117,10 +117,10 @@ class InputSchedule:
         """
         if not self.paths:
             return
-        at = int(self.first.searchsorted(row, side="right")) - 1
+        at = int(self.first_row.searchsorted(row, side="right")) - 1
         powers, given, changed = self.pieces.powers[at], record["given"], False
         piece, channels = given["piece"], record["given_channel"]
-        channels["interpolates"], channels["jumps"] = 1, self.slips[at]
+        channels["interpolates"], channels["jumps"] = 1, self.belt_jumps[at]
         for m, (part, name, index) in enumerate(self.paths):
             if name == PIECE:
                 channels["interpolates"] = 0
@@ -142,12 +142,12 @@ class InputSchedule:
             for name, value in settings.items():
                 piece[name] = value
         if changed:
-            anew = row != self.first[at] or self.restarts[at]
+            anew = row != self.first_row[at] or self.restarts[at]
             given["pending"] = REINITIALIZE if anew else CONTINUES
 
 
 def input_schedule(
-    prepared: PreparedScene, inputs: Given, interpolation: str, times: np.ndarray
+    prepared: PreparedScene, inputs: GivenInputs, interpolation: str, times: np.ndarray
 ) -> InputSchedule:
     """Return the inputs of a simulation over time, with given communication points.
 
@@ -170,8 +170,8 @@ def input_schedule(
     begins = len(times) > 0 and times[0] == 0.0
     run = times if begins else np.union1d(0.0, times)
     if not inputs:
-        asked = np.ones(len(run), bool) if begins else np.isin(run, times)
-        return InputSchedule(run, asked, (), NO_PIECES, FIRST_ROW, NEVER, NEVER)
+        is_requested = np.ones(len(run), bool) if begins else np.isin(run, times)
+        return InputSchedule(run, is_requested, (), NO_PIECES, FIRST_ROW, NEVER, NEVER)
     signals, stop = _signals_of(prepared, inputs), float(run[-1])
     channels = channels_of(prepared) if interpolation != "hold" and stop > 0.0 else []
     given = {name: signals.pop(name) for channel in channels for name in channel.names if name in signals}
@@ -182,30 +182,30 @@ def input_schedule(
         for name, signal in (signals | given).items()
     }
 
-    def called(name: str, time: float) -> float:
+    def call(name: str, time: float) -> float:
         return functions[name](time)
 
-    motions = [motion_of(channel, given, stop, called, interpolation=interpolation) for channel in channels]
-    pieces, moving = _pieces_of(prepared, signals, motions, called, interpolation=interpolation, run=run)
+    motions = [motion_of(channel, given, stop, call, interpolation=interpolation) for channel in channels]
+    pieces, moving = _pieces_of(prepared, signals, motions, call, interpolation=interpolation, run=run)
     belts = np.array([not channel.position for channel in channels], bool)
     refuse_jumps(scene.name, motions, belts, pieces, moving)
-    warn(scene.name, contradictions(channels, given, pieces, moving, called))
+    warn(scene.name, contradictions(channels, given, pieces, moving, call))
     warn(scene.name, still_dampers(prepared, list(signals), pieces))
     if motions:
         pieces = made_continuous(pieces, moving)
     begin = pieces.start[1:]
     together = np.union1d(run, begin)
-    slips = np.asarray(jumps(pieces, moving[belts], 1).any(axis=1))
+    belt_jumps = np.asarray(jumps(pieces, moving[belts], 1).any(axis=1))
     bends = jumps(pieces, moving, 2).any(axis=1)
     paths = {variable.name: variable.record_path for variable in prepared.inputs}
     return InputSchedule(
         times=together,
-        asked=np.isin(together, times),
+        is_requested=np.isin(together, times),
         paths=(*(paths[name] for name in signals), *((MOTION, PIECE, j) for j in range(len(motions)))),
         pieces=pieces,
-        first=np.append(0, np.searchsorted(together, begin) + 1),
-        restarts=pieces.jumps | slips | bends,
-        slips=slips,
+        first_row=np.append(0, np.searchsorted(together, begin) + 1),
+        restarts=pieces.jumps | belt_jumps | bends,
+        belt_jumps=belt_jumps,
         columns={name: (m, 0) for m, name in enumerate(signals)}
         | {
             name: (len(signals) + j, order)
@@ -232,7 +232,7 @@ def _pieces_of(
     prepared: PreparedScene,
     signals: Mapping[str, Any],
     motions: Sequence[Motion],
-    called: Callable[[str, float], float],
+    call: Callable[[str, float], float],
     *,
     interpolation: str,
     run: np.ndarray,
@@ -245,7 +245,7 @@ def _pieces_of(
     """
     scene, same = prepared.scene, SIMULTANEOUS * run[-1]
     splines = {
-        name: as_function(name, signal, called, joined="spline")
+        name: as_function(name, signal, call, joined="spline")
         for name, signal in signals.items()
         if interpolation == "spline" and isinstance(signal, tuple)
     }
@@ -272,7 +272,7 @@ def _pieces_of(
     columns = np.append([k for k, name in enumerate(signals) if name in followed], moving).astype(int)
     if len(columns):
         functions: dict[str, Callable[[Any], Any]] = {
-            name: splines[name][0] if name in splines else partial(_values_at, called, name)
+            name: splines[name][0] if name in splines else partial(_values_at, call, name)
             for name in followed
         }
         functions |= {motion.name or str(m): motion.position for m, motion in enumerate(motions)}
@@ -286,7 +286,7 @@ def _pieces_of(
     return pieces, moving
 
 
-def inputs_by_name(inputs: Given, stop: float) -> Mapping[str, InputSource]:
+def inputs_by_name(inputs: GivenInputs, stop: float) -> Mapping[str, InputSource]:
     """Return name → input over time; the columns of a table, for a run until ``stop`` [s], become samples."""
     if isinstance(inputs, Mapping) and TIME not in inputs:
         return cast("Mapping[str, InputSource]", inputs)
@@ -301,13 +301,13 @@ def _hint(prepared: PreparedScene, name: Any) -> str:
     if name in prepared.signals_by_input:
         return f"signals.{prepared.signals_by_input[name]} drives it"
     if isinstance(name, str) and input_key(name):
-        return how_asked(prepared.scene, name)
+        return request_hint(prepared.scene, name)
     return inputs_text(variable.name for variable in prepared.inputs)
 
 
-def _values_at(called: Callable[[str, float], float], name: str, times: np.ndarray) -> np.ndarray:
+def _values_at(call: Callable[[str, float], float], name: str, times: np.ndarray) -> np.ndarray:
     """Return the values of a function at several times, shape (T,)."""
-    return np.array([called(name, time) for time in times.tolist()])
+    return np.array([call(name, time) for time in times.tolist()])
 
 
 def _on_grid(grid: np.ndarray, times: np.ndarray) -> np.ndarray:
@@ -331,10 +331,10 @@ def _with_functions(
     """
     names = list(functions)
 
-    def called(times: np.ndarray) -> np.ndarray:
+    def call(times: np.ndarray) -> np.ndarray:
         return np.stack([function(times) for function in functions.values()], axis=1)
 
-    approximator = Approximator(called, float(held.end[-1]), *errors)
+    approximator = Approximator(call, float(held.end[-1]), *errors)
     try:
         return approximator.with_held(held, columns)
     except NotSmoothError as error:

@@ -8,7 +8,7 @@ import numpy as np
 
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.status import OK, PAUSED
-from chain_impact.progress import Progress, silent
+from chain_impact.progress import Progress, no_progress
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.recording.stick_slip import CHANGE_DTYPE
 from chain_impact.scene.candidates import parts_in_words
@@ -128,14 +128,14 @@ class Instance:
         return count
 
     def run(
-        self, schedule: InputSchedule, rows: Rows, progress: Progress = silent
+        self, schedule: InputSchedule, rows: Rows, progress: Progress = no_progress
     ) -> tuple[int, list[np.ndarray]]:
         """Fill rows at all communication points of a run.
 
         Returns the number of filled rows, which a fault makes smaller, and the contacts that have ended.
         """
         done, impacts, last = 0, [], len(schedule.times)
-        ends = np.append(schedule.first[1:], last) if schedule.paths else None
+        ends = np.append(schedule.first_row[1:], last) if schedule.paths else None
         while done < last and self.status == OK:
             # no call of ``rows.fill`` goes beyond a piece of the inputs, because each piece has other inputs
             until = last if ends is None else ends[np.searchsorted(ends, done, side="right")]
@@ -154,12 +154,12 @@ class Instance:
         at, numbers = self._log_at, self._integers
         if numbers[at.changes]:
             self.changes.append(self._take_changes())
-        ended = self._ended
+        ended = self._ended_contacts
         numbers[at.collected] = numbers[at.ended]
         return self._impacts(ended)
 
     @property
-    def _ended(self) -> np.ndarray:
+    def _ended_contacts(self) -> np.ndarray:
         """The numbers, from 0, of the contacts that have ended since ``collect`` was last called.
 
         If the log has no room for all of these and for the contacts that last, those that ended first are
@@ -192,10 +192,10 @@ class Instance:
         The call ends the solver's last step at the present time: motion computed beyond this time is dropped.
         """
         self._kernel.log_contacts(self._address)
-        return self._impacts(self._lasting)
+        return self._impacts(self._lasting_contacts)
 
     @property
-    def _lasting(self) -> np.ndarray:
+    def _lasting_contacts(self) -> np.ndarray:
         """The numbers of the contacts that still last; they follow those of the ended contacts in the log."""
         ended = self._integers.item(self._log_at.ended)
         return np.arange(ended, ended + self._integers.item(self._log_at.active))

@@ -123,7 +123,7 @@ def motion_of(
     joined = interpolation if interpolation in ("linear", "spline") else "held" if belt else "spline"
     value, breaks = as_function(given, signals[given], called, joined=joined, stop=stop)
     for _ in range(channel.orders[given]):
-        value, breaks = _integrated(value, breaks, stop)
+        value, breaks = _integrate(value, breaks, stop)
     if given == channel.position or belt:
         return Motion(given, value, breaks)
     return Motion(given, lambda times: channel.start + value(times), breaks)
@@ -156,7 +156,7 @@ def as_function(
     return lambda times: spline(np.clip(times, at[0], at[-1])), breaks
 
 
-def _integrated(
+def _integrate(
     value: Callable[[Any], Any], breaks: np.ndarray, stop: float
 ) -> tuple[Callable[[Any], Any], np.ndarray]:
     """Return the integral of a function over time from 0 on, as a function, and the times of its breaks.

@@ -72,7 +72,7 @@ def _spans_of(indices: bytes) -> np.ndarray:
     return np.column_stack([words[begins], np.diff(begins, append=len(words))]).astype(np.int64)
 
 
-def structured(numbers: np.ndarray, layout: np.dtype) -> np.ndarray:
+def structured_rows(numbers: np.ndarray, layout: np.dtype) -> np.ndarray:
     """Return rows of numbers, shape (T, W), as a structured array of shape (T,) over the same memory.
 
     The fields of ``layout`` name the first numbers of a row; further numbers are left out.

@@ -17,7 +17,7 @@ import numpy as np
 from chain_impact.compilation import cache
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.status import OK
-from chain_impact.progress import Progress, silent
+from chain_impact.progress import Progress, no_progress
 from chain_impact.recording.impacts import sorted_impacts
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES, phases_of
@@ -30,9 +30,15 @@ from chain_impact.scene.signal_inputs import quantities_driven_by
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.errors import SimulationError
-from chain_impact.simulation.inputs import Given, InputSchedule, Interpolation, input_schedule, inputs_by_name
+from chain_impact.simulation.inputs import (
+    GivenInputs,
+    InputSchedule,
+    Interpolation,
+    input_schedule,
+    inputs_by_name,
+)
 from chain_impact.simulation.instance import Instance
-from chain_impact.simulation.output_rows import StepwiseColumns, WordRows, chosen_columns, structured
+from chain_impact.simulation.output_rows import StepwiseColumns, WordRows, chosen_columns, structured_rows
 from chain_impact.user_laws.law_file import LawError, parse_law, source_of
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import varied_by
@@ -49,7 +55,7 @@ def simulate(
     tolerance: float | None = None,
     *,
     output: str | Iterable[str] | None = None,
-    inputs: Given | None = None,
+    inputs: GivenInputs | None = None,
     interpolation: Interpolation = "follow",
     sensitivities: Iterable[str] | None = None,
     progress: Progress | None = None,
@@ -141,11 +147,11 @@ def simulate(
     instance = differentiated or Instance(prepared, schedule, ())
     wanted = np.append(words, differentiated.slope_words(words[:width])) if differentiated else words
     rows = WordRows(len(schedule.times), wanted, of_state=indices.of_state and not differentiated)
-    done, impacts = instance.run(schedule, rows, progress or silent)
+    done, impacts = instance.run(schedule, rows, progress or no_progress)
     order, table = sorted_impacts([*impacts, instance.open_contacts()], prepared.wall_names)
-    every = not schedule.paths or schedule.asked.all()
-    asked = slice(done) if every else np.flatnonzero(schedule.asked[:done])
-    numbers = rows.numbers[asked]
+    every = not schedule.paths or schedule.is_requested.all()
+    requested = slice(done) if every else np.flatnonzero(schedule.is_requested[:done])
+    numbers = rows.numbers[requested]
     sensitive = None
     if differentiated:
         sensitive = Sensitivities(
@@ -160,15 +166,15 @@ def simulate(
         )
     result = Result(
         prepared=prepared,
-        time=schedule.times[asked],
-        outputs=structured(numbers, indices.row),
+        time=schedule.times[requested],
+        outputs=structured_rows(numbers, indices.row),
         impacts=table,
         statistics=instance.statistics,
         sensitivities=sensitive,
         stepwise=StepwiseColumns(numbers[:, width:], words[width:], indices.stepwise),
         stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
         rerun=Rerun(prepared, schedule),
-        input_values=schedule.values(np.arange(done)[asked], input_names) if input_names else {},
+        input_values=schedule.values(np.arange(done)[requested], input_names) if input_names else {},
     )
     _warn(instance, result)
     if instance.status != OK:
@@ -178,7 +184,7 @@ def simulate(
 
 def _inputs_of_run(
     prepared: PreparedScene,
-    inputs: Given,
+    inputs: GivenInputs,
     interpolation: Interpolation,
     is_single_interval: bool,
     columns: int,
@@ -272,15 +278,15 @@ class Rerun:
             return np.zeros(0, self.prepared.output_layout)
         rows = WordRows(len(schedule.times), self.prepared.output_words)
         done, _ = instance.run(schedule, rows)
-        outputs: np.ndarray = structured(rows.numbers[:done], self.prepared.output_layout)[
-            schedule.asked[:done]
+        outputs: np.ndarray = structured_rows(rows.numbers[:done], self.prepared.output_layout)[
+            schedule.is_requested[:done]
         ]
         return outputs
 
     def inputs(self, times: np.ndarray) -> dict[str, np.ndarray]:
         """Return name of each input that the caller gives over time → values at increasing ``times`` [s]."""
         schedule = self.schedule.with_times(times)
-        return schedule.values(np.flatnonzero(schedule.asked))
+        return schedule.values(np.flatnonzero(schedule.is_requested))
 
     def series(self, times: np.ndarray) -> dict[str, np.ndarray]:
         """Return name → values of ``inputs`` and of each output that changes continuously at ``times`` [s].

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.pages.inline import InlinePage
-from chain_impact.progress import Progress, silent
+from chain_impact.progress import Progress, no_progress
 from chain_impact.recording.contact_times import contact_ends
 from chain_impact.recording.curves import EARLIEST_SHARE, EARLY_TIMES, LONG_CONTACT
 from chain_impact.recording.pacing import (
@@ -23,9 +23,9 @@ from chain_impact.recording.recording import Recording
 from chain_impact.results.animate import FILM_SIZE, write_animation
 from chain_impact.results.result import Result
 from chain_impact.scene.scene import SceneSource, scene_of
-from chain_impact.simulation.inputs import Given, Interpolation, input_schedule
+from chain_impact.simulation.inputs import GivenInputs, Interpolation, input_schedule
 from chain_impact.simulation.instance import Instance
-from chain_impact.simulation.output_rows import WordRows, structured
+from chain_impact.simulation.output_rows import WordRows, structured_rows
 from chain_impact.simulation.simulate import simulate
 
 MOST_FILM_ROWS = 40_000
@@ -78,7 +78,7 @@ def record_slowly(
     impact_time: float = IMPACT_TIME,
     progress: Progress | None = None,
     *,
-    inputs: Given | None = None,
+    inputs: GivenInputs | None = None,
     interpolation: Interpolation = "follow",
 ) -> Result:
     """Return the result of a scene, with dense rows near each impact, as slow motion needs them.
@@ -98,7 +98,7 @@ def record_slowly(
             spaced rows.
         BuildError: when the kernel cannot be compiled.
     """
-    scene, show = scene_of(scene), progress or silent
+    scene, show = scene_of(scene), progress or no_progress
     result = simulate(scene, inputs=inputs, interpolation=interpolation, progress=lambda done: show(done / 2))
     stop, onsets = float(result.time[-1]), result.impacts["onset"]
     spans, usual = slow_spans(result), frame_rate(result)
@@ -123,7 +123,7 @@ def record_slowly(
     return Result(
         result.prepared,
         schedule.times[:done],
-        structured(rows.numbers[:done], result.prepared.output_layout),
+        structured_rows(rows.numbers[:done], result.prepared.output_layout),
         result.impacts,
         statistics=instance.statistics,
         stick_slip=result.stick_slip,

@@ -59,7 +59,7 @@ _other_fields = attrgetter(
 scenes share nothing if one of the read fields is not the same object in both."""
 
 
-def _decisive(table: type, path: DataPath) -> list[str]:
+def _decisive_keys(table: type, path: DataPath) -> list[str]:
     """Return the keys of a table whose values may decide the layout of the record, or which variables exist.
 
     ``path`` is the path of the table in a scene, with INDEX_PLACE in place of an index. The other keys of the
@@ -74,12 +74,12 @@ def _decisive(table: type, path: DataPath) -> list[str]:
     return [key.name for key in keys(table) if key.name not in numbers]
 
 
-_contact_values = attrgetter(*_decisive(Contact, ("contact",)))
-_link_values = attrgetter(*_decisive(Link, ("chain", "links", INDEX_PLACE)))
-_slider_values = attrgetter(*_decisive(Slider, ("chain", "slider")), "angle")
+_contact_values = attrgetter(*_decisive_keys(Contact, ("contact",)))
+_link_values = attrgetter(*_decisive_keys(Link, ("chain", "links", INDEX_PLACE)))
+_slider_values = attrgetter(*_decisive_keys(Slider, ("chain", "slider")), "angle")
 """``_contact_values``, ``_link_values``, ``_slider_values``: functions that read the values of the
-``_decisive`` keys of [contact], of a link and of a slider. The angle of a slider is read, too, because it
-decides which walls the points can reach."""
+``_decisive_keys`` keys of [contact], of a link and of a slider. The angle of a slider is read, too, because
+it decides which walls the points can reach."""
 
 
 def shared_data_of(scene: Scene) -> SharedData:
@@ -131,7 +131,7 @@ def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
 
 
 def _chains_differ(first: ChainTable, second: ChainTable) -> bool:
-    """Return whether two chains differ in the base, the number of links or a value of ``_decisive`` keys."""
+    """Return whether two chains differ in the base, the number of links or a value of ``_decisive_keys``."""
     if first is second:
         return False
     if first.base != second.base or len(first.links) != len(second.links):

@@ -28,7 +28,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import ENTRY_AT, INDEX_PLACE, DataPath
 from chain_impact.variables.cache import MOST_CACHED, SharedData, changed_numbers
 from chain_impact.variables.indices import layout_of, word_index
-from chain_impact.variables.kind import SIGNAL_OWNERS, Kind, filled
+from chain_impact.variables.kind import SIGNAL_OWNERS, Kind, fill_path
 from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.owners import OWNER_KINDS, RECORD_NUMBERS, values_of
 from chain_impact.variables.parameters import METHODS, PARAMETERS
@@ -78,7 +78,7 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
 
     These are counts and other numbers that are no parameters, the signals, and the materials of single walls.
     """
-    value_of = values_of(structure.known, structure.lists, scene)
+    value_of = values_of(structure.numbers, structure.lists, scene)
     for path, rule, over, at in RECORD_NUMBERS.values():
         *parts, key = (step for step in path if step != INDEX_PLACE)
         part = d
@@ -123,10 +123,10 @@ def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
         parts = [part(member) for member in members(scene)]
         values = [kind.number_for_none if value is None else value for value in parts]
         if kind.choices:
-            values = [_choice(kind, name) for name in parts]
+            values = [_choice_number(kind, name) for name in parts]
         if not kind.given_path or (kind.given_path_when and not has_given(scene)):
             return values
-        return values + (_given(scene, paths(scene), values) if scene.derived_paths else values)
+        return values + (_with_derived_marks(scene, paths(scene), values) if scene.derived_paths else values)
 
     return read
 
@@ -141,7 +141,7 @@ def _reader_of_one(kind: Kind, path: DataPath) -> Callable[[Scene], list[Any]]:
     def read(scene: Scene) -> list[Any]:
         value = part(scene)
         if kind.choices:
-            value = _choice(kind, value)
+            value = _choice_number(kind, value)
         elif value is None:
             value = kind.number_for_none
         if not kind.given_path or (kind.given_path_when and not has_given(scene)):
@@ -171,11 +171,11 @@ def _members(
             ],
         )
     split = path.index(INDEX_PLACE)
-    whole, (before, after) = _getter(path[:split]), (path[:split], path[split + 1 :])
-    return whole, _getter(after), lambda scene: [(*before, i, *after) for i in range(len(whole(scene)))]
+    list_of, (before, after) = _getter(path[:split]), (path[:split], path[split + 1 :])
+    return list_of, _getter(after), lambda scene: [(*before, i, *after) for i in range(len(list_of(scene)))]
 
 
-def _given(scene: Scene, paths: Sequence[DataPath], values: Sequence[Any]) -> list[Any]:
+def _with_derived_marks(scene: Scene, paths: Sequence[DataPath], values: Sequence[Any]) -> list[Any]:
     """Return ``values`` with the number DERIVED in place of each value that the scene derives.
 
     ``paths`` are the paths of ``values`` in the scene.
@@ -187,15 +187,15 @@ def _given(scene: Scene, paths: Sequence[DataPath], values: Sequence[Any]) -> li
 def _getter(path: DataPath) -> Callable[[Any], Any]:
     """Return a function that reads the value at ``path`` (names, at most one index) of a scene or table."""
     names, indices = (tuple(step for step in path if isinstance(step, kind)) for kind in (str, int))
-    named = attrgetter(".".join(map(str, names))) if names else _itself
-    return (lambda whole: named(whole)[indices[0]]) if indices else named
+    get_list = attrgetter(".".join(map(str, names))) if names else _identity
+    return (lambda table: get_list(table)[indices[0]]) if indices else get_list
 
 
-def _itself(value: Any) -> Any:
+def _identity(value: Any) -> Any:
     return value
 
 
-def _choice(kind: Kind, name: str) -> float:
+def _choice_number(kind: Kind, name: str) -> float:
     """Return the real number with the same 8 bytes as an integer, the number of the choice ``name``, from 1.
 
     Python writes all words of a record as real numbers, but the kernel reads this word as an integer.
@@ -211,43 +211,44 @@ def _write(table: str, words: np.ndarray, scene: Scene, counts: Counts) -> None:
     ``counts`` are the counts of the record.
     """
     # the record has room for the entries of ``walls`` only if points may touch walls
-    lines, slides = len(scene.walls) if scene.may_touch else 0, scene.chain.slider is not None
+    sloped_walls = len(scene.walls) if scene.may_touch else 0
+    slides = scene.chain.slider is not None
     met = tuple(name for name, holds in _GIVEN_PATH_WHEN.items() if holds(scene))
-    indices, readers = _words_of(table, counts, lines, slides, met)
+    indices, readers = _words_of(table, counts, sloped_walls, slides, met)
     words[indices] = [number for read in readers for number in read(scene)]
 
 
 @lru_cache(MOST_CACHED * len(keys(Scene)))
 def _words_of(
-    table: str, counts: Counts, lines: int, slides: bool, met: tuple[str, ...]
+    table: str, counts: Counts, sloped_walls: int, slides: bool, met: tuple[str, ...]
 ) -> tuple[np.ndarray, list[Callable[[Scene], list[Any]]]]:
     """Return the indices of the words for a table's numbers, and the functions that read the numbers.
 
-    The functions, one after the other, return the numbers in the order of the indices. ``lines`` is the
-    number of entries of ``walls`` in the record, ``slides`` whether there is a slider, and ``met`` are the
-    conditions of ``_GIVEN_PATH_WHEN`` that the scene meets.
+    The functions, one after the other, return the numbers in the order of the indices. ``sloped_walls``
+    is the number of entries of ``walls`` in the record, ``slides`` says whether there is a slider, and
+    ``met`` are the conditions of ``_GIVEN_PATH_WHEN`` that the scene meets.
     """
-    known = {**counts._asdict(), "lines": lines, "slider": slides}
+    numbers = {**counts._asdict(), "sloped_walls": sloped_walls, "slider": slides}
     layout, kinds, words, there = layout_of(*counts), _tables()[table], [], []
-    indices_of = {name: _indices(name, known) for name in {kind.owner_kind for kind, _ in kinds}}
+    indices_of = {name: _indices(name, numbers) for name in {kind.owner_kind for kind, _ in kinds}}
     for kind, reader in kinds:
         given = kind.given_path if not kind.given_path_when or kind.given_path_when in met else None
         indices = indices_of[kind.owner_kind]
         for path in filter(None, (kind.record_path, given)):
-            words += [word_index(layout, filled(path, index)) for index in indices]
+            words += [word_index(layout, fill_path(path, index)) for index in indices]
         if indices:
             there.append(reader)
     return np.array(words, int), there
 
 
-def _indices(owner_kind: str, known: Mapping[str, int]) -> list[dict[str, int]]:
+def _indices(owner_kind: str, numbers: Mapping[str, int]) -> list[dict[str, int]]:
     """Return a list of tables {"at": index in the record}, one for each owner of a kind.
 
-    ``known`` has the numbers that the rules of this kind name.
+    ``numbers`` has the numbers that the rules of this kind name.
     """
     owners = OWNER_KINDS[owner_kind]
-    index, count = owners.numbers.get("at", "order"), number_in(owners.over, known.__getitem__)
-    return [{"at": number_in(index, {**known, "order": i}.__getitem__)} for i in range(count)]
+    index, count = owners.numbers.get("at", "order"), number_in(owners.over, numbers.__getitem__)
+    return [{"at": number_in(index, {**numbers, "order": i}.__getitem__)} for i in range(count)]
 
 
 def _fill_materials(d: Any, scene: Scene) -> None:
@@ -279,17 +280,17 @@ def with_tangents(memory: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
     layout, count = memory.dtype, -(-len(paths) // DIRECTIONS)
     names = layout.names or ()
     tangents = (TANGENTS, tangent_dtype(layout), (count,))
-    whole = np.zeros(1, np.dtype([*((name, layout[name]) for name in names), tangents]))
+    record = np.zeros(1, np.dtype([*((name, layout[name]) for name in names), tangents]))
     memory["tangents"] = count
     for name in names:
-        whole[name] = memory[name]
-    _copy_values(memory[0], whole[0][TANGENTS])
+        record[name] = memory[name]
+    _copy_values(memory[0], record[0][TANGENTS])
     for number, path in enumerate(paths):
-        field: Any = whole[0][TANGENTS][number // DIRECTIONS]
+        field: Any = record[0][TANGENTS][number // DIRECTIONS]
         for step in path:
             field = field[step]
         field["slope"][number % DIRECTIONS] = 1.0
-    return whole
+    return record
 
 
 def _copy_values(source: Any, target: np.ndarray) -> None:

@@ -36,7 +36,7 @@ LINK, JOINT = Heading("link {n}", "link i"), Heading("joint {n}", "joint i")
 POINT = Heading("point {n}{label}", "point k")
 CONTACT = Heading("{touching} at {name}", "point k at a wall")
 SITE, SLIDER = Heading("point {n} of link {of}", "point j of link i"), Heading("slider", "slider")
-LINE, WALL = Heading("wall {name}", "wall at any angle"), Heading("at wall {name}", "at one wall")
+SLOPED_WALL, WALL = Heading("wall {name}", "wall at any angle"), Heading("at wall {name}", "at one wall")
 IMPACT = Heading("latest impact{but}", "impact i, 1 the latest")
 
 
@@ -125,7 +125,7 @@ class Kind:
     @cached_property
     def description(self) -> str:
         """The description of one variable of the kind, a template."""
-        text = self.ended(f"{self.heading.text}: {self.text}" if self.heading.text else self.text)
+        text = self.with_limit_words(f"{self.heading.text}: {self.text}" if self.heading.text else self.text)
         return text.replace("{axis}", self.axis)
 
     def general_description(self, words: Mapping[str, Any]) -> str:
@@ -142,7 +142,7 @@ class Kind:
             "axis": self.axis,
         }
         text = self.text.format_map(general)
-        return self.ended(f"{self.heading.general}: {text}" if self.heading.general else text)
+        return self.with_limit_words(f"{self.heading.general}: {text}" if self.heading.general else text)
 
     def derivative(self, parameter: Kind) -> Kind:
         """Return the kind of derivatives of outputs of this kind with respect to parameters of another kind.
@@ -153,7 +153,7 @@ class Kind:
         text = f"derivative of {of} with respect to {by}"
         return Kind(name=sensitivity_name(of, by), text=text, record_path=(), feedthrough=self.feedthrough)
 
-    def ended(self, text: str) -> str:
+    def with_limit_words(self, text: str) -> str:
         """Return ``text`` with the limit ``above`` in words at its end, if there is one.
 
         FMI has no attribute for such a limit.
@@ -200,7 +200,7 @@ def block(
     )
 
 
-def filled(path: DataPath, owner: Mapping[str, Any]) -> DataPath:
+def fill_path(path: DataPath, owner: Mapping[str, Any]) -> DataPath:
     """Return a path in the record or in a scene: the template ``path`` with the values of ``owner``."""
     if not owner:
         return path

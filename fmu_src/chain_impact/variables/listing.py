@@ -15,7 +15,7 @@ from chain_impact.scene.derived import rule_at
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import DataPath, is_like, sensitivity_name
 from chain_impact.user_laws.law_file import read_law
-from chain_impact.variables.kind import Block, Kind, filled
+from chain_impact.variables.kind import Block, Kind, fill_path
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import Owner
 from chain_impact.variables.parameters import LAWS, METHODS, PARAMETERS
@@ -41,7 +41,7 @@ def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
     """
     derived, choices = frozenset(scene.derived_paths), choices_of(scene)
     for kind, owner, words in _owned_kinds(PARAMETERS, structure):
-        path = filled(kind.scene_path or (), owner.values)
+        path = fill_path(kind.scene_path or (), owner.values)
         value = value_at(scene, path)
         if value is not None and not (kind.only_if_in_file and path in derived):
             rule = (
@@ -58,7 +58,7 @@ def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
                 words,
                 variability="tunable" if kind.tunable and owner.conditions[kind.tunable] else "fixed",
                 scene_path=path,
-                given_path=given and filled(given, owner.values),
+                given_path=given and fill_path(given, owner.values),
                 rule=rule,
                 items=choices.get(kind.choices, ()),
             )
@@ -67,10 +67,10 @@ def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
 def inputs(structure: Structure) -> Iterator[Variable]:
     """Return the inputs that scenes with this structure ask for, without those that signals determine."""
     driven = structure.driven_quantities
-    return (variable for variable in inputs_asked(structure) if variable.name not in driven)
+    return (variable for variable in requested_inputs(structure) if variable.name not in driven)
 
 
-def inputs_asked(structure: Structure) -> Iterator[Variable]:
+def requested_inputs(structure: Structure) -> Iterator[Variable]:
     """Return the inputs that scenes with this structure ask for, also those that signals determine."""
     return (
         Variable.from_kind(*arguments, variability="continuous")
@@ -91,10 +91,10 @@ def outputs_of(structure: Structure) -> dict[str, Variable]:
     a short simulation.
     """
     variables = (Variable.from_kind(*arguments) for arguments in _owned_kinds(OUTPUTS, structure))
-    return {variable.name: variable for variable in (*_driven(structure), *variables)}
+    return {variable.name: variable for variable in (*_driven_outputs(structure), *variables)}
 
 
-def _driven(structure: Structure) -> Iterator[Variable]:
+def _driven_outputs(structure: Structure) -> Iterator[Variable]:
     """Yield outputs with the names of inputs, for the inputs that signals determine.
 
     Such an input is not an input of the FMU; the output shows its value.

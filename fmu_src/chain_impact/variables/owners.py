@@ -118,7 +118,7 @@ OWNER_KINDS = {
             "may_have_friction": "slider_friction",
         },
     ),
-    "line": OwnerKind(over="lines", numbers={"at": "order"}),
+    "sloped wall": OwnerKind(over="sloped_walls", numbers={"at": "order"}),
     # if a point can touch a wall, each wall of the scene has a material, also a wall that no point can touch
     "material": OwnerKind(over="walls", has="exists and pairs", numbers={"at": "order"}),
     "moving wall": OwnerKind(over="moving_walls", numbers={"at": _CHANNEL}),
@@ -194,24 +194,24 @@ class Owner:
 
 
 def values_of(
-    known: Mapping[str, Any], lists: Mapping[str, Sequence[Any]], scene: Scene | None = None
+    scene_numbers: Mapping[str, Any], lists: Mapping[str, Sequence[Any]], scene: Scene | None = None
 ) -> ValueOf:
     """Return the function from a name in a rule to its value, for the rules of the tables in this file.
 
-    ``lists`` has the values of lists, ``known`` those of all other names without a dot. A name with a dot is
-    a key of the scene's file: any key if ``scene`` is given; else it must be one of REQUEST_KEYS, in
-    ``known``.
+    ``lists`` has the values of lists, ``scene_numbers`` those of all other names without a dot. A name with a
+    dot is a key of the scene's file: any key if ``scene`` is given; else it must be one of REQUEST_KEYS, in
+    ``scene_numbers``.
     """
 
     def value_of(name: str) -> Any:
         if scene is not None and "." in name:
             return value_at(scene, name)
-        return lists[name] if name in lists else known[name]
+        return lists[name] if name in lists else scene_numbers[name]
 
     return value_of
 
 
-def known_of(facts: SceneFacts) -> dict[str, int]:
+def numbers_of_scene(facts: SceneFacts) -> dict[str, int]:
     """Return name → number for REQUEST_KEYS, FACTS, COUNT_RULES, and the length of each list in LISTS."""
     counts = {name: number_in(rule, facts.value_of) for name, rule in COUNT_RULES.items()}
     lengths = {name: len(facts[name]) for name in LISTS}
@@ -219,15 +219,15 @@ def known_of(facts: SceneFacts) -> dict[str, int]:
 
 
 def owners_of(
-    kind: str, known: Mapping[str, Any], lists: Mapping[str, Sequence[Mapping[str, Any]]]
+    kind: str, scene_numbers: Mapping[str, Any], lists: Mapping[str, Sequence[Mapping[str, Any]]]
 ) -> list[Owner]:
     """Return the owners of a kind, in the order of their variables.
 
-    ``known`` and ``lists`` have the values of the names in the rules (``values_of``).
+    ``scene_numbers`` and ``lists`` have the values of the names in the rules (``values_of``).
     """
     row, found = OWNER_KINDS[kind], dict[Any, Owner]()
-    for order, member in enumerate(members_in(row.over, values_of(known, lists))):
-        here = {**known, **member, "order": order}
+    for order, member in enumerate(members_in(row.over, values_of(scene_numbers, lists))):
+        here = {**scene_numbers, **member, "order": order}
         if holds(row.has, here.__getitem__):
             numbers = {name: number_in(rule, here.__getitem__) for name, rule in row.numbers.items()}
             values = {**member, **numbers}

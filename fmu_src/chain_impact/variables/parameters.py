@@ -21,7 +21,7 @@ from chain_impact.scene.keys.signal_tables import NUMBERS, Signal
 from chain_impact.scene.keys.tables import Box, Contact, Initial, Material, Simulation, Solver, Stops, Wall
 from chain_impact.scene.rules.key_rules import Derived, keys
 from chain_impact.scene.words.names import AXES, ENTRY_AT, INDEX_PLACE, LINK_AT, DataPath, name_of
-from chain_impact.variables.kind import LINE, LINK, MOTION, SIGNAL, SITE, SLIDER, WALL, Kind, block
+from chain_impact.variables.kind import LINK, MOTION, SIGNAL, SITE, SLIDER, SLOPED_WALL, WALL, Kind, block
 
 LAWS, METHODS = "laws", "methods"
 """The names of the lists of choices (``choices_of``): contact laws, and methods of the solver."""
@@ -233,7 +233,7 @@ PARAMETERS = (
         ),
     ),
     block(
-        "line",
+        "sloped wall",
         *_vector(
             Wall,
             scene_path=("walls", INDEX_PLACE, "point"),
@@ -246,7 +246,7 @@ PARAMETERS = (
             record_path=("walls", KEY, INDEX_PLACE),
             names=("angle",),
         ),
-        heading=LINE,
+        heading=SLOPED_WALL,
         when=("contacts",),
     ),
     block(

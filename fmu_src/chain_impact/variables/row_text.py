@@ -42,11 +42,13 @@ def rows_block(
     kinds, head = list[Kind](), f"{prefix}."
     given = [(name.removeprefix(head), unit) for name, unit in names.items() if name.startswith(head)]
     for number, (axis, cells) in enumerate(_rows(rows)):
-        whole = (*given[number], *cells) if given else cells
+        row_cells = (*given[number], *cells) if given else cells
         try:
-            kinds.append(_kind(part, owner_kind, axis, array, whole))
+            kinds.append(_kind(part, owner_kind, axis, array, row_cells))
         except (TypeError, ValueError) as error:
-            raise ValueError(f"the row {' | '.join(whole)!r} of {prefix or part} is wrong: {error}") from None
+            raise ValueError(
+                f"the row {' | '.join(row_cells)!r} of {prefix or part} is wrong: {error}"
+            ) from None
     return block(owner_kind, *kinds, prefix=prefix, **{"is_terminal": True} | other)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, Protocol
 
-from chain_impact.scene.asked_inputs import how_asked
+from chain_impact.scene.asked_inputs import request_hint
 from chain_impact.scene.contents import named_point_hint
 from chain_impact.scene.errors import find_names, names_matching
 from chain_impact.scene.keys.tables import Outputs
@@ -56,7 +56,7 @@ def varied_by(prepared: Available, names: str | Iterable[str]) -> list[Variable]
         if name in prepared.parameter_paths:
             return "it is a choice, or a setting of the solver, of which the motion is not a smooth function"
         if input_key(name):
-            return how_asked(scene, name)
+            return request_hint(scene, name)
         hint = parameter_hint(name, len(scene.chain.links), scene.signals)
         return absent_hint(name) or hint or fixed_hint(scene, name)
 
@@ -64,7 +64,7 @@ def varied_by(prepared: Available, names: str | Iterable[str]) -> list[Variable]
     if not wanted:
         return []
     variables = prepared.differentiable
-    found = _named(scene.name, wanted, variables, "not a parameter with derivatives", hint)
+    found = _matching_names(scene.name, wanted, variables, "not a parameter with derivatives", hint)
     return [variables[name] for name in found]
 
 
@@ -77,7 +77,9 @@ def outputs_named(prepared: Available, wanted: str | Iterable[str]) -> list[Vari
     if not wanted:
         return []
     outputs, hint = prepared.outputs_without_derivatives, _hint_on_outputs(prepared)
-    return [outputs[name] for name in _named(prepared.scene.name, wanted, outputs, "not an output", hint)]
+    return [
+        outputs[name] for name in _matching_names(prepared.scene.name, wanted, outputs, "not an output", hint)
+    ]
 
 
 def columns_named(prepared: Available, wanted: str | Iterable[str]) -> dict[str, int]:
@@ -87,7 +89,7 @@ def columns_named(prepared: Available, wanted: str | Iterable[str]) -> dict[str,
         UnknownNameError: when a name is not that of a column, or a pattern matches no column.
     """
     columns, hint = prepared.output_index, series_hint(_hint_on_outputs(prepared))
-    names = _named(prepared.scene.name, wanted, columns, "not an output", hint)
+    names = _matching_names(prepared.scene.name, wanted, columns, "not an output", hint)
     return {name: columns[name] for name in names}
 
 
@@ -98,7 +100,7 @@ def missing_output_hint(prepared: Available, name: str) -> str | None:
     if hint := output_hint(name, inputs, prepared.parameter_paths, how):
         return hint
     if input_key(name):
-        return how_asked(prepared.scene, name)
+        return request_hint(prepared.scene, name)
     if find_names(name, outputs):
         return None
     scene = prepared.scene
@@ -135,7 +137,7 @@ def _hint_on_more(scene: Scene, name: str) -> str | None:
     return None
 
 
-def _named(
+def _matching_names(
     source: str, wanted: str | Iterable[str], available: Mapping[str, Any], what: str, hint: Hint
 ) -> dict[str, None]:
     """Return a dict whose keys are the names in ``available`` that the names or patterns ``wanted`` match.

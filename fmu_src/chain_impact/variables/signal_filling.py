@@ -12,7 +12,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_polynomials import write_signal
 from chain_impact.scene.words.names import DataPath
 from chain_impact.variables.kind import MOTION
-from chain_impact.variables.listing import inputs_asked
+from chain_impact.variables.listing import requested_inputs
 from chain_impact.variables.structure import Structure
 
 
@@ -26,7 +26,7 @@ def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
     if not scene.signals:
         return
     fields, stop = d["signal"], scene.simulation.stop_time
-    paths = {variable.name: variable.record_path for variable in inputs_asked(structure)}
+    paths = {variable.name: variable.record_path for variable in requested_inputs(structure)}
     first, knot = dict[str, int](), 0
     for j, signal in enumerate(structure.signals):
         fields["input"][j], fields["index"][j] = input_at(paths[signal.input])

@@ -14,33 +14,34 @@ from chain_impact.kernel.record.counts import COUNTS, Counts
 from chain_impact.scene.facts import LISTS, SceneFacts
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import Driven, driven_by
-from chain_impact.variables.owners import Owner, known_of, owners_of
+from chain_impact.variables.owners import Owner, numbers_of_scene, owners_of
 
 
 @dataclass(frozen=True)
 class Structure:
     """All properties of a scene that decide which outputs exist, without the values of parameters.
 
-    Scenes with equal structures have the same outputs. Nothing may change ``known`` and ``lists``.
+    Scenes with equal structures have the same outputs. Nothing may change ``numbers`` and ``lists``.
 
     Attributes:
-        known: name → number, for the facts, counts and lengths of lists of the scene (owners.known_of).
+        numbers: name → number, for the facts, counts and lengths of lists of the scene
+            (owners.numbers_of_scene).
         lists: name of a list of the scene (scene/facts.py) → the members of this list.
         signals: the inputs that signals drive, in the order of the record.
     """
 
-    known: Mapping[str, int]
+    numbers: Mapping[str, int]
     lists: Mapping[str, Sequence[Mapping[str, Any]]]
     signals: tuple[Driven, ...]
 
     def __hash__(self) -> int:
-        """Return the hash of the numbers in ``known``, which are the same in equal structures."""
-        return hash(tuple(self.known.values()))
+        """Return the hash of the numbers in ``numbers``, which are the same in equal structures."""
+        return hash(tuple(self.numbers.values()))
 
     @cached_property
     def counts(self) -> Counts:
         """The counts at the start of the scene's record."""
-        return Counts(*(self.known[name] for name in COUNTS))
+        return Counts(*(self.numbers[name] for name in COUNTS))
 
     @property
     def driven_quantities(self) -> dict[str, tuple[int, int]]:
@@ -52,10 +53,10 @@ class Structure:
 
     def owners(self, kind: str) -> list[Owner]:
         """Return the owners of a kind, a key of ``owners.OWNER_KINDS``, in the order of their variables."""
-        return owners_of(kind, self.known, self.lists)
+        return owners_of(kind, self.numbers, self.lists)
 
 
 def structure_of(scene: Scene) -> Structure:
     """Return the structure of a scene."""
     facts = SceneFacts(scene)
-    return Structure(known_of(facts), {name: facts[name] for name in LISTS}, driven_by(scene))
+    return Structure(numbers_of_scene(facts), {name: facts[name] for name in LISTS}, driven_by(scene))

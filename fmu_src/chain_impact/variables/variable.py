@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from chain_impact.scene.fast_values import LARGEST_NUMBER
-from chain_impact.scene.rules.key_rules import Derived, allowed
+from chain_impact.scene.rules.key_rules import Derived, allowed_words
 from chain_impact.scene.words.names import DataPath
-from chain_impact.variables.kind import Kind, filled
+from chain_impact.variables.kind import Kind, fill_path
 from chain_impact.variables.owners import Owner
 
 OBSERVED = ("output",), ("latest",)
@@ -49,7 +49,7 @@ class Variable:
         items: the choices of an enumeration; empty for any other variable.
         base_at_rest: whether the variable belongs to point 0, and this base is pinned and no input moves it.
         terminal: name of the variable's terminal in FMI 3.0; "" for none.
-        known: word in braces in templates → text or number that replaces the word.
+        words: word in braces in templates → text or number that replaces the word.
     """
 
     kind: Kind
@@ -66,7 +66,7 @@ class Variable:
     items: tuple[Item, ...] = ()
     base_at_rest: bool = False
     terminal: str = ""
-    known: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
+    words: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @classmethod
     def from_kind(cls, kind: Kind, owner: Owner, words: Mapping[Any, Any], **other: Any) -> Variable:
@@ -83,12 +83,12 @@ class Variable:
             # a value of a signal has the unit of the input that the signal drives
             unit=words.get("unit", kind.unit) if kind.unit == "1" else kind.unit,
             description=f"{text}{UNLESS_SET}{rule.text}" if rule else text,
-            record_path=filled(kind.record_path, owner.values),
+            record_path=fill_path(kind.record_path, owner.values),
             minimum=words.get(kind.minimum, kind.minimum),
             maximum=words.get(kind.maximum, kind.maximum),
             base_at_rest=owner.conditions.get("base_at_rest", False),
             terminal=kind.terminal and kind.terminal.format_map(words),
-            known=words,
+            words=words,
             **{"variability": "continuous" if changing else "discrete"} | other,
         )
 
@@ -110,7 +110,7 @@ class Variable:
     @property
     def kind_description(self) -> str:
         """One description for all variables of the kind in this scene."""
-        text = self.kind.general_description(self.known)
+        text = self.kind.general_description(self.words)
         return f"{text}{UNLESS_SET}{self.rule.text}" if self.rule else text
 
     @property
@@ -160,7 +160,7 @@ class Variable:
         if self.items:
             return "one of " + ", ".join(f"{n} ({item.name})" for n, item in enumerate(self.items, 1))
         limits = {"minimum": self.minimum, "above": self.exclusive_minimum, "maximum": self.maximum}
-        return allowed(float, {"choices": None, "unit": self.unit, **limits})
+        return allowed_words(float, {"choices": None, "unit": self.unit, **limits})
 
 
 class TableRow(NamedTuple):
@@ -172,7 +172,7 @@ class TableRow(NamedTuple):
         name: the name of the variable.
         type: "real" or "integer"; an enumeration is an integer.
         word: index of the value in use, which reading returns.
-        kind: the variability of a parameter, else the causality.
+        role: the variability of a parameter, else the causality.
         low: the lowest value that can be set.
         high: the highest value that can be set.
         allowed: the values that can be set, as text.
@@ -182,7 +182,7 @@ class TableRow(NamedTuple):
     name: str
     type: str
     word: int
-    kind: str
+    role: str
     low: float
     high: float
     allowed: str
@@ -191,7 +191,7 @@ class TableRow(NamedTuple):
 
 def variable_row(variable: Variable, word: int, set_word: int) -> TableRow:
     """Return the row of a variable; ``TableRow`` explains ``word`` and ``set_word``."""
-    kind = variable.variability if variable.causality == "parameter" else variable.causality
+    role = variable.variability if variable.causality == "parameter" else variable.causality
     low: float
     low, high = -LARGEST_NUMBER, LARGEST_NUMBER
     if variable.items:
@@ -203,4 +203,4 @@ def variable_row(variable: Variable, word: int, set_word: int) -> TableRow:
     if variable.maximum is not None:
         high = variable.maximum
     type_ = "real" if variable.type == "real" else "integer"
-    return TableRow(variable.name, type_, word, kind, low, high, variable.allowed, set_word)
+    return TableRow(variable.name, type_, word, role, low, high, variable.allowed, set_word)

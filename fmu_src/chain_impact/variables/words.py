@@ -40,25 +40,25 @@ def scene_words(structure: Structure) -> dict[str, Any]:
     The words are in braces in texts, and without braces in limits. The entry "general" is a table of the same
     form, with texts that hold for every owner.
     """
-    known, names = structure.known, [wall["name"] for wall in structure.lists["walls"]]
-    without = () if known["contact_friction"] else (FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING)
+    numbers, names = structure.numbers, [wall["name"] for wall in structure.lists["walls"]]
+    without = () if numbers["contact_friction"] else (FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING)
     statuses = {code: text for code, text in STATUS_TEXT.items() if code not in without}
     walls = ", ".join(f"{w} {wall}" for w, wall in enumerate(names, 1))
     return {
-        "points": known["links"] + known["sites"],
-        "walls": known["walls"],
+        "points": numbers["links"] + numbers["sites"],
+        "walls": numbers["walls"],
         "most_status": max(statuses),
         # The number of a wall is an integer variable, not an enumeration: the items of an enumeration count
         # from 1, so there could be no number 0 for "none".
         "wall_numbers": f"0 none, {walls}",
         "wall_numbers_if_any": f"0 if there is none, {walls}",
         "statuses": "; ".join(f"{code} {text}" for code, text in statuses.items()),
-        "losses": LOSSES if known["friction"] else "contacts and damping",
-        **(STOP_WORDS if known["stops"] else dict.fromkeys(STOP_WORDS, "")),
+        "losses": LOSSES if numbers["friction"] else "contacts and damping",
+        **(STOP_WORDS if numbers["stops"] else dict.fromkeys(STOP_WORDS, "")),
         "general": {
             **GENERAL,
-            **({} if known["free"] else {"parent": f"the link before, or {_ground(structure)}"}),
-            **({} if known["lines"] else {"about": "the origin"}),
+            **({} if numbers["free"] else {"parent": f"the link before, or {_ground(structure)}"}),
+            **({} if numbers["sloped_walls"] else {"about": "the origin"}),
         },
     }
 
@@ -99,12 +99,12 @@ there are no such words."""
 
 def _ground(structure: Structure) -> str:
     """Return words for the body to which joint 1 connects link 1: a slider's carriage, or the ground."""
-    return "the carriage" if structure.known["slider"] else "the ground"
+    return "the carriage" if structure.numbers["slider"] else "the ground"
 
 
 def _label(structure: Structure, point: int) -> str:
     """Return " (heel, link 2)" or " (link 2)" for a point of a link beside its ends; "" for an end."""
-    links = structure.known["links"]
+    links = structure.numbers["links"]
     if point <= links:
         return ""
     site = structure.lists["sites"][point - links - 1]

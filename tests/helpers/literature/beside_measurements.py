@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from chain_impact import load_scene, simulate
 from chain_impact.pictures import draw_figure
-from chain_impact.pictures.drawing.style import BLACK, BLUE, PALETTE, STYLE, VERMILLION, headline
+from chain_impact.pictures.drawing.style import BLACK, BLUE, PALETTE, STYLE, VERMILLION, write_headline
 from tests.helpers.literature.measured import heard_impacts, measured
 from tests.helpers.models.beam import Bar, impulse
 
@@ -50,7 +50,7 @@ def triple_pendulum(figure: Figure) -> None:
     above.set(ylabel="angle from the vertical [rad]")
     below.set(xlabel="time [s]", ylabel="difference\n[mrad]", xlim=(0, time[-1]))
     below.grid(visible=True)
-    headline(
+    write_headline(
         figure,
         "Triple pendulum: measured and simulated angles [rad]",
         "of Kaheman et al. 2023, with the parameters that its authors estimated  ·  largest difference: "
@@ -77,7 +77,7 @@ def golf_ball(figure: Figure) -> None:
         yticks=(0, 20, 40, 60, 80),
     )
     delay.grid(visible=True)
-    headline(
+    write_headline(
         figure,
         f"Golf ball: the ninth impact is heard {late[-1]:.0f} ms after the simulated one",
         "dropped from 0.8 m, mean of four drops  ·  rigid floor, restitution 0.893 at all impacts",
@@ -109,7 +109,7 @@ def steel_bar(figure: Figure) -> None:
     lengths.plot(few, exact, ".", color=BLACK, markersize=7)
     lengths.set(xlabel="length of the bar [m]", ylabel="restitution without vibration", ylim=(0.6, 1.02))
     force.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
-    headline(
+    write_headline(
         figure,
         f"Steel bar of 0.4 m: {len(result.impacts)} contacts, peak force {peak:.0f} N",
         "12 mm thick, drops flat at 0.5 m/s on an elastic support under one end  ·  "

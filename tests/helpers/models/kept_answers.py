@@ -92,8 +92,8 @@ def imported(source: str) -> list[str]:
     assert "import tests" not in source, "only `from tests… import` is followed"
     found = []
     for arrow in (node for node in ast.walk(ast.parse(source)) if imports_from(node, ROOM)):
-        whole = file_of(arrow.module).exists()
-        found += [arrow.module] if whole else [f"{arrow.module}.{one.name}" for one in arrow.names]
+        exists = file_of(arrow.module).exists()
+        found += [arrow.module] if exists else [f"{arrow.module}.{one.name}" for one in arrow.names]
     return found
 
 

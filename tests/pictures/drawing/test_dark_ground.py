@@ -10,9 +10,9 @@ from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing import style
-from chain_impact.pictures.drawing.dark_ground import Ground, is_dark, lighter, luminance
+from chain_impact.pictures.drawing.dark_ground import Ground, is_dark, lightened_colour, luminance
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
-from chain_impact.pictures.drawing.style import BLACK, PALETTE, suit_figure
+from chain_impact.pictures.drawing.style import BLACK, PALETTE, adapt_to_dark_style
 from tests.pictures.pictures import contrast, lab, recorded
 
 
@@ -82,10 +82,10 @@ def test_a_map_keeps_its_colours_and_cells_without_value_get_dark():
     mesh = axes.pcolormesh(np.ma.masked_invalid([[1.0, np.nan]]), cmap="cividis")
     mesh.set_cmap(mesh.get_cmap().with_extremes(bad="0.8"))
     before = mesh.get_cmap()(0.3)
-    suit_figure(page)
+    adapt_to_dark_style(page)
     assert to_hex(mesh.get_cmap().get_bad()) == "#cccccc"
     with matplotlib.style.context("dark_background"):
-        suit_figure(page)
+        adapt_to_dark_style(page)
     assert luminance(mesh.get_cmap().get_bad()) < 0.1
     assert mesh.get_cmap()(0.3) == before
 
@@ -93,12 +93,12 @@ def test_a_map_keeps_its_colours_and_cells_without_value_get_dark():
 def test_the_colours_of_curves_differ_on_a_dark_ground():
     """A difference of 10 in CIELAB is seen at a glance, but not between thin lines."""
     for one, other in itertools.combinations(PALETTE, 2):
-        assert np.linalg.norm(lab(lighter(one)) - lab(lighter(other))) > 15.0
+        assert np.linalg.norm(lab(lightened_colour(one)) - lab(lightened_colour(other))) > 15.0
     laws = [
         look["color"] for look in LAW_LOOKS.values() if "linestyle" not in look and look["color"] != BLACK
     ]
     for one, other in itertools.combinations(laws, 2):
-        assert np.linalg.norm(lab(lighter(one)) - lab(lighter(other))) > 25.0
+        assert np.linalg.norm(lab(lightened_colour(one)) - lab(lightened_colour(other))) > 25.0
 
 
 def dark_grounds():
@@ -120,7 +120,7 @@ def test_colours_and_texts_have_enough_contrast_on_a_dark_ground(ground, text):
     assert len(hues) >= len(PALETTE)
     hues += [style.TIME_COLOURS(part) for part in np.linspace(0.0, 1.0, 9)]
     for colour in hues:
-        assert contrast(dark.suited(colour), ground) >= 4.5
-    assert contrast(dark.suited(style.INK), ground) >= 4.5
-    assert contrast(dark.suited(style.BLACK), ground) >= 4.5
-    assert contrast(dark.suited(style.GREY), ground) >= 3.0
+        assert contrast(dark.suited_colour(colour), ground) >= 4.5
+    assert contrast(dark.suited_colour(style.INK), ground) >= 4.5
+    assert contrast(dark.suited_colour(style.BLACK), ground) >= 4.5
+    assert contrast(dark.suited_colour(style.GREY), ground) >= 3.0

@@ -2,7 +2,7 @@
 
 import pytest
 
-from chain_impact.pictures.drawing.figures import TALLEST, fitting, least_figure
+from chain_impact.pictures.drawing.figures import TALLEST, fitting_figure, least_figure
 
 
 @pytest.mark.parametrize("lines", [12, 40])
@@ -27,6 +27,6 @@ def test_a_figure_of_several_panels_fits_on_a_page(panels):
         for axes in figure.subplots(panels, 1):
             axes.set(ylabel="y", xlabel="x")
 
-    figure = fitting(fill, 4.0, (10.0, 2.9 * panels))
+    figure = fitting_figure(fill, 4.0, (10.0, 2.9 * panels))
     assert figure.get_figheight() <= TALLEST
     assert min(axes.bbox.height / figure.dpi for axes in figure.axes) >= 0.65

@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from chain_impact.pictures.drawing.labels import Ink, Label, folded, place_labels
+from chain_impact.pictures.drawing.labels import Ink, Label, folded_label, place_labels
 from chain_impact.pictures.words.impact_numbers import number_list
 
 
@@ -195,7 +195,7 @@ def test_a_label_in_a_narrow_area_has_two_lines():
     ("words", "expected"), [("3", "3"), ("1, 3, 5", "1, 3,\n5"), ("2, 6 + 13 more", "2, 6\n+ 13 more")]
 )
 def test_a_text_with_several_parts_is_folded(words, expected):
-    assert folded(words) == expected
+    assert folded_label(words) == expected
 
 
 def test_no_leader_ends_inside_a_strong_body():

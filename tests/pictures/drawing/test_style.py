@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from chain_impact.pictures.drawing.dark_ground import Ground
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import LOAD, PALETTE, fitted_lines, headline
+from chain_impact.pictures.drawing.style import LOAD, PALETTE, fitted_lines, write_headline
 from chain_impact.pictures.over_time.energies import ENERGIES
-from chain_impact.text import number
+from chain_impact.text import number_text
 from tests.pictures.pictures import contrast, lab
 
 # what readers without one kind of cones see (Machado, Oliveira and Fernandes 2009, severity 1)
@@ -59,7 +59,7 @@ def test_laws_with_the_same_dashes_differ_for_each_kind_of_sight(sight):
     assert len({look["color"] for look in LAW_LOOKS.values()}) == len(LAW_LOOKS)
     for one, other in itertools.combinations(LAW_LOOKS.values(), 2):
         if one.get("linestyle") == other.get("linestyle"):
-            for shown, apart in ((to_hex, 15.0), (Ground("black", "white").suited, 12.0)):
+            for shown, apart in ((to_hex, 15.0), (Ground("black", "white").suited_colour, 12.0)):
                 first, second = (lab(shown(look["color"]), SIGHTS[sight]) for look in (one, other))
                 assert np.linalg.norm(first - second) > apart
 
@@ -68,7 +68,7 @@ def test_laws_with_the_same_dashes_differ_for_each_kind_of_sight(sight):
 def test_the_headline_leaves_the_panels_room(conditions):
     page = Figure(figsize=(6.0, 4.0), layout="constrained")
     axes = page.add_subplot()
-    headline(page, "What it says", conditions)
+    write_headline(page, "What it says", conditions)
     page.draw_without_rendering()
     boxes = [text.get_window_extent() for text in page.texts if text.get_text()]
     assert not any(box.overlaps(axes.get_tightbbox()) for box in boxes)
@@ -82,7 +82,7 @@ def test_the_headline_leaves_the_panels_room(conditions):
     [(1e8, "1e8"), (2.145e10, "2.145e10"), (1e-10, "1e-10"), (0.7, "0.7"), (30.0, "30"), (1e5, "1e5")],
 )
 def test_numbers_without_zeros_that_say_nothing(value, text):
-    assert number(value) == text
+    assert number_text(value) == text
 
 
 LONG = [
@@ -103,7 +103,7 @@ def single_line(page):
 
 def test_the_lines_of_a_headline_end_after_a_part():
     page = Figure(figsize=(7.5, 4.0), layout="constrained")
-    headline(
+    write_headline(
         page, "Arm: 30 equal impulses of 0.981 N·s, 30 impacts in 3 s, 4.81 J dissipated, 4.81 J supplied"
     )
     assert page.get_suptitle().count("\n") == 1
@@ -114,7 +114,7 @@ def test_the_lines_of_a_headline_end_after_a_part():
 def test_a_headline_and_its_conditions_fit_the_page(width):
     page = Figure(figsize=(width, 5.0), layout="constrained")
     axes = page.subplots()
-    headline(
+    write_headline(
         page,
         "Box: 14 impacts, 82 % of the energy dissipated, 12 % of it by dry friction",
         SEPARATOR.join(LONG),
@@ -135,7 +135,7 @@ def test_a_headline_and_its_conditions_fit_the_page(width):
 
 def test_a_text_that_fits_stays_in_one_line():
     page = Figure(figsize=(10.0, 5.0))
-    headline(page, "Box: 14 impacts", SEPARATOR.join(LONG[:3]))
+    write_headline(page, "Box: 14 impacts", SEPARATOR.join(LONG[:3]))
     assert [text.get_text() for text in page.texts] == ["Box: 14 impacts", SEPARATOR.join(LONG[:3])]
 
 

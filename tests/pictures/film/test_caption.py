@@ -62,7 +62,7 @@ def test_the_caption_tells_an_impact_when_slow_motion_for_it_begins():
     told = []
     for frame in range(len(shown)):
         list(page.show(frame, 1.0))
-        told.append(page.caption.told)
+        told.append(page.caption.shown_number)
     assert told == [1, 1, 2, 2, 3, 3, 4]
     np.testing.assert_allclose(caption_starts(recording)[[0, 2, 3]], [0.45, 0.95, 1.5])
 

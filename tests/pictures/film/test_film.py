@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from chain_impact import Recording, SceneWarning, load_scene, parse_scene, record_slowly, simulate
-from chain_impact.pictures.drawing.dark_ground import lighter
+from chain_impact.pictures.drawing.dark_ground import lightened_colour
 from chain_impact.pictures.drawing.style import LOAD, TIME_COLOURS, force_text
 from chain_impact.pictures.film.charts import largest_forces, stretch
 from chain_impact.pictures.film.film import FILM_STYLE, FORCE, Film
@@ -114,7 +114,7 @@ def test_a_film_is_dark_in_a_dark_style(tmp_path):
     with Image.open(tmp_path / "film.gif") as shown:
         for one in (picture, np.asarray(shown.convert("RGB"))):
             assert one[2, SIZE[0] // 2].tolist() == [0, 0, 0]
-            assert coloured(one, lighter(START)) > 100
+            assert coloured(one, lightened_colour(START)) > 100
             assert (one.min(axis=-1) > 150).sum() > 20  # the texts are light
 
 

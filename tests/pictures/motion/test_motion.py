@@ -11,10 +11,10 @@ from matplotlib.quiver import Quiver
 from chain_impact import load_scene, simulate
 from chain_impact.pictures import draw_chain
 from chain_impact.pictures.drawing.style import LOAD, PEAK_COLOUR, force_text
-from chain_impact.pictures.motion.impact_rings import RING_DISTANCE, fastest_first, rings
+from chain_impact.pictures.motion.impact_rings import RING_DISTANCE, rings, rows_by_speed
 from chain_impact.pictures.motion.joint_forces import part_in_view
 from chain_impact.pictures.motion.poses import FAINT_POSES, MOST_STRONG_POSES, distinct_poses, strong_rows
-from chain_impact.pictures.over_time.impacts import hardest, marks_of
+from chain_impact.pictures.over_time.impacts import marks_of, rows_by_height
 from chain_impact.pictures.words.headline import marked_peaks, peaks
 from chain_impact.pictures.words.impact_numbers import number_list, numbers_of
 from chain_impact.recording.joint_peaks import joint_peaks
@@ -47,7 +47,7 @@ def test_strong_poses_are_start_end_and_those_of_strong_impacts_apart(model):
     np.testing.assert_array_equal(end, recording.points[-1])
     times = recording.impacts["onset"][strong_rows(recording)].tolist()
     assert 0 < len(at_impacts) == len(times) <= MOST_STRONG_POSES
-    fastest = recording.impacts["onset"][fastest_first(recording)[0]]
+    fastest = recording.impacts["onset"][rows_by_speed(recording)[0]]
     for time, pose in zip(times, at_impacts, strict=True):
         np.testing.assert_array_equal(pose, recording.pose_at(time))
         impact = recording.impacts[recording.impacts["onset"] == time][0]
@@ -59,7 +59,7 @@ def test_strong_poses_are_start_end_and_those_of_strong_impacts_apart(model):
         assert times == [recording.impacts["onset"][marked_peaks(recording)[0].row]]
         return
     kept, expected = [start, end], []
-    for onset in recording.impacts["onset"][fastest_first(recording)]:
+    for onset in recording.impacts["onset"][rows_by_speed(recording)]:
         pose = recording.pose_at(onset)
         gap = min(np.hypot(*(pose - other).T).mean() for other in kept)
         if onset == fastest or gap >= 0.1 * size_of(recording):
@@ -189,7 +189,7 @@ def test_no_list_of_numbers_at_a_ring_is_silently_short(model):
     page = recording.plot(size=(84 / 25.4, None))
     motion = next(axes for axes in page.axes if axes.get_label() == "motion")
     told = [text.replace("\n", " ") for text in texts(motion)]
-    order = hardest(marks_of(recording)[1]).tolist()
+    order = rows_by_height(marks_of(recording)[1]).tolist()
     for hits in rings(motion, recording).values():
         assert {number_list(row + 1 for row in hits), *numbers_of(sorted(hits, key=order.index))} & {*told}
 
@@ -233,7 +233,7 @@ def test_arrows_of_joint_forces_are_shorter_if_one_would_leave_the_view():
 def test_the_hardest_impact_is_numbered():
     for recording in (recorded("four_link_box"), crowd()):
         motion = motion_of(recording)
-        number = str(hardest(marks_of(recording)[1])[0] + 1)
+        number = str(rows_by_height(marks_of(recording)[1])[0] + 1)
         assert any(number in text.replace(",", " ").split() for text in texts(motion))
 
 

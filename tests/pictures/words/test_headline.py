@@ -12,9 +12,9 @@ from chain_impact.pictures.drawing.style import INK, LOAD, PEAK_COLOUR
 from chain_impact.pictures.words.headline import (
     conditions,
     has_contact,
+    headline,
     load_text,
     marked_peaks,
-    message,
     peaks,
 )
 from chain_impact.scene.scene import with_values
@@ -25,7 +25,7 @@ from tests.pictures.pictures import MODELS, hit, recorded, swing
 @pytest.mark.parametrize("model", MODELS)
 def test_the_numbers_are_those_of_the_recording(model):
     recording = recorded(model)
-    said = message(recording)
+    said = headline(recording)
     assert said.startswith(recording.name + ": ")
     found = re.search(r"(\d+) impact", said)
     assert (int(found[1]) if found else 0) == recording.impact_count
@@ -42,10 +42,10 @@ def test_the_numbers_are_those_of_the_recording(model):
 def test_the_headline_omits_energy_that_is_not_lost_or_not_known():
     recording = swing()
     recording.columns["energy.dissipated"] = np.zeros(50)
-    assert message(recording) == "Swing: no impacts in 2 s"
+    assert headline(recording) == "Swing: no impacts in 2 s"
     recording = swing()
     del recording.columns["energy.dissipated"]
-    assert message(recording) == "Swing: no impacts in 2 s"
+    assert headline(recording) == "Swing: no impacts in 2 s"
 
 
 def test_the_conditions_are_the_parameters_of_the_run():
@@ -140,7 +140,7 @@ def test_the_weight_on_a_rigid_wall_is_no_part_of_the_impact(duration):
     momentum = sum(link.mass for link in scene.chain.links) * impact["impact_speed"]
     assert told.words == "hit impulse"
     assert float(told.value.removesuffix(" N·s")) == pytest.approx(momentum, rel=5e-3)
-    assert "peak" not in message(run)
+    assert "peak" not in headline(run)
 
 
 def test_a_knee_that_stays_at_its_stop_tells_joint_time_speed_and_impulse():
@@ -165,7 +165,7 @@ def test_none_of_equal_impulses_is_singled_out():
     assert told.equal == len(run.impacts)
     assert marked_peaks(run) == []
     assert told.text == f"{told.equal} equal impulses of {run.impacts['impulse'].max():.3f} N·s"
-    assert f": {told.text}, " in message(run)
+    assert f": {told.text}, " in headline(run)
     page = run.plot(panels=["motion", "impacts"])
     assert not any(line.get_color() == PEAK_COLOUR for axes in page.axes for line in axes.lines)
     assert any("the first in impact 1: ball hits y_min at " in text.get_text() for text in page.texts)
@@ -178,7 +178,7 @@ def test_energy_of_drives_is_told_beside_that_lost(supplied, told):
     recording = swing()
     recording.columns["energy.supplied"] = np.linspace(0.0, supplied, 50)
     drives = f", {told} by drives" if told else ""
-    assert message(recording) == f"Swing: no impacts in 2 s, 1 J dissipated{drives}"
+    assert headline(recording) == f"Swing: no impacts in 2 s, 1 J dissipated{drives}"
 
 
 def test_in_a_narrow_picture_the_load_stands_below_the_peak_force():
@@ -234,7 +234,7 @@ def test_a_small_loss_is_told_and_round_off_is_not(lost, told):
     recording = swing([hit(1.0, 1, "y_max", 1.0)], {"y_max": 1.0})
     total = np.linspace(1.0, 1.0 - lost, 50)
     recording.columns.update({"energy.total": total, "energy.dissipated": 1.0 - total})
-    assert message(recording) == f"Swing: 1 impact in 2 s{told}"
+    assert headline(recording) == f"Swing: 1 impact in 2 s{told}"
 
 
 def test_the_joint_with_the_largest_force_is_told_with_its_number_and_time():

@@ -15,7 +15,7 @@ from chain_impact.scene.words.names import (
     parameter_hint,
     path_text,
 )
-from chain_impact.scene.words.similar_names import longer, nearest, one_typo
+from chain_impact.scene.words.similar_names import longer_name, name_with_one_typo, nearest_name
 from chain_impact.studies.sweep.variation import variations_of
 from tests.helpers.tools.refusal import refusal
 
@@ -56,34 +56,34 @@ def test_a_path_has_a_name_and_a_text(path, name, text):
 
 def test_only_similar_names_are_proposed():
     names = ["contact.stiffness", "contact.restitution"]
-    assert nearest("contact.stifness", names) == "contact.stiffness"
-    assert nearest("mass", names) is None
-    assert nearest("mass", names, at_least=0.0) in names
+    assert nearest_name("contact.stifness", names) == "contact.stiffness"
+    assert nearest_name("mass", names) is None
+    assert nearest_name("mass", names, at_least=0.0) in names
 
 
 def test_a_name_of_one_part_is_nearest_to_a_name_with_such_a_last_part():
     names = ["link[1].mass", "link[1].length", "link[2].length"]
-    assert nearest("lenght", names) == "link[1].length"
+    assert nearest_name("lenght", names) == "link[1].length"
     stops = [*names, "stop.stiffness", "contact.stiffness"]
-    assert nearest("stifness", stops) == nearest("stiffness", stops) == "contact.stiffness"
-    assert nearest("mass", names) == "link[1].mass"
-    assert nearest("force", names) is None
+    assert nearest_name("stifness", stops) == nearest_name("stiffness", stops) == "contact.stiffness"
+    assert nearest_name("mass", names) == "link[1].mass"
+    assert nearest_name("force", names) is None
 
 
 def test_a_name_without_its_number_is_nearest_to_the_first_entry():
     names = ["chain.slider.angle", "initial.angle[1]", "initial.angle[2]", "link[1].mass", "link[1].inertia"]
-    assert nearest("initial.angle", names) == "initial.angle[1]"
-    assert nearest("initial.angle[]", names) == "initial.angle[1]"
-    assert nearest("link.mass", names) == "link[1].mass"
-    assert nearest("link[7].mass", names) == "link[1].mass"
-    assert nearest("contact[3].force", ["contact.force", "contact[5].force"]) == "contact[5].force"
+    assert nearest_name("initial.angle", names) == "initial.angle[1]"
+    assert nearest_name("initial.angle[]", names) == "initial.angle[1]"
+    assert nearest_name("link.mass", names) == "link[1].mass"
+    assert nearest_name("link[7].mass", names) == "link[1].mass"
+    assert nearest_name("contact[3].force", ["contact.force", "contact[5].force"]) == "contact[5].force"
 
 
 def test_a_name_that_is_part_of_another_one():
     names = ["clattering_rod", "rod_drop", "rodent"]
-    assert longer("rod", names) == "rod_drop"
-    assert [longer(name, names) for name in ("ro", "", "drop_rod")] == [None] * 3
-    assert longer("mass", ["link[1].mass", "link[1].center_of_mass"]) == "link[1].mass"
+    assert longer_name("rod", names) == "rod_drop"
+    assert [longer_name(name, names) for name in ("ro", "", "drop_rod")] == [None] * 3
+    assert longer_name("mass", ["link[1].mass", "link[1].center_of_mass"]) == "link[1].mass"
 
 
 def test_the_key_that_makes_an_input():
@@ -128,8 +128,8 @@ def test_a_value_of_a_slider_that_a_scene_lacks_is_not_proposed():
 
 def test_a_name_with_the_same_last_part_is_nearer():
     names = ["point[1].y", "contact[1].y_min.force", "contact[1].y_min.friction_force"]
-    assert nearest("joint[1].force", names) == "contact[1].y_min.force"
-    assert nearest("point[1].force", ["point[1].y"]) == "point[1].y"
+    assert nearest_name("joint[1].force", names) == "contact[1].y_min.force"
+    assert nearest_name("point[1].force", ["point[1].y"]) == "point[1].y"
 
 
 @pytest.mark.parametrize(
@@ -154,13 +154,13 @@ def test_the_parts_of_a_name(name, parts):
 
 def test_a_longer_name_of_the_same_owner_is_nearest():
     names = ["joint[1].peak_force", "joint[2].force.x", "joint[2].peak_force", "contact[2].x_max.force"]
-    assert nearest("joint[2].peak", names) == "joint[2].peak_force"
-    assert nearest("joint[2].force", names[2:]) == "joint[2].peak_force"
-    assert nearest("joint[3].force", [*names[:1], names[3]]) == "contact[2].x_max.force"
+    assert nearest_name("joint[2].peak", names) == "joint[2].peak_force"
+    assert nearest_name("joint[2].force", names[2:]) == "joint[2].peak_force"
+    assert nearest_name("joint[3].force", [*names[:1], names[3]]) == "contact[2].x_max.force"
 
 
 def test_one_typo_is_one_letter_more_less_other_or_swapped():
     names = ["vx", "box", "walls"]
-    assert [one_typo(name, names) for name in ("bax", "bx", "boxx", "bxo", "xbox")] == ["box"] * 5
-    assert one_typo("wall", names) == "walls"
-    assert [one_typo(name, names) for name in ("vy", "oxb", "boxes", "")] == [None] * 4
+    assert [name_with_one_typo(name, names) for name in ("bax", "bx", "boxx", "bxo", "xbox")] == ["box"] * 5
+    assert name_with_one_typo("wall", names) == "walls"
+    assert [name_with_one_typo(name, names) for name in ("vy", "oxb", "boxes", "")] == [None] * 4

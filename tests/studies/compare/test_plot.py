@@ -14,7 +14,7 @@ from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
 from chain_impact.pictures.drawing.style import GREY, INK
 from chain_impact.pictures.over_time.energies import energy_curves
 from chain_impact.scene.scene import with_values
-from chain_impact.studies.compare.headline import message
+from chain_impact.studies.compare.headline import headline
 from chain_impact.studies.compare.plot import (
     COLOURED_LAWS,
     SIZE,
@@ -184,7 +184,7 @@ def test_the_range_of_peak_forces_is_told(comparison):
     hertz = 1e-3 * comparison["hertz"].peak_force
     assert f"hertz, without e: peak force {hertz:.1f} kN" in conditions(comparison, looks_of(comparison))
     for small in (False, True):
-        told = message(comparison, small=small)
+        told = headline(comparison, small=small)
         assert f"peak force {min(forces):.1f} to {max(forces):.1f} kN" in told
 
 

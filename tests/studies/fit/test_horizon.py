@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact.studies.fit import horizon
-from chain_impact.studies.fit.horizon import estimate_sigma, search
+from chain_impact.studies.fit.horizon import estimate_sigma, search_parameters
 from chain_impact.studies.fit.measured_tables import read_measurements
 from chain_impact.studies.fit.parameters import parameters_of
 from chain_impact.studies.fit.problem import Problem
@@ -30,10 +30,10 @@ def test_a_fit_converges_from_far_through_six_impacts(start):
     columns, result = motion(1.2)
     assert len(result.impacts) == 6
     one = problem(columns, scene(**start), dict.fromkeys(TIP, NOISE))
-    found = search(one)
-    assert found.search.converged
-    assert one.values(found.search.best.coordinates) == pytest.approx(TRUE, rel=0.1)
-    squares = ((found.search.best.residuals / NOISE) ** 2).sum()
+    found = search_parameters(one)
+    assert found.last_search.converged
+    assert one.values(found.last_search.best.coordinates) == pytest.approx(TRUE, rel=0.1)
+    squares = ((found.last_search.best.residuals / NOISE) ** 2).sum()
     assert 300.0 < squares < 500.0
     assert list(found.horizons) == sorted(found.horizons)
     assert found.horizons[-1] == 1.2
@@ -44,13 +44,13 @@ def test_standard_deviations_are_estimated_by_column():
     columns, result = motion(0.9)
     columns[TIP[1]] += 4e-3 * np.random.default_rng(5).standard_normal(200)
     one = problem([columns, impacts(result, ["peak_force"], noise=0.02)], scene(), {"peak_force": "2%"})
-    found = search(one)
+    found = search_parameters(one)
     sigma = {name: found.sigma[one.group == k] for k, name in enumerate(one.names)}
     assert sigma[TIP[0]] == pytest.approx(1e-3, rel=0.15)
     assert sigma[TIP[1]] == pytest.approx(math.hypot(1e-3, 4e-3), rel=0.15)
     assert sigma["peak_force"] == pytest.approx(0.02 * one.value[one.group == 2])
     # at the end the estimates no longer change
-    again = estimate_sigma(one, found.search.best, found.sigma)
+    again = estimate_sigma(one, found.last_search.best, found.sigma)
     np.testing.assert_allclose(again, found.sigma, rtol=horizon.SETTLED_SIGMA)
 
 
@@ -73,24 +73,24 @@ def test_an_exactly_fitted_column_keeps_its_deviation(seed):
 def test_data_without_noise_are_met():
     columns, _ = motion(0.7, count=40, noise=0.0)
     one = problem(columns, scene(K=5e7, e=0.6))
-    found = search(one)
-    assert found.search.converged
-    assert one.values(found.search.best.coordinates) == pytest.approx(TRUE, rel=1e-3)
+    found = search_parameters(one)
+    assert found.last_search.converged
+    assert one.values(found.last_search.best.coordinates) == pytest.approx(TRUE, rel=1e-3)
 
 
 def test_a_fit_of_impacts_alone_converges():
     _, result = motion(0.9)
     one = problem(impacts(result, ["onset", "peak_force"], noise=1e-4), scene(K=5e7, e=0.6, w=1.4))
-    found = search(one)
-    assert found.search.converged
-    assert one.values(found.search.best.coordinates) == pytest.approx(TRUE, rel=0.02)
+    found = search_parameters(one)
+    assert found.last_search.converged
+    assert one.values(found.last_search.best.coordinates) == pytest.approx(TRUE, rel=0.02)
 
 
 def test_data_that_differ_from_the_start_on_are_searched_once_through():
     _, result = motion(0.3, count=30)
     off = {"time": result.time, **{name: result[name] + 1.0 for name in (*TIP, "link[1].angle")}}
     assert off["time"][0] == 0.0
-    found = search(problem(off, scene(), free=["contact.restitution"]))
+    found = search_parameters(problem(off, scene(), free=["contact.restitution"]))
     assert np.all(np.diff(found.horizons) > 0.0)
     assert found.horizons[-1] == pytest.approx(0.3)
 
@@ -98,14 +98,16 @@ def test_data_that_differ_from_the_start_on_are_searched_once_through():
 def test_wrong_horizons_are_refused():
     columns, _ = motion(0.6, count=10)
     one = {"impact": [1], "peak_force": [2e4]}
-    assert refusal(search, problem([columns, one], scene())) == (
+    assert refusal(search_parameters, problem([columns, one], scene())) == (
         "data+data: peak_force has one value only, from which its sigma cannot be estimated: give it, "
         "for example 2% (--sigma peak_force=2%), or add a column sigma(peak_force)"
     )
     some = columns | {f"sigma({TIP[0]})": [1e-3] + [None] * 9}
-    assert "some values of point[4].x have a sigma and others none" in refusal(search, problem(some, scene()))
+    assert "some values of point[4].x have a sigma and others none" in refusal(
+        search_parameters, problem(some, scene())
+    )
     none = {"impact": [7, 8], "onset": [0.3, 0.4]}
     assert (
         "the model has no value to compare with data: the model has none of the measured impacts"
-        in refusal(search, problem(none, scene()))
+        in refusal(search_parameters, problem(none, scene()))
     )

@@ -6,7 +6,7 @@ import pytest
 
 from chain_impact import fit, simulate
 from chain_impact.studies.fit.report import rounded_text
-from chain_impact.text import aligned
+from chain_impact.text import aligned_lines
 from tests.helpers.scenes.stops import struck_rod
 from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, scene
 
@@ -88,5 +88,5 @@ def test_digits_follow_the_standard_error(value, error, text):
 
 
 def test_columns_are_aligned():
-    assert list(aligned(("a", "bb"), [("ccc", "d")])) == ["a    bb", "ccc  d"]
-    assert list(aligned(("a", "b\nN"), [("ccc", "d")])) == ["     b", "a    N", "ccc  d"]
+    assert list(aligned_lines(("a", "bb"), [("ccc", "d")])) == ["a    bb", "ccc  d"]
+    assert list(aligned_lines(("a", "b\nN"), [("ccc", "d")])) == ["     b", "a    N", "ccc  d"]

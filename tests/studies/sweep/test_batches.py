@@ -21,11 +21,11 @@ from chain_impact.studies.sweep.batches import (
     LONGEST_BATCH_TIME,
     SHORTEST_BATCH_TIME,
     Batches,
-    missing,
+    missing_spans,
     run_in_threads,
 )
 from chain_impact.studies.sweep.computation import Computation
-from chain_impact.studies.sweep.design import grid
+from chain_impact.studies.sweep.design import grid_design
 from chain_impact.studies.sweep.job import Runner, job_of
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.studies.sweep.variation import variations_of
@@ -41,7 +41,7 @@ from chain_impact.studies.sweep.variation import variations_of
     ],
 )
 def test_missing_runs_are_those_between_finished_ones(done, left):
-    assert missing(done, 100) == left
+    assert missing_spans(done, 100) == left
 
 
 def taken(batches, seconds_a_run):
@@ -76,7 +76,7 @@ SCENE = with_values(
 
 def parts(vary):
     variations = variations_of(SCENE, vary)
-    return job_of(SCENE, variations, ()), grid(variations, SCENE.name)
+    return job_of(SCENE, variations, ()), grid_design(variations, SCENE.name)
 
 
 @pytest.mark.full("takes long")
@@ -107,7 +107,7 @@ def test_the_kernel_pauses_within_a_second():
 def test_a_kernel_for_the_sizes_of_a_scene_gives_the_same_bits():
     scene = load_scene("bouncing_table")
     variations = variations_of(scene, {"contact.restitution": "0.3:0.7:100"})
-    job, values = job_of(scene, variations, ()), grid(variations, scene.name).values(0, 100)
+    job, values = job_of(scene, variations, ()), grid_design(variations, scene.name).values(0, 100)
     assert Runner(job, own_kernel=True).run(values).tobytes() == Runner(job).run(values).tobytes()
 
 

@@ -9,7 +9,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.studies.sweep.curves import COLOURS, broken_line, course_text
 from chain_impact.studies.sweep.quantities import results_of
 from chain_impact.studies.sweep.sweep import sweep
-from chain_impact.text import number
+from chain_impact.text import number_text
 from tests.pictures.pictures import contrast, lab
 from tests.studies.sweep.drawn_sweeps import SCENE, TEN, drawn, labels_of
 
@@ -116,8 +116,8 @@ def test_two_numbers_of_which_one_has_few_values_are_lines():
     for value in (1e7, 1e8):
         rows = found["contact.stiffness"] == value
         expected = np.stack([found["contact.restitution"], 1e-3 * found["peak_force"]], axis=1)[rows]
-        known = ~np.isnan(lines[number(value)][:, 0])
-        np.testing.assert_allclose(lines[number(value)][known], expected)
+        known = ~np.isnan(lines[number_text(value)][:, 0])
+        np.testing.assert_allclose(lines[number_text(value)][known], expected)
 
 
 def test_samples_of_one_number_are_points():

@@ -17,7 +17,7 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep import computation, sweep as module
 from chain_impact.studies.sweep.computation import CHUNK, file_name
 from chain_impact.studies.sweep.dataset import MANIFEST
-from chain_impact.studies.sweep.design import grid, sampled
+from chain_impact.studies.sweep.design import grid_design, sampled_design
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.studies.sweep.variation import variations_of
 from tests.tiers import needs_interop
@@ -295,10 +295,10 @@ def test_the_values_of_a_billion_runs_take_no_memory(sampling):
     tracemalloc.start()
     try:
         if sampling == "grid":
-            design = grid(variations_of(SCENE, dict.fromkeys(names, "0.1:0.9:1000")), "s")
+            design = grid_design(variations_of(SCENE, dict.fromkeys(names, "0.1:0.9:1000")), "s")
         else:
             varied = variations_of(SCENE, dict.fromkeys(names, "0.1:0.9"))
-            design = sampled(varied, "s", count=10**9, sampling=sampling, seed=0)
+            design = sampled_design(varied, "s", count=10**9, sampling=sampling, seed=0)
         assert design.runs == 10**9
         firsts = (0, 1, 10**6, 2 * 10**6)
         blocks = [design.values(first, first + CHUNK) for first in firsts]

@@ -8,7 +8,14 @@ import pytest
 
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep.design import CUBE, MOST_CELLS, MOST_SOBOL, check_table_size, grid, sampled
+from chain_impact.studies.sweep.design import (
+    CUBE,
+    MOST_CELLS,
+    MOST_SOBOL,
+    check_table_size,
+    grid_design,
+    sampled_design,
+)
 from chain_impact.studies.sweep.variation import variations_of
 
 SCENE = load_scene("four_link_box")
@@ -16,7 +23,9 @@ INTERVALS = {"contact.restitution": "0.2:0.8", "contact.stiffness": "1e6:1e9:log
 
 
 def test_a_grid_is_all_combinations_in_order():
-    design = grid(variations_of(SCENE, {"contact.restitution": "0:1:3", "contact.model": "1,2,4"}), "s")
+    design = grid_design(
+        variations_of(SCENE, {"contact.restitution": "0:1:3", "contact.model": "1,2,4"}), "s"
+    )
     assert design.runs == 9
     assert design.values(0, 9).tolist() == [list(p) for p in itertools.product((0, 0.5, 1), (1, 2, 4))]
     assert design.values(4, 6).tolist() == [[0.5, 2.0], [0.5, 4.0]]
@@ -24,14 +33,14 @@ def test_a_grid_is_all_combinations_in_order():
 
 def test_a_grid_needs_numbers_of_values():
     with pytest.raises(SceneError, match=r"contact.restitution = 0.2:0.8 is an interval.*0.2:0.8:9"):
-        grid(variations_of(SCENE, INTERVALS), "s")
+        grid_design(variations_of(SCENE, INTERVALS), "s")
 
 
 @pytest.mark.parametrize("sampling", ["lhs", "sobol"])
 @pytest.mark.parametrize("count", [1, 10, 64])
 def test_samples_fill_the_space(sampling, count):
     variations = variations_of(SCENE, INTERVALS)
-    design = sampled(variations, "s", count=count, sampling=sampling, seed=3)
+    design = sampled_design(variations, "s", count=count, sampling=sampling, seed=3)
     e, k = design.values(0, count).T
     assert design.runs == len(e) == count
     parts = np.array([(e - 0.2) / 0.6, np.log10(k / 1e6) / 3.0])
@@ -39,7 +48,7 @@ def test_samples_fill_the_space(sampling, count):
     if sampling == "lhs" or count == 64:  # one sample in each of the equal parts of every axis
         assert (np.sort((parts * count).astype(int)) == np.arange(count)).all()
     again, other = (
-        sampled(variations, "s", count=count, sampling=sampling, seed=seed).values(0, count)
+        sampled_design(variations, "s", count=count, sampling=sampling, seed=seed).values(0, count)
         for seed in (3, 4)
     )
     assert (again == design.values(0, count)).all()
@@ -58,7 +67,7 @@ def test_samples_fill_the_space(sampling, count):
 )
 def test_wrong_designs_are_refused(count, sampling, seed, words):
     with pytest.raises(SceneError, match=f"^s: .*{words}"):
-        sampled(variations_of(SCENE, INTERVALS), "s", count=count, sampling=sampling, seed=seed)
+        sampled_design(variations_of(SCENE, INTERVALS), "s", count=count, sampling=sampling, seed=seed)
 
 
 @pytest.mark.parametrize("sampling", ["lhs", "sobol"])
@@ -73,14 +82,14 @@ def test_samples_are_scipys_whatever_block_is_asked_for(sampling, count):
     else:
         parts = qmc.Sobol(2, seed=generator).random_base2(math.ceil(math.log2(count)))[:count]
     whole = np.stack([one.values_at(part) for one, part in zip(variations, parts.T, strict=True)], axis=1)
-    design = sampled(variations, "s", count=count, sampling=sampling, seed=7)
+    design = sampled_design(variations, "s", count=count, sampling=sampling, seed=7)
     for first, end in ((0, count), (count // 2, count), (count // 3, count // 2 + 1), (0, 1)):
         assert (design.values(first, end) == whole[first:end]).all()
 
 
 def test_very_many_samples_are_latin_hypercubes_one_after_another():
     variations = variations_of(SCENE, INTERVALS)
-    design = sampled(variations, "s", count=10**9, sampling="lhs", seed=0)
+    design = sampled_design(variations, "s", count=10**9, sampling="lhs", seed=0)
     assert design.runs == 10**9
     for cube, first, size in ((0, 0, CUBE), (15000, 15000 * CUBE, CUBE), (15258, 15258 * CUBE, 10**9 % CUBE)):
         values = design.values(first, first + size)
@@ -94,15 +103,17 @@ def test_very_many_samples_are_latin_hypercubes_one_after_another():
 
 def test_a_grid_that_is_too_large_is_refused_before_it_is_made():
     fine = dict.fromkeys(("contact.restitution", "initial.x", "initial.y"), "0.1:0.9:100000")
-    design = grid(variations_of(SCENE, fine), "s")
+    design = grid_design(variations_of(SCENE, fine), "s")
     with pytest.raises(SceneError, match=r"^s: 1000000000000000 runs with 20 columns .*or write a folder"):
         check_table_size(design, 20, "s", streamed=False)
     check_table_size(design, 20, "s", streamed=True)
     assert (design.values(10**15 - 1, 10**15) == 0.9).all()
-    finer = grid(variations_of(SCENE, {**fine, "initial.vx": "1:2:2"}), "s")
+    finer = grid_design(variations_of(SCENE, {**fine, "initial.vx": "1:2:2"}), "s")
     with pytest.raises(SceneError, match=r"^s: 2000000000000000 runs must be <= 1000000000000000"):
         check_table_size(finer, 20, "s", streamed=True)
-    samples = sampled(variations_of(SCENE, INTERVALS), "s", count=MOST_CELLS // 20, sampling="lhs", seed=0)
+    samples = sampled_design(
+        variations_of(SCENE, INTERVALS), "s", count=MOST_CELLS // 20, sampling="lhs", seed=0
+    )
     check_table_size(samples, 20, "s", streamed=False)
     with pytest.raises(SceneError, match="5000000 runs with 21 columns are 105000000 numbers"):
         check_table_size(samples, 21, "s", streamed=False)

@@ -36,7 +36,7 @@ def test_samples_of_several_parameters_are_histograms():
     ratios = dots[1].lines[0].get_ydata()
     assert np.ptp(np.log(ratios)) < 0.5 * np.ptp(np.log(found["peak_force"]))
     force = 1e-3 * found["peak_force"][~found.failed]
-    bars = edges_of(force, logarithmic=False, whole=False)
+    bars = edges_of(force, logarithmic=False, integer=False)
     assert [bar.get_x() for bar in panel.patches] == pytest.approx(bars[:-1])
     assert [bar.get_height() for bar in panel.patches] == np.histogram(force, bars)[0].tolist()
     told = [text.get_text() for text in panel.get_legend().get_texts()]
@@ -103,7 +103,7 @@ def test_ranks_correlate_whatever_the_scale():
 )
 def test_bars_hold_all_values(least, most, logarithmic):
     values = np.linspace(least, most, 300)
-    edges = edges_of(values, logarithmic=logarithmic, whole=False)
+    edges = edges_of(values, logarithmic=logarithmic, integer=False)
     assert np.histogram(values, edges)[0].sum() >= 299  # round-off may leave an end out
     assert 2 <= len(edges) <= 61
 
@@ -111,5 +111,5 @@ def test_bars_hold_all_values(least, most, logarithmic):
 @pytest.mark.parametrize("value", [0.0, -3.0, 1e8])
 def test_values_that_differ_by_round_off_share_one_bar(value):
     values = value * (1.0 + 1e-16 * np.arange(100.0))
-    edges = edges_of(values, logarithmic=False, whole=False)
+    edges = edges_of(values, logarithmic=False, integer=False)
     assert np.histogram(values, edges)[0].tolist() == [100]

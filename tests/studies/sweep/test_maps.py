@@ -14,7 +14,7 @@ from chain_impact.studies.sweep.colour_bars import FAILED_COLOUR, colours_of, cu
 from chain_impact.studies.sweep.contours import LEAST_ROOM
 from chain_impact.studies.sweep.quantities import QUANTITIES
 from chain_impact.studies.sweep.sweep import sweep
-from chain_impact.text import number
+from chain_impact.text import number_text
 from tests.studies.sweep.drawn_sweeps import SCENE, drawn
 
 
@@ -174,7 +174,7 @@ def test_the_value_of_the_scene_is_marked(count):
     assert (mark.get_marker() == "P") == (count == 4)  # without a map, a line from the foot to the top
     assert ([*mark.get_ydata()] == [0.0, 1.0]) == (count == 2)
     told = " ".join(text.get_text().replace("\n", " ") for text in page.texts)
-    assert f"{number(own)} in the scene ({'dashed line' if count == 2 else '+'})" in told
+    assert f"{number_text(own)} in the scene ({'dashed line' if count == 2 else '+'})" in told
 
 
 def test_a_fine_map_has_lines_with_their_values():

@@ -6,7 +6,7 @@ import pytest
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.errors import SceneError, SceneWarning
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep.variation import sweepable, variations_of
+from chain_impact.studies.sweep.variation import sweepable_variables, variations_of
 
 SCENE = load_scene("four_link_box")
 
@@ -96,7 +96,7 @@ def test_a_sweep_that_varies_nothing_is_refused():
 
 
 def test_each_parameter_and_the_stop_time_can_be_varied():
-    known = sweepable(SCENE)
+    known = sweepable_variables(SCENE)
     assert {"gravity.x", "link[4].mass", "solver.method", "initial.angle[1]", "box.y_max"} <= known.keys()
     assert "simulation.stop_time" in known
     assert "solver.steps" not in known

@@ -73,11 +73,11 @@ class Ground(NamedTuple):
         ground = mpl.rcParams["figure.facecolor"]
         return cls(ground, mpl.rcParams["text.color"]) if is_dark(ground) else None
 
-    def suited(self, colour: Any) -> Colour:
+    def suited_colour(self, colour: Any) -> Colour:
         """Return the colour for this ground that replaces ``colour``, chosen for white; the opacity stays."""
         red, green, blue, alpha = to_rgba(colour)
         if is_coloured(colour):
-            return lighter(colour, least_luminance(self.ground, READABLE_CONTRAST))
+            return lightened_colour(colour, least_luminance(self.ground, READABLE_CONTRAST))
         grey = (red + green + blue) / 3.0
         low, high = np.array(to_rgb(self.ground)), np.array(to_rgb(self.text))
         needed = (
@@ -97,9 +97,9 @@ class Ground(NamedTuple):
         for artist in artists:
             if isinstance(artist, Line2D):
                 marker = artist.get_markerfacecolor(), artist.get_markeredgecolor()
-                artist.set_color(self.suited(artist.get_color()))
-                artist.set_markerfacecolor(self._suited_or_none(marker[0]))
-                artist.set_markeredgecolor(self._suited_or_none(marker[1]))
+                artist.set_color(self.suited_colour(artist.get_color()))
+                artist.set_markerfacecolor(self._suited_colour_or_none(marker[0]))
+                artist.set_markeredgecolor(self._suited_colour_or_none(marker[1]))
                 opacity = artist.get_alpha()
                 if opacity is not None and artist.get_marker() not in NO_MARK:
                     artist.set_alpha(self._opacity(opacity, artist.get_color()))
@@ -107,10 +107,10 @@ class Ground(NamedTuple):
                 self._suit_mapped(artist)
             elif isinstance(artist, Patch):
                 colours = artist.get_facecolor(), artist.get_edgecolor()
-                artist.set_facecolor(self.suited(colours[0]))
-                artist.set_edgecolor(self.suited(colours[1]))
+                artist.set_facecolor(self.suited_colour(colours[0]))
+                artist.set_edgecolor(self.suited_colour(colours[1]))
             elif isinstance(artist, Text) and artist.get_gid() != COLOURED_GROUND:
-                artist.set_color(self.suited(artist.get_color()))
+                artist.set_color(self.suited_colour(artist.get_color()))
                 if artist.get_path_effects():  # the outline of a text must have the colour of the ground
                     artist.set_path_effects([withStroke(linewidth=TEXT_OUTLINE, foreground=self.ground)])
                 if isinstance(artist, Annotation) and artist.arrow_patch is not None:
@@ -133,8 +133,8 @@ class Ground(NamedTuple):
         tried = np.linspace(least, 1.0, MIXTURES).tolist()
         return next((part for part in tried if luminance(low + part * (high - low)) >= needed), 1.0)
 
-    def _suited_or_none(self, colour: Any) -> Any:
-        return colour if isinstance(colour, str) and colour == "none" else self.suited(colour)
+    def _suited_colour_or_none(self, colour: Any) -> Any:
+        return colour if isinstance(colour, str) and colour == "none" else self.suited_colour(colour)
 
     def _suit_mapped(self, artist: Collection | AxesImage) -> None:
         """Give a collection or an image the colours for this ground, by its colour map if it has one."""
@@ -142,16 +142,16 @@ class Ground(NamedTuple):
             artist.set_cmap(self._suited_map(artist))
         elif isinstance(artist, Collection):
             colours = artist.get_facecolor(), artist.get_edgecolor()
-            artist.set_facecolor(self._suited_each(colours[0]))
-            artist.set_edgecolor(self._suited_each(colours[1]))
+            artist.set_facecolor(self._suited_colours(colours[0]))
+            artist.set_edgecolor(self._suited_colours(colours[1]))
 
-    def _suited_each(self, colours: Any) -> Colour | list[Colour]:
+    def _suited_colours(self, colours: Any) -> Colour | list[Colour]:
         """Return the colours that replace the colours of a collection.
 
         A single colour is returned without a list, because matplotlib accepts any number of opacities with a
         colour that is not in a list.
         """
-        each = [self.suited(colour) for colour in np.asarray(colours)]
+        each = [self.suited_colour(colour) for colour in np.asarray(colours)]
         return each[0] if len(each) == 1 else each
 
     def _suited_map(self, artist: ScalarMappable) -> Colormap:
@@ -161,8 +161,8 @@ class Ground(NamedTuple):
         """
         own = artist.get_cmap()
         if own.name == TIME:
-            return ListedColormap([self.suited(own(index)) for index in range(own.N)], TIME)
-        return own.with_extremes(bad=self.suited(own.get_bad()))
+            return ListedColormap([self.suited_colour(own(index)) for index in range(own.N)], TIME)
+        return own.with_extremes(bad=self.suited_colour(own.get_bad()))
 
 
 def luminance(colour: Any) -> float:
@@ -189,7 +189,7 @@ def least_luminance(ground: Any, ratio: float) -> float:
     return min(1.0, ratio * (luminance(ground) + GLARE) - GLARE)
 
 
-def lighter(colour: Any, least: float = 0.0) -> Colour:
+def lightened_colour(colour: Any, least: float = 0.0) -> Colour:
     """Return a colour mixed with white: its luminance is at least LEAST_LUMINANCE and ``least``.
 
     But at most LEAST_WHITE is required. Of MIXTURES parts of white, the least that is enough is taken. The

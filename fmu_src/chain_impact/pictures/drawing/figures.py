@@ -22,7 +22,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.drawing.legends import fit_legends
-from chain_impact.pictures.drawing.line_breaks import COMMA, broken_lines
+from chain_impact.pictures.drawing.line_breaks import COMMA, break_lines
 from chain_impact.pictures.drawing.shared_names import FRAME, framed_panels
 from chain_impact.pictures.drawing.sizes import LEAST_SIZE, Size, figure_size
 from chain_impact.pictures.drawing.style import (
@@ -31,10 +31,10 @@ from chain_impact.pictures.drawing.style import (
     LEAST_TICKS,
     WIDE,
     StyledFigure,
+    adapt_to_dark_style,
+    drawing_style,
     filled_figure,
     save,
-    styled,
-    suit_figure,
 )
 
 FIGURE_SIZE = (FULL, 5.4)  # [inch] the default width and height of a figure
@@ -92,7 +92,7 @@ def draw_figure(
             returned.
         size: width and height [inches]. The height None means the height that the contents need. If ``size``
             itself is None, the size is ``usual``, without a check whether the contents have room.
-        usual: default width and height [inches]; for a height of None, ``fitting`` starts from these.
+        usual: default width and height [inches]; for a height of None, ``fitting_figure`` starts from these.
 
     Raises:
         ValueError: when the given size is not possible, or has no room for the contents.
@@ -102,7 +102,7 @@ def draw_figure(
     if size is not None:
         width, height = figure_size(size)
         if height is None:
-            tried = fitting(fill, width, usual)
+            tried = fitting_figure(fill, width, usual)
             if path is not None:
                 save(Path(path), lambda: tried)
                 return None
@@ -114,7 +114,7 @@ def draw_figure(
         return None
     figure = StyledFigure(figsize=inches, free_height=is_free)
     filled(figure)
-    suit_figure(figure)
+    adapt_to_dark_style(figure)
     return figure
 
 
@@ -144,7 +144,7 @@ def fill_or_refuse(fill: Fill, figure: Figure) -> None:
     raise NoRoomError(width, height, f"at least {least:g} high, or the picture must have fewer panels", least)
 
 
-def fitting(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
+def fitting_figure(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
     """Return a figure of a given width [inches] with the height that its contents need.
 
     The first height that is tried is that of ``usual`` (width and height [inches]); for a width between WIDE
@@ -224,7 +224,7 @@ def least_figure(
     return found
 
 
-@styled()
+@drawing_style()
 def lacking_height(fill: Fill, figure: Figure, mean: float = 0.0) -> float:
     """Draw on a figure; return the height [inches] that the figure lacks for its axes to be high enough.
 
@@ -316,12 +316,12 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
         inside = axes.get_window_extent()
         if has_heading(axes):
             axes.title.set_text(axes.title.get_text().replace("\n", " "))
-            broken_lines(axes.title, inside.width, COMMA)
+            break_lines(axes.title, inside.width, COMMA)
         label = axes.yaxis.label
         for whole, broken in ((" [", "\n["), (".", ".\n")):
-            told = label.get_text()
-            if label.get_window_extent().height > inside.height and broken not in told:
-                label.set_text(told.replace(whole, broken, 1))
+            text = label.get_text()
+            if label.get_window_extent().height > inside.height and broken not in text:
+                label.set_text(text.replace(whole, broken, 1))
         if label.get_window_extent().height > inside.height:
             label.set_fontsize("small")
         thin_ticks(axes)
@@ -331,7 +331,7 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
         longest = min(LONGER * inside.width, 2.0 * (middle - edge), 2.0 * (figure.bbox.x1 - edge - middle))
         if label.get_window_extent().width > longest:
             label.set_text(label.get_text().replace("\n", " "))
-            broken_lines(label, longest, "; ")
+            break_lines(label, longest, "; ")
     return labels_of(figure) != before
 
 

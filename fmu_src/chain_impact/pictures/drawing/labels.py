@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from chain_impact.pictures.drawing.dark_ground import TEXT_OUTLINE
-from chain_impact.pictures.drawing.style import FLAT, INK, SHADE, faint
+from chain_impact.pictures.drawing.style import FLAT, INK, SHADE, faint_colour
 
 CLOSE = 4.0  # [points] the usual distance from a position to its label
 # The distances between a position and its label, relative to CLOSE, in the order in which they are tried. A
@@ -88,14 +88,14 @@ class Ink:
         canvas.draw()
         figure.set_canvas(own)
         grounds = [*FLAT, figure.get_facecolor(), *(axes.get_facecolor() for axes in figure.axes)]
-        grounds += [faint(axes, SHADE) for axes in figure.axes]
+        grounds += [faint_colour(axes, SHADE) for axes in figure.axes]
         parts = np.ascontiguousarray(canvas.buffer_rgba())[::-1]
         colours = parts.view(np.uint32)[..., 0]
         self._strong: np.ndarray = np.any(parts[..., :3] < STRONG, axis=-1)
         self._strong_counts = cumulative_counts(self._strong)
         # strong pixels and their neighbours, so that a leader does not pass through the white rim between a
         # mark and a link
-        self._near_strong = widened(self._strong)
+        self._near_strong = widened_mask(self._strong)
         self._drawn = np.ones(colours.shape, bool)
         for ground in {*map(_pixel, grounds)}:
             self._drawn &= colours != ground
@@ -163,7 +163,7 @@ class Ink:
             self._drawn[line] = self._strong[line] = True
             led = np.zeros_like(self._drawn)
             led[line] = True
-            self._leaders |= widened(led)
+            self._leaders |= widened_mask(led)
         box[:] = True
         self._labels[y0:y1, max(x0 - self.apart, 0) : x1 + self.apart] = True
         return True
@@ -179,7 +179,7 @@ def _line_between(position: np.ndarray, end: np.ndarray, own: float) -> tuple[tu
     return line, tuple(along[int(own) :] for along in line)
 
 
-def widened(pixels: np.ndarray) -> np.ndarray:
+def widened_mask(pixels: np.ndarray) -> np.ndarray:
     """Return whether each pixel is at most CROSSING pixels, along x and along y, from a true pixel."""
     wide = pixels.copy()
     for axis in (0, 1):
@@ -240,12 +240,12 @@ def place_labels(
         """
         small = [labels[k].short or labels[k].text for k in order]
         homes = np.array(
-            [_home(axes, labels[k], half_size(words)) for k, words in zip(order, small, strict=True)]
+            [_usual_box(axes, labels[k], half_size(words)) for k, words in zip(order, small, strict=True)]
         )
         left = []
         for n, (k, words) in enumerate(zip(order, small, strict=True)):
             wanted = (words,) if short or words == labels[k].text else (labels[k].text, words)
-            sizes = {text: half_size(text) for whole in wanted for text in (whole, folded(whole))}
+            sizes = {text: half_size(text) for whole in wanted for text in (whole, folded_label(whole))}
             others = np.delete(marks, k, axis=0)
             if not _place(axes, labels[k], homes[n + 1 :], others, sizes, ink=ink, steps=steps, **look):
                 left.append(k)
@@ -274,7 +274,7 @@ def place_labels(
     return [labels[k] for k in sorted(left)]
 
 
-def _home(axes: Axes, label: Label, half: np.ndarray) -> np.ndarray:
+def _usual_box(axes: Axes, label: Label, half: np.ndarray) -> np.ndarray:
     """Return the box of a label in its best direction, at its usual distance CLOSE from its position.
 
     The box has the lower left and the upper right corner, shape (2, 2) [pixels]. ``half``: half of the width
@@ -372,7 +372,7 @@ def _place(
     return False
 
 
-def folded(words: str) -> str:
+def folded_label(words: str) -> str:
     """Return a label's text in two lines if possible: "3, 5" above "+ 13 more", or "1, 3," above "5"."""
     if " + " in words:
         return words.replace(" + ", "\n+ ")

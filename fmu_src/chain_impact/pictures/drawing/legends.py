@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerLineCollection
 from matplotlib.offsetbox import HPacker, PackerBase, VPacker
 
-from chain_impact.pictures.drawing.line_breaks import HALVINGS, broken_lines
-from chain_impact.pictures.drawing.style import LEFT, foot_of, head_of, is_narrow, reserve
+from chain_impact.pictures.drawing.line_breaks import HALVINGS, break_lines
+from chain_impact.pictures.drawing.style import LEFT, foot_of, head_of, is_narrow, reserve_margins
 
 SAMPLE_PIECES = 12  # the number of pieces of the sample of a line that has many colours
 
@@ -57,7 +57,7 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None) -> None:
     if handles is None:
         handles, _ = axes.get_legend_handles_labels()
     ordered = sorted(handles, key=lambda handle: handle.get_gid() == KEY)
-    _put(axes, [(handle, str(handle.get_label())) for handle in ordered])
+    _add_legend(axes, [(handle, str(handle.get_label())) for handle in ordered])
 
 
 def legend_beside(axes: Axes, handles: Sequence[Any]) -> Any:
@@ -78,7 +78,7 @@ def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> No
     """
     low = foot_of(figure)
     height = _legend_of_figure(figure, handles, loc="lower center", bbox_to_anchor=(0.5, low), **options)
-    reserve(figure, 0.0, low + height)
+    reserve_margins(figure, 0.0, low + height)
 
 
 def legend_at_head(figure: Figure, handles: Sequence[Any]) -> None:
@@ -86,7 +86,7 @@ def legend_at_head(figure: Figure, handles: Sequence[Any]) -> None:
     top = head_of(figure)
     place = (LEFT / figure.get_figwidth(), 1.0 - top)
     height = _legend_of_figure(figure, handles, loc="upper left", bbox_to_anchor=place, **LOOK)
-    reserve(figure, top + height, 0.0)
+    reserve_margins(figure, top + height, 0.0)
 
 
 def _legend_of_figure(figure: Figure, handles: Sequence[Any], **options: Any) -> float:
@@ -99,7 +99,7 @@ def _legend_of_figure(figure: Figure, handles: Sequence[Any], **options: Any) ->
     texts = legend.get_texts()
     beside = legend.get_window_extent().width - max(text.get_window_extent().width for text in texts)
     for text in texts:
-        broken_lines(text, room - beside)
+        break_lines(text, room - beside)
     _fill_rows(legend, room)
     return float(legend.get_window_extent().height / figure.bbox.height)
 
@@ -118,7 +118,9 @@ def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
         if legend is None or legend.get_gid() != MARK:
             continue
         labels = (text.get_text() for text in legend.get_texts())
-        entries = {(label, *_look(mark)) for mark, label in zip(legend.legend_handles, labels, strict=True)}
+        entries = {
+            (label, *_look_of_entry(mark)) for mark, label in zip(legend.legend_handles, labels, strict=True)
+        }
         if entries <= known:
             legend.remove()
             is_changed = True
@@ -132,13 +134,13 @@ def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     return is_changed
 
 
-def _look(handle: Any) -> list[str]:
+def _look_of_entry(handle: Any) -> list[str]:
     """Return the colours, the line and the mark of an entry of a legend as texts, as far as it has them."""
     getters = (getattr(handle, f"get_{name}", None) for name in LOOKS)
     return [str(getter()) for getter in getters if getter is not None]
 
 
-def _put(axes: Axes, entries: Sequence[tuple[Any, str]]) -> None:
+def _add_legend(axes: Axes, entries: Sequence[tuple[Any, str]]) -> None:
     """Put a legend with one row above axes; ``entries`` has the artist and the label of each entry.
 
     Without entries there is no legend.

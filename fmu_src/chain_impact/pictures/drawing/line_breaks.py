@@ -17,7 +17,7 @@ COMMA = ", "  # the text between two parts of a headline
 HALVINGS = 8  # the number of steps of a bisection for the least width that needs no additional line
 
 
-def broken_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> None:
+def break_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> None:
     """Break a text into lines that fit into a width [pixels], as few as possible and of similar lengths.
 
     A part of the text is broken only if the part is longer than ``room``, or if lines of whole parts would be

@@ -21,10 +21,10 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
 from matplotlib.ticker import AutoLocator, EngFormatter, FuncFormatter, MaxNLocator
 
-from chain_impact.files import written_whole
+from chain_impact.files import written_atomically
 from chain_impact.pictures.drawing.dark_ground import PLUM, TIME, UMBER, Ground
-from chain_impact.pictures.drawing.line_breaks import COMMA, broken_lines
-from chain_impact.text import LOAD_UNITS, prefixed
+from chain_impact.pictures.drawing.line_breaks import COMMA, break_lines
+from chain_impact.text import LOAD_UNITS, prefixed_unit
 
 BLACK, GREEN, BLUE, VERMILLION, PURPLE = "#000000", "#009e73", "#0072b2", "#d55e00", "#cc79a7"
 BROWN, VIOLET = "#7a4b2a", "#7a3fa8"
@@ -45,8 +45,8 @@ OUTSIDE_COLOUR, SHORT_TIMES_COLOUR = "0.93", "0.965"
 """The colours of the ground beyond walls, and where the chain may be only at some times."""
 FLAT = ("white", OUTSIDE_COLOUR, SHORT_TIMES_COLOUR)
 """The colours of the ground on which labels may stand."""
-# Parts of the text's colour in mixtures with the ground (``faint``). SHADE: for a time in which nothing
-# moves; IMPACT_LINE: for the line at an impact.
+# Parts of the text's colour in mixtures with the ground (``faint_colour``). SHADE: for a time in which
+# nothing moves; IMPACT_LINE: for the line at an impact.
 SHADE, IMPACT_LINE = 0.05, 0.1
 # the colour map viridis without its upper end, whose yellow is too pale on white
 TIME_COLOURS = LinearSegmentedColormap.from_list(TIME, mpl.colormaps["viridis"](np.linspace(0.0, 0.85, 64)))
@@ -82,7 +82,7 @@ COLOURS: Any = {
 }
 """Settings with which a picture in a new figure is drawn: black on white, whatever the user's style is.
 
-If the user's style is dark, ``suit_figure`` changes the colours afterwards.
+If the user's style is dark, ``adapt_to_dark_style`` changes the colours afterwards.
 """
 DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
 """The groups of matplotlib's settings, such as ``font``, whose values a ``StyledFigure`` stores."""
@@ -107,7 +107,7 @@ COUNT_STEPS = (1, 2, 5, 10)
 
 
 @contextmanager
-def styled(colours: dict[str, str] = COLOURS) -> Iterator[None]:
+def drawing_style(colours: dict[str, str] = COLOURS) -> Iterator[None]:
     """Draw in the style of all pictures; the function is a context manager and a decorator.
 
     A setting in STYLE applies unless the user has changed this setting. The settings in ``colours`` apply in
@@ -132,7 +132,7 @@ class StyledFigure(Figure):
             options: keywords of a matplotlib figure.
         """
         self.free_height = free_height
-        with styled():
+        with drawing_style():
             super().__init__(**{"layout": "constrained"} | options)
             new_canvas: Any = FigureCanvasAgg  # matplotlib has no type information for the canvas
             # this canvas keeps its renderer; matplotlib's usual canvas makes one for each text, which is slow
@@ -158,7 +158,7 @@ class StyledFigure(Figure):
         return file.getvalue()
 
 
-def suit_figure(figure: Figure) -> None:
+def adapt_to_dark_style(figure: Figure) -> None:
     """Change the colours of a figure from those for a white ground, if the style in use is dark."""
     ground = Ground.current()
     if ground is None:
@@ -169,7 +169,7 @@ def suit_figure(figure: Figure) -> None:
         figure.settings |= {name: mpl.rcParams[name] for name in COLOURS} | {"savefig.facecolor": "auto"}
 
 
-def faint(axes: Axes, fraction: float) -> tuple[float, float, float]:
+def faint_colour(axes: Axes, fraction: float) -> tuple[float, float, float]:
     """Return a mixture of the colour of the text, with the part ``fraction``, and the axes' ground.
 
     Both are the colours in use, so the mixture suits dark styles, too.
@@ -198,7 +198,7 @@ def scale_numbers(axis: Axis, factor: float) -> None:
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{factor * value:.10g}".replace("-", "−")))
 
 
-def headline(figure: Figure, message: str, conditions: str = "", *lines: tuple[str, str]) -> None:
+def write_headline(figure: Figure, message: str, conditions: str = "", *lines: tuple[str, str]) -> None:
     """Write ``message`` above the picture and, in a smaller font below it, ``conditions``.
 
     ``lines`` are pairs of a text and its colour; they stand between message and conditions.
@@ -210,7 +210,7 @@ def headline(figure: Figure, message: str, conditions: str = "", *lines: tuple[s
     width, height = figure.get_size_inches()
     placement: dict[str, Any] = {"x": LEFT / width, "ha": "left", "in_layout": False}
     title = figure.suptitle(message, y=1.0 - TOP / height, va="top", **placement)
-    broken_lines(title, (width - 2.0 * LEFT) * figure.dpi, COMMA, 0)
+    break_lines(title, (width - 2.0 * LEFT) * figure.dpi, COMMA, 0)
     top = TOP + title.get_window_extent().height / figure.dpi + GAP
     for text, colour in lines:
         look: dict[str, Any] = {"fontsize": "small", "color": colour, "va": "top"}
@@ -230,16 +230,16 @@ def headline(figure: Figure, message: str, conditions: str = "", *lines: tuple[s
             top += room
         else:
             lines_below.remove()
-    reserve(figure, top / height, 0.0)
+    reserve_margins(figure, top / height, 0.0)
 
 
 def fitted_lines(figure: Figure, text: str, more: int = 1) -> str:
     """Return a text in lines that fit between the margins of a figure in a small font.
 
-    ``more`` is as in ``broken_lines``.
+    ``more`` is as in ``break_lines``.
     """
     probe = figure.text(0.0, 0.0, text, fontsize="small")
-    broken_lines(probe, (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi, more=more)
+    break_lines(probe, (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi, more=more)
     probe.remove()
     return str(probe.get_text())
 
@@ -260,7 +260,7 @@ def write_foot(figure: Figure, text: str, most: float | None = None) -> Text | N
         foot.set_text(fitted_lines(figure, text, more))
         room = (foot.get_window_extent().height / figure.dpi + GAP) / height
         if low + room <= most:
-            reserve(figure, 0.0, low + room)
+            reserve_margins(figure, 0.0, low + room)
             return foot
     foot.remove()
     return None
@@ -287,7 +287,7 @@ def head_of(figure: Figure) -> float:
     return 1.0 - float(low + height)
 
 
-def reserve(figure: Figure, top: float, bottom: float) -> None:
+def reserve_margins(figure: Figure, top: float, bottom: float) -> None:
     """Keep at least the fractions ``top`` and ``bottom`` of a figure's height free above and below its axes.
 
     Nothing happens if the figure's layout is not constrained.
@@ -332,17 +332,17 @@ def save(path: str | os.PathLike[str], make: Callable[[], Figure]) -> None:
     Raises:
         OSError: when the file cannot be written.
     """
-    with written_whole(Path(path)) as fresh:
+    with written_atomically(Path(path)) as fresh:
         figure = make()
-        suit_figure(figure)
+        adapt_to_dark_style(figure)
         metadata = words_of(figure) if Path(path).suffix == ".png" else None
         figure.savefig(fresh, dpi="figure", metadata=metadata)
 
 
 def load_unit(largest: float, unit: str) -> tuple[float, str]:
-    """Return factor and unit as ``prefixed``; a unit of LOAD_UNITS stays for LEAST_LOAD ≤ ``largest`` < 1."""
+    """Return ``prefixed_unit``, in which a unit of LOAD_UNITS stays for LEAST_LOAD ≤ ``largest`` < 1."""
     is_load = unit.replace("·", ".") in LOAD_UNITS
-    return (1.0, unit) if is_load and LEAST_LOAD <= largest < 1.0 else prefixed(largest, unit)
+    return (1.0, unit) if is_load and LEAST_LOAD <= largest < 1.0 else prefixed_unit(largest, unit)
 
 
 def force_text(value: float, unit: str) -> str:
@@ -352,6 +352,6 @@ def force_text(value: float, unit: str) -> str:
     return EngFormatter(unit, places=2 - int(np.floor(np.log10(value))) % 3)(value)
 
 
-def raised(text: str) -> str:
+def raise_exponents(text: str) -> str:
     """Return a text for matplotlib in which exponents after ``^`` are raised: N/m$^{1.5}$ for N/m^1.5."""
     return re.sub(r"\^([\d.]+|[a-z]+)", r"$^{\1}$", text)

@@ -12,7 +12,7 @@ from matplotlib.transforms import Bbox
 from chain_impact.pictures.drawing.dark_ground import Ground, is_dark
 from chain_impact.pictures.drawing.figures import break_labels
 from chain_impact.pictures.drawing.legends import fit_legends
-from chain_impact.pictures.drawing.style import COLOURS, styled
+from chain_impact.pictures.drawing.style import COLOURS, drawing_style
 
 TIMES = 3  # number of passes that make axes smaller: a new size can change the space that texts need
 # One pass makes axes smaller at most to this part of their width and height; if texts need more space, the
@@ -22,7 +22,7 @@ TEXT_SPACE = 3.0  # [points] the space between a text and the edge of the figure
 
 
 @contextmanager
-def drawn_into(axes: Sequence[Axes]) -> Iterator[None]:
+def draw_into(axes: Sequence[Axes]) -> Iterator[None]:
     """Let a ``with`` block draw into a user's axes in the user's style.
 
     If axes have a dark ground, the drawing in these axes gets colours for this ground.
@@ -36,7 +36,7 @@ def drawn_into(axes: Sequence[Axes]) -> Iterator[None]:
     for panel in grounds:
         panel.set_facecolor("white")
     try:
-        with styled(COLOURS if grounds else {}):
+        with drawing_style(COLOURS if grounds else {}):
             yield
     finally:
         for panel, ground in grounds.items():

@@ -63,8 +63,8 @@ def write_numbers(
     assert figure is not None
     point, room = figure.dpi / 72.0, axes.get_window_extent()
     drawn = [np.asarray(axes.transData.transform(line)) for line in lines if len(line)]
-    dots = np.concatenate([sampled(line, SAMPLE * point) for line in drawn])
-    kept = (np.concatenate([dots, sampled(axes.transData.transform(pale), SAMPLE * point)]), dots)
+    dots = np.concatenate([sample_line(line, SAMPLE * point) for line in drawn])
+    kept = (np.concatenate([dots, sample_line(axes.transData.transform(pale), SAMPLE * point)]), dots)
     bodies = [Path(line) for line in drawn if len(line) > 2 and (line[0] == line[-1]).all()]  # noqa: PLR2004
     taken: list[Bbox] = []
     text_style: dict[str, Any] = {"fontweight": "bold", "ha": "center", "va": "center"}
@@ -115,7 +115,7 @@ def middle_of(box: Bbox) -> tuple[float, float]:
     return x, y
 
 
-def sampled(line: np.ndarray, step: float) -> np.ndarray:
+def sample_line(line: np.ndarray, step: float) -> np.ndarray:
     """Return points at equal distances along a line, shape (S, 2); the distance is at most ``step``.
 
     ``line`` has the corners of the line, shape (P, 2).

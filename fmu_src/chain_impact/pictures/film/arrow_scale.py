@@ -16,7 +16,7 @@ from matplotlib.ticker import EngFormatter
 from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.drawing.style import force_text
-from chain_impact.pictures.film.scale_bar import placed_below
+from chain_impact.pictures.film.scale_bar import ruler_parts
 from chain_impact.recording.view import DECADES, LONGEST_ARROW
 
 SHORTEST_ARROW = 0.02  # the length of the shortest arrow, relative to the smaller side of the view
@@ -69,7 +69,7 @@ class ArrowScale:
         A mark whose number would touch that of the largest force, of 0, or of a larger force is left out.
         ``y`` is the height of the ruler above the figure's lower edge, relative to the figure's height.
         """
-        _, place, text_look = placed_below(axes, colour)
+        _, place, text_look = ruler_parts(axes, colour)
         left, _ = axes.get_xlim()
         marks: dict[str, Any] = {"color": colour, "linewidth": 0.8, "markersize": 2.0 * RULER_TICK}
         marks |= {"transform": place, "clip_on": False}

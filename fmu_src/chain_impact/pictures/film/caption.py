@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from chain_impact.pictures.film.scale_bar import SMALL
 from chain_impact.pictures.words.headline import (
     energy_texts,
-    hardness,
+    hardness_words,
     hit_words,
     impact_count_text,
     peaks,
@@ -42,7 +42,7 @@ class Caption:
         """
         self.figure, self.recording, self.times = figure, recording, times
         self.starts, self.ends = caption_starts(recording), contact_ends(recording)
-        self.told = 0  # the number of the impact in the caption, from 1; 0 for an empty caption
+        self.shown_number = 0  # the number of the impact in the caption, from 1; 0 for an empty caption
         self.text = figure.text(*place, "\n", fontsize=SMALL, animated=True, va="center")
         self.lowest = self.text.get_window_extent().y0 - CAPTION_GAP * figure.dpi / 72.0  # [pixels]
         self.text.set_text("")
@@ -57,7 +57,7 @@ class Caption:
         if not len(self.times):
             return
         if 0 < frame == len(self.times) - 1:
-            self.told = 0
+            self.shown_number = 0
             self.text.set_alpha(1.0)
             self._write(self._result())
             return
@@ -68,8 +68,8 @@ class Caption:
             ended = int(np.searchsorted(self.times, self.ends[number - 1]))
             passed = max(0, frame - ended) / CAPTION_FRAMES
             self.text.set_alpha(1.0 - (1.0 - LEAST_OPACITY) * min(1.0, passed))
-        if number != self.told:
-            self.told = number
+        if number != self.shown_number:
+            self.shown_number = number
             self._write(self._words(number) if number else [""])
 
     def _words(self, number: int) -> list[str]:
@@ -77,7 +77,7 @@ class Caption:
         recording, impacts = self.recording, self.recording.impacts
         count, impact = f"impact {number} of {len(impacts)}", impacts[number - 1]
         whole, brief = short_names(recording, hit_words(recording, impact)), brief_hit(recording, impact)
-        hard = hardness(recording, number - 1)
+        hard = hardness_words(recording, number - 1)
         return [f"{text}\n{hard}" for text in (f"{count}: {whole}", f"{count}: {brief}", brief)]
 
     def _result(self) -> list[str]:

@@ -41,8 +41,8 @@ from chain_impact.recording.interactions import FRICTION, JOINT_STOP
 from chain_impact.recording.joint_stops import range_lines, touching_place
 from chain_impact.recording.pacing import SLOW_RATE, TAIL, rate_text
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.view import framed, pin_mark, places_of, radius_of
-from chain_impact.scene.display.bodies import placed
+from chain_impact.recording.view import film_view, pin_mark, places_of, radius_of
+from chain_impact.scene.display.bodies import placed_corners
 
 MUTED = "#566076"
 SHOWN_TIMES = 24  # the number of colours of time in a gif
@@ -88,7 +88,7 @@ class Film:
         wide = bool((figure.get_size_inches() > 0.99 * np.array(SIZE_WITH_CHARTS)).all())
         self.tells_energies = wide and bool(recording.energies)
         radius = radius_of(recording)
-        framing = framed(places_of(recording), recording.walls, radius, pinned=recording.pinned)
+        framing = film_view(places_of(recording), recording.walls, radius, pinned=recording.pinned)
         place = places_for(figure, framing[0], wide=wide, has_charts=self.tells_energies)
         self.scene = figure.add_axes(place.scene)
         figure.text(
@@ -240,7 +240,7 @@ class Film:
         for point, disc in self.discs.items():
             disc.set_center(tuple(places[point]))
         for link, body in self.bodies.items():
-            body.set_xy(placed(self.recording.outlines[link], points[link - 1], points[link]))
+            body.set_xy(placed_corners(self.recording.outlines[link], points[link - 1], points[link]))
         for carriage, rail in self.carriage:
             carriage.set_xy(rail.carriage(points[0]))
         self.sites.set_data(*places[len(points) :].T)
@@ -250,7 +250,7 @@ class Film:
         self.clock.set_text(f"{time:.5f} s")
         self.rate.set_text(rate_text(rate))
         self.caption.show(frame)
-        self.rate.set_color(self._suited(INK if rate < SLOW_RATE else MUTED))
+        self.rate.set_color(self._suited_colour(INK if rate < SLOW_RATE else MUTED))
         self.ranges.set_segments(list(range_lines(points, self.recording.stops)))
         yield from self._moved_room(frame)
         yield from (self.trace, self.tail, self.rings, *self.patches, self.ranges)
@@ -266,7 +266,7 @@ class Film:
     def _time_colours(self, times: np.ndarray) -> list[Any]:
         """Return the colours of some times [s]; none for no times."""
         colours = np.reshape(self.shade(times), (-1, 4)).tolist()
-        return [self._suited(colour) for colour in colours]
+        return [self._suited_colour(colour) for colour in colours]
 
     def _colour_chain(self, time: float) -> None:
         """Give the chain, its bodies and its points the colour of a time [s]."""
@@ -324,9 +324,9 @@ class Film:
             self.ground.suit(self.moving)
         yield from self.moving
 
-    def _suited(self, colour: Any) -> Any:
+    def _suited_colour(self, colour: Any) -> Any:
         """Return the colour that replaces ``colour`` if the ground is dark; else ``colour`` itself."""
-        return self.ground.suited(colour) if self.ground else colour
+        return self.ground.suited_colour(colour) if self.ground else colour
 
     def _add_loads(self, frame: int) -> None:
         """Add an arrow for the force in each joint in a frame; a number is wanted for the largest only.

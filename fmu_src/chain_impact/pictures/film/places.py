@@ -34,7 +34,7 @@ class Places(NamedTuple):
 
 
 def places_for(figure: Figure, view: np.ndarray, *, wide: bool, has_charts: bool) -> Places:
-    """Return the places in a figure for a ``view`` (``framed``); ``wide``: whether charts have room.
+    """Return the places in a figure for a ``view`` (``film_view``); ``wide``: whether charts have room.
 
     If the figure ``has_charts``, the axes with the chain are only as wide as the view is at their height, but
     at least LEAST_WIDTH, and the charts take the rest.

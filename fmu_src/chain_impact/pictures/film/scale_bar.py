@@ -27,7 +27,7 @@ def round_length(most: float) -> float:
     return next(factor * power for factor in FACTORS if factor * power <= most * (1.0 + LENGTH_EXCESS))
 
 
-def placed_below(axes: Axes, colour: str) -> tuple[Figure, Any, dict[str, Any]]:
+def ruler_parts(axes: Axes, colour: str) -> tuple[Figure, Any, dict[str, Any]]:
     """Return what a ruler below axes needs: the figure, a transform for lines, and the look of texts.
 
     The transform takes x in the data coordinates of the axes, and y above the foot of the figure, relative to
@@ -46,7 +46,7 @@ def draw_scale_bar(axes: Axes, height: float, colour: str) -> list[Artist]:
     The bar ends at the right edge of the axes. ``height`` is the height of the bar above the foot of the
     figure, relative to the height of the figure.
     """
-    figure, place, text_look = placed_below(axes, colour)
+    figure, place, text_look = ruler_parts(axes, colour)
     left, right = axes.get_xlim()
     length = round_length(LONGEST_BAR * (right - left))
     text = f"{1000.0 * length:.3g} mm" if length < SMALL_LENGTH else f"{length:.3g} m"

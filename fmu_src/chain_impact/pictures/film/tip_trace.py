@@ -14,7 +14,8 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
     """Return the path of the tip as times and positions of points on a smooth curve.
 
     The points include the position in each row. If two successive rows have positions farther apart than
-    PIECE × ``size``, there are points of the curve between them, except across an impact (``_broken``).
+    PIECE × ``size``, there are points of the curve between them, except across an impact
+    (``_is_straightened``).
 
     Args:
         recording: the recording to show.
@@ -26,7 +27,7 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
     time, tip = recording.time, recording.points[:, -1]
     speeds, steps = _speeds(recording), np.diff(time)
     far = np.hypot(*np.diff(tip, axis=0).T) / (PIECE * size)
-    parts = np.where(_broken(recording), 1, np.ceil(far).clip(1, MOST_TRACE_PARTS)).astype(int)
+    parts = np.where(_is_straightened(recording), 1, np.ceil(far).clip(1, MOST_TRACE_PARTS)).astype(int)
     row = np.repeat(np.arange(len(steps)), parts)
     s = ((np.arange(len(row)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[row])[:, None]
     h = steps[row, None]
@@ -55,7 +56,7 @@ def _speeds(recording: Recording) -> np.ndarray:
     return np.stack(slopes, axis=-1)
 
 
-def _broken(recording: Recording) -> np.ndarray:
+def _is_straightened(recording: Recording) -> np.ndarray:
     """Return, for each pair of successive rows, whether an impact makes the path straight, shape (T − 1,).
 
     The path is straight between the two rows around an onset, because the velocity changes fast there. If the

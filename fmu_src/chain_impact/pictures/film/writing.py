@@ -71,7 +71,7 @@ def write_film(
     pictures = draw_frames(recording, shown, rates, (width, height), progress)
     if path.suffix.lower() == ".gif":
         ground = Ground.current()
-        colours = [ground.suited(colour) for colour in FILM_COLOURS] if ground else FILM_COLOURS
+        colours = [ground.suited_colour(colour) for colour in FILM_COLOURS] if ground else FILM_COLOURS
         write_gif(pictures, path, rate, colours, ground.ground if ground else "white")
     else:
         write_mp4(pictures, path, rate, (width, height))

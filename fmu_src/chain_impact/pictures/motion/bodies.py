@@ -11,7 +11,7 @@ from matplotlib.patches import Circle, Polygon
 
 from chain_impact.pictures.drawing.style import INK
 from chain_impact.recording.recording import Recording
-from chain_impact.scene.display.bodies import placed
+from chain_impact.scene.display.bodies import placed_corners
 
 FILL = 0.13  # the opacity of the area inside the outline of a body, from 0 to 1
 SITE = 3.0  # [points] the size of the mark for a point of a link
@@ -27,7 +27,7 @@ def draw_bodies(axes: Axes, recording: Recording, row: int, colour: Any, *, line
     points, sites = recording.points[row], recording.sites[row]
     style = body_look(colour) | {"linewidth": linewidth, "zorder": 3.4}
     for link, corners in recording.outlines.items():
-        axes.add_patch(Polygon(placed(corners, points[link - 1], points[link]), **style))
+        axes.add_patch(Polygon(placed_corners(corners, points[link - 1], points[link]), **style))
     for end, radius in recording.touching_radii.items():
         if radius > 0.0 and end < len(points) and not {end, end + 1} & recording.outlines.keys():
             axes.add_patch(Circle(points[end], radius, **style))

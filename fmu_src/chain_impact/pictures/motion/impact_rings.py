@@ -12,7 +12,7 @@ from chain_impact.kernel.record.constants import STICKS
 from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
 from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR
 from chain_impact.pictures.motion.joint_forces import name_loads
-from chain_impact.pictures.over_time.impacts import hardest, marks_of
+from chain_impact.pictures.over_time.impacts import marks_of, rows_by_height
 from chain_impact.pictures.words.headline import marked_peaks
 from chain_impact.pictures.words.impact_numbers import numbers_of
 from chain_impact.recording.joint_stops import touching_place
@@ -26,7 +26,7 @@ SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact, a joint or a
 RING_DISTANCE = 0.03
 
 
-def fastest_first(recording: Recording) -> np.ndarray:
+def rows_by_speed(recording: Recording) -> np.ndarray:
     """Return the rows of the impacts by ``recording.linear_impact_speeds``, from the largest on."""
     return np.argsort(-recording.linear_impact_speeds, kind="stable")
 
@@ -80,7 +80,7 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> None:
     (``name_loads``) comes before them, and other forces in joints come last.
     """
     is_told = name_loads(axes, recording, ink, slice(1))
-    place_in = {row: place for place, row in enumerate(hardest(marks_of(recording)[1]).tolist())}
+    place_in = {row: place for place, row in enumerate(rows_by_height(marks_of(recording)[1]).tolist())}
     labels = []
     for spot, hits in rings(axes, recording).items():
         whole, short = numbers_of(sorted(hits, key=place_in.__getitem__))
@@ -116,14 +116,14 @@ def _label_place(
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
     """Return the rings: position of a ring → rows of its impacts in ``recording.impacts``, fastest first.
 
-    The position of a ring is the ``spot`` of its fastest impact, by ``fastest_first``. A slower impact at the
+    The position of a ring is the ``spot`` of its fastest impact, by ``rows_by_speed``. A slower impact at the
     same wall or stop belongs to this ring if the distance from its spot to the ring's position is less than
     RING_DISTANCE × the larger side of the view.
     """
     spacing = RING_DISTANCE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     hits_at: dict[tuple[float, float], list[int]] = {}
     walls = recording.impacts["wall"]
-    for row in fastest_first(recording).tolist():
+    for row in rows_by_speed(recording).tolist():
         x, y = recording.impact_position(recording.impacts[row]).tolist()
         near = (
             spot

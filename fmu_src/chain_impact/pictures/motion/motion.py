@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR, TIME_COLOURS, give_ticks, scale_numbers
 from chain_impact.pictures.motion.bodies import draw_bodies, draw_rail
-from chain_impact.pictures.motion.impact_rings import draw_rings, draw_sticking, fastest_first
+from chain_impact.pictures.motion.impact_rings import draw_rings, draw_sticking, rows_by_speed
 from chain_impact.pictures.motion.joint_forces import draw_loads
 from chain_impact.pictures.motion.moving_walls import draw_moving
 from chain_impact.pictures.motion.poses import RIM_WIDTH, draw_chain, draw_faint, is_covered, strong_rows
@@ -25,7 +25,7 @@ from chain_impact.recording.joint_stops import range_lines
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import ends_at_rest, rest_word
 from chain_impact.recording.view import ball_of
-from chain_impact.text import prefixed
+from chain_impact.text import prefixed_unit
 
 # matplotlib's order of drawing (zorder) for the tip's path: above walls, because a tip may slide along a wall
 PATH_LAYER = 2.1
@@ -92,7 +92,7 @@ def draw_motion(
         draw_chain(axes, recording.points[row], **style)
     if recording.stops:
         hit = next(
-            (row for row in fastest_first(recording).tolist() if recording.is_at_joint_stop[row]), None
+            (row for row in rows_by_speed(recording).tolist() if recording.is_at_joint_stop[row]), None
         )
         pose = recording.points[-1] if hit is None else recording.pose_at(recording.impacts["onset"][hit])
         lines = list(range_lines(pose, recording.stops))
@@ -106,7 +106,7 @@ def draw_motion(
     axes.set(xlabel="x [m]", ylabel="y [m]")
     if flat:
         largest = float(np.abs(axes.get_ylim()).max())
-        factor, unit = prefixed(largest, "m") if largest < SHORT_LENGTH else (1.0, "m")
+        factor, unit = prefixed_unit(largest, "m") if largest < SHORT_LENGTH else (1.0, "m")
         scale_numbers(axes.yaxis, factor)
         box = axes.get_window_extent()
         zoom = box.height / box.width * np.ptp(axes.get_xlim()) / np.ptp(axes.get_ylim())
@@ -168,8 +168,10 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
     pieces = np.stack([tip[:-1], tip[1:]], axis=1)
     width = PATH_WIDTH * min(1.0, (DENSE / density(tip, seen_size(recording))) ** 2)
     on_top = last_time_seen(tip, recording.time, seen_size(recording))
-    told = f"{name}, last {on_top:.2g} s on top" if on_top < HIDING * np.ptp(recording.time) else name
-    path = LineCollection(list(pieces), colors=shade(middles), linewidths=width, capstyle="round", label=told)
+    entry = f"{name}, last {on_top:.2g} s on top" if on_top < HIDING * np.ptp(recording.time) else name
+    path = LineCollection(
+        list(pieces), colors=shade(middles), linewidths=width, capstyle="round", label=entry
+    )
     path.set_zorder(PATH_LAYER)
     axes.add_collection(path)
 

@@ -10,7 +10,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from chain_impact.pictures.drawing.style import INK
-from chain_impact.pictures.motion.impact_rings import fastest_first
+from chain_impact.pictures.motion.impact_rings import rows_by_speed
 from chain_impact.pictures.motion.view import seen_size
 from chain_impact.pictures.words.headline import marked_peaks
 from chain_impact.recording.recording import Recording
@@ -60,7 +60,7 @@ def strong_rows(recording: Recording) -> list[int]:
     fastest impact is chosen in any case. A slower impact is chosen, the faster ones first, if the pose at its
     onset differs (``apart``) from the poses at start, at end, and at all impacts that are chosen before.
     """
-    rows = fastest_first(recording).tolist()
+    rows = rows_by_speed(recording).tolist()
     if len(rows) > MOST_STRONG_POSES:
         return [*(peak.row for peak in marked_peaks(recording)), rows[0]][:1]
     if not rows:

@@ -14,7 +14,7 @@ from chain_impact.kernel.record.constants import STICKS
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import GREY, INK, is_narrow, write_foot
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
-from chain_impact.pictures.words.point_names import POINT, number_of, short
+from chain_impact.pictures.words.point_names import POINT, number_of, shortened_name
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
 
@@ -49,7 +49,7 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
     held = phases["mode"] == STICKS
-    place = f" at {short(*walls)}" if len(walls) == 1 else ""
+    place = f" at {shortened_name(*walls)}" if len(walls) == 1 else ""
     handles: list[Any] = [Patch(color=INK, label=f"sticks{place}")] if held.any() else []
     # a contact may slide for an instant before it sticks; phases of sliding that are too short to be visible
     # need no entry in the legend
@@ -78,7 +78,7 @@ def row_name(location: str, *, has_wall: bool, is_brief: bool) -> str:
     """
     element, _, wall = location.partition(" at ")
     name = number_of(element).removeprefix(POINT if is_brief else "")
-    return ", ".join(map(short, filter(None, [name, wall * has_wall])))
+    return ", ".join(map(shortened_name, filter(None, [name, wall * has_wall])))
 
 
 def phase_lengths(recording: Recording) -> np.ndarray:

@@ -20,7 +20,7 @@ from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import GREY, INK, PEAK_COLOUR, is_narrow, load_unit, scale_numbers
 from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, rubbing_places
 from chain_impact.pictures.over_time.time_axis import show_all_time
-from chain_impact.pictures.words.headline import marked_peaks, strengths
+from chain_impact.pictures.words.headline import impact_values, marked_peaks
 from chain_impact.pictures.words.impact_numbers import choices, numbers_of, write_first_whole
 from chain_impact.pictures.words.point_names import POINT, number_of, short_names, what_touches
 from chain_impact.recording.contact_times import SEEN_CONTACT, contact_ends, impacts_at_peaks
@@ -107,22 +107,22 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         axes.spines["bottom"].set_position(("outward", ROWS_GAP + lanes * ROW))
     at_stops, at_walls = bool(stopped.any()), not stopped.all() or not len(stopped)
     # the names of the rows of contacts are below the axis, at its left
-    name = scaled_name(axes.yaxis, *measure(recording, is_stop=not at_walls))
+    name = scaled_name(axes.yaxis, *shown_values(recording, is_stop=not at_walls))
     axes.set_ylabel(name, loc="bottom" if lanes else "center")
     axes.set_ylim(0.0, HEADROOM * (tops.max(initial=0.0) or 1.0))
     if at_stops and at_walls:
         functions: Any = (lambda v: v / scale, lambda v: v * scale)
         right = axes.secondary_yaxis("right", functions=functions)
-        _, unit, values = measure(recording, is_stop=True)
+        _, unit, values = shown_values(recording, is_stop=True)
         right.set_ylabel(scaled_name(right.yaxis, "at stops", unit, values))
         axes.spines["right"].set_visible(True)
     if len(times):
         handles, _ = axes.get_legend_handles_labels()
         if lanes:
             handles.append(Line2D([], [], color=GREY, linewidth=CONTACT, label="in contact"))
-        if (told := place_of_late_peaks(recording)) and not is_narrow(figure):
+        if (place_text := place_of_late_peaks(recording)) and not is_narrow(figure):
             stem: dict[str, Any] = {"color": INK, "marker": "|", "markersize": STEM_KEY}
-            handles.append(Line2D([], [], linestyle="", markeredgewidth=STEM, label=told, **stem))
+            handles.append(Line2D([], [], linestyle="", markeredgewidth=STEM, label=place_text, **stem))
         legend_above(axes, handles)
     else:
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=INK)
@@ -151,7 +151,7 @@ def place_of_late_peaks(recording: Recording) -> str:
     The words are in the legend or, in a narrow figure, whose legend lacks room, at the foot of the figure.
     """
     late = impacts_at_peaks(recording)["onset"] > recording.impacts["onset"]
-    words, *_ = measure(recording, is_stop=bool(recording.is_at_joint_stop[late].all()))
+    words, *_ = shown_values(recording, is_stop=bool(recording.is_at_joint_stop[late].all()))
     return f"impacts, at the time of their {words}" if late.any() else ""
 
 
@@ -176,13 +176,14 @@ def draw_contacts(axes: Axes, spans: np.ndarray, lane: int, name: str, colour: s
     axes.annotate(number_of(name), (0.0, 0.0), (-NAME_GAP, -depth), **place)
 
 
-def measure(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
+def shown_values(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
     """Return what marks at walls or, if ``is_stop``, at stops of joints show: words, unit, values (I,).
 
-    The values are those of ``strengths`` or, if ``strengths`` gives only zeros, impact speeds. An impact at a
-    stop of a joint has the value 0 unless ``is_stop``, and any other impact has the value 0 if ``is_stop``.
+    The values are those of ``impact_values`` or, if ``impact_values`` gives only zeros, impact speeds. An
+    impact at a stop of a joint has the value 0 unless ``is_stop``, and any other impact has the value 0 if
+    ``is_stop``.
     """
-    words, unit, values = strengths(recording, is_stop=is_stop)
+    words, unit, values = impact_values(recording, is_stop=is_stop)
     if not values.any():
         speeds = recording.impacts["impact_speed"] * (recording.is_at_joint_stop == is_stop)
         words, unit, values = "impact speed", speed_unit(is_stop), speeds
@@ -203,7 +204,7 @@ def stop_scale(recording: Recording) -> float:
     The factor is 1 if one of these values is 0 or missing.
     """
     at_walls, at_stops = (
-        measure(recording, is_stop=is_stop)[-1].max(initial=0.0) for is_stop in (False, True)
+        shown_values(recording, is_stop=is_stop)[-1].max(initial=0.0) for is_stop in (False, True)
     )
     return float(at_walls / at_stops) if min(at_walls, at_stops) > 0.0 else 1.0
 
@@ -212,13 +213,14 @@ def marks_of(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     """Return the position of each impact's mark in the panel: times [s] and heights, each of shape (I,).
 
     The time is that of the largest force, or else the onset (``impacts_at_peaks``). The height, in the unit
-    of the left axis, is the value by ``measure`` or, at stops of joints, this value times ``stop_scale``.
+    of the left axis, is the value by ``shown_values`` or, at stops of joints, this value times
+    ``stop_scale``.
     """
-    at_walls, at_stops = (measure(recording, is_stop=is_stop)[-1] for is_stop in (False, True))
+    at_walls, at_stops = (shown_values(recording, is_stop=is_stop)[-1] for is_stop in (False, True))
     return impacts_at_peaks(recording)["onset"], at_walls + stop_scale(recording) * at_stops
 
 
-def hardest(tops: np.ndarray) -> np.ndarray:
+def rows_by_height(tops: np.ndarray) -> np.ndarray:
     """Return the rows of the impacts in the order of the heights of their marks ``tops``, highest first."""
     return np.argsort(-tops, kind="stable")
 
@@ -269,7 +271,7 @@ def point_groups(recording: Recording, tops: np.ndarray) -> list[tuple[str, dict
     impacts = recording.impacts
     names = [short_names(recording, what_touches(recording, row)) for row in impacts]
     members = list(zip(recording.is_at_joint_stop.tolist(), impacts["point"].tolist(), names, strict=True))
-    hit = list(dict.fromkeys(members[row] for row in hardest(tops)))
+    hit = list(dict.fromkeys(members[row] for row in rows_by_height(tops)))
     marked = sorted(hit if len(hit) <= MOST_OWN_MARKS else hit[: MOST_OWN_MARKS - 1])
     marks = {is_stop: iter(known) for is_stop, known in ((False, POINT_MARKS), (True, STOP_MARKS))}
     groups = [
@@ -305,7 +307,7 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
         return Label(text, place, short=short)
 
     tries = [[label([row]) for row in range(step - 1, len(times), step)]] if step > 1 else []
-    for rows in choices(hardest(high).tolist()):
+    for rows in choices(rows_by_height(high).tolist()):
         groups = {tuple(sorted(common[row], key=lambda row: -high[row])) for row in rows}
         if len(groups) <= NUMBERED:
             tries.append([label(group) for group in sorted(groups, key=lambda group: -high[group[0]])])

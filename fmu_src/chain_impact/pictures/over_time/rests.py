@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from matplotlib.axes import Axes
 
-from chain_impact.pictures.drawing.style import SHADE, faint
+from chain_impact.pictures.drawing.style import SHADE, faint_colour
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_word, rests
 
@@ -64,4 +64,4 @@ def shown_time(recording: Recording) -> ShownTime:
 def shade_rests(axes: Axes, shown: ShownTime) -> None:
     """Shade each time without motion in axes over time [s]."""
     for low, high in shown.rests:
-        axes.axvspan(low, high, color=faint(axes, SHADE), linewidth=0.0, zorder=-1)
+        axes.axvspan(low, high, color=faint_colour(axes, SHADE), linewidth=0.0, zorder=-1)

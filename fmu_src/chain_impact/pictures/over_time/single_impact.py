@@ -16,7 +16,7 @@ from chain_impact.recording.contact_times import course_in_run
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.pacing import LONGEST_IMPACT, SLOWEST
 from chain_impact.recording.recording import Recording
-from chain_impact.text import prefixed
+from chain_impact.text import prefixed_unit
 from chain_impact.variables.impact_units import unit_at
 
 PEAK = 0.95  # a force counts as at its peak from PEAK × its largest value on
@@ -94,7 +94,7 @@ def draw_one_impact(axes: Axes, recording: Recording) -> None:
         return
     row, time, force = found
     impact = recording.impacts[row]
-    factor, unit = prefixed(shown_contact(impact, time, force), "s")
+    factor, unit = prefixed_unit(shown_contact(impact, time, force), "s")
     along, up, force_unit = curve_of(recording, found)
     duration = float(impact["end"] - impact["onset"])
     lasting = "lasts to the end" if lasts(impact) else f"lasts {force_text(duration, 's')}"
@@ -120,7 +120,7 @@ def curve_of(
     """
     row, time, force = course
     impact = recording.impacts[row]
-    factor, _ = prefixed(shown_contact(impact, time, force), "s")
+    factor, _ = prefixed_unit(shown_contact(impact, time, force), "s")
     scale, unit = load_unit(
         float(force.max()), unit_at("peak_force", stop=recording.is_joint_stop(impact["wall"]))
     )

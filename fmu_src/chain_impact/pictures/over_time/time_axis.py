@@ -15,7 +15,7 @@ from chain_impact.pictures.drawing.style import (
     IMPACT_LINE,
     SHADE,
     TIME_COLOURS,
-    faint,
+    faint_colour,
     give_ticks,
     scale_numbers,
 )
@@ -24,8 +24,8 @@ from chain_impact.pictures.words.headline import time_unit
 from chain_impact.recording.recording import Recording
 
 CLOCK_HEIGHT = 0.045  # [inch] the height of the bar with the colours of time
-# the part of the text's colour (``faint``) in the mark of an impact at the upper edge of axes, and the lower
-# end of this mark, relative to the height of the axes
+# the part of the text's colour (``faint_colour``) in the mark of an impact at the upper edge of axes, and the
+# lower end of this mark, relative to the height of the axes
 TICK, TICK_FOOT = 0.6, 0.92
 TIME_MARGIN = 0.015  # the margin at both ends of an axis of time, relative to the shown time
 
@@ -37,7 +37,7 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
     """
     shown = shown_time(recording)
     start, end = shown.start, max(shown.end, shown.start + 1e-9)
-    axes.set_axes_locator(_slim)
+    axes.set_axes_locator(_slim_box)
     axes.imshow(np.linspace([0.0], [1.0], 256).T, TIME_COLOURS, aspect="auto", extent=(start, end, 0, 1))
     label_time(axes, recording)
     axes.set_yticks([])
@@ -46,7 +46,7 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
     give_ticks(axes)
 
 
-def _slim(axes: Any, _: Any) -> Bbox:
+def _slim_box(axes: Any, _: Any) -> Bbox:
     """Return the box of the axes of ``draw_clock``: upper edge and width stay, the height is CLOCK_HEIGHT."""
     figure, place = axes.get_figure(root=True), axes.get_position(original=True)
     assert figure is not None
@@ -68,11 +68,16 @@ def add_time_keys(axes: Axes, recording: Recording, *, is_marked: bool) -> None:
     """
     shown = shown_time(recording)
     if is_marked and impact_lines(recording, shown.start, shown.end):
-        look: dict[str, Any] = {"color": faint(axes, TICK), "marker": "|", "markersize": 5.0, "gid": KEY}
+        look: dict[str, Any] = {
+            "color": faint_colour(axes, TICK),
+            "marker": "|",
+            "markersize": 5.0,
+            "gid": KEY,
+        }
         axes.plot([], [], linestyle="", label="impacts", **look)
     if shown.rests:
         words = ", ".join(filter(None, (shown.word, shown.cuts)))
-        look = {"color": faint(axes, 2.0 * SHADE), "linewidth": 0.0, "gid": KEY}
+        look = {"color": faint_colour(axes, 2.0 * SHADE), "linewidth": 0.0, "gid": KEY}
         axes.add_patch(Rectangle((0.0, 0.0), 0.0, 0.0, label=words, **look))
 
 
@@ -92,7 +97,7 @@ def show_all_time(axes: Axes, recording: Recording) -> None:
 def tick_impacts(axes: Axes, recording: Recording) -> None:
     """Draw a short mark at the onset of each impact, at the upper edge of axes over time [s]."""
     look: dict[str, Any] = {"linewidth": 0.8, "zorder": 0.5, "transform": axes.get_xaxis_transform()}
-    axes.vlines(recording.impacts["onset"], TICK_FOOT, 1.0, faint(axes, TICK), **look)
+    axes.vlines(recording.impacts["onset"], TICK_FOOT, 1.0, faint_colour(axes, TICK), **look)
 
 
 def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: float = 1.0) -> None:
@@ -106,7 +111,7 @@ def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: f
         onsets,
         0.0,
         1.0,
-        faint(axes, IMPACT_LINE),
+        faint_colour(axes, IMPACT_LINE),
         linewidth=0.8,
         zorder=0,
         transform=axes.get_xaxis_transform(),
@@ -125,4 +130,4 @@ def impact_handles(
     """Return a legend's entry for the lines of ``mark_impacts`` between two times [s]; [] without lines."""
     if not impact_lines(recording, start, end):
         return []
-    return [Line2D([], [], color=faint(axes, IMPACT_LINE), linewidth=1.5, label="impact")]
+    return [Line2D([], [], color=faint_colour(axes, IMPACT_LINE), linewidth=1.5, label="impact")]

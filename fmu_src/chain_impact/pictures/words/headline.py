@@ -16,9 +16,9 @@ from chain_impact.pictures.drawing.style import (
     LOAD,
     PEAK_COLOUR,
     force_text,
-    headline,
     is_narrow,
-    raised,
+    raise_exponents,
+    write_headline,
 )
 from chain_impact.pictures.words.point_names import brief_hit, what_touches
 from chain_impact.recording.contact_times import has_impulses, law_at, peak_time
@@ -28,7 +28,7 @@ from chain_impact.recording.joint_peaks import LARGEST_OF_ROWS, joint_peaks
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.words.names import name_parts
 from chain_impact.scene.words.unit_text import stiffness_unit
-from chain_impact.text import number, plural, prefixed
+from chain_impact.text import count_text, number_text, prefixed_unit
 from chain_impact.variables.impact_units import unit_at
 
 # a dissipated energy up to this, relative to the largest |total energy|, is round-off, and not a loss
@@ -55,7 +55,7 @@ def time_unit(span: float) -> tuple[float, str]:
 
     The unit is s for 0, and from SHORT_TIME on.
     """
-    return prefixed(span, "s") if 0.0 < span < SHORT_TIME else (1.0, "s")
+    return prefixed_unit(span, "s") if 0.0 < span < SHORT_TIME else (1.0, "s")
 
 
 class Peak(NamedTuple):
@@ -83,7 +83,7 @@ class Peak(NamedTuple):
         return f"{self.equal} equal {' at '.join([f'{quantity}s', *at])} of {self.value}"
 
 
-def message(recording: Recording, first: str | None = None, *, short: bool = False) -> str:
+def headline(recording: Recording, first: str | None = None, *, short: bool = False) -> str:
     """Return the headline: name, ``first``, number of impacts, lost and supplied energy.
 
     For example "Box: peak force 12.6 kN, 14 impacts in 2 s, 50.3 J dissipated". By default ``first`` is the
@@ -101,7 +101,7 @@ def impact_count_text(recording: Recording) -> str:
     """Return words for the number of impacts and the duration of the run: "14 impacts in 2 s"."""
     count, span = recording.impact_count, recording.duration
     factor, unit = time_unit(span)
-    return f"{plural(count, 'impact') if count else 'no impacts'} in {factor * span:g} {unit}"
+    return f"{count_text(count, 'impact') if count else 'no impacts'} in {factor * span:g} {unit}"
 
 
 def energy_texts(recording: Recording) -> list[str]:
@@ -142,8 +142,8 @@ def write_head(
 ) -> None:
     """Write the headline of a recording's picture and, below it, results and conditions of the run.
 
-    The headline is ``title`` or, if ``title`` is "", the result of ``message`` with the words ``lead``,
-    by default those of the first told impact or, without impacts, of the largest force in a joint.
+    The headline is ``title`` or, if ``title`` is "", the result of ``headline`` with the words
+    ``lead``, by default those of the first told impact or, without impacts, of the largest force in a joint.
     ``first`` are texts that stand before the results. The results tell the impacts of ``peaks`` and the
     largest force in a joint (``load_text``) or, if ``most`` is given, only the impacts in ``most``.
     ``panels``: the names of the panels of an overview.
@@ -158,30 +158,30 @@ def write_head(
     lead = next((peak.text for peak in most), "") if lead is None else lead
     if not (lead or title or most) and load:
         lead, load = load.replace(" in the run, ", " "), ""
-    told = [where(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
+    hits = [peak_impact_words(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
     lines: list[tuple[str, str]] = []
     if short and most and not title:
         is_marked = most[0].equal == 1 and not {*panels}.isdisjoint(MARKING)
-        first_told = told.pop(0).removeprefix(f"{most[0].words} in ")
-        lines.append((first_told, PEAK_COLOUR if is_marked else INK))
+        first_text = hits.pop(0).removeprefix(f"{most[0].words} in ")
+        lines.append((first_text, PEAK_COLOUR if is_marked else INK))
     if short and load:
         lines.append((load, LOAD if "motion" in panels and recording.loads else INK))
-    results = [*first, *told, "" if short else load]
+    results = [*first, *hits, "" if short else load]
     if short and not title:
         results += [*([impact_count_text(recording)] if lead else []), *energy_texts(recording)]
     known = conditions(recording, *results, touches=has_contact(recording), short=short)
-    headline(figure, title or message(recording, lead, short=short), known, *lines)
+    write_headline(figure, title or headline(recording, lead, short=short), known, *lines)
 
 
 def peaks(recording: Recording) -> list[Peak]:
     """Return the largest peak force at walls, and the largest peak moment at stops of joints, if known.
 
-    Stops of a slider count as walls. Where ``strengths`` gives impulses, the largest impulse replaces the
+    Stops of a slider count as walls. Where ``impact_values`` gives impulses, the largest impulse replaces the
     largest force or moment. The list has at most two entries, walls first.
     """
     found = []
     for is_stop in (False, True):
-        words, unit, values = strengths(recording, is_stop=is_stop)
+        words, unit, values = impact_values(recording, is_stop=is_stop)
         most = float(values.max(initial=0.0))
         if most > 0.0:
             if words in (IMPULSE, HIT_IMPULSE):
@@ -199,11 +199,11 @@ def marked_peaks(recording: Recording) -> list[Peak]:
 
 def peak_of(recording: Recording, row: int) -> list[Peak]:
     """Return a list with the ``Peak`` of the impact in a row; [] if the peak is 0 or not known."""
-    words, unit, values = strengths(recording, is_stop=bool(recording.is_at_joint_stop[row]))
+    words, unit, values = impact_values(recording, is_stop=bool(recording.is_at_joint_stop[row]))
     return [Peak(words, force_text(float(values[row]), unit), row)] if values[row] > 0.0 else []
 
 
-def hardness(recording: Recording, row: int) -> str:
+def hardness_words(recording: Recording, row: int) -> str:
     """Return words for how hard the impact in a row is: "peak force 12.6 kN, with 2.92 m/s".
 
     Without a known peak, the words have only the impact speed.
@@ -218,7 +218,7 @@ def speed_text(recording: Recording, row: int) -> str:
     return f"{impact['impact_speed']:.3g} {speed_unit(recording.is_joint_stop(impact['wall']))}"
 
 
-def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
+def impact_values(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
     """Return how hard impacts are: words, unit, values, shape (I,).
 
     If ``is_stop``, the values are those of the impacts at stops of joints, else those of all other impacts:
@@ -238,8 +238,10 @@ def strengths(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndar
     is_impulsive = has_impulses(law_at(recording, is_stop=is_stop))
     if is_impulsive or ((forces == 0.0) & (impulses > 0.0)).any():
         ended = impulses * ~lasts(impacts)
-        words, told = (IMPULSE, ended) if ended.any() else (HIT_IMPULSE, impulses_of_hits(recording) * is_own)
-        return words, unit_at("impulse", stop=is_stop), told
+        words, shown = (
+            (IMPULSE, ended) if ended.any() else (HIT_IMPULSE, impulses_of_hits(recording) * is_own)
+        )
+        return words, unit_at("impulse", stop=is_stop), shown
     return f"peak {'moment' if is_stop else 'force'}", unit_at("peak_force", stop=is_stop), forces
 
 
@@ -263,19 +265,19 @@ def impulses_of_hits(recording: Recording) -> np.ndarray:
     return np.asarray(found)
 
 
-def where(recording: Recording, peak: Peak, *, valued: bool) -> str:
+def peak_impact_words(recording: Recording, peak: Peak, *, valued: bool) -> str:
     """Return words for the impact of a peak.
 
     For example "peak force in impact 1: point 4 hits y_min at 0.5 s with 2 m/s". If several impacts have the
     value of the peak, the words tell the first of these impacts. ``valued``: whether the value is told, too.
     """
     if peak.equal > 1:
-        told = f"{peak.text}, the first in " if valued else "the first in "
-        return f"{told}{place(recording, peak.row)}"
-    return f"{peak.words}{f' {peak.value}' if valued else ''} in {place(recording, peak.row)}"
+        beginning = f"{peak.text}, the first in " if valued else "the first in "
+        return f"{beginning}{place_words(recording, peak.row)}"
+    return f"{peak.words}{f' {peak.value}' if valued else ''} in {place_words(recording, peak.row)}"
 
 
-def place(recording: Recording, row: int) -> str:
+def place_words(recording: Recording, row: int) -> str:
     """Return words for the impact in a row: "impact 1: ball hits y_min at 0.5 s with 2 m/s, peak at 0.7 s".
 
     The time of the peak is told if it is later than the onset (``peak_time``).
@@ -323,23 +325,25 @@ def conditions(recording: Recording, *first: str, touches: bool = True, short: b
     laws, are told only if something ``touches`` a wall or a stop. If ``short``, the conditions lack links,
     joints, radius and solver.
     """
-    known = recording.parameters
+    parameters = recording.parameters
     parts = [*filter(None, first)]
     if not short:
-        parts += [plural(recording.link_count, "link"), *joint_words(recording)]
+        parts += [count_text(recording.link_count, "link"), *joint_words(recording)]
     parts += contact_words(recording) if touches else []
-    if rubbing := [words for name, value in known.items() if (words := friction(name, value))]:
+    if rubbing := [words for name, value in parameters.items() if (words := friction_words(name, value))]:
         parts.append(f"friction µ = {', '.join(rubbing)}")
-    if touches and "stop.restitution" in known:
+    if touches and "stop.restitution" in parameters:
         of_stops = recording.stop_law
-        told = [f"law {of_stops}"] if of_stops else []
+        stop_texts = [f"law {of_stops}"] if of_stops else []
         if uses_restitution(law_at(recording, is_stop=True)):
-            told.append(f"e = {known['stop.restitution']:g}")
-        parts += [f"stops {', '.join(told)}"] if told else []
-    if known.get("contact.radius") and not short:
-        parts.append(f"radius {known['contact.radius']:g} m")
-    if "solver.tolerance" in known and not short:
-        parts.append(f"method {known['solver.method']}, tolerance {number(known['solver.tolerance'])}")
+            stop_texts.append(f"e = {parameters['stop.restitution']:g}")
+        parts += [f"stops {', '.join(stop_texts)}"] if stop_texts else []
+    if parameters.get("contact.radius") and not short:
+        parts.append(f"radius {parameters['contact.radius']:g} m")
+    if "solver.tolerance" in parameters and not short:
+        parts.append(
+            f"method {parameters['solver.method']}, tolerance {number_text(parameters['solver.tolerance'])}"
+        )
     return SEPARATOR.join(parts)
 
 
@@ -371,8 +375,8 @@ def contact_words(recording: Recording) -> list[str]:
             parts.append(f"restitution e = {known['contact.restitution']:g}")
         # an impulsive law uses no stiffness
         if not has_impulses(law):
-            unit = raised(stiffness_unit("N/m", known["contact.exponent"]))
-            parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
+            unit = raise_exponents(stiffness_unit("N/m", known["contact.exponent"]))
+            parts.append(f"stiffness K = {number_text(known['contact.stiffness'])} {unit}")
     return parts
 
 
@@ -381,7 +385,7 @@ def uses_restitution(law: str) -> bool:
     return law not in CONTACT_LAWS or CONTACT_LAWS[law].formula != "0"
 
 
-def friction(name: str, value: Any) -> str:
+def friction_words(name: str, value: Any) -> str:
     """Return words for a coefficient of dry friction at walls: "0.3", "static 0.4 at y_min"; else "".
 
     ``name`` and ``value`` are those of any parameter. For a coefficient of 0 the result is "", except for the

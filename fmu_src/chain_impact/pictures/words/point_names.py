@@ -17,11 +17,11 @@ KEPT = 7  # the number of characters that are kept at each end of a shortened na
 def short_names(recording: Recording, text: str) -> str:
     """Return a text in which long names of points, in brackets, are shortened: "(left_fo…phere_0)"."""
     for name in recording.point_names.values():
-        text = text.replace(f"({name})", f"({short(name)})")
+        text = text.replace(f"({name})", f"({shortened_name(name)})")
     return text
 
 
-def short(name: str) -> str:
+def shortened_name(name: str) -> str:
     """Return a name; a name longer than LONGEST_NAME has "…" in place of its middle."""
     return name if len(name) <= LONGEST_NAME else f"{name[:KEPT]}…{name[-KEPT:]}"
 
@@ -42,7 +42,9 @@ def brief_hit(recording: Recording, impact: np.void) -> str:
     touching_part, point = what_touches(recording, impact), int(impact["point"])
     at_wall = touching_part == point_label(point, recording.point_names)
     name = recording.point_names.get(point, "") if at_wall else ""
-    return f"{short(name) or touching_part} hits {short(recording.wall_names[impact['wall']])}"
+    return (
+        f"{shortened_name(name) or touching_part} hits {shortened_name(recording.wall_names[impact['wall']])}"
+    )
 
 
 def full_names(recording: Recording) -> str:

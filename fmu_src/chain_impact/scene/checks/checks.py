@@ -19,7 +19,7 @@ from chain_impact.kernel.record.constants import WALLS
 from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP
 from chain_impact.scene.checks.signal_checks import check_signals
 from chain_impact.scene.contents import Contents
-from chain_impact.scene.errors import SceneError, no_wall, refusal, refused, value_text
+from chain_impact.scene.errors import SceneError, error_at, no_wall_error, refusal, value_text
 from chain_impact.scene.files.table_file import gap_hints
 from chain_impact.scene.kernel_view import chain_view
 from chain_impact.scene.keys.chain_tables import ChainTable
@@ -73,10 +73,10 @@ def check_masses(chain: ChainTable) -> None:
         )
         reason = f"the link could turn about its centre of mass without moving any mass ({where})"
         path = ("chain", "links", first, "inertia")
-        raise refused(path, f"= {link.inertia}{other} must be > 0: {reason}")
+        raise error_at(path, f"= {link.inertia}{other} must be > 0: {reason}")
     path, end = (("chain", "links", i, "inertia") for i in (first, last))
     reason = "on one line, these links could turn about their centres of mass without moving any mass"
-    raise refused(path, f"to {path_text(end)} = 0.0; one of them{other} must be > 0: {reason}")
+    raise error_at(path, f"to {path_text(end)} = 0.0; one of them{other} must be > 0: {reason}")
 
 
 def check_together(scene: Contents) -> None:
@@ -178,7 +178,7 @@ def check_moved_walls(scene: Contents) -> None:
     walls = [*scene.half_planes]
     for i, name in enumerate(scene.inputs.wall_motion):
         if name != "*" and name not in walls:
-            raise no_wall(("inputs", "wall_motion", i), walls, f"= {value_text(name)} ")
+            raise no_wall_error(("inputs", "wall_motion", i), walls, f"= {value_text(name)} ")
 
 
 def coefficients(contact: Contact, material: Material | Contact) -> tuple[float, float]:

@@ -10,9 +10,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from chain_impact.scene.asked_inputs import how_asked, inputs_of
+from chain_impact.scene.asked_inputs import inputs_of, request_hint
 from chain_impact.scene.contents import Contents
-from chain_impact.scene.errors import SceneError, refusal, refused, value_text
+from chain_impact.scene.errors import SceneError, error_at, refusal, value_text
 from chain_impact.scene.files.table_file import jumps_of
 from chain_impact.scene.keys.signal_tables import Samples, Signal, unit_of
 from chain_impact.scene.rules.refusals import SIGNAL_REFUSALS
@@ -58,7 +58,7 @@ def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
     for input_name in signal.input:
         if input_name in there:
             continue
-        how = how_asked(scene, input_name)
+        how = request_hint(scene, input_name)
         raise refusal(_input(name), "strange_input", value=value_text(input_name), how=how)
     units = {unit_of(input_name): input_name for input_name in signal.input}
     if len(units) > 1 and signal.form != "table":
@@ -95,7 +95,7 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
         return
     if lasts > period * (1.0 + CLOSED):
         fault = f"= {period:g} must be >= {lasts:g} [s], the duration of its table"
-        raise refused(("signals", name, "period"), fault)
+        raise error_at(("signals", name, "period"), fault)
     for column, values in samples.columns:
         if is_closed(signal) and values[-1] != values[0] and joined_by(signal, column) != "hold":
             raise SceneError(
@@ -119,19 +119,19 @@ def check_table(name: str, signal: Signal, driven: str, order: int) -> None:
     """
     needed = {0: ("spline",), 1: ("spline", "linear")}.get(order)
     if signal.interpolation and needed and signal.interpolation not in needed:
-        raise refused(
+        raise error_at(
             ("signals", name, "interpolation"),
             f'= "{signal.interpolation}" must be {" or ".join(map(_quoted, needed))} where {driven} is '
             "driven: its velocity would jump, which would be an impact of unknown strength",
         )
     times = np.array(signal.samples.times if signal.samples else ())
     for jump in times[jumps_of(times)] if needed else ():
-        raise refused(
+        raise error_at(
             ("signals", name, "file"),
             f": two rows at {jump:g} s make {driven} jump, which would be an impact of unknown strength",
         )
     if signal.period and order == 2:  # noqa: PLR2004
-        raise refused(
+        raise error_at(
             ("signals", name, "period"),
             f"= {signal.period:g} must be left out where an acceleration is driven: the velocity would grow "
             "with each period; drive the velocity or the position",

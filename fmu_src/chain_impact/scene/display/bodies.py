@@ -46,10 +46,10 @@ def outline(discs: Iterable[Disc]) -> np.ndarray:
         for k in range(CIRCLE_CORNERS if radius > 0.0 else 1)
     ]
     corners = sorted(set(rims))
-    return np.array([*_half(corners), *_half(corners[::-1])] or corners)
+    return np.array([*_half_hull(corners), *_half_hull(corners[::-1])] or corners)
 
 
-def _half(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
+def _half_hull(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Return the corners of a convex hull, anticlockwise from the first to the last of ``corners``.
 
     ``corners`` are sorted by x, and by y for equal x, both rising or both falling. The result lacks the last
@@ -106,7 +106,7 @@ def outlines_from(values: Mapping[str, Any], touching: Container[int]) -> dict[i
     return outlines
 
 
-def placed(corners: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+def placed_corners(corners: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
     """Return the positions in space, shape (C, 2) [m], of corners that are given in the axes of a link.
 
     Args:

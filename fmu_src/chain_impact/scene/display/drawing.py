@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.scene.contents import Contents
-from chain_impact.scene.display.bodies import outlines_from, placed, rail_from
+from chain_impact.scene.display.bodies import outlines_from, placed_corners, rail_from
 
 LONGER_SIDE = 240  # number of pixels of the longer side of the drawing
 # both divided by the longer side of the rectangle around all points: SCENE_MARGIN is the width of the free
@@ -31,7 +31,7 @@ def svg(scene: Contents, values: Mapping[str, Any]) -> str:
     rail = rail_from(positions[None], None, values)
     lines = rail.lines(points[:1]) if rail else []
     outlines = outlines_from(values, scene.contact.points)
-    bodies = [placed(corners, points[n - 1], points[n]) for n, corners in outlines.items()]
+    bodies = [placed_corners(corners, points[n - 1], points[n]) for n, corners in outlines.items()]
     bodies += [rail.carriage(points[0])] if rail else []
     nearest = [
         (wall, positions - np.outer(positions @ wall.normal - wall.offset, wall.normal))
@@ -50,12 +50,12 @@ def svg(scene: Contents, values: Mapping[str, Any]) -> str:
         normal, at = np.array(wall.normal), feet[0]
         along = reach * np.array([normal[1], -normal[0]])
         corners = [at - along, at + along, at + along - reach * normal, at - along - reach * normal]
-        parts.append(f'<polygon points="{_listed(corners)}" fill="currentColor" fill-opacity="0.2"/>')
+        parts.append(f'<polygon points="{_points_text(corners)}" fill="currentColor" fill-opacity="0.2"/>')
     look = f'fill="none" stroke="currentColor" stroke-width="{line}"'
     thin = f'stroke="currentColor" stroke-width="{THIN_WIDTH * max(width, height):.6g}"'
-    parts += [f'<polyline points="{_listed(polyline)}" fill="none" {thin}/>' for polyline in lines]
-    parts += [f'<polygon points="{_listed(body)}" fill-opacity="0.2" {thin}/>' for body in bodies]
-    parts.append(f'<polyline points="{_listed(points)}" {look}/>')
+    parts += [f'<polyline points="{_points_text(polyline)}" fill="none" {thin}/>' for polyline in lines]
+    parts += [f'<polygon points="{_points_text(body)}" fill-opacity="0.2" {thin}/>' for body in bodies]
+    parts.append(f'<polyline points="{_points_text(points)}" {look}/>')
     parts += [f'<circle cx="{x:.6g}" cy="{-y:.6g}" r="{dot}"/>' for x, y in positions]
     view = f"{low[0]:.6g} {-high[1]:.6g} {width:.6g} {height:.6g}"
     return (
@@ -64,6 +64,6 @@ def svg(scene: Contents, values: Mapping[str, Any]) -> str:
     )
 
 
-def _listed(points: np.ndarray | list[np.ndarray]) -> str:
+def _points_text(points: np.ndarray | list[np.ndarray]) -> str:
     """Return points, shape (C, 2) [m], as the text "x,−y x,−y …" for SVG, whose y axis points downward."""
     return " ".join(f"{x:.6g},{-y:.6g}" for x, y in points)

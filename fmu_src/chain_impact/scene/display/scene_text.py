@@ -29,14 +29,14 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
     count = f"{len(links)} link{'s' * (len(links) != 1)}"
     length, mass = sum(link.length for link in links), sum(link.mass for link in links)
     rubbing = friction_joints(scene)
-    dry = f"; dry friction in joints {_listed(rubbing)}" if rubbing else ""
+    dry = f"; dry friction in joints {_values_text(rubbing)}" if rubbing else ""
     yield "chain", f"{count}, {length:g} m, {mass:g} kg; base {scene.chain.base}{dry}"
     box = [f"{wall} = {at:g} m" for wall in WALLS if (at := getattr(scene.box, wall)) is not None]
     yield "walls", ", ".join([*box, *(wall.name for wall in scene.walls)]) or "none"
     law = f"{contact.model}, e = {contact.restitution:g}"
     stiffness = f"K = {contact.stiffness:g} {stiffness_unit('N/m', contact.exponent)}"
     mu = _friction(contact.friction or None, contact.static_friction or None)
-    yield "contact", f"{', '.join([law, stiffness, *mu])}; points {_listed(contact.points)}"
+    yield "contact", f"{', '.join([law, stiffness, *mu])}; points {_values_text(contact.points)}"
     materials = [line for name, material in contact.wall.items() if (line := _material(name, material))]
     if materials:
         yield "", "; ".join(materials)
@@ -50,7 +50,7 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
     if scene.signals:
         driven = (f"{', '.join(signal.input)} by a {signal.form}" for signal in scene.signals.values())
         yield "signals", "; ".join(driven)
-    yield "start", f"base at {_listed(start.position)} m, angles {_listed(start.angles)} rad"
+    yield "start", f"base at {_values_text(start.position)} m, angles {_values_text(start.angles)} rad"
     solver = f"method {scene.solver.method}, tolerance {scene.solver.tolerance:g}"
     yield "run", f"{run.stop_time:g} s in steps of {run.step_size:g} s; {solver}"
 
@@ -75,6 +75,6 @@ def _range(low: float, high: float) -> str:
     return f"{low:g} to {high:g} rad"
 
 
-def _listed(values: Iterable[float]) -> str:
+def _values_text(values: Iterable[float]) -> str:
     texts = [f"{value:g}" for value in values]
     return ", ".join(texts if len(texts) <= SHOWN_ENTRIES else [*texts[: SHOWN_ENTRIES - 2], "…", texts[-1]])

@@ -3,15 +3,15 @@
 import os
 from pathlib import Path
 
-from chain_impact.files import included
-from chain_impact.scene.words.similar_names import nearest_file, proposed
+from chain_impact.files import packaged_path
+from chain_impact.scene.words.similar_names import nearest_file, proposed_name
 
 SCENE_FILE = "scene.toml"
 
 
 def models_folder() -> Path:
     """Return the folder of the models: in the installed package, or in the repository."""
-    return included("models", "models")
+    return packaged_path("models", "models")
 
 
 def model_names() -> list[str]:
@@ -33,7 +33,7 @@ def scene_file_path(source: str | os.PathLike[str]) -> Path:
     return path
 
 
-def unreadable(source: object, error: Exception) -> str:
+def unreadable_message(source: object, error: Exception) -> str:
     """Return the message for a ``source`` that `load_scene` cannot read; ``error`` is the reason.
 
     The message has the reason, the allowed kinds of sources, and a similar name of a file in the same folder
@@ -48,7 +48,11 @@ def unreadable(source: object, error: Exception) -> str:
     reason = error.strerror if isinstance(error, OSError) else error
     reason = f"the folder has no {SCENE_FILE}" if isinstance(error, IsADirectoryError) else reason
     name = path.stem if path.suffix == ".toml" else path.name
-    near = None if "." in name else nearest_file(path.parent, name, ".toml") or proposed(name, model_names())
+    near = (
+        None
+        if "." in name
+        else nearest_file(path.parent, name, ".toml") or proposed_name(name, model_names())
+    )
     models = f"the nearest is {near}" if near else "`chain-impact info --list models` lists them"
     wanted = f"a scene file, a folder with {SCENE_FILE}, or a model; {models}"
     return f"{source}: cannot be read ({reason}); must be {wanted}"

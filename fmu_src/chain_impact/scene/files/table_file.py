@@ -14,7 +14,7 @@ import numpy as np
 
 from chain_impact.extras import require
 from chain_impact.scene.errors import SceneError, value_text
-from chain_impact.scene.files.text_file import comma_separated, likely_time, text_of
+from chain_impact.scene.files.text_file import comma_separated_text, likely_time, text_of
 from chain_impact.scene.reading import decimal_comma
 
 TableSource = str | Path | Mapping[str, Sequence[Any] | np.ndarray]
@@ -113,7 +113,7 @@ def read_table(source: TableSource) -> Table:
             counts = ", ".join(f"{name} {length}" for name, length in lengths.items())
             raise SceneError(f"data: columns must have equally many rows, not {counts}")
         rows = [list(row) for row in zip(*columns.values(), strict=True)]
-        return _checked("data", tuple(columns), rows, [f"row {k}" for k in range(len(rows))])
+        return _checked_table("data", tuple(columns), rows, [f"row {k}" for k in range(len(rows))])
     path = Path(source)
     if path.suffix == ".toml":
         raise SceneError(f"{path}: it is a scene, must be a table of data, in CSV or Parquet")
@@ -125,15 +125,17 @@ def read_table(source: TableSource) -> Table:
             raise SceneError(f"{path}: not a Parquet table: {error}") from None
         cells = [column.to_pylist() for column in whole.columns]
         rows = [list(row) for row in zip(*cells, strict=True)]
-        return _checked(str(path), tuple(whole.column_names), rows, [f"row {k}" for k in range(len(rows))])
+        return _checked_table(
+            str(path), tuple(whole.column_names), rows, [f"row {k}" for k in range(len(rows))]
+        )
     try:
-        text = comma_separated(text_of(path))
+        text = comma_separated_text(text_of(path))
         reader = csv.reader(io.StringIO(text, newline=""))
         names = tuple(name.strip() for name in next(reader, []))
         numbered = [(f"line {reader.line_num}", row) for row in reader if any(map(str.strip, row))]
     except (ValueError, csv.Error) as error:
         raise SceneError(f"{path}: not a CSV table: {error}") from None
-    return _checked(str(path), names, [row for _, row in numbered], [line for line, _ in numbered])
+    return _checked_table(str(path), names, [row for _, row in numbered], [line for line, _ in numbered])
 
 
 def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
@@ -206,7 +208,7 @@ def _column(table: Table, name: str) -> np.ndarray:
     return np.array([table.number(row, name, otherwise="") for row in range(len(table.rows))])
 
 
-def _checked(source: str, names: tuple[str, ...], rows: list[list[Any]], lines: list[str]) -> Table:
+def _checked_table(source: str, names: tuple[str, ...], rows: list[list[Any]], lines: list[str]) -> Table:
     """Return the ``Table`` with these attributes; refuse a table that is not complete.
 
     A complete table has at least one row, different names of columns, and in each row as many cells as names.

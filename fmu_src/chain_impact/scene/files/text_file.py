@@ -71,7 +71,7 @@ TIMES = ("t", "time", "times", "timestamp", "zeit", "temps", "tiempo", "time_s",
 UNITS_OF_TIME = ("", "s", "sec", "seconds", "ms", "us", "µs", "min")
 
 
-def comma_separated(text: str) -> str:
+def comma_separated_text(text: str) -> str:
     """Return the text of a CSV table with commas between the cells and decimal points in the numbers.
 
     A table of one column, or with semicolons or tabs between the cells, may have decimal commas, and is

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from chain_impact.kernel.chain.signals import RAMP_KNOTS, SINE_KNOTS
 from chain_impact.scene.rules.key_rules import NO_KEY, scene_key
 from chain_impact.scene.words.names import INPUTS_OF, is_like
-from chain_impact.scene.words.similar_names import nearest
+from chain_impact.scene.words.similar_names import nearest_name
 
 SHAPES = ("smooth", "linear", "trapezoid")
 """The shapes of a ramp, in the order of their numbers in the kernel."""
@@ -65,7 +65,7 @@ def unit_of(name: str) -> str:
     A name that is no input is refused only after reading. Until then, it has the unit of the input with the
     most similar name, or "1" if no name is similar.
     """
-    template = next((known for known in _UNITS if is_like(name, known)), nearest(name, _UNITS))
+    template = next((known for known in _UNITS if is_like(name, known)), nearest_name(name, _UNITS))
     return _UNITS[template] if template else "1"
 
 

@@ -138,7 +138,7 @@ def keeps(value: Any, metadata: Mapping[str, Any]) -> bool:
     return True
 
 
-def extended(metadata: Mapping[str, Any], tables: Mapping[str, Any]) -> Mapping[str, Any]:
+def extended_metadata(metadata: Mapping[str, Any], tables: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return the `metadata` of a key with the unit or the further choice that other keys decide.
 
     See ``unit_by`` and ``extended_by`` in ``KeyRules``; other metadata are returned unchanged.
@@ -157,7 +157,7 @@ def extended(metadata: Mapping[str, Any], tables: Mapping[str, Any]) -> Mapping[
     return {**metadata, "choices": (*metadata["choices"], Path(file).stem)} if file else metadata
 
 
-def allowed(kind: Any, metadata: Mapping[str, Any]) -> str:
+def allowed_words(kind: Any, metadata: Mapping[str, Any]) -> str:
     """Return words for the values of type `kind` that the `metadata` allow: "true or false"."""
     if metadata["choices"] is not None:
         return "one of " + ", ".join(f'"{choice}"' for choice in metadata["choices"])

@@ -46,13 +46,13 @@ def name_of(path: DataPath, walls: Sequence[object] = ()) -> str:
         case "gravity", int(j):
             name = f"gravity.{AXES[j]}"
         case "chain", "links", int() | "{link}" as i, "points", int() | "{entry}" as j, *following:
-            name = _dotted(("link", i, "point", j, *following))
+            name = _dotted_text(("link", i, "point", j, *following))
         case "chain", ("links" | "slider") as part, *following if following:
-            name = _dotted((part.removesuffix("s"), *following))
+            name = _dotted_text((part.removesuffix("s"), *following))
         case "walls", int() | "{at}" as w, "point", int(j) if wall := _wall(w, walls):
             name = f"wall.{wall}.{AXES[j]}"
         case "walls", int() | "{at}" as w, key, *following if key != "name" and (wall := _wall(w, walls)):
-            name = _dotted(("wall", wall, key, *following))
+            name = _dotted_text(("wall", wall, key, *following))
         case "contact", "wall", str(wall), str(key):
             name = f"wall.{wall}.{key}"
         case "stops", str(key) if key != "model":
@@ -62,11 +62,11 @@ def name_of(path: DataPath, walls: Sequence[object] = ()) -> str:
         case "initial", "velocity", int(j):
             name = f"initial.v{AXES[j]}"
         case "initial", "angles", int() | "{at}" as i:
-            name = _dotted(("initial", "angle", i))
+            name = _dotted_text(("initial", "angle", i))
         case "initial", "angular_velocities", int() | "{at}" as i:
-            name = _dotted(("initial", "angular_velocity", i))
+            name = _dotted_text(("initial", "angular_velocity", i))
         case _:
-            name = _dotted(_signal_steps(path))
+            name = _dotted_text(_signal_steps(path))
     return name
 
 
@@ -222,7 +222,7 @@ def input_key(name: str) -> str | None:
     )
 
 
-def input_asked(name: str) -> str | None:
+def input_request(name: str) -> str | None:
     """Return the line of a scene file that adds the input ``name``; None if ``name`` has no form of an input.
 
     For example ``inputs.joint_torques = true`` for ``joint[2].torque``.
@@ -343,7 +343,7 @@ def signal_hint(name: str, signals: Collection[str]) -> str | None:
     return f"a signal is made in the scene file, in a table [signals.{signal}]: docs/drive.md tells how"
 
 
-def _dotted(path: DataPath) -> str:
+def _dotted_text(path: DataPath) -> str:
     numbers = {INDEX_PLACE: "[{n}]", LINK_AT: "[{of}]", ENTRY_AT: "[{n}]"}
     steps = (f"[{step + 1}]" if isinstance(step, int) else numbers.get(step, f".{step}") for step in path)
     return "".join(steps).removeprefix(".")

@@ -12,18 +12,18 @@ NUMBER = re.compile(r"\[\d*\]")
 SYNONYMS = {"bounce": "restitution", "law": "model", "floor": "box"}
 """Word that a user may write after the last dot of a name → the word that is meant."""
 SHORTEST_NAME = 3
-"""The least number of characters of a known name that ``one_typo`` returns."""
+"""The least number of characters of a known name that ``name_with_one_typo`` returns."""
 LIKE_NAME = 0.6
-"""The usual least similarity, from 0 to 1, to the unknown name of a similar name that ``nearest`` returns."""
+"""The usual least similarity, from 0 to 1, of the unknown name and the name that ``nearest_name`` returns."""
 SAME_LAST = 0.45
-"""The least similarity, from 0 to 1, to the unknown name at which ``nearest`` returns a name with the same
-part after the last dot."""
+"""The least similarity, from 0 to 1, to the unknown name at which ``nearest_name`` returns a name with the
+same part after the last dot."""
 LIKE_LAST = 0.8
 """The least similarity, from 0 to 1, between an unknown name without a dot and the part of a known name after
-the last dot, at which ``nearest`` returns the known name."""
+the last dot, at which ``nearest_name`` returns the known name."""
 
 
-def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str | None:
+def nearest_name(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str | None:
     """Return the one of ``names`` that is most similar to the unknown ``name``, or None if none is similar.
 
     The result is from the first of these groups that contains a name:
@@ -56,7 +56,7 @@ def nearest(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -> str
         )
     same = [other for other in every if owner and len(last) > 1 and other.rpartition(".")[2] == last]
     own = [other.removeprefix(f"{owner}.") for other in every if owner and other.startswith(f"{owner}.")]
-    if owned := longer(last, own):
+    if owned := longer_name(last, own):
         return f"{owner}.{owned}"
     if not owner:
         first = sorted(every, key=lambda one: (not one.startswith("contact."), len(one)))
@@ -78,11 +78,11 @@ def nearest_file(folder: Path, stem: str, suffix: str) -> Path | None:
         beside = {file.stem: file for file in folder.glob(f"*{suffix}")}
     except (OSError, ValueError):  # the path is too long, or no path at all
         return None
-    near = nearest(stem, beside)
+    near = nearest_name(stem, beside)
     return beside[near] if near else None
 
 
-def longer(name: str, names: Iterable[str]) -> str | None:
+def longer_name(name: str, names: Iterable[str]) -> str | None:
     """Return the shortest of ``names`` that contains ``name`` as whole words: ``rod_drop`` for ``rod``.
 
     The result is None if no name contains it, or ``name`` is "".
@@ -91,16 +91,17 @@ def longer(name: str, names: Iterable[str]) -> str | None:
     return min((known for known in names if name and words.search(known)), key=len, default=None)
 
 
-def proposed(name: str, names: Iterable[str]) -> str | None:
+def proposed_name(name: str, names: Iterable[str]) -> str | None:
     """Return the one of ``names`` that a message proposes for the unknown ``name``.
 
-    The result is that of ``nearest`` or, if this is None, that of ``longer``, which may be None, too.
+    The result is that of ``nearest_name`` or, if this is None, that of ``longer_name``, which may be None,
+    too.
     """
     names = list(names)
-    return nearest(name, names) or longer(name, names)
+    return nearest_name(name, names) or longer_name(name, names)
 
 
-def one_typo(name: str, names: Iterable[str]) -> str | None:
+def name_with_one_typo(name: str, names: Iterable[str]) -> str | None:
     """Return the first of ``names`` that differs from ``name`` by at most one typo, or None.
 
     In ``name``, one character is too many, missing or wrong, or two neighbouring characters are swapped.

@@ -29,7 +29,7 @@ def number_hint(text: str, units: Iterable[str] = USUAL) -> str:
     match = _QUANTITY.fullmatch(text)
     if not match:
         return ""
-    number, word = float(match[1]), _plain(match[2])
+    number, word = float(match[1]), _plain_unit(match[2])
     if word == "%":
         return f"; write {number / 100.0:.12g}" if units is USUAL or {"", "1"} & {*units} else ""
     for unit in filter(None, units):
@@ -38,7 +38,7 @@ def number_hint(text: str, units: Iterable[str] = USUAL) -> str:
         base, exponent, _ = base.partition("^exponent")
         typed = word.rstrip("0123456789") if exponent else word
         for prefix, factor in PREFIXES.items():
-            if typed == prefix + _plain(base):
+            if typed == prefix + _plain_unit(base):
                 return f"; write {number * (factor * scale):.12g}, a number in {unit_text(unit)}"
     return ""
 
@@ -49,7 +49,7 @@ def power_hint(text: str) -> str:
     return f"; write {match[1] or 1}e{int(match[2])}" if match else ""
 
 
-def _plain(unit: str) -> str:
+def _plain_unit(unit: str) -> str:
     """Return a unit without the characters ·, . and ^, and with 2 for ², to compare different spellings."""
     return re.sub(r"[·.^]", "", unit.replace("²", "2"))
 

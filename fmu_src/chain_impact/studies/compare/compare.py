@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from chain_impact.extras import require
-from chain_impact.files import written_whole
+from chain_impact.files import written_atomically
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.progress import Progress, silent
+from chain_impact.progress import Progress, no_progress
 from chain_impact.recording.course import course_of
 from chain_impact.recording.impacts import common_count
 from chain_impact.results.result import Result
@@ -110,7 +110,7 @@ class Comparison(Printed, LawRuns):
 
     def save_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the table as CSV, with all digits of each number; the cell of a missing value is empty."""
-        with written_whole(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
+        with written_atomically(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(LAW_COLUMNS)
             writer.writerows([_cell(value(run)) for value in LAW_COLUMNS.values()] for run in self.runs)
@@ -167,7 +167,7 @@ def compare(
         SceneError: when the scene cannot be read, or no run has an impact to compare.
         BuildError: when the kernel cannot be compiled.
     """
-    scene, show = scene_of(scene), progress or silent
+    scene, show = scene_of(scene), progress or no_progress
     laws = chosen_laws(scene, laws)
     at_home = [law for law in laws if keeps_exponents(law, scene)]
     law_runs: dict[str, LawRun] = {}
@@ -190,20 +190,22 @@ def compare(
         if law not in law_runs:
             run(law, firsts[reference])
     runs = tuple(_compared_with(expected, law_runs[law]) for law in laws)
-    comparison = Comparison(scene, reference, runs, (_reached(scene, 1.0, law_runs),))
+    comparison = Comparison(scene, reference, runs, (_reached_restitutions(scene, 1.0, law_runs),))
     if comparison.is_free:
         return comparison
-    more = (_reached(scene, factor, {}) for factor in STIFFER)
+    more = (_reached_restitutions(scene, factor, {}) for factor in STIFFER)
     return replace(comparison, reached=(*comparison.reached, *more))
 
 
-def _reached(scene: Scene, factor: float, runs: Mapping[str, LawRun]) -> Reached:
+def _reached_restitutions(scene: Scene, factor: float, runs: Mapping[str, LawRun]) -> Reached:
     """Return the realised restitutions without losses and with the exact law, at the stiffness × ``factor``.
 
     ``runs``: law → run at this stiffness; a law in ``runs`` is not simulated again.
     """
     stiffer = scene if factor == 1.0 else stiffened(scene, factor)
-    lossless, exact = (runs.get(law) or _run(stiffer, law, None, silent) for law in (LOSSLESS, EXACT_LAW))
+    lossless, exact = (
+        runs.get(law) or _run(stiffer, law, None, no_progress) for law in (LOSSLESS, EXACT_LAW)
+    )
     return Reached(lossless.stiffness, lossless.restitution, exact.restitution)
 
 

@@ -10,11 +10,11 @@ from chain_impact.pictures.drawing.style import load_unit
 from chain_impact.scene.words.unit_text import with_unit
 from chain_impact.studies.compare.runs import LawRun, LawRuns
 from chain_impact.studies.law_exchange import LOSSLESS, compared_impact
-from chain_impact.text import plural, span_text
+from chain_impact.text import count_text, span_text
 from chain_impact.variables.impact_units import unit_at
 
 
-def message(comparison: LawRuns, *, small: bool = False) -> str:
+def headline(comparison: LawRuns, *, small: bool = False) -> str:
     """Return the headline: ranges of realised restitutions e′ and peak forces in the first impact.
 
     The ranges are those of the laws with a force that depends on e (``laws_with_e``). If the e′ do not
@@ -32,9 +32,9 @@ def message(comparison: LawRuns, *, small: bool = False) -> str:
     if not restitutions:
         return f"{name}: the first impact does not end under any law"
     ends = dict.fromkeys((f"{min(restitutions):.2f}", f"{max(restitutions):.2f}"))
-    told = ", ".join(filter(None, (f"restitution {' to '.join(ends)}", peaks(comparison, runs))))
+    ranges = ", ".join(filter(None, (f"restitution {' to '.join(ends)}", peaks(comparison, runs))))
     where = "" if small else f" in the first impact, {counted(runs, len(restitutions))}"
-    return f"{name}: {told} for e = {e:g}{where}"
+    return f"{name}: {ranges} for e = {e:g}{where}"
 
 
 def laws_with_e(comparison: LawRuns) -> list[LawRun]:
@@ -49,7 +49,7 @@ def laws_with_e(comparison: LawRuns) -> list[LawRun]:
 
 def counted(runs: Sequence[LawRun], count: int) -> str:
     """Return words for a ``count`` of the laws of ``runs``: "16 laws with losses", if all have losses."""
-    return plural(count, "law") + (" with losses" if all(run.law != LOSSLESS for run in runs) else "")
+    return count_text(count, "law") + (" with losses" if all(run.law != LOSSLESS for run in runs) else "")
 
 
 def peaks(comparison: LawRuns, runs: Sequence[LawRun]) -> str:

@@ -28,21 +28,21 @@ from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.drawing.style import (
     GREY,
     INK,
+    drawing_style,
     give_ticks,
-    headline,
     is_narrow,
-    raised,
-    styled,
+    raise_exponents,
+    write_headline,
 )
-from chain_impact.pictures.drawing.users_axes import drawn_into, fit_into_figure
+from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.over_time.energies import offset_text, shown_energies
 from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.pictures.over_time.time_axis import name_time
 from chain_impact.scene.words.unit_text import stiffness_unit
-from chain_impact.studies.compare.headline import laws_with_e, message, peaks
+from chain_impact.studies.compare.headline import headline, laws_with_e, peaks
 from chain_impact.studies.compare.runs import LawRuns, grows_again, has_jump, with_jump
 from chain_impact.studies.law_exchange import LOSSLESS, compared_impact
-from chain_impact.text import number, plural, prefixed
+from chain_impact.text import count_text, number_text, prefixed_unit
 from chain_impact.variables.impact_units import unit_at
 
 SIZE = (10.0, 4.8)  # [inch] default width and height of the figure
@@ -78,7 +78,7 @@ def plot_comparison(
     if ax is None:
         return draw_figure(partial(fill, comparison=comparison), path, size, SIZE)
     check_alone(path, size)
-    with drawn_into([ax]):
+    with draw_into([ax]):
         draw_loops(ax, comparison, looks_of(comparison))
         dash_lines(ax)
         ax.legend(handles=legend_handles(looks_of(comparison), ax))
@@ -86,12 +86,12 @@ def plot_comparison(
     return ax
 
 
-@styled()
+@drawing_style()
 def fill(figure: Figure, comparison: LawRuns) -> None:
     """Draw the two panels of the picture on an empty figure."""
     small = is_narrow(figure)
     looks = looks_of(comparison, small=small)
-    headline(figure, message(comparison, small=small), conditions(comparison, looks))
+    write_headline(figure, headline(comparison, small=small), conditions(comparison, looks))
     panels: dict[str, Any] = {"nrows": 2, "height_ratios": LOOPS_ABOVE} if small else {"ncols": 2}
     loops, energy = figure.subplots(**panels)
     draw_loops(loops, comparison, looks)
@@ -116,12 +116,13 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     per = f"{force}/{depth}"
     moving = f"{impact['effective_mass']:.3g} {mass} at {impact['impact_speed']:.3g} {speed}"
     hit = f"{compared_impact(comparison.scene)} of {moving}"
-    stiffness = f"stiffness K = {number(contact.stiffness)} {raised(stiffness_unit(per, contact.exponent))}"
-    tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
+    unit = raise_exponents(stiffness_unit(per, contact.exponent))
+    stiffness = f"stiffness K = {number_text(contact.stiffness)} {unit}"
+    tolerance = f"tolerance {number_text(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
     # whether the laws in the grey band have an entry in the legend, which tells their number
     is_told = bool(laws_in_band(comparison, looks))
-    others = [f"grey: {plural(grey, 'other law')}"] if grey and not is_told else []
+    others = [f"grey: {count_text(grey, 'other law')}"] if grey and not is_told else []
     results = [run.result for run in comparison.runs if run.result is not None]
     last = max(result.time[-1] for result in results)
     if max(shown_time(result).end for result in results) < last:
@@ -183,7 +184,7 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
     why = named_laws(comparison)
     twins: dict[str, list[str]] = {}
     for run in comparison.runs:
-        twin = next((other for other in twins if _alike(comparison[other].loop, run.loop)), run.law)
+        twin = next((other for other in twins if _are_loops_equal(comparison[other].loop, run.loop)), run.law)
         twins.setdefault(twin, []).append(run.law)
     looks: Looks = {}
     for first in sorted(twins, key=lambda law: -np.nan_to_num(comparison[law].restitution)):
@@ -196,8 +197,8 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
         restitution = comparison[first].restitution
         is_told = comparison.has_restitution and math.isfinite(restitution)
         reached = f"{'' if is_brief else 'e′ = '}{restitution:.2f}" if is_told else ""
-        told = ", ".join(filter(None, (first_reason, reached)))
-        label = ", ".join(laws) + (f" ({told})" if told else "")
+        words = ", ".join(filter(None, (first_reason, reached)))
+        label = ", ".join(laws) + (f" ({words})" if words else "")
         if comparison.reference in laws:
             look = law_look(comparison.reference) | {"linewidth": 3.0, "zorder": REFERENCE_LAYER}
         elif reasons:
@@ -211,7 +212,7 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
     return looks
 
 
-def _alike(first: np.ndarray | None, second: np.ndarray | None) -> bool:
+def _are_loops_equal(first: np.ndarray | None, second: np.ndarray | None) -> bool:
     """Return whether two loops of force over penetration (``LawRun.loop``) are equal.
 
     An empty loop, that of an impulse, and None, for an impact that has not ended, equal no loop.
@@ -230,7 +231,7 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     name = "moment" if comparison.is_at_stop else "force"
     units = [unit_at(quantity, stop=comparison.is_at_stop) for quantity in ("max_penetration", "peak_force")]
     largest = np.max([loop.max(axis=1) for loop in loops.values() if loop.size], axis=0, initial=0.0)
-    factors, (depth_unit, force_unit) = zip(*map(prefixed, largest, units), strict=True)
+    factors, (depth_unit, force_unit) = zip(*map(prefixed_unit, largest, units), strict=True)
     loops = {law: loop * np.reshape(factors, (2, 1)) if loop.size else loop for law, loop in loops.items()}
     fill_loops(axes, [loops[law] for law in band if law in loops and loops[law].size])
     for law in (law for law, loop in loops.items() if not loop.size):
@@ -263,17 +264,19 @@ def band_label(comparison: LawRuns, band: Sequence[str], *, small: bool = False)
     ``small``: whether the label is for a narrow figure, and must be short.
     """
     count = sum(
-        run.law == law or _alike(comparison[law].loop, run.loop) for law in band for run in comparison.runs
+        run.law == law or _are_loops_equal(comparison[law].loop, run.loop)
+        for law in band
+        for run in comparison.runs
     )
     if not comparison.has_restitution:
-        return plural(count, "other law")
+        return count_text(count, "other law")
     laws = [law for law in band if math.isfinite(comparison[law].restitution)] or list(band)
     order = sorted(laws, key=lambda law: comparison[law].restitution)
     before = "" if small else "e′ = "
     extremes = " to ".join(
         f"{law} ({before}{comparison[law].restitution:.2f})" for law in (order[0], order[-1])
     )
-    return f"{count} others: {extremes}" if small else f"{plural(count, 'other law')}: {extremes}"
+    return f"{count} others: {extremes}" if small else f"{count_text(count, 'other law')}: {extremes}"
 
 
 def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:

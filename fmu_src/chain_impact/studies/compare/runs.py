@@ -9,7 +9,7 @@ import numpy as np
 
 from chain_impact.deprecated import OlderName
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.recording.equality import same
+from chain_impact.recording.equality import have_equal_fields
 from chain_impact.recording.joint_stops import is_scene_joint_stop
 from chain_impact.results.result import Result
 from chain_impact.scene.keys.tables import Contact
@@ -51,7 +51,7 @@ class LawRun:
         result: the result of the run, up to a fault; None if the run could not start.
     """
 
-    __eq__ = same
+    __eq__ = have_equal_fields
     __hash__ = None  # type: ignore[assignment]
 
     law: str
@@ -104,7 +104,7 @@ class Reached:
 class LawRuns:
     """The runs of one scene with several laws; ``Comparison`` (compare.py) describes the attributes."""
 
-    __eq__ = same
+    __eq__ = have_equal_fields
     __hash__ = None  # type: ignore[assignment]
 
     scene: Scene

@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.studies.compare.runs import LawRun, LawRuns
 from chain_impact.studies.law_exchange import EXACT_LAW, compared_impact
-from chain_impact.text import TextTable, prefixed
+from chain_impact.text import TextTable, prefixed_unit
 from chain_impact.variables.impact_units import unit_at
 
 # a law realises the prescribed restitution e if its e′ in the first impact differs from e by at most
@@ -66,18 +66,18 @@ def shared_unit(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
     ``name`` is the head without a prefix: "peak, N" may become "peak, kN".
     """
     what, _, unit = name.partition(", ")
-    factor, unit = prefixed(np.nanmax([0.0, *values]), unit)
-    return f"{what}, {unit}", [formatted(factor * value, "#.4g") for value in values]
+    factor, unit = prefixed_unit(np.nanmax([0.0, *values]), unit)
+    return f"{what}, {unit}", [format_number(factor * value, "#.4g") for value in values]
 
 
 def _row(run: LawRun, values: Sequence[str]) -> tuple[str, ...]:
     differs = DASH if run.divergence is None else f"{run.divergence}, {run.divergence_time:.4f}"
     counts = (str(count) if run.result else DASH for count in (run.impacts, run.steps, run.evaluations))
     impacts, *cost = counts
-    return (run.law, formatted(run.restitution, ".4f"), *values, impacts, differs, *cost, run.note)
+    return (run.law, format_number(run.restitution, ".4f"), *values, impacts, differs, *cost, run.note)
 
 
-def formatted(value: float, form: str) -> str:
+def format_number(value: float, form: str) -> str:
     """Return a number as text in the format ``form``, such as ".2f"; a dash for NaN."""
     return DASH if math.isnan(value) else format(value, form)
 
@@ -106,25 +106,25 @@ def advice(comparison: LawRuns) -> str:
     """
     e = comparison.contact.restitution
     if comparison.pressed_again:
-        reach = "" if comparison.is_free else f"\n{_reach(comparison)}"
+        reach = "" if comparison.is_free else f"\n{_reach_sentence(comparison)}"
         return f"{comparison.no_restitution}, so e′ does not tell which laws realise e = {e:g}{reach}"
     near = [run.law for run in comparison.runs if abs(run.restitution - e) <= REALISED_WITHIN * e]
     within = f"within {100 * REALISED_WITHIN:g} % of e = {e:g} in this impact: "
     if comparison.is_free:
-        return within + (_few(near) or "none of these laws") + _choice(comparison, near)
+        return within + (_law_names(near) or "none of these laws") + _choice_words(comparison, near)
     sure = [law for law in near if law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive]
     here = [law for law in near if law not in sure]
     parts = [f"{', '.join(sure)}, as in any scene"] * bool(sure)
-    parts += [f"{_few(here)}, in this scene, not in any"] * bool(here)
-    return f"{within}{'; '.join(parts) or 'none of these laws'}\n{_reach(comparison)}"
+    parts += [f"{_law_names(here)}, in this scene, not in any"] * bool(here)
+    return f"{within}{'; '.join(parts) or 'none of these laws'}\n{_reach_sentence(comparison)}"
 
 
-def _few(laws: Sequence[str]) -> str:
+def _law_names(laws: Sequence[str]) -> str:
     """Return the names of ``laws``, or only the number of laws if there are more than NAMED_LAWS."""
     return ", ".join(laws) if len(laws) <= NAMED_LAWS else f"{len(laws)} laws, see e′"
 
 
-def _choice(comparison: LawRuns, near: Sequence[str]) -> str:
+def _choice_words(comparison: LawRuns, near: Sequence[str]) -> str:
     """Return words that advise one of the laws in ``near``; "" if these are fewer than two.
 
     ``near`` has the laws that realise the prescribed restitution.
@@ -138,14 +138,15 @@ def _choice(comparison: LawRuns, near: Sequence[str]) -> str:
     return f"; take {best}, which is the nearest here"
 
 
-def _reach(comparison: LawRuns) -> str:
+def _reach_sentence(comparison: LawRuns) -> str:
     """Return a sentence with the restitutions that the first impact, which is not free, can reach.
 
     The sentence has the restitutions without losses and with EXACT_LAW, at each stiffness in ``reached``.
     """
     e = comparison.contact.restitution
     values = ", ".join(
-        f"{formatted(at.exact, '.2f')} at K = {at.stiffness:.4g} ({formatted(at.lossless, '.2f')} lossless)"
+        f"{format_number(at.exact, '.2f')} at K = {at.stiffness:.4g} "
+        f"({format_number(at.lossless, '.2f')} lossless)"
         for at in comparison.reached
     )
     return (

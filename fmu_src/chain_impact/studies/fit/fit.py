@@ -10,12 +10,12 @@ from typing import cast
 import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.progress import Progress, silent
+from chain_impact.progress import Progress, no_progress
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.table_file import TableSource, is_table
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.simulation.inputs import Interpolation
-from chain_impact.studies.fit.horizon import Found, freedom_of_columns, search
+from chain_impact.studies.fit.horizon import SearchSeries, freedom_of_columns, search_parameters
 from chain_impact.studies.fit.measured_tables import read_measurements
 from chain_impact.studies.fit.measurements import Measurements
 from chain_impact.studies.fit.parameters import Bounds, Parameter, parameters_of
@@ -24,8 +24,8 @@ from chain_impact.studies.fit.remarks import not_random, outliers, unusual_chi_s
 from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.sigma import standard_deviation
 from chain_impact.studies.fit.uncertainty import information, quantiles, small_sample
-from chain_impact.studies.fit.unknown import unknown
-from chain_impact.text import plural
+from chain_impact.studies.fit.unknown import unknown_parameter_remarks
+from chain_impact.text import count_text
 
 # the logarithm of an interval's end counts as ± infinity beyond ± LARGEST_LOGARITHM; exp overflows above 709
 LARGEST_LOGARITHM = 700.0
@@ -84,7 +84,7 @@ def fit(
         OSError: when a file cannot be read.
         BuildError: when the kernel cannot be compiled.
     """
-    scene, progress = scene_of(scene), progress or silent
+    scene, progress = scene_of(scene), progress or no_progress
     usual = scene.simulation.stop_time
     if stop_time is not None:
         scene = scene.with_values({"simulation.stop_time": stop_time})
@@ -92,22 +92,22 @@ def fit(
         standard_deviation(name, value, 1.0)
     runs = _runs(data)
     scenes = _scenes(scene, len(runs), set_each or {})
-    whole = [read_measurements(run, scene, sigma or {}, columns) for run in runs]
-    measured = whole if stop_time is None else [data_set.cut_at(stop_time) for data_set in whole]
-    late = sum(map(len, whole)) - sum(map(len, measured))
+    all_data = [read_measurements(run, scene, sigma or {}, columns) for run in runs]
+    measured = all_data if stop_time is None else [data_set.cut_at(stop_time) for data_set in all_data]
+    late = sum(map(len, all_data)) - sum(map(len, measured))
     beyond = (
         [
-            f"{late} of {sum(map(len, whole))} values lie after the stop time, {stop_time:g} s: "
+            f"{late} of {sum(map(len, all_data))} values lie after the stop time, {stop_time:g} s: "
             "they were not used."
         ]
         if late
         else []
     )
-    if stop_time is None and (long := _long(usual, whole)):
+    if stop_time is None and (long := _long_data_sentences(usual, all_data)):
         raise SceneError(f"{scene.name}: {'; '.join(long)}: if it is in s, give the stop time")
     _check_sigma(scene, sigma or {}, measured)
 
-    def fitted(scenes: Sequence[Scene], progress: Progress) -> Fit:
+    def fit_scenes(scenes: Sequence[Scene], progress: Progress) -> Fit:
         parameters = parameters_of(scenes, free, free_each, bounds or {})
         _check_inputs(scene, parameters, measured)
         try:
@@ -119,34 +119,36 @@ def fit(
     if laws:
         from chain_impact.studies.fit.law_ranking import rank
 
-        return rank(fitted, scenes, progress)
-    return fitted(scenes, progress)
+        return rank(fit_scenes, scenes, progress)
+    return fit_scenes(scenes, progress)
 
 
 def _fit(problem: Problem, progress: Progress) -> Fit:
     """Search the parameters of a problem, whose scenes have one contact law, and return the fit."""
-    search_result = search(problem, progress)
-    at = _on_bounds(problem, search_result)
-    rows = at.usable
+    search_result = search_parameters(problem, progress)
+    evaluation = _on_bounds(problem, search_result)
+    rows = evaluation.usable
     _check_rigid(problem, rows)
     if rows.sum() < len(problem.parameters):
         few = (
-            f"{problem.scenes[0].name}: {plural(int(rows.sum()), 'value')} can be fitted, must be at least "
-            f"{len(problem.parameters)}, as many as parameters are free"
+            f"{problem.scenes[0].name}: {count_text(int(rows.sum()), 'value')} can be fitted, "
+            f"must be at least {len(problem.parameters)}, as many as parameters are free"
         )
-        raise SceneError("; ".join([few, *_left_out(problem, at)]))
-    fisher_information = information(at.slopes[rows], search_result.sigma[rows])
-    reached = problem.bounds_reached(at.coordinates, fisher_information.alone)
-    values, covariance = problem.values(at.coordinates), fisher_information.covariance
+        raise SceneError("; ".join([few, *_left_out_remarks(problem, evaluation)]))
+    fisher_information = information(evaluation.slopes[rows], search_result.sigma[rows])
+    reached = problem.bounds_reached(evaluation.coordinates, fisher_information.alone)
+    values, covariance = problem.values(evaluation.coordinates), fisher_information.covariance
     labels = [parameter.label for parameter in problem.parameters]
-    columns = freedom_of_columns(problem, at, search_result.sigma)
+    columns = freedom_of_columns(problem, evaluation, search_result.sigma)
     groups = [(problem.group[rows] == group, free) for group, free in columns.items()]
-    small = small_sample(at.slopes[rows], search_result.sigma[rows], groups)
+    small = small_sample(evaluation.slopes[rows], search_result.sigma[rows], groups)
     errors = fisher_information.errors * small.factor
     halves = errors * quantiles(small.freedom)
     with np.errstate(invalid="ignore"):
         correlation = covariance / np.outer(fisher_information.errors, fisher_information.errors)
-    scenes = tuple(_fitted(scene, k, problem.parameters, values) for k, scene in enumerate(problem.scenes))
+    scenes = tuple(
+        _fitted_scene(scene, k, problem.parameters, values) for k, scene in enumerate(problem.scenes)
+    )
     result = Fit(
         scene=scenes[0],
         scenes=scenes,
@@ -156,24 +158,24 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
         intervals={
             label: _interval(scene, coordinate, half)
             for label, scene, coordinate, half in zip(
-                labels, problem.parameters, at.coordinates, halves, strict=True
+                labels, problem.parameters, evaluation.coordinates, halves, strict=True
             )
         },
         correlation=correlation,
         data=problem.data,
-        residuals=np.where(rows, at.residuals, np.nan),
+        residuals=np.where(rows, evaluation.residuals, np.nan),
         sigma=search_result.sigma,
         estimated=problem.estimated,
-        deviance=_deviance(problem, at, rows),
-        converged=search_result.search.converged,
+        deviance=_deviance(problem, evaluation, rows),
+        converged=search_result.last_search.converged,
         evaluations=problem.evaluations,
         horizons=search_result.horizons,
         at_bounds={labels[p]: which for p, which in reached.items()},
         interpolation=problem.interpolation,
-        unknown=tuple(unknown(problem, at, fisher_information, reached)),
-        model_runs=at.runs,
+        unknown=tuple(unknown_parameter_remarks(problem, evaluation, fisher_information, reached)),
+        model_runs=evaluation.runs,
     )
-    return replace(result, notes=tuple(_notes(problem, result, at, search_result)))
+    return replace(result, notes=tuple(_fit_remarks(problem, result, evaluation, search_result)))
 
 
 def _check_rigid(problem: Problem, usable: np.ndarray) -> None:
@@ -190,23 +192,23 @@ def _check_rigid(problem: Problem, usable: np.ndarray) -> None:
             )
 
 
-def _on_bounds(problem: Problem, search_result: Found) -> Evaluation:
+def _on_bounds(problem: Problem, search_result: SearchSeries) -> Evaluation:
     """Return the model at the end of the search, with each parameter close to a bound set to this bound.
 
     The search approaches a bound without reaching it. If a measured value can be fitted only at the bounds,
     or only with the parameters of the search, for example because an impact is missing at the bounds, the
     model with the parameters of the search is returned.
     """
-    at = search_result.search.best
-    alone = information(at.slopes[at.usable], search_result.sigma[at.usable]).alone
-    reached = problem.bounds_reached(at.coordinates, alone)
+    evaluation = search_result.last_search.best
+    alone = information(evaluation.slopes[evaluation.usable], search_result.sigma[evaluation.usable]).alone
+    reached = problem.bounds_reached(evaluation.coordinates, alone)
     if not reached:
-        return at
-    coordinates = at.coordinates.copy()
+        return evaluation
+    coordinates = evaluation.coordinates.copy()
     for p, which in reached.items():
         coordinates[p] = problem.low[p] if which == "lower" else problem.high[p]
     on_bounds = problem.evaluate(coordinates)
-    return on_bounds if np.array_equal(on_bounds.usable, at.usable) else at
+    return on_bounds if np.array_equal(on_bounds.usable, evaluation.usable) else evaluation
 
 
 def _runs(
@@ -224,7 +226,7 @@ def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float] | n
     for name, values in set_each.items():
         if len(values) != count:
             raise SceneError(
-                f"{scene.name}: {name} has {plural(len(values), 'value')}, must have {count}, "
+                f"{scene.name}: {name} has {count_text(len(values), 'value')}, must have {count}, "
                 "one for each data set"
             )
     return [
@@ -233,7 +235,7 @@ def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float] | n
     ]
 
 
-def _long(stop_time: float, data: Sequence[Measurements]) -> list[str]:
+def _long_data_sentences(stop_time: float, data: Sequence[Measurements]) -> list[str]:
     """Return a sentence for each data set that lasts at least MOST_STOP_TIMES × ``stop_time``.
 
     ``stop_time`` is the stop time of the scene [s]. The times of such data are probably in ms.
@@ -281,20 +283,20 @@ def _interval(parameter: Parameter, coordinate: float, half: float) -> tuple[flo
     return low, high
 
 
-def _fitted(scene: Scene, k: int, parameters: Sequence[Parameter], values: np.ndarray) -> Scene:
+def _fitted_scene(scene: Scene, k: int, parameters: Sequence[Parameter], values: np.ndarray) -> Scene:
     """Return the scene of data set ``k`` with the fitted values, except those of inputs."""
     known = scene.values
     mine = zip(parameters, values.tolist(), strict=True)
     return scene.with_values(
         {
-            parameter.name: at
-            for parameter, at in mine
+            parameter.name: value
+            for parameter, value in mine
             if parameter.data_set in (None, k) and parameter.name in known
         }
     )
 
 
-def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
+def _deviance(problem: Problem, evaluation: Evaluation, rows: np.ndarray) -> float:
     """Return −2 log of the likelihood for normal errors, up to a constant that depends only on the data.
 
     A column of n fitted residuals r adds Σ (r/σ)² if σ is given, and n log(Σ r²/n) if σ is estimated.
@@ -303,7 +305,7 @@ def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
     total = 0.0
     for group, name in enumerate(problem.names):
         mine = rows & (problem.group == group)
-        residuals = at.residuals[mine]
+        residuals = evaluation.residuals[mine]
         if name in problem.estimated:
             mean = max(float((residuals**2).mean()), np.finfo(float).tiny) if mine.any() else 1.0
             total += mine.sum() * math.log(mean)
@@ -312,15 +314,17 @@ def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
     return float(total)
 
 
-def _notes(problem: Problem, result: Fit, at: Evaluation, search_result: Found) -> list[str]:
+def _fit_remarks(
+    problem: Problem, result: Fit, evaluation: Evaluation, search_result: SearchSeries
+) -> list[str]:
     """Return the remarks on a fit: convergence, values left out, bounds, inputs, residuals, rough σ."""
     notes = []
     if not result.converged and np.isfinite(list(result.standard_errors.values())).any():
         notes.append(
-            f"The search did not converge in {search_result.search.steps} steps: "
+            f"The search did not converge in {search_result.last_search.steps} steps: "
             "start nearer, or free fewer parameters."
         )
-    notes += _left_out(problem, at)
+    notes += _left_out_remarks(problem, evaluation)
     notes += [
         f"{label} is at its {which} bound, {result.values[label]:.6g}: "
         "its standard error and interval do not hold."
@@ -329,32 +333,32 @@ def _notes(problem: Problem, result: Fit, at: Evaluation, search_result: Found) 
     for parameter in problem.parameters:
         if parameter.name not in problem.scenes[0].values:
             notes.append(f"{parameter.label} is an input: the fitted scene does not hold it.")
-    notes += [*outliers(result, at.slopes), *unusual_chi_squared(result)]
-    return [*notes, *not_random(result), *_few(problem, at)]
+    notes += [*outliers(result, evaluation.slopes), *unusual_chi_squared(result)]
+    return [*notes, *not_random(result), *_few_values_remarks(problem, evaluation)]
 
 
-def _few(problem: Problem, at: Evaluation) -> Iterator[str]:
+def _few_values_remarks(problem: Problem, evaluation: Evaluation) -> Iterator[str]:
     """Yield a remark for each column whose σ is estimated from 1 to ROUGH_BELOW − 1 fitted values."""
     for name in problem.estimated:
-        count = int((at.usable & (problem.group == problem.names.index(name))).sum())
+        count = int((evaluation.usable & (problem.group == problem.names.index(name))).sum())
         if 0 < count < ROUGH_BELOW:
             yield (
-                f"{name} has {plural(count, 'value')}: a σ that is estimated from fewer than {ROUGH_BELOW} "
-                "is rough, and so are the intervals. Give its sigma if you know it."
+                f"{name} has {count_text(count, 'value')}: a σ that is estimated from fewer "
+                f"than {ROUGH_BELOW} is rough, and so are the intervals. Give its sigma if you know it."
             )
 
 
-def _left_out(problem: Problem, at: Evaluation) -> list[str]:
+def _left_out_remarks(problem: Problem, evaluation: Evaluation) -> list[str]:
     """Return remarks on the measured values that were not fitted, with the reasons; [] without any."""
     count, notes = len(problem.value), []
-    missing, blind = int((~at.exists).sum()), int((at.exists & ~at.usable).sum())
+    missing, blind = int((~evaluation.exists).sum()), int((evaluation.exists & ~evaluation.usable).sum())
     if missing:
-        fault = problem.fault(at)
+        fault = problem.fault(evaluation)
         why = fault or "the model has no such impact, or its contact lasts to the end"
-        columns = ", ".join(problem.names[group] for group in np.unique(problem.group[~at.exists]))
+        columns = ", ".join(problem.names[group] for group in np.unique(problem.group[~evaluation.exists]))
         notes.append(f"{missing} of {count} values were left out, of {columns}: {why}.")
     if blind:
-        limits = [limit for run in at.runs for limit in run.limits] or ["a derivative does not exist"]
+        limits = [limit for run in evaluation.runs for limit in run.limits] or ["a derivative does not exist"]
         notes.append(
             f"{blind} of {count} values were left out, for want of a derivative: {'; '.join(limits)}."
         )

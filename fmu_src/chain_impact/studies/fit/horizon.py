@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.progress import Progress, silent
+from chain_impact.progress import Progress, no_progress
 from chain_impact.scene.errors import SceneError
 from chain_impact.studies.fit.least_squares import Search, minimize
 from chain_impact.studies.fit.problem import Evaluation, Problem
@@ -26,10 +26,10 @@ VALUES_PER_PARAMETER = 3
 # FOLLOWED_WITHIN[1] in the second series.
 FOLLOWED_WITHIN = (0.01, 0.0025)
 # A second series of searches follows if the first series does not converge; or if the mean square of the
-# residuals r/σ with all data is at least WORSE × the smallest mean square with fewer data, which is a sign of
-# a wrong minimum. The smallest mean square counts as at least LEAST_SQUARE, because smaller ones are only
-# round-off.
-WORSE, LEAST_SQUARE = 1.2, 1e-6
+# residuals r/σ with all data is at least SUSPICIOUS_RATIO × the smallest mean square with fewer data, which
+# is a sign of a wrong minimum. The smallest mean square counts as at least LEAST_SQUARE, because smaller ones
+# are only round-off.
+SUSPICIOUS_RATIO, LEAST_SQUARE = 1.2, 1e-6
 # a mean square of fewer residuals than MANY_VALUES is too random to be compared with other mean squares
 MANY_VALUES = 20
 GROWTH = 1.1  # each horizon, except the first and the last, is at least GROWTH × the preceding horizon
@@ -51,88 +51,94 @@ SETTLED_SIGMA, MOST_ROUNDS = 0.01, 20
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchSeries:
     """The result of a series of searches with growing horizons.
 
     Attributes:
-        search: the result of the last search, with all data.
+        last_search: the result of the last search, with all data.
         sigma: standard deviation of each value, given or estimated, shape (M,).
         horizons: the horizon of each search with fewer data, the time [s] up to which the search used data;
             at the end one entry for all searches with all data: the last time of a value, 0 if none has one.
-        worse: mean square of the residuals r/σ with all data, divided by the smallest mean square (at least
-            LEAST_SQUARE) of the searches with fewer data that used at least MANY_VALUES values; 0 if no
+        misfit_ratio: mean square of the residuals r/σ with all data, divided by the smallest mean square (at
+            least LEAST_SQUARE) of the searches with fewer data that used at least MANY_VALUES values; 0 if no
             search with fewer data used so many values.
     """
 
-    search: Search
+    last_search: Search
     sigma: np.ndarray
     horizons: tuple[float, ...]
-    worse: float
+    misfit_ratio: float
 
 
-def search(problem: Problem, progress: Progress = silent) -> Found:
+def search_parameters(problem: Problem, progress: Progress = no_progress) -> SearchSeries:
     """Search the values of the free parameters, and return the result of a series of searches.
 
-    If the first series does not converge, or probably ends in a wrong minimum (see WORSE), a second series is
-    made. Then the result with the smaller mean square of r/σ is returned, with the σ of the first series for
-    both mean squares.
+    If the first series does not converge, or probably ends in a wrong minimum (see SUSPICIOUS_RATIO), a
+    second series is made. Then the result with the smaller mean square of r/σ is returned, with the σ of the
+    first series for both mean squares.
 
     Raises:
         SceneError: when the data cannot be fitted, or the model at the start has none of the measured values.
     """
     start = problem.evaluate(problem.start)
     _check(problem, start)
-    first = _search(problem, start, FOLLOWED_WITHIN[0], progress)
-    if first.search.converged and first.worse < WORSE:
+    first = _search_with_growing_horizon(problem, start, FOLLOWED_WITHIN[0], progress)
+    if first.last_search.converged and first.misfit_ratio < SUSPICIOUS_RATIO:
         return first
-    second = _search(problem, start, FOLLOWED_WITHIN[1], progress)
-    return min(first, second, key=lambda candidate: _squares(candidate.search.best, first.sigma))
+    second = _search_with_growing_horizon(problem, start, FOLLOWED_WITHIN[1], progress)
+    return min(first, second, key=lambda candidate: _mean_square(candidate.last_search.best, first.sigma))
 
 
-def _search(problem: Problem, start: Evaluation, far: float, progress: Progress) -> Found:
+def _search_with_growing_horizon(
+    problem: Problem, start: Evaluation, far: float, progress: Progress
+) -> SearchSeries:
     """Return the result of a series of searches, whose horizons grow until all data are used.
 
     ``start`` is the model at the start values; for ``far`` and each next horizon see ``_next_horizon``.
     """
-    whole, sigma = start, _first_sigma(problem)
+    evaluation, sigma = start, _first_sigma(problem)
     last = float(np.nanmax(problem.value_times, initial=0.0))
-    horizons = [_first_horizon(problem, whole, far)]
+    horizons = [_first_horizon(problem, evaluation, far)]
     best = math.inf
     while horizons[-1] < math.inf:
-        result, sigma = _minimized(problem, whole, sigma, horizons[-1], enough=ROUGH_CHANGE, most=ROUGH_STEPS)
+        result, sigma = _search_to_horizon(
+            problem, evaluation, sigma, horizons[-1], enough=ROUGH_CHANGE, most=ROUGH_STEPS
+        )
         if result.best.usable.sum() >= MANY_VALUES:
-            best = min(best, _squares(result.best, sigma))
-        whole = problem.evaluate(result.best.coordinates)
-        horizons.append(_next_horizon(problem, whole, horizons[-1], far))
+            best = min(best, _mean_square(result.best, sigma))
+        evaluation = problem.evaluate(result.best.coordinates)
+        horizons.append(_next_horizon(problem, evaluation, horizons[-1], far))
         progress(min(1.0, horizons[-2] / last))
     early = sigma
     for _ in range(MOST_ROUNDS):
         present = sigma
-        result, sigma = _minimized(problem, whole, present, math.inf, enough=FINE_CHANGE, most=FINE_STEPS)
-        whole = result.best
+        result, sigma = _search_to_horizon(
+            problem, evaluation, present, math.inf, enough=FINE_CHANGE, most=FINE_STEPS
+        )
+        evaluation = result.best
         if len(problem.names) == 1 or np.allclose(sigma, present, rtol=SETTLED_SIGMA, atol=0.0):
             break
-    worse = _squares(whole, early) / max(best, LEAST_SQUARE)
-    return Found(result, sigma, (*horizons[:-1], last), worse)
+    misfit_ratio = _mean_square(evaluation, early) / max(best, LEAST_SQUARE)
+    return SearchSeries(result, sigma, (*horizons[:-1], last), misfit_ratio)
 
 
-def _squares(at: Evaluation, sigma: np.ndarray) -> float:
+def _mean_square(evaluation: Evaluation, sigma: np.ndarray) -> float:
     """Return the mean square of a model's usable residuals r/σ; infinity if no residual is usable."""
-    rows = at.usable
-    return float(np.mean((at.residuals[rows] / sigma[rows]) ** 2)) if rows.any() else math.inf
+    rows = evaluation.usable
+    return float(np.mean((evaluation.residuals[rows] / sigma[rows]) ** 2)) if rows.any() else math.inf
 
 
-def _minimized(
-    problem: Problem, whole: Evaluation, sigma: np.ndarray, horizon: float, *, enough: float, most: int
+def _search_to_horizon(
+    problem: Problem, evaluation: Evaluation, sigma: np.ndarray, horizon: float, *, enough: float, most: int
 ) -> tuple[Search, np.ndarray]:
     """Return the result of a search with the data up to a horizon [s], and new σ of all values, shape (M,).
 
-    ``whole`` is the model at the start of the search, compared with all data; ``sigma`` has the σ that the
-    search uses; see ``minimize`` for ``enough`` and ``most``.
+    ``evaluation`` is the model at the start of the search, compared with all data; ``sigma`` has the σ that
+    the search uses; see ``minimize`` for ``enough`` and ``most``.
     """
     minimum = minimize(
         lambda coordinates: problem.evaluate(coordinates, horizon),
-        problem.cut_at_horizon(whole, horizon),
+        problem.cut_at_horizon(evaluation, horizon),
         sigma,
         bounds=(problem.low, problem.high),
         enough=enough,
@@ -141,53 +147,53 @@ def _minimized(
     return minimum, estimate_sigma(problem, minimum.best, sigma)
 
 
-def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.ndarray:
+def estimate_sigma(problem: Problem, evaluation: Evaluation, sigma: np.ndarray) -> np.ndarray:
     """Return the standard deviation σ of each value, shape (M,): the given one, or a new estimate.
 
     For a column without given σ, the usable residuals r with ν degrees of freedom give σ² = Σ r²/ν, but σ is
     at least LEAST_SIGMA times the size of the column. If ν (``freedom_of_columns``) is at most NO_FREEDOM, σ
     stays as in ``sigma``.
     """
-    estimated, rows = sigma.copy(), at.usable
-    free = freedom_of_columns(problem, at, sigma)
-    for group, least in _estimated(problem):
+    estimated, rows = sigma.copy(), evaluation.usable
+    free = freedom_of_columns(problem, evaluation, sigma)
+    for group, least in _columns_without_sigma(problem):
         mine = problem.group == group
         if free[group] > NO_FREEDOM:
-            squares = (at.residuals[rows & mine] ** 2).sum()
+            squares = (evaluation.residuals[rows & mine] ** 2).sum()
             estimated[mine] = max(least, math.sqrt(squares / free[group]))
     return estimated
 
 
-def freedom_of_columns(problem: Problem, at: Evaluation, sigma: np.ndarray) -> dict[int, float]:
+def freedom_of_columns(problem: Problem, evaluation: Evaluation, sigma: np.ndarray) -> dict[int, float]:
     """Return the degrees of freedom ν of the columns with an estimated σ: index of the column → ν.
 
     A column with n usable values has ν = n − h. Here h, the sum of the leverages of these values, is the
     number of parameters that the column determines; it need not be whole.
     """
-    rows = np.flatnonzero(at.usable)
-    left, singular, _ = np.linalg.svd(at.slopes[rows] / sigma[rows, None], full_matrices=False)
+    rows = np.flatnonzero(evaluation.usable)
+    left, singular, _ = np.linalg.svd(evaluation.slopes[rows] / sigma[rows, None], full_matrices=False)
     rank = singular > 1e-12 * max(singular.max(initial=0.0), 1e-300)
     leverage = (left[:, rank] ** 2).sum(axis=1)
-    mine = {group: problem.group[rows] == group for group, _ in _estimated(problem)}
+    mine = {group: problem.group[rows] == group for group, _ in _columns_without_sigma(problem)}
     return {group: float(rows.sum() - leverage[rows].sum()) for group, rows in mine.items()}
 
 
 def _first_sigma(problem: Problem) -> np.ndarray:
     """Return the first σ of each value, shape (M,): the given one, or 0.01 × the column's ``size``."""
     sigma = problem.sigma.copy()
-    for group, least in _estimated(problem):
+    for group, least in _columns_without_sigma(problem):
         sigma[problem.group == group] = 0.01 / LEAST_SIGMA * least
     return sigma
 
 
-def _estimated(problem: Problem) -> list[tuple[int, float]]:
+def _columns_without_sigma(problem: Problem) -> list[tuple[int, float]]:
     """Return index in ``problem.names``, and least estimate of σ, of each column without a given σ."""
     groups = [problem.names.index(name) for name in problem.estimated]
     return [(group, LEAST_SIGMA * float(problem.size[problem.group == group][0])) for group in groups]
 
 
-def _check(problem: Problem, whole: Evaluation) -> None:
-    """Refuse data that cannot be fitted, and a model (``whole``) that has none of the measured values.
+def _check(problem: Problem, evaluation: Evaluation) -> None:
+    """Refuse data that cannot be fitted, and a model (``evaluation``) that has none of the measured values.
 
     A column cannot be fitted if only some of its values have a σ, or if it has a single value without σ.
     """
@@ -203,37 +209,37 @@ def _check(problem: Problem, whole: Evaluation) -> None:
                 f"{sources}: {name} has one value only, from which its sigma cannot be estimated: give it, "
                 f"for example 2% (--sigma {name}=2%), or add a column sigma({name})"
             )
-    if not whole.exists.any():
-        fault = problem.fault(whole) or "the model has none of the measured impacts"
+    if not evaluation.exists.any():
+        fault = problem.fault(evaluation) or "the model has none of the measured impacts"
         raise SceneError(f"{problem.scenes[0].name}: the model has no value to compare with data: {fault}")
 
 
-def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
+def _first_horizon(problem: Problem, evaluation: Evaluation, far: float) -> float:
     """Return the first horizon [s]: infinity if the first search is to use all data.
 
     The horizon is the time up to which as many values lie as VALUES_PER_PARAMETER demands or, if later, the
     time up to which the model follows the data. The horizon is infinite if too few values have a time, or if
-    no value has a time later than the horizon. ``whole`` is the model at the start values; for ``far`` see
-    ``_next_horizon``.
+    no value has a time later than the horizon. ``evaluation`` is the model at the start values; for ``far``
+    see ``_next_horizon``.
     """
     times = np.sort(problem.value_times[np.isfinite(problem.value_times)])
     least = len(problem.parameters)
     rows = max(least, min(VALUES_PER_PARAMETER * least, len(times) // VALUES_PER_PARAMETER))
     return (
-        _next_horizon(problem, whole, float(times[rows - 1]) / GROWTH, far)
+        _next_horizon(problem, evaluation, float(times[rows - 1]) / GROWTH, far)
         if rows <= len(times)
         else math.inf
     )
 
 
-def _next_horizon(problem: Problem, whole: Evaluation, horizon: float, far: float) -> float:
+def _next_horizon(problem: Problem, evaluation: Evaluation, horizon: float, far: float) -> float:
     """Return the next horizon [s], the later one of two times; infinity if no value is later than both.
 
     One time is GROWTH × ``horizon``. The other is the first time of a value in ``Problem.followed`` that the
     model lacks, or from which it differs by more than ``far`` × the size of the column; infinity if no value
     is such. If ``horizon`` and both times are 0, the next horizon is the first time > 0 of a value.
     """
-    away = problem.followed & ~(np.abs(whole.residuals) <= far * problem.size)
+    away = problem.followed & ~(np.abs(evaluation.residuals) <= far * problem.size)
     times = problem.value_times
     last = float(np.nanmax(times))
     reached = float(np.min(times[away], initial=math.inf, where=np.isfinite(times[away])))

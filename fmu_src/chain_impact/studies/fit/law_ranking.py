@@ -42,7 +42,8 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
         for origin in (first.scenes, scenes) if first else (scenes,):
             try:
                 fitted = fit(
-                    [_with_law(scene, law, first) for scene in origin], _part(progress, k, len(laws))
+                    [_with_law(scene, law, first) for scene in origin],
+                    _progress_of_law(progress, k, len(laws)),
                 )
             except SceneError as error:
                 note = note if fitted else str(error).removeprefix(f"{scenes[0].name}: ")
@@ -57,14 +58,14 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     if not most:
         raise SceneError(f"{scenes[0].name}: no contact law can be fitted: {ranking[0].note}")
     ranking.sort(key=lambda law_fit: _rank_key(law_fit, most))
-    ranked = tuple(_noted(law_fit, most) for law_fit in ranking)
+    ranked = tuple(_with_remarks(law_fit, most) for law_fit in ranking)
     best = ranked[0].fit
     assert best is not None
     # the report shows the user's start values; other laws started at the parameters of the fit `first`
     return replace(best, parameters=(first or best).parameters, ranking=ranked)
 
 
-def _part(progress: Progress, k: int, count: int) -> Progress:
+def _progress_of_law(progress: Progress, k: int, count: int) -> Progress:
     """Return the progress function for the fit of law number ``k`` (from 0) of ``count`` laws."""
     return lambda part: progress((k + part) / count)
 
@@ -94,7 +95,7 @@ def _rank_key(law_fit: LawFit, most: int) -> tuple[bool, bool, float]:
     return False, bool(law_fit.fit.used.sum() < most), round(law_fit.fit.aic, CRITERION_DIGITS)
 
 
-def _noted(law_fit: LawFit, most: int) -> LawFit:
+def _with_remarks(law_fit: LawFit, most: int) -> LawFit:
     """Return a law's fit with remarks if the fit uses fewer values than ``most``, or did not converge."""
     if law_fit.fit is None:
         return law_fit

@@ -68,9 +68,9 @@ def minimize(
     def model(coordinates: np.ndarray) -> Evaluation:
         key = coordinates.tobytes()
         if key not in kept:
-            whole = first.coordinates.copy()
-            whole[moved] = coordinates
-            kept[key] = evaluate(whole)
+            all_coordinates = first.coordinates.copy()
+            all_coordinates[moved] = coordinates
+            kept[key] = evaluate(all_coordinates)
         return kept[key]
 
     def slopes(coordinates: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ from chain_impact.scene.errors import SceneError, names_matching, value_text
 from chain_impact.scene.files.table_file import Table, TableSource, is_table, read_table
 from chain_impact.scene.files.text_file import likely_time, time_like
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.similar_names import nearest
+from chain_impact.scene.words.similar_names import nearest_name
 from chain_impact.studies.fit.measurements import (
     DURATION,
     MEASURED_OF_IMPACT,
@@ -132,7 +132,7 @@ class _Book:
         """Return two lists: chosen columns of outputs and inputs over time, and of quantities of impacts."""
         measured, over_time = _value_columns(table), {*self._outputs, *self._inputs}
         values = [name for name in measured if name in chosen]
-        needed, likely = _meant(table, over_time)
+        needed, likely = _needed_time_column(table, over_time)
         for name in values:
             if name not in over_time and name not in MEASURED_OF_IMPACT:
                 if likely and likely_time([name]):
@@ -167,7 +167,7 @@ class _Book:
         return samples, quantities
 
     def _hint(self, name: str, others: Sequence[str]) -> str:
-        near = nearest(name, [*self._outputs, *self._inputs, *MEASURED_OF_IMPACT])
+        near = nearest_name(name, [*self._outputs, *self._inputs, *MEASURED_OF_IMPACT])
         hint = f"the nearest is {near}" if near else f"impacts have {', '.join(MEASURED_OF_IMPACT)}"
         return (
             f"is not an output that changes over time, no input, and no quantity of an impact; {hint}; name "
@@ -269,7 +269,7 @@ class _Book:
         return sigma
 
 
-def _meant(table: Table, over_time: Set[str]) -> tuple[str, str]:
+def _needed_time_column(table: Table, over_time: Set[str]) -> tuple[str, str]:
     """Return the name of the column of times that a table needs, and a hint for an error.
 
     A table with columns of impacts, but none of ``over_time``, needs ``onset``; any other table ``time``. The

@@ -12,7 +12,7 @@ from chain_impact.scene.errors import SceneError, UnknownNameError, value_text
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.words.angles import radians_of
 from chain_impact.scene.words.names import fmu_name, start_hint, value_at_start
-from chain_impact.scene.words.similar_names import nearest
+from chain_impact.scene.words.similar_names import nearest_name
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
@@ -116,7 +116,7 @@ def parameters_of(
             raise SceneError(f"{scene.name}: {name} is named twice among the free parameters")
     for name in bounds:
         if name not in names:
-            near = nearest(name, names) or ", ".join(names)
+            near = nearest_name(name, names) or ", ".join(names)
             raise SceneError(f"{scene.name}: bounds of {name}: the parameter is not free; free is {near}")
     shared = [_parameter(variables[name], scene, bounds.get(name), None) for name in free]
     each = [

@@ -35,11 +35,11 @@ from chain_impact.pictures.drawing.style import (
     PALETTE,
     PEAK_COLOUR,
     VERMILLION,
-    faint,
-    headline,
+    drawing_style,
+    faint_colour,
     is_narrow,
-    raised,
-    styled,
+    raise_exponents,
+    write_headline,
 )
 from chain_impact.pictures.over_time.time_axis import name_time
 from chain_impact.results.result import Result
@@ -57,7 +57,7 @@ from chain_impact.studies.fit.report import (
     sigma_of,
 )
 from chain_impact.studies.fit.unknown import size_of
-from chain_impact.text import number, plural
+from chain_impact.text import count_text, number_text
 
 MOST_FIT_PANELS = 8  # the largest number of panels; further measured columns are not drawn
 MOST_IN_TITLE = 2  # largest number of parameters in the headline
@@ -114,7 +114,7 @@ def plot_fit(
     return draw_figure(partial(fill, fit=fit), path, size, (width, 0.7 + rows * FIT_PANEL_HEIGHT))
 
 
-@styled()
+@drawing_style()
 def fill(figure: Figure, fit: Estimates) -> None:
     """Draw a panel for each of the first MOST_FIT_PANELS columns, and the headline, on an empty figure."""
     names = list(fit.columns)[:MOST_FIT_PANELS]
@@ -138,23 +138,23 @@ def fill(figure: Figure, fit: Estimates) -> None:
             axes.set_xlabel("")
     poor = ", ".join(alike_neighbours(fit))
     warning = f"errors are too small: neighbouring residuals of {poor} are correlated"
-    more = [f"rms residual {number(misfit(fit, fit), 3)} σ", strongest_correlation(fit)]
+    more = [f"rms residual {number_text(misfit(fit, fit), 3)} σ", strongest_correlation(fit)]
     if len(names) < len(fit.columns):
         more.append(f"{len(names)} of {len(fit.columns)} columns")
     if len(fit.estimated) < len(fit.columns):
-        more.append(f"χ² per degree of freedom {number(fit.reduced_chi_squared, 3)}")
+        more.append(f"χ² per degree of freedom {number_text(fit.reduced_chi_squared, 3)}")
     marks = "bars and bands" if any(name in MEASURED_OF_IMPACT for name in names) else "bands"
     more.append(f"±: standard error; Δ: model − data; {marks}: ± {USUAL:g} σ")
     if any(line.get_label() == MEAN for axes in figure.axes for line in axes.lines):
         more.append("line through Δ: its running mean")
     if has_lines:
         more.append("grey lines: impacts of the model")
-    told = _estimate_texts(fit)
+    texts = _estimate_texts(fit)
     kept = 1 if is_narrow(figure) else MOST_IN_TITLE
     size = heading(fit, ": ").partition(": ")[2]
-    title = f"{fit.scene.name}: {', '.join(told[:kept])}"
+    title = f"{fit.scene.name}: {', '.join(texts[:kept])}"
     lines = [(warning, PEAK_COLOUR)] if poor else []
-    headline(figure, title, SEPARATOR.join(filter(None, [*told[kept:], *more, size])), *lines)
+    write_headline(figure, title, SEPARATOR.join(filter(None, [*texts[kept:], *more, size])), *lines)
     figure.align_ylabels()
     settle(figure)
 
@@ -169,7 +169,7 @@ def _widths(names: Sequence[str]) -> list[int]:
     return [1] * min(len(names), 2)
 
 
-@styled()
+@drawing_style()
 def fill_ranking(figure: Figure, fit: Estimates) -> None:
     """Draw the ranking of contact laws on an empty figure: ΔAIC of each law as a dot.
 
@@ -182,7 +182,11 @@ def fill_ranking(figure: Figure, fit: Estimates) -> None:
         names=[entry.law for entry in fit.ranking],
         values=above,
         texts=[
-            "–" if entry.fit is None else number(round(value, 1), 2) if value < HARDLY else f"{value:.0f}"
+            "–"
+            if entry.fit is None
+            else number_text(round(value, 1), 2)
+            if value < HARDLY
+            else f"{value:.0f}"
             for entry, value in zip(fit.ranking, above, strict=True)
         ],
         label="ΔAIC",
@@ -191,15 +195,15 @@ def fill_ranking(figure: Figure, fit: Estimates) -> None:
         colours=[PALETTE[0] if fits_equally(entry, fit) else GREY for entry in fit.ranking],
     )
     tied = [entry.fit for entry in fit.ranking if entry.fit and fits_equally(entry, fit)]
-    told = _ranges(fit, tied) if len(tied) > 1 else _estimate_texts(fit)
-    told.append("blue: as good as the best law")
+    texts = _ranges(fit, tied) if len(tied) > 1 else _estimate_texts(fit)
+    texts.append("blue: as good as the best law")
     open_ended = ", ".join(entry.law for entry in fit.ranking if entry.fit and not entry.fit.converged)
-    told += [f"did not converge: {open_ended}"] if open_ended else []
+    texts += [f"did not converge: {open_ended}"] if open_ended else []
     if most > HARDLY:
-        told.append(f"from {HARDLY:g} on (dashed): hardly supported")
+        texts.append(f"from {HARDLY:g} on (dashed): hardly supported")
     others = count_of_best(fit) - 1
-    laws = f"{fit.law} and {plural(others, 'other law')} fit equally well" if others else ""
-    headline(figure, heading(fit, ": ", laws), SEPARATOR.join(told))
+    laws = f"{fit.law} and {count_text(others, 'other law')} fit equally well" if others else ""
+    write_headline(figure, heading(fit, ": ", laws), SEPARATOR.join(texts))
     axes = figure.subplots()
     draw_bars(axes, bars, (0.0, most or 1.0), small=is_narrow(figure))
     axes.axvline(HARDLY, color=INK, linewidth=0.8, linestyle="--")
@@ -217,9 +221,9 @@ def _ranges(fit: Estimates, tied: Sequence[Estimates]) -> list[str]:
     found = []
     for parameter in fit.parameters[:MOST_ESTIMATES]:
         values = [each.values[parameter.label] for each in tied]
-        ends = " to ".join(dict.fromkeys(number(end(values), 3) for end in (min, max)))
+        ends = " to ".join(dict.fromkeys(number_text(end(values), 3) for end in (min, max)))
         unit = scene_unit(parameter.unit, fit.scene)
-        found.append(f"{parameter.label} {raised(with_unit(ends, unit))} under these laws")
+        found.append(f"{parameter.label} {raise_exponents(with_unit(ends, unit))} under these laws")
     return found
 
 
@@ -324,7 +328,7 @@ def _curve(
     onsets = onsets[onsets <= last]
     for axes in panels:
         across: dict[str, Any] = {"linewidth": 0.6, "zorder": 0, "transform": axes.get_xaxis_transform()}
-        axes.vlines(onsets, 0.0, 1.0, faint(axes, IMPACT_LINE), **across)
+        axes.vlines(onsets, 0.0, 1.0, faint_colour(axes, IMPACT_LINE), **across)
     panels[0].plot(result.time[until], model[until], **{"linewidth": 1.8, "zorder": 4.0} | look)
     return len(onsets) > 0
 
@@ -378,11 +382,11 @@ def _estimate_text(fit: Estimates, label: str) -> str:
     parameter = next(parameter for parameter in fit.parameters if parameter.label == label)
     value, error = fit.values[label], fit.standard_errors[label]
     if which := fit.at_bounds.get(label):
-        text = with_unit(number(value, 4), scene_unit(parameter.unit, fit.scene))
-        return f"{label} at its {which} bound {raised(text)}"
+        text = with_unit(number_text(value, 4), scene_unit(parameter.unit, fit.scene))
+        return f"{label} at its {which} bound {raise_exponents(text)}"
     size = size_of(parameter, value, error / parameter.slope(value))
     unit = scene_unit(parameter.unit, fit.scene)
     decimals = 1 - math.floor(math.log10(error)) if 0.0 < error < math.inf else -1
     if size.endswith("%") or not 0 <= decimals <= ERROR_DECIMALS:
-        return f"{label} {raised(with_unit(rounded_text(value, error), unit))} ± {size}"
-    return f"{label} {value:.{decimals}f} ± {raised(with_unit(f'{error:.{decimals}f}', unit))}"
+        return f"{label} {raise_exponents(with_unit(rounded_text(value, error), unit))} ± {size}"
+    return f"{label} {value:.{decimals}f} ± {raise_exponents(with_unit(f'{error:.{decimals}f}', unit))}"

@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.measurements import Measurements
 from chain_impact.studies.fit.uncertainty import exceedance_probability, information
-from chain_impact.text import plural
+from chain_impact.text import count_text
 
 # a value is no outlier if its |residual| is at most SMALL_RESIDUAL × the range of the measured values of its
 # column
@@ -78,7 +78,7 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
             for row in order[:NAMED_VALUES]
         ]
         more = (
-            f"; so are {plural(len(order) - NAMED_VALUES, 'other value')}"
+            f"; so are {count_text(len(order) - NAMED_VALUES, 'other value')}"
             if len(order) > NAMED_VALUES
             else ""
         )

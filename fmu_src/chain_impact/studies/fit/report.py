@@ -11,7 +11,7 @@ from chain_impact.scene.words.unit_text import scene_unit, with_unit
 from chain_impact.studies.fit.estimates import Estimates, LawEstimates
 from chain_impact.studies.fit.parameters import LOG_SCALE_REACH, Parameter
 from chain_impact.studies.fit.unknown import size_of
-from chain_impact.text import TextTable, number, plural, prefixed
+from chain_impact.text import TextTable, count_text, number_text, prefixed_unit
 
 HIGH = 0.9  # the report names two parameters if the absolute value of their correlation exceeds HIGH
 # the largest number of horizons that the report lists; of more, it lists the first two, "…" and the last two
@@ -73,11 +73,11 @@ def heading(fit: Estimates, mark: str = "  ", laws: str = "") -> str:
     The number of data sets is left out if it is 1. ``mark`` separates the name of the scene from the text
     that follows; ``laws`` replaces the law.
     """
-    sets = f"{plural(len(fit.data), 'data set')}, " if len(fit.data) > 1 else ""
+    sets = f"{count_text(len(fit.data), 'data set')}, " if len(fit.data) > 1 else ""
     named = laws or fit.law
     return (
         f"{fit.scene.name}{mark}{f'{named}, ' if named else ''}{sets}{int(fit.used.sum())} values, "
-        f"{plural(len(fit.parameters), 'free parameter')}"
+        f"{count_text(len(fit.parameters), 'free parameter')}"
     )
 
 
@@ -89,7 +89,7 @@ def _parameters(fit: Estimates) -> list[Sequence[str]]:
         rows.append(
             (
                 parameter.label,
-                number(parameter.start, 6),
+                number_text(parameter.start, 6),
                 with_unit(rounded_text(value, error), scene_unit(parameter.unit, fit.scene)),
                 size_of(parameter, value, relative_error),
                 _interval(parameter, value, error, fit.intervals[parameter.label]),
@@ -122,9 +122,9 @@ def rounded_text(value: float, error: float) -> str:
     finite. Zeros at the end of a fraction are left out.
     """
     if not (math.isfinite(error) and error > 0.0 and value):
-        return number(value, 4)
+        return number_text(value, 4)
     digits = 2 + math.floor(math.log10(abs(value))) - math.floor(math.log10(error))
-    return number(value, min(max(digits, 2), 10))
+    return number_text(value, min(max(digits, 2), 10))
 
 
 def _columns(fit: Estimates) -> list[Sequence[str]]:
@@ -148,8 +148,8 @@ def sigma_of(fit: Estimates, name: str) -> str:
 
 def values_text(values: Sequence[float], unit: str) -> str:
     """Return one or two values as text with a unit, whose prefix suits the largest value."""
-    factor, shown = prefixed(max(values), unit) if unit else (1.0, unit)
-    return with_unit(" … ".join(number(factor * value, 3) for value in values), shown)
+    factor, shown = prefixed_unit(max(values), unit) if unit else (1.0, unit)
+    return with_unit(" … ".join(number_text(factor * value, 3) for value in values), shown)
 
 
 def _quality(fit: Estimates) -> str:
@@ -184,6 +184,6 @@ def _laws(fit: Estimates) -> list[Sequence[str]]:
             rounded_text(value, law_fit.fit.standard_errors[name])
             for name, value in law_fit.fit.values.items()
         )
-        told = criterion_above_best(law_fit.fit, fit), number(misfit(law_fit.fit, fit), 3)
-        rows.append((law_fit.law, *told, *values, law_fit.note))
+        numbers = criterion_above_best(law_fit.fit, fit), number_text(misfit(law_fit.fit, fit), 3)
+        rows.append((law_fit.law, *numbers, *values, law_fit.note))
     return rows

@@ -10,7 +10,7 @@ from typing import Any
 import tomlkit
 
 from chain_impact.compilation import cache
-from chain_impact.files import written_whole
+from chain_impact.files import written_atomically
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.text_file import text_of
 from chain_impact.scene.scene import Scene, parse_scene, scene_to_dict
@@ -42,14 +42,14 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
     else:
         text = text_with_values(text_of(Path(like)), scene, str(Path(like)))
     moved = like is not None and Path(like).parent.resolve() != path.parent.resolve()
-    if law and cache.holds(Path(law)):
-        text = _with_file(text, ("contact", "law_file"), _copied(Path(law), path.parent))
+    if law and cache.is_in_cache(Path(law)):
+        text = _with_file(text, ("contact", "law_file"), _copy_law_file(Path(law), path.parent))
     elif law and moved:
         text = _with_file(text, ("contact", "law_file"), os.path.relpath(law, path.parent))
     for name, signal in scene.signals.items():
         if signal.file and moved:
             text = _with_file(text, ("signals", name, "file"), os.path.relpath(signal.file, path.parent))
-    with written_whole(path) as fresh:
+    with written_atomically(path) as fresh:
         fresh.write_text(text, encoding="utf-8")
 
 
@@ -63,7 +63,7 @@ def text_with_values(text: str, scene: Scene, source: str) -> str:
     return text if present == scene else _text_with_values(text, scene_to_dict(present), scene_to_dict(scene))
 
 
-def _copied(law: Path, folder: Path) -> str:
+def _copy_law_file(law: Path, folder: Path) -> str:
     """Copy the file of a law into a folder, unless the folder has the same file; return the file's name.
 
     Raises:
@@ -72,7 +72,7 @@ def _copied(law: Path, folder: Path) -> str:
     """
     copy, source = folder / law.name, law.read_bytes()
     if not copy.exists():
-        with written_whole(copy) as fresh:
+        with written_atomically(copy) as fresh:
             fresh.write_bytes(source)
     elif copy.read_bytes() != source:
         raise SceneError(
@@ -88,7 +88,7 @@ def _with_file(text: str, key: tuple[str, ...], file: str) -> str:
     table = document
     for step in key[:-1]:
         table = table[step]
-    _set(table, key[-1], file)
+    _set_values(table, key[-1], file)
     return str(tomlkit.dumps(document))
 
 
@@ -108,7 +108,7 @@ def _text_with_values(text: str, present: dict[str, Any], wanted: dict[str, Any]
             if isinstance(value, Mapping):
                 _update(document.setdefault(name, tomlkit.table()), value, present.get(name, {}))
             else:
-                _set(document, name, value, present.get(name))
+                _set_values(document, name, value, present.get(name))
     return str(tomlkit.dumps(document))
 
 
@@ -130,10 +130,10 @@ def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -
         elif isinstance(value, Mapping):
             _update(table.setdefault(key, tomlkit.table()), value, before or {})
         else:
-            _set(table, key, value, before)
+            _set_values(table, key, value, before)
 
 
-def _set(table: Any, key: str, value: Any, present: Any = None) -> None:
+def _set_values(table: Any, key: str, value: Any, present: Any = None) -> None:
     """Write a value into a table of a TOML document; a comment after the value keeps its column if possible.
 
     Of a list that keeps its length, only the entries that differ from ``present`` are written; the other

@@ -25,15 +25,15 @@ BETTER = 0.5
 HUGE = 10.0
 
 
-def unknown(
-    problem: Problem, at: Evaluation, fisher_information: Information, reached: Collection[int]
+def unknown_parameter_remarks(
+    problem: Problem, evaluation: Evaluation, fisher_information: Information, reached: Collection[int]
 ) -> Iterator[str]:
     """Yield a sentence for each parameter that the data do not determine.
 
-    ``at`` is the fitted model, ``fisher_information`` the information of the fitted values. ``reached`` has
-    the indices of the parameters at a bound, which get no sentence.
+    ``evaluation`` is the fitted model, ``fisher_information`` the information of the fitted values.
+    ``reached`` has the indices of the parameters at a bound, which get no sentence.
     """
-    values, errors = problem.values(at.coordinates), fisher_information.errors
+    values, errors = problem.values(evaluation.coordinates), fisher_information.errors
 
     def is_weak(p: int, error: float) -> bool:
         return is_unknown(problem.parameters[p], values[p], error)

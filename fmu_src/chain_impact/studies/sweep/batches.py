@@ -67,7 +67,7 @@ class Batches:
         self._least = max(1, int(wanted / BATCH_RATIO * a_second))
 
 
-def hand_out(
+def run_batches(
     executor: Executor,
     count: int,
     do: Callable[[Span], tuple[Outcome, float]],
@@ -132,14 +132,14 @@ def run_in_threads(
     enough = Event()
     with ThreadPoolExecutor(threads) as pool:
         try:
-            yield from hand_out(
+            yield from run_batches(
                 pool, threads, partial(computation.run_batch, wanted=lambda: not enough.is_set()), spans
             )
         finally:
             enough.set()
 
 
-def missing(done: Sequence[Span], count: int) -> list[Span]:
+def missing_spans(done: Sequence[Span], count: int) -> list[Span]:
     """Return the spans of those of the runs 0 … count − 1 that are in no span of ``done``, ascending."""
     spans, start = [], 0
     for first, end in sorted(done):

@@ -14,7 +14,7 @@ from chain_impact.compilation.sources import fingerprint
 from chain_impact.extras import require
 from chain_impact.scene.errors import SceneError
 from chain_impact.simulation.errors import RunError
-from chain_impact.studies.sweep.batches import hand_out
+from chain_impact.studies.sweep.batches import run_batches
 from chain_impact.studies.sweep.computation import Computation, Outcome, Span
 
 # [s] CONNECT: the time limit for an answer of the scheduler; CHECK_INTERVAL: the time without a finished
@@ -52,11 +52,11 @@ def run_on_cluster(
         if not threads:
             raise RunError(f"scheduler {address}: it has no workers left")
 
-    with _connected(require("distributed", "cluster").Client, address) as client:
+    with _connect(require("distributed", "cluster").Client, address) as client:
         count = _check_workers(client, computation, address)
         try:
             executor = client.get_executor(pure=False)
-            yield from hand_out(
+            yield from run_batches(
                 executor, count, computation.run_batch, spans, check=check, patience=CHECK_INTERVAL
             )
         except (BuildError, RunError):
@@ -73,12 +73,12 @@ def identity() -> tuple[str, str]:
     return version("chain-impact"), fingerprint()
 
 
-def _sees(folder: Path) -> bool:
+def _can_read_manifest(folder: Path) -> bool:
     """Return whether this machine sees a manifest (``*.json``) in ``folder``; each worker calls this."""
     return any(folder.glob("*.json"))
 
 
-def _connected(kind: Any, address: str) -> Any:
+def _connect(kind: Any, address: str) -> Any:
     """Return a client of the scheduler at an address; ``kind`` is the class ``distributed.Client``.
 
     A client that cannot connect is closed here. Otherwise the garbage collector would close this client
@@ -122,7 +122,7 @@ def _check_workers(client: Any, computation: Computation, address: str) -> int:
                 f"(kernel {answer[1]}), must have {ours[0]} (kernel {ours[1]}) as here"
             )
     if computation.folder:
-        for worker, answer in client.run(_sees, computation.folder).items():
+        for worker, answer in client.run(_can_read_manifest, computation.folder).items():
             if not answer:
                 raise SceneError(
                     f"scheduler {address}: the worker {worker} does not see {computation.folder}: "

@@ -17,7 +17,7 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.colors import BoundaryNorm, Colormap, LogNorm, Normalize
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
-from chain_impact.map_colours import WIDE_COLOURS, colour_ends, count_bins, spread
+from chain_impact.map_colours import WIDE_COLOURS, colour_ends, count_bins, value_ratio
 from chain_impact.pictures.drawing.figures import name_above
 from chain_impact.pictures.drawing.shared_names import grid_of
 from chain_impact.pictures.drawing.style import TICK_STEPS, is_narrow
@@ -26,7 +26,7 @@ from chain_impact.studies.sweep.quantities import Quantity
 # the colours of a map: the name of matplotlib's colour map, which the maps of pages have, too; the grey of
 # runs without a finite value, which failed or have only impulses
 MAP_COLOURS, FAILED_COLOUR = "viridis", "0.8"
-# the axis of a result is logarithmic if the ``spread`` of the values is at least WIDE_RANGE
+# the axis of a result is logarithmic if the ``value_ratio`` of the values is at least WIDE_RANGE
 WIDE_RANGE = 1e3
 # on a logarithmic axis with ends in a ratio below WIDE_RANGE, labels stand at each power of ten, and at the
 # multiples FEW_TICKS of each power of ten
@@ -56,7 +56,7 @@ def colours_of(
             0.5 * (low + high): f"{low + 0.5:.0f}" + (f"–{high - 0.5:.0f}" if high - low > 1.0 else "")
             for low, high in pairwise(bins)
         }
-    elif spread(values) >= WIDE_COLOURS:
+    elif value_ratio(values) >= WIDE_COLOURS:
         norm = LogNorm(*(ends := colour_ends(values, logarithmic=True)))
     else:
         ends = quantity.ends_for(values) or colour_ends(values)

@@ -81,7 +81,7 @@ def draw_contours(
         others = [piece for other, there in places.items() if other != level for piece in there]
         kept = []
         for piece, place in zip(pieces, places[level], strict=True):
-            row = _roomy(place, [*others, *taken])
+            row = _roomiest_index(place, [*others, *taken])
             if row is None or np.ptp(place, axis=0).max() < LEAST_LENGTH:
                 continue
             kept.append(Path(piece))
@@ -111,7 +111,7 @@ def _axes_fractions(points: np.ndarray, scales: tuple[Scale, Scale]) -> np.ndarr
     return np.transpose(found)
 
 
-def _roomy(line: np.ndarray, others: Sequence[np.ndarray]) -> int | None:
+def _roomiest_index(line: np.ndarray, others: Sequence[np.ndarray]) -> int | None:
     """Return the index of the point of a line that is farthest from the edges and from other points.
 
     All points are fractions of the width and height of a map, shape (S, 2). The result is None if no point is

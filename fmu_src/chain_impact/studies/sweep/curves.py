@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
-from chain_impact.map_colours import spread
+from chain_impact.map_colours import value_ratio
 from chain_impact.pictures.drawing.distinct_curves import merged_dashes
 from chain_impact.pictures.drawing.figures import name_above
 from chain_impact.pictures.drawing.law_looks import law_look
@@ -29,7 +29,7 @@ from chain_impact.studies.sweep.maps import (
 from chain_impact.studies.sweep.quantities import COUNT, EQUAL_RESULTS, Quantity, results_of
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.text import number
+from chain_impact.text import number_text
 
 COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
@@ -68,7 +68,7 @@ def draw_curves(
     values, is_sampled = runs[across.name], runs.design.samples is not None
     lines, has_missed = lines_of(runs, across, choice), False
     for axes, quantity in zip(panels, quantities, strict=True):
-        shown = quantity.known(runs)
+        shown = quantity.values_or_nan(runs)
         curves = [np.array([values[rows], shown[rows]]) for rows in lines.values()]
         drawn = [curve[:, np.isfinite(curve[1])] for curve in curves]
         usable = [curve.shape[1] > 1 and not is_sampled for curve in drawn]
@@ -92,13 +92,13 @@ def draw_curves(
             if use and (dash := next(dashes)) and not quantity.is_count:
                 line.set(linestyle=dash, marker="None")  # marks would hide those of the line below
         mark_at_foot(axes, values[runs.failed], CROSS)
-        missed = quantity.missed(runs)
+        missed = quantity.is_without_touch(runs)
         has_missed |= bool(missed.any())
         mark_at_foot(axes, values[missed], RING)
         axes.set_xscale("log" if is_logarithmic(across) else "linear")
         axes.set_xlabel(label_of(runs, across))
         give_ticks(axes)
-        _dress(axes, quantity, shown, EQUAL_COUNTS if len(lines) > 1 else "")
+        _set_vertical_axis(axes, quantity, shown, EQUAL_COUNTS if len(lines) > 1 else "")
         if (own := own_value(runs, across)) is not None:
             axes.axvline(own, **SCENE_LINE)
     entries: list[Any] = [Line2D([], [], label=NO_IMPACT, **RING)] if has_missed else []
@@ -159,8 +159,8 @@ def lines_of(
     """Return the lines of any panel: names → indices of the line's runs, sorted by the value of ``across``.
 
     Each number or choice of ``choice`` has a line, named by its text; but choices with equal results
-    (``_equal``) share a line, which has the names of all these choices. Numbers never share a line. Without
-    ``choice``, the only line has no name.
+    (``_are_results_equal``) share a line, which has the names of all these choices. Numbers never share a
+    line. Without ``choice``, the only line has no name.
     """
     rows = np.argsort(runs[across.name], kind="stable")
     if choice is None:
@@ -170,7 +170,9 @@ def lines_of(
     lines: list[tuple[list[str], np.ndarray]] = []
     for name, text in zip(names, names if choice.choices else distinct_texts(names), strict=True):
         mine = rows[runs[choice.name][rows] == name]
-        same = (texts for texts, others in lines if choice.choices and _equal(results, mine, others))
+        same = (
+            texts for texts, others in lines if choice.choices and _are_results_equal(results, mine, others)
+        )
         if texts := next(same, None):
             texts.append(text)
         else:
@@ -178,7 +180,7 @@ def lines_of(
     return {tuple(texts): mine for texts, mine in lines}
 
 
-def _equal(results: np.ndarray, first: np.ndarray, second: np.ndarray) -> bool:
+def _are_results_equal(results: np.ndarray, first: np.ndarray, second: np.ndarray) -> bool:
     """Return whether two lists of indices of runs are as long, with nearly equal results of runs in pairs.
 
     ``results``: the value of each quantity in each run, shape (number of quantities, R). Two missing values,
@@ -194,7 +196,7 @@ def distinct_texts(values: Sequence[float]) -> list[str]:
 
     All texts have the same limit of significant digits: the least limit from 4 on that makes them differ.
     """
-    texts = ([number(float(value), digits) for value in values] for digits in range(4, MOST_DIGITS))
+    texts = ([number_text(float(value), digits) for value in values] for digits in range(4, MOST_DIGITS))
     return next((found for found in texts if len({*found}) == len(found)), [*map(repr, values)])
 
 
@@ -218,15 +220,15 @@ def course_text(values: np.ndarray, shown: np.ndarray, name: str) -> str:
     for word, sign in (("rises", 1.0), ("falls", -1.0)):
         if (sign * steps > 0.0).all():
             return f"{word} with {name}"
-    told = []
+    texts = []
     for word, extreme in (("lowest", shown.min()), ("highest", shown.max())):
         (rows,) = np.nonzero(shown == extreme)
         if len(rows) == 1 and 0 < rows[0] < len(shown) - 1:
-            told.append(f"{word} at {name} = {number(float(values[rows[0]]))}")
-    return " and ".join(told)
+            texts.append(f"{word} at {name} = {number_text(float(values[rows[0]]))}")
+    return " and ".join(texts)
 
 
-def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray, of_counts: str) -> None:
+def _set_vertical_axis(axes: Axes, quantity: Quantity, shown: np.ndarray, of_counts: str) -> None:
     """Set the vertical axis of a panel; if no run has a value of the quantity, write NEVER in the panel.
 
     ``shown``: the value of the quantity in each run; it is not finite if the run has no value. ``of_counts``:
@@ -244,7 +246,7 @@ def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray, of_counts: str) ->
         axes.set_ylim(finite.min() - 0.5, finite.max() + 0.5)
     elif finite.min() > 0.0:
         is_over_log = axes.get_xscale() == "log" and finite.max() >= DECADE * finite.min()
-        if is_over_log or spread(finite) >= WIDE_RANGE:
+        if is_over_log or value_ratio(finite) >= WIDE_RANGE:
             axes.set_yscale("log")
         if axes.get_yscale() == "log" and finite.max() < WIDE_RANGE * finite.min():
             number_few_decades(axes.yaxis)

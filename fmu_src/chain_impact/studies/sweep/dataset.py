@@ -22,11 +22,11 @@ import numpy as np
 
 from chain_impact.compilation.sources import fingerprint
 from chain_impact.extras import require
-from chain_impact.files import remove_lock, written_whole
+from chain_impact.files import remove_lock, written_atomically
 from chain_impact.progress import log
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import Scene, scene_to_dict
-from chain_impact.studies.sweep.batches import missing
+from chain_impact.studies.sweep.batches import missing_spans
 from chain_impact.studies.sweep.computation import CHUNK, PARQUET, Columns, Span, columns_of, file_name
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import Job
@@ -48,7 +48,7 @@ class Dataset:
         path: the folder.
         runs: the number of runs of the complete sweep.
         dtype: ``Job.dtype``: the columns without the varied values and the word for the status.
-        _head: the data that identify the sweep (``known_by``).
+        _head: the data that identify the sweep (``sweep_identity``).
         files: name of a file that the manifest lists → span of the runs in the file.
     """
 
@@ -115,7 +115,9 @@ class Dataset:
         if not (self.path / MANIFEST).is_file():
             return False
         self.files = self._listed()
-        return not missing(list(self.files.values()), self.runs) and not any(map(self._fault, self.files))
+        return not missing_spans(list(self.files.values()), self.runs) and not any(
+            map(self._fault, self.files)
+        )
 
     def read(self) -> None:
         """Put the complete files of an earlier call into ``files``, and write the manifest.
@@ -153,7 +155,7 @@ class Dataset:
 
     def _list(self) -> None:
         """Write the manifest, which lists ``files``."""
-        with written_whole(self.path / MANIFEST) as fresh:
+        with written_atomically(self.path / MANIFEST) as fresh:
             fresh.write_text(json.dumps(self._head | {"files": self.files}), encoding="utf-8")
 
     def _listed(self) -> dict[str, Span]:
@@ -192,11 +194,11 @@ def locked_dataset(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
     """
     if path.exists() and not path.is_dir():
         raise SceneError(f"{path} must be a folder: remove the file, or choose another name")
-    dataset = Dataset(path, design.runs, job.dtype, known_by(job, design))
+    dataset = Dataset(path, design.runs, job.dtype, sweep_identity(job, design))
     if dataset.is_complete():
         yield dataset
         return
-    with _locked(path):
+    with _lock_folder(path):
         dataset.read()
         try:
             yield dataset
@@ -205,7 +207,7 @@ def locked_dataset(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
 
 
 @contextmanager
-def _locked(path: Path) -> Iterator[None]:
+def _lock_folder(path: Path) -> Iterator[None]:
     """Make a folder if it does not exist, and lock it against other sweeps during a ``with`` block.
 
     If the folder is empty at the end of the block, the folder is removed.
@@ -241,7 +243,7 @@ def _array(column: Any) -> np.ndarray:
     return array.astype(str) if array.dtype.kind == "O" else array
 
 
-def known_by(job: Job, design: Design) -> dict[str, Any]:
+def sweep_identity(job: Job, design: Design) -> dict[str, Any]:
     """Return the data on which the rows of a sweep depend, to identify the sweep: name → value or hash."""
     values = hashlib.sha256(repr((design.samples, design.sampling, design.seed)).encode())
     for variation in design.variations:

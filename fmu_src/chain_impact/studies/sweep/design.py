@@ -131,7 +131,7 @@ def _order(seed: int, cube: int, count: int, varied: int) -> np.ndarray:
     return order
 
 
-def grid(variations: Sequence[Variation], source: str) -> Design:
+def grid_design(variations: Sequence[Variation], source: str) -> Design:
     """Return the design of all combinations of the variations' values.
 
     ``source`` is the name of the scene, for errors.
@@ -149,7 +149,9 @@ def grid(variations: Sequence[Variation], source: str) -> Design:
     return Design(tuple(variations))
 
 
-def sampled(variations: Sequence[Variation], source: str, *, count: int, sampling: str, seed: int) -> Design:
+def sampled_design(
+    variations: Sequence[Variation], source: str, *, count: int, sampling: str, seed: int
+) -> Design:
     """Return a design with ``count`` samples that fill the space of the variations evenly.
 
     ``source`` is the name of the scene, for errors. Latin hypercubes: McKay, Beckman & Conover, Technometrics
@@ -163,12 +165,12 @@ def sampled(variations: Sequence[Variation], source: str, *, count: int, samplin
     if sampling not in SAMPLINGS:
         raise SceneError(f"{source}: sampling = {sampling!r} must be lhs or sobol")
     most = MOST_RUNS if sampling == "lhs" else MOST_SOBOL
-    count = whole_number(source, "samples", count, end=most + 1)
-    seed = whole_number(source, "seed", seed, least=0, end=MOST_SEEDS)
+    count = checked_integer(source, "samples", count, end=most + 1)
+    seed = checked_integer(source, "seed", seed, least=0, end=MOST_SEEDS)
     return Design(tuple(variations), count, sampling, seed)
 
 
-def whole_number(source: str, name: str, number: int, *, least: int = 1, end: int | None = None) -> int:
+def checked_integer(source: str, name: str, number: int, *, least: int = 1, end: int | None = None) -> int:
     """Return ``number``, the argument ``name`` of a sweep, if it is whole and least ≤ number < end.
 
     ``end`` None means no upper limit. ``source`` is the name of the scene, for errors.

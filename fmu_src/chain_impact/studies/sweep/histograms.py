@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.map_colours import WIDE_COLOURS, spread
+from chain_impact.map_colours import WIDE_COLOURS, value_ratio
 from chain_impact.pictures.drawing.figures import name_above
 from chain_impact.pictures.drawing.legends import legend_above, legend_at_foot
 from chain_impact.pictures.drawing.style import BLUE, COUNT_STEPS, INK, give_ticks
@@ -27,10 +27,10 @@ from chain_impact.studies.sweep.maps import (
     label_of,
     own_value,
 )
-from chain_impact.studies.sweep.quantities import LOADS, Quantity, number_text
+from chain_impact.studies.sweep.quantities import LOADS, Quantity, printed_number
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.text import plural
+from chain_impact.text import count_text
 
 QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}
 """Quantile → matplotlib's style of the line that marks the quantile in each histogram."""
@@ -59,17 +59,17 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
     run has a finite value, the panel has the words NEVER.
     """
     for axes, quantity in zip(panels, quantities, strict=True):
-        values = quantity.known(runs)
+        values = quantity.values_or_nan(runs)
         values = values[np.isfinite(values)]
         axes.set(xlabel=quantity.label, ylabel="runs")
         if not values.size:
             axes.text(0.5, 0.5, NEVER, transform=axes.transAxes, ha="center", color="0.4")
             continue
-        logarithmic = spread(values) >= WIDE_COLOURS and not quantity.is_count
+        logarithmic = value_ratio(values) >= WIDE_COLOURS and not quantity.is_count
         axes.set_xscale("log" if logarithmic else "linear")
         if logarithmic and values.max() < WIDE_RANGE * values.min():
             number_few_decades(axes.xaxis)
-        edges = edges_of(values, logarithmic=logarithmic, whole=quantity.is_count)
+        edges = edges_of(values, logarithmic=logarithmic, integer=quantity.is_count)
         axes.hist(values, edges.tolist(), color=BARS, edgecolor="white", linewidth=1.0)
         low, middle, high = np.quantile(values, list(QUANTILES))
         between = with_unit(f"{low:.3g} … {high:.3g}", quantity.unit)
@@ -77,8 +77,8 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
         positions = (low, middle, high)
         for quantile, line, label in zip(positions, QUANTILES.values(), labels, strict=True):
             axes.axvline(quantile, color=INK, linestyle=line, linewidth=1.2, label=label)
-        if untouched := int(quantity.missed(runs).sum()):
-            axes.plot([], [], linestyle="", label=f"{NO_IMPACT}: {plural(untouched, 'run')}, not drawn")
+        if untouched := int(quantity.is_without_touch(runs).sum()):
+            axes.plot([], [], linestyle="", label=f"{NO_IMPACT}: {count_text(untouched, 'run')}, not drawn")
         legend_above(axes)
         give_ticks(axes)
         few: dict[str, Any] = {"nbins": FEW_COUNTS, "integer": True, "min_n_ticks": 1, "steps": COUNT_STEPS}
@@ -106,7 +106,7 @@ def draw_samples(
         keys.append(Line2D([], [], label="value in the scene", **SCENE_LINE))
     if any(variation.choices for variation in drawn):
         keys.append(Patch(facecolor="none", edgecolor=INK, linewidth=BOX_LINE, label=BOX_WORDS))
-    if any(quantity.missed(runs).any() for quantity in quantities):
+    if any(quantity.is_without_touch(runs).any() for quantity in quantities):
         keys.append(Line2D([], [], label=NO_IMPACT, **RING))
     figure = panels[0].get_figure(root=True)
     if figure is not None and keys:
@@ -144,7 +144,7 @@ def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
     return float(spearmanr(first, second).statistic)
 
 
-def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]) -> str:
+def influence_words(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]) -> str:
     """Return words with the number of runs and, for each quantity, rank correlations with varied numbers.
 
     The largest |correlation| comes first. Quantities without a correlation are left out. For a choice, the
@@ -152,19 +152,19 @@ def influence(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Vari
     """
     numbers, parts = [variation.name for variation in varying if not variation.choices], [f"{len(runs)} runs"]
     for quantity in quantities:
-        found = {name: rank_correlation(runs[name], quantity.known(runs)) for name in numbers}
+        found = {name: rank_correlation(runs[name], quantity.values_or_nan(runs)) for name in numbers}
         order = sorted(filter(found.get, found), key=lambda name: -abs(found[name]))
         if order:
             told = ", ".join(f"{correlation_text(found[name])} with {name}" for name in order)
             parts.append(f"rank correlation of {quantity.name}: {told}")
         for choice in (variation for variation in varying if variation.choices):
             trend = trend_over(runs, quantity, drawn_parameters(runs, varying)[0])
-            values = quantity.known(runs) if trend is None else quantity.known(runs) / trend
+            values = quantity.values_or_nan(runs) if trend is None else quantity.values_or_nan(runs) / trend
             each = [
                 (name, values[runs[choice.name] == name]) for name in choice.shown(np.unique(choice.values))
             ]
             medians = [
-                f"{number_text(float(f'{np.nanmedian(found):.3g}'))} with {name}"
+                f"{printed_number(float(f'{np.nanmedian(found):.3g}'))} with {name}"
                 for name, found in each
                 if np.isfinite(found).any()
             ]
@@ -187,7 +187,7 @@ def trend_over(runs: Runs, quantity: Quantity, variation: Variation) -> np.ndarr
     The result is None if the parameter is a choice, if a value is not positive, for fewer than LEAST_TREND
     values, or if the squared rank correlation is below TRENDING.
     """
-    values, given = quantity.known(runs), runs[variation.name]
+    values, given = quantity.values_or_nan(runs), runs[variation.name]
     known = np.isfinite(values)
     if variation.choices or known.sum() < LEAST_TREND or (values[known] <= 0.0).any():
         return None
@@ -205,7 +205,7 @@ def _scatter(
 
     ``trend``: if given, the quantity is divided by this, shape (R,).
     """
-    shown, given = quantity.known(runs), runs[variation.name]
+    shown, given = quantity.values_or_nan(runs), runs[variation.name]
     shown = shown if trend is None else shown / trend
     if variation.choices:
         names = variation.shown(np.unique(variation.values)).tolist()
@@ -220,11 +220,11 @@ def _scatter(
     else:
         axes.set_xscale("log" if is_logarithmic(variation) else "linear")
     axes.plot(given, shown, ".", color=BLUE, markersize=4.0, rasterized=True)
-    mark_at_foot(axes, np.asarray(given)[quantity.missed(runs)], RING)
+    mark_at_foot(axes, np.asarray(given)[quantity.is_without_touch(runs)], RING)
     axes.set_xlabel(label_of(runs, variation) + (SPREAD if variation.choices else ""))
     name_above(axes, quantity.label)
     finite = shown[np.isfinite(shown)]
-    if finite.size and spread(finite) >= WIDE_COLOURS and not quantity.is_count:
+    if finite.size and value_ratio(finite) >= WIDE_COLOURS and not quantity.is_count:
         axes.set_yscale("log")
         if finite.max() < WIDE_RANGE * finite.min():
             number_few_decades(axes.yaxis)
@@ -244,17 +244,17 @@ def _draw_box(axes: Axes, place: int, values: np.ndarray) -> None:
         axes.hlines([middle], place - half, place + half, INK, linewidth=2.0 * BOX_LINE, zorder=3.0)
 
 
-def edges_of(values: np.ndarray, *, logarithmic: bool, whole: bool) -> np.ndarray:
+def edges_of(values: np.ndarray, *, logarithmic: bool, integer: bool) -> np.ndarray:
     """Return the edges of the bars for some values, in ascending order.
 
-    The edges are equally spaced, with ``logarithmic`` in the logarithm. With ``whole``, but not
+    The edges are equally spaced, with ``logarithmic`` in the logarithm. With ``integer``, but not
     ``logarithmic``, the values must be whole numbers, and each edge is a whole number minus 0.5.
     """
     # 2 N^(1/3) bars for N values: Terrell & Scott, J Am Stat Assoc 80 (1985) 209
     count = min(MOST_BINS, math.ceil(2.0 * len(values) ** (1.0 / 3.0)))
     if logarithmic:
         return np.geomspace(values.min(), values.max(), count + 1)
-    if whole:
+    if integer:
         width = max(1.0, math.ceil((np.ptp(values) + 1.0) / MOST_BINS))
         return np.arange(values.min(), values.max() + width + 0.5, width) - 0.5
     low, high = values.min(), values.max()

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.files import written_whole
+from chain_impact.files import written_atomically
 from chain_impact.scene.errors import SceneError
 from chain_impact.studies.sweep.computation import Span
 
@@ -33,14 +33,14 @@ def is_complete(table: Path) -> bool:
         return bool(kept.get("beside_complete_table", False))
 
 
-def keep(
+def store_finished_runs(
     table: Path, head: Mapping[str, Any], rows: np.ndarray, done: Sequence[Span], *, complete: bool
 ) -> None:
     """Write the finished runs of an interrupted sweep to the file ``partial_path`` beside the table.
 
     Args:
         table: the path of the table.
-        head: the data that identify the sweep (``known_by``).
+        head: the data that identify the sweep (``sweep_identity``).
         rows: the rows of all runs of the sweep; those of runs that have not finished have no meaning.
         done: the spans of the finished runs.
         complete: whether the file of the table is complete (``is_complete``).
@@ -49,14 +49,15 @@ def keep(
         OSError: when the file cannot be written.
     """
     spans = np.array(done, np.int64)
-    with written_whole(partial_path(table)) as fresh, fresh.open("wb") as file:
+    with written_atomically(partial_path(table)) as fresh, fresh.open("wb") as file:
         np.savez(file, head=json.dumps(head), rows=rows, done=spans, beside_complete_table=complete)
 
 
 def restore_runs(table: Path, head: Mapping[str, Any], rows: np.ndarray) -> list[Span]:
-    """Copy the finished runs that ``keep`` has written beside a table into ``rows``; return their spans.
+    """Copy the finished runs, which ``store_finished_runs`` wrote, into ``rows``; return their spans.
 
-    ``head`` has the data that identify the sweep. Without a file of ``keep`` the list of spans is empty.
+    ``head`` has the data that identify the sweep. Without a file of ``store_finished_runs`` the list of spans
+    is empty.
 
     Raises:
         SceneError: when the file is damaged, or belongs to another sweep.

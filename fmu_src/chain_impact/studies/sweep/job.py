@@ -194,7 +194,7 @@ class Runner:
                 looked_at & {"impulse", "friction", "transmitted"}
             )
         in_record = [k for k, path in enumerate(job.varied) if path]
-        self._in_record, self._whole = in_record, [job.kinds[k] == "enumeration" for k in in_record]
+        self._in_record, self._is_choice = in_record, [job.kinds[k] == "enumeration" for k in in_record]
         self._varied_indices = np.array([word_index(layout, job.varied[k]) for k in in_record], np.int64)
         paths = [
             *job.peaks.values(),
@@ -220,8 +220,8 @@ class Runner:
             CancelledError: when ``wanted`` returns False.
         """
         words = np.ascontiguousarray(values[:, self._in_record], np.float64)
-        for k, whole in enumerate(self._whole):
-            if whole:
+        for k, is_choice in enumerate(self._is_choice):
+            if is_choice:
                 words[:, k] = words[:, k].astype(np.int64).view(np.float64)
         stops = np.full(len(values), self._job.scene.simulation.stop_time)
         if () in self._job.varied:

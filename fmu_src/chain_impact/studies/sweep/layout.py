@@ -30,7 +30,7 @@ CHOICES_WIDTH, DOTS_WIDTH = 0.9, 2.0
 MOST_SPLIT = 3
 # without samples, the largest number of varied parameters that a picture can show
 MOST_VARIED = 3
-# three panels without dots stand in one row of a figure that is wide enough (``columns``)
+# three panels without dots stand in one row of a figure that is wide enough (``panels_in_row``)
 MOST_IN_ROW, SMALL_MAPS = 3, 4  # SMALL_MAPS: the largest number of maps of one result in a row
 ONE_PANEL_WIDTH = 6.5  # [inch] default width of a figure with one panel
 # [inch] the least width of a figure with SMALL_MAPS maps of one result in a row, or with maps of two or three
@@ -51,7 +51,7 @@ def varying_in(design: Design) -> list[Variation]:
     return varying or list(design.variations[:1])
 
 
-def kind_of(design: Design) -> str:
+def picture_form(design: Design) -> str:
     """Return the kind of picture for a design: DOTS, CURVES, MAPS or HISTOGRAMS."""
     varying = varying_in(design)
     choices = [variation for variation in varying if variation.choices]
@@ -72,13 +72,13 @@ def panels_of_each(design: Design) -> int:
     In a picture with histograms, each quantity has a panel with a histogram, and a panel with dots for each
     of ``drawn_parameters``. If three parameters vary without samples, each value of the third has a map.
     """
-    kind, varying = kind_of(design), varying_in(design)
+    kind, varying = picture_form(design), varying_in(design)
     if kind == HISTOGRAMS:
         return 1 + min(len(varying), MOST_SCATTERS)
-    return count_of(sorted_parameters(varying, kind)[-1]) if have_third(varying, kind) else 1
+    return count_of(sorted_parameters(varying, kind)[-1]) if has_map_series(varying, kind) else 1
 
 
-def have_third(varying: Sequence[Variation], kind: str) -> bool:
+def has_map_series(varying: Sequence[Variation], kind: str) -> bool:
     """Return whether a third parameter varies: then the picture has a map of one result for each value."""
     return kind == MAPS and len(varying) == MOST_VARIED
 
@@ -95,7 +95,7 @@ def sorted_parameters(varying: Sequence[Variation], kind: str) -> list[Variation
     before a number with at most MOST_SPLIT values. Of three parameters in a picture with maps, the one with
     the fewest values comes last.
     """
-    if have_third(varying, kind):
+    if has_map_series(varying, kind):
         third = min(reversed(varying), key=count_of)
         return [
             *sorted_parameters([variation for variation in varying if variation is not third], kind),
@@ -107,7 +107,7 @@ def sorted_parameters(varying: Sequence[Variation], kind: str) -> list[Variation
     )
 
 
-def columns(design: Design, count: int, width: float) -> int:
+def panels_in_row(design: Design, count: int, width: float) -> int:
     """Return the number of panels in a row of a figure with ``count`` panels and a width [inches].
 
     - Maps of one result: as few as at most SMALL_MAPS in a row allow, or MOST_IN_ROW in a figure narrower
@@ -118,9 +118,9 @@ def columns(design: Design, count: int, width: float) -> int:
     - Panels with dots: as few as the least possible number of rows allows.
     - Other panels: 3 of 3, at most 2 of another count.
     """
-    kind, varying = kind_of(design), varying_in(design)
+    kind, varying = picture_form(design), varying_in(design)
     has_names = any(variation.choices for variation in sorted_parameters(varying, kind)[:2])
-    if have_third(varying, kind):
+    if has_map_series(varying, kind):
         most = SMALL_MAPS if width >= THREE_SMALL else 1 if has_names else MOST_IN_ROW
         across = math.ceil(count / math.ceil(count / most))
         return across + int(across > 1 and count % across == 1)
@@ -140,14 +140,14 @@ def usual_size(design: Design, quantities: int, width: float | None = None) -> t
     ``width``: the width that the user gives, or None. If it is given, only the returned height is used: the
     default height of a figure with this width.
     """
-    count, kind, varying = quantities * panels_of_each(design), kind_of(design), varying_in(design)
+    count, kind, varying = quantities * panels_of_each(design), picture_form(design), varying_in(design)
     dots = width or CHOICES_WIDTH + DOTS_WIDTH * min(count, 4) + 0.5
     usual = dots if kind == DOTS else ONE_PANEL_WIDTH if count == 1 else 10.8 if kind == MAPS else 10.0
-    rows = math.ceil(count / columns(design, count, width := width or usual))
+    rows = math.ceil(count / panels_in_row(design, count, width := width or usual))
     if kind == DOTS:
         return usual, 0.7 + rows * (0.6 + 0.22 * len(varying[0].values))
     if kind == MAPS:
-        high = max(LOWEST_MAP, MAP_SHAPE * (width - NUMBERS_WIDTH) / columns(design, count, width))
+        high = max(LOWEST_MAP, MAP_SHAPE * (width - NUMBERS_WIDTH) / panels_in_row(design, count, width))
         return usual, HEAD_AND_FOOT + rows * min(ROW_HEIGHT, high + MAP_GAP)
     # in one narrow column, rows have half of the height
     return usual, 0.6 + rows * ROW_HEIGHT if width >= WIDE else 0.6 + ROW_HEIGHT * max(1.0, 0.5 * rows)

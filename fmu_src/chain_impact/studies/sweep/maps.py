@@ -17,7 +17,7 @@ from matplotlib.patches import Patch
 from chain_impact.pictures.drawing.dark_ground import COLOURED_GROUND
 from chain_impact.pictures.drawing.legends import legend_at_foot
 from chain_impact.pictures.drawing.shared_names import name_around
-from chain_impact.pictures.drawing.style import INK, is_narrow, raised
+from chain_impact.pictures.drawing.style import INK, is_narrow, raise_exponents
 from chain_impact.scene.words.unit_text import bracketed_unit, scene_unit
 from chain_impact.studies.sweep.colour_bars import (
     FAILED_COLOUR,
@@ -28,10 +28,10 @@ from chain_impact.studies.sweep.colour_bars import (
 )
 from chain_impact.studies.sweep.contours import Scale, draw_contours
 from chain_impact.studies.sweep.map_marks import HATCHED, SCENE_MARK, hatch, mark_scene
-from chain_impact.studies.sweep.quantities import Quantity, number_text
+from chain_impact.studies.sweep.quantities import Quantity, printed_number
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.text import number
+from chain_impact.text import number_text
 
 # The axis of a parameter is logarithmic if the smallest value is > 0, and the largest value is at least
 # WIDE_PARAMETER times the smallest value.
@@ -62,8 +62,8 @@ def draw_maps(
     """
     first, second, *third = over
     scales, own = (axis_of(first), axis_of(second)), [own_value(runs, first), own_value(runs, second)]
-    missed = [_tables(runs, quantity.missed(runs), over).astype(bool) for quantity in quantities]
-    every = [_tables(runs, quantity.known(runs), over) for quantity in quantities]
+    missed = [_tables(runs, quantity.is_without_touch(runs), over).astype(bool) for quantity in quantities]
+    every = [_tables(runs, quantity.values_or_nan(runs), over) for quantity in quantities]
     of_each = [list(panels)] if third else [[axes] for axes in panels]
     for quantity, group, tables, untouched in zip(quantities, of_each, every, missed, strict=True):
         _draw_group(group, scales, quantity, tables, own)
@@ -143,7 +143,7 @@ def _name_maps(panels: Sequence[Axes], runs: Runs, over: Sequence[Variation]) ->
         return None
     values = over[2].shown(over[2].values[axis_of(over[2]).order]).tolist()
     for axes, value in zip(panels, values, strict=True):
-        axes.set_title(value if over[2].choices else number_text(value), fontsize="small")
+        axes.set_title(value if over[2].choices else printed_number(value), fontsize="small")
     near, own = nearest_map(runs, over[2]), [own_value(runs, variation) for variation in over[:2]]
     if near and (None in own or not near[1]):
         panels[near[0]].spines[:].set(visible=True, color=INK, linewidth=NEAREST_FRAME)
@@ -209,7 +209,7 @@ def _write_values(axes: Axes, scales: tuple[Scale, Scale], shown: Any, mesh: Qua
         at = (scales[0].middles[column], scales[1].middles[row])
         down, va = (-4.0, "top") if [column, row] == marked else (0.0, "center")
         ink = "black" if places[row, column] > LIGHT_COLOUR else "white"
-        text = number(shown[row, column], digits)
+        text = number_text(shown[row, column], digits)
         look: dict[str, Any] = {"va": va, "ha": "center", "color": ink, "fontsize": "x-small"}
         look["gid"] = COLOURED_GROUND
         axes.annotate(text, at, (0.0, down), textcoords="offset points", **look)
@@ -265,7 +265,7 @@ def number_in_scene(runs: Runs, variation: Variation) -> float | None:
 
 def label_of(runs: Runs, variation: Variation) -> str:
     """Return the label of a parameter's axis: the name and the unit."""
-    return f"{variation.name}{raised(bracketed_unit(unit_of(runs, variation)))}"
+    return f"{variation.name}{raise_exponents(bracketed_unit(unit_of(runs, variation)))}"
 
 
 def unit_of(runs: Runs, variation: Variation) -> str:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from chain_impact.pictures.drawing.style import raised
+from chain_impact.pictures.drawing.style import raise_exponents
 from chain_impact.scene.words.unit_text import unit_text, with_unit
 from chain_impact.studies.sweep.computation import STATUS_WORD
 from chain_impact.studies.sweep.curves import course_text
 from chain_impact.studies.sweep.histograms import rank_correlation
-from chain_impact.studies.sweep.layout import DOTS, kind_of, varying_in
+from chain_impact.studies.sweep.layout import DOTS, picture_form, varying_in
 from chain_impact.studies.sweep.maps import NO_IMPACT, unit_of
-from chain_impact.studies.sweep.quantities import Quantity, Results, number_text
+from chain_impact.studies.sweep.quantities import Quantity, Results, printed_number
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.text import few, number
+from chain_impact.text import names_text, number_text
 
 MOST_REASONS = 2  # the largest number of reasons of failed runs that the headline lists
 # A share is the part of the variance of the ranks of a result that the mean over a parameter's values has,
@@ -33,31 +33,31 @@ def headline_parts(runs: Runs, results: Results, mark: str, *, small: bool = Fal
     the first drawn one; with ``small`` only the first of them. The reasons of failed runs stand in brackets
     after ``mark``: "×: ", or "" if the picture has no mark for failed runs.
     """
-    loads = [one for one in results.every if one.in_headline and np.nan_to_num(one.known(runs)).any()]
-    told, parts = loads or results.drawn[:1], list[str]()
-    for quantity in told[:1] if small else told:
-        values = quantity.known(runs)
+    loads = [one for one in results.every if one.in_headline and np.nan_to_num(one.values_or_nan(runs)).any()]
+    quantities, parts = loads or results.drawn[:1], list[str]()
+    for quantity in quantities[:1] if small else quantities:
+        values = quantity.values_or_nan(runs)
         if np.isfinite(values).any():
             span = quantity.range_text(values[np.isfinite(values)])
             parts += [span, effect_text(runs, quantity) if " to " in span else ""]
-    parts += [idle_text(runs, told[0]), no_impact_text(runs, told[0])]
+    parts += [idle_text(runs, quantities[0]), no_impact_text(runs, quantities[0])]
     failed = int(runs.failed.sum())
     if failed:
         words = [word.replace("_", " ") for word in np.unique(runs[STATUS_WORD][runs.failed])]
-        parts.append(f"{failed} failed ({mark}{few(words, MOST_REASONS)})")
+        parts.append(f"{failed} failed ({mark}{names_text(words, MOST_REASONS)})")
     first, *others = list(filter(None, parts)) or ["no results"]
     return [f"{runs.scene.name}: {first}", *others]
 
 
 def effect_text(runs: Runs, quantity: Quantity) -> str:
     """Return words for what a result depends on, such as "rises mostly with contact.stiffness"."""
-    varying, values = varying_in(runs.design), quantity.known(runs)
+    varying, values = varying_in(runs.design), quantity.values_or_nan(runs)
     known = np.isfinite(values)
     if not known.any() or not np.ptp(values[known]):
         return ""
     if len(varying) == 1 and runs.design.samples is None:
         (one,) = varying
-        if kind_of(runs.design) != DOTS:
+        if picture_form(runs.design) != DOTS:
             return course_text(runs[one.name], values, one.name)
         (largest,) = np.nonzero(values == values[known].max())
         return f"largest with {runs[one.name][largest[0]]}" if len(largest) == 1 else ""
@@ -81,7 +81,7 @@ def idle_text(runs: Runs, quantity: Quantity) -> str:
     varying, told = varying_in(runs.design), list[str]()
     if len(varying) == 1 or runs.design.samples is not None:
         return ""
-    values = np.ma.masked_invalid(quantity.known(runs).reshape(runs.design.shape))
+    values = np.ma.masked_invalid(quantity.values_or_nan(runs).reshape(runs.design.shape))
     largest = float(np.abs(values).max()) if values.count() else 0.0
     for variation in varying if largest else ():
         changes = np.ma.ptp(values, axis=runs.design.variations.index(variation))
@@ -89,7 +89,7 @@ def idle_text(runs: Runs, quantity: Quantity) -> str:
         if effect <= NO_EFFECT:
             told.append(f"{variation.name} has no effect")
         elif effect <= SMALL_EFFECT:
-            told.append(f"{variation.name} changes it by ≤ {number(100.0 * effect, 2)} %")
+            told.append(f"{variation.name} changes it by ≤ {number_text(100.0 * effect, 2)} %")
     return ", ".join(told)
 
 
@@ -116,11 +116,11 @@ def share_of(runs: Runs, variation: Variation, values: np.ndarray) -> tuple[floa
 
 
 def no_impact_text(runs: Runs, quantity: Quantity) -> str:
-    """Return words for the runs in which a quantity is ``missed``; "" if there are none.
+    """Return words for the runs in which a quantity is ``is_without_touch``; "" if there are none.
 
     If these runs are all the runs with some values of a number, up to an end, the words tell these values.
     """
-    missed = quantity.missed(runs)
+    missed = quantity.is_without_touch(runs)
     if not missed.any() or missed.all():
         return f"{NO_IMPACT} in any run" if missed.any() else ""
     for variation in varying_in(runs.design):
@@ -132,6 +132,8 @@ def no_impact_text(runs: Runs, quantity: Quantity) -> str:
         ends = [(levels[empty].min(), "≥", empty[::-1]), (levels[empty].max(), "≤", empty)]
         for limit, sign, order in ends:
             if not np.diff(order.astype(int)).clip(0).any():
-                text = with_unit(number_text(float(limit)), raised(unit_text(unit_of(runs, variation))))
+                text = with_unit(
+                    printed_number(float(limit)), raise_exponents(unit_text(unit_of(runs, variation)))
+                )
                 return f"{NO_IMPACT} at {variation.name} {sign if empty.sum() > 1 else '='} {text}"
     return f"{NO_IMPACT} in {int(missed.sum())} of {len(runs)} runs"

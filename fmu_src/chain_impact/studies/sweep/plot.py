@@ -18,22 +18,28 @@ from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.drawing.figures import draw_figure, settle
 from chain_impact.pictures.drawing.sizes import Size, figure_size
-from chain_impact.pictures.drawing.style import COUNT_STEPS, headline, is_narrow, raised, styled
+from chain_impact.pictures.drawing.style import (
+    COUNT_STEPS,
+    drawing_style,
+    is_narrow,
+    raise_exponents,
+    write_headline,
+)
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.words.unit_text import unit_text
 from chain_impact.studies.sweep.curves import COLOURS, FOOT, distinct_texts, draw_curves
-from chain_impact.studies.sweep.histograms import draw_samples, drawn_parameters, influence
+from chain_impact.studies.sweep.histograms import draw_samples, drawn_parameters, influence_words
 from chain_impact.studies.sweep.layout import (
     CURVES,
     DOTS,
     HISTOGRAMS,
     MAPS,
     MOST_VARIED,
-    columns,
     count_of,
-    have_third,
-    kind_of,
+    has_map_series,
+    panels_in_row,
     panels_of_each,
+    picture_form,
     sorted_parameters,
     usual_size,
     varying_in,
@@ -54,13 +60,13 @@ from chain_impact.studies.sweep.quantities import (
     LOADS,
     Quantity,
     Results,
-    constants,
-    number_text,
+    constant_quantities_words,
+    printed_number,
     results_of,
 )
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.text import plural
+from chain_impact.text import count_text
 
 MOST_MAPS = 9  # the largest number of maps if three parameters vary
 SAME_ENDS = 1e-6  # the largest difference of the ends of equal axes, relative to the ends
@@ -113,7 +119,7 @@ def plot_sweep(
     """
     check_picture(runs.design.variations, runs.design.samples, len(runs), runs.scene.name)
     results = results_of(runs, panels)
-    if have_third(varying_in(runs.design), kind_of(runs.design)):
+    if has_map_series(varying_in(runs.design), picture_form(runs.design)):
         if panels and len(results.drawn) > 1:
             raise SceneError(
                 f"{runs.scene.name}: {len(results.drawn)} panels must be 1 if {MOST_VARIED} parameters vary"
@@ -123,24 +129,26 @@ def plot_sweep(
     return draw_figure(partial(fill, runs=runs, results=results), path, size, usual)
 
 
-@styled()
+@drawing_style()
 def fill(figure: Figure, runs: Runs, results: Results) -> None:
     """Draw the headline and, for each quantity in ``results.drawn``, ``panels_of_each`` panels."""
-    quantities, kind = results.drawn, kind_of(runs.design)
+    quantities, kind = results.drawn, picture_form(runs.design)
     varying = varying_in(runs.design)
-    told = [conditions(runs, varying), constants(runs, results)]
+    lines = [conditions(runs, varying), constant_quantities_words(runs, results)]
     has_lines = kind == CURVES and runs.design.samples is None
     if has_lines and len({*runs[COUNT][~runs.failed].tolist()}) > 1:
-        told.append("lines break where the number of impacts changes")
+        lines.append("lines break where the number of impacts changes")
     if kind == HISTOGRAMS:
-        told.insert(0, influence(runs, quantities, varying))
+        lines.insert(0, influence_words(runs, quantities, varying))
     mark = "×: " if kind == CURVES else ""
     message = ", ".join(headline_parts(runs, results, mark, small=is_narrow(figure)))
-    headline(figure, message, "; ".join(filter(None, told)))
+    write_headline(figure, message, "; ".join(filter(None, lines)))
     # the parameter ``first`` gets the horizontal axis
     first, *others = sorted_parameters(varying, kind)
     count = len(quantities) * panels_of_each(runs.design)
-    panels = _panels(figure, count, columns(runs.design, count, figure.get_figwidth()), sharey=kind == DOTS)
+    panels = _panels(
+        figure, count, panels_in_row(runs.design, count, figure.get_figwidth()), sharey=kind == DOTS
+    )
     if kind == DOTS:
         _draw_dots(panels, runs, quantities, first)
     elif kind == CURVES:
@@ -177,7 +185,7 @@ def marked_parameters(runs: Runs, varying: list[Variation]) -> list[Variation]:
     samples are drawn; with maps, all parameters if the scene's values of all lie in the picture; with dots,
     none.
     """
-    kind = kind_of(runs.design)
+    kind = picture_form(runs.design)
     if kind == CURVES:
         return sorted_parameters(varying, kind)[:1]
     if kind == HISTOGRAMS:
@@ -197,26 +205,28 @@ def conditions(runs: Runs, varying: list[Variation]) -> str:
     which the picture has no dots is named as such; of the others, the axes show range and choices.
     """
     parts, shown = [], marked_parameters(runs, varying)
-    is_sampled = kind_of(runs.design) == HISTOGRAMS
-    mark = " (+)" if kind_of(runs.design) == MAPS else " (dashed line)"
+    is_sampled = picture_form(runs.design) == HISTOGRAMS
+    mark = " (+)" if picture_form(runs.design) == MAPS else " (dashed line)"
     for variation in varying:
         ends = " to ".join(distinct_texts([*dict.fromkeys((variation.values.min(), variation.values.max()))]))
         ends = LEADING_HYPHEN.sub("−", ends)
-        interval = f"{ends} {raised(unit_text(unit_of(runs, variation)))}".rstrip()
+        interval = f"{ends} {raise_exponents(unit_text(unit_of(runs, variation)))}".rstrip()
         own = number_in_scene(runs, variation)
         marked = " (outside)" if own_value(runs, variation) is None else mark if variation in shown else ""
-        told = "" if own is None else f", {number_text(own)} in the scene{marked}"
-        count = f"{variation.name}: {plural(count_of(variation), 'choice')}"
+        scene_text = "" if own is None else f", {printed_number(own)} in the scene{marked}"
+        count = f"{variation.name}: {count_text(count_of(variation), 'choice')}"
         choice = str(runs.scene.values.get(variation.name, ""))
         if variation.choices:
-            told = f", {choice} in the scene" if choice in variation.shown(variation.values) else ""
-        told += ", no panel" if is_sampled and variation not in shown else ""
+            scene_text = f", {choice} in the scene" if choice in variation.shown(variation.values) else ""
+        scene_text += ", no panel" if is_sampled and variation not in shown else ""
         if is_sampled and variation in shown:
-            told = told.removeprefix(", ")
-            if told and (variation.choices or marked == " (outside)"):
-                parts.append(f"{variation.name}: {told}")
+            scene_text = scene_text.removeprefix(", ")
+            if scene_text and (variation.choices or marked == " (outside)"):
+                parts.append(f"{variation.name}: {scene_text}")
             continue
-        parts.append(f"{count}{told}" if variation.choices else f"{variation.name} {interval}{told}")
+        parts.append(
+            f"{count}{scene_text}" if variation.choices else f"{variation.name} {interval}{scene_text}"
+        )
     return "; ".join(parts)
 
 
@@ -241,7 +251,7 @@ def _draw_dots(panels: list[Axes], runs: Runs, quantities: list[Quantity], choic
     names = choice.shown(choice.values).tolist()
     rows = np.arange(len(runs))
     for axes, quantity in zip(panels, quantities, strict=True):
-        shown, missed = quantity.known(runs), quantity.missed(runs)
+        shown, missed = quantity.values_or_nan(runs), quantity.is_without_touch(runs)
         finite = shown[np.isfinite(shown)]
         axes.grid(axis="y", color="0.92")
         axes.plot(shown, rows, "o", color=COLOURS[0], markersize=4.0)

@@ -14,7 +14,7 @@ from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.words.unit_text import bracketed_unit, unit_text, with_unit
 from chain_impact.studies.sweep.job import ENDED, Job
 from chain_impact.studies.sweep.runs import Runs
-from chain_impact.text import few, number, prefixed, span_text
+from chain_impact.text import names_text, number_text, prefixed_unit, span_text
 from chain_impact.variables.impact_units import unit_at
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
 from chain_impact.variables.prepared import PreparedScene
@@ -27,8 +27,8 @@ MOST_ASKED, MOST_NAMED_PANELS = 4, 8
 # changes of a result do not look large
 LEAST_RANGE = 0.1
 # Results are equal if their range, relative to the largest |result|, is at most EQUAL_RESULTS. The results of
-# two choices (`_equal` of curves.py) are compared run by run: two results are equal if they differ by at most
-# 1e-8 (`atol` of NumPy) plus EQUAL_RESULTS times the |second result|.
+# two choices (`_are_results_equal` of curves.py) are compared run by run: two results are equal if they
+# differ by at most 1e-8 (`atol` of NumPy) plus EQUAL_RESULTS times the |second result|.
 EQUAL_RESULTS = 1e-9
 LEADING_HYPHEN = re.compile(r"(?<![\w.])-(?=\d)")  # before a number, but not before its exponent
 
@@ -95,7 +95,7 @@ class Quantity:
         within = float(np.ptp(values) / largest)
         return within if EQUAL_RESULTS < within < LEAST_RANGE else 0.0
 
-    def missed(self, runs: Runs) -> np.ndarray:
+    def is_without_touch(self, runs: Runs) -> np.ndarray:
         """Return whether each run has no value because nothing touches, shape (R,).
 
         The table has 0 for a load, a penetration or a dissipated energy of such a run.
@@ -107,9 +107,9 @@ class Quantity:
         is_energy = self.column == "energy.dissipated"
         return np.asarray(~runs.failed & (runs[self.column] == 0.0) & (runs[COUNT] == 0.0) & is_energy)
 
-    def known(self, runs: Runs) -> np.ndarray:
-        """Return the values as ``values_in`` does, but NaN for runs that are ``missed``."""
-        return np.where(self.missed(runs), np.nan, self.values_in(runs))
+    def values_or_nan(self, runs: Runs) -> np.ndarray:
+        """Return the values as ``values_in`` does, but NaN for runs that are ``is_without_touch``."""
+        return np.where(self.is_without_touch(runs), np.nan, self.values_in(runs))
 
     def values_in(self, runs: Runs) -> np.ndarray:
         """Return the values in all runs, shape (R,), in the unit of the picture; NaN if a run failed.
@@ -126,9 +126,9 @@ class Quantity:
         return with_unit(f"{self.name} {ends}", self.unit)
 
 
-def number_text(value: float) -> str:
-    """Return a number as ``number`` does, with a minus sign in place of a hyphen at the start."""
-    return LEADING_HYPHEN.sub("−", number(value))
+def printed_number(value: float) -> str:
+    """Return a number as ``number_text`` does, with a minus sign in place of a hyphen at the start."""
+    return LEADING_HYPHEN.sub("−", number_text(value))
 
 
 COUNT = "impact.count"
@@ -219,7 +219,9 @@ def columns_named(prepared: PreparedScene, panels: Sequence[str], available: Seq
     matches = (names_matching(source, panel, available, "not a column", hint) for panel in panels)
     chosen = list(dict.fromkeys(name for names in matches for name in names))
     if len(chosen) > MOST_NAMED_PANELS:
-        raise SceneError(f"{source}: {len(chosen)} panels ({few(chosen, 3)}) must be <= {MOST_NAMED_PANELS}")
+        raise SceneError(
+            f"{source}: {len(chosen)} panels ({names_text(chosen, 3)}) must be <= {MOST_NAMED_PANELS}"
+        )
     return chosen
 
 
@@ -235,7 +237,7 @@ def outputs_for(job: Job, panels: Sequence[str]) -> list[str]:
     return [name for name in columns_named(job.prepared, panels, available) if name not in standard]
 
 
-def constants(runs: Runs, results: Results) -> str:
+def constant_quantities_words(runs: Runs, results: Results) -> str:
     """Return words for the quantities that are the same in all runs that did not fail; "" without any.
 
     An example is "the same in all runs: impacts 14".
@@ -269,7 +271,7 @@ def _with_prefixes(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]
     for unit in {*families} - {""}:
         members = [quantity for quantity, family in zip(quantities, families, strict=True) if family == unit]
         values = np.abs([quantity.values_in(runs) for quantity in members])
-        scales[unit] = prefixed(float(np.max(values[np.isfinite(values)], initial=0.0)), unit)
+        scales[unit] = prefixed_unit(float(np.max(values[np.isfinite(values)], initial=0.0)), unit)
     scaled = []
     for quantity, family in zip(quantities, families, strict=True):
         factor, unit = scales[family]

@@ -10,14 +10,26 @@ from typing import Any
 import numpy as np
 
 from chain_impact.compilation.ready import missing_compilers
-from chain_impact.progress import Progress, log, silent
+from chain_impact.progress import Progress, log, no_progress
 from chain_impact.scene.scene import SceneSource, scene_of
-from chain_impact.studies.sweep.batches import missing, run_in_threads
+from chain_impact.studies.sweep.batches import missing_spans, run_in_threads
 from chain_impact.studies.sweep.cluster import run_on_cluster
 from chain_impact.studies.sweep.computation import Computation, Span, columns_of
-from chain_impact.studies.sweep.dataset import known_by, locked_dataset
-from chain_impact.studies.sweep.design import Design, Sampling, check_table_size, grid, sampled, whole_number
-from chain_impact.studies.sweep.interrupted import is_complete, keep, partial_path, restore_runs
+from chain_impact.studies.sweep.dataset import locked_dataset, sweep_identity
+from chain_impact.studies.sweep.design import (
+    Design,
+    Sampling,
+    check_table_size,
+    checked_integer,
+    grid_design,
+    sampled_design,
+)
+from chain_impact.studies.sweep.interrupted import (
+    is_complete,
+    partial_path,
+    restore_runs,
+    store_finished_runs,
+)
 from chain_impact.studies.sweep.job import has_own_kernel, job_of
 from chain_impact.studies.sweep.table import Sweep, is_folder, table_path, write_table
 from chain_impact.studies.sweep.variation import Values, variations_of
@@ -80,34 +92,34 @@ def sweep(
         OSError: when a file cannot be read or written.
         BuildError: when the kernel cannot be compiled.
     """
-    scene, progress = scene_of(scene), progress or silent
-    threads = cores() if threads is None else whole_number(scene.name, "threads", threads)
+    scene, progress = scene_of(scene), progress or no_progress
+    threads = cores() if threads is None else checked_integer(scene.name, "threads", threads)
     prepared = PreparedScene(scene)
     variations = variations_of(prepared, vary)
     job = job_of(prepared, variations, (outputs,) if isinstance(outputs, str) else outputs)
     if samples is None:
-        design = grid(variations, scene.name)
+        design = grid_design(variations, scene.name)
     else:
-        design = sampled(variations, scene.name, count=samples, sampling=sampling, seed=seed)
+        design = sampled_design(variations, scene.name, count=samples, sampling=sampling, seed=seed)
     target = None if path is None else table_path(path)
     streamed = path is not None and is_folder(path)
     check_table_size(design, len(variations) + len(job.dtype.names or ()), scene.name, streamed=streamed)
     rows = np.zeros(0 if streamed else design.runs, job.dtype)
     with ExitStack() as stack:
         dataset = stack.enter_context(locked_dataset(target, job, design)) if target and streamed else None
-        head = known_by(job, design)
+        head = sweep_identity(job, design)
         done: list[Span] = []
         if dataset:
             done = list(dataset.files.values())
         elif target:
             done = restore_runs(target, head, rows)
-        spans = missing(done, design.runs)
+        spans = missing_spans(done, design.runs)
         left = sum(end - first for first, end in spans)
         if target and left < design.runs:
             finished = f"{design.runs - left} of {design.runs} runs are kept in {target}"
             log.info("%s, %s are left", finished, left)
         if target and not dataset:
-            stack.enter_context(_interruptible(target, head, rows, done, design))
+            stack.enter_context(_store_when_interrupted(target, head, rows, done, design))
         many = scheduler is None and left >= OWN_KERNEL_FROM
         own_kernel = many and not missing_compilers() and has_own_kernel(job)
         computation = Computation(job, design, dataset.path.resolve() if dataset else None, own_kernel)
@@ -132,16 +144,16 @@ def sweep(
 
 
 @contextmanager
-def _interruptible(
+def _store_when_interrupted(
     table: Path, head: Mapping[str, Any], rows: np.ndarray, done: list[Span], design: Design
 ) -> Iterator[None]:
-    """If an exception ends the ``with`` block, call ``keep``, and write the finished runs to the table.
+    """If an exception ends the ``with`` block, write the finished runs beside the table, or in it.
 
     Without a finished run, nothing is written. A complete table of an earlier sweep stays as it is.
 
     Args:
         table: the path of the table.
-        head: the data that identify the sweep (``known_by``).
+        head: the data that identify the sweep (``sweep_identity``).
         rows: the rows of all runs, which the block fills.
         done: the spans of the finished runs, to which the block adds.
         design: the varied values of each run.
@@ -151,7 +163,7 @@ def _interruptible(
         yield
     except BaseException:
         if done:
-            keep(table, head, rows, done, complete=complete)
+            store_finished_runs(table, head, rows, done, complete=complete)
         if done and not complete:
             write_table(table, (columns_of(design, rows[slice(*batch)], batch[0]) for batch in sorted(done)))
         raise

@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from chain_impact.extras import require
-from chain_impact.files import written_whole
+from chain_impact.files import written_atomically
 from chain_impact.kernel.status import STATUS_NAME
 from chain_impact.scene.errors import SceneError
 from chain_impact.studies.sweep.computation import PARQUET, Columns, write_parquet
 from chain_impact.studies.sweep.job import STATUS
 from chain_impact.studies.sweep.runs import Runs
-from chain_impact.text import TextTable, as_html, plural
+from chain_impact.text import TextTable, as_html, count_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -68,7 +68,7 @@ class Sweep(Runs):
             ended.update(dict(zip(*(part.tolist() for part in np.unique_counts(chunk[STATUS])), strict=True)))
         most_first = sorted(ended, key=lambda code: (-ended[code], code))
         ends = ", ".join(f"{ended[code]} {STATUS_NAME[code]}" for code in most_first)
-        return f"{self.scene.name}  {plural(len(self), 'run')}: {ends}"
+        return f"{self.scene.name}  {count_text(len(self), 'run')}: {ends}"
 
     def _repr_html_(self) -> str:
         """Return HTML for a notebook: the text of ``repr``, and the rows of the first SHOWN_RUNS runs."""
@@ -76,7 +76,7 @@ class Sweep(Runs):
         rows = list(
             zip(*(map(_cell_text, column[:SHOWN_RUNS].tolist()) for column in first.values()), strict=True)
         )
-        more = [f"… and {plural(len(self) - SHOWN_RUNS, 'more run')}"] if len(self) > SHOWN_RUNS else []
+        more = [f"… and {count_text(len(self) - SHOWN_RUNS, 'more run')}"] if len(self) > SHOWN_RUNS else []
         return as_html([repr(self), TextTable(self.names, rows), *more])
 
     def to_dataframe(self) -> Any:
@@ -142,7 +142,7 @@ def write_table(path: Path, chunks: Iterable[Columns]) -> None:
         MissingExtraError: when pyarrow is not installed, for Parquet.
         OSError: when the file cannot be written.
     """
-    with written_whole(path) as fresh:
+    with written_atomically(path) as fresh:
         if path.suffix.lower() == PARQUET:
             write_parquet(fresh, chunks)
             return

@@ -77,7 +77,7 @@ class Variation:
         return np.asarray(np.clip(inside, min(low, high), max(low, high)))
 
 
-def sweepable(source: Scene | PreparedScene) -> dict[str, Variable]:
+def sweepable_variables(source: Scene | PreparedScene) -> dict[str, Variable]:
     """Return what a sweep can vary, the parameters of the FMU and the stop time: name → variable."""
     return {variable.name: variable for variable in (*prepared_scene(source).parameters, STOP_TIME_VARIABLE)}
 
@@ -93,7 +93,7 @@ def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> 
     scene = prepared.scene
     if not vary:
         raise SceneError(f"{scene.name}: nothing is varied; give at least one parameter")
-    parameters = sweepable(prepared)
+    parameters = sweepable_variables(prepared)
     variations = []
     for typed, values in vary.items():
         name = fmu_name(typed)

@@ -13,8 +13,8 @@ import { drivenBy } from "./signals.js";
 export function structureOf(file, kit) {
   const [stops, existingWalls, sites, sliderStops, reached] = [stopsOf, wallsOf, sitesOf, sliderStopsOf, pairsOf].map((of) => of(file));
   const mayTouch = (existingWalls.length > 0 ? reached : touchingPoints(file)).length > 0;
-  const lines = mayTouch ? file.walls.map(({ name }) => name) : [];
-  const wallNames = [...BOX_WALLS, ...lines, ...(stops.length ? STOPS : []), ...sliderStops];
+  const slopedWalls = mayTouch ? file.walls.map(({ name }) => name) : [];
+  const wallNames = [...BOX_WALLS, ...slopedWalls, ...(stops.length ? STOPS : []), ...sliderStops];
   const pairs = reached.map(([point, name]) => [point, wallNames.indexOf(name)]);
   const parts = { file, driven: drivenBy(file, kit.tables), sites, mayTouch, sliderStops, stops, existingWalls, wallNames, pairs };
   const lists = listsOf(parts, kit);
@@ -39,7 +39,7 @@ function listsOf({ file, driven, sites, sliderStops, stops, existingWalls, wallN
     ],
     walls: wallNames.map((name, number) =>
       ({ name, exists: existingWalls.includes(name), touched: pairs.some(([, wall]) => wall === number) })),
-    lines: file.walls.map(({ name }) => ({ name })),
+    sloped_walls: file.walls.map(({ name }) => ({ name })),
     laws: kit.laws.map((name) => ({ name })),
     signals: driven.map(({ name, input, knots }) => ({ name, input, knot_count: knots })),
     steps: driven.filter(({ signal }) => signal.form === "steps").flatMap(({ name, input, signal, first }) =>

@@ -47,8 +47,10 @@ export function recordOf(kit, structure, driven, rows, values, byName) {
   putSignals(driven, kit.tables, (input) => actingOf(byName.get(input)), put);
   for (const { name, ownerKind, word, givenWord, givenWordWhen, type, owner, numberForNone } of rows) {
     const value = values.get(name) ?? (ownerKind === "link" || ownerKind === "slider" ? { number: Number(numberForNone) } : null);
-    if (!value || (ownerKind === "line" && !mayTouch)) continue;
-    if (ownerKind === "line" && owner.at >= known.candidates) throw new RangeError(`walls: the record has room for ${known.candidates}`);
+    if (!value || (ownerKind === "sloped wall" && !mayTouch)) continue;
+    if (ownerKind === "sloped wall" && owner.at >= known.candidates) {
+      throw new RangeError(`walls: the record has room for ${known.candidates}`);
+    }
     write(word, value.number, type === "real", owner.at);
     if (givenWord && known[givenWordWhen]) write(givenWord, value.derived ? SHARED.kernel.DERIVED : value.number, true, owner.at);
   }
