@@ -29,7 +29,7 @@ from chain_impact.recording.recording import Recording
 
 LEGEND_ROOM = 1.1  # the room for a legend beside the motion, relative to the width of the legend
 # a legend stands beside a motion that is not SLIM only if the motion keeps this part of the width
-LEAST_MOTION = 0.6
+LEAST_MOTION = 0.55
 # the largest factors (``view_of``) with which the view grows if the motion has the whole width of the figure
 WHOLE_WIDTH = (1.25, GROWN[1])
 # NUMBER: [points] how far the picture shows the area beyond a wall, where numbers of impacts stand;

@@ -8,10 +8,12 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from chain_impact.pictures.drawing import style
 from chain_impact.pictures.drawing.dark_ground import Ground, is_dark, lightened_colour, luminance
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
+from chain_impact.pictures.drawing.legends import KEY
 from chain_impact.pictures.drawing.style import BLACK, PALETTE, adapt_to_dark_style
 from tests.pictures.pictures import contrast, lab, recorded
 
@@ -71,8 +73,9 @@ def test_axes_of_a_dark_style_keep_what_was_there():
     total = next(line for line in axes.lines if line.get_label() == "total")
     assert to_hex(total.get_color()) == "#ffffff"
     assert all(luminance(line.get_color()) > 0.19 for line in axes.lines)
-    assert all(luminance(handle.get_color()) > 0.19 for handle in axes.get_legend().legend_handles)
-    (rest,) = axes.patches
+    handles = [handle for handle in axes.get_legend().legend_handles if isinstance(handle, Line2D)]
+    assert all(luminance(handle.get_color()) > 0.19 for handle in handles)
+    (rest,) = (patch for patch in axes.patches if patch.get_gid() != KEY)
     assert max(rest.get_facecolor()[:3]) < 0.2  # shaded, not white
 
 
