@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -56,7 +57,8 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None) -> None:
     """
     if handles is None:
         handles, _ = axes.get_legend_handles_labels()
-    ordered = sorted(handles, key=lambda handle: handle.get_gid() == KEY)
+    # the handle of error bars is no artist, but a tuple of artists
+    ordered = sorted(handles, key=lambda handle: isinstance(handle, Artist) and handle.get_gid() == KEY)
     _add_legend(axes, [(handle, str(handle.get_label())) for handle in ordered])
 
 
