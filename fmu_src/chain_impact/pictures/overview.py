@@ -16,7 +16,7 @@ from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.drawing.style import drawing_style, is_narrow, write_foot
 from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
-from chain_impact.pictures.motion.motion import all_entries, draw_motion, entries_and_note
+from chain_impact.pictures.motion.motion import all_entries, draw_motion, few_entries, note_on_lines
 from chain_impact.pictures.motion.view import GROWN, is_flat
 from chain_impact.pictures.over_time.dry_friction import move_legend_to_foot
 from chain_impact.pictures.over_time.impacts import place_of_late_peaks
@@ -63,9 +63,10 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     panel_axes = axes_of(figure, recording, shown)
     motion = None if is_over_time(recording, "motion") else panel_axes.get("motion")
     timed = [axes for name, axes in panel_axes.items() if is_over_time(recording, name)]
-    keyed = panel_axes["energy"] if "energy" in shown else next(iter(timed), None)
-    if keyed is not None:
-        add_time_keys(keyed, recording, is_marked="energy" in shown)
+    # in a narrow figure the panel of impacts below the marks explains them, and its legend has more room
+    keyed = "impacts" if is_narrow(figure) and "impacts" in shown else "energy"
+    if (keyed_axes := panel_axes.get(keyed, next(iter(timed), None))) is not None:
+        add_time_keys(keyed_axes, recording, is_marked=keyed == "energy" in shown)
     for name, axes in panel_axes.items():
         if name in shown:
             PANELS[name].draw(axes, recording)
@@ -93,31 +94,31 @@ def _settle_motion(
     """Arrange a figure with the panel ``motion``, and draw the motion anew for the room of this panel.
 
     ``ratio`` is the motion's width over its height; ``is_alone``: whether no panel is beside the motion. In a
-    narrow figure, the legend is beside a slim motion that is alone, and has all entries; else it is above the
-    motion, and the foot of the figure has some of its entries.
+    narrow figure, the legend is beside a slim motion that is alone, with all entries if there is room, else
+    with few. Beside other motions there is no room, and a legend with few entries is above. The foot of the
+    figure explains what a legend with few entries lacks.
     """
-    is_small, scaled = is_narrow(figure), None if is_flat(recording) else motion
-    legend = legend_beside(motion, all_entries(motion)) if is_small and is_alone else None
-    settle(figure, scaled)
-    room = motion.get_position(original=True).transformed(figure.transFigure)
-    free = room.width - LEGEND_ROOM * legend.get_window_extent().width if legend else 0.0
-    is_slim = free >= max(ratio * room.height, 0.0 if ratio <= SLIM else LEAST_MOTION * room.width)
-    if is_small and not is_slim:
-        entries, note = entries_and_note(motion)
-        legend_above(motion, entries)
-        if note:
-            write_foot(figure, note)
+    is_small, scaled, explained = is_narrow(figure), None if is_flat(recording) else motion, False
+    beside: list[Any] = [(legend_beside, all_entries), (legend_beside, few_entries)]
+    for put_legend, entries_of in [*(beside if is_small and is_alone else []), (legend_above, few_entries)]:
+        legend = put_legend(motion, entries_of(motion)) if is_small else None
+        if is_small and entries_of is few_entries and not explained:
+            explained = True
+            if note := note_on_lines(motion):
+                write_foot(figure, note)
         settle(figure, scaled)
         room = motion.get_position(original=True).transformed(figure.transFigure)
+        width = room.width - (LEGEND_ROOM * legend.get_window_extent().width if legend else 0.0)
+        if not legend or width >= max(
+            ratio * room.height, 0.0 if ratio <= SLIM else LEAST_MOTION * room.width
+        ):
+            break
     motion.clear()
-    width = free if is_slim else room.width
     side = max(room.height, min(width, room.height * ratio)) * 72.0 / figure.dpi
     band = min((NARROW_NUMBER if is_small else NUMBER) / side, MOST_BAND)
     draw_motion(motion, recording, room.height / width, band, WHOLE_WIDTH if is_alone else GROWN)
-    if is_small and is_slim:
-        legend_beside(motion, all_entries(motion))
-    elif is_small:
-        legend_above(motion, entries_and_note(motion)[0])
+    if is_small:
+        put_legend(motion, entries_of(motion))
     settle(figure, scaled)
 
 

@@ -128,14 +128,16 @@ def all_entries(axes: Axes) -> list[Any]:
     return kept
 
 
-def entries_and_note(axes: Axes) -> tuple[list[Any], str]:
-    """Return the artists for the legend above a motion in a narrow figure, and a text for its foot.
+def few_entries(axes: Axes) -> list[Any]:
+    """Return the artists of ``all_entries`` except the lines that ``note_on_lines`` explains."""
+    labelled = {str(handle.get_label()): handle for handle in all_entries(axes)}
+    return [handle for label, handle in labelled.items() if label not in FOOT_LOOKS]
 
-    The text explains the lines whose labels are in FOOT_LOOKS, which have no entry.
-    """
-    told = {str(handle.get_label()): handle for handle in all_entries(axes)}
-    note = ", ".join(f"{look}: {label}" for label, look in FOOT_LOOKS.items() if label in told)
-    return [handle for label, handle in told.items() if label not in FOOT_LOOKS], note
+
+def note_on_lines(axes: Axes) -> str:
+    """Return a text for the foot of a figure that explains the lines whose labels are in FOOT_LOOKS."""
+    labels = {str(handle.get_label()) for handle in all_entries(axes)}
+    return ", ".join(f"{look}: {label}" for label, look in FOOT_LOOKS.items() if label in labels)
 
 
 def colour_of_time(recording: Recording) -> Any:
