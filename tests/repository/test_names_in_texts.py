@@ -8,6 +8,10 @@ from pathlib import Path
 import pytest
 
 import chain_impact
+from chain_impact.kernel.record.counts import Counts
+from chain_impact.kernel.record.instance import instance_dtype
+from chain_impact.scene.reading import keys_of
+from chain_impact.scene.scene import Scene
 
 ROOT = Path(__file__).parents[2]
 ROOMS = (".ci", "benchmarks", "docs/tools", "fmu_src", "packaging", "tests")
@@ -146,6 +150,17 @@ def test_the_overview_names_what_there_is():
     defined = {path: (package / path).read_text("utf-8") for _, path in pairs}
     definition = r"^(?:def |class )?{}\b"
     assert [pair for pair in pairs if not re.search(definition.format(pair[0]), defined[pair[1]], re.M)] == []
+
+
+def test_the_docs_name_fields_of_the_record():
+    """A name such as `chain.length` is that of a field in the record, or of a key of scenes."""
+    layout, keys = instance_dtype(*Counts(2, 1)), {name for name, _ in keys_of(Scene)}
+    pages = [ROOT / "docs/computation.md", *(ROOT / "docs/development").glob("*.md")]
+    told = {name for page in pages for name in re.findall(r"`([a-z_]+\.[a-z_]+)`", page.read_text("utf-8"))}
+    told = {name for name in told if not name.endswith((".py", ".js", ".c", ".md", ".toml", ".yml"))} - keys
+    fields = {f"{part}.{field}" for part in layout.names for field in layout[part].base.names or ()}
+    assert len(told) > 20
+    assert told - fields == set()
 
 
 def test_the_recipes_name_files_and_capital_names_that_exist():
