@@ -12,6 +12,7 @@ const DENSE = 0.4; // a curve with more turns than this for each pixel of the ch
 const FAINT = 0.5; // opacity of a curve that fills an area, so that other curves are seen behind it
 const MOST_BESIDE_NAMES = 3; // with more compared motions, a legend with long names has the values below them
 const ENVELOPE_STEP = 2; // [pixels] width of the strips in whose extremes the envelope of such a curve has its corners
+const ENVELOPE_TURNS = 5; // turns of the curve, more than two periods, over which the envelope takes its extremes
 const ENVELOPE_FILL = 35; // [%] opacity of the envelope's area relative to its lines
 const CURVE_APART = 0.3; // [pixels of the screen] least distance between two points of a drawn curve
 
@@ -275,7 +276,10 @@ function pathOf(plot, series, first, last) {
   return { stroke };
 }
 
-/** Return the path of a curve's envelope: one line through the largest values in narrow strips, one through the least, and their area. */
+/**
+ * Return the path of a curve's envelope: one line through the largest values around narrow strips, one through the least, and their
+ * area. The extremes are taken over more than two periods, so that the envelope of a constant amplitude is straight.
+ */
 function envelopeOf(plot, times, values) {
   const strips = new Map(); // number of a strip → [position of its middle, least and largest vertical position in it]
   times.forEach((time, row) => {
@@ -284,9 +288,14 @@ function envelopeOf(plot, times, values) {
     const [, high, low] = strips.get(strip) ?? [0, y, y];
     strips.set(strip, [(strip + 0.5) * ENVELOPE_STEP, Math.min(high, y), Math.max(low, y)]);
   });
-  const ends = [...strips.values()];
+  const narrow = [...strips.values()];
+  const turns = turnsOf(values, Math.abs(plot.posToVal(1, "y") - plot.posToVal(0, "y")));
+  const reach = Math.ceil((0.5 * ENVELOPE_TURNS * narrow.length) / Math.max(1, turns)); // [strips] at both sides
+  const around = (k) => narrow.slice(Math.max(0, k - reach), k + reach + 1);
+  const high = narrow.map(([x], k) => [x, Math.min(...around(k).map(([, y]) => y))]);
+  const low = narrow.map(([x], k) => [x, Math.max(...around(k).map(([, , y]) => y))]);
   const [stroke, fill] = [new Path2D(), new Path2D()];
-  [ends.map(([x, high]) => [x, high]), ends.map(([x, , low]) => [x, low]).reverse()].forEach((line) => line.forEach((at, k) => {
+  [high, low.reverse()].forEach((line) => line.forEach((at, k) => {
     stroke[k ? "lineTo" : "moveTo"](...at);
     fill.lineTo(...at);
   }));
