@@ -107,7 +107,7 @@ def test_a_ranking_shows_itself_in_80_columns_and_as_bars_to_both_sides(result, 
         # the bars of each panel fill its axis, because effects of other steps are not comparable
         for axes, bars in zip(page.axes, (of_value, of_zero), strict=True):
             assert np.ptp([0.0, *bars]) > 0.9 * np.ptp(axes.get_xlim())
-            heading = next(text for text in axes.texts if text.get_text() == "relative")
+            heading = next(text for text in axes.texts if text.get_text() == "first order")
             (title,) = [each for each in axes.get_children() if each is axes._left_title]
             assert not heading.get_window_extent().overlaps(title.get_window_extent())
         for axes in page.axes:
@@ -169,7 +169,7 @@ def test_effects_that_a_second_run_refutes_are_told_and_drawn(result):
     share = signed_text(100.0 * change / ranking.value).replace("-", "−")
     page = checked.plot()
     texts = [text.get_text() for axes in page.axes for text in axes.texts]
-    assert all(share in text for text in texts if text != "relative")
+    assert all(share in text for text in texts if text != "first order")
     assert "for 2 effects: all differ by more" in " ".join(page.texts[1].get_text().split())
     assert "the bars are the runs" in " ".join(page.texts[1].get_text().split())
     for axes in page.axes:

@@ -238,11 +238,10 @@ class Ranking(Printed):
         scale, unit_of_change = readable_unit(abs(change), self.unit)
         size = f"{signed_text(100.0 * abs(change / self.value))} %" if self.value else ""
         size = (size or with_unit(signed_text(scale * abs(change)), unit_of_change)).removeprefix("+")
-        about = "" if most.simulated is not None and math.isfinite(most.simulated) else "about "
+        is_checked = most.simulated is not None and math.isfinite(most.simulated)
+        size = f"{size} in a run" if is_checked else f"about {size}"
         what = f"{self._words} of {value}" if self.value else self._words
-        return (
-            f"{most.parameter} + {most.step} {'raises' if change > 0.0 else 'lowers'} {what} by {about}{size}"
-        )
+        return f"{most.parameter} + {most.step} {'raises' if change > 0.0 else 'lowers'} {what} by {size}"
 
     @property
     def _words(self) -> str:
@@ -290,7 +289,11 @@ class Ranking(Printed):
         names = [effect.parameter for effect in effects]
         bars = {"names": names, "values": values, "texts": texts, "label": label, "title": title}
         hollow = [effect.differs for effect in effects]
-        return bars | {"marks": marks, "hollow": hollow, "heading": "relative" if self.value else ""}
+        return bars | {
+            "marks": marks,
+            "hollow": hollow,
+            "heading": "first order" if self.value else "",
+        }
 
 
 def ranking_of(

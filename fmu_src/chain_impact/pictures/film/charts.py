@@ -112,6 +112,13 @@ def largest_forces(recording: Recording) -> dict[str, np.ndarray]:
     return {name: force for name, force in largest.items() if force.any()}
 
 
+def largest_wall_force(recording: Recording) -> float:
+    """Return the largest force at a wall or at a stop of a slider [N], also between rows, or 0."""
+    peaks = recording.impacts["peak_force"][~recording.is_at_joint_stop]
+    at_rows = largest_forces(recording).get("wall", np.zeros(1)).max()
+    return float(max(np.nanmax(peaks, initial=0.0), at_rows))
+
+
 def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) -> None:
     peak = max(float(force.max()) for force in forces.values())
     factor, unit = load_unit(peak, "N")
@@ -123,14 +130,18 @@ def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]
 
 
 def _name_peak(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) -> None:
-    """Write the largest of all forces beside its place on a curve, on the side with more room."""
+    """Write the largest of all forces beside its place on a curve, on the side with more room.
+
+    The number of a wall force is that of the list of impacts: the curve has the forces at the rows only.
+    """
     name, force = max(forces.items(), key=lambda each: float(each[1].max()))
+    told = largest_wall_force(recording) if name == "wall" else float(force.max())
     row, factor = int(force.argmax()), load_unit(float(force.max()), "N")[0]
     place = float(recording.time[row]), factor * float(force[row])
     is_left = axes.transAxes.inverted().transform(axes.transData.transform(place))[0] > 0.5  # noqa: PLR2004
     look: dict[str, Any] = {"color": FORCE_COLOURS[name], "fontsize": SMALL, "va": "center"}
     look |= {"ha": "right" if is_left else "left", "textcoords": "offset points"}
-    axes.annotate(force_text(float(force[row]), "N"), place, (-4.0 if is_left else 4.0, 0.0), **look)
+    axes.annotate(force_text(told, "N"), place, (-4.0 if is_left else 4.0, 0.0), **look)
 
 
 def _draw_energies(axes: Axes, recording: Recording, top: float) -> None:

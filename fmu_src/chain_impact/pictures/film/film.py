@@ -29,7 +29,7 @@ from chain_impact.pictures.drawing.style import (
 from chain_impact.pictures.film.arrow_numbers import Number, write_numbers
 from chain_impact.pictures.film.arrow_scale import ArrowScale
 from chain_impact.pictures.film.caption import Caption
-from chain_impact.pictures.film.charts import FORCE, draw_charts, largest_forces
+from chain_impact.pictures.film.charts import FORCE, draw_charts, largest_forces, largest_wall_force
 from chain_impact.pictures.film.places import SIZE_WITH_CHARTS, places_for
 from chain_impact.pictures.film.scale_bar import SMALL, draw_scale_bar
 from chain_impact.pictures.film.tip_trace import trace_of
@@ -123,9 +123,8 @@ class Film:
             for size in (4, 5, 7)
         )
         self.veils = [self._veil(cursor.axes) for cursor in self.cursors]
-        peaks = recording.impacts["peak_force"][~recording.is_at_joint_stop]
-        seen = [force.max() for force in largest_forces(recording).values()]
-        peak = max([np.nanmax(peaks, initial=0.0), *seen])
+        in_joints = largest_forces(recording).get("joint", np.zeros(1)).max()
+        peak = max(largest_wall_force(recording), in_joints)
         self.scale = ArrowScale(peak, self.side)
         if peak > 0.0:
             self.scale.draw(self.scene, SCALE, MUTED)

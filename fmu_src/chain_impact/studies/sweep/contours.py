@@ -96,7 +96,7 @@ def draw_contours(
             text = axes.text(right, up, f"{level:g}", color="white", fontsize="small", path_effects=halo)
             text.set(ha="center", va="center", clip_on=True, gid=COLOURED_GROUND)
         if kept:
-            look: dict[str, Any] = {"colors": "white", "linewidths": 0.9}
+            look: dict[str, Any] = {"colors": "white", "linewidths": 0.9, "linestyles": "solid"}
             line = axes.contour(*(scale.middles for scale in scales), shown, [level], **look)
             line.set_paths([Path.make_compound_path(*kept)])
             line.set_path_effects([Stroke(linewidth=2.1, foreground="black"), Normal()])
