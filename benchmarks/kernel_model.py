@@ -57,7 +57,7 @@ AT_ZERO = 1e-12  # [s] distance from zero in time at which a candidate has an ev
 # peers need a change of sign between the ends of a step
 CLEAR = 1e-13
 HOP = 0.2  # [1] first step of a flight · g / separation speed, so that a low flight is not skipped
-# [1] first step of a contact · impact speed / expected penetration; this step is small, because the force δⁿ
+# [1] first step of a contact · latched speed / expected penetration; this step is small, because the force δⁿ
 # is flat at the onset
 FIRST_STEP = 0.09
 POLISH = 1e-7  # [s] largest correction of a solver's root
@@ -140,7 +140,7 @@ def least_event(d, y):
         sign = -1.0 if d.contacts.active[c] else 1.0
         if sign * gap < lowest:
             lowest, slope = sign * gap, sign * gap_rate
-        fast = RELATCH_RATIO * d.contacts.law_speed[c] + gap_rate
+        fast = RELATCH_RATIO * d.contacts.latched_speed[c] + gap_rate
         if d.contacts.active[c] and fast < lowest:
             lowest, slope = fast, 0.0
     return lowest + CLEAR, slope
@@ -173,7 +173,7 @@ def switch(d, clock, values, found):
         sign = -1.0 if active else 1.0
         falls = sign * gap_rate < 0.0 and sign * gap <= -sign * gap_rate * AT_ZERO + 1e-15
         found[c] = (1 if active else -1) if falls else 0
-        fast = active and -gap_rate >= RELATCH_RATIO * d.contacts.law_speed[c] * (1.0 - 1e-9)
+        fast = active and -gap_rate >= RELATCH_RATIO * d.contacts.latched_speed[c] * (1.0 - 1e-9)
         found[d.candidates + c] = -1 if fast and not falls else 0
         if falls:
             hop = min(hop, abs(gap_rate) * HOP / 9.81)
@@ -185,7 +185,9 @@ def switch(d, clock, values, found):
     clock[1] = d.step.next_size
     for c in range(d.candidates):
         if found[c] < 0 and d.contacts.active[c]:
-            clock[1] = min(clock[1], FIRST_STEP * d.contacts.depth_scale[c] / d.contacts.law_speed[c])
+            clock[1] = min(
+                clock[1], FIRST_STEP * d.contacts.expected_penetration[c] / d.contacts.latched_speed[c]
+            )
     return d.contacts.active_count
 
 
@@ -246,7 +248,7 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
             gap, gap_rate = clearance(d, c)
             active = d.contacts.active[c]
             found[c] = (1 if active else 0) if gap >= 0.0 else (0 if active else -1)
-            fast = active and gap < 0.0 and -gap_rate > RELATCH_RATIO * d.contacts.law_speed[c]
+            fast = active and gap < 0.0 and -gap_rate > RELATCH_RATIO * d.contacts.latched_speed[c]
             found[d.candidates + c] = -1 if fast else 0
             any_event = any_event or found[c] != 0 or fast
         if any_event:
@@ -309,7 +311,7 @@ def cvode_roots(d, careful, y, value):
         active = d.contacts.active[c]
         value[c] = gap - margin if active else gap
         # δ̇ = −ġ
-        value[d.candidates + c] = RELATCH_RATIO * d.contacts.law_speed[c] + gap_rate if active else 1.0
+        value[d.candidates + c] = RELATCH_RATIO * d.contacts.latched_speed[c] + gap_rate if active else 1.0
     return 0
 
 

@@ -61,9 +61,7 @@ class Step:
         # element → −1 or 1: the sign of the dry friction, against the direction of sliding
         slides = {e: -float(d["element"]["mode"][e]) for e in rubbing}
         for i, joint in enumerate(self.joints):
-            joint[0] = (
-                arb(joint[0]) + slides.get(len(self.candidates) + i, 0.0) * d["drive"]["friction_moment"][i]
-            )
+            joint[0] = arb(joint[0]) + slides.get(len(self.candidates) + i, 0.0) * d["drive"]["friction"][i]
         self.drags = {c: arb(slides.get(c, 0.0)) * float(d["law"]["friction"][c]) for c in self.active}
         self.forces = {}  # stiffness K, exponents n and p, and damping d of the force F = K δⁿ + d δᵖ δ̇
         for c in self.active:
@@ -74,11 +72,13 @@ class Step:
                 self.forces[c] = [arb(float(number)) for number in numbers]
         unit = np.ones(len(variables))
         if self.active:
-            unit[: 2 * self.free] = 1.0 / touch["depth_scale"][self.active].min()
+            unit[: 2 * self.free] = 1.0 / touch["expected_penetration"][self.active].min()
         unit[self.free : 2 * self.free] *= self.size * self.kept
         # units of errors: 1 divided by the scales of the variables
         self.unit = 2.0 ** np.round(np.log2(unit))
-        self.scale = arb(float(touch["depth_scale"][self.regularized])) if self.regularized >= 0 else arb(1)
+        self.scale = (
+            arb(float(touch["expected_penetration"][self.regularized])) if self.regularized >= 0 else arb(1)
+        )
 
     def _bodies(self, chain: Any) -> None:
         """Set the masses, the arms a_kj, and the factors A_ij of the mass matrix A_ij cos(θ_i − θ_j)."""

@@ -128,7 +128,7 @@ class Taylor(OnKernel):
             solver.time, solver.state[:] = t, self.y
             if solver.with_events:
                 solver.reset_cooldowns()
-            solver.pars[:] = self.contacts["law_speed"][: len(solver.pars)]
+            solver.pars[:] = self.contacts["latched_speed"][: len(solver.pars)]
             outcome, _, _, count, *_ = solver.propagate_until(self.stop)
             t, steps = solver.time, steps + count
             if outcome == hy.taylor_outcome.time_limit:

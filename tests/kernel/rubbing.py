@@ -39,7 +39,7 @@ def rubbing_chain(
     candidates = [first + 5 * k for k in range(contacts)]
     touch(d, candidates)
     d.contacts.onset[:] = -1.0  # the contacts began long ago
-    d.contacts.law_speed[:], d.contacts.damping[:], d.contacts.depth_scale[:] = 1.0, 0.0, 1.0
+    d.contacts.latched_speed[:], d.contacts.damping[:], d.contacts.expected_penetration[:] = 1.0, 0.0, 1.0
     for c in candidates:
         press_in(d, c, 1e-4)
     d.element.mode[:] = NO_FRICTION
@@ -89,7 +89,7 @@ class AtRest:
         self.d, self.elements, n = d, [int(e) for e in d.element.index[: d.friction.count]], d.links
         d.law.friction[:] = rng.uniform(0.02, 1.5, d.candidates)
         d.law.static_friction[:] = holding * d.law.friction
-        d.drive.friction_moment[:-1] *= rng.uniform(0.1, 20.0, n)
+        d.drive.friction[:-1] *= rng.uniform(0.1, 20.0, n)
         self.scene = scene
         rows = tangents(scene, d, y, self.elements)
         speeds, free = y[n + 2 : 2 * n + 4], slice(2, None) if base == "pinned" else slice(None)
@@ -129,7 +129,7 @@ class AtRest:
         held = [
             d.law.static_friction[e] * d.contacts.force[e]
             if e < d.candidates
-            else d.drive.friction_moment[e - d.candidates] / d.chain.longest_link
+            else d.drive.friction[e - d.candidates] / d.chain.longest_link
             for e in self.elements
         ]
         own = [d.law.friction[e] * d.contacts.force[e] if e < d.candidates else 0.0 for e in self.elements]

@@ -155,7 +155,7 @@ PARAMETERS = (
                 "hint": HAS_TARGET,
             },
             joint_friction={
-                "record_path": ("drive", "friction_moment", INDEX_PLACE),
+                "record_path": ("drive", "friction", INDEX_PLACE),
                 "when": ("may_have_friction",),
                 "hint": HAS_FRICTION,
             },
@@ -198,7 +198,7 @@ PARAMETERS = (
                 "hint": HAS_TARGET.replace("angle", "position"),
             },
             friction={
-                "record_path": ("drive", "friction_moment", INDEX_PLACE),
+                "record_path": ("drive", "friction", INDEX_PLACE),
                 "when": ("may_have_friction",),
                 "hint": HAS_FRICTION,
             },

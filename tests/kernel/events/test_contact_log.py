@@ -64,7 +64,7 @@ def forces(d, t, height):
 def pressed(height, law="zhang_sharf", size=1.0):
     """Return a step of a contact that has been followed to its start."""
     d, motion = falling(height, law=law, size=size)
-    d.contacts.law_speed[1] = 3.0
+    d.contacts.latched_speed[1] = 3.0
     set_damping(d, 1)
     rate = -height[1]
     d.contacts.peak_force[1] = d.contacts.max_penetration[1] = 0.0

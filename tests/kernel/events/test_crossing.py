@@ -177,7 +177,7 @@ def test_a_regularized_contact_ends_at_the_root_of_u():
     d.step.regularized = c
     touch(d, [c])
     # u′ is close to the rate of the motion: the point leaves where u falls to zero
-    d.contacts.depth_scale[c], d.contacts.law_speed[c] = 0.5 * rates[c] / 0.7, 1.0
+    d.contacts.expected_penetration[c], d.contacts.latched_speed[c] = 0.5 * rates[c] / 0.7, 1.0
     prepare(d)
     assert crossing.find_crossing(d) == pytest.approx((1.0 - math.sqrt(1.0 - 0.8 * 0.6)) / 0.4, abs=1e-12)
     assert d.contacts.event[c] == END
@@ -198,7 +198,7 @@ def test_clearances_bend_in_a_regularized_step_by_no_more_than_its_bound(seed):
     parts = np.polynomial.polynomial.polyfit(fine, states, 7)
     walls_away(d)
     set_step(d, Motion(parts), 0.5, regularized=0)
-    d.contacts.depth_scale[:] = d.contacts.law_speed[:] = 1.0
+    d.contacts.expected_penetration[:] = d.contacts.latched_speed[:] = 1.0
     suspect_all_candidates(d)
     crossing.bound_curvature(d)
     gaps = gaps_of(d, states[::20])

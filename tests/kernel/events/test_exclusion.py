@@ -33,7 +33,7 @@ def stepped(seed, *, size=0.1, near=0.3, count=3, base="free", touching=0, **mor
     for c in range(d.candidates):
         wall_at(d, c, motion.at(0.0), near * rng.uniform(0.5, 1.5) * (1.0 if c >= touching else -1.0))
     touch(d, range(touching))
-    d.contacts.law_speed[:] = 1e3
+    d.contacts.latched_speed[:] = 1e3
     d.contacts.kink_crossed[:] = d.contacts.penetration_rate[:] = 0
     d.solver.tolerance = 1e-6
     return d, motion
@@ -128,7 +128,7 @@ def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, f
         set_step(d, motion, 0.5, start=2.0)
         d.search.input_rate, d.chain.joint_rate_bound = turn / 0.5, fade / 0.5
         touch(d, range(d.candidates) if active else [])
-        d.contacts.law_speed[:], d.contacts.penetration_rate[:] = 1.0, 0.0
+        d.contacts.latched_speed[:], d.contacts.penetration_rate[:] = 1.0, 0.0
         gap = (clear * off if off > 0.0 else clear) - d.law.harmless_depth[0]
         for c in range(d.candidates):
             wall_at(d, c, motion.at(0.0), -gap if active else gap)
@@ -247,7 +247,7 @@ def test_a_touching_point_is_near_unless_its_contact_is_regularized():
 def test_a_contact_is_nearly_fast_at_three_quarters_of_the_relatch_speed(speed, end):
     """The check is at either end of the step."""
     d, _ = stepped(0, touching=1)
-    d.contacts.law_speed[0], d.contacts.penetration_rate[0] = 3.0, 3.0 * speed
+    d.contacts.latched_speed[0], d.contacts.penetration_rate[0] = 3.0, 3.0 * speed
     point = d.candidate.point[0]
     d.scratch.velocity.x[point] = -3.0 * end * d.candidate.normal_x[0]
     d.scratch.velocity.y[point] = -3.0 * end * d.candidate.normal_y[0]
@@ -273,7 +273,7 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
     locate_points(d, y)
     d.step.regularized = regularized
     make_rigid(d, impulsive)
-    d.contacts.depth_scale[:] = 0.3
+    d.contacts.expected_penetration[:] = 0.3
     touch(d, [2, 4])
     pace = 1.0 if regularized < 0 else u / (1.0 + u * u)
     found = exclusion.sundman_u_now(d, y)
@@ -304,7 +304,7 @@ def test_second_derivatives_are_those_in_the_variable_of_the_step(regularized):
     _, d = chain(rng, 2)
     motion = free_motion(rng, d)
     touch(d, [2, 4])
-    d.contacts.depth_scale[:], d.step.regularized = 0.3, regularized
+    d.contacts.expected_penetration[:], d.step.regularized = 0.3, regularized
     u, h, rates = 0.6, 1e-5, []
     y, rate = motion.at(0.0), motion.at(0.0, 1)
     y[sundman_u_at(2)] = u

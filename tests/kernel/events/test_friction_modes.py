@@ -98,7 +98,7 @@ def test_moving_elements_slide_in_the_direction_of_their_motion(jumped):
 def test_anchors_are_kept_by_what_stuck_before_and_otherwise_set():
     chain = AtRest(0, "free", 2, True)
     d = chain.d
-    d.law.static_friction[:], d.drive.friction_moment[:] = 1e9, 1e9
+    d.law.static_friction[:], d.drive.friction[:] = 1e9, 1e9
     d.element.mode[chain.elements] = STICKS
     first, *others = chain.elements
     d.element.mode[others[0]] = 1
@@ -123,13 +123,13 @@ def test_anchors_are_kept_by_what_stuck_before_and_otherwise_set():
 def test_an_element_at_its_limit_slides_against_its_force(seed):
     chain = AtRest(seed, "free", 2, True)
     d = chain.d
-    d.law.static_friction[:], d.drive.friction_moment[:] = 1e9, 1e9
+    d.law.static_friction[:], d.drive.friction[:] = 1e9, 1e9
     d.element.mode[chain.elements] = STICKS
     choose_friction_modes(d, True)
     assert not any(chain.modes)
     e = chain.elements[-1]
     force = float(d.element.force[e])
-    d.drive.friction_moment[e - d.candidates] = 0.9 * abs(force) * d.chain.longest_link
+    d.drive.friction[e - d.candidates] = 0.9 * abs(force) * d.chain.longest_link
     d.element.event[e] = STICKING_ENDS
     assert count_pending_changes(d) == 1
     choose_friction_modes(d, False)
@@ -141,7 +141,7 @@ def test_an_element_at_its_limit_slides_against_its_force(seed):
 def test_joints_of_a_chain_without_friction_have_no_mode():
     chain = AtRest(0, "free", 2, True)
     d = chain.d
-    d.drive.friction_moment[:] = 0.0
+    d.drive.friction[:] = 0.0
     choose_friction_modes(d, True)
     assert (d.element.mode[d.candidates :] == NO_FRICTION).all()
     assert d.friction.count == 2
@@ -294,7 +294,7 @@ def test_dependent_constraints_are_held_if_any_share_of_the_load_allows_it(seed,
     """Of two contacts in one place, one carries a small part of the load, and the other the rest."""
     chain = Doubled(seed)
     d = chain.d
-    d.law.friction[:], d.drive.friction_moment[:] = 1e9, 1e9
+    d.law.friction[:], d.drive.friction[:] = 1e9, 1e9
     d.law.static_friction[:] = d.law.friction
     d.element.mode[chain.elements] = STICKS
     choose_friction_modes(d, True)

@@ -55,7 +55,7 @@ def test_a_contact_begins_on_its_side_of_the_kink(law):
     assert d.contacts.active[C] == 1
     assert d.contacts.beyond_kink[C] == 0
     assert d.contacts.onset[C] == 1.5
-    assert d.contacts.law_speed[C] == pytest.approx(1.0, rel=1e-9)
+    assert d.contacts.latched_speed[C] == pytest.approx(1.0, rel=1e-9)
     assert d.impact.count == 1
 
 
@@ -70,7 +70,7 @@ def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
     if speed == 0.0:
         d.scratch.velocity.x[:] = d.scratch.velocity.y[:] = 0.0
     touch(d, [C])
-    d.contacts.depth_scale[C], d.contacts.law_speed[C] = 0.2, 4.0
+    d.contacts.expected_penetration[C], d.contacts.latched_speed[C] = 0.2, 4.0
     press_in(d, C, times * LEAVING_TIME * 0.2 / 4.0 * abs(speed))
     if speed == 0.0:
         d.candidate.offset[C] -= 1e-9
@@ -86,9 +86,9 @@ def test_twice_the_speed_is_latched_with_all_that_follows_from_it():
     mass, damping = d.contacts.effective_mass[C], d.contacts.damping[C]
     d.contacts.beyond_kink[C] = 1
     assert apply_event(d, C, RELATCH)
-    assert d.contacts.law_speed[C] == pytest.approx(2.0, rel=1e-9)
+    assert d.contacts.latched_speed[C] == pytest.approx(2.0, rel=1e-9)
     energy = 0.5 * mass * 2.0**2
-    assert elastic_energy(d, C, d.contacts.depth_scale[C]) == pytest.approx(energy, rel=1e-8)
+    assert elastic_energy(d, C, d.contacts.expected_penetration[C]) == pytest.approx(energy, rel=1e-8)
     assert d.contacts.damping[C] == pytest.approx(0.5 * damping, rel=1e-9)
     assert d.contacts.beyond_kink[C] == 0
 
@@ -129,7 +129,7 @@ def test_no_event_leaves_all_as_it_is():
 )
 def test_each_event_has_its_own_effect(kind, active, law, jumped):
     d = arrived(law, speed=-1.0 if kind == END else 1.0)
-    d.contacts.depth_scale[:] = d.contacts.law_speed[:] = d.contacts.effective_mass[:] = 1.0
+    d.contacts.expected_penetration[:] = d.contacts.latched_speed[:] = d.contacts.effective_mass[:] = 1.0
     others = [1]
     touch(d, [*others, C] if active else others)
     d.contacts.event[C] = kind
@@ -140,7 +140,7 @@ def test_each_event_has_its_own_effect(kind, active, law, jumped):
     assert d.contact_log.count == (kind == END)
     left = others + [C] * (kind == ONSET or (active and kind != END))
     assert d.contacts.active_index[: d.contacts.active_count].tolist() == left
-    assert d.contacts.law_speed[C] == pytest.approx(2.0 if kind == RELATCH else 1.0, rel=1e-9)
+    assert d.contacts.latched_speed[C] == pytest.approx(2.0 if kind == RELATCH else 1.0, rel=1e-9)
     assert d.contacts.beyond_kink[C] == (kind == KINK)
     assert d.step.flight_size == flight
     if kind in {RELATCH, KINK}:
@@ -174,7 +174,7 @@ def test_the_size_of_steps_in_flight_is_kept_when_a_first_contact_begins():
     assert d.step.flight_size == 0.125
     # a chain with another contact is not in flight
     d = arrived(touching=[1])
-    d.contacts.law_speed[:] = d.contacts.depth_scale[:] = 1.0
+    d.contacts.latched_speed[:] = d.contacts.expected_penetration[:] = 1.0
     d.contacts.event[C] = ONSET
     apply_events(d)
     assert d.step.flight_size == 0.25
@@ -201,7 +201,10 @@ def test_a_flight_goes_on_with_the_steps_of_the_last_one_or_as_links_turn(method
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
 def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
     d = arrived(touching=[0, 1, C])
-    d.contacts.law_speed[[0, 1, C]], d.contacts.depth_scale[[0, 1, C]] = (1.0, 1.0, 4.0), (2.0, 1.0, 0.1)
+    d.contacts.latched_speed[[0, 1, C]], d.contacts.expected_penetration[[0, 1, C]] = (
+        (1.0, 1.0, 4.0),
+        (2.0, 1.0, 0.1),
+    )
     d.step.method = method
     choose_next_size(d, onset, goes_on)
     if onset >= 0:
@@ -219,7 +222,7 @@ def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
 
 def test_a_lone_onset_has_the_step_of_its_own_variable():
     d = arrived(touching=[C])
-    d.contacts.law_speed[C], d.contacts.depth_scale[C] = 4.0, 0.1
+    d.contacts.latched_speed[C], d.contacts.expected_penetration[C] = 4.0, 0.1
     choose_next_size(d, C, False)
     assert d.step.next_size == control.size_at_onset(d, C, EXPLICIT)
 
@@ -227,7 +230,7 @@ def test_a_lone_onset_has_the_step_of_its_own_variable():
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
 def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
     d = arrived(touching=[0, C])
-    d.step.method, d.contacts.law_speed[C], d.contacts.depth_scale[C] = method, 4.0, 0.1
+    d.step.method, d.contacts.latched_speed[C], d.contacts.expected_penetration[C] = method, 4.0, 0.1
     d.inputs.drive_damping[:], d.chain.has_springs_or_dampers = 1e12, 1
     d.chain.joint_rate_bound = joint_rate_bound(d)
     choose_next_size(d, C, False)

@@ -147,7 +147,7 @@ def test_a_kink_comes_after_the_event_that_was_found_before():
 def test_a_kink_that_only_a_stage_has_shown_is_looked_for(stage):
     """δ̇ < 0 between 0.3 and 0.45 s, and inward motion at the end."""
     d, _ = falling([0.0, -0.135, 0.375, -1.0 / 3.0])
-    d.contacts.kink_crossed[1], d.contacts.law_speed[1] = stage, 1.0
+    d.contacts.kink_crossed[1], d.contacts.latched_speed[1] = stage, 1.0
     found = find_force_event(d, -1.0)
     if stage:
         assert found == pytest.approx(0.3, abs=1e-13)
@@ -160,7 +160,7 @@ def test_a_kink_that_only_a_stage_has_shown_is_looked_for(stage):
 def test_a_contact_is_latched_again_at_twice_its_impact_speed():
     """h = −t² reaches 2 v₀ at t = v₀."""
     d, _ = falling([0.0, 0.0, -1.0], law="zhang_sharf")
-    d.contacts.law_speed[1], d.contacts.event[:] = 0.37, 7
+    d.contacts.latched_speed[1], d.contacts.event[:] = 0.37, 7
     assert sampled.relatch_margin(d, 1, 0.369) > 0.0 > sampled.relatch_margin(d, 1, 0.371)
     assert RELATCH_RATIO == 2.0
     locate_at_fraction(d, 1.0)
@@ -173,7 +173,7 @@ def test_a_contact_is_latched_again_at_twice_its_impact_speed():
 def test_the_first_of_two_contacts_that_are_fast_is_latched_anew():
     for slower, faster in ((1, 5), (5, 1)):
         d, _ = falling([0.0, 0.0, -1.0], law="zhang_sharf", touching=(1, 5))
-        d.contacts.law_speed[slower], d.contacts.law_speed[faster] = 0.6, 0.25
+        d.contacts.latched_speed[slower], d.contacts.latched_speed[faster] = 0.6, 0.25
         locate_at_fraction(d, 1.0)
         assert find_force_event(d, -1.0) == pytest.approx(0.25, abs=2e-12)
         assert d.contacts.event[[slower, faster]].tolist() == [NONE, RELATCH]
@@ -182,7 +182,7 @@ def test_the_first_of_two_contacts_that_are_fast_is_latched_anew():
 def test_an_excess_between_the_ends_is_found_if_an_end_is_nearly_fast():
     """δ̇ = 1 + 4 t − 6 t² has the maximum 1.67, and the values 1 and −1 at the ends."""
     d, _ = falling([0.0, -1.0, -2.0, 2.0], law="zhang_sharf")
-    d.contacts.law_speed[1], d.contacts.penetration_rate[1], d.contacts.damping[1] = 0.8, 1.0, 0.0
+    d.contacts.latched_speed[1], d.contacts.penetration_rate[1], d.contacts.damping[1] = 0.8, 1.0, 0.0
     locate_at_fraction(d, 1.0)
     assert find_force_event(d, -1.0) == -1.0
     d.contacts.penetration_rate[1] = 1.21

@@ -139,8 +139,8 @@ def test_a_ball_laid_on_the_floor_begins_one_contact():
 
 def known_rates(d):
     """Set rates at which no contact is near its kink or its second latch."""
-    d.contacts.law_speed[:], d.contacts.kink_crossed[:] = 1e6, 0
-    d.contacts.depth_scale[:] = d.contacts.effective_mass[:] = 1.0
+    d.contacts.latched_speed[:], d.contacts.kink_crossed[:] = 1e6, 0
+    d.contacts.expected_penetration[:] = d.contacts.effective_mass[:] = 1.0
     d.contacts.kink_margin[:] = 1e9
     d.contacts.damping[:] = d.contacts.beyond_kink[:] = 0
 
@@ -190,8 +190,8 @@ def test_later_events_are_those_of_contacts_up_to_the_touch():
     """A reversal at ½ s comes before an onset at 0.7 s and after an onset at 0.3 s."""
     for touches, kind in ((0.3, ONSET), (0.7, KINK)):
         d, motion = falling([0.0, -1.0, 1.0])
-        d.contacts.depth_scale[:] = d.contacts.effective_mass[:] = 1.0
-        d.contacts.law_speed[:] = 1e6
+        d.contacts.expected_penetration[:] = d.contacts.effective_mass[:] = 1.0
+        d.contacts.latched_speed[:] = 1e6
         other = 4  # the wall x_max, to which the base moves at 0.1 m/s
         wall_at(d, other, motion.at(touches), 0.0)
         found = find_event(d)
@@ -212,6 +212,6 @@ def test_a_time_that_runs_back_refuses_the_step():
     motion.coefficients[1, time_at(2)] = -1.0
     set_step(d, motion, 1.0, start=2.0)
     d.step.end = 3.0
-    d.contacts.law_speed[:], d.contacts.kink_crossed[1] = 1e6, 1
+    d.contacts.latched_speed[:], d.contacts.kink_crossed[1] = 1e6, 1
     find_event(d)
     assert d.trial.outcome == SPOILED

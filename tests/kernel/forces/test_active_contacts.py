@@ -96,7 +96,7 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
     first = max(speed, 1e-2)
     mass = 1.0 / (gradient @ np.linalg.solve(mass_matrix(scene, y[2:5]), gradient))
     assert touched.onset[c] == d.impact.last_time == 1.25
-    assert touched.law_speed[c] == pytest.approx(first, rel=1e-9)
+    assert touched.latched_speed[c] == pytest.approx(first, rel=1e-9)
     assert touched.impact_speed[c] == pytest.approx(max(0.0, speed), abs=1e-12)
     assert math.copysign(1.0, touched.impact_speed[c]) == 1.0
     assert d.impact.last_speed == touched.impact_speed[c]
@@ -109,10 +109,10 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
     assert d.quadrature.impulse_at_onset[c] == 3.5
     assert touched.impact_number[c] == 5
     if law == "newton_impact":
-        assert touched.depth_scale[c] == d.chain.longest_link
+        assert touched.expected_penetration[c] == d.chain.longest_link
     else:
         energy = 0.5 * mass * first**2
-        assert elastic_energy(d, c, touched.depth_scale[c]) == pytest.approx(energy, rel=1e-9)
+        assert elastic_energy(d, c, touched.expected_penetration[c]) == pytest.approx(energy, rel=1e-9)
         lost = active_contacts.contact_force(d, c, -1e-3, -first) - active_contacts.contact_force(
             d, c, -1e-3, 0.0
         )

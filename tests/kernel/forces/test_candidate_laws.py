@@ -161,8 +161,8 @@ def lasting():
     """Return a record of a chain with two contacts that last, whose damping is not derived yet."""
     _, d = chain(np.random.default_rng(4), 3)
     touch(d, LASTING)
-    d.contacts.law_speed[:], d.contacts.effective_mass[:] = SPEED, MASS
-    d.contacts.damping[:] = d.contacts.depth_scale[:] = 0.0
+    d.contacts.latched_speed[:], d.contacts.effective_mass[:] = SPEED, MASS
+    d.contacts.damping[:] = d.contacts.expected_penetration[:] = 0.0
     change_law(d, "ye", 0.5)
     return d
 
@@ -184,11 +184,11 @@ def test_contacts_that_last_take_a_changed_law_and_restitution(lasting, law, res
     assert np.count_nonzero(lasting.contacts.damping) == len(LASTING)
 
 
-def test_the_depth_scale_of_a_contact_that_lasts_holds_its_energy(lasting):
+def test_the_expected_penetration_of_a_contact_that_lasts_holds_its_energy(lasting):
     change_law(lasting, "flores", 0.25)
-    energy = elastic_energy(lasting, 5, lasting.contacts.depth_scale[5])
+    energy = elastic_energy(lasting, 5, lasting.contacts.expected_penetration[5])
     assert energy == pytest.approx(0.5 * MASS * SPEED**2, rel=1e-12)
-    assert np.count_nonzero(lasting.contacts.depth_scale) == len(LASTING)
+    assert np.count_nonzero(lasting.contacts.expected_penetration) == len(LASTING)
 
 
 def test_a_factor_is_kept_for_the_same_law_restitution_and_exponent(lasting):
@@ -206,12 +206,12 @@ def test_a_factor_is_kept_for_the_same_law_restitution_and_exponent(lasting):
     assert (lasting.law.rate_exponent == 2.0).all()
 
 
-def test_a_wall_that_becomes_rigid_derives_no_depth_scale(lasting):
-    lasting.contacts.depth_scale[:] = 5.0
+def test_a_wall_that_becomes_rigid_derives_no_expected_penetration(lasting):
+    lasting.contacts.expected_penetration[:] = 5.0
     make_rigid(lasting)
     change_law(lasting, "newton_impact", 0.5)
     assert lasting.law.impulsive.all()
-    assert (lasting.contacts.depth_scale == 5.0).all()
+    assert (lasting.contacts.expected_penetration == 5.0).all()
 
 
 # --- walls and stops of their own --------------------------------------------------------------------------
@@ -325,7 +325,7 @@ def test_the_law_of_a_stop_is_that_of_an_angle(law, rate, angle):
     """M = K φⁿ + d φᵖ φ̇, with d from K, v₀ in rad/s and the inertia; here F = M/s at δ = s φ."""
     d, c = stop_with(law)
     size, n, m = d.chain.longest_link, d.stops.exponent, law.mass_power
-    d.contacts.effective_mass[c], d.contacts.law_speed[c] = INERTIA / size**2, RATE * size
+    d.contacts.effective_mass[c], d.contacts.latched_speed[c] = INERTIA / size**2, RATE * size
     set_damping(d, c)
     p = n if law.rate_exponent is None else law.rate_exponent
     factor = law.damping_factor(restitution_for(law))
@@ -347,7 +347,7 @@ def test_a_users_law_of_a_stop_takes_and_returns_what_belongs_to_angles(monkeypa
     d.stops.exponent, d.given.stop_stiffness, d.given.stop_restitution = 1.3, 5e3, 0.4
     assert start_laws(d) == OK
     c = d.candidates - 1
-    d.contacts.effective_mass[c], d.contacts.law_speed[c] = 0.3 / size**2, 2.0 * size
+    d.contacts.effective_mass[c], d.contacts.latched_speed[c] = 0.3 / size**2, 2.0 * size
     force, elastic = law_force(d, c, 0.1 * size, 0.7 * size)
     assert told[0] == pytest.approx((0.1, 0.7, 2.0, 0.3, 5e3, 1.3, 0.4), rel=1e-12)
     assert force * size == pytest.approx(12.0, rel=1e-13)

@@ -41,7 +41,7 @@ def contact_of(law="zhang_sharf", restitution=0.3, speed=SPEED, **changes):
     changes = of_law(law) | {"stiffness": STIFFNESS, "restitution": restitution} | changes
     d = record_of(ball(**changes))
     assert candidate_laws.start_laws(d) == OK
-    d["contacts"]["law_speed"][0], d["contacts"]["effective_mass"][0] = speed, MASS
+    d["contacts"]["latched_speed"][0], d["contacts"]["effective_mass"][0] = speed, MASS
     forces.set_damping(d, 0)
     return d
 
@@ -225,9 +225,9 @@ def test_the_depth_and_the_damping_follow_from_the_impact(law, stiffness, speed,
     The margin of a reversal has an error of the tolerance.
     """
     d = contact_of(law.id, stiffness=stiffness, tolerance=1e-6)
-    d.contacts.law_speed[0], d.contacts.effective_mass[0], d.contacts.kink_margin[0] = speed, mass, 9.0
-    forces.set_expected_depth(d, 0)
-    assert forces.elastic_energy(d, 0, d.contacts.depth_scale[0]) == pytest.approx(
+    d.contacts.latched_speed[0], d.contacts.effective_mass[0], d.contacts.kink_margin[0] = speed, mass, 9.0
+    forces.set_expected_penetration(d, 0)
+    assert forces.elastic_energy(d, 0, d.contacts.expected_penetration[0]) == pytest.approx(
         0.5 * mass * speed**2, rel=1e-12
     )
     forces.set_damping(d, 0)
@@ -235,8 +235,8 @@ def test_the_depth_and_the_damping_follow_from_the_impact(law, stiffness, speed,
     expected = f * stiffness ** (1 - s) * mass**s / (speed if s == 0.0 else 1.0)
     assert d.contacts.damping[0] == pytest.approx(expected, rel=1e-12)
     assert d.contacts.kink_margin[0] == (forces.turning_margin(d, 0) if law.approach_only else 0.0)
-    # the damping share belongs to the force at the expected depth
-    force, elastic = forces.uncut_force(d, 0, d.contacts.depth_scale[0], speed, False)
+    # the damping share belongs to the force at the expected penetration
+    force, elastic = forces.uncut_force(d, 0, d.contacts.expected_penetration[0], speed, False)
     assert forces.damping_over_elastic(d, 0) == pytest.approx(force / elastic - 1.0, abs=1e-12, rel=1e-12)
     assert forces.damping_over_elastic(d, 0) >= 0.0
 
@@ -245,13 +245,13 @@ def test_the_margin_of_a_turn_is_a_tenth_of_the_tolerance_in_the_impulse():
     """The margin is (v/v₀)² of the impulse; a point at rest reverses at the speed tolerance."""
     d = contact_of("jankowski")
     for tolerance, speed in ((1e-4, 2.0), (1e-10, 0.1)):
-        d.solver.tolerance, d.contacts.law_speed[0] = tolerance, speed
+        d.solver.tolerance, d.contacts.latched_speed[0] = tolerance, speed
         at_rest = tolerance * d.chain.longest_link
         margin = forces.turning_margin(d, 0)
         assert ((margin - at_rest) / speed) ** 2 == pytest.approx(
             forces.TURNING_RATE**2 * tolerance, rel=1e-9
         )
-        d.contacts.law_speed[0] = 0.0
+        d.contacts.latched_speed[0] = 0.0
         assert forces.turning_margin(d, 0) == pytest.approx(at_rest, rel=1e-12)
 
 

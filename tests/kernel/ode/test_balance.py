@@ -259,7 +259,7 @@ def test_contacts_add_the_work_of_forces_over_depth_errors():
     for c in touched:
         press_in(d, c, 2e-3)
     touch(d, touched)
-    d.contacts.depth_scale[touched], d.contacts.law_speed[touched] = 3e-3, [0.5, 2.0]
+    d.contacts.expected_penetration[touched], d.contacts.latched_speed[touched] = 3e-3, [0.5, 2.0]
     d.contacts.effective_mass[touched] = [0.7, 1.9]
     found = balance.energy_scales(d, y)
     forces = [force_formula.elastic_force(d, c, -geometry.clearance(d, c)[0]) for c in touched]

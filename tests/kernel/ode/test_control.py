@@ -41,7 +41,7 @@ def test_the_rise_time_of_a_force_is_that_of_depth_or_damping(power, restitution
     rng = np.random.default_rng(7)
     _, d = chain(rng, 1)
     struck(rng, d, [0])
-    d.contacts.depth_scale[0], d.contacts.law_speed[0] = 2e-3, 0.5
+    d.contacts.expected_penetration[0], d.contacts.latched_speed[0] = 2e-3, 0.5
     d.contacts.damping[0], d.law.rate_exponent[0] = 0.0 if restitution == 1.0 else 1e9, power
     share = damping_over_elastic(d, 0)
     assert (share > 0.1) == (restitution < 1.0)
@@ -68,7 +68,7 @@ def test_no_scale_of_an_implicit_step_asks_for_less_than_round_off(tolerance, ag
     rng = np.random.default_rng(7)
     _, d = chain(rng, 2)
     y = struck(rng, d, [0])
-    d.contacts.depth_scale[0], d.contacts.law_speed[0], d.solver.tolerance = 1e-6, 0.5, tolerance
+    d.contacts.expected_penetration[0], d.contacts.latched_speed[0], d.solver.tolerance = 1e-6, 0.5, tolerance
     y[control.FIRST_ANGLE + 1] = -4e3
     d.contacts.onset[0], d.step.end = 1.0, 1.0 + age
     size, gap = d.chain.longest_link, control.sundman_u_at(2)

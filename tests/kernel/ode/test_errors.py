@@ -29,8 +29,8 @@ def deep(depth=1e-3, **more):
     d.trial.state[:] = y
     d.scratch.y_error[:] = 0.0
     d.contacts.gap_error[:] = 0.0
-    d.contacts.depth_scale[touched] = [2e-3, 3e-4]
-    d.contacts.law_speed[touched] = [0.5, 2.0]
+    d.contacts.expected_penetration[touched] = [2e-3, 3e-4]
+    d.contacts.latched_speed[touched] = [0.5, 2.0]
     d.contacts.effective_mass[touched] = [0.7, 1.9]
     return scene, d, touched, y
 
@@ -121,17 +121,17 @@ def test_a_penetration_may_be_off_as_the_speed_of_its_impact_allows():
     """The scale is δ for fast impacts and larger for slow impacts; the error stays below 1 % of δ."""
     _, d, touched, _ = deep(depth=1e-4)
     c, size = touched[0], d.chain.longest_link
-    depth = d.contacts.depth_scale[c]
+    depth = d.contacts.expected_penetration[c]
     for speed, leeway in (
         (4.0 * size, 1.0),
         (size / 8.0, 8.0),
         (1e-9 * size, control.LARGEST_ERROR / TOLERANCE),
     ):
-        d.contacts.law_speed[c] = speed
+        d.contacts.latched_speed[c] = speed
         assert control.penetration_scale(d, c) == pytest.approx(leeway * depth, rel=1e-13)
     assert control.LARGEST_ERROR == 0.01
     # deeper than expected
-    d.contacts.law_speed[c], d.contacts.depth_scale[c] = 4.0 * size, 1e-6
+    d.contacts.latched_speed[c], d.contacts.expected_penetration[c] = 4.0 * size, 1e-6
     assert control.penetration_scale(d, c) == pytest.approx(-clearance(d, c)[0], rel=1e-13)
     assert control.penetration_scale(d, c) == pytest.approx(1e-4, rel=1e-9)
 

@@ -34,8 +34,8 @@ def step():
     scene, d = chain(rng, LINKS)
     touched = [c for c in range(d.candidates) if d.candidate.point[c] in (1, 3)][:4:3]
     y = struck(rng, d, touched)
-    d.contacts.depth_scale[touched] = [2e-3, 5e-4]
-    d.contacts.law_speed[touched], d.contacts.effective_mass[touched] = 0.5, 1.0
+    d.contacts.expected_penetration[touched] = [2e-3, 5e-4]
+    d.contacts.latched_speed[touched], d.contacts.effective_mass[touched] = 0.5, 1.0
     d.step.state_end[:], d.scratch.located_at_end = y, 1
     extend_start(d)
     extended_slopes(d, d.implicit.z_start)
@@ -74,8 +74,8 @@ def test_coordinates_move_to_clearances_as_the_chain_responds_to_impulses(step, 
 def test_the_mismatch_is_that_of_the_worst_contact_by_its_depth(step, k):
     _, d, touched, _, z = step
     off = 1e-5 * np.array([-1.0, 1.0])
-    depths = [max(d.contacts.depth_scale[c], -clearance(d, c)[0]) for c in touched]
-    assert depths == pytest.approx([2e-3, 1e-3], rel=1e-9)  # expected depth, and actual depth
+    depths = [max(d.contacts.expected_penetration[c], -clearance(d, c)[0]) for c in touched]
+    assert depths == pytest.approx([2e-3, 1e-3], rel=1e-9)  # expected penetration, and actual depth
     z[gap_at(d, 0)] += off[0]
     z[gap_at(d, 1)] += off[1]
     z[gap_at(d, k)] += 9.0 * off[k]

@@ -37,7 +37,7 @@ def test_a_step_from_the_onset_keeps_the_order_of_the_method():
 
     for size in sizes:
         d = Plain(start.copy()[0])
-        depth = float(d.contacts.depth_scale[0])
+        depth = float(d.contacts.expected_penetration[0])
         methods.attempt_step(d, size * depth / SPEED)
         errors.append(abs(energy(d.trial.state) - energy(d.step.state_end)))
     assert min(errors) > 1e-13  # otherwise the test would measure round-off
@@ -80,7 +80,7 @@ def contact(seed=17):
     _, d = chain(np.random.default_rng(seed), LINKS)
     c = d.candidate.point.tolist().index(2)
     y = struck(np.random.default_rng(seed), d, [c], DEPTH)
-    d.contacts.depth_scale[c], d.contacts.law_speed[c] = SCALE, 1.0
+    d.contacts.expected_penetration[c], d.contacts.latched_speed[c] = SCALE, 1.0
     d.contacts.effective_mass[c] = 1.0
     d.step.regularized, d.step.method = c, EXPLICIT
     return d, c, y
@@ -194,7 +194,7 @@ def test_a_point_at_rest_on_a_wall_has_time_as_its_variable():
     place(d, c, -SCALE * (0.5 * sundman.RESTING_SUM) ** 2)  # u = RESTING_SUM/2
     own = c, pytest.approx(0.5 * sundman.RESTING_SUM, rel=1e-6)
     for part, right in ((0.49, IN_TIME), (0.51, own)):
-        d.contacts.law_speed[c] = abs(geometry.clearance(d, c)[1]) / (part * sundman.RESTING_SUM)
+        d.contacts.latched_speed[c] = abs(geometry.clearance(d, c)[1]) / (part * sundman.RESTING_SUM)
         assert sundman.find_lone_contact(d) == right
 
 

@@ -155,7 +155,7 @@ def test_stiffness_is_that_of_joints_where_they_are_faster(rng):
 
 def test_a_contact_lasts_after_some_times_of_an_impact(pressed):
     d, touched = pressed
-    d.contacts.depth_scale[touched], d.contacts.law_speed[touched] = [1e-3, 4e-3], [0.5, 0.5]
+    d.contacts.expected_penetration[touched], d.contacts.latched_speed[touched] = [1e-3, 4e-3], [0.5, 0.5]
     d.step.end, slow = 2.0, methods.SUSTAINED_AFTER * 4e-3 / 0.5
     # all contacts must last; the first is four times as fast
     for first, second, right in (
@@ -173,7 +173,7 @@ def test_a_contact_lasts_after_some_times_of_an_impact(pressed):
 @pytest.mark.parametrize("lasting", [False, True])
 def test_explicit_steps_suggest_a_switch_where_they_are_stiff(pressed, lasting):
     d, touched = pressed
-    d.contacts.depth_scale[touched], d.contacts.law_speed[touched] = 1e-3, 1.0
+    d.contacts.expected_penetration[touched], d.contacts.latched_speed[touched] = 1e-3, 1.0
     stiff, stiff_contact, rate = STIFF_STEP, methods.STIFF_STEP_IN_CONTACT, methods.fastest_contact(d)
     rows = (
         (1.01 * stiff, True),
@@ -212,7 +212,7 @@ def test_an_impact_is_explicit_unless_joints_are_stiff_in_its_first_step(rng, me
     d, tip, rate = jointed(rng, touching=True)
     h = number * STIFF_STEP / (methods.IMPACT_PART * rate)
     d.step.method, d.step.stiff_count, d.step.next_size = method, 2, h
-    d.contacts.depth_scale[tip], d.contacts.law_speed[tip] = depth, 1.0
+    d.contacts.expected_penetration[tip], d.contacts.latched_speed[tip] = depth, 1.0
     methods.begin_impact(d, tip)
     stiff, first = number > 1.0 and method == IMPLICIT, control.size_at_onset(d, tip, IMPLICIT)
     assert d.step.method == (IMPLICIT if stiff else EXPLICIT)

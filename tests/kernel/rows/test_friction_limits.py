@@ -36,7 +36,7 @@ def set_limits(chain, limits):
         if e < d.candidates:
             d.law.static_friction[e] = d.law.friction[e] = limit / d.contacts.force[e]
         else:
-            d.drive.friction_moment[e - d.candidates] = limit * d.chain.longest_link
+            d.drive.friction[e - d.candidates] = limit * d.chain.longest_link
             d.element.limit[e] = limit
 
 

@@ -18,7 +18,7 @@ def tangent(monkeypatch):
     monkeypatch.setattr(event_times, "locate_points", lambda _t, _y: None)
     monkeypatch.setattr(event_times, "rate_from_points", lambda _t, _y, _rate: None)
     monkeypatch.setattr(event_times, "ensure_points", lambda _t: None)
-    t = SimpleNamespace(contacts=SimpleNamespace(law_speed=[dual(0.5, 1.0, 2.0)] * 2))
+    t = SimpleNamespace(contacts=SimpleNamespace(latched_speed=[dual(0.5, 1.0, 2.0)] * 2))
     t.step = SimpleNamespace(
         start=dual(1.3), end=dual(1.5), state_end=[dual(2.0, 1.0, 0.0), dual(1.0, 0.0, 4.0)]
     )

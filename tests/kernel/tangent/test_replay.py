@@ -44,7 +44,15 @@ CASES = {
 # the last step and its results: equal bits
 SAME = {
     "step": ("start", "end", "size", "state", "state_end", "dense", "end_fraction", "regularized"),
-    "contacts": ("active", "onset", "impact_speed", "law_speed", "effective_mass", "damping", "peak_force"),
+    "contacts": (
+        "active",
+        "onset",
+        "impact_speed",
+        "latched_speed",
+        "effective_mass",
+        "damping",
+        "peak_force",
+    ),
     "contact_log": ("onset", "end", "impact_speed", "separation_speed", "peak_force", "max_penetration"),
     "output": (
         "point_position",
@@ -106,7 +114,7 @@ def instances(regularized=-1, events=(NONE, NONE), end_fraction=1.0, method=EXPL
     d.contacts, d.inputs, t.inputs = SimpleNamespace(event=list(events)), SimpleNamespace(), SimpleNamespace()
     d.element = SimpleNamespace(event=[NONE, SLIDING_ENDS, NONE])
     t.contacts = SimpleNamespace(event=[NONE, NONE], active_count=1, active_index=[1])
-    t.contacts.law_speed = [dual(0.5, 1.0, 2.0)] * 2
+    t.contacts.latched_speed = [dual(0.5, 1.0, 2.0)] * 2
     t.step = SimpleNamespace(method=-1, regularized=regularized, end=dual(1.4999, 3.0, 4.0))
     t.step.start_delay = dual(0.0)
     t.step.state_end = np.array([dual(9.0, *rng.normal(size=2)) for _ in range(SIZE)], object)

@@ -45,7 +45,7 @@ PARAMETERS = {
         *("gravity", "length", "mass", "given_center_of_mass", "given_inertia", "box_wall"),
         "joint_armature",
     ),
-    "drive": ("friction_moment", "torque_limit"),
+    "drive": ("friction", "torque_limit"),
     "walls": ("x", "y", "angle"),
     "initial": ("position", "velocity", "angle", "angular_velocity"),
     "contact_settings": ("exponent", "radius"),
@@ -242,10 +242,10 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
         assert t.contacts.damping[4] == damping
         assert t.contacts.beyond_kink[4] == 5
     else:
-        mass, speed = t.contacts.effective_mass[4], t.contacts.law_speed[4]
+        mass, speed = t.contacts.effective_mass[4], t.contacts.latched_speed[4]
         expected = CONTACT_LAWS[law].damping_factor(0.8) * 3e5 / speed
         assert t.contacts.damping[4] == pytest.approx(expected, rel=1e-12)
-        energy = force_formula.elastic_energy(t, 4, t.contacts.depth_scale[4])
+        energy = force_formula.elastic_energy(t, 4, t.contacts.expected_penetration[4])
         assert energy == pytest.approx(0.5 * mass * speed**2, rel=1e-9)
         assert t.contacts.beyond_kink[4] in {0, 1}
 

@@ -105,7 +105,7 @@ def instance(events=(), speeds=(3.0, 4.0)):
     events = (*events, *[NONE] * (4 - len(events)))
     t = SimpleNamespace(links=1, candidates=4)
     t.contacts = SimpleNamespace(event=list(events), active_index=[2], compliant_count=1)
-    t.contacts.law_speed, t.contacts.penetration_rate = [dual(0.5)] * 4, [dual(0.3)] * 4
+    t.contacts.latched_speed, t.contacts.penetration_rate = [dual(0.5)] * 4, [dual(0.3)] * 4
     t.candidate = SimpleNamespace(point=[4, 5, 6, 7], wall=[0, 1, 2, 3])
     t.law = SimpleNamespace(impulsive=[0] * 4, number=[trust.USER_LAW] * 4)
     t.law.minimum_impact_speed, t.law.static_friction = (

@@ -125,7 +125,7 @@ def set_effect_flags(d):
             chain.has_springs_or_dampers = 1
         if not is_slider(d, i) and has_effect(drive_inertia(d, i)):
             chain.has_armatures = 1
-        if d.drive.friction_moment[i] > 0.0:
+        if d.drive.friction[i] > 0.0:
             chain.has_drive_friction = 1
             if not is_slider(d, i):
                 chain.has_joint_places = 1

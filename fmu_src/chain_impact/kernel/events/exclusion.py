@@ -3,7 +3,7 @@
 φ is the clearance of a candidate without contact, and the penetration of a candidate in contact; in contact
 with a rigid wall φ is infinite. For the regularized contact φ is u, the root of the penetration over the
 expected penetration (ode/sundman.py). φ′ and φ″ are the derivatives of φ in the integration variable of the
-step, φ̇ and φ̈ those in time. δ is the penetration, and v₀ the impact speed in the law.
+step, φ̇ and φ̈ those in time. δ is the penetration, and v₀ the latched speed in the law.
 """
 
 import math
@@ -24,13 +24,13 @@ SMALL_TURN = 1.0
 # of the test by BERNSTEIN_MARGIN times the range of all coefficients. Without the margin, round-off or a
 # wrong estimate of the interpolant's error could exclude an event that happens.
 BERNSTEIN_MARGIN = 0.05
-# The impact speed v₀ is latched at the onset of the contact. If the rate δ̇ of the penetration later exceeds
+# The speed v₀ is latched at the onset of the contact. If the rate δ̇ of the penetration later exceeds
 # RELATCH_RATIO times v₀, v₀ is multiplied by this ratio. In a usual impact gravity adds only a thousandth to
 # δ̇, so v₀ stays. With the ratio 2, the force of a Hunt–Crossley law with the damping factor λ is at most
 # about 1 + 2λ times the elastic part of the force.
 RELATCH_RATIO = 2.0
 # If the rate of the penetration exceeds NEARLY_FAST times the limit at an end of a step, the rate may exceed
-# the limit inside the step, and the step is sampled. The limit is RELATCH_RATIO times the impact speed.
+# the limit inside the step, and the step is sampled. The limit is RELATCH_RATIO times the latched speed.
 NEARLY_FAST = 0.75
 
 
@@ -151,7 +151,7 @@ def remains_far(d):
     """Return whether, by an estimate, the last step has no event that ``excludes_events`` excludes.
 
     The result is true only if all candidates without contact are far from touching, and no contact has a
-    force law, except a regularized contact that lasts, keeps its impact speed v₀ and crosses no kink. If the
+    force law, except a regularized contact that lasts, keeps its latched speed v₀ and crosses no kink. If the
     result is true, DISTANCE_KNOWN is remembered.
     """
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
@@ -180,7 +180,7 @@ def remains_far(d):
 
 
 def force_stays_smooth(d, c):
-    """Return whether contact c keeps its impact speed v₀ and crosses no kink in the last step."""
+    """Return whether contact c keeps its latched speed v₀ and crosses no kink in the last step."""
     return not (d.contacts.kink_crossed[c] or is_nearly_fast(d, c))
 
 
@@ -191,7 +191,8 @@ def is_nearly_fast(d, c):
     """
     _, gap_rate = clearance(d, c)
     return (
-        max(d.contacts.penetration_rate[c], -gap_rate) > NEARLY_FAST * RELATCH_RATIO * d.contacts.law_speed[c]
+        max(d.contacts.penetration_rate[c], -gap_rate)
+        > NEARLY_FAST * RELATCH_RATIO * d.contacts.latched_speed[c]
     )
 
 

@@ -54,8 +54,11 @@ def end_if_point_left(d, c):
     contacts = d.contacts
     gap, gap_rate = clearance(d, c)
     # the time to get out, −g/ġ for the clearance g, is at most LEAVING_TIME times the contact's time scale,
-    # expected penetration over impact speed
-    if gap_rate >= 0.0 and -gap * contacts.law_speed[c] <= LEAVING_TIME * contacts.depth_scale[c] * gap_rate:
+    # expected penetration over latched speed
+    if (
+        gap_rate >= 0.0
+        and -gap * contacts.latched_speed[c] <= LEAVING_TIME * contacts.expected_penetration[c] * gap_rate
+    ):
         end_contact(d, c, False)
 
 
@@ -80,8 +83,8 @@ def apply_events(d):
 
     Returns:
         Whether a force may have jumped. The result is true in each of these cases: a contact crosses its kink
-        or gets a new impact speed; a contact begins or ends whose force may jump then (``force_may_jump``); a
-        rigid wall holds a point or has an event; the scene has dry friction or a drive with a limit.
+        or gets a new latched speed; a contact begins or ends whose force may jump then (``force_may_jump``);
+        a rigid wall holds a point or has an event; the scene has dry friction or a drive with a limit.
     """
     # ``onset``: the last candidate with a force law whose contact this function begins; −1: none begins
     contacts, onset, jumped = d.contacts, -1, False

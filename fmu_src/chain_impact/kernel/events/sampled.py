@@ -7,7 +7,7 @@
     STICKING_ENDS    µ_s F_n − |F_t|, the limit of friction minus the friction force
     (drives)         least margin of a drive's torque or force to the end of the drive's mode
 
-δ is the penetration, v₀ the impact speed in the law, s = ±1 the direction of sliding, t·v the tangential
+δ is the penetration, v₀ the latched speed in the law, s = ±1 the direction of sliding, t·v the tangential
 speed relative to the belt, F_n the normal force, F_t the friction force, and µ_s the coefficient of static
 friction. The stages and ends of a step show which events must be searched for; if inputs turn fast, RELEASE
 and changes of friction modes always are. An event that is found late causes only a small error of energy.
@@ -54,7 +54,7 @@ from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import clearance, tangential_rate
 
 # SAMPLES: the number of samples in the searched part of a step in which a stage or an end shows an event. The
-# search for RELATCH takes FEW_SAMPLES: if it misses an event, the latched impact speed only stays too low.
+# search for RELATCH takes FEW_SAMPLES: if it misses an event, the latched speed only stays too low.
 SAMPLES, FEW_SAMPLES = 8, 4
 # The turn [rad] of an input is its angular frequency times the duration of the step. Up to TURN_OF_STAGES the
 # stages show all events, although they are up to a quarter of the step apart; with a larger turn, events may
@@ -185,7 +185,7 @@ def relatch_margin(d, c, theta):
     """Return RELATCH_RATIO v₀ − δ̇ [m/s] of contact c at θ; if this is < 0, the speed v₀ is latched again."""
     locate_at_fraction(d, theta)
     _, gap_rate = clearance(d, c)
-    return RELATCH_RATIO * d.contacts.law_speed[c] + gap_rate
+    return RELATCH_RATIO * d.contacts.latched_speed[c] + gap_rate
 
 
 find_relatch = make_search(

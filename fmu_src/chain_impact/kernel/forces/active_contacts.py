@@ -13,7 +13,7 @@ from chain_impact.kernel.forces.force_formula import (
     is_cut_off,
     law_slopes,
     set_damping,
-    set_expected_depth,
+    set_expected_penetration,
 )
 from chain_impact.kernel.forces.friction import (
     apply_friction,
@@ -134,7 +134,7 @@ def touching_position(d, c):
 def latch_onset(d, c):
     """Make candidate c active at its onset, for the located points, and count the impact.
 
-    The function latches the impact speed v₀, the effective mass, the expected penetration and the damping of
+    The function latches the speed v₀, the effective mass, the expected penetration and the damping of
     the contact. Later, ``relatch_speed`` or a new law can change these values, except the effective
     mass.
     """
@@ -144,7 +144,7 @@ def latch_onset(d, c):
     contacts.x[c], contacts.y[c] = touching_position(d, c)
     # the onset speed is 0 if the point moves outward, because of an integration error or another impact
     contacts.impact_speed[c] = max(0.0, 0.0 - gap_rate)
-    contacts.law_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
+    contacts.latched_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
     set_start_rates(d, c, -gap_rate, 1.0)  # 1.0: the force rises after the onset
     set_contact_extremes(d, c, 0.0, 0.0)
     set_joint_square(d, c, 0.0, 0)
@@ -175,19 +175,19 @@ def begin_force_contact(d, c):
 def latch_depth_and_damping(d, c):
     """Latch the expected penetration of candidate c's contact and, for a force law, the damping.
 
-    Both follow from the law and from the contact's impact speed and effective mass.
+    Both follow from the law and from the contact's latched speed and effective mass.
     """
-    set_expected_depth(d, c)
+    set_expected_penetration(d, c)
     if not d.law.impulsive[c]:
         set_damping(d, c)
 
 
 def relatch_speed(d, c, factor):
-    """Multiply v₀, the latched impact speed of candidate c, by ``factor``; update what depends on v₀.
+    """Multiply v₀, the latched speed of candidate c, by ``factor``; update what depends on v₀.
 
     The expected penetration, the damping and the side of the law's kink depend on v₀.
     """
-    d.contacts.law_speed[c] *= factor
+    d.contacts.latched_speed[c] *= factor
     latch_depth_and_damping(d, c)
     set_kink_side(d, c)
 

@@ -22,12 +22,12 @@ from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.rows.geometry import is_at_joint_stop, lever_of_candidate
 
 # The increment of the central differences for the slopes of a user's law: relative to the penetration, or for
-# its rate relative to the size of this rate plus the impact speed. The value is about the cube root of
+# its rate relative to the size of this rate plus the latched speed. The value is about the cube root of
 # round-off, with which truncation and round-off cause equal errors.
 RELATIVE_INCREMENT = 1e-5
 # If a law damps on approach only, a step may use the force of the wrong side of δ̇ = 0, with the rate δ̇ of
 # the penetration, while |δ̇| is at most TURNING_RATE times v₀ √(tolerance/max(1, damping_over_elastic)), with
-# the impact speed v₀, plus a margin for a contact at rest (``turning_margin``). Without this margin, the
+# the latched speed v₀, plus a margin for a contact at rest (``turning_margin``). Without this margin, the
 # wrong force changes the impulse by at most a tenth of the tolerance, relative to the impulse.
 TURNING_RATE = 0.3
 
@@ -81,20 +81,22 @@ def elastic_depth(d, c, mass, speed):
     return power(energy * (exponent + 1.0) / stiffness, 1.0 / (exponent + 1.0))
 
 
-def set_expected_depth(d, c):
-    """Set the expected penetration [m] of candidate c, from impact speed and effective mass of its contact.
+def set_expected_penetration(d, c):
+    """Set the expected penetration [m] of candidate c, from latched speed and effective mass of its contact.
 
     A rigid wall has no penetration; for a candidate at a rigid wall the length of the longest link is set.
     """
     contacts = d.contacts
     if d.law.impulsive[c]:
-        contacts.depth_scale[c] = d.chain.longest_link
+        contacts.expected_penetration[c] = d.chain.longest_link
     else:
-        contacts.depth_scale[c] = elastic_depth(d, c, contacts.effective_mass[c], contacts.law_speed[c])
+        contacts.expected_penetration[c] = elastic_depth(
+            d, c, contacts.effective_mass[c], contacts.latched_speed[c]
+        )
 
 
 def set_damping(d, c):
-    """Set the damping d [N·s/m^(p+1)] of candidate c, from impact speed and effective mass of its contact.
+    """Set the damping d [N·s/m^(p+1)] of candidate c, from latched speed and effective mass of its contact.
 
     p is the exponent of the penetration δ in the damping force. The function also sets
     ``contacts.kink_margin``: the |δ̇| up to which a law that damps on approach only may be on the wrong side
@@ -104,8 +106,8 @@ def set_damping(d, c):
     factor, stiffness = law.damping_factor[c], law.stiffness[c]
     mass_power = MASS_POWERS[number - 1] if number <= LAW_COUNT else 0.0
     if mass_power == 0.0:
-        # the damping d = λ K/v₀ of the Hunt–Crossley family, with factor λ, stiffness K and impact speed v₀
-        contacts.damping[c] = factor * stiffness / contacts.law_speed[c]
+        # the damping d = λ K/v₀ of the Hunt–Crossley family, with factor λ, stiffness K and latched speed v₀
+        contacts.damping[c] = factor * stiffness / contacts.latched_speed[c]
     else:
         # damping d = f K^(1−s) m^s × ``unit_of_damping``, with the law's factor f and exponent s,
         # stiffness K and effective mass m
@@ -137,13 +139,13 @@ def turning_margin(d, c):
     """Return the largest |δ̇| [m/s] at which a step may use the force of the wrong side of the kink δ̇ = 0.
 
     If |δ̇| reaches the speed v on the wrong side, the impulse of the contact has a relative error: (v/v₀)²
-    times the result of ``damping_over_elastic``, with the impact speed v₀. TURNING_RATE limits this error. In
-    a contact without motion, errors change the sign of δ̇ again and again; therefore the tolerance times one
-    longest link per second is added to the result.
+    times the result of ``damping_over_elastic``, with the latched speed v₀. TURNING_RATE limits this error.
+    In a contact without motion, errors change the sign of δ̇ again and again; therefore the tolerance times
+    one longest link per second is added to the result.
     """
     tolerance = d.solver.tolerance
     least = math.sqrt(tolerance / max(1.0, damping_over_elastic(d, c)))
-    return TURNING_RATE * least * d.contacts.law_speed[c] + tolerance * d.chain.longest_link
+    return TURNING_RATE * least * d.contacts.latched_speed[c] + tolerance * d.chain.longest_link
 
 
 def law_force(d, c, depth, rate):
@@ -236,7 +238,7 @@ def user_contact_force(d, c, depth, rate):
     and ``rate`` to angles, and the moment to a force.
     """
     law, arm = d.law, lever_of_candidate(d, c)
-    speed, mass = d.contacts.law_speed[c] / arm, d.contacts.effective_mass[c] * arm * arm
+    speed, mass = d.contacts.latched_speed[c] / arm, d.contacts.effective_mass[c] * arm * arm
     stiffness = law.stiffness[c]
     if is_at_joint_stop(d, c):
         stiffness *= power(arm, law.exponent[c] + 1.0)
@@ -302,7 +304,7 @@ def user_slopes(d, c, depth, rate):
     low, _ = law_force(d, c, depth - step, rate)
     high, _ = law_force(d, c, depth + step, rate)
     stiffness = (high - low) / (2.0 * step) if step > 0.0 else 0.0
-    step = RELATIVE_INCREMENT * (abs(rate) + d.contacts.law_speed[c])
+    step = RELATIVE_INCREMENT * (abs(rate) + d.contacts.latched_speed[c])
     low, _ = law_force(d, c, depth, rate - step)
     high, _ = law_force(d, c, depth, rate + step)
     return max(0.0, stiffness), max(0.0, (high - low) / (2.0 * step))
@@ -311,8 +313,8 @@ def user_slopes(d, c, depth, rate):
 def damping_over_elastic(d, c):
     """Return the damping force of candidate c divided by the elastic force K δⁿ, but at least 0.
 
-    Both forces are those at the rate v₀, the impact speed, and the expected penetration; the damping force is
-    the whole force minus K δⁿ. For the Hunt–Crossley family the result is the damping factor λ of the law.
+    Both forces are those at the latched speed v₀ and the expected penetration; the damping force is the
+    whole force minus K δⁿ. For the Hunt–Crossley family the result is the damping factor λ of the law.
     """
-    force, elastic = law_force(d, c, d.contacts.depth_scale[c], d.contacts.law_speed[c])
+    force, elastic = law_force(d, c, d.contacts.expected_penetration[c], d.contacts.latched_speed[c])
     return max(0.0, force / elastic - 1.0)

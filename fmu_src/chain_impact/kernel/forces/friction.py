@@ -118,10 +118,10 @@ def list_friction(d):
             friction.count += 1
     friction.contact_count = friction.count
     for i in range(first_joint(d), drive_count(d) if d.chain.has_drive_friction else 0):
-        if d.drive.friction_moment[i] > 0.0:
+        if d.drive.friction[i] > 0.0:
             e = d.candidates + i
             d.element.index[friction.count] = e
-            d.element.limit[e] = d.drive.friction_moment[i] / lever_of_drive(d, i)
+            d.element.limit[e] = d.drive.friction[i] / lever_of_drive(d, i)
             friction.count += 1
     list_sticking(d)
 

@@ -13,7 +13,7 @@ longest of these lengths. E₁ is twice the kinetic energy of the stretched chai
 and rotates by 1 rad per second, with that of the carriage. E₂ is M s², plus the inertias of armatures, per
 second squared. The sum with k is over the springs: k |φ| is the moment or force of a spring, with r = 1 rad
 at a joint and r = s at a slider. The sum with K is over the active contacts: K δⁿ is the elastic force, 0 at
-a rigid wall, s_δ the scale of the penetration, m the effective mass and v₀ the impact speed.
+a rigid wall, s_δ the scale of the penetration, m the effective mass and v₀ the latched speed.
 
 A step that changes the balance by more than 3 × tolerance × S is rejected (STEP_CHANGE): its error estimate
 misses something, such as a motion that decays within the first stage. The sum of the changes in one second of

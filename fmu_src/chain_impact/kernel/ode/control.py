@@ -180,11 +180,11 @@ def size_at_onset_beside(d, c):
 def contact_time_scale(d, c):
     """Return the time scale [s] of the contact force of candidate c after the onset.
 
-    Without damping this time is δ*/v₀, the expected penetration divided by the impact speed; damping shortens
-    this time. The size of the first step of the contact is proportional to this time.
+    Without damping this time is δ*/v₀, the expected penetration divided by the latched speed; damping
+    shortens this time. The size of the first step of the contact is proportional to this time.
     """
     ratio, exponent = damping_over_elastic(d, c), 1.0 / (d.law.rate_exponent[c] + 1.0)
-    return d.contacts.depth_scale[c] / d.contacts.law_speed[c] * power(1.0 + ratio, -exponent)
+    return d.contacts.expected_penetration[c] / d.contacts.latched_speed[c] * power(1.0 + ratio, -exponent)
 
 
 # The largest allowed error of a penetration, relative to max(δ, δ*) in ``penetration_scale``, at tolerances
@@ -242,7 +242,7 @@ def raise_scales(d, y, scale, contact_count):
     largest = max(largest_coordinate(d), size * turned) / d.solver.tolerance
     for k in range(contact_count):
         c = d.contacts.active_index[k]
-        frequency = d.contacts.law_speed[c] / d.contacts.depth_scale[c]
+        frequency = d.contacts.latched_speed[c] / d.contacts.expected_penetration[c]
         lasts = frequency * (d.step.end - d.contacts.onset[c]) > AGE_AT_REST
         least = largest * (POSITION_ROUND_OFF_AT_REST if lasts else POSITION_ROUND_OFF)
         scale[sundman_u_at(n) + k] = max(scale[sundman_u_at(n) + k], least)
@@ -347,12 +347,12 @@ def force_error(d, error, i, c, k):
 def impact_energy(d):
     """Return the sum of ½ m v₀² [J] over all active contacts, a scale of the energies of their impacts.
 
-    m is the effective mass and v₀ the impact speed in the law of a contact.
+    m is the effective mass and v₀ the latched speed in the law of a contact.
     """
     energy = 0.0
     for k in range(d.contacts.active_count):
         c = d.contacts.active_index[k]
-        speed = d.contacts.law_speed[c]
+        speed = d.contacts.latched_speed[c]
         energy += 0.5 * d.contacts.effective_mass[c] * (speed * speed)
     return energy
 
@@ -378,6 +378,6 @@ def penetration_scale(d, c):
     by a factor: s/v₀, or less, so that the factor raises no error above LARGEST_ERROR × max(δ, δ*).
     """
     gap, _ = clearance(d, c)
-    depth = max(d.contacts.depth_scale[c], -gap)
-    leeway = min(d.chain.longest_link / d.contacts.law_speed[c], LARGEST_ERROR / d.solver.tolerance)
+    depth = max(d.contacts.expected_penetration[c], -gap)
+    leeway = min(d.chain.longest_link / d.contacts.latched_speed[c], LARGEST_ERROR / d.solver.tolerance)
     return depth * max(1.0, leeway)

@@ -351,6 +351,6 @@ def largest_mismatch(d, z):
     for k in range(clearance_count(d)):
         c = d.contacts.active_index[k]
         gap, _ = clearance(d, c)
-        depth = max(d.contacts.depth_scale[c], -gap)
+        depth = max(d.contacts.expected_penetration[c], -gap)
         worst = max(worst, abs(z[gap_at(d, k)] - gap) / depth)
     return worst

@@ -41,7 +41,7 @@ STIFF_STEP = 2.0
 # the value that replaces STIFF_STEP if there are active contacts with a force law and all these are sustained
 STIFF_STEP_IN_CONTACT = 0.1
 # A contact counts as sustained after SUSTAINED_AFTER times its time scale, the expected penetration divided
-# by the impact speed. An impact takes three to ten time scales, so with a smaller value an impact could
+# by the latched speed. An impact takes three to ten time scales, so with a smaller value an impact could
 # count as sustained.
 SUSTAINED_AFTER = 20.0
 # An implicit step costs about as much as EQUAL_COST_RATIO explicit steps. An implicit step suggests the
@@ -139,7 +139,7 @@ def are_contacts_sustained(d):
         return False
     for k in range(d.contacts.compliant_count):
         c = d.contacts.active_index[k]
-        scale = d.contacts.depth_scale[c] / d.contacts.law_speed[c]
+        scale = d.contacts.expected_penetration[c] / d.contacts.latched_speed[c]
         if d.step.end - d.contacts.onset[c] < SUSTAINED_AFTER * scale:
             return False
     return True

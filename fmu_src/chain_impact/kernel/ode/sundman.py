@@ -30,7 +30,7 @@ from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
 # the step has passed the end of the contact, and time runs backwards.
 LEAST_ROOT = -0.5
 # A point with u + |δ̇|/v₀ ≤ RESTING_SUM counts as resting on the wall, not as hitting it; |δ̇|/v₀ is the
-# point's normal speed relative to the impact speed. A step from such a state runs in time: with s as the
+# point's normal speed relative to the latched speed. A step from such a state runs in time: with s as the
 # variable, time would hardly advance, because p is almost 0.
 RESTING_SUM = 0.1
 
@@ -69,7 +69,7 @@ def root_rate(d, u):
     The points must be located.
     """
     _, gap_rate = clearance(d, d.step.regularized)
-    return -0.5 * gap_rate / (d.contacts.depth_scale[d.step.regularized] * (1.0 + u * u))
+    return -0.5 * gap_rate / (d.contacts.expected_penetration[d.step.regularized] * (1.0 + u * u))
 
 
 def root_curve(d, u, slope):
@@ -80,7 +80,7 @@ def root_curve(d, u, slope):
     quotient, c = 1.0 / (1.0 + u * u), d.step.regularized
     # u″ = p δ̈/(2 δ* (1 + u²)) − 2 u u′²/(1 + u²), with u′ = du/ds, p = dt/ds and δ̈ = d²δ/dt² of the
     # penetration δ
-    curve = 0.5 * regularized_time_rate(u) * -gap_acceleration(d, c) / d.contacts.depth_scale[c]
+    curve = 0.5 * regularized_time_rate(u) * -gap_acceleration(d, c) / d.contacts.expected_penetration[c]
     return quotient * (curve - 2.0 * u * slope * slope)
 
 
@@ -123,8 +123,8 @@ def find_lone_contact(d):
         return NO_CONTACT, 1.0
     c = d.contacts.active_index[0]
     gap, gap_rate = clearance(d, c)
-    u = math.sqrt(max(0.0, -gap) / d.contacts.depth_scale[c])
+    u = math.sqrt(max(0.0, -gap) / d.contacts.expected_penetration[c])
     over = u == 0.0 and gap_rate >= 0.0
-    if over or u + abs(gap_rate) / d.contacts.law_speed[c] <= RESTING_SUM:
+    if over or u + abs(gap_rate) / d.contacts.latched_speed[c] <= RESTING_SUM:
         return NO_CONTACT, 1.0
     return c, u

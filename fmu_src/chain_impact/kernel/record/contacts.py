@@ -73,12 +73,14 @@ def most_constraints(candidates: int, elements: int) -> int:
     "forces/active_contacts.py",
     event="events/marks.py",
     gap_error="ode/control.py",
-    **dict.fromkeys(("damping", "depth_scale", "kink_crossed", "kink_margin"), "forces/force_formula.py"),
+    **dict.fromkeys(
+        ("damping", "expected_penetration", "kink_crossed", "kink_margin"), "forces/force_formula.py"
+    ),
 )
 def contacts_dtype(candidates: int) -> np.dtype:
     """Return the layout of the data of the contacts, one entry for each candidate.
 
-    The impact speed v₀ and the effective mass are latched at the onset, as are expected penetration and
+    The speed v₀ of the law and the effective mass are latched at the onset, as are expected penetration and
     damping, which are computed anew if v₀ is raised or the law changes. At a stop in a joint, lengths and
     speeds are angles and their rates times a lever arm, and forces are moments over this lever arm.
     """
@@ -97,10 +99,11 @@ def contacts_dtype(candidates: int) -> np.dtype:
         ("event", bounded_integer(0, NEIGHBOUR), (candidates,)),
         ("onset", REAL, (candidates,)),  # s, onset of the candidate's latest contact
         ("impact_speed", REAL, (candidates,)),  # m/s, approach speed along the normal at the onset, ≥ 0
-        ("law_speed", REAL, (candidates,)),  # m/s, impact speed v₀ of the law ≥ `law.minimum_impact_speed`
+        # m/s, speed v₀ in the law: the impact speed, but at least `law.minimum_impact_speed`
+        ("latched_speed", REAL, (candidates,)),
         ("effective_mass", REAL, (candidates,)),  # kg, effective mass 1/(J M⁻¹ Jᵀ) at the onset
         # m, expected penetration δ*; at a rigid wall the length of the longest link
-        ("depth_scale", REAL, (candidates,)),
+        ("expected_penetration", REAL, (candidates,)),
         ("damping", REAL, (candidates,)),  # N·s/m^(p+1), damping d of the force law
         # m/s, rate of the penetration at the start of the step that is searched for peaks: a peak lies in the
         # step if the rate falls through 0

@@ -153,7 +153,7 @@ def drive_dtype(links: int) -> np.dtype:
     """
     rows = (links + 1,)
     return layout(
-        ("friction_moment", NOT_NEGATIVE, rows),  # N·m, largest moment of dry friction in the joint
+        ("friction", NOT_NEGATIVE, rows),  # N·m, largest moment of dry friction in the joint
         # N·m, largest absolute value of the sum of the torques of motor, spring and damper; ∞: no limit
         ("torque_limit", LIMIT_REAL, rows),
         ("min", REAL, rows),  # rad, angle of the joint at which the lower stop begins to act; −∞: no stop

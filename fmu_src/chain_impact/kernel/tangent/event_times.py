@@ -93,12 +93,12 @@ _delay_of_margin = make_delay(_margin_after)
 def delay_of_crossing(t, c, kind):
     """Return the delay [s], a dual number of value 0, of an event of candidate c.
 
-    ``kind`` is ONSET, END or RELATCH of record/constants.py; at RELATCH the impact speed is latched again.
+    ``kind`` is ONSET, END or RELATCH of record/constants.py; at RELATCH the speed is latched again.
     """
     gap, gap_rate = clearance(t, c)
     if kind == RELATCH:
-        # RELATCH: φ is the rate −ġ of the penetration minus RELATCH_RATIO v₀, with the impact speed v₀
-        change, rate = -gap_rate - RELATCH_RATIO * t.contacts.law_speed[c], -gap_acceleration(t, c)
+        # RELATCH: φ is the rate −ġ of the penetration minus RELATCH_RATIO v₀, with the latched speed v₀
+        change, rate = -gap_rate - RELATCH_RATIO * t.contacts.latched_speed[c], -gap_acceleration(t, c)
     else:
         change, rate = gap, gap_rate
     return dual_with_slope(0.0, -reciprocal(value(rate)), change)

@@ -364,7 +364,7 @@ def check_coefficients(t):
         if t.contacts.active[c]:
             check_coefficient(t, t.law.static_friction[c])
     for i in range(first_joint(t), drive_count(t)):
-        check_coefficient(t, t.drive.friction_moment[i])
+        check_coefficient(t, t.drive.friction[i])
 
 
 def is_nearly_at_limit(t, e):

@@ -33,7 +33,7 @@ JOINT = -1  # value of ``trust.wall`` if the reason is dry friction in a joint o
 # [1] The derivatives end at a choice, unless its effect is negligible, if the quantity that decides is at
 # most OPEN_DISTANCE times the tolerance away from the choice's bound, relative to a scale.
 OPEN_DISTANCE = 100.0
-# A force jumps at the penetration's rate 0 if its values at the rates ±NEAR_REST v₀, with the impact speed
+# A force jumps at the penetration's rate 0 if its values at the rates ±NEAR_REST v₀, with the latched speed
 # v₀, differ by more than RELATIVE_JUMP, relative to the force.
 NEAR_REST, RELATIVE_JUMP = 1e-9, 1e-6
 
@@ -119,7 +119,7 @@ def jumps_at_rest(t, c, depth):
 
     ``depth`` [m] is the penetration there.
     """
-    rate = NEAR_REST * t.contacts.law_speed[c]
+    rate = NEAR_REST * t.contacts.latched_speed[c]
     rising, _ = uncut_force(t, c, depth, rate, False)
     falling, _ = uncut_force(t, c, depth, -rate, False)
     return abs(value(rising) - value(falling)) > RELATIVE_JUMP * max(abs(value(rising)), abs(value(falling)))
