@@ -14,11 +14,11 @@ kink.
 """
 
 from chain_impact.kernel.chain.drives import (
-    drive_power,
+    armature_energy,
     first_joint,
+    force_and_powers_of_drive,
     mode_margin,
-    passive_spring_force,
-    rotor_energy,
+    passive_spring_resistance,
     spring_energy,
 )
 from chain_impact.kernel.chain.elimination import solve_accelerations
@@ -99,7 +99,7 @@ def mechanical_energy(d, y):
     if d.slides:
         of_motion, of_height = carriage_energy(d, y)
         kinetic, potential = kinetic + of_motion, potential + of_height
-    return kinetic + rotor_energy(d, y) if d.chain.has_armatures else kinetic, potential
+    return kinetic + armature_energy(d, y) if d.chain.has_armatures else kinetic, potential
 
 
 @inlined
@@ -172,8 +172,8 @@ def free_rate_from_loads(d, y, dissipated, rate):
         damped, supplied = set_joint_moments(d, y)
         dissipated += damped
     if d.slides:
-        force, damped, of_drive = drive_power(d, y, n)
-        d.scratch.thrust = force - passive_spring_force(d, y, n)
+        force, damped, of_drive = force_and_powers_of_drive(d, y, n)
+        d.scratch.thrust = force - passive_spring_resistance(d, y, n)
         dissipated, supplied = dissipated + damped, supplied + of_drive
 
     for j in range(coordinate_count(n)):
@@ -215,7 +215,7 @@ def set_joint_moments(d, y):
     for i in range(d.links):
         torque = 0.0
         if i >= first_joint(d):
-            torque, damped, of_drive = drive_power(d, y, i)
+            torque, damped, of_drive = force_and_powers_of_drive(d, y, i)
             dissipated, supplied = dissipated + damped, supplied + of_drive
         d.scratch.moment[i] = torque
         if i > 0:
@@ -238,7 +238,7 @@ def add_place_moments(d):
 def add_spring_moments(d, y):
     """Add the moments of the springs of passive drives in joints to the links that the joints connect."""
     for i in range(d.links):
-        add_joint_moment(d, i, -passive_spring_force(d, y, i))
+        add_joint_moment(d, i, -passive_spring_resistance(d, y, i))
 
 
 def add_joint_moment(d, i, torque):

@@ -3,7 +3,7 @@
 import math
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.chain.drives import drive_count, drive_inertia, set_effect_flags
+from chain_impact.kernel.chain.drives import armature_of_drive, drive_count, set_effect_flags
 from chain_impact.kernel.chain.inertia import (
     corner_of_box,
     find_loose_links,
@@ -178,7 +178,7 @@ def derive_chain(d):
     total, armatures = d.slider.mass if d.slides else 0.0, 0.0
     for i in range(len(chain.length)):
         total += chain.mass[i]
-        armatures += drive_inertia(d, i)
+        armatures += armature_of_drive(d, i)
     chain.energy_scale = total * chain.longest_link * chain.longest_link + armatures
     chain.gravity_size = math.sqrt(chain.gravity[0] * chain.gravity[0] + chain.gravity[1] * chain.gravity[1])
     chain.has_joint_stops = 0

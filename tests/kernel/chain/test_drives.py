@@ -55,10 +55,12 @@ def test_the_drive_of_a_joint_and_of_a_slider_act_along_their_coordinates(cart, 
     powers = (force, 0.0, force * RATE[i])
     if not limited:
         powers = (MOTOR[i] - damper, damper * RATE[i], MOTOR[i] * RATE[i])
-    assert drives.drive_power(d, y, i) == pytest.approx(powers, rel=1e-13)
+    assert drives.force_and_powers_of_drive(d, y, i) == pytest.approx(powers, rel=1e-13)
     d.drive.mode[i] = -1
     if limited:
-        assert drives.drive_power(d, y, i) == pytest.approx((-LIMIT[i], 0.0, -LIMIT[i] * RATE[i]), rel=1e-13)
+        assert drives.force_and_powers_of_drive(d, y, i) == pytest.approx(
+            (-LIMIT[i], 0.0, -LIMIT[i] * RATE[i]), rel=1e-13
+        )
 
 
 def test_the_margin_is_that_of_the_drive_nearest_to_its_end(cart):

@@ -30,12 +30,12 @@ def sprung(request):
 
 
 def test_every_joint_has_its_own_and_a_free_base_is_no_joint(sprung):
-    links, d, y = sprung
+    links, d, _y = sprung
     held = [1.0 if i > 0 or d.chain.has_base_joint else 0.0 for i in range(d.links)]
     own = [
         (link.joint_damping * one, link.joint_stiffness * one) for link, one in zip(links, held, strict=True)
     ]
-    assert [drive_slopes(d, y, i) for i in range(d.links)] == own
+    assert [drive_slopes(d, i) for i in range(d.links)] == own
     extend_start(d)
     extended_slopes(d, d.implicit.z_start)
     assert [drive_resistance(d, i, 0.3) for i in range(d.links)] == [0.3 * (c + 0.3 * k) for c, k in own]

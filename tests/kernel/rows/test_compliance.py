@@ -108,7 +108,7 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
     assert_moved(scene, d, angles, expected)
     assert_loads(scene, d, angles, added, work)
     for i in range(d.links):
-        d.implicit.drive_damping[i], d.implicit.drive_stiffness[i] = drive_slopes(d, d.step.state_end, i)
+        d.implicit.drive_damping[i], d.implicit.drive_stiffness[i] = drive_slopes(d, i)
         d.scratch.impedance.joint[i] = drive_resistance(d, i, time)
     geometry.add_joint_impedances(d, d.scratch.impedance)
     with_joints = d.chain.has_springs_or_dampers or d.chain.has_joint_stops

@@ -123,7 +123,7 @@ def set_effect_flags(d):
             chain.has_springs, chain.has_springs_or_dampers = 1, 1
         if has_effect(d.inputs.drive_damping[i]):
             chain.has_springs_or_dampers = 1
-        if not is_slider(d, i) and has_effect(drive_inertia(d, i)):
+        if not is_slider(d, i) and has_effect(armature_of_drive(d, i)):
             chain.has_armatures = 1
         if d.drive.friction[i] > 0.0:
             chain.has_drive_friction = 1
@@ -143,17 +143,17 @@ def joints_resist(d):
     return chain.has_joint_places or chain.has_springs_or_dampers or chain.has_armatures
 
 
-def drive_inertia(d, i):
+def armature_of_drive(d, i):
     """Return the inertia I_a [kg·m²] of the rotor of drive i < N; 0 for i = 0 at a free base."""
     return d.chain.joint_armature[i] if i >= first_joint(d) else 0.0
 
 
-def rotor_energy(d, y):
+def armature_energy(d, y):
     """Return the kinetic energy [J] of the rotors, the sum of ½ I_a ψ̇² with the rates ψ̇ of the joints."""
     energy = 0.0
     for i in range(d.links):
         rate = relative_to_previous(y, omega_at(d.links), i)
-        energy += 0.5 * drive_inertia(d, i) * (rate * rate)
+        energy += 0.5 * armature_of_drive(d, i) * (rate * rate)
     return energy
 
 
@@ -162,27 +162,20 @@ def is_below_limit(d, i):
     return i >= first_joint(d) and d.drive.mode[i] == 0
 
 
-def drive_slopes(d, y, i):
-    """Return the slopes −∂F/∂ψ̇ [N·m·s/rad or N·s/m] and −∂F/∂ψ [N·m/rad or N/m] of drive i in state y.
+def drive_slopes(d, i):
+    """Return the present slopes −∂F/∂ψ̇ [N·m·s/rad or N·s/m] and −∂F/∂ψ [N·m/rad or N/m] of drive i.
 
     F is the drive's force or torque, ψ the joint's angle or the slider's position. The slopes are the damping
     c and the stiffness k in mode 0; they are 0 while the drive is at its limit, and for i = 0 at a free base.
     """
-    return slopes_below_limit(d, y, i) if d.drive.mode[i] == 0 else (0.0, 0.0)
+    return slopes_below_limit(d, i) if d.drive.mode[i] == 0 else (0.0, 0.0)
 
 
-def slopes_below_limit(d, _y, i):
+def slopes_below_limit(d, i):
     """Return the slopes of ``drive_slopes`` that drive i has in mode 0: damping c and stiffness k.
 
-    These slopes do not depend on the state. Both are 0 for i = 0 at a free base, which has no drive.
-    """
-    return largest_slopes(d, i)
-
-
-def largest_slopes(d, i):
-    """Return the largest values that the slopes of ``drive_slopes`` have for drive i in any state.
-
-    These are the damping c and the stiffness k; for i = 0 at a free base, which has no drive, both are 0.
+    They are the largest slopes that the drive has in any mode. Both are 0 for i = 0 at a free base, which has
+    no drive.
     """
     return (d.inputs.drive_damping[i], d.inputs.drive_stiffness[i]) if i >= first_joint(d) else (0.0, 0.0)
 
@@ -196,22 +189,22 @@ def is_powered(d, i):
     return d.chain.has_targets != 0 or d.drive.torque_limit[i] < math.inf
 
 
-def unlimited_spring_force(d, y, i):
+def unlimited_spring_resistance(d, y, i):
     """Return stiffness times stretch [N·m or N] of drive i's spring, also while the drive is at its limit."""
     return d.inputs.drive_stiffness[i] * spring_stretch(d, y, i)
 
 
-def spring_force(d, y, i):
+def spring_resistance(d, y, i):
     """Return minus the torque or force [N·m or N] of the spring of drive i: stiffness times stretch.
 
     The result is 0 while the drive is at its limit, and for i = 0 at a free base, which has no drive.
     """
-    return unlimited_spring_force(d, y, i) if is_below_limit(d, i) else 0.0
+    return unlimited_spring_resistance(d, y, i) if is_below_limit(d, i) else 0.0
 
 
-def passive_spring_force(d, y, i):
-    """Return ``spring_force`` [N·m or N] of drive i if the drive is passive; 0 if the drive is powered."""
-    return 0.0 if is_powered(d, i) else spring_force(d, y, i)
+def passive_spring_resistance(d, y, i):
+    """Return ``spring_resistance`` [N·m or N] of drive i if the drive is passive; 0 if it is powered."""
+    return 0.0 if is_powered(d, i) else spring_resistance(d, y, i)
 
 
 def spring_energy(d, y):
@@ -232,7 +225,7 @@ def unlimited_force(d, y, i):
     if i < first_joint(d):
         return 0.0
     rate = drive_component(d, y, velocity_at(d.links), i) - d.inputs.target_velocity[i]
-    return d.inputs.motor[i] - d.inputs.drive_damping[i] * rate - unlimited_spring_force(d, y, i)
+    return d.inputs.motor[i] - d.inputs.drive_damping[i] * rate - unlimited_spring_resistance(d, y, i)
 
 
 def drive_force(d, y, i):
@@ -251,14 +244,15 @@ def transmitted_moment(d, y, rate, i):
     F is the drive's torque, I_a the inertia of its rotor, and ψ̈ the angular acceleration of the joint in
     ``rate``, the rate ẏ of the state y.
     """
-    return drive_force(d, y, i) - drive_inertia(d, i) * relative_to_previous(rate, omega_at(d.links), i)
+    return drive_force(d, y, i) - armature_of_drive(d, i) * relative_to_previous(rate, omega_at(d.links), i)
 
 
-def drive_power(d, y, i):
+def force_and_powers_of_drive(d, y, i):
     """Return the force [N·m or N] of drive i, and its dissipated and its supplied power [W].
 
     For a passive drive the results leave out the spring, which stores energy; the equations add the spring's
-    force (``passive_spring_force``). For a powered drive they contain the spring, and all power is supplied.
+    force, −``passive_spring_resistance``. For a powered drive they contain the spring, and all power is
+    supplied.
     """
     rate = drive_component(d, y, velocity_at(d.links), i)
     if is_powered(d, i):
@@ -296,7 +290,7 @@ def mode_margin(d, y):
                 coordinates_of_drive(d, y, i) + abs(d.inputs.target[i]),
             )
             margin = limit - abs(unlimited) if mode == 0 else float(mode) * unlimited - limit
-            _, stiffness = slopes_below_limit(d, y, i)
+            _, stiffness = slopes_below_limit(d, i)
             margin += DRIVE_EXCESS * limit + SPRING_ROUND_OFF * stiffness * size
             least = min(least, margin * moment_factor(d, i))
     return least

@@ -24,12 +24,12 @@ carriage without mass, makes the bound infinite.
 import math
 
 from chain_impact.kernel.chain.drives import (
+    armature_of_drive,
     drive_component,
     drive_count,
-    drive_inertia,
     drive_slopes,
-    largest_slopes,
     load_drive,
+    slopes_below_limit,
 )
 from chain_impact.kernel.chain.kinematics import clear_joints, clear_vectors, set_link_vectors
 from chain_impact.kernel.chain.response import FREE, clear_impedance, factorize_matrix, solve_response
@@ -40,14 +40,14 @@ def joint_rate_bound(d):
     """Return an upper bound [1/s] on the rates of all motions that springs and dampers cause; it may be ∞."""
     damping, stiffness = 0.0, 0.0
     for i in range(d.links):
-        c, k = largest_slopes(d, i)
+        c, k = slopes_below_limit(d, i)
         if i + 1 < d.links:
-            outer = largest_slopes(d, i + 1)
+            outer = slopes_below_limit(d, i + 1)
             c, k = c + outer[0], k + outer[1]
         damping = max(damping, rate_from_resistance(2.0 * c, d.chain.inertia[i]))
         stiffness = max(stiffness, rate_from_resistance(2.0 * k, d.chain.inertia[i]))
     if d.slides:
-        c, k = largest_slopes(d, d.links)
+        c, k = slopes_below_limit(d, d.links)
         damping = max(damping, rate_from_resistance(c, d.slider.mass))
         stiffness = max(stiffness, rate_from_resistance(k, d.slider.mass))
     return damping + math.sqrt(stiffness)
@@ -71,13 +71,13 @@ def largest_joint_rate(d, y):
     scratch, fastest = d.scratch, 0.0
     clear_impedance(d, scratch.impedance)
     for i in range(d.links):
-        scratch.impedance.joint[i] = drive_inertia(d, i)
+        scratch.impedance.joint[i] = armature_of_drive(d, i)
     factorize_matrix(d, scratch.link_vector, scratch, FREE, True)
     clear_vectors(d, scratch.load)
     clear_joints(scratch.load)
     clear_link_moments(d, scratch.load)
     for i in range(drive_count(d)):
-        c, k = drive_slopes(d, y, i)
+        c, k = drive_slopes(d, i)
         if c > 0.0 or k > 0.0:
             load_drive(d, scratch.load, i, 1.0)
             solve_response(d, scratch.link_vector, scratch, FREE, scratch.change)

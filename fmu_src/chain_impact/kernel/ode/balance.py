@@ -40,11 +40,11 @@ acts on the size of the next step like an error relative to the tolerance.
 import math
 
 from chain_impact.kernel.chain.drives import (
+    armature_of_drive,
     coordinates_of_drive,
     drive_count,
-    drive_inertia,
     moment_factor,
-    spring_force,
+    spring_resistance,
 )
 from chain_impact.kernel.chain.inputs import apply_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -126,7 +126,7 @@ def start_balance(d, time):
         # E₁, twice the kinetic energy of carriage and stretched chain: m s² of the carriage, plus the sum of
         # m (s + Σ L)² + I over the links, with the longest link s, Σ L up to the end of the link, and the
         # armature's inertia in I
-        square += chain.mass[i] * reach * reach + (chain.inertia[i] + drive_inertia(d, i))
+        square += chain.mass[i] * reach * reach + (chain.inertia[i] + armature_of_drive(d, i))
     balance.unit_motion = math.sqrt(square)
     balance.weight = total * chain.gravity_size
     balance.unit_scale = balance.weight * reach + chain.energy_scale
@@ -353,7 +353,7 @@ def energy_scales(d, y):
     scale += abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
     if d.chain.has_springs:
         for i in range(drive_count(d)):
-            force = abs(spring_force(d, y, i))
+            force = abs(spring_resistance(d, y, i))
             scale += force * moment_factor(d, i)
             summed += force * (coordinates_of_drive(d, y, i) + abs(d.inputs.target[i]))
     for k in range(d.contacts.compliant_count):

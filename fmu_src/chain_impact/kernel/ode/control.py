@@ -329,7 +329,7 @@ def force_errors(d):
     """
     first, second = 0.0, 0.0
     for i in range(drive_count(d)):
-        c, k = drive_slopes(d, d.trial.state, i)
+        c, k = drive_slopes(d, i)
         factor = moment_factor(d, i)
         first = max(first, force_error(d, d.scratch.y_error[0], i, c, k) * factor)
         second = max(second, force_error(d, d.scratch.y_error[1], i, c, k) * factor)

@@ -171,7 +171,7 @@ def extended_slopes(d, z):
     for i in range(d.links):
         implicit.link_vector.x[i], implicit.link_vector.y[i] = link.x[i], link.y[i]
     for i in range(drive_count(d)):
-        implicit.drive_damping[i], implicit.drive_stiffness[i] = drive_slopes(d, z, i)
+        implicit.drive_damping[i], implicit.drive_stiffness[i] = drive_slopes(d, i)
     for k in range(clearance_count(d)):
         c = d.contacts.active_index[k]
         depth, rate = max(0.0, -z[gap_at(d, k)]), -z[rate_at(d, k)]

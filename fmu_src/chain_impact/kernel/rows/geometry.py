@@ -23,8 +23,8 @@ speeds, forces and masses of stops have the same units and scales as at walls, a
 """
 
 from chain_impact.kernel.chain.drives import (
+    armature_of_drive,
     coordinates_of_drive,
-    drive_inertia,
     is_slider,
     joints_resist,
     lever_of_drive,
@@ -295,7 +295,7 @@ def add_joint_impedances(d, impedance):
     if d.chain.has_joint_places or d.chain.has_armatures:
         square = d.chain.longest_link * d.chain.longest_link
         for i in range(d.links):
-            impedance.joint[i] += drive_inertia(d, i)
+            impedance.joint[i] += armature_of_drive(d, i)
             if d.chain.has_joint_places:
                 impedance.joint[i] += square * impedance.xx[joint_place(d, i)]
 
