@@ -59,19 +59,19 @@ def test_a_call_pauses_after_its_cost_and_goes_on():
 @pytest.mark.parametrize(("logged", "full"), [(0, False), (6, False), (7, True), (8, True), (100, True)])
 def test_the_log_of_changes_is_full_without_room_for_each_element(logged, full):
     d = begun(pendulum())  # a pendulum of two elements, whose modes both change at the start
-    assert (d.elements, d.changes.count, len(d.changes.time)) == (2, 2, 8)
-    d.changes.count = logged
+    assert (d.elements, d.friction_changes.count, len(d.friction_changes.time)) == (2, 2, 8)
+    d.friction_changes.count = logged
     assert loop.log_is_full(d, 10) == full
     steps = int(d.statistics.steps)
     assert loop.advance(d, 1e-3, 5, UNLIMITED) == (LOG_FULL if full else OK)
     assert (d.statistics.steps > steps) != full
     # without a caller that collects, new changes overwrite the oldest changes
     assert loop.advance(d, 2e-3, UNLIMITED, UNLIMITED) == OK
-    d.changes.count = 0
+    d.friction_changes.count = 0
     assert loop.advance(d, 3e-3, 5, UNLIMITED) == OK
     # a record without dry friction has no log of changes
     d = started()
-    assert (d.elements, len(d.changes.time)) == (0, 0)
+    assert (d.elements, len(d.friction_changes.time)) == (0, 0)
     assert not loop.log_is_full(d, 10)
 
 

@@ -101,7 +101,7 @@ OF_FRICTION = {
     ("friction", "contact_count"): (2, 5),
     ("friction", "stuck_count"): (1, 5),
     ("friction", "stuck_joints"): (0, 2),
-    ("changes", "count"): (0, None),
+    ("friction_changes", "count"): (0, None),
     ("element", "index"): (0, 23),
     ("element", "stuck"): (0, 23),
     ("element", "mode"): (-1, NO_FRICTION),

@@ -113,7 +113,11 @@ def log_is_full(d, capacity):
     """Return whether ``capacity`` ended contacts wait or, if capacity < UNLIMITED, friction's log is full."""
     if d.contact_log.count - d.contact_log.collected >= capacity:
         return True
-    return capacity < UNLIMITED and d.elements > 0 and d.changes.count > len(d.changes.time) - d.elements
+    return (
+        capacity < UNLIMITED
+        and d.elements > 0
+        and d.friction_changes.count > len(d.friction_changes.time) - d.elements
+    )
 
 
 def advance_to_onset(d, time):

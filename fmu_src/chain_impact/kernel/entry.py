@@ -89,7 +89,7 @@ def friction_counts_fit(d):
     with friction; the count of sticking joints and slider is at most that of all sticking elements.
     """
     friction = d.friction
-    fits = is_within(friction.used, 0, min(1, d.elements)) and d.changes.count >= 0
+    fits = is_within(friction.used, 0, min(1, d.elements)) and d.friction_changes.count >= 0
     fits = fits and is_within(friction.contact_count, 0, min(friction.count, d.candidates))
     fits = fits and is_within(friction.stuck_count, 0, friction.count)
     return fits and is_within(friction.stuck_joints, 0, friction.stuck_count)

@@ -290,8 +290,8 @@ def _layout() -> dict[str, Any]:
             "fields": {name: word_terms(("contact_log", name, 0)) for name in LOG_DTYPE.names or ()},
         },
         "peaks": {name: word_terms(peak.path) for name, peak in PEAKS.items()},
-        "changes": word_terms(("changes", "count")),
-        "inputsChanged": word_terms(("given", "pending")),
+        "frictionChanges": word_terms(("friction_changes", "count")),
+        "pending": word_terms(("given", "pending")),
         "active": word_terms(("contacts", "active_count")),
         "statistics": {name: word_terms(("statistics", name)) for name in statistics},
     }

@@ -73,12 +73,12 @@ class Chain:
         self._accesses = {v.name: access_to(v, prepared.table_row(v)) for v in prepared.variables}
         self._signal_of = prepared.signals_by_input
         self._time_word = word_index(dtype, ("step", "communication_point"))
-        self._changed_word = word_index(dtype, ("given", "pending"))
+        self._pending_word = word_index(dtype, ("given", "pending"))
         self._ended_word = word_index(dtype, ("contact_log", "count"))
         self._collected_word = word_index(dtype, ("contact_log", "collected"))
         self._contradiction_word = word_index(dtype, ("channel", "contradiction"))
         self._warned = False
-        self._changes_word = word_index(dtype, ("changes", "count"))
+        self._friction_changes_word = word_index(dtype, ("friction_changes", "count"))
         self._selections: dict[str | tuple[str, ...], Selection] = {}
         self._instant = np.zeros(1)
         self._no_words = spans_of(np.zeros(0, int))
@@ -229,7 +229,7 @@ class Chain:
                 memory[access.row.word] = memory[access.row.set_word] = number
                 self._observed = False
                 if self._stepped:
-                    self._integers[self._changed_word] = REINITIALIZE
+                    self._integers[self._pending_word] = REINITIALIZE
                 else:
                     self._initialized = False
                     self._clear_rows()
@@ -311,7 +311,7 @@ class Chain:
 
     def _collect(self) -> None:
         ended = self._integers[self._ended_word] != self._integers[self._collected_word]
-        if ended or self._integers[self._changes_word]:
+        if ended or self._integers[self._friction_changes_word]:
             self._impacts.append(self._instance.collect())
 
     def _select(self, key: str | tuple[str, ...]) -> Selection:

@@ -152,7 +152,7 @@ class Instance:
         Also add the new changes between sticking and sliding to ``changes``.
         """
         at, numbers = self._log_at, self._integers
-        if numbers[at.changes]:
+        if numbers[at.friction_changes]:
             self.changes.append(self._take_changes())
         ended = self._ended_contacts
         numbers[at.collected] = numbers[at.ended]
@@ -176,7 +176,7 @@ class Instance:
 
     def _take_changes(self) -> np.ndarray:
         """Return the changes of mode of dry friction that the log has, and empty the log."""
-        log = self.record["changes"]
+        log = self.record["friction_changes"]
         count, room = int(log["count"]), len(log["time"])
         # if the log is full before it is read, its oldest changes are lost
         slots = np.arange(max(0, count - room), count) % max(1, room)

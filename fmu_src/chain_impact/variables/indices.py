@@ -61,7 +61,8 @@ class LogWords(NamedTuple):
         collected: word with the number of ended contacts that a reader has already collected.
         active: word with the number of contacts that last at the present time; in the list, they come after
             the ended contacts.
-        changes: word with the number of changes between sticking and sliding that wait to be collected.
+        friction_changes: word with the number of changes between sticking and sliding that wait to be
+            collected.
         integrates: word that is 1 if steps integrate impulses, else 0.
         first: first word of the first column of the list; the columns follow each other without gaps.
         room: number of rows of each column.
@@ -71,7 +72,7 @@ class LogWords(NamedTuple):
     ended: int
     collected: int
     active: int
-    changes: int
+    friction_changes: int
     integrates: int
     first: int
     room: int
@@ -86,7 +87,7 @@ def log_words(counts: Counts) -> LogWords:
         ("contact_log", "count"),
         ("contact_log", "collected"),
         ("contacts", "active_count"),
-        ("changes", "count"),
+        ("friction_changes", "count"),
         ("quadrature", "computed"),
         ("contact_log", "point", 0),
     )

@@ -70,10 +70,10 @@ def test_a_mode_that_is_consistent_is_kept_and_costs_one_evaluation(seed):
     chain = AtRest(seed, "free", 2, True, holding=1.7)
     d = chain.d
     choose_friction_modes(d, True)
-    modes, before, logged = chain.modes, int(d.statistics.rhs_evaluations), int(d.changes.count)
+    modes, before, logged = chain.modes, int(d.statistics.rhs_evaluations), int(d.friction_changes.count)
     choose_friction_modes(d, False)
     assert (chain.modes, int(d.statistics.rhs_evaluations) - before) == (modes, 1)
-    assert d.changes.count == logged
+    assert d.friction_changes.count == logged
 
 
 @pytest.mark.parametrize("jumped", [True, False])

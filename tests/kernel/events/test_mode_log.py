@@ -12,15 +12,15 @@ from tests.kernel.rubbing import AtRest
 def test_changes_are_logged_with_their_place():
     chain = AtRest(0, "free", 2, True)
     d, (contact, other, *joints) = chain.d, chain.elements
-    d.element.mode_before[:], d.changes.count = d.element.mode, 0
+    d.element.mode_before[:], d.friction_changes.count = d.element.mode, 0
     log_changes(d)
-    assert d.changes.count == 0
+    assert d.friction_changes.count == 0
     d.step.end = 0.75
     d.element.mode_before[contact], d.element.mode[contact] = STICKS, -1
     d.element.mode_before[joints[1]], d.element.mode[joints[1]] = 1, STICKS
     d.element.mode_before[other], d.element.mode[other] = 1, NO_FRICTION
     log_changes(d)
-    log = d.changes
+    log = d.friction_changes
     rows = [(log.time[k], log.point[k], log.wall[k], log.mode[k]) for k in range(log.count)]
     point, wall = d.candidate.point, d.candidate.wall
     assert rows == [
@@ -32,7 +32,7 @@ def test_changes_are_logged_with_their_place():
 
 def test_in_a_full_log_changes_take_the_place_of_the_oldest():
     chain = AtRest(0, "free", 2, True)
-    d, log = chain.d, chain.d.changes
+    d, log = chain.d, chain.d.friction_changes
     length = len(log.time)
     log.count, log.time[:] = length - 1, np.arange(length, dtype=float)
     d.step.end = 1e6
@@ -48,9 +48,9 @@ def test_in_a_full_log_changes_take_the_place_of_the_oldest():
 def test_a_choice_is_logged_at_the_end_of_the_step():
     chain = AtRest(1, "free", 2, True)
     d, before = chain.d, chain.modes
-    d.step.end, d.changes.count = 0.25, 0
+    d.step.end, d.friction_changes.count = 0.25, 0
     choose_friction_modes(d, True)
     changed = [k for k, modes in enumerate(zip(before, chain.modes, strict=True)) if len(set(modes)) > 1]
-    assert d.changes.count == len(changed) > 0
-    assert d.changes.mode[: len(changed)].tolist() == [chain.modes[k] for k in changed]
-    assert (d.changes.time[: len(changed)] == 0.25).all()
+    assert d.friction_changes.count == len(changed) > 0
+    assert d.friction_changes.mode[: len(changed)].tolist() == [chain.modes[k] for k in changed]
+    assert (d.friction_changes.time[: len(changed)] == 0.25).all()

@@ -125,8 +125,8 @@ def test_both_joints_of_a_symmetric_chain_stop_in_one_step():
         assert abs(tangential_rate(d, e)) < 1e-9
     assert advance_one_step(d) == OK
     assert d.element.mode[joints].tolist() == [STICKS, STICKS]
-    assert d.changes.count >= 4  # two changes at the start, and two now
-    assert d.changes.time[2] == d.changes.time[3]
+    assert d.friction_changes.count >= 4  # two changes at the start, and two now
+    assert d.friction_changes.time[2] == d.friction_changes.time[3]
 
 
 @pytest.mark.full("more cases", but=1)

@@ -259,12 +259,12 @@ def acceleration_error(d):
 
 def clear_changes(d):
     """Clear the log of mode changes, at the start of a run or because nobody reads the entries."""
-    d.changes.count = 0
+    d.friction_changes.count = 0
 
 
 def log_changes(d):
     """Log the changes of friction modes at the last step's end; a full log loses its oldest entries."""
-    log = d.changes
+    log = d.friction_changes
     for e in range(d.elements):
         if d.element.mode[e] != d.element.mode_before[e]:
             row = log.count % len(log.time)

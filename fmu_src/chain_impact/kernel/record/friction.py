@@ -60,7 +60,7 @@ def element_dtype(elements: int) -> np.dtype:
 
 
 @written_by("events/friction_modes.py")
-def changes_dtype(elements: int) -> np.dtype:
+def friction_changes_dtype(elements: int) -> np.dtype:
     """Return the layout of the log of changes of friction modes.
 
     Friction that begins or ends is a change, too. A caller that has collected changes sets ``count`` to 0.

@@ -31,7 +31,7 @@ from chain_impact.kernel.record.contacts import (
 )
 from chain_impact.kernel.record.counts import COUNTS, Counts
 from chain_impact.kernel.record.fields import INTEGER, REAL, layout, written_by
-from chain_impact.kernel.record.friction import changes_dtype, element_dtype, friction_dtype
+from chain_impact.kernel.record.friction import element_dtype, friction_changes_dtype, friction_dtype
 from chain_impact.kernel.record.given import (
     chain_dtype,
     contact_settings_dtype,
@@ -254,7 +254,7 @@ def instance_dtype(*counts: int) -> np.dtype:
         ("limited_forces", limited_forces_dtype(links, elements)),
         ("element", element_dtype(elements)),
         ("quadrature", quadrature_dtype(candidates, elements)),
-        ("changes", changes_dtype(elements)),
+        ("friction_changes", friction_changes_dtype(elements)),
         ("output", output_dtype(links, candidates, elements, transmitted_rows, channels, sites, signals)),
         ("transmitted", transmitted_dtype(transmitted_rows)),
         ("wall_motion", wall_motion_dtype(candidates)),

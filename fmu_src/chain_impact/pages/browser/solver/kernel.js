@@ -140,7 +140,7 @@ export class Kernel {
         impacts.push(...this.#collectFinished());
       }
       this.reals[word] = value;
-      this.integers[this.scene.layout.inputsChanged] = BigInt(SHARED.kernel.REINITIALIZE);
+      this.integers[this.scene.layout.pending] = BigInt(SHARED.kernel.REINITIALIZE);
     }
     const { status, reached } = { status: this.status, reached: this.reals[this.scene.layout.time] };
     const part = Number(this.integers[this.scene.layout.part]);
@@ -181,11 +181,11 @@ export class Kernel {
 
   /** Return the ended contacts that are new in the log; if the log is not read in time, its oldest contacts are lost. */
   #collectFinished() {
-    const { contactLog, changes } = this.scene.layout;
+    const { contactLog, frictionChanges } = this.scene.layout;
     const ended = Number(this.integers[contactLog.count]);
     const first = Math.max(Number(this.integers[contactLog.collected]), ended - contactLog.capacity);
     this.integers[contactLog.collected] = this.integers[contactLog.count];
-    this.integers[changes] = 0n;
+    this.integers[frictionChanges] = 0n;
     return this.#contactsInLog(ended - first, (index) => (first + index) % contactLog.capacity);
   }
 
