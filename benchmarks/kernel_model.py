@@ -45,7 +45,7 @@ from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.handlers import apply_events
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode.last_step import reset_step
-from chain_impact.kernel.record.constants import END, NONE, ONSET, RELATCH
+from chain_impact.kernel.record.constants import CONTACT_ENDS, NO_EVENT, ONSET, RELATCH
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.system import HOST
 
@@ -91,9 +91,9 @@ def happen(d, time, y, found):
     for j in range(len(y)):
         d.step.state_end[j] = y[j]
     for c in range(d.candidates):
-        kind = RELATCH if found[d.candidates + c] < 0 else NONE
+        kind = RELATCH if found[d.candidates + c] < 0 else NO_EVENT
         if d.contacts.active[c] and found[c] > 0:
-            kind = END
+            kind = CONTACT_ENDS
         elif not d.contacts.active[c] and found[c] < 0:
             kind = ONSET
         d.contacts.event[c] = kind

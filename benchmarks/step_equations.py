@@ -18,7 +18,7 @@ from flint import arb, arb_poly, arb_series, ctx
 
 from benchmarks.balls import Matrix, Row
 from chain_impact.kernel.ode.dense import BASIS_POWERS
-from chain_impact.kernel.record.constants import END, ONSET
+from chain_impact.kernel.record.constants import CONTACT_ENDS, ONSET
 
 
 class Step:
@@ -44,7 +44,7 @@ class Step:
         self.polynomials = [_powers(step["state"][j], step["dense"][:, j]) for j in variables]
         place = d["channel"]["position"] if chain["base_moves"] else step["state"]
         self.base = [arb(float(value)) for value in place[:2]]
-        self.marked = [c for c, event in enumerate(touch["event"]) if event in (ONSET, END)]
+        self.marked = [c for c, event in enumerate(touch["event"]) if event in (ONSET, CONTACT_ENDS)]
         self.gravity, self.tip = chain["gravity"].tolist(), own["tip_force"].tolist()
         self._bodies(chain)
         names = ("motor", "drive_stiffness", "target", "drive_damping", "target_velocity")

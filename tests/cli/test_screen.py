@@ -11,7 +11,7 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, compare, load_scene
 from chain_impact.cli.screen import law_table, plain_lines, summary, table_of, variable_lines
-from chain_impact.recording.summary import NONE
+from chain_impact.recording.summary import NO_NUMBER
 from chain_impact.scene.settings import with_settings
 from chain_impact.simulation.simulate import simulate
 from chain_impact.variables.prepared import PreparedScene
@@ -118,4 +118,4 @@ def test_the_list_of_impacts_has_their_durations_and_tells_which_last():
 
 def test_a_rigid_impact_has_no_duration():
     _, first, *_ = plain_lines(list(summary(simulate(default_scene(model="newton_impact"))))[1])
-    assert first.split()[5:7] == [NONE, NONE]
+    assert first.split()[5:7] == [NO_NUMBER, NO_NUMBER]

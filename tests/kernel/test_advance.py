@@ -9,7 +9,7 @@ from chain_impact.kernel import advance as loop
 from chain_impact.kernel.entry import UNLIMITED
 from chain_impact.kernel.events import handlers
 from chain_impact.kernel.ode.control import set_outcome
-from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT, KINK, NONE, ONSET
+from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT, KINK, NO_EVENT, ONSET
 from chain_impact.kernel.rows.geometry import normal_row
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, LOG_FULL, NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
 from chain_impact.scene.scene import load_scene
@@ -91,7 +91,7 @@ def test_a_call_stops_where_the_log_is_full():
 
 
 def test_an_onset_is_due_at_the_end_of_the_step_only():
-    d = at_end_of_a_step([NONE, ONSET])
+    d = at_end_of_a_step([NO_EVENT, ONSET])
     d.step.end = d.step.communication_point = 0.5
     assert loop.ends_in_onset(d)
     assert loop.is_onset_due(d)
@@ -107,7 +107,7 @@ def test_an_onset_is_due_at_the_end_of_the_step_only():
     ("events", "known"),
     [
         ([], (0, False)),
-        ([ONSET, NONE, ONSET], (2, False)),
+        ([ONSET, NO_EVENT, ONSET], (2, False)),
         ([ONSET, KINK], (2, True)),
         ([KINK, ONSET], (2, True)),
     ],
@@ -166,12 +166,12 @@ def test_the_status_after_the_onsets_at_a_communication_point_is_told(monkeypatc
     d = at_end_of_a_step([ONSET, ONSET])
 
     def apply_one_onset(d):
-        d.contacts.event[list(d.contacts.event).index(ONSET)] = NONE
+        d.contacts.event[list(d.contacts.event).index(ONSET)] = NO_EVENT
         return status
 
     monkeypatch.setattr(loop, "advance_one_step", apply_one_onset)
     assert loop.event_update(d) == status
-    assert d.contacts.event[:2].tolist() == ([NONE, NONE] if status == OK else [NONE, ONSET])
+    assert d.contacts.event[:2].tolist() == ([NO_EVENT, NO_EVENT] if status == OK else [NO_EVENT, ONSET])
     # a refused change ends the run
     d.contacts.event[:2] = ONSET
     monkeypatch.setattr(loop, "reinit_if_changed", lambda *_: STEP_TOO_SMALL)

@@ -12,7 +12,7 @@ from chain_impact.kernel.events import crossing, marks, search
 from chain_impact.kernel.forces import force_formula, holding
 from chain_impact.kernel.forces.friction import list_sticking, set_element_anchor
 from chain_impact.kernel.ode import collocation, control, explicit, last_step, maximum, sundman_rate
-from chain_impact.kernel.record.constants import NONE, ONSET, STICKS
+from chain_impact.kernel.record.constants import NO_EVENT, ONSET, STICKS
 from chain_impact.kernel.record.state import dissipated_at, time_at, velocity_at
 from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.tangent import duals, event_times, rules
@@ -98,7 +98,7 @@ def test_a_value_of_zero_keeps_its_derivatives():
 def test_an_onset_of_a_faded_rate_is_late_by_a_number(size, slope):
     d = resting()
     c = 0
-    d.contacts.event[:] = NONE
+    d.contacts.event[:] = NO_EVENT
     marks.mark_contact_event(d, c, ONSET)
     d.step.size = 1e-3
     with np.errstate(all="ignore"):

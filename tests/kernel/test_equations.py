@@ -120,7 +120,7 @@ def test_the_loads_of_a_located_state_are_those_of_its_contacts_and_inputs(base,
     rate, expected, whole = (np.full(len(y), np.nan) for _ in range(3))
     equations.rate_from_points(d, y, rate)
     loads = vectors(d.scratch.load)
-    equations.free_rate_from_loads(d, y, active_contacts.apply_contacts(d), expected)
+    equations.free_rate_from_loads(d, y, active_contacts.set_loads_of_step(d), expected)
     np.testing.assert_array_equal(rate[:-2], expected[:-2])
     assert (vectors(d.scratch.load) == loads).all()
     equations.rate_from_state(d, y, whole)

@@ -19,7 +19,7 @@ from chain_impact.kernel.initialize import (
 )
 from chain_impact.kernel.ode.control import size_in_flight
 from chain_impact.kernel.ode.methods import stable_size
-from chain_impact.kernel.record.constants import EXPLICIT, NONE, SOLVER_METHODS
+from chain_impact.kernel.record.constants import EXPLICIT, NO_EVENT, SOLVER_METHODS
 from chain_impact.kernel.record.contacts import LATEST_COUNT
 from chain_impact.kernel.rows.constraints import UNSOLVED
 from chain_impact.kernel.status import (
@@ -103,7 +103,7 @@ CLEARED = {
     "latest": ("wall", *IMPACTS),
 }
 LEFT = {(record, field): 0 for record, fields in CLEARED.items() for field in fields}
-LEFT |= {("contacts", "event"): NONE, ("impact", "last_point"): -1, ("latest", "point"): -1}
+LEFT |= {("contacts", "event"): NO_EVENT, ("impact", "last_point"): -1, ("latest", "point"): -1}
 LEFT |= dict.fromkeys([("impact", "last_time"), ("budget", "event_start"), ("budget", "cost_start")], 3.0)
 
 

@@ -70,7 +70,7 @@ from chain_impact.kernel.ode.last_step import (
 from chain_impact.kernel.ode.methods import attempt_step, choose_method, prepare_step
 from chain_impact.kernel.ode.sundman import regularize_rate, time_rate_for_sizes
 from chain_impact.kernel.record import constants
-from chain_impact.kernel.record.constants import IMPLICIT, KINK, NONE
+from chain_impact.kernel.record.constants import IMPLICIT, KINK, NO_EVENT
 from chain_impact.kernel.rows.constraints import SOLVED, UNSOLVED, clear_unsolved
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
@@ -303,16 +303,16 @@ def try_step(d, h):
     theta = find_event(d)
     if control.is_accepted(d) and must_repeat_to_event(d, theta):
         theta = repeat_to_event(d, theta)
-    present, available = 0.0, 0.0
+    balance, available = 0.0, 0.0
     if control.is_accepted(d):
-        present, available = check_energy(d, theta)
+        balance, available = check_energy(d, theta)
     if control.is_accepted(d) and d.constraints.unsolved != SOLVED:
         control.reject_step(d, constants.SPOILED)
     if not control.is_accepted(d):
         roll_back(d)
         drop_events(d)
         return
-    store_energy(d, present, available)
+    store_energy(d, balance, available)
     if theta >= 0.0:
         truncate_step(d, theta)
     correct_falling_impulses(d)
@@ -375,7 +375,7 @@ def apply_pending_events(d):
     """
     events, kinked = d.drive.mode_ends + count_pending_changes(d), d.drive.mode_ends > 0
     for c in range(d.candidates):
-        events += d.contacts.event[c] != NONE
+        events += d.contacts.event[c] != NO_EVENT
         kinked = kinked or d.contacts.event[c] == KINK
 
     ensure_rate(d)

@@ -26,7 +26,7 @@ from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.chain.kinematics import locate_points, set_link_vectors
 from chain_impact.kernel.chain.sites import joint_place, move_site_loads
 from chain_impact.kernel.chain.slider import carriage_energy
-from chain_impact.kernel.forces.active_contacts import apply_contacts, apply_true_contacts
+from chain_impact.kernel.forces.active_contacts import set_loads_of_step, set_true_loads
 from chain_impact.kernel.forces.force_formula import clear_crossings, elastic_energy
 from chain_impact.kernel.forces.friction import clear_friction_margins, static_power
 from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces, power_of_motion
@@ -138,7 +138,7 @@ def true_rate_from_inputs(d, y, rate):
     be set and the points located. Callers use only the accelerations in ``rate``, because the dissipated
     power in ``rate`` lacks the parts of contacts and of sliding friction.
     """
-    apply_true_contacts(d)
+    set_true_loads(d)
     free_rate_from_loads(d, y, 0.0, rate)
     add_constraints(d, y, rate)
 
@@ -158,7 +158,7 @@ def add_constraints(d, y, rate):
 
 def free_rate_from_inputs(d, y, rate):
     """Set rate = f(y) for the located points and the present inputs, without the forces of constraints."""
-    free_rate_from_loads(d, y, apply_contacts(d), rate)
+    free_rate_from_loads(d, y, set_loads_of_step(d), rate)
 
 
 def free_rate_from_loads(d, y, dissipated, rate):

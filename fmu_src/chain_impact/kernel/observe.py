@@ -15,7 +15,7 @@ from chain_impact.kernel.chain.slider import slider_position
 from chain_impact.kernel.cost import read_cost_counts, restore_cost_counts
 from chain_impact.kernel.equations import mechanical_energy, stored_energy, true_rate_from_inputs
 from chain_impact.kernel.events.contact_log import list_latest
-from chain_impact.kernel.forces.active_contacts import apply_true_contacts
+from chain_impact.kernel.forces.active_contacts import set_true_loads
 from chain_impact.kernel.forces.friction import drive_of_element
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.ode.dense import fraction_at_time, interpolate_state, quadrature_within
@@ -136,9 +136,9 @@ def fill_state(d, theta):
     locate_points(d, y)
     if d.channels > 0 and any_constraint(d):
         # The dense output satisfies constraints and prescribed motions only up to its error, so the state y
-        # is projected. For the projection, ``apply_true_contacts`` sets the limits of friction: dependent
+        # is projected. For the projection, ``set_true_loads`` sets the limits of friction: dependent
         # sticking elements share the load in proportion to these limits.
-        apply_true_contacts(d)
+        set_true_loads(d)
         project_state(d, y)
     ensure_inputs(d, y)
     scratch = d.scratch

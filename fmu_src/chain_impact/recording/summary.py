@@ -39,7 +39,7 @@ COLUMN_UNITS, STOP_COLUMN_UNITS = (
 )
 """The units of the columns VALUES of the list of impacts: STOP_COLUMN_UNITS at stops of joints, COLUMN_UNITS
 at walls and at stops of a slider."""
-NONE = "—"  # the text for a number that does not exist or is unknown
+NO_NUMBER = "—"  # the text for a number that does not exist or is unknown
 LASTS = "lasts"  # the text in place of the duration of a contact that lasts to the end of the run
 # A number that is at least FIVE_DIGITS and less than MILLION is rounded to four significant digits, and
 # written as a whole number without an exponent.
@@ -134,20 +134,20 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
     speed, lasting = f"{impact['impact_speed']:.4f}", _peak_text(1e3 * impact["duration"])
     lasting = LASTS if lasts(impact) else lasting
     values = (speed, lasting, _peak_text(impact["peak_force"]), digits(impact["impulse"]))
-    joint = (_peak_text(impact["joint_force"]), str(impact["joint"] or NONE))
+    joint = (_peak_text(impact["joint_force"]), str(impact["joint"] or NO_NUMBER))
     loads = joint if result.knows_joint_forces else ()
     return (f"{impact['onset']:.6f}", point, result.wall_names[impact["wall"]], *values, *loads)
 
 
 def _peak_text(value: float) -> str:
     """Return the text of a peak force or a duration; a dash if it is unknown or, as at a rigid wall, 0."""
-    return digits(value) if value else NONE
+    return digits(value) if value else NO_NUMBER
 
 
 def digits(value: float) -> str:
     """Return a number rounded to four digits, from 1e-4 to a million without exponent; a dash for NaN."""
     if np.isnan(value):
-        return NONE
+        return NO_NUMBER
     text = f"{value:.4g}"
     return f"{float(text):.0f}" if FIVE_DIGITS <= abs(float(text)) < MILLION else text
 

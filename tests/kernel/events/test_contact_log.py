@@ -12,7 +12,14 @@ from chain_impact.kernel.events import contact_log
 from chain_impact.kernel.forces.active_contacts import contact_force
 from chain_impact.kernel.forces.force_formula import set_damping
 from chain_impact.kernel.ode.dense import reset_quadratures
-from chain_impact.kernel.record.constants import END, KINK, NONE, ONSET, OUTPUT_READER, SOLVER_READER
+from chain_impact.kernel.record.constants import (
+    CONTACT_ENDS,
+    KINK,
+    NO_EVENT,
+    ONSET,
+    OUTPUT_READER,
+    SOLVER_READER,
+)
 from chain_impact.kernel.rows.geometry import clearance
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
@@ -128,7 +135,9 @@ def test_peaks_until_a_time_within_the_step():
         assert d.statistics.rhs_evaluations == evaluations
 
 
-@pytest.mark.parametrize(("approach_only", "event", "lands"), [(1, KINK, 1), (1, END, 0), (0, KINK, 0)])
+@pytest.mark.parametrize(
+    ("approach_only", "event", "lands"), [(1, KINK, 1), (1, CONTACT_ENDS, 0), (0, KINK, 0)]
+)
 def test_a_step_that_lands_on_the_turn_is_deepest_there(approach_only, event, lands):
     d, _ = pressed(TURNING, law="jankowski")
     d.law.approach_only[1], d.contacts.event[1] = approach_only, event
@@ -168,14 +177,14 @@ def test_a_maximum_is_found_by_parabolas_wherever_it_is(height, until):
 def test_a_cut_step_forgets_events_after_the_communication_point(due, monkeypatch):
     """The step keeps an onset and mode changes exactly at the communication point."""
     d, motion = pressed(TURNING)
-    d.contacts.event[:4] = ONSET, END, KINK, NONE
+    d.contacts.event[:4] = ONSET, CONTACT_ENDS, KINK, NO_EVENT
     dropped = []
     monkeypatch.setattr(contact_log, "drop_changes", dropped.append)
     d.step.communication_point = d.step.end if due else d.step.start + 0.4
     breaks, clock = d.step.breaks, d.step.communication_point
     contact_log.end_at_communication_point(d)
     assert d.step.end == clock
-    assert d.contacts.event[:4].tolist() == [ONSET if due else NONE, NONE, NONE, NONE]
+    assert d.contacts.event[:4].tolist() == [ONSET if due else NO_EVENT, NO_EVENT, NO_EVENT, NO_EVENT]
     assert dropped == ([] if due else [d])
     expected = motion.at(1.0 if due else 0.4)
     np.testing.assert_allclose(d.step.state_end[:-2], expected[:-2], rtol=0, atol=1e-13)

@@ -9,7 +9,7 @@ import pytest
 
 from chain_impact.kernel.events import crossing
 from chain_impact.kernel.events.exclusion import begin_next_interval, suspect_all_candidates
-from chain_impact.kernel.record.constants import END, IMPLICIT, NONE, ONSET
+from chain_impact.kernel.record.constants import CONTACT_ENDS, IMPLICIT, NO_EVENT, ONSET
 from chain_impact.kernel.record.state import sundman_u_at, time_at
 from chain_impact.kernel.rows.geometry import clearance
 from tests.kernel.chains import chain, touch
@@ -30,7 +30,7 @@ def test_the_first_crossing_is_the_first_fall_through_zero(seed, near, touching,
         assert found == -1.0
         return
     assert found * d.step.size == pytest.approx(theta * d.step.size, abs=1e-13)
-    assert d.contacts.event[whose] == (END if d.contacts.active[whose] else ONSET)
+    assert d.contacts.event[whose] == (CONTACT_ENDS if d.contacts.active[whose] else ONSET)
     assert not np.delete(d.contacts.event, whose).any()
     # the candidates' clearances are measured at the found time
     np.testing.assert_allclose(d.search.phi_end, phi(d, motion, found)[0], rtol=0, atol=1e-12)
@@ -68,7 +68,7 @@ def test_only_suspects_are_followed(seed):
     assert found >= 0.0
     (first,) = np.flatnonzero(d.contacts.event)
     for suspects in (crossing_ones, np.setdiff1d(crossing_ones, [first])):
-        d.contacts.event[:] = NONE
+        d.contacts.event[:] = NO_EVENT
         suspect_all_candidates(d)
         crossing.measure_clearances(d, 0.0)
         begin_next_interval(d)
@@ -97,7 +97,13 @@ def test_points_that_arrive_at_one_moment_are_one_event(clock, counted):
         wall_at(d, c, motion.at(0.0), 2.0 * (0.4 + late))
     prepare(d)
     assert crossing.find_crossing(d) == pytest.approx(0.4, abs=1e-11)
-    assert d.contacts.event[floor].tolist() == [ONSET, NONE, ONSET, NONE, ONSET if counted else NONE]
+    assert d.contacts.event[floor].tolist() == [
+        ONSET,
+        NO_EVENT,
+        ONSET,
+        NO_EVENT,
+        ONSET if counted else NO_EVENT,
+    ]
 
 
 def test_a_search_ends_when_its_cost_is_used_up():
@@ -180,7 +186,7 @@ def test_a_regularized_contact_ends_at_the_root_of_u():
     d.contacts.expected_penetration[c], d.contacts.latched_speed[c] = 0.5 * rates[c] / 0.7, 1.0
     prepare(d)
     assert crossing.find_crossing(d) == pytest.approx((1.0 - math.sqrt(1.0 - 0.8 * 0.6)) / 0.4, abs=1e-12)
-    assert d.contacts.event[c] == END
+    assert d.contacts.event[c] == CONTACT_ENDS
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -22,7 +22,7 @@ from chain_impact.kernel.events.marks import count_pending_changes
 from chain_impact.kernel.events.sampled import friction_round_off, rest_speed
 from chain_impact.kernel.forces.active_contacts import list_active_contacts
 from chain_impact.kernel.forces.friction import list_sticking, sliding_sign
-from chain_impact.kernel.record.constants import NO_FRICTION, NONE, SLIDING_ENDS, STICKING_ENDS, STICKS
+from chain_impact.kernel.record.constants import NO_EVENT, NO_FRICTION, SLIDING_ENDS, STICKING_ENDS, STICKS
 from chain_impact.kernel.rows.constraints import SOLVED
 from chain_impact.kernel.rows.geometry import tangential_position, tangential_rate
 from tests.kernel.rubbing import AtRest, Doubled, rubbing_chain
@@ -179,15 +179,15 @@ def move_at(d, c, speed):
 @pytest.mark.parametrize(
     "case",  # event, mode before, speed, whether speeds have jumped; mode, whether undecided
     [
-        (NONE, 1, 0.5, False, 1, 0),
-        (NONE, -1, 0.5, False, 1, 0),
-        (NONE, NO_FRICTION, 0.5, True, 1, 0),
-        (NONE, STICKS, 0.5, True, 1, 0),
-        (NONE, STICKS, 1e-7, False, STICKS, 1),
-        (NONE, STICKS, 0.5, False, 1, 0),
-        (NONE, 1, 0.0, True, 1, 1),
-        (NONE, -1, 0.0, False, -1, 1),
-        (NONE, NO_FRICTION, 0.0, True, STICKS, 1),
+        (NO_EVENT, 1, 0.5, False, 1, 0),
+        (NO_EVENT, -1, 0.5, False, 1, 0),
+        (NO_EVENT, NO_FRICTION, 0.5, True, 1, 0),
+        (NO_EVENT, STICKS, 0.5, True, 1, 0),
+        (NO_EVENT, STICKS, 1e-7, False, STICKS, 1),
+        (NO_EVENT, STICKS, 0.5, False, 1, 0),
+        (NO_EVENT, 1, 0.0, True, 1, 1),
+        (NO_EVENT, -1, 0.0, False, -1, 1),
+        (NO_EVENT, NO_FRICTION, 0.0, True, STICKS, 1),
         (SLIDING_ENDS, 1, 1e-7, False, STICKS, 1),
         (SLIDING_ENDS, 1, 0.5, False, 1, 0),
         (SLIDING_ENDS, -1, 0.0, True, STICKS, 1),

@@ -15,7 +15,16 @@ from chain_impact.kernel.events.handlers import (
 from chain_impact.kernel.forces.force_formula import elastic_energy
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.ode.methods import MIN_SWITCH_STEPS
-from chain_impact.kernel.record.constants import END, EXPLICIT, IMPLICIT, KINK, NONE, ONSET, RELATCH, RELEASE
+from chain_impact.kernel.record.constants import (
+    CONTACT_ENDS,
+    EXPLICIT,
+    IMPLICIT,
+    KINK,
+    NO_EVENT,
+    ONSET,
+    RELATCH,
+    RELEASE,
+)
 from tests.helpers.models.reference import complementary_impulses, mass_matrix
 from tests.helpers.scenes.problems import of_law
 from tests.kernel.chains import chain, gradients, press_in, random_state, struck, touch, vectors
@@ -74,7 +83,7 @@ def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
     press_in(d, C, times * LEAVING_TIME * 0.2 / 4.0 * abs(speed))
     if speed == 0.0:
         d.candidate.offset[C] -= 1e-9
-    assert apply_event(d, C, END) == JUMPS[law]
+    assert apply_event(d, C, CONTACT_ENDS) == JUMPS[law]
     assert d.contacts.active[C] == 1 - ends
     assert d.contact_log.count == ends
 
@@ -109,7 +118,7 @@ def test_past_its_kink_a_contact_goes_on_with_the_other_force(law, beyond):
 def test_no_event_leaves_all_as_it_is():
     d = arrived()
     before = d.numpy_record.tobytes()
-    assert not apply_event(d, C, NONE)
+    assert not apply_event(d, C, NO_EVENT)
     assert not apply_event(d, C, RELEASE)
     assert d.numpy_record.tobytes() == before
 
@@ -119,16 +128,16 @@ def test_no_event_leaves_all_as_it_is():
     [
         (ONSET, 0, "zhang_sharf", False),
         (ONSET, 0, "kelvin_voigt", True),
-        (END, 1, "zhang_sharf", False),
-        (END, 1, "kelvin_voigt", True),
+        (CONTACT_ENDS, 1, "zhang_sharf", False),
+        (CONTACT_ENDS, 1, "kelvin_voigt", True),
         (RELATCH, 1, "zhang_sharf", True),
         (KINK, 1, "jankowski", True),
         (RELEASE, 1, "zhang_sharf", False),
-        (NONE, 1, "zhang_sharf", False),
+        (NO_EVENT, 1, "zhang_sharf", False),
     ],
 )
 def test_each_event_has_its_own_effect(kind, active, law, jumped):
-    d = arrived(law, speed=-1.0 if kind == END else 1.0)
+    d = arrived(law, speed=-1.0 if kind == CONTACT_ENDS else 1.0)
     d.contacts.expected_penetration[:] = d.contacts.latched_speed[:] = d.contacts.effective_mass[:] = 1.0
     others = [1]
     touch(d, [*others, C] if active else others)
@@ -137,8 +146,8 @@ def test_each_event_has_its_own_effect(kind, active, law, jumped):
     assert apply_events(d) == jumped
     assert not d.contacts.event.any()
     assert d.impact.count == (kind == ONSET)
-    assert d.contact_log.count == (kind == END)
-    left = others + [C] * (kind == ONSET or (active and kind != END))
+    assert d.contact_log.count == (kind == CONTACT_ENDS)
+    left = others + [C] * (kind == ONSET or (active and kind != CONTACT_ENDS))
     assert d.contacts.active_index[: d.contacts.active_count].tolist() == left
     assert d.contacts.latched_speed[C] == pytest.approx(2.0 if kind == RELATCH else 1.0, rel=1e-9)
     assert d.contacts.beyond_kink[C] == (kind == KINK)
@@ -242,16 +251,16 @@ def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
 
 
 @pytest.mark.full("more cases", but=43)
-@pytest.mark.parametrize("kind", [NONE, ONSET, END, RELATCH, RELEASE, KINK])
+@pytest.mark.parametrize("kind", [NO_EVENT, ONSET, CONTACT_ENDS, RELATCH, RELEASE, KINK])
 @pytest.mark.parametrize("regularized", [-1, 0, C, 15])
 @pytest.mark.parametrize("whose", [0, C, 15])
 def test_a_force_bends_where_it_ends_or_has_its_kink_in_time(whose, regularized, kind):
     """The end of a regularized contact is smooth in the contact's own variable."""
     d = arrived()
-    d.contacts.event[:] = NONE
+    d.contacts.event[:] = NO_EVENT
     d.contacts.event[whose], d.step.regularized = kind, regularized
-    smooth = regularized == whose and kind == END
-    assert force_has_kink(d) == (kind in {END, KINK} and not smooth)
+    smooth = regularized == whose and kind == CONTACT_ENDS
+    assert force_has_kink(d) == (kind in {CONTACT_ENDS, KINK} and not smooth)
 
 
 @pytest.mark.parametrize(
@@ -260,7 +269,7 @@ def test_a_force_bends_where_it_ends_or_has_its_kink_in_time(whose, regularized,
 def test_after_an_impact_on_rigid_walls_alone_a_flight_begins(hits, touching, flies):
     """With a compliant contact in force, its events decide instead, as without rigid walls."""
     d = arrived(touching=touching)
-    d.law.impulsive[C], d.contacts.event[C], d.step.method = 1, ONSET if hits else NONE, IMPLICIT
+    d.law.impulsive[C], d.contacts.event[C], d.step.method = 1, ONSET if hits else NO_EVENT, IMPLICIT
     assert apply_events(d) == hits
     assert begins_explicit(d) == flies
     assert d.step.method == (EXPLICIT if flies else IMPLICIT)

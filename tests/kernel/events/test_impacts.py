@@ -11,7 +11,7 @@ from chain_impact.kernel.events import impacts
 from chain_impact.kernel.events.handlers import apply_events
 from chain_impact.kernel.forces.active_contacts import latch_onset
 from chain_impact.kernel.forces.holding import LEAST_RISE
-from chain_impact.kernel.record.constants import NEIGHBOUR, NONE, ONSET, RELEASE
+from chain_impact.kernel.record.constants import NEIGHBOUR, NO_EVENT, ONSET, RELEASE
 from chain_impact.kernel.rows.constraints import SIGN_TOLERANCE
 from chain_impact.kernel.rows.geometry import clearance, largest_coordinate
 from tests.helpers.kernel.plain import make_rigid
@@ -39,7 +39,7 @@ def touching(seed, candidates=(1, 6, 11), *, base="free", kinds=ONSET, arrive=Tr
     scene, d = chain(rng, 4, base, model="newton_impact", restitution=E, minimum_impact_speed=SLOWEST)
     candidates = [c - (base == "pinned") for c in candidates]
     y = struck(rng, d, candidates, 0.0)
-    touch(d, candidates if kinds == NONE else [])
+    touch(d, candidates if kinds == NO_EVENT else [])
     d.contacts.event[candidates] = kinds
     angles, free = y[2:6], free_coordinates(d)
     jacobian, response = gradients(scene, d, angles, candidates), np.zeros((6, len(candidates)))
@@ -137,7 +137,7 @@ def test_points_that_all_but_touch_are_neighbours():
     for c, part_of in ((2, 0.5), (5, 0.99), (9, 1.5), (13, -3.0)):
         press_in(d, c, -part_of * limit)
     d.contacts.active[1] = d.contacts.active[13] = 1
-    d.contacts.event[:] = NONE
+    d.contacts.event[:] = NO_EVENT
     impacts.join_near_contacts(d)
     assert np.flatnonzero(d.contacts.active).tolist() == [1, 2, 5, 13]
     assert np.flatnonzero(d.contacts.event == NEIGHBOUR).tolist() == [2, 5]
@@ -146,8 +146,8 @@ def test_points_that_all_but_touch_are_neighbours():
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 def test_fast_arrivals_rebound_and_slow_arrivals_rest(restitution):
     """e = 0 for a held contact, for a slow arrival, and for a rebound too slow to leave."""
-    d, y, _jacobian, response, w, candidates = touching(1, POINTS, kinds=NONE)
-    d.contacts.event[candidates] = ONSET, NEIGHBOUR, NONE, ONSET
+    d, y, _jacobian, response, w, candidates = touching(1, POINTS, kinds=NO_EVENT)
+    d.contacts.event[candidates] = ONSET, NEIGHBOUR, NO_EVENT, ONSET
     speeds = np.array([-1.0, -1.0, -1.0, -0.5 * SLOWEST])
     y[6:12] = response @ np.linalg.solve(w, speeds)
     locate_points(d, y)
@@ -166,7 +166,7 @@ def test_fast_arrivals_rebound_and_slow_arrivals_rest(restitution):
 
 @pytest.mark.parametrize(("times", "aims"), [(0.9, 0.0), (1.1, 1.0)])
 def test_rebounds_too_slow_to_leave_are_none(times, aims):
-    d, y, _, response, w, _ = touching(1, (1,), kinds=NONE)
+    d, y, _, response, w, _ = touching(1, (1,), kinds=NO_EVENT)
     d.contacts.event[1] = ONSET
     speed = -2.0 * SLOWEST
     y[6:12] = response @ np.linalg.solve(w, [speed])
@@ -179,7 +179,7 @@ def test_rebounds_too_slow_to_leave_are_none(times, aims):
 
 @pytest.mark.parametrize("short", [0.0, 0.5, 2.0])
 def test_impulses_fall_short_by_more_than_round_off(short):
-    d, *_ = touching(1, POINTS, kinds=NONE)
+    d, *_ = touching(1, POINTS, kinds=NO_EVENT)
     d.constraints.target[:4] = 0.5
     d.constraints.reached[:4] = (
         0.5,
@@ -199,7 +199,7 @@ def test_a_neighbour_takes_part_in_an_impact_and_brings_no_energy(speed):
     gains = 0
     for seed in range(12):
         d, y, _, response, w, (first, second) = touching(seed, (1, 4))
-        d.law.restitution[:], d.contacts.event[second] = 1.0, NONE
+        d.law.restitution[:], d.contacts.event[second] = 1.0, NO_EVENT
         speeds = np.array([-1.0, speed])
         y[6:12] = response @ np.linalg.solve(w, speeds)
         d.step.state_end[:] = y
@@ -220,7 +220,7 @@ def test_a_neighbour_takes_part_in_an_impact_and_brings_no_energy(speed):
 
 def test_errors_of_held_contacts_are_corrected_without_an_impulse():
     for act in (apply_events, impacts.update_active_set):
-        d, y, jacobian, response, w, candidates = touching(2, (1, 6), kinds=NONE)
+        d, y, jacobian, response, w, candidates = touching(2, (1, 6), kinds=NO_EVENT)
         # choose errors whose correction needs pushing forces and pushing impulses
         y[6:12] = response @ np.linalg.solve(w, w @ np.array([-1e-9, -2e-9]))
         d.step.state_end[:] = y
@@ -240,7 +240,7 @@ def test_with_nothing_that_touches_the_loads_are_those_of_a_flight():
 
 def test_contacts_that_cannot_be_stopped_by_a_push_are_over():
     """The walls would pull by more than errors explain: the points leave with their present speeds."""
-    d, y, _, response, w, (first, second) = touching(2, (1, 6), kinds=NONE)
+    d, y, _, response, w, (first, second) = touching(2, (1, 6), kinds=NO_EVENT)
     y[6:12] = response @ (p := np.array([-0.3, 0.7]))
     d.step.state_end[:] = y
     assert (np.linalg.solve(w, -(w @ p)) < 0.0).any()
@@ -277,7 +277,7 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
     ("event", "impulse", "met"), [(NEIGHBOUR, 0.0, 0), (NEIGHBOUR, 1.0, 1), (ONSET, 0.0, 1)]
 )
 def test_a_neighbour_without_an_impulse_was_not_met(event, impulse, met):
-    d, *_ = touching(1, (1,), kinds=NONE)
+    d, *_ = touching(1, (1,), kinds=NO_EVENT)
     d.contacts.event[1], d.constraints.impulse[0], d.constraints.reached[0] = event, impulse, 0.0
     impacts.end_rebounding_contacts(d)
     assert d.contacts.active[1] == d.contacts.active_count == met
@@ -285,7 +285,7 @@ def test_a_neighbour_without_an_impulse_was_not_met(event, impulse, met):
 
 
 def test_contacts_end_where_they_stand_for_another_law():
-    d, y, *_ = touching(1, (1, 6, 11), kinds=NONE, arrive=False)
+    d, y, *_ = touching(1, (1, 6, 11), kinds=NO_EVENT, arrive=False)
     d.scratch.velocity.x[:] = 99.0
     rates = []
     locate_points(d, y)
@@ -301,7 +301,7 @@ def test_contacts_end_where_they_stand_for_another_law():
 
 def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
     """Release them for speeds above the round-off of the fastest point, if they are not pressed."""
-    d, *_ = touching(1, POINTS, kinds=NONE)
+    d, *_ = touching(1, POINTS, kinds=NO_EVENT)
     scale = largest_component(d, d.scratch.velocity)
     d.constraints.in_active_set[:4] = 0, 0, 1, 0
     d.constraints.reached[:4] = 0.5 * SIGN_TOLERANCE * scale, 2.0 * SIGN_TOLERANCE * scale, 1.0, 0.0
@@ -311,7 +311,7 @@ def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
 
 
 def test_released_points_leave_the_wall_and_held_points_stay():
-    d, _y, *_ = touching(1, POINTS[:3], kinds=NONE)
+    d, _y, *_ = touching(1, POINTS[:3], kinds=NO_EVENT)
     d.constraints.in_active_set[:3] = 1, 0, 1
     impacts.release_contacts(d)
     locate_points(d, d.step.state_end)
@@ -330,7 +330,7 @@ def test_released_points_leave_the_wall_and_held_points_stay():
 
 @pytest.mark.parametrize("away", [0.0, 30.0, 1e4])
 def test_a_released_point_all_but_touches_at_any_distance(away):
-    d, y, *_ = touching(1, POINTS[:1], kinds=NONE)
+    d, y, *_ = touching(1, POINTS[:1], kinds=NO_EVENT)
     y[:2] += away * d.chain.longest_link
     locate_points(d, y)
     press_in(d, 1, 0.0)
@@ -342,7 +342,7 @@ def test_a_released_point_all_but_touches_at_any_distance(away):
     farthest = max(np.abs(vectors(d.scratch.position)).max(), d.chain.longest_link)
     right = max(1e-13 * d.chain.longest_link, 1e-14 * farthest)
     assert gap == pytest.approx(right, abs=3e-16 * farthest)
-    d.contacts.event[:] = NONE
+    d.contacts.event[:] = NO_EVENT
     impacts.join_near_contacts(d)
     assert d.contacts.event[1] == NEIGHBOUR
     # the energy of a fall over this gap is too little to leave
@@ -372,8 +372,8 @@ def test_the_gap_of_a_joints_stop_does_not_grow_with_the_distance():
 def test_a_release_is_a_first_guess_of_who_is_let_go():
     """For any first guess, the held points are those that need a force."""
     results = []
-    for event in (NONE, RELEASE):
-        d, y, _, _response, _w, candidates = touching(3, kinds=NONE)
+    for event in (NO_EVENT, RELEASE):
+        d, y, _, _response, _w, candidates = touching(3, kinds=NO_EVENT)
         y[6:12] = 0.0
         d.step.state_end[:] = y
         d.contacts.event[candidates] = event

@@ -19,10 +19,10 @@ from chain_impact.kernel.events.search import (
 )
 from chain_impact.kernel.ode.control import is_accepted, set_outcome
 from chain_impact.kernel.record.constants import (
-    END,
+    CONTACT_ENDS,
     IMPLICIT,
     KINK,
-    NONE,
+    NO_EVENT,
     ONSET,
     OUTPUT_READER,
     SOLVER_READER,
@@ -43,14 +43,14 @@ def touched(gap, rate, bend=0.0, *, active=0, kind=ONSET, theta=0.5, size=1.0):
     wall_at(d, c, motion.at(0.0), gap)
     touch(d, [c] if active else [])
     measure_clearances(d, theta)
-    d.contacts.event[:] = NONE
+    d.contacts.event[:] = NO_EVENT
     d.contacts.event[c] = kind
     return d
 
 
 @pytest.mark.parametrize(("depth", "rate", "kind", "believed"), [
     (0.5, -1.0, ONSET, True), (2.0, -1.0, ONSET, False), (0.5, 1.0, ONSET, False), (0.5, 0.0, ONSET, True),
-    (2.0, 1.0, END, True), (2.0, 1.0, NONE, True),
+    (2.0, 1.0, CONTACT_ENDS, True), (2.0, 1.0, NO_EVENT, True),
 ])  # fmt: skip
 def test_an_onset_is_believed_at_the_wall_of_a_point_that_arrives(depth, rate, kind, believed):
     d = touched(0.3, -1.0, kind=kind)
@@ -82,7 +82,7 @@ def test_an_early_touch_in_a_regularized_step_fits_the_motion_in_time():
     wall_at(d, 1, motion.at(0.0), 3.0 * theta)
     touch(d, [REGULARIZED])
     measure_clearances(d, theta)
-    d.contacts.event[:] = NONE
+    d.contacts.event[:] = NO_EVENT
     d.contacts.event[1] = ONSET
     d.search.phi_end[1] = -1e-15
     assert not is_credible_crossing(d, theta)
@@ -103,7 +103,7 @@ def test_an_early_touch_in_a_regularized_step_fits_the_motion_in_time():
 def test_a_candidate_starts_clear_by_its_taylor_polynomial(gap, rate, bend, clear, active):
     """½ φ + φ̇ t + ½ φ̈ t² > 0 with φ ≥ 0, of clearances and of penetrations; at t = 0.1 s."""
     sign = -1.0 if active else 1.0
-    d = touched(sign * gap, sign * rate, sign * bend, active=active, kind=END if active else ONSET)
+    d = touched(sign * gap, sign * rate, sign * bend, active=active, kind=CONTACT_ENDS if active else ONSET)
     if gap == 0.0:
         d.candidate.offset[1] -= sign * 1e-12
     there = points_of(d, d.scratch.state)
@@ -120,17 +120,17 @@ def test_a_candidate_starts_clear_by_its_taylor_polynomial(gap, rate, bend, clea
 
 def test_onsets_of_points_that_move_away_are_dropped():
     for rates, kinds, left in (
-        ((1.0, -1.0), [NONE, ONSET], 0.4),
-        ((1.0, 1.0), [NONE, NONE], -1.0),
+        ((1.0, -1.0), [NO_EVENT, ONSET], 0.4),
+        ((1.0, 1.0), [NO_EVENT, NO_EVENT], -1.0),
         ((0.0, 0.0), [ONSET, ONSET], 0.4),
     ):
         d = touched(0.3, -1.0)
-        d.contacts.event[:] = NONE
+        d.contacts.event[:] = NO_EVENT
         d.contacts.event[[1, 5]] = ONSET
         d.search.phi_end_rate[[1, 5]] = rates
         assert drop_separating_onsets(d, 0.4) == left
         assert d.contacts.event[[1, 5]].tolist() == kinds
-    d = touched(0.3, 1.0, active=1, kind=END)
+    d = touched(0.3, 1.0, active=1, kind=CONTACT_ENDS)
     d.search.phi_end_rate[1] = 1.0
     assert drop_separating_onsets(d, 0.4) == 0.4
 
@@ -152,7 +152,7 @@ def landed(gaps, rate=-2.0, size=0.5, kind=ONSET, bend=0.0, *, regularized=-1):
     motion = translation(d, [0.3, 0.1], [0.0, rate - bend * size, 0.5 * bend])
     walls_away(d)
     set_step(d, motion if regularized < 0 else with_rate(d, motion, HALF), size, regularized=regularized)
-    d.contacts.event[:] = NONE
+    d.contacts.event[:] = NO_EVENT
     for c, gap in zip((1, 5), gaps, strict=True):  # two points at the floor
         wall_at(d, c, motion.at(size), gap)
         d.contacts.event[c] = kind
@@ -227,12 +227,12 @@ def test_an_incredible_onset_refuses_the_step_or_is_dropped(
     ):
         d = touched(0.3 * size, -1.0, size=size)
         d.step.start, d.step.end = clock, clock + size
-        d.contacts.event[:] = NONE
+        d.contacts.event[:] = NO_EVENT
         monkeypatch.setattr(search, "is_credible_crossing", lambda *_: False)
         monkeypatch.setattr(search, "find_crossing", found_leaving)
         assert find_event(d) == -1.0
         assert is_accepted(d) == taken
-        assert d.contacts.event[1] == (NONE if taken else ONSET)
+        assert d.contacts.event[1] == (NO_EVENT if taken else ONSET)
         if taken:
             # the points are those of the end of the step
             np.testing.assert_allclose(d.search.phi_end, gaps_of(d, d.step.state_end), rtol=0, atol=1e-11)

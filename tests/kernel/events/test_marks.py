@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.events import marks
-from chain_impact.kernel.record.constants import END, KINK, NONE, ONSET, SLIDING_ENDS, STICKING_ENDS
+from chain_impact.kernel.record.constants import (
+    CONTACT_ENDS,
+    KINK,
+    NO_EVENT,
+    ONSET,
+    SLIDING_ENDS,
+    STICKING_ENDS,
+)
 from tests.kernel.rubbing import rubbing_chain
 
 
@@ -13,7 +20,7 @@ def d():
     """Return a chain with marks at two candidates, at an element with friction and at an element without."""
     _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
     marks.mark_contact_event(d, 2, KINK)
-    marks.mark_contact_event(d, 5, END)
+    marks.mark_contact_event(d, 5, CONTACT_ENDS)
     listed = int(d.element.index[1])
     marks.mark_change(d, listed, STICKING_ENDS)
     marks.mark_change(d, next(e for e in range(d.elements) if e not in d.element.index), SLIDING_ENDS)
@@ -26,8 +33,8 @@ def marks_of(d):
 
 def test_each_mark_is_that_of_one_candidate_or_element(d):
     assert marks_of(d) == ([2, 5], 2)
-    assert (d.contacts.event[2], d.contacts.event[5]) == (KINK, END)
-    marks.mark_contact_event(d, 2, NONE)
+    assert (d.contacts.event[2], d.contacts.event[5]) == (KINK, CONTACT_ENDS)
+    marks.mark_contact_event(d, 2, NO_EVENT)
     assert marks_of(d) == ([5], 2)
 
 
@@ -52,7 +59,7 @@ def test_changes_of_elements_without_friction_do_not_count(d):
 
 def test_a_tangent_instance_has_the_same_marks(d):
     _, t, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
-    marks.mark_contact_event(t, 1, END)
+    marks.mark_contact_event(t, 1, CONTACT_ENDS)
     marks.copy_marks(d, t)
     assert t.contacts.event.tolist() == d.contacts.event.tolist()
     assert t.element.event.tolist() == d.element.event.tolist()

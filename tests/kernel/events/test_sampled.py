@@ -16,7 +16,7 @@ from chain_impact.kernel.forces.active_contacts import kink_height
 from chain_impact.kernel.forces.force_formula import elastic_force
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode.control import is_accepted
-from chain_impact.kernel.record.constants import END, KINK, NONE, RELATCH, RELEASE
+from chain_impact.kernel.record.constants import CONTACT_ENDS, KINK, NO_EVENT, RELATCH, RELEASE
 from chain_impact.kernel.status import OK
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.kernel.plain import Plain, begun
@@ -128,19 +128,19 @@ def test_the_first_kink_counts_and_kinks_at_one_time_are_one_event():
     d.contacts.beyond_kink[5] = 1
     d.contacts.kink_crossed[:] = 0
     assert find_force_event(d, -1.0) == pytest.approx(0.5, abs=1e-14)
-    assert d.contacts.event[[1, 5, 9]].tolist() == [KINK, NONE, KINK]
+    assert d.contacts.event[[1, 5, 9]].tolist() == [KINK, NO_EVENT, KINK]
 
 
 def test_a_kink_comes_after_the_event_that_was_found_before():
     d, _ = falling([0.0, -1.0, 1.0])
     for touched, found in ((0.3, 0.3), (0.7, 0.5)):
-        d.contacts.event[:] = NONE
-        d.contacts.event[4] = END
+        d.contacts.event[:] = NO_EVENT
+        d.contacts.event[4] = CONTACT_ENDS
         d.contacts.kink_crossed[:] = 1  # a stage was beyond it
         locate_at_fraction(d, touched)
         assert find_force_event(d, touched) == pytest.approx(found, abs=1e-14)
-        assert d.contacts.event[4] == (END if found == touched else NONE)
-        assert d.contacts.event[1] == (NONE if found == touched else KINK)
+        assert d.contacts.event[4] == (CONTACT_ENDS if found == touched else NO_EVENT)
+        assert d.contacts.event[1] == (NO_EVENT if found == touched else KINK)
 
 
 @pytest.mark.parametrize("stage", [0, 1])
@@ -154,7 +154,7 @@ def test_a_kink_that_only_a_stage_has_shown_is_looked_for(stage):
         assert d.contacts.event[1] == KINK
     else:
         assert found == -1.0
-        assert d.contacts.event[1] == NONE
+        assert d.contacts.event[1] == NO_EVENT
 
 
 def test_a_contact_is_latched_again_at_twice_its_impact_speed():
@@ -176,7 +176,7 @@ def test_the_first_of_two_contacts_that_are_fast_is_latched_anew():
         d.contacts.latched_speed[slower], d.contacts.latched_speed[faster] = 0.6, 0.25
         locate_at_fraction(d, 1.0)
         assert find_force_event(d, -1.0) == pytest.approx(0.25, abs=2e-12)
-        assert d.contacts.event[[slower, faster]].tolist() == [NONE, RELATCH]
+        assert d.contacts.event[[slower, faster]].tolist() == [NO_EVENT, RELATCH]
 
 
 def test_an_excess_between_the_ends_is_found_if_an_end_is_nearly_fast():
@@ -257,11 +257,13 @@ def test_a_point_is_released_where_its_force_falls_through_zero():
 def test_only_a_release_before_the_event_that_was_found_counts(touch, expected):
     d, c = released()
     other = c + 1
-    d.contacts.event[:] = NONE
-    d.contacts.event[other] = END
+    d.contacts.event[:] = NO_EVENT
+    d.contacts.event[other] = CONTACT_ENDS
     assert sampled.find_release(d, touch) == pytest.approx(expected, abs=1e-10)
     stays = expected == touch
-    assert (d.contacts.event[other], d.contacts.event[c]) == ((END, NONE) if stays else (NONE, RELEASE))
+    assert (d.contacts.event[other], d.contacts.event[c]) == (
+        (CONTACT_ENDS, NO_EVENT) if stays else (NO_EVENT, RELEASE)
+    )
 
 
 def test_events_that_no_stage_shows_are_not_searched():
@@ -317,7 +319,7 @@ def test_a_wall_pulls_from_there_on(theta, expected):
     assert (sampled.least_force(d, -1, theta) < 0.0) == expected
     d, c = released()
     sampled.mark_pulling(d, 0, theta)
-    assert d.contacts.event[c] == (RELEASE if expected else NONE)
+    assert d.contacts.event[c] == (RELEASE if expected else NO_EVENT)
     assert not np.delete(d.contacts.event, c).any()
 
 
@@ -327,4 +329,4 @@ def test_a_pull_below_the_rounding_error_is_no_release():
         d, c = released(force=(-times * limit,))
         assert (sampled.least_force(d, -1, 0.5) < 0.0) == (times > 1.0)
         sampled.mark_pulling(d, 0, 0.5)
-        assert d.contacts.event[c] == (RELEASE if times > 1.0 else NONE)
+        assert d.contacts.event[c] == (RELEASE if times > 1.0 else NO_EVENT)

@@ -13,7 +13,7 @@ from chain_impact.kernel.events import sampled
 from chain_impact.kernel.events.marks import count_pending_changes
 from chain_impact.kernel.events.sampled import make_search
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.record.constants import NONE, ONSET, SLIDING_ENDS, STICKING_ENDS, STICKS
+from chain_impact.kernel.record.constants import NO_EVENT, ONSET, SLIDING_ENDS, STICKING_ENDS, STICKS
 from chain_impact.kernel.rows.geometry import tangential_rate
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict
@@ -212,7 +212,7 @@ def test_the_first_change_ends_the_step(rubbing, changes, case):
     assert changes[2](d, found) == pytest.approx(right, abs=1e-9)
     kinds = {k: STICKING_ENDS if k == 3 else SLIDING_ENDS for k in marked}
     assert {k: d.element.event[e] for k, e in enumerate(elements) if d.element.event[e]} == kinds
-    assert d.contacts.event[3] == (NONE if marked else ONSET)
+    assert d.contacts.event[3] == (NO_EVENT if marked else ONSET)
 
 
 def test_an_element_that_was_found_is_marked_whatever_round_off_says(rubbing, changes, monkeypatch):

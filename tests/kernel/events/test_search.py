@@ -11,8 +11,8 @@ from chain_impact.kernel.events.crossing import measure_clearances
 from chain_impact.kernel.events.exclusion import known_clearances, remember_clearances
 from chain_impact.kernel.events.search import find_event
 from chain_impact.kernel.record.constants import (
+    CONTACT_ENDS,
     DISTANCE_KNOWN,
-    END,
     IMPLICIT,
     KINK,
     NOTHING_KNOWN,
@@ -162,7 +162,7 @@ def test_the_earliest_event_is_that_of_the_motion(seed, near, touching, implicit
         assert found == -1.0
     else:
         assert found * d.step.size == pytest.approx(theta * d.step.size, abs=1e-12)
-        assert d.contacts.event[whose] == (END if d.contacts.active[whose] else ONSET)
+        assert d.contacts.event[whose] == (CONTACT_ENDS if d.contacts.active[whose] else ONSET)
         assert known_clearances(d) == VALUES_KNOWN
 
 

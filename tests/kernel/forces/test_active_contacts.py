@@ -44,7 +44,7 @@ def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
     d.scratch.load.x[:] = d.scratch.load.y[:] = 9.0  # loads of another state
     rates = jacobian @ y[5:10]
     forces = np.array([active_contacts.contact_force(d, c, *geometry.clearance(d, c)) for c in candidates])
-    lost = active_contacts.apply_contacts(d)
+    lost = active_contacts.set_loads_of_step(d)
     found = sum(point_jacobian(scene, y[2:5], k).T @ load for k, load in enumerate(vectors(d.scratch.load)))
     expected = point_jacobian(scene, y[2:5], 3).T @ [0.3, -0.8]
     if touching:
@@ -162,7 +162,7 @@ def test_contacts_with_a_force_are_listed_first_and_no_impulse_holds_them(touchi
     touch(d, touching)
     make_rigid(d, np.isin(np.arange(d.candidates), list(rigid)))
     d.contacts.active_count = d.contacts.compliant_count = 5
-    d.contacts.active_index[:], listings = 11, int(d.contacts.listings)
+    d.contacts.active_index[:], listings = 11, int(d.contacts.contact_set)
     active_contacts.list_active_contacts(d)
     forces = [c for c in touching if c not in rigid]
     held = [c for c in touching if c in rigid]
@@ -171,7 +171,7 @@ def test_contacts_with_a_force_are_listed_first_and_no_impulse_holds_them(touchi
     constraints.activate_all(d)
     assert not d.constraints.in_active_set[: len(forces)].any()
     assert d.constraints.in_active_set[len(forces) : d.contacts.active_count].all()
-    assert d.contacts.listings == listings + 1
+    assert d.contacts.contact_set == listings + 1
 
 
 @pytest.mark.parametrize("rigid", [1, 6, 15])
@@ -180,11 +180,11 @@ def test_beside_a_rigid_contact_only_the_others_have_a_force(rigid):
     _, d, _, candidates, _ = in_contact()
     others = [c for c in candidates if c != rigid]
     touch(d, others)
-    lost, loads = active_contacts.apply_contacts(d), vectors(d.scratch.load)
+    lost, loads = active_contacts.set_loads_of_step(d), vectors(d.scratch.load)
     touch(d, candidates)
     d.contacts.force[rigid] = -5.0
     make_rigid(d, np.arange(d.candidates) == rigid)
-    assert active_contacts.apply_contacts(d) == lost
+    assert active_contacts.set_loads_of_step(d) == lost
     np.testing.assert_array_equal(vectors(d.scratch.load), loads)
     assert d.contacts.force[rigid] == -5.0
 

@@ -116,7 +116,7 @@ def test_a_restart_inside_an_implicit_step_does_not_kick(tolerance):
 # --- what a step begins with -------------------------------------------------------------------------------
 
 N = 3
-STALE = -1  # implicit.listing is outdated: other contacts are active
+STALE = -1  # implicit.contact_set_of_step is outdated: other contacts are active
 
 
 def at_start(tolerance=1e-8, **tables):
@@ -157,7 +157,7 @@ def stiff_joint(damping, tolerance=1e-8):
     """
     scene, d = at_start(tolerance)
     d.inputs.drive_damping[:-1] = 0.0, damping, 0.0
-    d.chain.has_springs_or_dampers, d.implicit.listing = 1, STALE
+    d.chain.has_springs_or_dampers, d.implicit.contact_set_of_step = 1, STALE
     equations.rate_from_state(d, d.step.state_end, d.scratch.rate_start)
     across = np.zeros(N + 2)
     across[2:4] = -1.0, 1.0
@@ -202,9 +202,9 @@ def test_a_first_step_that_meets_no_fast_motion_is_as_long_as_it_may_be():
 def test_a_step_after_an_implicit_one_is_as_long_as_its_error_allows():
     """The estimate of a fast motion counts as three evaluations."""
     d, _, _ = stiff_joint(1e3)
-    own, listed = d.implicit, d.contacts.listings
+    own, listed = d.implicit, d.contacts.contact_set
     for listing, made_by, measured in ((listed, IMPLICIT, 0), (STALE, IMPLICIT, 3), (listed, EXPLICIT, 3)):
-        own.listing, d.step.last_method, before = listing, made_by, d.budget.other_cost
+        own.contact_set_of_step, d.step.last_method, before = listing, made_by, d.budget.other_cost
         h = collocation.prepare_step(d, 0.1)
         assert h < 0.05 if measured else h == 0.1
         assert d.budget.other_cost == before + measured
@@ -220,7 +220,7 @@ def last_polynomial(d, degree, end=1.0):
     parts[1:] = np.random.default_rng(degree).uniform(0.5, 1.0, (degree, size))
     columns = [np.polynomial.Polynomial(column) for column in parts.T]
     own.last_stages[:, :size] = np.transpose([column(np.array(RADAU_NODES)) for column in columns])
-    own.listing, d.step.start, d.step.size = d.contacts.listings, 3.0, 0.2
+    own.contact_set_of_step, d.step.start, d.step.size = d.contacts.contact_set, 3.0, 0.2
     d.step.end, d.step.last_method = 3.0 + 0.2 * end, IMPLICIT
     return columns
 
@@ -251,7 +251,7 @@ def test_the_stages_of_a_first_step_go_with_the_rate_at_its_start():
     touch(d, [1, 6])
     own, size, half = d.implicit, extended_size(d), velocity_at(N)
     own.rate_start[:] = np.random.default_rng(0).normal(size=len(own.rate_start))
-    own.stages[:], own.listing = 9.0, STALE
+    own.stages[:], own.contact_set_of_step = 9.0, STALE
     collocation.extrapolate_stages(d, 0.3, size)
     expected = 0.3 * np.outer(RADAU_NODES, own.rate_start[:size])
     moving = np.zeros(size, bool)

@@ -48,12 +48,12 @@ def test_the_polynomial_goes_through_the_stages(step):
     """The polynomials of the state, of a component of z (from the start of z), and of an impulse."""
     d, n = step, sundman_u_at(LINKS)
     stages = d.implicit.stages.copy()
-    d.contacts.listings = 7
+    d.contacts.contact_set = 7
     collocation.store_stages(d, False)
     assert (
         d.implicit.last_stages[:, : quadrature_at(d, 2)].tolist() == stages[:, : quadrature_at(d, 2)].tolist()
     )
-    assert d.implicit.listing == 7
+    assert d.implicit.contact_set_of_step == 7
     y = np.zeros(len(d.step.state))
     for theta in (0.0, *RADAU_NODES, 0.43):
         dense.interpolate_state(d.step, theta, y)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.record.constants import END, KINK, ONSET, RELATCH, RELEASE
+from chain_impact.kernel.record.constants import CONTACT_ENDS, KINK, ONSET, RELATCH, RELEASE
 from chain_impact.kernel.tangent import event_times
 from tests.kernel.tangent.dual import dual
 
@@ -32,7 +32,7 @@ def parts(number):
     return number.value, number.slope.tolist()
 
 
-@pytest.mark.parametrize("kind", [ONSET, END])
+@pytest.mark.parametrize("kind", [ONSET, CONTACT_ENDS])
 def test_an_event_is_late_by_its_clearance_over_its_rate(monkeypatch, tangent, kind):
     clearance = (dual(1e-9, 3.0, -6.0), dual(-2.0, 50.0, 50.0))
     monkeypatch.setattr(event_times, "clearance", lambda _t, _c: clearance)

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from chain_impact.kernel.record.constants import NO_FRICTION, NONE, SLIDING_ENDS, STICKING_ENDS, STICKS
+from chain_impact.kernel.record.constants import NO_EVENT, NO_FRICTION, SLIDING_ENDS, STICKING_ENDS, STICKS
 from chain_impact.kernel.tangent import event_times, friction, trust
 from tests.kernel.tangent.dual import dual
 
@@ -17,7 +17,7 @@ def t():
     """Return an instance of dual numbers with friction at candidate 1 and in the joint, element 2."""
     one = SimpleNamespace(candidates=2, elements=3)
     one.friction = SimpleNamespace(count=2)
-    one.element = SimpleNamespace(index=[1, 2, 9], event=[NONE] * 3, mode=[1] * 3, undecided=[1] * 3)
+    one.element = SimpleNamespace(index=[1, 2, 9], event=[NO_EVENT] * 3, mode=[1] * 3, undecided=[1] * 3)
     one.element.limit, one.element.force = [dual(9.0)] * 3, [dual(0.0)] * 3
     one.law = SimpleNamespace(friction=[dual(0.3)] * 2, static_friction=[dual(0.3)] * 2)
     one.scratch = SimpleNamespace(velocity="velocity", acceleration="acceleration", rate="rate")
@@ -39,9 +39,9 @@ def ended(monkeypatch):
 @pytest.mark.parametrize(
     ("events", "delay"),
     [
-        *(((SLIDING_ENDS, NONE), ("rest", 1)), ((NONE, SLIDING_ENDS), ("rest", 2))),
+        *(((SLIDING_ENDS, NO_EVENT), ("rest", 1)), ((NO_EVENT, SLIDING_ENDS), ("rest", 2))),
         *(((STICKING_ENDS, SLIDING_ENDS), ("rest", 2)), ((SLIDING_ENDS, STICKING_ENDS), ("rest", 1))),
-        ((STICKING_ENDS, NONE), ("sliding", 1)),
+        ((STICKING_ENDS, NO_EVENT), ("sliding", 1)),
     ],
 )
 def test_sliding_that_ends_goes_before_sliding_that_begins(monkeypatch, t, events, delay):

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.record.constants import (
-    END,
+    CONTACT_ENDS,
     EXPLICIT,
     IMPLICIT,
     KINK,
-    NONE,
+    NO_EVENT,
     ONSET,
     RELATCH,
     RELEASE,
@@ -96,7 +96,7 @@ def parts(number):
     return number.value, number.slope.tolist()
 
 
-def instances(regularized=-1, events=(NONE, NONE), end_fraction=1.0, method=EXPLICIT):
+def instances(regularized=-1, events=(NO_EVENT, NO_EVENT), end_fraction=1.0, method=EXPLICIT):
     """Return an instance after a step of 0.2 s, and an instance of dual numbers before the step."""
     rng = np.random.default_rng(31)
     sizes = {"candidates": 2, "elements": 3, "channels": 0, "signals": 0}
@@ -112,8 +112,8 @@ def instances(regularized=-1, events=(NONE, NONE), end_fraction=1.0, method=EXPL
         SimpleNamespace(mode_ends=0),
     )
     d.contacts, d.inputs, t.inputs = SimpleNamespace(event=list(events)), SimpleNamespace(), SimpleNamespace()
-    d.element = SimpleNamespace(event=[NONE, SLIDING_ENDS, NONE])
-    t.contacts = SimpleNamespace(event=[NONE, NONE], active_count=1, active_index=[1])
+    d.element = SimpleNamespace(event=[NO_EVENT, SLIDING_ENDS, NO_EVENT])
+    t.contacts = SimpleNamespace(event=[NO_EVENT, NO_EVENT], active_count=1, active_index=[1])
     t.contacts.latched_speed = [dual(0.5, 1.0, 2.0)] * 2
     t.step = SimpleNamespace(method=-1, regularized=regularized, end=dual(1.4999, 3.0, 4.0))
     t.step.start_delay = dual(0.0)
@@ -123,7 +123,7 @@ def instances(regularized=-1, events=(NONE, NONE), end_fraction=1.0, method=EXPL
     t.scratch.rate_end = [dual(0.5 + j, 100.0, 100.0) for j in range(SIZE)]
     # friction at candidate 1 and in the joint, element 2
     t.friction = SimpleNamespace(count=2, contact_count=1, stuck_count=0)
-    t.element = SimpleNamespace(index=[1, 2, 9], event=[NONE] * 3)
+    t.element = SimpleNamespace(index=[1, 2, 9], event=[NO_EVENT] * 3)
     t.quadrature = SimpleNamespace(count=2)
     t.quadrature.rate_end = [dual(7.0, 100.0, 100.0), dual(-5.0, 100.0, 100.0)]
     t.quadrature.state_end = [dual(4.0, 1.0, 2.0), dual(6.0, 1.0, 2.0)]
@@ -155,10 +155,14 @@ def calls(monkeypatch):
 @pytest.mark.parametrize(
     ("last", "size", "more"),
     [
-        ({"method": EXPLICIT, "events": (NONE, KINK)}, 0.2, ([], [])),
-        ({"method": IMPLICIT, "events": (NONE, KINK)}, 0.2, ([], [])),
-        ({"end_fraction": 0.25, "events": (NONE, ONSET)}, 0.2, ([("truncate_step", 0.25)], [])),
-        ({"end_fraction": 0.25, "events": (NONE, END), "regularized": 1}, 0.05, ([], [("count_break",)])),
+        ({"method": EXPLICIT, "events": (NO_EVENT, KINK)}, 0.2, ([], [])),
+        ({"method": IMPLICIT, "events": (NO_EVENT, KINK)}, 0.2, ([], [])),
+        ({"end_fraction": 0.25, "events": (NO_EVENT, ONSET)}, 0.2, ([("truncate_step", 0.25)], [])),
+        (
+            {"end_fraction": 0.25, "events": (NO_EVENT, CONTACT_ENDS), "regularized": 1},
+            0.05,
+            ([], [("count_break",)]),
+        ),
     ],
 )
 def test_a_step_is_made_once_more(monkeypatch, calls, last, size, more):
@@ -176,14 +180,19 @@ def test_a_step_is_made_once_more(monkeypatch, calls, last, size, more):
     end = [("correct_falling_impulses",), ("move_end", *last["events"])]
     cut, jump = more
     assert calls == [*begin, *made, *cut, ("copy_end_values",), *jump, *end]
-    assert t.element.event == [NONE, SLIDING_ENDS, NONE]
+    assert t.element.event == [NO_EVENT, SLIDING_ENDS, NO_EVENT]
 
 
 @pytest.mark.parametrize(
     ("regularized", "events", "right"),
     [
-        *((1, (NONE, END), True), (0, (END, NONE), True), (0, (NONE, END), False), (1, (NONE, ONSET), False)),
-        (-1, (END, END), False),
+        *(
+            (1, (NO_EVENT, CONTACT_ENDS), True),
+            (0, (CONTACT_ENDS, NO_EVENT), True),
+            (0, (NO_EVENT, CONTACT_ENDS), False),
+            (1, (NO_EVENT, ONSET), False),
+        ),
+        (-1, (CONTACT_ENDS, CONTACT_ENDS), False),
     ],
 )
 def test_a_step_ends_with_its_contact_or_with_another(regularized, events, right):
@@ -221,17 +230,17 @@ def test_values_are_those_of_the_run_and_slopes_stay():
 @pytest.mark.parametrize(
     ("regularized", "events", "moved"),  # events of two candidates, of an element and of the drives
     [
-        (-1, (NONE, ONSET, NONE, 0), (1, ONSET)),
-        (-1, (RELATCH, ONSET, NONE, 0), (0, RELATCH)),
-        (-1, (NONE, END, NONE, 0), (1, END)),
-        (0, (NONE, END, NONE, 0), (1, END)),
-        (1, (NONE, END, NONE, 0), None),
-        (-1, (NONE, ONSET, SLIDING_ENDS, 0), (1, ONSET)),
-        (-1, (KINK, NONE, SLIDING_ENDS, 0), "late"),
-        (-1, (KINK, NONE, NONE, 1), "kink of 0"),
-        (-1, (NONE, RELEASE, NONE, 0), "release of 1"),
-        (-1, (NONE, NONE, NONE, 1), "limit"),
-        (-1, (NONE, NONE, NONE, 0), None),
+        (-1, (NO_EVENT, ONSET, NO_EVENT, 0), (1, ONSET)),
+        (-1, (RELATCH, ONSET, NO_EVENT, 0), (0, RELATCH)),
+        (-1, (NO_EVENT, CONTACT_ENDS, NO_EVENT, 0), (1, CONTACT_ENDS)),
+        (0, (NO_EVENT, CONTACT_ENDS, NO_EVENT, 0), (1, CONTACT_ENDS)),
+        (1, (NO_EVENT, CONTACT_ENDS, NO_EVENT, 0), None),
+        (-1, (NO_EVENT, ONSET, SLIDING_ENDS, 0), (1, ONSET)),
+        (-1, (KINK, NO_EVENT, SLIDING_ENDS, 0), "late"),
+        (-1, (KINK, NO_EVENT, NO_EVENT, 1), "kink of 0"),
+        (-1, (NO_EVENT, RELEASE, NO_EVENT, 0), "release of 1"),
+        (-1, (NO_EVENT, NO_EVENT, NO_EVENT, 1), "limit"),
+        (-1, (NO_EVENT, NO_EVENT, NO_EVENT, 0), None),
     ],
 )
 def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
@@ -250,12 +259,12 @@ def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
     monkeypatch.setattr(step_ends, "move_along", lambda _t, time: calls.append(("moved", time)))
     step_ends.move_end(t)
     checks = {"late": [("checked", "late")], (0, RELATCH): [("check_onsets",)]}
-    checks |= {(1, kind): [("check_onsets",)] for kind in (ONSET, END)}
+    checks |= {(1, kind): [("check_onsets",)] for kind in (ONSET, CONTACT_ENDS)}
     ready = [("ensure_rate",), ("ensure_dense", SOLVER_READER), ("ensure_points",)]
     assert calls == ([*ready, *checks.get(moved, []), ("moved", moved)] if moved else [])
 
 
-@pytest.mark.parametrize("events", [(RELATCH, NONE), (KINK, NONE), (NONE, RELEASE)])
+@pytest.mark.parametrize("events", [(RELATCH, NO_EVENT), (KINK, NO_EVENT), (NO_EVENT, RELEASE)])
 def test_events_that_a_jump_causes_have_the_time_of_the_jump(calls, events):
     """A step of zero length ends where a force is beyond its kink, or a speed is much larger than before."""
     _, t = instances(events=events)
@@ -284,11 +293,11 @@ def test_the_end_of_a_step_moves_along_the_motion(calls):
 
 @pytest.mark.parametrize(
     ("limit", "events", "fixed"),
-    [(0, (NONE, NONE), False), (1, (NONE, NONE), True), (1, (NONE, ONSET), False)],
+    [(0, (NO_EVENT, NO_EVENT), False), (1, (NO_EVENT, NO_EVENT), True), (1, (NO_EVENT, ONSET), False)],
 )
 def test_a_step_after_a_drives_limit_starts_at_a_plain_time(monkeypatch, calls, limit, events, fixed):
     d, t = instances()
-    t.drive.mode_ends, t.contacts.event, t.element.event = limit, list(events), [NONE] * 3
+    t.drive.mode_ends, t.contacts.event, t.element.event = limit, list(events), [NO_EVENT] * 3
     monkeypatch.setattr(step_ends, "evaluate_start", lambda _t: calls.append(("evaluate_start",)))
     monkeypatch.setattr(replay, "repeat_step", lambda _d, t, _h: calls.append(("make", parts(t.step.end))))
     monkeypatch.setattr(replay, "copy_end_values", lambda _d, _t: None)

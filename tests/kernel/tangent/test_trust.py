@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from chain_impact.kernel.record.constants import END, NONE, ONSET
+from chain_impact.kernel.record.constants import CONTACT_ENDS, NO_EVENT, ONSET
 from chain_impact.kernel.tangent import trust
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from tests.helpers.scenes.problems import ball
@@ -102,7 +102,7 @@ def dual(number):
 
 def instance(events=(), speeds=(3.0, 4.0)):
     """Return two points with these speeds along x and y [m/s], and four candidates with these events."""
-    events = (*events, *[NONE] * (4 - len(events)))
+    events = (*events, *[NO_EVENT] * (4 - len(events)))
     t = SimpleNamespace(links=1, candidates=4)
     t.contacts = SimpleNamespace(event=list(events), active_index=[2], compliant_count=1)
     t.contacts.latched_speed, t.contacts.penetration_rate = [dual(0.5)] * 4, [dual(0.3)] * 4
@@ -147,7 +147,7 @@ def told(t):
 )
 def test_an_onset_is_judged_by_its_speed(monkeypatch, rate, rigid, reason):
     for speeds in ((3.0, 4.0), (-4.0, 3.0)):
-        t = instance([NONE, ONSET], speeds)
+        t = instance([NO_EVENT, ONSET], speeds)
         for vector in (t.scratch.velocity.x, t.scratch.velocity.y):
             vector[:] = vector[:: int(np.sign(speeds[0]))].copy()
         t.law.impulsive[1] = rigid
@@ -160,11 +160,11 @@ def test_an_onset_is_judged_by_its_speed(monkeypatch, rate, rigid, reason):
 def test_the_slowest_of_several_onsets_is_named(monkeypatch):
     """An event that is no onset, or an onset behind the end of trust, changes nothing."""
     for rates, slowest in (((-3.0, -2.0, -4.0), 2), ((-1.0, -2.0, -4.0), 0), ((-3.0, -2.0, -1.0), 3)):
-        t = instance([ONSET, END, ONSET, ONSET])
+        t = instance([ONSET, CONTACT_ENDS, ONSET, ONSET])
         approaching(monkeypatch, rates[0], 0.0, *rates[1:])
         trust.check_onsets(t)
         assert told(t) == (trust.SIMULTANEOUS_ONSETS, TIME, 4 + slowest, slowest)
-    for event, reason in ((END, trust.TRUSTED), (ONSET, trust.NOT_CONVERGED)):
+    for event, reason in ((CONTACT_ENDS, trust.TRUSTED), (ONSET, trust.NOT_CONVERGED)):
         t = instance([event])
         t.trust.reason = reason
         trust.check_onsets(t)

@@ -343,21 +343,12 @@ def store_given_motion(d, j, now):
     if not unexplained > UNEXPLAINED_PART * speeds + ignored:
         return True
     of_base = d.chain.base_moves and j < 2  # a moving base has the first two channels
-    if not of_base and unexplained > speeds + ignored:
-        channel.contradiction, channel.distance, channel.lasted, channel.new_velocity = (
-            j + 1,
-            displacement,
-            lasted,
-            v,
-        )
+    is_refused = not of_base and unexplained > speeds + ignored
+    if is_refused or channel.contradiction == 0:
+        channel.contradiction, channel.distance = j + 1, displacement
+        channel.lasted, channel.new_velocity = lasted, v
+    if is_refused:
         return False
-    if channel.contradiction == 0:
-        channel.contradiction, channel.distance, channel.lasted, channel.new_velocity = (
-            j + 1,
-            displacement,
-            lasted,
-            v,
-        )
     if at_rest and lasted > 0.0:
         channel.mean_velocity[j] = displacement / lasted
     return True

@@ -28,7 +28,7 @@ from chain_impact.kernel.ode.last_step import (
     truncate_to_communication_point,
 )
 from chain_impact.kernel.ode.maximum import maximum_of
-from chain_impact.kernel.record.constants import KINK, NONE, ONSET, OUTPUT_READER, SOLVER_READER
+from chain_impact.kernel.record.constants import KINK, NO_EVENT, ONSET, OUTPUT_READER, SOLVER_READER
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import (
     clearance,
@@ -162,7 +162,7 @@ def end_at_communication_point(d):
     truncate_to_communication_point(d)
     for c in range(d.candidates):
         if not (due and d.contacts.event[c] == ONSET):
-            mark_contact_event(d, c, NONE)
+            mark_contact_event(d, c, NO_EVENT)
     if not due:
         drop_changes(d)
 

@@ -25,7 +25,14 @@ from chain_impact.kernel.mathematics.root_search import MOST_GUESSES, next_guess
 from chain_impact.kernel.ode.collocation import bound_curvatures
 from chain_impact.kernel.ode.dense import interpolate_state, rate_bounds, rate_bounds_along
 from chain_impact.kernel.ode.last_step import ensure_dense
-from chain_impact.kernel.record.constants import END, IMPLICIT, NO_CONTACT, NONE, ONSET, SOLVER_READER
+from chain_impact.kernel.record.constants import (
+    CONTACT_ENDS,
+    IMPLICIT,
+    NO_CONTACT,
+    NO_EVENT,
+    ONSET,
+    SOLVER_READER,
+)
 from chain_impact.kernel.record.state import omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.rows.geometry import is_at_joint_stop, is_at_wall, normal_row
 
@@ -219,8 +226,8 @@ def locate_crossing(d, a, b):
     first, located = b, -1
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
-        kind = END if d.contacts.active[c] else ONSET
-        mark_contact_event(d, c, kind if check_candidate(d, c, a, b) == CROSSES else NONE)
+        kind = CONTACT_ENDS if d.contacts.active[c] else ONSET
+        mark_contact_event(d, c, kind if check_candidate(d, c, a, b) == CROSSES else NO_EVENT)
     for k in range(d.search.suspect_count):
         c = d.search.suspect[k]
         # `first` is the earliest event so far; φ of all suspects (set_clearance) is known there, and a
@@ -234,7 +241,7 @@ def locate_crossing(d, a, b):
         # The candidate `located` stays marked, because round-off alone may put the φ of a slow point above
         # the limit.
         if c != located and d.search.phi_end[c] > within * abs(d.search.phi_end_rate[c]):
-            mark_contact_event(d, c, NONE)
+            mark_contact_event(d, c, NO_EVENT)
     return first
 
 

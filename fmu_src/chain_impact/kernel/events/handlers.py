@@ -1,10 +1,11 @@
 """The handlers of events, and the size of the step after an event.
 
-The events ONSET and END are zeros of a clearance or a penetration. The search for such zeros uses bounds
-(crossing.py). All other events of contacts, friction and drives are found by samples of a step, because
-locating them late does little harm; sampled.py lists them. The points must be located when a handler applies
-an event. ``handle_impact`` handles all simultaneous events at rigid walls together (impacts.py). If a point
-arrives at a rigid wall, a contact with a force law that begins at the same time begins after the impulses.
+The events ONSET and CONTACT_ENDS are zeros of a clearance or a penetration. The search for such zeros uses
+bounds (crossing.py). All other events of contacts, friction and drives are found by samples of a step,
+because locating them late does little harm; sampled.py lists them. The points must be located when a handler
+applies an event. ``handle_impact`` handles all simultaneous events at rigid walls together (impacts.py). If
+a point arrives at a rigid wall, a contact with a force law that begins at the same time begins after the
+impulses.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -34,7 +35,15 @@ from chain_impact.kernel.forces.force_formula import force_may_jump
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.ode.last_step import reset_step
 from chain_impact.kernel.ode.methods import begin_flight, begin_impact
-from chain_impact.kernel.record.constants import END, EXPLICIT, IMPLICIT, KINK, NONE, ONSET, RELATCH
+from chain_impact.kernel.record.constants import (
+    CONTACT_ENDS,
+    EXPLICIT,
+    IMPLICIT,
+    KINK,
+    NO_EVENT,
+    ONSET,
+    RELATCH,
+)
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance
 
@@ -65,17 +74,17 @@ def end_if_point_left(d, c):
 def apply_event(d, c, kind):
     """Apply an event of candidate c, which has a force law; return whether the force may have jumped.
 
-    ``kind`` is the kind of event: ONSET, END, RELATCH or KINK; with NONE nothing happens.
+    ``kind`` is the kind of event: ONSET, CONTACT_ENDS, RELATCH or KINK; with NO_EVENT nothing happens.
     """
     if kind == ONSET:
         begin_force_contact(d, c)
-    elif kind == END:
+    elif kind == CONTACT_ENDS:
         end_if_point_left(d, c)
     elif kind == RELATCH:
         relatch_speed(d, c, RELATCH_RATIO)
     elif kind == KINK:
         cross_kink(d, c)
-    return kind in (RELATCH, KINK) or (kind in (ONSET, END) and force_may_jump(d, c))
+    return kind in (RELATCH, KINK) or (kind in (ONSET, CONTACT_ENDS) and force_may_jump(d, c))
 
 
 def apply_events(d):
@@ -105,7 +114,7 @@ def apply_events(d):
     for c in range(d.candidates):
         kind = contacts.event[c]
         if d.law.impulsive[c]:
-            rigid = rigid or kind != NONE
+            rigid = rigid or kind != NO_EVENT
             continue
         if rigid_impact and kind == ONSET:
             # ``handle_impact`` begins this contact after the impulses, because the impulses change the impact
@@ -114,7 +123,7 @@ def apply_events(d):
         jumped = apply_event(d, c, kind) or jumped
         goes_on = goes_on or kind in (RELATCH, KINK)
         onset = c if kind == ONSET else onset
-        mark_contact_event(d, c, NONE)
+        mark_contact_event(d, c, NO_EVENT)
     if rigid:
         begun = handle_impact(d)
         onset = begun if begun >= 0 else onset
@@ -189,11 +198,11 @@ def choose_next_size(d, onset, goes_on):
 def force_has_kink(d):
     """Return whether the force of a contact has a kink at a marked event, so that the step must be repeated.
 
-    KINK and END are such events; but if the regularized contact ends, the result is False.
+    KINK and CONTACT_ENDS are such events; but if the regularized contact ends, the result is False.
     """
-    if d.step.regularized >= 0 and d.contacts.event[d.step.regularized] == END:
+    if d.step.regularized >= 0 and d.contacts.event[d.step.regularized] == CONTACT_ENDS:
         return False
     for c in range(d.candidates):
-        if d.contacts.event[c] in (END, KINK):
+        if d.contacts.event[c] in (CONTACT_ENDS, KINK):
             return True
     return False

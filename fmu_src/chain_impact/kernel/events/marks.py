@@ -5,11 +5,11 @@ friction_modes.py, saturation.py), or until the last step is rejected or cut bef
 sampled.py describe the kinds of events.
 """
 
-from chain_impact.kernel.record.constants import NONE, ONSET
+from chain_impact.kernel.record.constants import NO_EVENT, ONSET
 
 
 def mark_contact_event(d, c, kind):
-    """Mark candidate c with an event of a ``kind``; the kind NONE removes the mark of c."""
+    """Mark candidate c with an event of a ``kind``; the kind NO_EVENT removes the mark of c."""
     d.contacts.event[c] = kind
 
 
@@ -27,7 +27,7 @@ def drop_events(d):
 def drop_contact_events(d):
     """Remove the marks of candidates, but keep the marks of friction modes and drives."""
     for c in range(d.candidates):
-        d.contacts.event[c] = NONE
+        d.contacts.event[c] = NO_EVENT
 
 
 def drop_changes(d):

@@ -37,10 +37,10 @@ from chain_impact.kernel.ode.dense import interpolate_component, interpolate_sta
 from chain_impact.kernel.ode.last_step import ensure_dense
 from chain_impact.kernel.ode.sundman import time_rate_for_sizes
 from chain_impact.kernel.record.constants import (
+    CONTACT_ENDS,
     DISTANCE_KNOWN,
-    END,
     IMPLICIT,
-    NONE,
+    NO_EVENT,
     NOTHING_KNOWN,
     ONSET,
     SOLVER_READER,
@@ -171,7 +171,7 @@ def starts_clear(d, lasted):
     accelerate_points(d, d.step.state, d.scratch.rate_start)
     clear = False
     for c in range(d.candidates):
-        if d.contacts.event[c] in (ONSET, END) and c != d.step.regularized:
+        if d.contacts.event[c] in (ONSET, CONTACT_ENDS) and c != d.step.regularized:
             sign = -1.0 if d.contacts.active[c] else 1.0
             gap, gap_rate = clearance(d, c)
             # the change of the clearance g, also of a candidate in contact: ġ t + ½ g̈ t²
@@ -253,6 +253,6 @@ def drop_separating_onsets(d, theta):
     left = False
     for c in range(d.candidates):
         if not d.contacts.active[c] and d.search.phi_end_rate[c] > 0.0:
-            mark_contact_event(d, c, NONE)
-        left = left or d.contacts.event[c] != NONE
+            mark_contact_event(d, c, NO_EVENT)
+        left = left or d.contacts.event[c] != NO_EVENT
     return theta if left else -1.0

@@ -77,7 +77,7 @@ def clear_loads(d):
     d.scratch.load.y[tip] = d.inputs.tip_force[1]
 
 
-def apply_contacts(d):
+def set_loads_of_step(d):
     """Set the loads to the input force at the tip, forces of contacts with a force law, and sliding friction.
 
     Earlier loads are cleared. The points must be located. ``contacts.beyond_kink`` tells which side's formula
@@ -93,8 +93,8 @@ def apply_contacts(d):
     return dissipated + apply_friction(d) if d.friction.count > 0 else dissipated
 
 
-def apply_true_contacts(d):
-    """Set the loads as ``apply_contacts`` does, but with the true contact forces, which never pull.
+def set_true_loads(d):
+    """Set the loads as ``set_loads_of_step`` does, but with the true contact forces, which never pull.
 
     A step may continue a force below 0; the true force is cut off at 0. Nothing is returned.
     """
@@ -270,7 +270,7 @@ def list_active_contacts(d):
     """
     contacts = d.contacts
     contacts.active_count = 0
-    contacts.listings += 1
+    contacts.contact_set += 1
     if d.contact_settings.any_force:
         list_contacts_of_kind(d, 0)
     contacts.compliant_count = contacts.active_count

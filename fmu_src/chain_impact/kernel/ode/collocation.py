@@ -125,7 +125,7 @@ def set_residual(d, i, j, residual):
 
 def can_extrapolate(d):
     """Return whether the last step was implicit and had the present contacts: then it can predict stages."""
-    return d.implicit.listing == d.contacts.listings and d.step.last_method == IMPLICIT
+    return d.implicit.contact_set_of_step == d.contacts.contact_set and d.step.last_method == IMPLICIT
 
 
 def set_jacobian(d, z):
@@ -326,7 +326,7 @@ def store_stages(d, faded):
             implicit.last_stages[i, j] = implicit.stages[i, j]
         if faded:
             clear_faded(d, implicit.last_stages[i])
-    implicit.listing = d.contacts.listings
+    implicit.contact_set_of_step = d.contacts.contact_set
     for j in range(len(d.scratch.state)):
         set_dense(d.step, j, implicit.last_stages, j, RADAU_STAGES if j < sundman_u_at(d.links) else 1)
     for k in range(d.quadrature.count):
@@ -345,7 +345,8 @@ def match_clearances(d):
 
     ``project_coordinates`` gives the changes; dry friction along these changes adds to the dissipated energy.
     """
-    dense, implicit, change, lost = d.step.dense, d.implicit, d.scratch.change, dissipated_at(d.links)
+    dense, implicit, change = d.step.dense, d.implicit, d.scratch.change
+    last_component = dissipated_at(d.links)
     if clearance_count(d) == 0:
         return
     for third in range(1, 3):
@@ -359,8 +360,10 @@ def match_clearances(d):
             for j in range(len(change)):
                 implicit.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
             if derivative == 0:
-                implicit.thirds[third - 1, lost] = -work_along(d, change) if d.friction.count > 0 else 0.0
-    for j in range(lost + 1):
+                implicit.thirds[third - 1, last_component] = (
+                    -work_along(d, change) if d.friction.count > 0 else 0.0
+                )
+    for j in range(last_component + 1):
         at_one, at_two = implicit.thirds[0, j], implicit.thirds[1, j]
         # the coefficients F₅ and F₆ change the dense output by 8/729 F₅ + 8/2187 F₆ at one third of the step,
         # and by 8/729 F₅ + 16/2187 F₆ at two thirds

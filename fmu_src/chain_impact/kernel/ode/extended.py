@@ -49,7 +49,7 @@ from chain_impact.kernel.chain.inputs import set_inputs
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, locate_points_now
 from chain_impact.kernel.chain.response import SHIFTED, clear_impedance, factorize_matrix
 from chain_impact.kernel.equations import free_rate_from_loads
-from chain_impact.kernel.forces.active_contacts import apply_contact, apply_contacts, clear_loads
+from chain_impact.kernel.forces.active_contacts import apply_contact, clear_loads, set_loads_of_step
 from chain_impact.kernel.forces.force_formula import law_slopes
 from chain_impact.kernel.forces.friction import apply_friction
 from chain_impact.kernel.forces.holding import add_constraint_forces, power_of_motion
@@ -122,10 +122,10 @@ def extend_start(d):
         implicit.rate_start[quadrature_at(d, k)] = d.quadrature.rate_end[k]
     clearance_rates(d, implicit.z_start, implicit.rate_start)
     if has_sticking(d):
-        # ``apply_contacts`` computes the limits of friction at the start. A system that is factorized before
-        # the first stage, as in ``size_for_fast_motion``, needs these limits: the impedances of sticking
-        # elements depend on them.
-        apply_contacts(d)
+        # ``set_loads_of_step`` computes the limits of friction at the start. A system that is factorized
+        # before the first stage, as in ``size_for_fast_motion``, needs these limits: the impedances of
+        # sticking elements depend on them.
+        set_loads_of_step(d)
 
 
 def clearance_rates(d, z, rate):

@@ -23,7 +23,7 @@ NO_READER, OUTPUT_READER, SOLVER_READER = 0, 1, 2
 NO_CONTACT = -1
 
 # ---- events, contacts and dry friction
-NONE, ONSET, END, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5  # values of ``contacts.event``
+NO_EVENT, ONSET, CONTACT_ENDS, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5  # values of ``contacts.event``
 # a value of ``contacts.event`` that the search never sets: a point near a rigid wall takes part in the impact
 # of another point
 NEIGHBOUR = 6

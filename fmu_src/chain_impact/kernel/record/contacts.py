@@ -85,9 +85,9 @@ def contacts_dtype(candidates: int) -> np.dtype:
     speeds are angles and their rates times a lever arm, and forces are moments over this lever arm.
     """
     return layout(
-        # number of times that ``list_active_contacts`` has listed the active contacts; an implicit step from
-        # before the last listing may have entries of other contacts, and does not predict the next step
-        ("listings", INTEGER),
+        # number of the present set of contacts: ``list_active_contacts`` adds 1. An implicit step with
+        # another number may have entries of other contacts, and does not predict the next step
+        ("contact_set", INTEGER),
         ("active_count", bounded_integer(0, candidates)),
         # number of active contacts with a force law; these come first in ``active_index``
         ("compliant_count", INTEGER),

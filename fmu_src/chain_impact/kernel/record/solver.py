@@ -310,7 +310,7 @@ def search_dtype(candidates: int) -> np.dtype:
     ),
     **dict.fromkeys(("drive_stiffness", "drive_damping", "shift", "pairs"), "ode/extended.py"),
     **dict.fromkeys(("iterations", "relative_correction", "contraction"), "ode/radau.py"),
-    **dict.fromkeys(("last_stages", "listing", "thirds"), "ode/collocation.py"),
+    **dict.fromkeys(("contact_set_of_step", "last_stages", "thirds"), "ode/collocation.py"),
     **dict.fromkeys(("z", "stages"), ("ode/collocation.py", "ode/radau.py", "ode/friction_work.py")),
     friction_force="ode/friction_work.py",
     parts=("ode/collocation.py", "ode/radau.py"),
@@ -354,9 +354,9 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("parts", REAL, (RADAU_STAGES, extended)),
         # increments of z from the start of the last step to its nodes
         ("last_stages", REAL, (RADAU_STAGES, extended)),
-        # value of `contacts.listings` in the step of ``last_stages``; while `contacts.listings` has this
-        # value, the active contacts are the same, and ``last_stages`` can predict the stages of the next step
-        ("listing", INTEGER),
+        # value of `contacts.contact_set` in the step of ``last_stages``; while `contacts.contact_set` has it,
+        # the active contacts are the same, and ``last_stages`` can predict the stages of the next step
+        ("contact_set_of_step", INTEGER),
         ("iterations", INTEGER),  # number of Newton iterations in the tried step
         # largest component of the last Newton correction, over the tolerated error
         ("relative_correction", REAL),

@@ -93,7 +93,7 @@ _delay_of_margin = make_delay(_margin_after)
 def delay_of_crossing(t, c, kind):
     """Return the delay [s], a dual number of value 0, of an event of candidate c.
 
-    ``kind`` is ONSET, END or RELATCH of record/constants.py; at RELATCH the speed is latched again.
+    ``kind`` is ONSET, CONTACT_ENDS or RELATCH of record/constants.py; at RELATCH the speed is latched again.
     """
     gap, gap_rate = clearance(t, c)
     if kind == RELATCH:

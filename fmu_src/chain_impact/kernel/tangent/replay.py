@@ -65,7 +65,7 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.ode.methods import begin_explicit
 from chain_impact.kernel.ode.radau import REAL_EIGENVALUE
-from chain_impact.kernel.record.constants import END, IMPLICIT, RADAU_STAGES
+from chain_impact.kernel.record.constants import CONTACT_ENDS, IMPLICIT, RADAU_STAGES
 from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START
 from chain_impact.kernel.record.state import dissipated_at, velocity_at
 from chain_impact.kernel.rows.compliance import mean_mass
@@ -352,7 +352,7 @@ def ends_regularized(d):
     The force has a kink there. d has computed the step beyond the kink, and has not repeated the step to end
     there. t makes only the part of the step up to the kink.
     """
-    return d.step.regularized >= 0 and d.contacts.event[d.step.regularized] == END
+    return d.step.regularized >= 0 and d.contacts.event[d.step.regularized] == CONTACT_ENDS
 
 
 def copy_end_values(d, t):

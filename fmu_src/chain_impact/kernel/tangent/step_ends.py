@@ -15,7 +15,7 @@ from chain_impact.kernel.ode.last_step import (
     evaluate_start,
     set_start_delay,
 )
-from chain_impact.kernel.record.constants import END, KINK, ONSET, RELATCH, RELEASE, SOLVER_READER
+from chain_impact.kernel.record.constants import CONTACT_ENDS, KINK, ONSET, RELATCH, RELEASE, SOLVER_READER
 from chain_impact.kernel.record.state import sundman_u_at, time_at
 from chain_impact.kernel.tangent.duals import dual_with_slope, has_slope, value
 from chain_impact.kernel.tangent.event_times import (
@@ -74,13 +74,13 @@ def move_to_segment(t):
 def is_crossing(t, c):
     """Return whether the time of candidate c's event at the end of the last step affects the motion.
 
-    The result is False without an event of c there, for RELEASE and KINK, for END of the regularized contact,
-    and for RELATCH at the end of a step without duration.
+    The result is False without an event of c there, for RELEASE and KINK, for CONTACT_ENDS of the
+    regularized contact, and for RELATCH at the end of a step without duration.
     """
     kind = t.contacts.event[c]
     # at the end of a regularized contact dt/ds = 0, with the step's variable s, so a shift of the end in s
     # changes nothing
-    if kind == END:
+    if kind == CONTACT_ENDS:
         return c != t.step.regularized
     return kind == ONSET or (kind == RELATCH and step_length(t) > 0.0)
 
