@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.recording.view import PIN, WALL_DISTANCE, pin_mark, view_corners
+from chain_impact.recording.view import PIN_HEIGHT, WALL_DISTANCE, pin_mark, view_corners
 from chain_impact.scene.display.bodies import Rail
 from chain_impact.scene.half_planes import half_planes
 
@@ -51,7 +51,7 @@ def test_a_pinned_base_has_a_ground_mark_away_from_the_chain_and_in_view(side):
     assert lines[0].tolist() == [1.0, 2.0]
     heights = -side * (lines[:, 1] - 2.0)
     assert heights.min() == 0.0
-    assert heights.max() == pytest.approx(PIN * 1.0)
+    assert heights.max() == pytest.approx(PIN_HEIGHT * 1.0)
     view, _ = view_corners(points, {}, pinned=True)
     assert (lines >= view[0]).all()
     assert (lines <= view[1]).all()

@@ -7,7 +7,7 @@ import warnings
 import pytest
 
 from chain_impact import SceneWarning, SimulationError, cli, load_scene, simulate
-from chain_impact.recording.summary import DEEP
+from chain_impact.recording.summary import DEEP_PENETRATION
 
 SOFT = {"contact.stiffness": 100.0}
 TOLD = (
@@ -45,7 +45,7 @@ def test_the_stiffness_of_the_wall_itself_is_named():
 def test_shallow_contacts_are_not_told(values):
     told, result = said(load_scene("four_link_box").with_values(values))
     assert told == []
-    assert result.impacts["max_penetration"].max() < DEEP * 0.5
+    assert result.impacts["max_penetration"].max() < DEEP_PENETRATION * 0.5
     assert "note" not in str(result)
 
 

@@ -32,18 +32,18 @@ REFERENCE_FILE = "resources/chain_impact_reference.csv"
 REFERENCE_TOLERANCE = 1e-12  # the solver's tolerance in the run whose outputs are the reference results
 # approximate number of communication steps of the table, if it covers the whole simulated time of the scene
 REFERENCE_ROWS = 100
-# if not more than REFERENCE_ROWS / SHORTER rows are reliable, a table of a SHORTER-th of the simulated time,
-# with communication steps that are shorter by the same ratio, is made instead; but no communication step is
-# shorter than the scene's own
-SHORTER = 10
+# if not more than REFERENCE_ROWS / SHORTENING rows are reliable, a table of a SHORTENING-th of the simulated
+# time, with communication steps that are shorter by the same ratio, is made instead; but no communication
+# step is shorter than the scene's own
+SHORTENING = 10
 # A chain amplifies each error at every impact, so results are reliable only for some time. A second run, at
 # the scene's own tolerance, tells for how long: the table ends before an output of the second run deviates
-# from the reference results by more than the scene's tolerance or ASTRAY, whichever is larger, and before an
-# onset deviates (``_agreed_until``). The table allows each output of an importer TOLERANCE_FACTOR × the
-# largest deviation of this output in the second run before the table's end, and at least LEAST_TOLERANCE. The
-# scene's tolerance, ASTRAY and LEAST_TOLERANCE are relative to the largest absolute value of all outputs with
-# the same unit. Outputs that are whole numbers may not deviate.
-ASTRAY, TOLERANCE_FACTOR, LEAST_TOLERANCE = 1e-5, 10.0, 1e-9
+# from the reference results by more than the scene's tolerance or LARGEST_DEVIATION, whichever is larger, and
+# before an onset deviates (``_agreed_until``). The table allows each output of an importer TOLERANCE_FACTOR ×
+# the largest deviation of this output in the second run before the table's end, and at least LEAST_TOLERANCE.
+# The scene's tolerance, LARGEST_DEVIATION and LEAST_TOLERANCE are relative to the largest absolute value of
+# all outputs with the same unit. Outputs that are whole numbers may not deviate.
+LARGEST_DEVIATION, TOLERANCE_FACTOR, LEAST_TOLERANCE = 1e-5, 10.0, 1e-9
 # Outputs are not compared closer to the onset or the end of a contact than EVENT_DISTANCE × the communication
 # step, because they change too fast there.
 EVENT_DISTANCE = 1e-4
@@ -53,9 +53,9 @@ MOST_WORK = 2_000_000
 # amplitude of the torques that are given as inputs, relative to the inertial moment of `nominal_values` per
 # link; a slider's force, targets and their velocities have the same number as amplitude, in their own units;
 # the amplitude of a tip force is that of a torque divided by the length of the longest link
-SWING = 0.1
+TORQUE_AMPLITUDE = 0.1
 # amplitude of a motion of base or wall that is given as input, relative to the length of the longest link
-MOVED = 0.01
+MOTION_AMPLITUDE = 0.01
 # FEWEST_REFERENCE_ROWS: least number of rows of a table, because a row at the start alone tests no step;
 # REFERENCE_DIGITS: number of digits of each value in the file
 FEWEST_REFERENCE_ROWS, REFERENCE_DIGITS = 2, 12
@@ -107,9 +107,10 @@ def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
 def reference(prepared: PreparedScene) -> Reference:
     """Return some outputs of a scene at REFERENCE_TOLERANCE, up to the time until which they are reliable.
 
-    Outputs are reliable until a run at the scene's own tolerance deviates from them (ASTRAY). If at most
-    REFERENCE_ROWS / SHORTER rows are reliable, the first 1/SHORTER of the simulated time is computed anew
-    with shorter communication steps, and so on; but no communication step is shorter than the scene's own.
+    Outputs are reliable until a run at the scene's own tolerance deviates from them (LARGEST_DEVIATION). If
+    at most REFERENCE_ROWS / SHORTENING rows are reliable, the first 1/SHORTENING of the simulated time is
+    computed anew with shorter communication steps, and so on; but no communication step is shorter than the
+    scene's own.
 
     Raises:
         SimulationError: when the chain cannot start, or cannot take the first step.
@@ -119,9 +120,9 @@ def reference(prepared: PreparedScene) -> Reference:
         step = shortest * max(1, round(stop / shortest / REFERENCE_ROWS))
         count = max(1, math.floor(stop / step * (1 + STEP_ROUND_OFF)))
         solution = _reference_results(prepared, np.minimum(np.arange(count + 1) * min(step, stop), stop))
-        if np.isfinite(solution.values[:, 0]).sum() > REFERENCE_ROWS / SHORTER or step == shortest:
+        if np.isfinite(solution.values[:, 0]).sum() > REFERENCE_ROWS / SHORTENING or step == shortest:
             return solution
-        stop /= SHORTER
+        stop /= SHORTENING
 
 
 def _reference_results(prepared: PreparedScene, times: np.ndarray) -> Reference:
@@ -154,7 +155,7 @@ def _reference_results(prepared: PreparedScene, times: np.ndarray) -> Reference:
     largest = np.abs(exact[rows]).max(axis=0, initial=0.0)
     scale = np.array([largest[units == unit].max() for unit in units]) + REFERENCE_TOLERANCE
     deviation = np.abs(usual[rows] - exact[rows])
-    astray = (deviation > np.where(whole, 0.0, max(ASTRAY, tolerance) * scale)).any(axis=1)
+    astray = (deviation > np.where(whole, 0.0, max(LARGEST_DEVIATION, tolerance) * scale)).any(axis=1)
     rows = rows[: np.argmax(astray)] if astray.any() else rows
     worst = deviation[: len(rows)].max(axis=0, initial=0.0)
     length = rows[-1] + 1 if len(rows) else 1
@@ -207,14 +208,14 @@ def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]
     rate = turn[1] / times[1]
     # The amplitude of a torque is divided by the number of links, so that all torques together move chains of
     # few and of many links about equally.
-    torque = SWING * nominal["inertial_moment"] / prepared.counts.links
+    torque = TORQUE_AMPLITUDE * nominal["inertial_moment"] / prepared.counts.links
     size = {"joint": torque, "tip": torque / nominal["size"]}
     signals = {}
     for i, variable in enumerate(prepared.inputs):
         if variable.record_path[0] == MOTION:
             _, field, channel = variable.record_path
             k, start = 1 + int(channel), float(prepared.start[0][MOTION]["position"][channel])
-            move = MOVED * nominal["size"]
+            move = MOTION_AMPLITUDE * nominal["size"]
             signals[variable.name] = {
                 "position": start + move * (1.0 - np.cos(k * turn)),
                 "velocity": move * k * rate * np.sin(k * turn),

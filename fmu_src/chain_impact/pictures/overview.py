@@ -32,10 +32,10 @@ LEGEND_ROOM = 1.1  # the room for a legend beside the motion, relative to the wi
 LEAST_MOTION = 0.55
 # the largest factors (``view_of``) with which the view grows if the motion has the whole width of the figure
 WHOLE_WIDTH = (1.25, GROWN[1])
-# NUMBER: [points] how far the picture shows the area beyond a wall, where numbers of impacts stand;
-# NARROW_NUMBER: the same in a narrow figure; MOST_BAND: the largest width of this area, relative to the
+# NUMBER_BAND: [points] how far the picture shows the area beyond a wall, where numbers of impacts stand;
+# NARROW_NUMBER_BAND: the same in a narrow figure; MOST_BAND: the largest width of this area, relative to the
 # longer side of the view without margins
-NUMBER, NARROW_NUMBER, MOST_BAND = 30.0, 24.0, 0.25
+NUMBER_BAND, NARROW_NUMBER_BAND, MOST_BAND = 30.0, 24.0, 0.25
 
 
 @drawing_style()
@@ -115,7 +115,7 @@ def _settle_motion(
             break
     motion.clear()
     side = max(room.height, min(width, room.height * ratio)) * 72.0 / figure.dpi
-    band = min((NARROW_NUMBER if is_small else NUMBER) / side, MOST_BAND)
+    band = min((NARROW_NUMBER_BAND if is_small else NUMBER_BAND) / side, MOST_BAND)
     draw_motion(motion, recording, room.height / width, band, WHOLE_WIDTH if is_alone else GROWN)
     if is_small:
         put_legend(motion, entries_of(motion))

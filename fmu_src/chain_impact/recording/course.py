@@ -20,7 +20,7 @@ COURSE_SAMPLES = 400  # number of times at which the course of an impact is comp
 LASTING_SAMPLES = 4000
 # [1] the first of COURSE_SAMPLES times after the onset in geometric progression, relative to the duration of
 # a contact that lasts beyond the end that ``impact_ends`` gives
-SOON = 1e-6
+FIRST_SAMPLE = 1e-6
 
 
 class Repeatable(Protocol):
@@ -119,7 +119,9 @@ def course_of(
     inside = np.linspace(onset, end, COURSE_SAMPLES if end > onset else 0)
     near = float(impact_ends(np.array([impact], impact.dtype), end)[0]) - onset
     if 0.0 < near < end - onset:
-        shares = np.union1d(np.geomspace(SOON, 1.0, COURSE_SAMPLES), np.linspace(0.0, 1.0, LASTING_SAMPLES))
+        shares = np.union1d(
+            np.geomspace(FIRST_SAMPLE, 1.0, COURSE_SAMPLES), np.linspace(0.0, 1.0, LASTING_SAMPLES)
+        )
         times = np.union1d((end - onset) * shares, np.linspace(0.0, near, COURSE_SAMPLES))
         inside = np.unique((onset + times).clip(onset, end))
     before, after = max(0.0, math.nextafter(onset, 0.0)), math.nextafter(end, math.inf)

@@ -24,11 +24,11 @@ from chain_impact.variables.impact_units import unit_at
 # in the text of a ``Result``
 LISTED_IMPACTS, LISTED_IN_SHORT = 30, 10
 NAMED_IMPACTS = 3  # largest number of impacts that the summary names for the time of a joint's largest force
-JOINTS = 8  # largest number of joints whose forces the summary lists
-DEEP = 0.5  # [1] ``BodySize.deep`` of a link, relative to its length
+MOST_LISTED_JOINTS = 8  # largest number of joints whose forces the summary lists
+DEEP_PENETRATION = 0.5  # [1] ``BodySize.deep`` of a link, relative to its length
 # largest number of contacts, joints and sliders that the summary names as sticking at the end
 NAMED_STICKING = 3
-VALUES = ("speed", "duration", "peak force", "impulse")
+VALUE_COLUMNS = ("speed", "duration", "peak force", "impulse")
 COLUMN_UNITS, STOP_COLUMN_UNITS = (
     (
         unit_at("impact_speed", stop=stop),
@@ -37,8 +37,8 @@ COLUMN_UNITS, STOP_COLUMN_UNITS = (
     )
     for stop in (False, True)
 )
-"""The units of the columns VALUES of the list of impacts: STOP_COLUMN_UNITS at stops of joints, COLUMN_UNITS
-at walls and at stops of a slider."""
+"""The units of VALUE_COLUMNS in the list of impacts: STOP_COLUMN_UNITS at stops of joints, COLUMN_UNITS at
+walls and at stops of a slider."""
 NO_NUMBER = "—"  # the text for a number that does not exist or is unknown
 LASTS = "lasts"  # the text in place of the duration of a contact that lasts to the end of the run
 # A number that is at least FIVE_DIGITS and less than MILLION is rounded to four significant digits, and
@@ -114,7 +114,7 @@ def impact_heads(result: Recording) -> tuple[str, ...]:
     at_walls, at_stops = not stopped.all(), bool(stopped.any())
     kinds = [COLUMN_UNITS] * at_walls + [STOP_COLUMN_UNITS] * at_stops
     units = [" or ".join(dict.fromkeys(several)) for several in zip(*(kinds or [COLUMN_UNITS]), strict=True)]
-    value_heads = (f"{name}, {unit}" for name, unit in zip(VALUES, units, strict=True))
+    value_heads = (f"{name}, {unit}" for name, unit in zip(VALUE_COLUMNS, units, strict=True))
     heads = ("time, s", "point", "wall", *value_heads)
     loads = ("joint force, N", "joint") if result.knows_joint_forces else ()
     if not loads and len(kinds) <= 1:
@@ -156,11 +156,11 @@ def load_lines(result: Recording) -> Iterator[str]:
     """Yield lines with the largest force in each joint, if it is known between rows, in descending order.
 
     Each line has the time of the force, and the numbers of the impacts that last at this time; or only the
-    time of a row, if the force is known to have occurred by this row. With more than JOINTS such joints, the
-    last line tells the number of the joints with smaller forces.
+    time of a row, if the force is known to have occurred by this row. With more than MOST_LISTED_JOINTS such
+    joints, the last line tells the number of the joints with smaller forces.
     """
     peaks = [peak for peak in joint_peaks(result) if peak.kind != SAMPLED]
-    for row, (joint, force, time, kind) in enumerate(peaks[:JOINTS]):
+    for row, (joint, force, time, kind) in enumerate(peaks[:MOST_LISTED_JOINTS]):
         begin = f"{'' if row else 'loads':8} at most {force:.6g} N in joint[{joint}]"
         if kind != EXACT:
             yield f"{begin}, by {time:g} s"
@@ -173,8 +173,8 @@ def load_lines(result: Recording) -> Iterator[str]:
             else ""
         )
         yield f"{begin}, at {time:.6f} s{during}"
-    if len(peaks) > JOINTS:
-        yield f"{'':8} less in {count_text(len(peaks) - JOINTS, 'more joint')}"
+    if len(peaks) > MOST_LISTED_JOINTS:
+        yield f"{'':8} less in {count_text(len(peaks) - MOST_LISTED_JOINTS, 'more joint')}"
 
 
 def _friction_lines(result: Recording) -> Iterator[str]:
@@ -252,4 +252,4 @@ def smallest_body(scene: Scene) -> BodySize:
     if is_free_link and scene.touching_points == (centre,):
         radius = scene.contact.radius or np.inf
         return BodySize("the radius of the ball", radius, radius)  # a soft ball may go as deep as its radius
-    return BodySize("the length of the shortest link", link.length, DEEP * link.length)
+    return BodySize("the length of the shortest link", link.length, DEEP_PENETRATION * link.length)

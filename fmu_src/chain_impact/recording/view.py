@@ -19,17 +19,17 @@ from chain_impact.scene.half_planes import HalfPlane
 WALL_DISTANCE = 0.2
 # [1] if walls enclose a room that ends within this distance from the motion, an animation shows the whole
 # room; relative to the size of the motion
-ROOM = 1.0
+ROOM_DISTANCE = 1.0
 FILM_MARGIN = 0.06  # [1] margin around the view of a film, relative to the longer side of the view
 LEAST_VIEW = 1e-6  # [m] size assumed for the view of a chain that does not move
 # a wall bounds the view along an axis if the component of its unit normal along this axis is larger than this
 # in absolute value; the component's sign tells on which side
-UPRIGHT = 0.5
+LEAST_NORMAL_COMPONENT = 0.5
 # [1] points are drawn without circles if their largest radius is at most this, relative to the motion's size
-ALONE = 1e-3
+LEAST_SEEN_RADIUS = 1e-3
 # [1] two lengths are equal if their difference is at most this, relative to the link's length: round-off
 SAME_LENGTH = 1e-9
-PIN = 0.08  # [1] height of the ground mark of a pinned base, relative to the size of the motion
+PIN_HEIGHT = 0.08  # [1] height of the ground mark of a pinned base, relative to the size of the motion
 # [1] corners of the ground mark's triangle, relative to the mark's height: the base is at (0, 0), y points to
 # the ground
 SUPPORT = np.array([[0.0, 0.0], [-0.4, 0.65], [0.4, 0.65], [0.0, 0.0]])
@@ -58,7 +58,7 @@ def pin_mark(points: np.ndarray) -> list[np.ndarray]:
     """
     base = points[0, 0]
     side = 1.0 if points[:, 1:, 1].mean() < points[:, 0, 1].mean() else -1.0
-    size = PIN * size_of_motion(points)
+    size = PIN_HEIGHT * size_of_motion(points)
     return [base + size * line * [1.0, side] for line in PIN_LINES]
 
 
@@ -114,13 +114,13 @@ def view_corners(
 def film_view(
     points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float, *, pinned: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the view of a film: the rectangle that ``view_corners`` returns with ROOM, and a margin.
+    """Return the view of a film: the rectangle of ``view_corners`` with ROOM_DISTANCE, and a margin.
 
     Returns:
         The lower left and the upper right corner of the view with its margin, shape (2, 2) [m], and the first
             result of ``open_shares`` for the near walls.
     """
-    view, near = view_corners(points, walls, radius, room=ROOM, pinned=pinned)
+    view, near = view_corners(points, walls, radius, room=ROOM_DISTANCE, pinned=pinned)
     margin = FILM_MARGIN * max(np.ptp(view, axis=0).max(), LEAST_VIEW)
     return view + margin * np.array([[-1.0], [1.0]]), open_shares(near.values())[0]
 
@@ -136,7 +136,7 @@ def open_shares(walls: Iterable[HalfPlane]) -> tuple[np.ndarray, np.ndarray]:
     open_sides = np.ones((2, 2))
     for wall in walls:
         normal = np.array(wall.normal)
-        open_sides[0][normal > UPRIGHT] = open_sides[1][normal < -UPRIGHT] = 0.0
+        open_sides[0][normal > LEAST_NORMAL_COMPONENT] = open_sides[1][normal < -LEAST_NORMAL_COMPONENT] = 0.0
     return 0.5 + 0.5 * (open_sides[0] - open_sides[1]), open_sides.max(axis=0) > 0.0
 
 
@@ -156,10 +156,10 @@ def places_of(recording: Recording) -> np.ndarray:
 def radius_of(recording: Recording) -> float:
     """Return the largest radius [m] of the points that can touch.
 
-    The result is 0 if no point can touch, or if the radius is too small to be seen (ALONE).
+    The result is 0 if no point can touch, or if the radius is too small to be seen (LEAST_SEEN_RADIUS).
     """
     radius = max(recording.touching_radii.values(), default=0.0)
-    return radius if radius > ALONE * size_of(recording) else 0.0
+    return radius if radius > LEAST_SEEN_RADIUS * size_of(recording) else 0.0
 
 
 def closed_room(walls: Mapping[Key, HalfPlane], around: np.ndarray) -> list[np.ndarray]:

@@ -26,14 +26,14 @@ SceneTable = TypeVar("SceneTable")
 LARGEST_NUMBER = sys.float_info.max
 # number of links, from the base, whose values the fast path can change; for a value of another link,
 # ``with_values`` reads the whole scene
-LINKS = 64
+FAST_LINKS = 64
 _TABLES: dict[DataPath, Any] = {
     ("contact",): Contact,
     ("solver",): Solver,
     ("simulation",): Simulation,
-    **{("chain", "links", i): Link for i in range(LINKS)},
+    **{("chain", "links", i): Link for i in range(FAST_LINKS)},
 }
-"""Path → dataclass of each table with keys of one value and the rule ``alone``; of links, the first LINKS.
+"""Path → dataclass of each table with keys of one value and the rule ``alone``; of FAST_LINKS links.
 
 ``Initial`` is left out, because its keys hold lists of numbers.
 """
@@ -46,7 +46,7 @@ def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
     for path, table in _TABLES.items():
         metadata_of |= {(*path, name): metadata for name, metadata in _keys_checked_alone(table).items()}
     for name, metadata in _keys_checked_alone(Initial).items():
-        length = LINKS if metadata["per_link"] else len(AXES)
+        length = FAST_LINKS if metadata["per_link"] else len(AXES)
         metadata_of |= {("initial", name, k): metadata for k in range(length)}
     named = {name_of(path): (path, metadata) for path, metadata in metadata_of.items()}
     return named | {path: (path, metadata) for path, metadata in metadata_of.items()}

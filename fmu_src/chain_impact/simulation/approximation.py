@@ -39,28 +39,28 @@ HALVED_BEYOND = 2
 BATCH_DOUBLINGS = 4
 RETRY_PIECES = 32  # a length of intervals for which polynomials failed is tried again after at most this many
 # largest number of successive intervals without a piece (SHORTEST_PIECE) in which a function is smooth
-NOISE = 4
-# [1] values of the functions for a piece shorter than this, relative to the run, count against CALLS
-FINE = 1 / 65536
+MOST_FAILED_INTERVALS = 4
+# [1] values of the functions for a piece shorter than this, relative to the run, count against MOST_CALLS
+SHORT_PIECE = 1 / 65536
 # largest number of times in a run at which the functions are evaluated for short pieces, jumps and kinks;
 # with more, the search gives up with an error
-CALLS = 15_000
-# Each piece of ``held`` in ``with_held`` raises the limit CALLS by CALLS_PER_PIECE, because the search for
-# polynomials begins anew in each of these pieces.
+MOST_CALLS = 15_000
+# Each piece of ``held`` in ``with_held`` raises the limit MOST_CALLS by CALLS_PER_PIECE, because the search
+# for polynomials begins anew in each of these pieces.
 CALLS_PER_PIECE = 50
-SIMPLE = 5  # only a polynomial of at most this degree is extrapolated to find a jump or kink
+MOST_DEGREE = 5  # only a polynomial of at most this degree is extrapolated to find a jump or kink
 # [1] in the first round of ``_break_times``, a value belongs to the nearer of two polynomials only if the
-# smaller distance is at most NEARER times the larger one; in the second round this holds for any distance
-NEARER = 0.1
+# smaller distance is at most NEARER_RATIO × the larger one; in the second round this holds for any distance
+NEARER_RATIO = 0.1
 NEWTON_STEPS = 4  # number of Newton steps from 0 to a zero of a polynomial near 0
 LEAST_ALLOWED = 1e-300  # replaces an allowed error of 0, because the code divides by the allowed error
 # [1] round-off of a time, relative to the time, which also makes values of a function inaccurate
-RESOLVED = 1e-14
+TIME_ERROR = 1e-14
 # there is a jump if two pieces differ where they meet by more than this times the allowed error
-JOINED = 10.0
+JUMP_RATIO = 10.0
 # the last coefficients of a piece are left out if they are at most this times the allowed error; beside a
 # kink, a difference of values up to this limit counts as 0
-DROPPED = 0.05
+DROPPED_SHARE = 0.05
 
 _ANGLES = np.pi * (np.arange(POINTS)[::-1] + 0.5) / POINTS
 _NODES = np.cos(_ANGLES)
@@ -87,7 +87,7 @@ class NotSmoothError(Exception):
 class Approximator:
     """Finds the pieces that approximate M functions of time from 0 to the end of a run."""
 
-    def __init__(self, functions: Sampled, stop: float, accuracy: Any, resolved: Any = RESOLVED) -> None:
+    def __init__(self, functions: Sampled, stop: float, accuracy: Any, resolved: Any = TIME_ERROR) -> None:
         """Prepare the search, and call the functions at times spread over the run.
 
         Args:
@@ -98,13 +98,13 @@ class Approximator:
             resolved: round-off of a time, relative to the time, which makes the functions' values inaccurate;
                 shape (M,), or one number.
         """
-        self._functions, self._shortest, self._fine = functions, SHORTEST_PIECE * stop, FINE * stop
+        self._functions, self._shortest, self._fine = functions, SHORTEST_PIECE * stop, SHORT_PIECE * stop
         self._times = np.linspace(0.0, stop, CHECKED_TIMES + 1)
         self._values = functions(self._times)
         self._scale = np.abs(self._values).max(axis=0)
         self._resolved = resolved
         self._accuracy = np.maximum(accuracy, FUNCTION_ROUND_OFF)
-        self._calls_left = CALLS
+        self._calls_left = MOST_CALLS
         # for each function, how often a polynomial has failed because of this function; an error names the
         # function with the largest number
         self._refused = np.zeros(len(self._scale), dtype=int)
@@ -135,7 +135,7 @@ class Approximator:
         dropped = 0
         for piece in self._divide(start, end):
             dropped = dropped + 1 if piece is None else 0
-            if dropped > NOISE:
+            if dropped > MOST_FAILED_INTERVALS:
                 raise self._not_smooth(pieces[-1].end if pieces else start)
             if piece is not None:
                 self._join(pieces, piece)
@@ -167,8 +167,8 @@ class Approximator:
                 powers.append(row)
         start = np.concatenate([starts for starts, _ in fits])
         fitted = np.array([ends for _, pairs in fits for ends in pairs])
-        same = held.same * JOINED if held.powers.shape[1] > 1 else np.zeros(held.powers.shape[2])
-        same[columns] = JOINED * self._accuracy * self._scale
+        same = held.same * JUMP_RATIO if held.powers.shape[1] > 1 else np.zeros(held.powers.shape[2])
+        same[columns] = JUMP_RATIO * self._accuracy * self._scale
         return Pieces(
             start=start,
             end=np.append(start[1:], held.end[-1]),
@@ -210,9 +210,9 @@ class Approximator:
             yield None
             return
         last, middle = self._last, 0.5 * (start + end)
-        # simple: the interval does not follow a piece of a degree > SIMPLE; in other intervals a search for a
-        # jump or kink is not worth its calls
-        simple = last is None or last.end != start or not last.powers[SIMPLE + 1 :].any()
+        # simple: the interval does not follow a piece of a degree > MOST_DEGREE; in other intervals a
+        # search for a jump or kink is not worth its calls
+        simple = last is None or last.end != start or not last.powers[MOST_DEGREE + 1 :].any()
         far = last is not None and end - start > 2.0**HALVED_BEYOND * (last.end - last.start)
         _, length = math.frexp(end - start)
         vain = not simple and self._is_vain(length)
@@ -246,7 +246,7 @@ class Approximator:
 
         Both times are that of a kink if the polynomials of both sides have the functions' values at a time of
         the search. The result is None if the search does not find just one jump or kink, or if a polynomial
-        beside it has a degree > SIMPLE.
+        beside it has a degree > MOST_DEGREE.
         """
         quarter = 0.25 * (end - start)
         before, after = start + quarter, end - quarter
@@ -270,23 +270,23 @@ class Approximator:
         If no such time is found, the result is ``time``.
         """
         unit = min(time - left.start, right.end - time)
-        difference = right.series(time, unit)[: SIMPLE + 1] - left.series(time, unit)[: SIMPLE + 1]
-        allowed = np.maximum(DROPPED * self._accuracy, FUNCTION_ROUND_OFF) * self._scale
+        difference = right.series(time, unit)[: MOST_DEGREE + 1] - left.series(time, unit)[: MOST_DEGREE + 1]
+        allowed = np.maximum(DROPPED_SHARE * self._accuracy, FUNCTION_ROUND_OFF) * self._scale
         column = difference[:, (np.abs(difference).sum(axis=0) / np.maximum(allowed, LEAST_ALLOWED)).argmax()]
         found = 0.0
-        for order in range(SIMPLE):
+        for order in range(MOST_DEGREE):
             x = _zero(polynomial.polyder(column, order))
             if abs(x) < 1.0 and (np.abs(polynomial.polyval(x, difference)) <= allowed).all():
                 found = x
         return time + found * unit
 
     def _simple_piece(self, start: float, end: float) -> Piece | None:
-        """Return the piece between two times [s] if it is accurate and its degree is at most SIMPLE.
+        """Return the piece between two times [s] if it is accurate and of at most MOST_DEGREE.
 
         The result is None for any other piece.
         """
         piece = self._fit_piece(start, end)
-        return None if piece is None or piece.powers[SIMPLE + 1 :].any() else piece
+        return None if piece is None or piece.powers[MOST_DEGREE + 1 :].any() else piece
 
     def _narrow(self, left: Piece, right: Piece, until: float) -> tuple[float, float]:
         """Return the last time [s] known before a jump or kink, and the first time known after it.
@@ -302,9 +302,9 @@ class Approximator:
             middle = np.array([0.5 * (before + after)])
             value = self._call(middle, costly=True)
             misses = [float((np.abs(part.values_at(middle) - value) / scale).max()) for part in (left, right)]
-            if max(misses) <= max(DROPPED * float(np.min(self._accuracy)), FUNCTION_ROUND_OFF):
+            if max(misses) <= max(DROPPED_SHARE * float(np.min(self._accuracy)), FUNCTION_ROUND_OFF):
                 return float(middle[0]), float(middle[0])
-            if until > self._shortest and min(misses) > NEARER * max(misses):
+            if until > self._shortest and min(misses) > NEARER_RATIO * max(misses):
                 break
             if misses[0] < misses[1]:
                 before = float(middle[0])
@@ -315,7 +315,7 @@ class Approximator:
     def _call(self, times: np.ndarray, *, costly: bool) -> np.ndarray:
         """Return the values of the functions at times [s], shape (T, M).
 
-        ``costly``: the times count against CALLS; raise NotSmoothError if this limit is passed.
+        ``costly``: the times count against MOST_CALLS; raise NotSmoothError if this limit is passed.
         """
         if costly:
             self._calls_left -= len(times)
@@ -370,7 +370,7 @@ class Approximator:
         allowed = self._accuracy * self._scale + self._resolved * np.abs(end) / half * (high - low)
         exponents, head = np.arange(INPUT_DEGREE + 1), series[:, : INPUT_DEGREE + 1]
         rough = np.abs(series[:, INPUT_DEGREE + 1 :]).sum(axis=1) > allowed
-        counts = (np.abs(head) > DROPPED * allowed[:, np.newaxis]).any(axis=2)
+        counts = (np.abs(head) > DROPPED_SHARE * allowed[:, np.newaxis]).any(axis=2)
         order = np.where(counts, exponents, 0).max(axis=1, keepdims=True)
         series = np.where(exponents <= order, 1.0, 0.0)[..., np.newaxis] * head
         powers = _POWERS @ series

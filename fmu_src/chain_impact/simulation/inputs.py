@@ -16,7 +16,7 @@ from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.table_file import TIME, TableSource, gap_hints, read_table, samples_of
 from chain_impact.scene.warning import warn
 from chain_impact.scene.words.names import INPUTS_OF, DataPath, input_key
-from chain_impact.simulation.approximation import RESOLVED, Approximator, NotSmoothError
+from chain_impact.simulation.approximation import TIME_ERROR, Approximator, NotSmoothError
 from chain_impact.simulation.input_values import checked_signal, finite_value, values_before_jumps
 from chain_impact.simulation.motions import (
     ACCURACY,
@@ -278,7 +278,7 @@ def _pieces_of(
         functions |= {motion.name or str(m): motion.position for m, motion in enumerate(motions)}
         is_force = columns < len(signals)
         accuracy = np.where(is_force, FINER * scene.solver.tolerance, ACCURACY)
-        resolved = np.where(is_force, RESOLVED, FINELY_RESOLVED)
+        resolved = np.where(is_force, TIME_ERROR, FINELY_RESOLVED)
         pieces = _with_functions(scene.name, functions, columns, pieces, (accuracy, resolved))
         pieces = replace(pieces, moving=moving)
     # ``refuse_jumps`` checks the jumps of motions, so ``Pieces.jumps`` leaves them out

@@ -46,21 +46,21 @@ USUAL_AXES_HEIGHT = 1.0
 # wanted height of a figure, relative to its width. If a figure would be higher, the least mean height of the
 # axes is FLAT_AXES_HEIGHT [inch].
 TALLEST, SLENDER, FLAT_AXES_HEIGHT = 8.75, 1.6, 0.7
-EDGE = 0.04  # [inch] the least distance of a label of an axis from the left and right edge of the figure
+EDGE_MARGIN = 0.04  # [inch] the least distance of a label of an axis from the figure's left and right edge
 SETTLINGS = 3  # how often, at most, a figure is arranged: a label or legend that is broken changes the layout
-NEARLY = 1.0  # [pixels] the largest distance by which texts may reach beyond the figure or overlap
+OVERLAP_TOLERANCE = 1.0  # [pixels] the largest distance by which texts may reach beyond the figure or overlap
 # a number at an axis counts as between the ends of the axis if it is beyond an end by at most this part of
 # the length of the axis
 LIMIT_ROUND_OFF = 1e-9
 # If a figure is too low, greater heights are tried: the height of the figure, rounded up to a multiple of
-# STEP [inch], plus 1, 2, … or HIGHER − 1 times STEP.
-STEP, HIGHER = 0.25, 40
+# HEIGHT_STEP [inch], plus 1, 2, … or MOST_HEIGHT_STEPS − 1 times HEIGHT_STEP.
+HEIGHT_STEP, MOST_HEIGHT_STEPS = 0.25, 40
 TICK_SPACE = 0.6  # the least space between two numbers of an axis, relative to their height
 # the allowed distances between numbers on an axis x with few numbers, times any power of ten
 COARSE_STEPS = (1, 2, 4, 5, 10)
 
-# the label of an axis x is broken into lines if it is longer than LONGER × the axis (``break_labels``)
-LONGER = 1.1
+# the label of an axis x is broken into lines if it is longer than LABEL_RATIO × the axis (``break_labels``)
+LABEL_RATIO = 1.1
 Fill = Callable[[Figure], None]
 """A function that draws a picture on an empty figure."""
 
@@ -190,15 +190,15 @@ def least_figure(
 ) -> Figure:
     """Return the lowest figure with room for its contents; its height is found by bisection.
 
-    ``height`` [inches] is too low. The possible heights are ``height``, rounded up to a multiple of STEP,
-    plus 1, 2, … or HIGHER − 1 times STEP, up to ``most`` [inches]. ``mean`` is as in ``lacking_height``.
-    ``lacks`` is the result of ``lacking_height`` at ``height``, inf if unknown. ``free_height`` is as in
-    ``StyledFigure``.
+    ``height`` [inches] is too low. The possible heights are ``height``, rounded up to a multiple of
+    HEIGHT_STEP, plus 1, 2, … or MOST_HEIGHT_STEPS − 1 times HEIGHT_STEP, up to ``most`` [inches]. ``mean`` is
+    as in ``lacking_height``. ``lacks`` is the result of ``lacking_height`` at ``height``, inf if unknown.
+    ``free_height`` is as in ``StyledFigure``.
 
     Raises:
         NoRoomError: when no possible height is enough.
     """
-    heights = STEP * (math.ceil(height / STEP) + np.arange(1, HIGHER))
+    heights = HEIGHT_STEP * (math.ceil(height / HEIGHT_STEP) + np.arange(1, MOST_HEIGHT_STEPS))
     heights = heights[heights <= most]
     # all heights up to the index ``low`` are too low, and all from the index ``high`` on are enough
     low, high, found = -1, len(heights), None
@@ -217,7 +217,7 @@ def least_figure(
             low = k
             continue
         high, found = k, figure
-        if -STEP < lacks < 0.0:  # at the next lower height the figure would lack height
+        if -HEIGHT_STEP < lacks < 0.0:  # at the next lower height the figure would lack height
             break
     if found is None:
         raise NoRoomError(width, height, "wider for the panels")
@@ -249,9 +249,9 @@ def lacking_height(fill: Fill, figure: Figure, mean: float = 0.0) -> float:
             return float(lacks)
         boxes = list(text_boxes(figure))
         whole = Bbox.union([figure.bbox, *boxes])
-        is_within = (np.abs(whole.get_points() - figure.bbox.get_points()) <= NEARLY).all()
+        is_within = (np.abs(whole.get_points() - figure.bbox.get_points()) <= OVERLAP_TOLERANCE).all()
         if is_within and not any(
-            first.padded(-NEARLY).overlaps(second) for first, second in combinations(boxes, 2)
+            first.padded(-OVERLAP_TOLERANCE).overlaps(second) for first, second in combinations(boxes, 2)
         ):
             return float(lacks)
     return math.inf
@@ -308,7 +308,7 @@ def look_like_one(first: Bbox, second: Bbox) -> bool:
 def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
     """Break labels that are longer than their axes, and thin out overlapping numbers along x.
 
-    Along x, a label may be LONGER, but is also broken if it would reach beyond the figure's edges.
+    Along x, a label may be LABEL_RATIO, but is also broken if it would reach beyond the figure's edges.
     ``wanted``: the axes, by default all axes of the figure. Returns whether the text of a label has changed.
     """
     before = labels_of(figure)
@@ -327,8 +327,10 @@ def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
         thin_ticks(axes)
         label, middle = axes.xaxis.label, 0.5 * (inside.x0 + inside.x1)
         # the label is centred on its axes, and must not reach beyond the figure's edges
-        edge = EDGE * figure.dpi
-        longest = min(LONGER * inside.width, 2.0 * (middle - edge), 2.0 * (figure.bbox.x1 - edge - middle))
+        edge = EDGE_MARGIN * figure.dpi
+        longest = min(
+            LABEL_RATIO * inside.width, 2.0 * (middle - edge), 2.0 * (figure.bbox.x1 - edge - middle)
+        )
         if label.get_window_extent().width > longest:
             label.set_text(label.get_text().replace("\n", " "))
             break_lines(label, longest, "; ")

@@ -11,7 +11,7 @@ export const VIEW = SHARED.view;
  * less than that of the base, else below the base. `x` and `y` contain the coordinates of all points in all rows.
  */
 function pinLines(x, y, points) {
-  const size = VIEW.PIN * sizeOf(x, y);
+  const size = VIEW.PIN_HEIGHT * sizeOf(x, y);
   let sum = 0;
   y.forEach((value, k) => {
     if (k % points) sum += value - y[k - (k % points)];
@@ -22,10 +22,10 @@ function pinLines(x, y, points) {
 
 /**
  * Return the corners of the free region between the walls if all of it lies near the motion, else an empty list. `low`, `high`: corners of
- * the rectangle around the motion, `width`: its longer side; near means at most ROOM times the width beyond this rectangle.
+ * the rectangle around the motion, `width`: its longer side; near means at most ROOM_DISTANCE times the width beyond this rectangle.
  */
 function enclosureOf(walls, [low, high], width) {
-  const around = [low.map((end) => end - VIEW.ROOM * width), high.map((end) => end + VIEW.ROOM * width)];
+  const around = [low.map((end) => end - VIEW.ROOM_DISTANCE * width), high.map((end) => end + VIEW.ROOM_DISTANCE * width)];
   const { corners } = freeRegionWithin(walls, around);
   const isInside = (corner) => corner.every((value, axis) => value > around[0][axis] && value < around[1][axis]);
   return corners.every(isInside) ? corners : [];
@@ -72,8 +72,8 @@ export function viewOf(x, y, points, walls, radius, pinned, carriage = []) {
       corners.push(corner.map((value, axis) => value - Math.max(0, gap) * normal[axis]));
     }
     normal.forEach((part, axis) => {
-      if (part > VIEW.UPRIGHT) open[0][axis] = 0;
-      if (part < -VIEW.UPRIGHT) open[1][axis] = 0;
+      if (part > VIEW.LEAST_NORMAL_COMPONENT) open[0][axis] = 0;
+      if (part < -VIEW.LEAST_NORMAL_COMPONENT) open[1][axis] = 0;
     });
   }
   const spans = [0, 1].map((axis) => endsOf(corners.map((corner) => corner[axis])));

@@ -99,7 +99,7 @@ function rowsOf(scene, valueOf, { time, impacts, column }) {
     walls: wallsAt(scene, valueOf),
     moved: Object.fromEntries(moved.map(({ ownerName, word }) => [ownerName, column(word)])),
     stops: rangesOf(scene, valueOf),
-    radius: largest > VIEW.ALONE * size ? largest : 0,
+    radius: largest > VIEW.LEAST_SEEN_RADIUS * size ? largest : 0,
     pointNames: scene.pointNames,
   };
 }
