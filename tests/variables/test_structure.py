@@ -56,7 +56,7 @@ def test_each_fact_and_each_list_is_explained(scene):
 def test_names_in_the_tables_are_known():
     known = LISTS.keys() | FILE_KEYS
     for one, row in LISTS.items():
-        rules = [row.over, row.has, *row.values.values()] if row.over else []
+        rules = [row.over, row.where, *row.values.values()] if row.over else []
         assert are_known(known | row.values.keys(), *rules), one
     for name, (rule, meaning) in FACTS.items():
         assert are_known(known, rule), name
@@ -66,7 +66,7 @@ def test_names_in_the_tables_are_known():
     assert names_of(*COUNT_RULES.values()) <= known
     known |= {*COUNTS}
     for kind, row in OWNER_KINDS.items():
-        rules = [row.has, row.over, *row.numbers.values(), *row.conditions.values()]
+        rules = [row.where, row.over, *row.numbers.values(), *row.conditions.values()]
         assert are_known(known | row.conditions.keys(), *rules), kind
         assert row.conditions.keys() <= OWN_CONDITIONS.keys(), kind
     for name, row in RECORD_NUMBERS.items():
@@ -77,7 +77,7 @@ def test_the_conditions_of_variables_are_known():
     known = FACTS.keys() | KEYS | LISTS.keys() | {*COUNTS} | OWN_CONDITIONS.keys()
     kinds = [kind for table in (PARAMETERS, INPUTS, OUTPUTS) for of_owner in table for kind in of_owner.kinds]
     for kind in kinds:
-        conditions = {*kind.when, kind.tunable, kind.given_path_when} - {""}
+        conditions = {*kind.when, kind.tunable, kind.stores_given_if} - {""}
         assert conditions <= known | members_of(OWNER_KINDS[kind.owner_kind].over), kind.name
 
 

@@ -17,8 +17,8 @@ from chain_impact.cli.options import (
     check_outputs,
     complete_scenes,
     inputs_of,
+    load_scene_of,
     path_with_suffix,
-    scene_of_options,
     settings_of,
 )
 from chain_impact.cli.progress import progress, say
@@ -139,7 +139,7 @@ def record(options: argparse.Namespace) -> Recording:
     with progress() as advance:
         if is_fmu(options.source):
             return record_fmu(Path(options.source), settings, advance, inputs)
-        return record_slowly(scene_of_options(options), options.impact_time, advance)
+        return record_slowly(load_scene_of(options), options.impact_time, advance)
 
 
 def is_csv(source: str) -> bool:

@@ -8,7 +8,7 @@ from pathlib import Path
 from chain_impact.cli.completers import is_fmu
 from chain_impact.cli.options import UsageError, Verbs, add_scene, add_verb
 from chain_impact.cli.progress import progress, say
-from chain_impact.cli.simulate import Canvas, report
+from chain_impact.cli.simulate import Canvas, simulate_and_tell
 from chain_impact.cli.source import Source
 from chain_impact.fmu.versions import FMI_2, FMI_3, VERSIONS
 from chain_impact.scene.scene import load_scene
@@ -91,7 +91,7 @@ def run(options: argparse.Namespace) -> int:
     for line in FMU_KINDS[target, options.fmi]:
         say(f"{'':9}{line}")
     if options.simulate:
-        report(Source(str(fmu)), Canvas(fmu.with_suffix(".png")), csv=fmu.with_suffix(".csv"))
+        simulate_and_tell(Source(str(fmu)), Canvas(fmu.with_suffix(".png")), csv=fmu.with_suffix(".csv"))
     return 0
 
 

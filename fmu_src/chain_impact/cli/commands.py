@@ -31,7 +31,7 @@ from chain_impact.cli import (
     validate,
 )
 from chain_impact.cli.named_options import typed_options, with_option
-from chain_impact.cli.options import UsageError, similar_file_hint, style_of
+from chain_impact.cli.options import UsageError, drawing_in_style, similar_file_hint
 from chain_impact.cli.progress import complain, out, say
 from chain_impact.compilation.errors import BuildError
 from chain_impact.console import prepare_console
@@ -71,7 +71,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     out.quiet = options.quiet and not options.only_prints
     typed = typed_options(sys.argv[1:] if arguments is None else arguments, options.valued)
     try:
-        with show_hints(), style_of(options):
+        with show_hints(), drawing_in_style(options):
             code: int = options.run(options)
     except (AnimationError, SceneError, UsageError, BuildError, RunError) as error:
         complain(with_option(str(error), typed))

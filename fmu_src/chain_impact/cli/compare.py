@@ -16,8 +16,8 @@ from chain_impact.cli.options import (
     add_verb,
     check_look,
     check_outputs,
+    load_scene_of,
     names_in,
-    scene_of_options,
     write_picture,
 )
 from chain_impact.cli.progress import progress, say
@@ -51,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
 
     check_look(options)
     check_outputs(options.csv, options.plot, inputs=filter(None, (options.source, options.inputs)))
-    scene = scene_of_options(options)
+    scene = load_scene_of(options)
     with progress("comparing") as advance:
         comparison = compare(scene, advance, laws=names_in(*options.laws) or None)
     if options.csv:

@@ -14,8 +14,8 @@ from chain_impact.cli.options import (
     add_verb,
     check_outputs,
     inputs_of,
+    load_scene_with,
     path_with_suffix,
-    scene_with,
 )
 from chain_impact.cli.progress import progress, say
 from chain_impact.console import has_screen
@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
     file = options.output or DEFAULT
     check_outputs(file, inputs=[options.source])
     inputs = inputs_of(options)
-    scene = scene_with(options.source, options.set, inputs)
+    scene = load_scene_with(options.source, options.set, inputs)
     command = [options.source, *(word for setting in options.set for word in ("--set", setting))]
     if inputs:
         given = {"--inputs": str(inputs.file), "--interpolation": inputs.interpolation}

@@ -116,9 +116,9 @@ def add_inputs(
     )
 
 
-def scene_of_options(options: argparse.Namespace) -> Scene:
+def load_scene_of(options: argparse.Namespace) -> Scene:
     """Return the scene ``source`` with the values of ``--set`` and the table ``--inputs``, where given."""
-    return scene_with(options.source, options.set, inputs_of(options))
+    return load_scene_with(options.source, options.set, inputs_of(options))
 
 
 def inputs_of(options: argparse.Namespace) -> InputTable | None:
@@ -145,7 +145,7 @@ def similar_file_hint(missing: Any) -> str:
     return f"the nearest is {near}" if near else ""
 
 
-def scene_with(source: str, settings: Sequence[str], inputs: InputTable | None) -> Scene:
+def load_scene_with(source: str, settings: Sequence[str], inputs: InputTable | None) -> Scene:
     """Return the scene ``source`` with ``settings``, texts NAME=VALUE, and with a table of inputs, if any."""
     scene = with_settings(load_scene(source), settings_of(settings))
     return with_inputs(scene, *inputs) if inputs else scene
@@ -231,7 +231,7 @@ def style_name(text: str) -> str:
 
 
 @contextmanager
-def style_of(options: argparse.Namespace) -> Iterator[None]:
+def drawing_in_style(options: argparse.Namespace) -> Iterator[None]:
     """Context manager in which pictures are drawn in the style ``--style``, if it is given."""
     name = getattr(options, "style", None)
     if name is None:

@@ -80,7 +80,7 @@ class Canvas:
 
 
 @dataclass(frozen=True)
-class Subject:
+class PictureChoice:
     """The contents of the picture, and of the tables after the summary; by default the motion, and no tables.
 
     Attributes:
@@ -115,7 +115,7 @@ class Subject:
             )
 
 
-MOTION_SUBJECT = Subject()
+MOTION_PICTURE = PictureChoice()
 
 
 def add(verbs: Verbs) -> None:
@@ -203,10 +203,12 @@ def run(options: argparse.Namespace) -> int:
     """Simulate a scene or an FMU, print a summary, and write the files that the options name; return 0."""
     check_look(options)
     window = open_window() if options.show else None
-    report(
+    simulate_and_tell(
         Source(options.source, options.set, inputs_of(options)),
         Canvas(options.plot, options.size, window),
-        Subject(names_in(*options.sensitivity), options.rank, names_in(*options.curves), options.around),
+        PictureChoice(
+            names_in(*options.sensitivity), options.rank, names_in(*options.curves), options.around
+        ),
         csv=options.csv,
         columns=names_in(*options.columns),
         impacts=options.impacts,
@@ -237,10 +239,10 @@ def open_window() -> Figure:
     return page
 
 
-def report(
+def simulate_and_tell(
     source: Source,
     canvas: Canvas,
-    subject: Subject = MOTION_SUBJECT,
+    choice: PictureChoice = MOTION_PICTURE,
     *,
     csv: Path | None = None,
     columns: Sequence[str] = (),
@@ -255,7 +257,7 @@ def report(
     Args:
         source: the scene or FMU.
         canvas: the place of the picture.
-        subject: the contents of the picture and of further tables.
+        choice: the contents of the picture and of further tables.
         csv: the file for a table of outputs over time; None for none.
         columns: names or patterns of the outputs in this table; by default all.
         impacts: the file for the list of impacts; None for none.
@@ -264,10 +266,10 @@ def report(
     check_outputs(csv, canvas.path, impacts, inputs=source.files)
     if columns and not csv:
         raise UsageError("--columns (--output): they are columns of a table: give --csv FILE too")
-    subject.check(is_drawn=bool(canvas))
+    choice.check(is_drawn=bool(canvas))
     tighter = source.tighter() if check else None
-    sensitivities = subject.sensitivities
-    fault, ranking = None, source.ranking(subject.rank, sensitivities) if subject.rank else None
+    sensitivities = choice.sensitivities
+    fault, ranking = None, source.ranking(choice.rank, sensitivities) if choice.rank else None
     try:
         recording = source.record(() if ranking else sensitivities)
     except RunError as error:
@@ -282,8 +284,8 @@ def report(
         say(f"impacts  {impacts}")
     if ranking:
         canvas.draw(ranking.plot, ranking.fill)
-    elif subject.curves:
-        draw_curves(canvas, recording, curves_in(recording, source, subject))
+    elif choice.curves:
+        draw_curves(canvas, recording, curves_in(recording, source, choice))
     elif canvas:
         shown = recording if sensitivities or fault else source.with_enough_rows(recording)
         draw(canvas, shown, has_derivatives=bool(sensitivities))
@@ -305,8 +307,8 @@ def draw(canvas: Canvas, recording: Recording, *, has_derivatives: bool) -> None
     canvas.draw(partial(draw_figure, fill_page, usual=usual), fill_page)
 
 
-def curves_in(recording: Recording, source: Source, subject: Subject) -> Curves:
-    """Return the curves of the outputs ``subject.curves`` in a recording of ``source``.
+def curves_in(recording: Recording, source: Source, choice: PictureChoice) -> Curves:
+    """Return the curves of the outputs ``choice.curves`` in a recording of ``source``.
 
     Raises:
         SceneError: when there is no such output.
@@ -314,8 +316,8 @@ def curves_in(recording: Recording, source: Source, subject: Subject) -> Curves:
     """
     try:
         if isinstance(recording, Result):
-            return recording.curves(subject.curves, subject.around)
-        return curves_of(recording, subject.curves, source.units(), around=subject.around)
+            return recording.curves(choice.curves, choice.around)
+        return curves_of(recording, choice.curves, source.units(), around=choice.around)
     except ValueError as error:
         raise error if isinstance(error, SceneError) else UsageError(str(error)) from None
 

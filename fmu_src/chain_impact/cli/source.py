@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 
 from chain_impact.cli.completers import is_fmu
-from chain_impact.cli.options import UsageError, scene_with, settings_of
+from chain_impact.cli.options import UsageError, load_scene_with, settings_of
 from chain_impact.cli.progress import complain, progress
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.inputs import InputTable
@@ -61,7 +61,7 @@ class Source:
 
     def scene(self) -> Scene:
         """Return the scene with the settings and inputs; the source must not be an FMU."""
-        return scene_with(self.name, self.settings, self.inputs)
+        return load_scene_with(self.name, self.settings, self.inputs)
 
     def record(self, sensitivities: Sequence[str] = ()) -> Recording:
         """Simulate the source, and return the recording of the run.

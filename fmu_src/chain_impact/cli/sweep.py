@@ -20,9 +20,9 @@ from chain_impact.cli.options import (
     add_verb,
     check_look,
     check_outputs,
+    load_scene_of,
     names_in,
     pairs,
-    scene_of_options,
     settings_of,
     write_picture,
 )
@@ -94,7 +94,7 @@ def run(options: argparse.Namespace) -> int:
     table = Path(options.table)
     check_look(options)
     check_outputs(table, options.plot, inputs=filter(None, (options.source, options.inputs)))
-    scene = scene_of_options(options)
+    scene = load_scene_of(options)
     vary = variations(options.vary, settings_of(options.set))
     panels, wanted = names_in(*options.panels), names_in(*options.columns)
     if panels and not options.plot:

@@ -80,7 +80,7 @@ def kit(scene: Scene) -> dict[str, Any]:
         "keys": _keys(Scene),
         "facts": {name: tree(fact.rule) for name, fact in FACTS.items()},
         "lists": {
-            name: {"over": tree(row.over), "has": tree(row.has), "values": _trees(row.values)}
+            name: {"over": tree(row.over), "where": tree(row.where), "values": _trees(row.values)}
             for name, row in LISTS.items()
             if row.over
         },
@@ -88,7 +88,7 @@ def kit(scene: Scene) -> dict[str, Any]:
         "owners": {
             kind: {
                 "over": tree(row.over),
-                "has": tree(row.has),
+                "where": tree(row.where),
                 "numbers": _trees(row.numbers),
                 "conditions": _trees(row.conditions),
             }
@@ -251,7 +251,7 @@ def _setting_row(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str,
         "numberForNone": json.dumps(kind.number_for_none),
         "word": word_terms(kind.record_path) if kind.record_path else None,
         "givenWord": kind.given_path and word_terms(kind.given_path),
-        "givenWordWhen": kind.given_path_when or ALWAYS,
+        "givenWordWhen": kind.stores_given_if or ALWAYS,
     }
 
 

@@ -139,14 +139,18 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     check_curves(curves)
     panels = clear_panels(curves)
     if title is not None:
-        seen = shown_impact_words(recording, curves)
-        summary = f"{recording.name}: {seen}" if seen else ""
-        most = peak_of(recording, curves.number - 1) if seen else drawn_peaks(recording, curves)
-        force = "" if most else largest_drawn(curves)
+        impact_words = shown_impact_words(recording, curves)
+        summary = f"{recording.name}: {impact_words}" if impact_words else ""
+        told_peaks = peak_of(recording, curves.number - 1) if impact_words else drawn_peaks(recording, curves)
+        force = "" if told_peaks else largest_drawn(curves)
         is_one = len(panels) == 1
-        texts = (seen if title else "", "" if is_one or seen else force, largest_vectors(curves))
-        lead = (None if most else force) if is_one else ""
-        write_head(figure, recording, title or summary, *texts, most=most, lead=lead)
+        texts = (
+            impact_words if title else "",
+            "" if is_one or impact_words else force,
+            largest_vectors(curves),
+        )
+        lead = (None if told_peaks else force) if is_one else ""
+        write_head(figure, recording, title or summary, *texts, told_peaks=told_peaks, lead=lead)
     zero = always_zero(curves, panels)
     notes = [f"0 in the whole view: {names_text(zero, MOST_NAMED)}"] if zero else []
     if lacks_impulses(recording, curves):
@@ -243,15 +247,15 @@ def draw_all(
     keys = impact_handles(grid[0], recording, *(start + ends / factor))
     places: dict[str, int] = {}
     found: list[list[Label]] = []
-    seen = (time >= ends[0]) & (time <= ends[1])
+    is_shown = (time >= ends[0]) & (time <= ends[1])
     for axes, names in zip(grid, (drawn_in(curves, names) for names in panels), strict=True):
         mark_impacts(axes, recording, start, factor)
         if curves.number:
             ended = mark_end(axes, recording, curves.number, factor)
             keys += ended if axes is grid[0] else []
         drawn = [curves.values[name] for name in names]
-        own = curves.units[names[0]]
-        scale, unit = axis_unit(own, drawn)
+        stored_unit = curves.units[names[0]]
+        scale, unit = axis_unit(stored_unit, drawn)
         looks = zip(names, looks_of(names, places), hidden_counts(drawn), strict=True)
         lines = {
             name: (
@@ -259,7 +263,7 @@ def draw_all(
                 {"color": PALETTE[look % len(PALETTE)]}
                 | look_of_energy(name)
                 | {
-                    "linestyle": dashes(look // len(PALETTE) + hidden, own),
+                    "linestyle": dashes(look // len(PALETTE) + hidden, stored_unit),
                     "label": name,
                 },
             )
@@ -271,9 +275,9 @@ def draw_all(
             axes.plot(time, scale * values, **look)
         # where the amount of a force has a curve, its largest value is told, and not those of the components
         parts = (line for name, line in lines.items() if name.partition(".force.")[0] not in sizes)
-        visible = [(values[seen], look) for values, look in (*sizes.values(), *parts)]
-        found.append(extremes(time[seen], visible, own, scale))
-        quantity = shared_part(names) or QUANTITIES.get(own) or vector_of(names)
+        visible = [(values[is_shown], look) for values, look in (*sizes.values(), *parts)]
+        found.append(extremes(time[is_shown], visible, stored_unit, scale))
+        quantity = shared_part(names) or QUANTITIES.get(stored_unit) or vector_of(names)
         is_alone = len(names) == 1 and len(names[0]) <= LONGEST_LEGEND_NAME
         axes.set_ylabel(f"{full_name(names[0]) if is_alone else quantity}{bracketed_unit(unit)}".lstrip())
         if curves.onset is None:
@@ -283,8 +287,8 @@ def draw_all(
         if curves.onset is None:
             of_time = "; ".join(filter(None, (name_time(axes, ends[-1]), shown.note)))
         axes.set_xlabel(of_time)
-        axes.margins(y=0.16 if own in MARKED else 0.08)
-        if own in MARKED and all(not (values[seen] < 0.0).any() for values in drawn):
+        axes.margins(y=0.16 if stored_unit in MARKED else 0.08)
+        if stored_unit in MARKED and all(not (values[is_shown] < 0.0).any() for values in drawn):
             axes.set_ylim(LEAST_ZERO_SHARE * axes.get_ylim()[1])
         if any(values.any() for values in drawn):
             give_ticks(axes)

@@ -52,13 +52,13 @@ class Members(NamedTuple):
         meaning: words for the members, and for the values that each member has.
         over: the list from which the members of this list are taken; "" for a list that FOUND and the page's
             code find without a rule.
-        has: the rule that is true if a member of ``over`` is a member of this list.
+        where: the rule that is true if a member of ``over`` is a member of this list.
         values: name of a value that each member has → the rule for this value.
     """
 
     meaning: str
     over: str = ""
-    has: str = "1"
+    where: str = "1"
     values: Mapping[str, str] = {}
 
 
@@ -93,7 +93,7 @@ LISTS = {
     "moving_walls": Members(
         "walls that inputs move; name; number: index among the walls",
         over="walls",
-        has="exists and ('*' in inputs.wall_motion or name in inputs.wall_motion)",
+        where="exists and ('*' in inputs.wall_motion or name in inputs.wall_motion)",
         values={"name": "name", "number": "order"},
     ),
 }
@@ -218,12 +218,12 @@ class SceneFacts(dict[str, Any]):
     def _members(self, row: Members) -> list[dict[str, Any]]:
         """Return the members of the list ``row``, each as a table from the names in ``row.values`` to values.
 
-        The members are those of the list ``row.over`` for which the rule ``row.has`` is true. Each value is
+        The members are those of the list ``row.over`` for which the rule ``row.where`` is true. Each value is
         computed by its rule in ``row.values``.
         """
         found = list[dict[str, Any]]()
         for order, of_member in enumerate(member_lookups(members_in(row.over, self.value_of), self.value_of)):
-            if holds(row.has, of_member):
+            if holds(row.where, of_member):
                 values = dict[str, Any]()
                 for key, rule in row.values.items():
                     values[key] = number_in(rule, partial(value_within, values, order, of_member))

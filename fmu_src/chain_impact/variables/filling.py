@@ -35,13 +35,13 @@ from chain_impact.variables.parameters import METHODS, PARAMETERS
 from chain_impact.variables.signal_filling import fill_signals
 from chain_impact.variables.structure import Structure
 
-_GIVEN_PATH_WHEN = {
-    kind.given_path_when: attrgetter(kind.given_path_when)
+_STORES_GIVEN = {
+    kind.stores_given_if: attrgetter(kind.stores_given_if)
     for _, kinds in PARAMETERS
     for kind in kinds
-    if kind.given_path_when
+    if kind.stores_given_if
 }
-"""Each condition ``Kind.given_path_when`` → function that tells whether a scene meets the condition. If the
+"""Each condition ``Kind.stores_given_if`` → function that tells whether a scene meets the condition. If the
 scene does, the record has two fields for a parameter with this condition: one for the value in use, one for
 the given value."""
 
@@ -117,14 +117,14 @@ def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
     if INDEX_PLACE not in path and ENTRY_AT not in path:
         return _reader_of_one(kind, path)
     members, part, paths = _members(path)
-    has_given = attrgetter(kind.given_path_when)
+    has_given = attrgetter(kind.stores_given_if)
 
     def read(scene: Scene) -> list[Any]:
         parts = [part(member) for member in members(scene)]
         values = [kind.number_for_none if value is None else value for value in parts]
         if kind.choices:
             values = [_choice_number(kind, name) for name in parts]
-        if not kind.given_path or (kind.given_path_when and not has_given(scene)):
+        if not kind.given_path or (kind.stores_given_if and not has_given(scene)):
             return values
         return values + (_with_derived_marks(scene, paths(scene), values) if scene.derived_paths else values)
 
@@ -136,7 +136,7 @@ def _reader_of_one(kind: Kind, path: DataPath) -> Callable[[Scene], list[Any]]:
 
     This function is twice as fast as the general one.
     """
-    part, has_given = _getter(path), attrgetter(kind.given_path_when)
+    part, has_given = _getter(path), attrgetter(kind.stores_given_if)
 
     def read(scene: Scene) -> list[Any]:
         value = part(scene)
@@ -144,7 +144,7 @@ def _reader_of_one(kind: Kind, path: DataPath) -> Callable[[Scene], list[Any]]:
             value = _choice_number(kind, value)
         elif value is None:
             value = kind.number_for_none
-        if not kind.given_path or (kind.given_path_when and not has_given(scene)):
+        if not kind.given_path or (kind.stores_given_if and not has_given(scene)):
             return [value]
         return [value, DERIVED if path in scene.derived_paths else value]
 
@@ -213,26 +213,28 @@ def _write(table: str, words: np.ndarray, scene: Scene, counts: Counts) -> None:
     # the record has room for the entries of ``walls`` only if points may touch walls
     sloped_walls = len(scene.walls) if scene.may_touch else 0
     slides = scene.chain.slider is not None
-    met = tuple(name for name, holds in _GIVEN_PATH_WHEN.items() if holds(scene))
-    indices, readers = _words_of(table, counts, sloped_walls, slides, met)
+    met_conditions = tuple(name for name, holds in _STORES_GIVEN.items() if holds(scene))
+    indices, readers = _words_of(table, counts, sloped_walls, slides, met_conditions)
     words[indices] = [number for read in readers for number in read(scene)]
 
 
 @lru_cache(MOST_CACHED * len(keys(Scene)))
 def _words_of(
-    table: str, counts: Counts, sloped_walls: int, slides: bool, met: tuple[str, ...]
+    table: str, counts: Counts, sloped_walls: int, slides: bool, met_conditions: tuple[str, ...]
 ) -> tuple[np.ndarray, list[Callable[[Scene], list[Any]]]]:
     """Return the indices of the words for a table's numbers, and the functions that read the numbers.
 
     The functions, one after the other, return the numbers in the order of the indices. ``sloped_walls``
     is the number of entries of ``walls`` in the record, ``slides`` says whether there is a slider, and
-    ``met`` are the conditions of ``_GIVEN_PATH_WHEN`` that the scene meets.
+    ``met_conditions`` are the conditions of ``_STORES_GIVEN`` that the scene meets.
     """
     numbers = {**counts._asdict(), "sloped_walls": sloped_walls, "slider": slides}
     layout, kinds, words, there = layout_of(*counts), _tables()[table], [], []
     indices_of = {name: _indices(name, numbers) for name in {kind.owner_kind for kind, _ in kinds}}
     for kind, reader in kinds:
-        given = kind.given_path if not kind.given_path_when or kind.given_path_when in met else None
+        given = (
+            kind.given_path if not kind.stores_given_if or kind.stores_given_if in met_conditions else None
+        )
         indices = indices_of[kind.owner_kind]
         for path in filter(None, (kind.record_path, given)):
             words += [word_index(layout, fill_path(path, index)) for index in indices]

@@ -63,7 +63,7 @@ class Kind:
         scene_path: path of a parameter in the scene, a template; None for inputs and outputs.
         given_path: path in the record, a template, of the given value of a parameter, if the record has this
             value beside the value in use; else None.
-        given_path_when: condition under which the record has ``given_path``; "" if it always has this path.
+        stores_given_if: condition under which the record has ``given_path``; "" if it always has this path.
         derived: the rule by which the scene may derive the value; None for none.
         tunable: condition under which a parameter can be set during a run; "" if it never can.
         only_if_in_file: whether a scene that derives the value, because the file does not give it, lacks the
@@ -97,7 +97,7 @@ class Kind:
     maximum: float | str | None = None
     scene_path: DataPath | None = None
     given_path: DataPath | None = None
-    given_path_when: str = ""
+    stores_given_if: str = ""
     derived: Derived | None = None
     tunable: str = ""
     only_if_in_file: bool = False

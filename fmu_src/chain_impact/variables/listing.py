@@ -49,7 +49,7 @@ def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
             )
             given = (
                 kind.given_path
-                if not kind.given_path_when or owner.conditions[kind.given_path_when]
+                if not kind.stores_given_if or owner.conditions[kind.stores_given_if]
                 else None
             )
             yield Variable.from_kind(

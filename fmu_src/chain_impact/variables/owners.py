@@ -58,12 +58,12 @@ products."""
 class OwnerKind:
     """The rules that find the owners of one kind, one row of the table of owners.
 
-    In the rules ``has``, ``numbers`` and ``conditions``, ``order`` is the index of the member in the list.
+    In the rules ``where``, ``numbers`` and ``conditions``, ``order`` is the index of the member in the list.
 
     Attributes:
         over: the list whose members can be owners; or a rule for the number of members, if these have no
             values.
-        has: the rule that is true if a member is an owner. If several such members have the same ``n``,
+        where: the rule that is true if a member is an owner. If several such members have the same ``n``,
             ``of`` and ``name``, only the first is an owner: the two stops of joint 2 are one owner.
         numbers: name of a number → the rule for this number of an owner. ``n`` is the number in names of
             variables, ``at`` the index in the record, ``of`` the number of the owner's link.
@@ -71,7 +71,7 @@ class OwnerKind:
     """
 
     over: str
-    has: str = ALWAYS
+    where: str = ALWAYS
     numbers: Mapping[str, str] = field(default_factory=dict)
     conditions: Mapping[str, str] = field(default_factory=dict)
 
@@ -94,13 +94,13 @@ OWNER_KINDS = {
         numbers={"n": "order", "at": "order"},
         conditions={"base_at_rest": "pinned and not inputs.base_motion and not order"},
     ),
-    "joint": OwnerKind(over="links", has="jointed", numbers=_COUNTED),
-    "joint with friction": OwnerKind(over="links", has="has_friction", numbers=_COUNTED),
+    "joint": OwnerKind(over="links", where="jointed", numbers=_COUNTED),
+    "joint with friction": OwnerKind(over="links", where="has_friction", numbers=_COUNTED),
     # the outputs for both stops of a joint are at one index of the record: that of the joint's first stop
-    "stop": OwnerKind(over="candidates", has="at_joint", numbers={"at": "order"}),
+    "stop": OwnerKind(over="candidates", where="at_joint", numbers={"at": "order"}),
     "contact": OwnerKind(
         over="candidates",
-        has="not at_joint",
+        where="not at_joint",
         numbers={"at": "order"},
         conditions={"may_have_friction": "contact_friction and not stop"},
     ),
@@ -120,9 +120,9 @@ OWNER_KINDS = {
     ),
     "sloped wall": OwnerKind(over="sloped_walls", numbers={"at": "order"}),
     # if a point can touch a wall, each wall of the scene has a material, also a wall that no point can touch
-    "material": OwnerKind(over="walls", has="exists and pairs", numbers={"at": "order"}),
+    "material": OwnerKind(over="walls", where="exists and pairs", numbers={"at": "order"}),
     "moving wall": OwnerKind(over="moving_walls", numbers={"at": _CHANNEL}),
-    "touched wall": OwnerKind(over="walls", has="touched", numbers={"at": "links + order"}),
+    "touched wall": OwnerKind(over="walls", where="touched", numbers={"at": "links + order"}),
     "signal": OwnerKind(over="signals", numbers={"at": "order"}),
     "step": OwnerKind(over="steps", numbers={"n": "entry + 1", "at": "knot"}),
     "impact": OwnerKind(over="outputs.impacts", numbers=_COUNTED),
@@ -228,7 +228,7 @@ def owners_of(
     row, found = OWNER_KINDS[kind], dict[Any, Owner]()
     for order, member in enumerate(members_in(row.over, values_of(scene_numbers, lists))):
         here = {**scene_numbers, **member, "order": order}
-        if holds(row.has, here.__getitem__):
+        if holds(row.where, here.__getitem__):
             numbers = {name: number_in(rule, here.__getitem__) for name, rule in row.numbers.items()}
             values = {**member, **numbers}
             for name, rule in row.conditions.items():

@@ -315,7 +315,7 @@ PARAMETERS = (
         # if inputs move the base, a new initial position is also written to the inputs for the base's
         # position
         *(
-            replace(kind, given_path=(MOTION, "position", j), given_path_when="inputs.base_motion")
+            replace(kind, given_path=(MOTION, "position", j), stores_given_if="inputs.base_motion")
             for j, kind in enumerate(
                 _vector(
                     Initial,

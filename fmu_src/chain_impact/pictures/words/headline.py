@@ -136,7 +136,7 @@ def write_head(
     recording: Recording,
     title: str,
     *first: str,
-    most: Sequence[Peak] | None = None,
+    told_peaks: Sequence[Peak] | None = None,
     lead: str | None = None,
     panels: Sequence[str] = (),
 ) -> None:
@@ -145,24 +145,24 @@ def write_head(
     The headline is ``title`` or, if ``title`` is "", the result of ``headline`` with the words
     ``lead``, by default those of the first told impact or, without impacts, of the largest force in a joint.
     ``first`` are texts that stand before the results. The results tell the impacts of ``peaks`` and the
-    largest force in a joint (``load_text``) or, if ``most`` is given, only the impacts in ``most``.
-    ``panels``: the names of the panels of an overview.
+    largest force in a joint (``load_text``) or, if ``told_peaks`` is given, only the impacts in
+    ``told_peaks``. ``panels``: the names of the panels of an overview.
 
     In a narrow figure without a ``title``, the message is short. The first of the told impacts then has a
     line of its own below the message, and the rest of the message stands among the conditions. In any narrow
     figure, the largest force in a joint has a line of its own. A line has the colour of the mark if a panel
     has a mark.
     """
-    short, load = is_narrow(figure), load_text(recording) if most is None else ""
-    most = peaks(recording) if most is None else most
-    lead = next((peak.text for peak in most), "") if lead is None else lead
-    if not (lead or title or most) and load:
+    short, load = is_narrow(figure), load_text(recording) if told_peaks is None else ""
+    told_peaks = peaks(recording) if told_peaks is None else told_peaks
+    lead = next((peak.text for peak in told_peaks), "") if lead is None else lead
+    if not (lead or title or told_peaks) and load:
         lead, load = load.replace(" in the run, ", " "), ""
-    hits = [peak_impact_words(recording, peak, valued=bool(title) or k > 0) for k, peak in enumerate(most)]
+    hits = [peak_impact_words(recording, peak, valued=bool(title or k)) for k, peak in enumerate(told_peaks)]
     lines: list[tuple[str, str]] = []
-    if short and most and not title:
-        is_marked = most[0].equal == 1 and not {*panels}.isdisjoint(MARKING)
-        first_text = hits.pop(0).removeprefix(f"{most[0].words} in ")
+    if short and told_peaks and not title:
+        is_marked = told_peaks[0].equal == 1 and not {*panels}.isdisjoint(MARKING)
+        first_text = hits.pop(0).removeprefix(f"{told_peaks[0].words} in ")
         lines.append((first_text, PEAK_COLOUR if is_marked else INK))
     if short and load:
         lines.append((load, LOAD if "motion" in panels and recording.loads else INK))
@@ -182,13 +182,13 @@ def peaks(recording: Recording) -> list[Peak]:
     found = []
     for is_stop in (False, True):
         words, unit, values = impact_values(recording, is_stop=is_stop)
-        most = float(values.max(initial=0.0))
-        if most > 0.0:
+        largest = float(values.max(initial=0.0))
+        if largest > 0.0:
             if words in (IMPULSE, HIT_IMPULSE):
-                largest = "largest " if np.count_nonzero(values) > 1 else ""
-                words = f"{largest}{words}{' at a stop' if is_stop else ''}"
-            equal = np.flatnonzero(values >= (1.0 - SAME_PEAK) * most)
-            found.append(Peak(words, force_text(most, unit), int(equal[0]), len(equal)))
+                order = "largest " if np.count_nonzero(values) > 1 else ""
+                words = f"{order}{words}{' at a stop' if is_stop else ''}"
+            equal = np.flatnonzero(values >= (1.0 - SAME_PEAK) * largest)
+            found.append(Peak(words, force_text(largest, unit), int(equal[0]), len(equal)))
     return found
 
 

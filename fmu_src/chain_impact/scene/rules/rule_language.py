@@ -54,7 +54,7 @@ _FUNCTIONS = {"given": 1, "any": 2, "sum": 2}
 """Name of a function in rules → its number of arguments."""
 _BOOLEAN_OPERATORS: dict[str, Callable[[Iterable[bool]], bool]] = {"and": all, "or": any}
 _UNARY_OPERATORS: dict[str, Callable[[Any], bool]] = {
-    "not": lambda value: not _is_so(value),
+    "not": lambda value: not _is_true(value),
     "given": lambda value: value is not None,
 }
 _BINARY_OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
@@ -135,7 +135,7 @@ def holds(rule: str, value_of: ValueOf) -> bool:
 
     A rule whose value is missing is not true.
     """
-    return _is_so(_function(rule)(value_of))
+    return _is_true(_function(rule)(value_of))
 
 
 def number_in(rule: str, value_of: ValueOf) -> Any:
@@ -176,22 +176,22 @@ def _function_of(part: Tree) -> Callable[[ValueOf], Any]:
     if "parts" not in part:
         name, constant = part.get("name"), part.get("constant")
         return (lambda value_of: value_of(name)) if name else (lambda _: constant)
-    sign, of = part["operator"], [_function_of(inner) for inner in part["parts"]]
+    sign, operands = part["operator"], [_function_of(inner) for inner in part["parts"]]
     if sign in ("any", "sum"):
-        return partial(_member_function, sign, of[0], of[1], tuple(names_in(part["parts"][1])))
+        return partial(_member_function, sign, operands[0], operands[1], tuple(names_in(part["parts"][1])))
     if sign in _BOOLEAN_OPERATORS:
         of_all = _BOOLEAN_OPERATORS[sign]
-        return lambda value_of: of_all(_is_so(each(value_of)) for each in of)
+        return lambda value_of: of_all(_is_true(each(value_of)) for each in operands)
     if sign in _UNARY_OPERATORS:
-        of_one, only = _UNARY_OPERATORS[sign], of[0]
+        of_one, only = _UNARY_OPERATORS[sign], operands[0]
         return lambda value_of: of_one(only(value_of))
-    return partial(_binary_function, sign, of[0], of[1])
+    return partial(_binary_function, sign, operands[0], operands[1])
 
 
 def _member_function(
     sign: str,
     members: Callable[[ValueOf], Any],
-    of: Callable[[ValueOf], Any],
+    rule: Callable[[ValueOf], Any],
     names: Sequence[str],
     value_of: ValueOf,
 ) -> Any:
@@ -203,20 +203,20 @@ def _member_function(
     Args:
         sign: the name of the function.
         members: function that returns the list.
-        of: function that computes the rule.
+        rule: function that computes the rule.
         names: the names in the rule.
         value_of: the values of names for the whole scene.
     """
-    values = _member_values(of, names, _members(members(value_of)), value_of)
+    values = _member_values(rule, names, _members(members(value_of)), value_of)
     if sign == "any":
-        return any(map(_is_so, values))
+        return any(map(_is_true, values))
     return None if None in values else sum(values)
 
 
 def _member_values(
-    of: Callable[[ValueOf], Any], names: Sequence[str], members: Iterable[Any], value_of: ValueOf
+    rule: Callable[[ValueOf], Any], names: Sequence[str], members: Iterable[Any], value_of: ValueOf
 ) -> list[Any]:
-    """Return for each member the value of a part of a rule, which the function ``of`` computes.
+    """Return for each member the value of a part of a rule, which the function ``rule`` computes.
 
     The part is evaluated once for all members that have equal values of ``names``, the names in the part.
     """
@@ -225,7 +225,7 @@ def _member_values(
         own = member.get if isinstance(member, dict) else partial(getattr, member)
         key = tuple([order if name == "order" else own(name, None) for name in names])
         if key not in found:
-            found[key] = of(partial(value_within, member, order, value_of))
+            found[key] = rule(partial(value_within, member, order, value_of))
         values.append(found[key])
     return values
 
@@ -270,8 +270,8 @@ def _length_or_value(value: Any) -> Any:
     return len(value) if type(value) in (tuple, list) else value
 
 
-def _is_so(value: Any) -> bool:
-    return any(map(_is_so, value)) if type(value) in (tuple, list) else bool(value)
+def _is_true(value: Any) -> bool:
+    return any(map(_is_true, value)) if type(value) in (tuple, list) else bool(value)
 
 
 def value_at(table: Any, key: str) -> Any:

@@ -46,10 +46,10 @@ function listsOf({ file, driven, sites, sliderStops, stops, existingWalls, wallN
       signal.times.map((_, entry) => ({ name, input, entry, knot: first + entry }))),
   };
   const valueOf = valuesOfScene(file, lists, {});
-  for (const [name, { over, has, values }] of Object.entries(kit.lists)) {
+  for (const [name, { over, where, values }] of Object.entries(kit.lists)) {
     lists[name] = valuesOfMembers(over, valueOf).flatMap((ofMember) => {
       const own = {};
-      if (!holds(has, ofMember)) return [];
+      if (!holds(where, ofMember)) return [];
       for (const [key, rule] of Object.entries(values)) own[key] = numberIn(rule, (inner) => own[inner] ?? ofMember(inner));
       return [own];
     });
@@ -74,12 +74,12 @@ function knownOf(file, lists, { facts, counts }) {
  * Return the owners that one row of the table of owners finds: the members of its list for which its rule `has` is true, each with its
  * numbers and conditions. If several of them have the same `n`, `of` and name, only the first is an owner.
  */
-function ownersIn({ over, has, numbers, conditions }, known, lists) {
+function ownersIn({ over, where, numbers, conditions }, known, lists) {
   const found = new Map();
   membersIn(over, (name) => lists[name] ?? known[name]).forEach((member, order) => {
     const here = { ...known, ...member, order };
     const valueOf = (name) => here[name];
-    if (!holds(has, valueOf)) return;
+    if (!holds(where, valueOf)) return;
     const owner = { ...member, ...mapped(numbers, (rule) => numberIn(rule, valueOf)) };
     for (const [name, rule] of Object.entries(conditions)) owner[name] = here[name] = holds(rule, valueOf);
     const key = [owner.n, owner.of, owner.name].join();
