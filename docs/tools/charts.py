@@ -35,8 +35,8 @@ NAMED = {
     EXACT_LAW: "exact",
     "gharib_hurmuzlu": "differs most",
 }
-# [1] a run stops after a contact of LONGEST × (penetration without damping / impact speed)
-LONGEST = 200.0
+# [1] a run stops after a contact of LONGEST_RUN × (penetration without damping / impact speed)
+LONGEST_RUN = 200.0
 NO_FRICTION = {"friction": 0.0, "static_friction": 0.0}  # a free impact has no motion along the wall
 HEIGHT = 1e-3  # [m] distance from the wall at the start of a free impact
 # a law counts as accurate if its error is at most NEAR at all restitutions from FROM on
@@ -50,7 +50,7 @@ def free_impact(contact: Contact, mass: float, speed: float) -> np.void:
     """
     link = {"length": 1.0, "mass": mass, "center_of_mass": 0.0, "inertia": 1.0}
     depth = lossless_depth(0.5 * mass * speed**2, contact.stiffness, contact.exponent)
-    stop = (2.0 * HEIGHT + LONGEST * depth) / speed
+    stop = (2.0 * HEIGHT + LONGEST_RUN * depth) / speed
     data = {
         "name": "FreeImpact",
         "gravity": [0.0, 0.0],

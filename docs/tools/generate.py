@@ -153,14 +153,14 @@ def measured_impacts() -> str:
     )
 
 
-NAMED = 3  # largest number of named laws in a row of the table of measured impacts
+MOST_NAMED_LAWS = 3  # largest number of named laws in a row of the table of measured impacts
 
 
 def _few(names: list[str]) -> str:
     """Return some names, the default law first, and the number of the other names."""
     names = sorted(names, key=lambda name: "`zhang_sharf`" not in name)
-    others = f", and {len(names) - NAMED} others" if len(names) > NAMED else ""
-    return ", ".join(names[:NAMED]) + others
+    others = f", and {len(names) - MOST_NAMED_LAWS} others" if len(names) > MOST_NAMED_LAWS else ""
+    return ", ".join(names[:MOST_NAMED_LAWS]) + others
 
 
 def _model(name: str, found: dict[str, float]) -> str:

@@ -39,13 +39,13 @@ def scene_reference() -> str:
     return "\n\n".join(blocks)
 
 
-SHORT = 5  # a meaning counts as short if it has at most this number of words
+MOST_SHORT_WORDS = 5  # a meaning counts as short if it has at most this number of words
 AS_IN_CONTACT = "as in [contact]"  # default of keys that also exist in [contact]
 
 
 def _joined(rows: Iterable[Sequence[str]]) -> Iterable[str]:
     """Return one line for each key, or for adjacent keys with short meanings and equal values."""
-    for _, group in groupby(rows, lambda row: (row[1], len(row[2].split()) > SHORT and row[0])):
+    for _, group in groupby(rows, lambda row: (row[1], len(row[2].split()) > MOST_SHORT_WORDS and row[0])):
         keys, values, meanings = zip(*group, strict=True)
         value = f" ({values[0]})" if values[0] else ""
         meaning = ", ".join(filter(None, meanings))

@@ -16,7 +16,7 @@ from docs.tools import DOCS
 IMAGES = DOCS / "images"
 SIZE: ViewportSize = {"width": 1280, "height": 760}
 # [pixels] for the page of `explore`, which has the parameters beside the picture of the scene
-WIDER: ViewportSize = {"width": 1366, "height": 760}
+WIDE_VIEWPORT: ViewportSize = {"width": 1366, "height": 760}
 KEYS = ["Shift+ArrowRight"] * 5  # these keys move a page to the largest force of the fifth impact
 CHANGES = "#contact.restitution=0.5"
 
@@ -30,7 +30,7 @@ def main() -> None:
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
         for address, size, name in (
             (animation.as_uri(), SIZE, "animation"),
-            (exploring.as_uri() + CHANGES, WIDER, "explore"),
+            (exploring.as_uri() + CHANGES, WIDE_VIEWPORT, "explore"),
         ):
             page = browser.new_page(viewport=size, reduced_motion="reduce")
             page.goto(address)

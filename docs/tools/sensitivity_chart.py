@@ -40,13 +40,13 @@ KINDS = {
 }
 TITLE = "Effect of 1 % of each parameter: on the tip [m] and on peak forces [%]"
 COLOURS = dict(zip(KINDS, (*PALETTE, BLACK), strict=True))
-LEAST = 1e-6  # [m] lower limit of the axis of displacements
-# [%] range of the colours; the first order does not predict a change above MOST
-MOST = 10.0
-RANGE = (1e-2, MOST)
+LEAST_DISPLACEMENT = 1e-6  # [m] lower limit of the axis of displacements
+# [%] range of the colours; the first order does not predict a change above COLOUR_RANGE
+COLOUR_RANGE = 10.0
+RANGE = (1e-2, COLOUR_RANGE)
 CONDITIONS = (
     "default scene; + 1 %, to first order; of masses, rates and angles the one that matters most; "
-    f"> {MOST:g} %: too large for a prediction to first order"
+    f"> {COLOUR_RANGE:g} %: too large for a prediction to first order"
 )
 
 
@@ -86,7 +86,12 @@ def draw_motion(axes: Axes, result: Result) -> None:
     for kind, size in moved(result).items():
         axes.plot(result.time, size, color=COLOURS[kind], linewidth=1.5)
     mark_impacts(axes, result)
-    axes.set(yscale="log", ylim=(LEAST, 5.0), xlabel="time [s]", ylabel=f"how far point {TIP} moves [m]")
+    axes.set(
+        yscale="log",
+        ylim=(LEAST_DISPLACEMENT, 5.0),
+        xlabel="time [s]",
+        ylabel=f"how far point {TIP} moves [m]",
+    )
     axes.margins(x=0.0)
 
 
@@ -102,7 +107,9 @@ def draw_forces(axes: Axes, result: Result) -> None:
             "fontsize": "small",
             "color": "white" if is_dark(image.to_rgba(share)) else BLACK,
         }
-        axes.text(column, row, number_text(share, 2) if share <= MOST else f"> {MOST:g}", **look)
+        axes.text(
+            column, row, number_text(share, 2) if share <= COLOUR_RANGE else f"> {COLOUR_RANGE:g}", **look
+        )
     names = [f"{k + 1}\n{hit['onset']:.2f} s" for k, hit in enumerate(result.impacts)]
     axes.set_xticks(range(len(names)), names)
     axes.set_yticks(range(len(KINDS)), list(KINDS))

@@ -17,8 +17,9 @@ from docs.tools import DOCS
 PAGE = DOCS / "try_it.md"
 GALLERY = DOCS / "models" / "index.md"
 FOLDER = "try"  # folder of the simulating pages in the site
-FIRST = "four_link_box"
-FRAME = f'<iframe class="try" name="try" src="{FOLDER}/{FIRST}.html" title="A page that simulates"></iframe>'
+FIRST_MODEL = "four_link_box"
+_SOURCE = f"{FOLDER}/{FIRST_MODEL}.html"
+FRAME = f'<iframe class="try" name="try" src="{_SOURCE}" title="A page that simulates"></iframe>'
 HEAD = f"""---
 hide: [toc]
 ---

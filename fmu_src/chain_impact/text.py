@@ -39,12 +39,12 @@ def span_text(low: float, high: float) -> str:
 
 
 LEAST_EXPONENT = 999.5  # from this size on, a number with three digits has an exponent
-WHOLE = 99.5  # from this size on, a number with two digits would have an exponent, as in 1e+02
+LEAST_WHOLE = 99.5  # from this size on, a number with two digits would have an exponent, as in 1e+02
 
 
 def signed_text(value: float) -> str:
-    """Return a number with its sign to two significant digits; as a whole number if |value| ≥ WHOLE."""
-    return f"{value:+#.2g}".rstrip(".") if abs(value) < WHOLE else f"{value:+.0f}"
+    """Return a number with its sign to two significant digits; as a whole number if |value| ≥ LEAST_WHOLE."""
+    return f"{value:+#.2g}".rstrip(".") if abs(value) < LEAST_WHOLE else f"{value:+.0f}"
 
 
 PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}

@@ -73,7 +73,7 @@ def test_a_bar_shows_on_a_terminal_while_something_compiles(run, monkeypatch, te
 
 
 def test_the_bar_returns_to_the_simulation_after_a_second_compilation(monkeypatch, terminal):
-    monkeypatch.setattr(progress, "BRIEF", 0.0)
+    monkeypatch.setattr(progress, "BAR_DELAY", 0.0)
     text = terminal(True)
     with progress.progress() as advance:
         advance(0.1)

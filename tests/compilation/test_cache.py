@@ -112,7 +112,7 @@ def test_folders_that_nobody_uses_are_removed_when_something_is_made():
     for folder in (old, recent, other, linker, former):
         folder.mkdir()
         (folder / "b.so").touch()
-    long_ago = time.time() - cache.UNUSED - 60
+    long_ago = time.time() - cache.UNUSED_TIME - 60
     for folder in (old, other, linker, former):
         os.utime(folder, (long_ago, long_ago))
     get_or_make("c.so", lambda path: path.write_text("two"))
@@ -126,7 +126,7 @@ def test_folders_that_nobody_uses_are_removed_when_something_is_made():
 
 def test_a_file_that_is_found_counts_as_use():
     get_or_make("a.so", lambda path: path.write_text("one"))
-    long_ago = time.time() - cache.UNUSED - 60
+    long_ago = time.time() - cache.UNUSED_TIME - 60
     os.utime(present_kernel_folder(), (long_ago, long_ago))
     assert cache.find("a.so")
     assert present_kernel_folder().stat().st_mtime > time.time() - 60
@@ -276,7 +276,7 @@ def test_a_compiler_that_fails_on_a_full_disk_is_the_same_sentence(monkeypatch):
 
     with pytest.raises(BuildError, match="zig said"):
         get_or_make("a.so", fail)
-    monkeypatch.setattr(folders, "LITTLE", 1e30)
+    monkeypatch.setattr(folders, "LITTLE_SPACE", 1e30)
     with pytest.raises(
         BuildError, match=r"no kernel can be stored in .*cache \(the disk is full\): free space there, or"
     ):

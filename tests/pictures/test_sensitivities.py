@@ -29,9 +29,9 @@ from chain_impact.pictures.rows_of_impacts import is_outside_impacts, is_shifted
 from chain_impact.pictures.sensitivities import LARGEST_EFFECTS, fill_sensitivities, looks_of
 from chain_impact.pictures.sensitivity_table import (
     CELL_HEIGHT,
+    MOST_OPACITY,
     MOST_TABLE_ROWS,
-    SIGNED,
-    STRONGEST,
+    SIGNED_COLOURS,
     draw_impact_changes,
 )
 from tests.helpers.scenes.problems import flat_rod
@@ -295,7 +295,7 @@ def test_many_impacts_have_colours_in_place_of_numbers():
     below, zero, above = image.to_rgba(np.array([-50.0, 0.0, 50.0]))
     assert below[0] > below[2]
     assert above[2] > above[0]
-    assert zero[3] < 0.01 < STRONGEST - 0.1 < above[3]
+    assert zero[3] < 0.01 < MOST_OPACITY - 0.1 < above[3]
 
 
 def test_numbers_of_cells_stay_legible_on_a_dark_ground(swing):
@@ -303,7 +303,7 @@ def test_numbers_of_cells_stay_legible_on_a_dark_ground(swing):
         table = swing.plot_sensitivities().axes[-1]
     assert [to_hex(text.get_color()) for text in table.texts] == ["#ffffff"] * 2
     for part in (0.0, 0.5, 1.0):
-        *colour, opacity = SIGNED(part)
+        *colour, opacity = SIGNED_COLOURS(part)
         for ground, text in (("black", "white"), ("white", "black")):
             mixed = opacity * np.array(colour) + (1.0 - opacity) * np.array(to_rgb(ground))
             assert contrast(mixed, text) >= 4.5

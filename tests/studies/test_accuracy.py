@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from chain_impact.studies.accuracy import TIGHTER, differences
+from chain_impact.studies.accuracy import TOLERANCE_RATIO, differences
 from tests.helpers.scenes.problems import default_scene
 
 
@@ -12,7 +12,7 @@ from tests.helpers.scenes.problems import default_scene
 def test_the_estimate_is_the_error_within_a_fifth(tolerance):
     """The true error is the distance from the result at the tightest tolerance."""
     run, tighter, exact = (
-        simulate(default_scene(), 1.2, tolerance=t) for t in (tolerance, TIGHTER * tolerance, 1e-13)
+        simulate(default_scene(), 1.2, tolerance=t) for t in (tolerance, TOLERANCE_RATIO * tolerance, 1e-13)
     )
     found = differences(run, tighter)
     onset = np.abs(run.impacts["onset"] - exact.impacts["onset"]).max()

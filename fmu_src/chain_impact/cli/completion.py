@@ -14,7 +14,7 @@ from chain_impact.cli.progress import say
 
 SHELLS = ("bash", "zsh", "fish")
 # the environment variable that a shell sets when it calls the program for completions
-ASKED = "_ARGCOMPLETE"
+COMPLETION_VARIABLE = "_ARGCOMPLETE"
 
 
 def add(verbs: Verbs) -> None:
@@ -48,7 +48,7 @@ def answer(grammar: argparse.ArgumentParser) -> None:
 
     ``grammar`` is the parser of the command line.
     """
-    if ASKED in os.environ:
+    if COMPLETION_VARIABLE in os.environ:
         import argcomplete
 
         argcomplete.autocomplete(grammar)

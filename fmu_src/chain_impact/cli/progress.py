@@ -12,7 +12,7 @@ from rich.console import Console
 
 from chain_impact.progress import Progress, log, no_progress
 
-BRIEF = 1.0  # [s] time after the start of work at which the progress bar of the whole work appears
+BAR_DELAY = 1.0  # [s] time after the start of work at which the progress bar of the whole work appears
 # [s] the least time between two lines with the finished fraction, which stand in place of the progress bar
 # where standard error is no terminal
 LINE_INTERVAL = 10.0
@@ -92,7 +92,7 @@ def _bar(work: str) -> Iterator[Progress]:
     """Context manager that shows a progress bar on a terminal.
 
     It yields a function to call with the finished fraction of ``work``, from 0 to 1. The bar of ``work``
-    appears after the time BRIEF. When the package logs a message on a part of the work, such as a
+    appears after the time BAR_DELAY. When the package logs a message on a part of the work, such as a
     compilation, a bar with this message, but no fraction, replaces any other bar; other messages are printed.
     """
     from rich import progress as rich_progress  # imported here, because the import takes long
@@ -116,7 +116,7 @@ def _bar(work: str) -> Iterator[Progress]:
 
     def advance(fraction: float) -> None:
         nonlocal shown
-        if fraction > shown + 0.01 and monotonic() > started + BRIEF:
+        if fraction > shown + 0.01 and monotonic() > started + BAR_DELAY:
             if not any(task.total for task in bar.tasks):
                 begin(work, 1.0)
             bar.update(bar.task_ids[0], completed=fraction, description=_work_text(work, fraction))

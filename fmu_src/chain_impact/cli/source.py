@@ -27,7 +27,7 @@ from chain_impact.scene.settings import value_of, with_settings
 from chain_impact.scene.words.names import input_key
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.simulate import simulate
-from chain_impact.studies.accuracy import TIGHTER, Differences, differences
+from chain_impact.studies.accuracy import TOLERANCE_RATIO, Differences, differences
 from chain_impact.variables.peaks import JOINT_FORCE
 
 # a scene is simulated again for a picture of the motion if the first run has fewer rows
@@ -128,12 +128,14 @@ class Source:
         """
         tolerance, key = self._tolerance(), TOLERANCE.partition(".")[2]
         least = next(field.metadata["minimum"] for field in fields(Solver) if field.name == key)
-        if TIGHTER * tolerance < least:
+        if TOLERANCE_RATIO * tolerance < least:
             raise UsageError(
                 f"--check: {TOLERANCE} = {tolerance:g} leaves no tighter one; must be at least "
-                f"{least / TIGHTER:g}"
+                f"{least / TOLERANCE_RATIO:g}"
             )
-        return Source(self.name, [*self.settings, f"{TOLERANCE}={TIGHTER * tolerance!r}"], self.inputs)
+        return Source(
+            self.name, [*self.settings, f"{TOLERANCE}={TOLERANCE_RATIO * tolerance!r}"], self.inputs
+        )
 
     def _tolerance(self) -> float:
         values = settings_of(self.settings)

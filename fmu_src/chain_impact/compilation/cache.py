@@ -29,7 +29,7 @@ from chain_impact.progress import log
 
 # [s] time without use after which a folder for other sources or compilers, or of another version of the
 # linker, is removed
-UNUSED = 30 * 24 * 3600.0
+UNUSED_TIME = 30 * 24 * 3600.0
 # the beginning of the name of the folder for the linker's own cache; the version of the linker follows
 LINKER = "chain-impact-zig-"
 # matches the names of the cache's folders for any state of sources and compilers, and any linker version
@@ -178,13 +178,13 @@ def _temporary_folder(folder: Path, name: str) -> Iterator[Path]:
 
 
 def _prune(present: Path) -> None:
-    """Remove the folders of the cache that have not been used for the time UNUSED.
+    """Remove the folders of the cache that have not been used for the time UNUSED_TIME.
 
     The folder ``present`` and the folder of the installed version of the linker stay.
     """
     for folder in present.parent.iterdir():
         with suppress(FileNotFoundError):  # another process may remove old folders at the same time
-            old = folder.stat().st_mtime < time.time() - UNUSED
+            old = folder.stat().st_mtime < time.time() - UNUSED_TIME
             if old and _OURS.fullmatch(folder.name) and folder not in (present, linker_folder()):
                 shutil.rmtree(folder, ignore_errors=True)
 

@@ -19,7 +19,7 @@ NO_PLACE = (
     *(errno.EACCES, errno.EPERM, errno.EROFS),
     *(errno.ENOENT, errno.ENOSPC, errno.EDQUOT, errno.ENOTDIR),
 )
-LITTLE = 1_000_000  # [byte] with less free space than this, a disk counts as full
+LITTLE_SPACE = 1_000_000  # [byte] with less free space than this, a disk counts as full
 OTHERS = "other users can write there"
 ADVICE = "free space there, or set CHAIN_IMPACT_CACHE to another folder"
 
@@ -86,7 +86,7 @@ def explain_unwritable_folder(folder: Path) -> Iterator[None]:
         raise BuildError(f"no kernel can be stored in {where} ({why}): {ADVICE}") from None
     except BuildError:
         # a compiler can fail because the disk is full, but its message does not always say so
-        if folder.is_dir() and shutil.disk_usage(folder).free < LITTLE:
+        if folder.is_dir() and shutil.disk_usage(folder).free < LITTLE_SPACE:
             raise BuildError(f"no kernel can be stored in {folder} (the disk is full): {ADVICE}") from None
         raise
 

@@ -19,7 +19,7 @@ from chain_impact.user_laws.law_file import LawError, UserLaw, read_law
 LOWERING, LINKING = {KERNEL: 17.0, DERIVATIVES: 16.0}, {KERNEL: 5.0, DERIVATIVES: 4.0}
 # platform → [s] additional time of zig's first link for this platform, in which zig builds libraries of its
 # own; 0 for all others
-PREPARING = {"win64": 3.0}
+PREPARATION_TIMES = {"win64": 3.0}
 
 
 def kernel_library(
@@ -60,7 +60,7 @@ def kernel_library(
         def text() -> str:
             module = _lowered_kernel(part)
             prepared = compilers.zig_is_prepared(platform)
-            seconds = LINKING[part] + (0.0 if prepared else PREPARING.get(platform, 0.0))
+            seconds = LINKING[part] + (0.0 if prepared else PREPARATION_TIMES.get(platform, 0.0))
             log_once(f"linking the kernel for {platform}", seconds)
             return module
 

@@ -11,7 +11,7 @@ from enum import IntEnum
 from chain_impact.text import names_text
 
 # [1] a `size` up to which a difference gives no warning, unless its `effect` is MOTION
-NEGLIGIBLE = 0.02
+NEGLIGIBLE_SIZE = 0.02
 LINE_NAMES = 6  # largest number of names in a line of text; further names are only counted: "and 3 more"
 WARNING, DIFFERS, LEFT_OUT = "warning", "differs", "left out"  # titles under which differences are reported
 PLURALS = {"body": "bodies", "equality": "equalities", "link of joint": "links of joints"}
@@ -57,10 +57,10 @@ class Difference:
     def title(self) -> str:
         """The title under which the difference is reported.
 
-        It is WARNING if ``effect`` is MOTION or ``size`` exceeds NEGLIGIBLE. For any other difference it is
-        DIFFERS if ``differs``, else LEFT_OUT.
+        It is WARNING if ``effect`` is MOTION or ``size`` exceeds NEGLIGIBLE_SIZE. For any other difference it
+        is DIFFERS if ``differs``, else LEFT_OUT.
         """
-        if self.effect == SceneAspect.MOTION or self.size > NEGLIGIBLE:
+        if self.effect == SceneAspect.MOTION or self.size > NEGLIGIBLE_SIZE:
             return WARNING
         return DIFFERS if self.differs else LEFT_OUT
 

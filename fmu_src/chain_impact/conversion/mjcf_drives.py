@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.conversion.differences import NEGLIGIBLE, Difference, SceneAspect, joint_difference
+from chain_impact.conversion.differences import NEGLIGIBLE_SIZE, Difference, SceneAspect, joint_difference
 from chain_impact.conversion.robot import Joint
 
 # [rad/s] or [m/s] A speed that joints of robots hardly reach. If the limit of the drives acts on the damper
-# only from FAST on, the difference from MuJoCo counts as a difference without effect.
-FAST = 20.0
+# only from FAST_SPEED on, the difference from MuJoCo counts as a difference without effect.
+FAST_SPEED = 20.0
 # [1] two limits, or a servo's gain and stiffness, count as equal up to this relative difference
 EQUAL_GAINS = 1e-9
 
@@ -307,7 +307,7 @@ class Drives:
             speed = limit / damping
             text = f"the limit of its drives also limits its damper, from {speed:.3g} {unit}/s on"
             part = joint.damping / damping  # of the limited torque, the part of the joint's own damper
-            motion = speed < FAST and part > NEGLIGIBLE
+            motion = speed < FAST_SPEED and part > NEGLIGIBLE_SIZE
             self._tell_joint(joint, text, SceneAspect.MOTION if motion else SceneAspect.NONE)
 
     def _limit(self, joint: Joint, j: int, drives: list[Drive]) -> float | None:

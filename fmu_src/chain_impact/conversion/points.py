@@ -13,7 +13,7 @@ from chain_impact.conversion.flat import ZERO_LENGTH, Plan, rounded_to_zero
 from chain_impact.conversion.joints import PARALLEL_ANGLE
 from chain_impact.conversion.robot import LinkShape
 
-OUTLINED = ("sphere", "capsule", "box", "cylinder")
+OUTLINED_SHAPES = ("sphere", "capsule", "box", "cylinder")
 """The kinds of shapes that points can replace, because each is the convex hull of some balls or discs."""
 # TURN: [rad] the angles of the directions toward walls in which the balls of a link are compared;
 # DIRECTIONS: the unit vectors in these directions, shape (directions, 2)

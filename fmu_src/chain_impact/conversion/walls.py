@@ -15,7 +15,7 @@ from chain_impact.conversion.differences import Difference, SceneAspect
 from chain_impact.conversion.flat import ZERO_LENGTH, Plan
 from chain_impact.conversion.joints import PARALLEL_ANGLE, ChosenJoints, ancestors
 from chain_impact.conversion.points import (
-    OUTLINED,
+    OUTLINED_SHAPES,
     Ball,
     balls_of,
     is_within,
@@ -165,10 +165,10 @@ class Walls:
     def _is_point(self, shape: LinkShape) -> bool:
         """Return whether points replace a shape.
 
-        They do if the kind of the shape is in OUTLINED, its corners are known, and it can touch a wall or, in
-        a file without planes, any other shape.
+        They do if the kind of the shape is in OUTLINED_SHAPES, its corners are known, and it can touch a wall
+        or, in a file without planes, any other shape.
         """
-        has_corners = shape.kind in OUTLINED and len(shape.corners) > 0
+        has_corners = shape.kind in OUTLINED_SHAPES and len(shape.corners) > 0
         return has_corners and (shape.walls if self.robot.planes else shape.touches)
 
     def _touching_balls(self, i: int, touching: set[int]) -> list[Ball]:

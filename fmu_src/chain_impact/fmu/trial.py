@@ -30,8 +30,8 @@ T = TypeVar("T")
 START_ROUND_OFF = 1e-6
 # in the unit of the variable: two values also count as equal if they differ by at most this
 ABSOLUTE_TOLERANCE = 1e-12
-SAID = 300  # a message of the FMU is cut to this number of characters in the report
-SILENT = "it gives no reason; its binary may be made for another GUID or token, or for other resources"
+LONGEST_MESSAGE = 300  # a message of the FMU is cut to this number of characters in the report
+SILENT_REASON = "it gives no reason; its binary may be made for another GUID or token, or for other resources"
 
 
 class CallError(Exception):
@@ -105,10 +105,10 @@ class Trial:
         try:
             return function(*arguments)
         except Exception as error:  # fmpy's errors have no common class
-            otherwise = SILENT if without else str(error).replace(self.folder + os.sep, "")
+            otherwise = SILENT_REASON if without else str(error).replace(self.folder + os.sep, "")
             reasons = self.reasons()[before:] or [otherwise]
             result = f"gives {without}" if without else "fails"
-            raise CallError(f"{name} {result}: {' '.join(reasons[0].split())[:SAID]}") from None
+            raise CallError(f"{name} {result}: {' '.join(reasons[0].split())[:LONGEST_MESSAGE]}") from None
 
     def step_size(self) -> float:
         """Return a communication step [s] that the FMU should accept.

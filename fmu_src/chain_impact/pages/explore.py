@@ -30,7 +30,7 @@ BEGIN, PROGRAM, WORKER = "explore/begin.js", "explore/explore.js", "solver/worke
 WORKER the program of each worker that simulates."""
 TOML = "vendor/smol-toml.cjs"
 """The library with which the page reads scene files."""
-UNNAMED = "scene.toml"
+UNNAMED_FILE = "scene.toml"
 """The name, in the command that the page shows, of a ``Scene`` that is equal to no model."""
 
 
@@ -107,8 +107,9 @@ def compressed_text(content: bytes) -> str:
 def _source(scene: SceneSource) -> str:
     """Return the word for a scene in a command.
 
-    For a ``Scene`` it is the name of an equal model or else UNNAMED, for any other source this source itself.
+    For a ``Scene`` it is the name of an equal model or else UNNAMED_FILE, for any other source this source
+    itself.
     """
     if not isinstance(scene, Scene):
         return os.fspath(scene)
-    return next((name for name in model_names() if load_scene(name) == scene), UNNAMED)
+    return next((name for name in model_names() if load_scene(name) == scene), UNNAMED_FILE)

@@ -106,7 +106,7 @@ def shared() -> dict[str, Any]:
         },
         "file": {
             "CORNERS": [corner_of_box(n, 1.0, 1.0) for n in range(1, chain_tables.BOX_CORNERS + 1)],
-            "SHOWN": errors.SHOWN,
+            "SHOWN": errors.SHOWN_CHARACTERS,
             "STEP_ROUND_OFF": STEP_ROUND_OFF,
         },
         "signals": {

@@ -39,9 +39,10 @@ DIAMOND: dict[str, Any] = {"marker": "D", "markersize": 4.0, "color": INK, "line
 DIAMOND |= {"markeredgecolor": "white", "markeredgewidth": 0.5, "clip_on": False, "zorder": 4.0}
 """The properties of the diamonds, see ``Bars.marks``, with matplotlib's names."""
 RUN_LABEL = "change in a run (bar: to first order)"
-THICK = 0.66  # the thickness of a bar, relative to the distance between bars
-# bars are cut off only if the longest bar extends more than CUT times as far from 0 as what must be visible
-CUT = 4.0
+BAR_THICKNESS = 0.66  # the thickness of a bar, relative to the distance between bars
+# bars are cut off only if the longest bar extends more than CUT_RATIO times as far from 0 as what must be
+# visible
+CUT_RATIO = 4.0
 ROOM_BESIDE = 1.5  # see ``axis_ends``; a number > 1, so that arrows of cut bars are visible beside the marks
 CUT_BARS = "; a bar with an arrow is longer than the axis"
 ARROW_HEAD = 6.0  # [points] the size of the arrow at the end of a bar that is cut off
@@ -98,13 +99,14 @@ def axis_ends(
     """Return the ends of the axis for bars: the least and the largest of 0, all ``values`` and all ``marks``.
 
     If most bars are hollow, and all marks and all bars without a mark are much nearer to 0 than the longest
-    bar (CUT), bars are cut off at ROOM_BESIDE times the largest distance of these marks and bars from 0.
+    bar (CUT_RATIO), bars are cut off at ROOM_BESIDE times the largest distance of these marks and bars from
+    0.
     """
     seen = [value for value in (*values, *marks) if value is not None and math.isfinite(value)]
     low, high = min([0.0, *seen]), max([0.0, *seen])
     shown = [value if mark is None else mark for value, mark in zip(values, marks or values, strict=True)]
     reach = max((abs(value) for value in shown if math.isfinite(value)), default=0.0)
-    if 2 * sum(hollow) > len(values) and 0.0 < CUT * reach < max(-low, high):
+    if 2 * sum(hollow) > len(values) and 0.0 < CUT_RATIO * reach < max(-low, high):
         return max(low, -ROOM_BESIDE * reach), min(high, ROOM_BESIDE * reach)
     return low, high
 
@@ -159,7 +161,7 @@ def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool
         fills = [
             "none" if hollow else colour for hollow, colour in zip(block.is_hollow, colours, strict=True)
         ]
-        axes.barh(rows, block.values, THICK, color=fills, edgecolor=colours)
+        axes.barh(rows, block.values, BAR_THICKNESS, color=fills, edgecolor=colours)
         for row, (value, colour) in enumerate(zip(block.values, colours, strict=True)):
             if not ends[0] <= value <= ends[1]:
                 _draw_arrow(axes, row, colour, to_right=value > 0.0)

@@ -34,7 +34,7 @@ DRAWING_MARGIN, ICON_MARGIN = 1.4, 0.3
 ARROW_LENGTH, ARC_RADIUS, REFERENCE_LENGTH = 30.0, 18.0, 32.0
 # the largest number of links with which all points and angles have labels; with more links, only some points
 # and the first angle have a label
-LABELLED = 8
+MOST_LABELLED_LINKS = 8
 SIGNS = (
     "This is the start. Link i ends at point i. Angles, angular velocities and torques are positive "
     "anticlockwise. link[i].angle, θi, is measured from the x axis, and joint[i].angle from the link before. "
@@ -59,7 +59,7 @@ def drawing(scene: Scene) -> str:
     for name, plane in scene.walls_at_start.items():
         rubs = scene.has_contact_friction or name in scene.moving_walls
         _name_wall(axes, name, plane, "nt" if rubs else "n")
-    every = math.ceil(len(scene.chain.links) / LABELLED)
+    every = math.ceil(len(scene.chain.links) / MOST_LABELLED_LINKS)
     for i, angle in enumerate(scene.initial.angles[: None if every == 1 else 1]):
         _draw_angle(axes, joints[i], f"θ{i + 1} = {math.degrees(angle):.3g}°", angle, unit)
     for k, joint in enumerate(joints):

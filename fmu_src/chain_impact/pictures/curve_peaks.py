@@ -16,7 +16,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.scene.words.unit_text import unit_text
 
 AMOUNT_WIDTH = 1.2  # [points] the width of the line of a force's amount
-MARKED = {"N": "force", "N.m": "moment", "N.s": "impulse"}
+MARKED_UNITS = {"N": "force", "N.m": "moment", "N.s": "impulse"}
 """The units of curves whose largest values are written → quantity."""
 # a number stands at the inner side of its curve if another curve is nearer at the outer side, and nearer than
 # this, relative to the range of all curves in the panel
@@ -55,7 +55,7 @@ def largest_force(curves: Curves) -> tuple[str, np.ndarray]:
     components x and y of a force count as one force: "|joint[1].force|". The name is "" without such curves,
     and if all values are 0.
     """
-    for unit in MARKED:
+    for unit in MARKED_UNITS:
         names = [name for name in curves.values if curves.units.get(name) == unit]
         sizes = {name: np.abs(curves.values[name]) for name in names}
         sizes |= {f"|{owner}.force|": size for owner, size in amounts(curves, names).items()}
@@ -72,8 +72,8 @@ def extremes(
     """Return a label for each curve of a force, moment or impulse, at its value farthest from 0.
 
     The label of the largest |value| is first. A curve without a value other than 0 has no label; if ``unit``
-    is not in MARKED, there are no labels. A label stands at the side of its curve where no other curve is
-    near (LABEL_DISTANCE), so that it does not read as the number of this other curve.
+    is not in MARKED_UNITS, there are no labels. A label stands at the side of its curve where no other curve
+    is near (LABEL_DISTANCE), so that it does not read as the number of this other curve.
 
     Args:
         time: the times in the unit of the axis, shape (T,).
@@ -83,7 +83,7 @@ def extremes(
     """
     found = []
     near = LABEL_DISTANCE * float(np.ptp(_finite(lines)))
-    for k, (values, style) in enumerate(lines if unit in MARKED else ()):
+    for k, (values, style) in enumerate(lines if unit in MARKED_UNITS else ()):
         if (row := largest_row(np.abs(values))) is not None:
             value = float(values[row])
             outwards = math.copysign(1.0, value)

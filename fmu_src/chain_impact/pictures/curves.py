@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from chain_impact.pictures.curve_looks import DASHES, SHORT_DASHES, looks_of, owner_of, shared_part
 from chain_impact.pictures.curve_peaks import (
-    MARKED,
+    MARKED_UNITS,
     amount_lines,
     drawn_peaks,
     extremes,
@@ -287,8 +287,8 @@ def draw_all(
         if curves.onset is None:
             of_time = "; ".join(filter(None, (name_time(axes, ends[-1]), shown.note)))
         axes.set_xlabel(of_time)
-        axes.margins(y=0.16 if stored_unit in MARKED else 0.08)
-        if stored_unit in MARKED and all(not (values[is_shown] < 0.0).any() for values in drawn):
+        axes.margins(y=0.16 if stored_unit in MARKED_UNITS else 0.08)
+        if stored_unit in MARKED_UNITS and all(not (values[is_shown] < 0.0).any() for values in drawn):
             axes.set_ylim(LEAST_ZERO_SHARE * axes.get_ylim()[1])
         if any(values.any() for values in drawn):
             give_ticks(axes)
@@ -307,7 +307,7 @@ def full_name(name: str) -> str:
 def dashes(number: int, unit: str) -> Any:
     """Return the dashes of a curve in a ``unit``; short ones if the curve may have narrow peaks."""
     row = min(number, len(DASHES) - 1)
-    return (SHORT_DASHES if unit in MARKED else DASHES)[row]
+    return (SHORT_DASHES if unit in MARKED_UNITS else DASHES)[row]
 
 
 def look_of_energy(name: str) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.drawing.style import drawing_style, is_narrow, write_foot
 from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.motion.motion import all_entries, draw_motion, few_entries, note_on_lines
-from chain_impact.pictures.motion.view import GROWN, is_flat
+from chain_impact.pictures.motion.view import GROWTH_FACTORS, is_flat
 from chain_impact.pictures.over_time.dry_friction import move_legend_to_foot
 from chain_impact.pictures.over_time.impacts import place_of_late_peaks
 from chain_impact.pictures.over_time.time_axis import add_time_keys, draw_clock, label_time
@@ -31,7 +31,7 @@ LEGEND_ROOM = 1.1  # the room for a legend beside the motion, relative to the wi
 # a legend stands beside a motion that is not SLIM only if the motion keeps this part of the width
 LEAST_MOTION = 0.55
 # the largest factors (``view_of``) with which the view grows if the motion has the whole width of the figure
-WHOLE_WIDTH = (1.25, GROWN[1])
+WHOLE_WIDTH = (1.25, GROWTH_FACTORS[1])
 # NUMBER_BAND: [points] how far the picture shows the area beyond a wall, where numbers of impacts stand;
 # NARROW_NUMBER_BAND: the same in a narrow figure; MOST_BAND: the largest width of this area, relative to the
 # longer side of the view without margins
@@ -116,7 +116,7 @@ def _settle_motion(
     motion.clear()
     side = max(room.height, min(width, room.height * ratio)) * 72.0 / figure.dpi
     band = min((NARROW_NUMBER_BAND if is_small else NUMBER_BAND) / side, MOST_BAND)
-    draw_motion(motion, recording, room.height / width, band, WHOLE_WIDTH if is_alone else GROWN)
+    draw_motion(motion, recording, room.height / width, band, WHOLE_WIDTH if is_alone else GROWTH_FACTORS)
     if is_small:
         put_legend(motion, entries_of(motion))
     settle(figure, scaled)

@@ -47,9 +47,9 @@ from chain_impact.text import count_text, readable_unit
 # the largest number of parameters with coloured curves, those with the largest effects; other curves are grey
 LARGEST_EFFECTS = 4
 FIRST_ORDER_CHANGES = "changes to first order"
-ENDED = "ends: a change reverses two impacts or exceeds a range"
+END_NOTE = "ends: a change reverses two impacts or exceeds a range"
 LEAST_PANELS = 0.1  # [inch] the least height of all panels above the table with which the layout is computed
-SCALED = "(×): factor of the curve only"
+SCALE_NOTE = "(×): factor of the curve only"
 SHIFT_NOTE = "gaps: the change shifts an impact"
 # the largest height of the sentences on missing derivatives at the foot, relative to that of the figure
 MOST_LIMITS = 0.4
@@ -77,10 +77,10 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     remarks = [
         FIRST_ORDER_CHANGES,
         SHIFT_NOTE if len(recording.impacts) else "",
-        "" if known.all() else ENDED,
+        "" if known.all() else END_NOTE,
     ]
     scaled = with_small_steps(recording, found, names, known)
-    remarks.append(SCALED if any(part != 1.0 for part in scaled.parts.values()) else "")
+    remarks.append(SCALE_NOTE if any(part != 1.0 for part in scaled.parts.values()) else "")
     write_headline(figure, message, conditions(recording, *remarks))
     relative = np.max([shares(recording, scaled, name) for name in names], axis=0)
     looks = looks_of(found, relative, scaled.parts, is_brief=is_narrow(figure))

@@ -13,7 +13,7 @@ from chain_impact.pictures.words.headline import time_unit
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities, differs
 from chain_impact.scene.words.unit_text import with_unit
-from chain_impact.text import WHOLE, number_text, readable_unit
+from chain_impact.text import LEAST_WHOLE, number_text, readable_unit
 
 # a change up to this, relative to the range of the output, counts as round-off
 NO_CHANGE = 1e-12
@@ -120,7 +120,7 @@ def _change_in_run(
 def _size_text(size: float, unit: str) -> str:
     """Return a |change| as text, if possible with a unit whose prefix suits the number: "362 µm"."""
     scale, shown_unit = readable_unit(size, unit)
-    return with_unit(number_text(scale * size, 2 if scale * size < WHOLE else 3), shown_unit)
+    return with_unit(number_text(scale * size, 2 if scale * size < LEAST_WHOLE else 3), shown_unit)
 
 
 def _change_sizes(

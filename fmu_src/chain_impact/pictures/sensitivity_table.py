@@ -17,16 +17,17 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.text import count_text, signed_text
 
-STRONGEST = 0.6  # the opacity of the largest changes, from 0 to 1: so low that the text on it stays legible
+# the opacity of the largest changes, from 0 to 1: so low that the text on it stays legible
+MOST_OPACITY = 0.6
 # the colours of changes, with the opacity 0 for no change, so that they suit a light and a dark ground; blank
 # cells have a colour of their own
 SIGNED_STOPS = (
-    (0.0, (DECREASE, STRONGEST)),
+    (0.0, (DECREASE, MOST_OPACITY)),
     (0.5, (DECREASE, 0.0)),
     (0.5, (INCREASE, 0.0)),
-    (1.0, (INCREASE, STRONGEST)),
+    (1.0, (INCREASE, MOST_OPACITY)),
 )
-SIGNED = LinearSegmentedColormap.from_list("signed", SIGNED_STOPS).with_extremes(bad=OUTSIDE_COLOUR)
+SIGNED_COLOURS = LinearSegmentedColormap.from_list("signed", SIGNED_STOPS).with_extremes(bad=OUTSIDE_COLOUR)
 # [%] |changes| below LEAST_CHANGE are written as 0; from MOST_CHANGE on, the colour stays
 LEAST_CHANGE, MOST_CHANGE = 0.01, 100.0
 # |changes| up to FAINT_CHANGE, relative to the largest one, have no colour; the colours of larger ones are
@@ -78,7 +79,7 @@ def draw_impact_changes(
     largest = sizes.max(initial=0.0)
     most = min(MOST_CHANGE, largest) or MOST_CHANGE
     norm = SymLogNorm(FAINT_CHANGE * most, linscale=0.1, vmin=-most, vmax=most)
-    image = axes.imshow(np.ma.masked_invalid(changes), SIGNED, norm=norm, aspect="auto")
+    image = axes.imshow(np.ma.masked_invalid(changes), SIGNED_COLOURS, norm=norm, aspect="auto")
     figure = axes.get_figure(root=True)
     assert figure is not None
     has_texts = has_numbers(figure, len(onsets))

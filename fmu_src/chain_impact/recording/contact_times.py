@@ -15,12 +15,13 @@ SEEN_CONTACT = 0.01
 # the least force of a row that counts as the peak of a contact, relative to the peak force, which may lie
 # between rows
 ALMOST_PEAK = 0.98
-# the time of the largest force is that of the first row with at least FIRST × this force, so that round-off
-# does not choose a time while the force is constant
-FIRST = 1.0 - 1e-4
-FIRST_EXACT = 1.0 - 1e-7  # the same as FIRST for the rows of an impact's course, which are close in time
-# a force is mostly constant if more than this share of its rows have at least FIRST × the largest force
-STEADY = 0.5
+# the time of the largest force is that of the first row with at least PEAK_SHARE × this force, so that
+# round-off does not choose a time while the force is constant
+PEAK_SHARE = 1.0 - 1e-4
+# the same as PEAK_SHARE for the rows of an impact's course, which are close in time
+EXACT_PEAK_SHARE = 1.0 - 1e-7
+# a force is mostly constant if more than this share of its rows have at least PEAK_SHARE × the largest force
+STEADY_SHARE = 0.5
 
 
 def contact_ends(recording: Recording) -> np.ndarray:
@@ -47,8 +48,8 @@ def impacts_at_peaks(recording: Recording) -> np.ndarray:
     """Return a copy of the table of impacts in which ``onset`` is the time of the largest force, if known.
 
     The onset stays if the largest force follows too soon to be visible (SEEN_CONTACT), if no row has almost
-    the peak force (ALMOST_PEAK), if the force is mostly constant (STEADY), if the recording lacks the force,
-    and under a law that acts by impulses.
+    the peak force (ALMOST_PEAK), if the force is mostly constant (STEADY_SHARE), if the recording lacks the
+    force, and under a law that acts by impulses.
     """
     impacts, time, least = recording.impacts.copy(), recording.time, SEEN_CONTACT * recording.duration
     forces, ends = recording.contact_forces, contact_ends(recording)
@@ -60,9 +61,9 @@ def impacts_at_peaks(recording: Recording) -> np.ndarray:
         if force is None or is_short or has_impulses(law):
             continue
         during = force[first:last]
-        is_largest = during >= FIRST * during.max()
+        is_largest = during >= PEAK_SHARE * during.max()
         row = first + is_largest.argmax()
-        if len(during) > 1 and is_largest.mean() > STEADY:
+        if len(during) > 1 and is_largest.mean() > STEADY_SHARE:
             continue
         if force[row] >= ALMOST_PEAK * impact["peak_force"] and time[row] - impact["onset"] > least:
             impact["onset"] = time[row]
@@ -80,10 +81,10 @@ def peak_time(recording: Recording, row: int) -> float:
     """Return the time [s] of the largest force in the impact in row ``row``, as ``impacts_at_peaks`` does.
 
     If that time is later than the onset, and the run can be repeated, the result is the first time at which
-    the course of the impact has the largest force (FIRST_EXACT), which may lie between rows.
+    the course of the impact has the largest force (EXACT_PEAK_SHARE), which may lie between rows.
     """
     time = float(impacts_at_peaks(recording)["onset"][row])
     course = course_in_run(recording, row) if time > recording.impacts["onset"][row] else None
     if course is None:
         return time
-    return float(course.time[(course.force >= FIRST_EXACT * course.force.max()).argmax()])
+    return float(course.time[(course.force >= EXACT_PEAK_SHARE * course.force.max()).argmax()])

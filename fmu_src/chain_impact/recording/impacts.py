@@ -65,7 +65,7 @@ COLUMNS = {
 }
 """Column of the table of impacts → last part of the name of the FMU's variable."""
 POSITION = ("x", "y")
-UNSHOWN = ("effective_mass", "joint_force", *POSITION)
+UNSHOWN_COLUMNS = ("effective_mass", "joint_force", *POSITION)
 """The columns that are NaN in a table from an FMU's outputs, because the FMU has no outputs for them."""
 
 
@@ -193,7 +193,7 @@ def _table(record: Any, walls: Sequence[str]) -> np.ndarray:
     seen = counts[row] >= number
     number, row = number[seen], row[seen]
     table = np.zeros(len(number), LOG_DTYPE)
-    for field in UNSHOWN:
+    for field in UNSHOWN_COLUMNS:
         table[field] = np.nan
     for field, name in COLUMNS.items():
         columns = np.array([_column(record, f"impact[{j}].{name}") for j in range(1, shown + 1)])

@@ -40,7 +40,7 @@ COLUMN_UNITS, STOP_COLUMN_UNITS = (
 """The units of VALUE_COLUMNS in the list of impacts: STOP_COLUMN_UNITS at stops of joints, COLUMN_UNITS at
 walls and at stops of a slider."""
 NO_NUMBER = "—"  # the text for a number that does not exist or is unknown
-LASTS = "lasts"  # the text in place of the duration of a contact that lasts to the end of the run
+LASTING_TEXT = "lasts"  # the text in place of the duration of a contact that lasts to the end of the run
 # A number that is at least FIVE_DIGITS and less than MILLION is rounded to four significant digits, and
 # written as a whole number without an exponent.
 FIVE_DIGITS, MILLION = 1e4, 1e6
@@ -132,7 +132,7 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
     """
     point = result.touching_part(impact).removeprefix("point ")
     speed, lasting = f"{impact['impact_speed']:.4f}", _peak_text(1e3 * impact["duration"])
-    lasting = LASTS if lasts(impact) else lasting
+    lasting = LASTING_TEXT if lasts(impact) else lasting
     values = (speed, lasting, _peak_text(impact["peak_force"]), digits(impact["impulse"]))
     joint = (_peak_text(impact["joint_force"]), str(impact["joint"] or NO_NUMBER))
     loads = joint if result.knows_joint_forces else ()

@@ -12,7 +12,7 @@ from chain_impact.scene.words.names import DataPath, fmu_name, path_text
 from chain_impact.scene.words.similar_names import proposed_name
 
 NAMED_PARTS = 8  # a message lists quantities of only one owner: at most this number, then …
-SHOWN = 60  # a message has at most this number of characters of a value, then ...
+SHOWN_CHARACTERS = 60  # a message has at most this number of characters of a value, then ...
 
 
 class SceneError(ValueError):
@@ -171,10 +171,10 @@ def find_names(name: str, names: Iterable[str]) -> list[str]:
 
 
 def value_text(value: Any) -> str:
-    """Return the text of a value for a message: one line of at most SHOWN characters, and "..." if cut."""
+    """Return the text of a value for a message: one line of at most SHOWN_CHARACTERS, and "..." if cut."""
     try:
         text = str(value).lower() if isinstance(value, bool) else " ".join(repr(value).split())
     # an integer with too many digits, or a list with too many levels, has no text
     except (ValueError, RecursionError):
         text = f"<{type(value).__name__}>"
-    return text if len(text) <= SHOWN else text[:SHOWN] + "..."
+    return text if len(text) <= SHOWN_CHARACTERS else text[:SHOWN_CHARACTERS] + "..."

@@ -19,7 +19,7 @@ from chain_impact.scene.keys.signal_tables import FORMS, NUMBERS, SHAPES, Signal
 
 # [1] the last row of a periodic table counts as simultaneous with the end of the first period if their times
 # differ by at most this, relative to the period
-CLOSED = 1e-9
+PERIOD_TOLERANCE = 1e-9
 
 
 def value_at_start(signal: Signal, driven: str, stop: float) -> float:
@@ -91,7 +91,7 @@ def is_closed(signal: Signal) -> bool:
     """
     times = signal.samples.times if signal.samples else ()
     last = times[-1] - times[0] - (signal.period or 0.0)
-    return abs(last) <= CLOSED * (signal.period or 0.0)
+    return abs(last) <= PERIOD_TOLERANCE * (signal.period or 0.0)
 
 
 def is_position(name: str) -> bool:

@@ -5,10 +5,10 @@ import warnings
 
 from chain_impact.scene.errors import SceneWarning
 
-INCOMPRESSIBLE = 0.5  # [1] Poisson's ratio of an incompressible material, the largest possible ratio
+INCOMPRESSIBLE_RATIO = 0.5  # [1] Poisson's ratio of an incompressible material, the largest possible ratio
 # [m] radius of a part of a large machine; a larger number is probably a radius in mm
 LARGEST_RADIUS = 1.0
-SOFTEST = 1e3  # [Pa] Young's modulus of very soft gels; a smaller number is probably a modulus in GPa
+LEAST_MODULUS = 1e3  # [Pa] Young's modulus of very soft gels; a smaller number is probably a modulus in GPa
 
 
 def sphere_plane_stiffness(
@@ -36,10 +36,10 @@ def sphere_plane_stiffness(
         if not 0.0 < value < math.inf:
             raise ValueError(f"{name} = {value} must be a finite number > 0")
     for name, value in (("poisson_1", poisson_1), ("poisson_2", poisson_2)):
-        if not -1.0 < value <= INCOMPRESSIBLE:
+        if not -1.0 < value <= INCOMPRESSIBLE_RATIO:
             raise ValueError(f"{name} = {value} must be > -1 and <= 0.5")
     for name, value in (("young_1", young_1), ("young_2", young_2)):
-        if value < SOFTEST:
+        if value < LEAST_MODULUS:
             hint = f"{name} = {value:g} Pa is softer than a gel: is it in GPa?"
             warnings.warn(hint, SceneWarning, stacklevel=2)
     if radius > LARGEST_RADIUS:

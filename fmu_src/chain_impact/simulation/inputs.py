@@ -45,12 +45,12 @@ GivenInputs = Mapping[str, InputSource] | TableSource
 Interpolation = Literal["follow", "hold", "linear", "spline"]
 """How an input acts between its samples, or between calls of its function: see ``simulate``."""
 INTERPOLATIONS = ("follow", "hold", "linear", "spline")
-# [1] the allowed error of a followed input that is no motion, relative to its largest value, is FINER times
-# the solver's tolerance
-FINER = 1e-3
+# [1] the allowed error of a followed input that is no motion, relative to its largest value, is
+# TOLERANCE_SHARE times the solver's tolerance
+TOLERANCE_SHARE = 1e-3
 # [1] a sample counts as simultaneous with a communication point, or with the sample before it, if their times
 # differ by at most this, relative to the end of the run
-SIMULTANEOUS = 1e-12
+SAMPLE_ROUND_OFF = 1e-12
 LISTED_NAMES = 8  # largest number of names of inputs in an error
 NO_PIECES = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
 """The pieces of a run without inputs."""
@@ -243,7 +243,7 @@ def _pieces_of(
     ``spline``, samples with ``spline`` only. All other signals are held, or with ``linear`` joined by lines,
     between the communication points ``run`` and the times of samples.
     """
-    scene, same = prepared.scene, SIMULTANEOUS * run[-1]
+    scene, same = prepared.scene, SAMPLE_ROUND_OFF * run[-1]
     splines = {
         name: as_function(name, signal, call, joined="spline")
         for name, signal in signals.items()
@@ -277,7 +277,7 @@ def _pieces_of(
         }
         functions |= {motion.name or str(m): motion.position for m, motion in enumerate(motions)}
         is_force = columns < len(signals)
-        accuracy = np.where(is_force, FINER * scene.solver.tolerance, ACCURACY)
+        accuracy = np.where(is_force, TOLERANCE_SHARE * scene.solver.tolerance, ACCURACY)
         resolved = np.where(is_force, TIME_ERROR, FINELY_RESOLVED)
         pieces = _with_functions(scene.name, functions, columns, pieces, (accuracy, resolved))
         pieces = replace(pieces, moving=moving)

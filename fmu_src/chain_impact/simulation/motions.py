@@ -36,7 +36,7 @@ LEAST_JUMPS = 1e-9, 1e-6, 1e-4
 # [1] a given velocity, acceleration or start contradicts the motion if the given value and that of the motion
 # differ by more than this: relative to the larger of the two starts, or to the largest velocity or
 # acceleration of both in the run
-CONTRADICTS = 1e-3
+LEAST_CONTRADICTION = 1e-3
 # [1] round-off of a position at the start, relative to the largest position; only a larger difference is a
 # contradiction
 START_POSITION_ROUND_OFF = 1e-12
@@ -288,7 +288,7 @@ def contradictions(
             start = positions[0]
             round_off = max(ALLOWED_OVERLAP, START_POSITION_ROUND_OFF * np.abs(positions).max())
             off = abs(start - channel.start)
-            if off > max(CONTRADICTS * max(abs(start), abs(channel.start)), round_off):
+            if off > max(LEAST_CONTRADICTION * max(abs(start), abs(channel.start)), round_off):
                 texts.append(start_hint(channel.position[-1], start, channel.start))
         for name in names[1:]:
             order = channel.names.index(name)
@@ -296,7 +296,9 @@ def contradictions(
             followed = derivatives(pieces, order)[0, :, column]
             given = np.asarray(value(pieces.start))
             k = int(np.abs(given - followed).argmax())
-            if abs(given[k] - followed[k]) > CONTRADICTS * max(np.abs(given).max(), np.abs(followed).max()):
+            if abs(given[k] - followed[k]) > LEAST_CONTRADICTION * max(
+                np.abs(given).max(), np.abs(followed).max()
+            ):
                 at = f"at t = {pieces.start[k]:.9g} s"
                 texts.append(
                     f"{name} = {given[k]:.9g} contradicts {names[0]}, which gives {followed[k]:.9g} {at}, "

@@ -10,7 +10,7 @@ from chain_impact.recording.impacts import common_count
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.words.names import point_label
 
-TIGHTER = 0.1
+TOLERANCE_RATIO = 0.1
 """The solver's tolerance in the second run, divided by the solver's tolerance in the first run.
 
 With a ratio closer to 1, the two runs would have errors of similar size, so their difference would not be an

@@ -5,7 +5,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.distinct_curves import (
-    FAST,
+    FAST_ENTRY,
     envelope,
     merged_dashes,
     parts_with_dashes,
@@ -29,7 +29,7 @@ def test_a_fast_oscillation_is_a_pale_area_between_its_extremes():
     assert np.ptp(area.get_paths()[0].vertices[:, 1]) == pytest.approx(10.0, rel=0.02)
     assert area.get_facecolor()[0, 3] < 0.5  # a curve behind it is seen
     mean, other, told = axes.lines
-    assert told.get_label() == FAST
+    assert told.get_label() == FAST_ENTRY
     assert (told.get_color(), told.get_alpha()) == (mean.get_color(), area.get_alpha())
     assert np.abs(mean.get_ydata()).max() < 0.06, "the mean over a period"
     assert len(other.get_xdata()) == len(TIME)

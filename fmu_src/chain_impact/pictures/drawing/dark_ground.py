@@ -19,7 +19,8 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation, Text
 
-DARK = 0.18  # a ground with less luminance is dark: white text has more contrast on it than black text
+# a ground with less luminance is dark: white text has more contrast on it than black text
+DARK_LUMINANCE = 0.18
 # the least luminance of a colour on a dark ground; a colour with this luminance has the contrast ratio 5 on
 # black; with a larger least luminance, blue and light blue would look alike
 LEAST_LUMINANCE = 0.2
@@ -46,7 +47,7 @@ YELLOW, SKY, ORANGE = "#f0e442", "#8fd3ff", "#e69f00"
 # would look like that of another curve
 REPLACED = {UMBER: YELLOW, PLUM: SKY, OCHRE: ORANGE}
 NO_MARK = ("", "None", None)  # what matplotlib returns as the marker of a line without marks
-COLOURED = 0.3  # a colour with less saturation counts as a grey
+LEAST_SATURATION = 0.3  # a colour with less saturation counts as a grey
 # The distance of a grey from white, 0…1, raised to this power is the part of the text's colour in the mixture
 # with a dark ground. The power enlarges the part, because greys near black are hard to see.
 SPREAD = 0.8
@@ -175,13 +176,13 @@ def luminance(colour: Any) -> float:
 
 
 def is_coloured(colour: Any) -> bool:
-    """Return whether a colour is not a grey (COLOURED)."""
-    return colorsys.rgb_to_hsv(*to_rgb(colour))[1] >= COLOURED
+    """Return whether a colour is not a grey (LEAST_SATURATION)."""
+    return colorsys.rgb_to_hsv(*to_rgb(colour))[1] >= LEAST_SATURATION
 
 
 def is_dark(ground: Any) -> bool:
     """Return whether a ground is dark; a completely transparent ground is not."""
-    return to_rgba(ground)[3] > 0.0 and luminance(ground) < DARK
+    return to_rgba(ground)[3] > 0.0 and luminance(ground) < DARK_LUMINANCE
 
 
 def least_luminance(ground: Any, ratio: float) -> float:

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from chain_impact.pictures.drawing.style import GREY
 
 MOST_GREY = 2  # the largest number of grey curves that are drawn as curves; more are drawn as one band
-SOFT = 0.45  # the opacity of a band, from 0 to 1
+BAND_OPACITY = 0.45  # the opacity of a band, from 0 to 1
 # BIN: the width [points] of the parts into which the axes are divided. FAST_TURNS: a curve is fast at a part
 # if it has at least so many turns, two in each period, in this part and the parts beside it. FAST_PART: a
 # curve is fast if it is fast at more than this share of the parts. LEAST_TURN: a turn counts if the value
@@ -24,8 +24,8 @@ SAME_CURVE = 0.005
 # the number of points of a line at which the distance is measured; LEAST_DASHED: the least length of a part
 # with dashes, relative to the range of all lines; DASH: the length of a dash, in line widths
 MERGED, PIECES, LEAST_DASHED, DASH = 0.008, 600, 0.05, 3.0
-CLEAR = 0.2  # the opacity of the area for a fast curve, from 0 to 1
-FAST = "pale: range of an oscillation, line: mean"
+AREA_OPACITY = 0.2  # the opacity of the area for a fast curve, from 0 to 1
+FAST_ENTRY = "pale: range of an oscillation, line: mean"
 
 
 def fill_band(
@@ -38,7 +38,7 @@ def fill_band(
     """
     known = np.ma.masked_invalid(curves)
     ends = known.min(axis=0).filled(np.nan), known.max(axis=0).filled(np.nan)
-    axes.fill_between(along, *ends, color=GREY, alpha=SOFT, linewidth=0.0, label=label)
+    axes.fill_between(along, *ends, color=GREY, alpha=BAND_OPACITY, linewidth=0.0, label=label)
 
 
 def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> None:
@@ -63,12 +63,14 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
             axes.plot(along, values, **look)
             continue
         low, high, mean = envelope(along, values, least)
-        axes.fill_between(along, low, high, color=look["color"], alpha=CLEAR, linewidth=0.0, zorder=1.8)
+        axes.fill_between(
+            along, low, high, color=look["color"], alpha=AREA_OPACITY, linewidth=0.0, zorder=1.8
+        )
         axes.plot(along, mean, **look)
     if fast:
         colour, *others = {curves[k][1]["color"] for k in fast}
-        colour, alpha = (GREY, SOFT) if others else (colour, CLEAR)
-        axes.plot([], [], color=colour, alpha=alpha, linewidth=5.0, solid_capstyle="butt", label=FAST)
+        colour, alpha = (GREY, BAND_OPACITY) if others else (colour, AREA_OPACITY)
+        axes.plot([], [], color=colour, alpha=alpha, linewidth=5.0, solid_capstyle="butt", label=FAST_ENTRY)
 
 
 def hidden_counts(curves: Sequence[np.ndarray], same: float = SAME_CURVE, share: float = 1.0) -> list[int]:

@@ -16,14 +16,15 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from chain_impact.pictures.drawing.dark_ground import TEXT_OUTLINE
-from chain_impact.pictures.drawing.style import FLAT, INK, SHADE, faint_colour
+from chain_impact.pictures.drawing.style import FLAT_COLOURS, INK, SHADE, faint_colour
 
-CLOSE = 4.0  # [points] the usual distance from a position to its label
-# The distances between a position and its label, relative to CLOSE, in the order in which they are tried. A
-# leader is a line from the position to its label. Labels at the distances NEARBY, which come first, have no
-# leader. Then come the distances LEADER_DISTANCES, with a leader, or, if leaders are not allowed, UNLED.
-NEARBY = (1.0, 1.2)
-UNLED = (1.3, 1.5, 1.8, 2.1)
+LABEL_OFFSET = 4.0  # [points] the usual distance from a position to its label
+# The distances between a position and its label, relative to LABEL_OFFSET, in the order in which they are
+# tried. A leader is a line from the position to its label. Labels at the distances CLOSE_DISTANCES, which
+# come first, have no leader. Then come the distances LEADER_DISTANCES, with a leader, or, if leaders are not
+# allowed, UNLED_DISTANCES.
+CLOSE_DISTANCES = (1.0, 1.2)
+UNLED_DISTANCES = (1.3, 1.5, 1.8, 2.1)
 LEADER_DISTANCES = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5, 12.5, 15.0)
 # LABEL_DIRECTIONS: the number of directions that are tried, equally spaced in a full turn; TURNS: the order
 # of these directions, as steps away from the best direction, to both sides
@@ -33,22 +34,23 @@ TURNS = (
     *(sign * part for part in range(1, LABEL_DIRECTIONS // 2) for sign in (1, -1)),
     LABEL_DIRECTIONS // 2,
 )
-COVERED = 0.6  # the largest part of a leader's length that may cover other drawn pixels
-# STRONG: a pixel is strong if its red, green or blue, 0 to 255, is below this number. CROSSED: [points]
-# limits of the length of a leader on strong pixels, in the order in which they are tried. OWN: [points] the
-# first part of a leader, which does not count for CROSSED, because the mark of the position is there.
-CROSSED, OWN, STRONG = (0.0, 4.0, 12.0), 6.0, 128
+MOST_COVERED = 0.6  # the largest part of a leader's length that may cover other drawn pixels
+# STRONG: a pixel is strong if its red, green or blue, 0 to 255, is below this number. CROSSED_LENGTHS:
+# [points] limits of the length of a leader on strong pixels, in the order in which they are tried.
+# MARK_LENGTH: [points] the first part of a leader, which does not count for CROSSED_LENGTHS, because the mark
+# of the position is there.
+CROSSED_LENGTHS, MARK_LENGTH, STRONG = (0.0, 4.0, 12.0), 6.0, 128
 # [points] Without leaders, no strong pixel between a position and its label may be farther from the position
 # than this.
 OWN_LINE = 4.5
 # [pixels] a pixel of a leader crosses a strong pixel, or a pixel of another leader, if the distance of both
 # pixels is at most this along x and along y
-CROSSING = 2
-FARTHEST_OUTSIDE = (
-    64.0  # [points] with leaders, a label may end at most this far beyond the right edge of its axes
-)
+CROSSING_DISTANCE = 2
+# [points] with leaders, a label may end at most this far beyond the right edge of its axes
+FARTHEST_OUTSIDE = 64.0
 PAD = 1.0  # [points] the width of the border around a label that must be free, too
-APART = 5.0  # [points] the least space between two labels in a row, which would otherwise read as one label
+# [points] the least space between two labels in a row, which would otherwise read as one label
+LABEL_SPACE = 5.0
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
 # matplotlib's order of drawing (zorder) for labels and their leaders: above links and points
 LABEL_LAYER = 6.0
@@ -87,7 +89,7 @@ class Ink:
         canvas: Any = FigureCanvasAgg(figure)  # matplotlib has no type information for the canvas
         canvas.draw()
         figure.set_canvas(own)
-        grounds = [*FLAT, figure.get_facecolor(), *(axes.get_facecolor() for axes in figure.axes)]
+        grounds = [*FLAT_COLOURS, figure.get_facecolor(), *(axes.get_facecolor() for axes in figure.axes)]
         grounds += [faint_colour(axes, SHADE) for axes in figure.axes]
         parts = np.ascontiguousarray(canvas.buffer_rgba())[::-1]
         colours = parts.view(np.uint32)[..., 0]
@@ -101,7 +103,7 @@ class Ink:
             self._drawn &= colours != ground
         self._labels, self._leaders = np.zeros_like(self._drawn), np.zeros_like(self._drawn)
         self._counts = cumulative_counts(self._drawn)
-        self.apart = int(APART * figure.dpi / 72.0)
+        self.apart = int(LABEL_SPACE * figure.dpi / 72.0)
 
     def pixels(self) -> list[np.ndarray]:
         """Return copies of the arrays that change when a label is written; ``restore`` takes them."""
@@ -145,9 +147,9 @@ class Ink:
         has no label and no drawn pixel. With ``on_pale`` only strong pixels count as drawn.
 
         With ``position`` the label has a leader, the straight line from ``position`` to the middle of the
-        box. A free leader crosses no label. At most the part COVERED of its pixels are drawn pixels. Behind
-        its first ``own`` pixels, it crosses no other leader, and has at most ``crossed`` pixels at strong
-        pixels (CROSSING).
+        box. A free leader crosses no label. At most the part MOST_COVERED of its pixels are drawn pixels.
+        Behind its first ``own`` pixels, it crosses no other leader, and has at most ``crossed`` pixels at
+        strong pixels (CROSSING_DISTANCE).
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
         box, labels = self._drawn[y0:y1, x0:x1], self._labels[y0:y1, x0:x1]
@@ -156,7 +158,7 @@ class Ink:
             return False
         if position is not None:
             line, beyond = _line_between(position, 0.5 * (low + high), own)
-            if self._labels[line].any() or met[line].sum() > COVERED * len(line[0]):
+            if self._labels[line].any() or met[line].sum() > MOST_COVERED * len(line[0]):
                 return False
             if self._leaders[beyond].any() or self._near_strong[beyond].sum() > crossed:
                 return False
@@ -180,11 +182,11 @@ def _line_between(position: np.ndarray, end: np.ndarray, own: float) -> tuple[tu
 
 
 def widened_mask(pixels: np.ndarray) -> np.ndarray:
-    """Return whether each pixel is at most CROSSING pixels, along x and along y, from a true pixel."""
+    """Return whether each pixel is at most CROSSING_DISTANCE, along x and along y, from a true pixel."""
     wide = pixels.copy()
     for axis in (0, 1):
         here = wide.copy()
-        for way in range(1, CROSSING + 1):
+        for way in range(1, CROSSING_DISTANCE + 1):
             ahead, behind = (slice(way, None), slice(None, -way))
             for to, of in ((ahead, behind), (behind, ahead)):
                 at: tuple[slice, ...] = (to,) if axis == 0 else (slice(None), to)
@@ -223,7 +225,7 @@ def place_labels(
             position to the label, and may cover pale lines.
         look: properties of the text of all labels, with matplotlib's names.
     """
-    steps = np.array(NEARBY + (LEADER_DISTANCES if lines else UNLED))
+    steps = np.array(CLOSE_DISTANCES + (LEADER_DISTANCES if lines else UNLED_DISTANCES))
     probe = axes.text(0.0, 0.0, "", **look)  # a text by which the sizes of other texts are measured
 
     @functools.cache
@@ -275,7 +277,7 @@ def place_labels(
 
 
 def _usual_box(axes: Axes, label: Label, half: np.ndarray) -> np.ndarray:
-    """Return the box of a label in its best direction, at its usual distance CLOSE from its position.
+    """Return the box of a label in its best direction, at its usual distance LABEL_OFFSET from its position.
 
     The box has the lower left and the upper right corner, shape (2, 2) [pixels]. ``half``: half of the width
     and of the height of the text in the box [pixels].
@@ -283,7 +285,7 @@ def _usual_box(axes: Axes, label: Label, half: np.ndarray) -> np.ndarray:
     figure = axes.get_figure(root=True)
     assert figure is not None
     middle = axes.transData.transform(label.position) + np.array(label.away) * (
-        CLOSE * figure.dpi / 72.0 + half
+        LABEL_OFFSET * figure.dpi / 72.0 + half
     )
     return np.array([middle - half, middle + half])
 
@@ -301,9 +303,9 @@ def _place(
 ) -> bool:
     """Write the first text that has a free position; return whether a text was written.
 
-    For each limit in CROSSED, the texts are tried where nothing is drawn and then, if leaders are allowed,
-    with an outline, where only pale lines are drawn. Each text is tried first at positions that leave the
-    best positions of later labels free, then at all positions.
+    For each limit in CROSSED_LENGTHS, the texts are tried where nothing is drawn and then, if leaders are
+    allowed, with an outline, where only pale lines are drawn. Each text is tried first at positions that
+    leave the best positions of later labels free, then at all positions.
 
     Args:
         axes: the axes inside which the text stays; with leaders, the text may be beyond their right edge.
@@ -313,7 +315,7 @@ def _place(
             text must not be nearer to one of ``others`` than to the label's own position.
         sizes: text → half of its width and height [pixels]; the texts are tried in the order of the dict.
         ink: the used pixels of the figure.
-        steps: the distances from the position that are tried, in this order, relative to CLOSE.
+        steps: the distances from the position that are tried, in this order, relative to LABEL_OFFSET.
         look: properties of the text, with matplotlib's names.
     """
     figure = axes.get_figure(root=True)
@@ -321,7 +323,9 @@ def _place(
     point, inside = figure.dpi / 72.0, axes.get_window_extent()
     may_lead = LEADER_DISTANCES[-1] in steps
     beyond = (
-        min(inside.x1 + FARTHEST_OUTSIDE * point, figure.bbox.x1 - CLOSE * point) if may_lead else inside.x1
+        min(inside.x1 + FARTHEST_OUTSIDE * point, figure.bbox.x1 - LABEL_OFFSET * point)
+        if may_lead
+        else inside.x1
     )
     highest = np.array([max(inside.x1, beyond), inside.y1])
     at = np.asarray(axes.transData.transform(label.position))
@@ -338,15 +342,15 @@ def _place(
         True: {"path_effects": [withStroke(linewidth=TEXT_OUTLINE, foreground="white")]},
         False: {},
     }
-    tries = product(CROSSED, grounds, sizes, (homes, homes[:0]))
+    tries = product(CROSSED_LENGTHS, grounds, sizes, (homes, homes[:0]))
     for crossed, on_pale, words, spared in tries:
         half = sizes[words]
-        ways = directions(label.away) * (steps[:, None, None] * CLOSE * point + half)
+        ways = directions(label.away) * (steps[:, None, None] * LABEL_OFFSET * point + half)
         low, high = at + ways - half - PAD * point, at + ways + half + PAD * point
         is_inside = ((low >= inside.min) & (high <= highest)).all(axis=-1)
         is_inside &= (high[..., 0] <= inside.x1) | (low[..., 0] >= inside.x1)
         if label.is_on_side:
-            is_inside &= ways @ label.away > -CLOSE
+            is_inside &= ways @ label.away > -LABEL_OFFSET
         for home in spared:
             is_inside &= ~((low < home[1] + apart) & (home[0] - apart < high)).all(axis=-1)
         tried = np.argwhere(is_inside)
@@ -363,7 +367,7 @@ def _place(
                 is_nearer = np.hypot(*(others - middle).T) < np.hypot(*(at - middle))
                 if is_nearer.any() or ink.is_crossed(at, middle, OWN_LINE * point):
                     continue
-            if ink.take(*box, start, OWN * point, crossed * point, on_pale=on_pale):
+            if ink.take(*box, start, MARK_LENGTH * point, crossed * point, on_pale=on_pale):
                 offset = (ways[step, turn] / point).tolist()
                 axes.annotate(
                     words, label.position, offset, **led, **outline[on_pale], **style | look | label.look

@@ -43,7 +43,7 @@ GREY, PALE, INK = "0.72", "0.9", "0.25"
 """Greys: GREY of curves in the background, PALE of a grid's lines, INK of text and outlines."""
 OUTSIDE_COLOUR, SHORT_TIMES_COLOUR = "0.93", "0.965"
 """The colours of the ground beyond walls, and where the chain may be only at some times."""
-FLAT = ("white", OUTSIDE_COLOUR, SHORT_TIMES_COLOUR)
+FLAT_COLOURS = ("white", OUTSIDE_COLOUR, SHORT_TIMES_COLOUR)
 """The colours of the ground on which labels may stand."""
 # Parts of the text's colour in mixtures with the ground (``faint_colour``). SHADE: for a time in which
 # nothing moves; IMPACT_LINE: for the line at an impact.

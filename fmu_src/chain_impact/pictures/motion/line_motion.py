@@ -10,13 +10,14 @@ from matplotlib.axes import Axes
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import BLUE, INK, OUTSIDE_COLOUR
 from chain_impact.pictures.motion.impact_rings import RING_SIZE, plot_rings
-from chain_impact.pictures.motion.view import STRAIGHT, view_of
+from chain_impact.pictures.motion.view import PARALLEL_COMPONENT, view_of
 from chain_impact.pictures.motion.walls import moves
 from chain_impact.pictures.over_time.time_axis import show_all_time
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import ball_of
 
-BENT = 0.01  # the largest width of a ball's path that counts as a line, relative to the length of this line
+# the largest width of a ball's path that counts as a line, relative to the length of this line
+MOST_LINE_WIDTH = 0.01
 # BALL_MARGIN: the margin at both ends of the axis of positions; WALL_BAND: the visible width of the area
 # beyond a wall; both relative to the range of the ball and the walls
 BALL_MARGIN, WALL_BAND = 0.06, 0.14
@@ -30,17 +31,17 @@ def line_of_motion(recording: Recording) -> int | None:
     """Return the axis along which a ball moves, 0 for x and 1 for y; None for any other motion.
 
     Along this axis, the path of the ball is longer than the ball's radius; across the axis, the ball hardly
-    moves (BENT). All walls in view are perpendicular to the axis.
+    moves (MOST_LINE_WIDTH). All walls in view are perpendicular to the axis.
     """
     ball = ball_of(recording)
     if ball is None:
         return None
     ways = np.ptp(recording.points[:, ball], axis=0)
     along = int(ways.argmax())
-    if not ways[along] > recording.touching_radii[ball] or ways[1 - along] > BENT * ways[along]:
+    if not ways[along] > recording.touching_radii[ball] or ways[1 - along] > MOST_LINE_WIDTH * ways[along]:
         return None
     normals = [recording.walls[name].normal for name in view_of(recording).walls]
-    return along if all(abs(normal[along]) > STRAIGHT for normal in normals) else None
+    return along if all(abs(normal[along]) > PARALLEL_COMPONENT for normal in normals) else None
 
 
 def draw_along_line(axes: Axes, recording: Recording, along: int) -> None:

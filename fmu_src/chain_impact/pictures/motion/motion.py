@@ -18,7 +18,7 @@ from chain_impact.pictures.motion.impact_rings import draw_rings, draw_sticking,
 from chain_impact.pictures.motion.joint_forces import draw_loads
 from chain_impact.pictures.motion.moving_walls import draw_moving
 from chain_impact.pictures.motion.poses import RIM_WIDTH, draw_chain, draw_faint, is_covered, strong_rows
-from chain_impact.pictures.motion.view import BAND, GROWN, is_flat, seen_size, view_of
+from chain_impact.pictures.motion.view import BAND, GROWTH_FACTORS, is_flat, seen_size, view_of
 from chain_impact.pictures.motion.walls import draw_walls, moves
 from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.recording.joint_stops import range_lines
@@ -55,7 +55,7 @@ def draw_motion(
     recording: Recording,
     shape: float | None = None,
     band: float = BAND,
-    grown: Sequence[float] = GROWN,
+    grown: Sequence[float] = GROWTH_FACTORS,
 ) -> None:
     """Draw the motion in the plane: walls, paths, faint poses, and strong poses at start, end and impacts.
 

@@ -19,16 +19,16 @@ from chain_impact.scene.half_planes import HalfPlane
 VIEW_MARGIN, BAND = 0.04, 0.14
 # the view is not extended to a position of a moving wall that is farther from the motion than this, relative
 # to the size of the motion
-FARTHEST = 1.0
+FARTHEST_WALL = 1.0
 # FLATTEST: a motion that ``is_flat`` has a height below FLATTEST × width, and a scale of its own along y;
 # FLAT_MARGIN: the margin above and below such a motion, relative to the height
 FLATTEST, FLAT_MARGIN = 0.03, 0.25
 # the least ratio of the shorter to the longer side of a view without a given shape, unless the motion is flat
-SLIMMEST = 0.3
+LEAST_SIDE_RATIO = 0.3
 # the usual largest factors on width and height with which the view grows to fill axes
-GROWN = (1.1, 1.2)
+GROWTH_FACTORS = (1.1, 1.2)
 # a wall counts as parallel to the x axis or the y axis if a |component| of its unit normal exceeds this
-STRAIGHT = 0.99
+PARALLEL_COMPONENT = 0.99
 # the left, right, lowest and highest point of a disc: x and y relative to its centre, in units of its radius
 DISC_ENDS = np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]])
 
@@ -67,14 +67,17 @@ def seen_size(recording: Recording) -> float:
 
 
 def view_of(
-    recording: Recording, shape: float | None = None, band: float = BAND, grown: Sequence[float] = GROWN
+    recording: Recording,
+    shape: float | None = None,
+    band: float = BAND,
+    grown: Sequence[float] = GROWTH_FACTORS,
 ) -> View:
     """Return the view of a motion in the plane: the motion, with a margin, and the walls near it.
 
     Of a wall that comes near the motion, the view contains the position at the start and both extreme
-    positions, except positions farther away than FARTHEST. The view is extended towards ``shape``, the wanted
-    height of the view divided by its width, by at most the factors ``grown`` on width and height, and not
-    beyond walls on both sides. ``band`` is how far the view reaches beyond a wall, relative to the longer
+    positions, except positions farther away than FARTHEST_WALL. The view is extended towards ``shape``, the
+    wanted height of the view divided by its width, by at most the factors ``grown`` on width and height, and
+    not beyond walls on both sides. ``band`` is how far the view reaches beyond a wall, relative to the longer
     side of the view without margins. A motion that ``is_flat`` has a range along y of its own (FLAT_MARGIN).
     """
     places = {
@@ -88,7 +91,7 @@ def view_of(
     if recording.moved_walls:
         names = {name for name, _ in near}
         places = {at: wall for at, wall in places.items() if at[0] in names}
-        view, near = view_corners(drawn, places, near=FARTHEST, pinned=recording.pinned)
+        view, near = view_corners(drawn, places, near=FARTHEST_WALL, pinned=recording.pinned)
     width = np.ptp(view, axis=0).max()
     margin = np.full((2, 2), VIEW_MARGIN * width)
     for wall in near.values():
@@ -96,7 +99,7 @@ def view_of(
         margin = np.maximum(margin, bands)
     view = view + margin * [[-1.0], [1.0]]
     sides = np.ptp(view, axis=0)
-    least = np.full(2, SLIMMEST * sides.max())
+    least = np.full(2, LEAST_SIDE_RATIO * sides.max())
     wanted = least if shape is None else np.array([sides[1] / shape, shape * sides[0]])
     wanted = np.minimum(wanted, np.array(grown) * np.maximum(sides, least))
     before, is_open = open_shares(near.values())
@@ -112,7 +115,7 @@ def view_of(
             along = int(np.abs(normal).argmax())
             # Only the enlarged view reaches this wall. If the wall is parallel to an edge of the view, the
             # view is cut to end at most ``band`` × ``width`` beyond the wall.
-            if abs(normal[along]) > STRAIGHT:
+            if abs(normal[along]) > PARALLEL_COMPONENT:
                 inwards = max(0.0, beyond - band * width)
                 view[int(normal[along] < 0.0), along] += np.sign(normal[along]) * inwards
     if is_flat(recording):

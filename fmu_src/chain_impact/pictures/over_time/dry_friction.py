@@ -24,7 +24,7 @@ PHASE_LOOKS = {"sticks": "dark bars: ", "slides": "grey bars: "}
 PHASE_HEIGHT = 0.4  # the height of a bar that shows sticking, relative to the distance of two rows
 MOST_ROWS = 8  # at most so many contacts, joints and sliders together have phases of dry friction drawn
 # sliding that lasts at most this part of the run's duration is too short to be explained in a legend
-SHORT = 0.002
+SHORT_SHARE = 0.002
 
 
 def draw_stick_slip(axes: Axes, recording: Recording) -> None:
@@ -53,7 +53,7 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     handles: list[Any] = [Patch(color=INK, label=f"sticks{place}")] if held.any() else []
     # a contact may slide for an instant before it sticks; phases of sliding that are too short to be visible
     # need no entry in the legend
-    long = phase_lengths(recording) > SHORT * recording.duration
+    long = phase_lengths(recording) > SHORT_SHARE * recording.duration
     if (long & ~held).any() or not handles:
         handles.append(Line2D([], [], color=GREY, linewidth=2.0, label=f"slides{'' if handles else place}"))
     if is_brief:

@@ -25,7 +25,7 @@ from chain_impact.recording.recording import Recording
 COVERED_CURVE, MOSTLY = 0.03, 0.8
 # the zero of the potential energy is moved if the move makes the range of all energies (``range_of``) smaller
 # than this part of the range with the usual zero
-CLOSER = 0.8
+RANGE_SHARE = 0.8
 ENERGY_PARTS = {"friction": BROWN}
 """Name of an energy that is a part of another one → colour; ``friction`` is a part of ``dissipated``."""
 PART_LABEL = "{} loss"  # the label of an energy in ENERGY_PARTS; {}: the name of this energy
@@ -110,8 +110,8 @@ def without_gap(energies: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray],
     """Return energies for a picture, and the number [J] that is added to the potential and total energies.
 
     The zero of the potential energy is arbitrary, so the curve of this energy may lie far from other curves.
-    If the gap would take much of the axis (CLOSER), the number moves the least potential energy near 0; the
-    number has two significant digits. Otherwise the number is 0, and no energy changes.
+    If the gap would take much of the axis (RANGE_SHARE), the number moves the least potential energy near 0;
+    the number has two significant digits. Otherwise the number is 0, and no energy changes.
     """
     potential = energies.get("potential", np.zeros(1))
     least = float(potential.min())
@@ -123,7 +123,7 @@ def without_gap(energies: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray],
         name: energy + offset if name in ("potential", "total") else energy
         for name, energy in energies.items()
     }
-    return (shifted, offset) if range_of(shifted) < CLOSER * range_of(energies) else (energies, 0.0)
+    return (shifted, offset) if range_of(shifted) < RANGE_SHARE * range_of(energies) else (energies, 0.0)
 
 
 def range_of(energies: dict[str, np.ndarray]) -> float:

@@ -33,7 +33,7 @@ MOST_OWN_MARKS = 5
 # Impacts have equal distances in time if there are more than REGULAR impacts, and if the largest and the
 # smallest distance of successive impacts differ by at most EQUAL_DISTANCES times the mean distance.
 REGULAR, EQUAL_DISTANCES = 5, 0.2
-NUMBERED = 60  # the largest number of labels with numbers of impacts
+MOST_NUMBER_LABELS = 60  # the largest number of labels with numbers of impacts
 # the upper end of the axis, relative to the largest value; the excess is room for numbers
 HEADROOM = 1.3
 MOST_WHOLE_NAMES = 3  # the largest number of points in a narrow figure whose names all have the word "point"
@@ -47,17 +47,19 @@ ONE_MARK = 0.005
 STEM, CONTACT, ROW, ROWS_GAP, NAME_GAP = 0.8, 2.5, 8.5, 6.5, 4.0
 LANE = "lane"  # the matplotlib identifier (gid) of the name of a row of contacts
 STEM_KEY = 8.0  # [points] the height of the vertical line in the legend that stands for lines at impacts
-SOLID: dict[str, Any] = {"color": INK, "markeredgecolor": "white", "markeredgewidth": 0.5}
-HOLLOW: dict[str, Any] = {"color": INK, "markerfacecolor": "white", "markeredgewidth": 0.8}
+SOLID_MARK: dict[str, Any] = {"color": INK, "markeredgecolor": "white", "markeredgewidth": 0.5}
+HOLLOW_MARK: dict[str, Any] = {"color": INK, "markerfacecolor": "white", "markeredgewidth": 0.8}
 # Marks of points, and of joints at their stops. The marks differ in form, not in colour, because colours
 # stand for energies and for time; full and hollow marks alternate, so that a reader can distinguish them.
 POINT_MARKS = tuple(
-    look | {"marker": form} for form, look in zip("os^vD", (SOLID, HOLLOW) * 2 + (SOLID,), strict=True)
+    look | {"marker": form}
+    for form, look in zip("os^vD", (SOLID_MARK, HOLLOW_MARK) * 2 + (SOLID_MARK,), strict=True)
 )
 STOP_MARKS = tuple(
-    look | {"marker": form} for form, look in zip("DdXPh", (HOLLOW, SOLID) * 2 + (HOLLOW,), strict=True)
+    look | {"marker": form}
+    for form, look in zip("DdXPh", (HOLLOW_MARK, SOLID_MARK) * 2 + (HOLLOW_MARK,), strict=True)
 )
-OTHERS_MARK: dict[str, Any] = SOLID | {"marker": "o", "color": GREY}
+OTHERS_MARK: dict[str, Any] = SOLID_MARK | {"marker": "o", "color": GREY}
 MARK_SCALES = {"s": 0.85, "D": 0.8, "^": 1.2, "v": 1.2, "d": 1.2, "X": 1.1, "P": 1.1}
 """Form of a mark → factor on its size, so that all forms look equally large."""
 
@@ -309,7 +311,7 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
     tries = [[label([row]) for row in range(step - 1, len(times), step)]] if step > 1 else []
     for rows in choices(rows_by_height(high).tolist()):
         groups = {tuple(sorted(common[row], key=lambda row: -high[row])) for row in rows}
-        if len(groups) <= NUMBERED:
+        if len(groups) <= MOST_NUMBER_LABELS:
             tries.append([label(group) for group in sorted(groups, key=lambda group: -high[group[0]])])
     write_first_whole(axes, tries, ink, fontsize="small")
 

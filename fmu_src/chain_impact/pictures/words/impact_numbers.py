@@ -13,7 +13,7 @@ LEAST_RUN = 3  # the least number of successive numbers that are written as a ra
 MOST_IN_LABEL = 4  # the largest number of items in a label; an item is an impact, or a range such as "1–81"
 # if not all impacts have room for their numbers, so many of the largest impacts have one; the first count
 # with room is taken
-LARGEST = (20, 16, 12, 10, 8, 6, 5, 4, 3, 2, 1)
+NUMBERED_COUNTS = (20, 16, 12, 10, 8, 6, 5, 4, 3, 2, 1)
 
 
 def choices(order: Sequence[int]) -> Iterator[list[int]]:
@@ -22,7 +22,7 @@ def choices(order: Sequence[int]) -> Iterator[list[int]]:
     ``order`` has the rows of all impacts, the largest impact first.
     """
     yield [*order]
-    for count in LARGEST:
+    for count in NUMBERED_COUNTS:
         if count < len(order) - 1:
             yield [*dict.fromkeys([*order[:count], max(order)])]
 

@@ -11,7 +11,7 @@ from chain_impact.scene.words.names import point_label
 
 LONGEST_NAME = 16  # the largest number of characters of a name that is not shortened
 POINT = "point "  # the beginning of the name of each point
-KEPT = 7  # the number of characters that are kept at each end of a shortened name
+KEPT_CHARACTERS = 7  # the number of characters that are kept at each end of a shortened name
 
 
 def short_names(recording: Recording, text: str) -> str:
@@ -23,7 +23,7 @@ def short_names(recording: Recording, text: str) -> str:
 
 def shortened_name(name: str) -> str:
     """Return a name; a name longer than LONGEST_NAME has "…" in place of its middle."""
-    return name if len(name) <= LONGEST_NAME else f"{name[:KEPT]}…{name[-KEPT:]}"
+    return name if len(name) <= LONGEST_NAME else f"{name[:KEPT_CHARACTERS]}…{name[-KEPT_CHARACTERS:]}"
 
 
 def number_of(name: str) -> str:

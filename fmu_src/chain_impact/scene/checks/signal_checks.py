@@ -18,7 +18,7 @@ from chain_impact.scene.keys.signal_tables import Samples, Signal, unit_of
 from chain_impact.scene.rules.refusals import SIGNAL_REFUSALS
 from chain_impact.scene.rules.rule_language import holds
 from chain_impact.scene.signal_inputs import driven_alone, quantities_driven_by
-from chain_impact.scene.signal_polynomials import CLOSED, is_closed, is_motion, joined_by
+from chain_impact.scene.signal_polynomials import PERIOD_TOLERANCE, is_closed, is_motion, joined_by
 from chain_impact.scene.words.names import DataPath
 from chain_impact.scene.words.unit_text import unit_text
 
@@ -93,7 +93,7 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
     period, lasts = signal.period, samples.times[-1] - samples.times[0]
     if period is None:
         return
-    if lasts > period * (1.0 + CLOSED):
+    if lasts > period * (1.0 + PERIOD_TOLERANCE):
         fault = f"= {period:g} must be >= {lasts:g} [s], the duration of its table"
         raise error_at(("signals", name, "period"), fault)
     for column, values in samples.columns:

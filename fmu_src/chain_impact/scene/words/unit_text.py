@@ -13,13 +13,13 @@ PRODUCT, SQUARE = re.compile(r"(?<=[a-zA-Z])\.(?=[a-zA-Z])"), re.compile(r"(?<=[
 
 PREFIXES = {"": 1.0, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9, "µ": 1e-6, "u": 1e-6}
 """Prefix of a unit → factor, for units that people write after a number; u stands for µ."""
-USUAL = ("m", "s", "kg", "N", "Pa", "Hz", "J", "m/s", "m/s2", "N.m", "N/m", "N.s", "kg.m2")
+USUAL_UNITS = ("m", "s", "kg", "N", "Pa", "Hz", "J", "m/s", "m/s2", "N.m", "N/m", "N.s", "kg.m2")
 """The units that ``number_hint`` knows by default, each after any of PREFIXES, which replaces the k of kg."""
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(%|[a-zA-Zµ][\w/·.²^]*)\s*")
 _POWER = re.compile(r"\s*(?:([+-]?\d+\.?\d*)\s*[*x×·]\s*)?10\s*(?:\^|\*\*)\s*([+-]?\d+)\s*")
 
 
-def number_hint(text: str, units: Iterable[str] = USUAL) -> str:
+def number_hint(text: str, units: Iterable[str] = USUAL_UNITS) -> str:
     """Return a hint how to write a text with a number and a unit, such as "450 mm", as a number.
 
     The hint converts the number to the first of ``units`` that equals the text's unit apart from a prefix; ""
@@ -31,7 +31,7 @@ def number_hint(text: str, units: Iterable[str] = USUAL) -> str:
         return ""
     number, word = float(match[1]), _plain_unit(match[2])
     if word == "%":
-        return f"; write {number / 100.0:.12g}" if units is USUAL or {"", "1"} & {*units} else ""
+        return f"; write {number / 100.0:.12g}" if units is USUAL_UNITS or {"", "1"} & {*units} else ""
     for unit in filter(None, units):
         # a unit in kg is split into the base unit g with the factor 0.001, because prefixes stand before g
         base, scale = (unit[1:], 1e-3) if unit.startswith("kg") else (unit, 1.0)

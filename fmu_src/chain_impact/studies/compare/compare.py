@@ -28,7 +28,7 @@ from chain_impact.studies.compare.runs import LawRun, LawRuns, Reached, first_of
 from chain_impact.studies.compare.text import report
 from chain_impact.studies.law_exchange import (
     EXACT_LAW,
-    LOSSLESS,
+    LOSSLESS_LAW,
     OVERLAPS,
     contact_at,
     contact_with_law,
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from chain_impact.pictures.drawing.sizes import Size
 
 
-STIFFER = (10.0, 100.0)
+STIFFER_FACTORS = (10.0, 100.0)
 """Factors on the stiffness K of the scene's contacts.
 
 If the first impact is not free (``LawRuns.is_free``), the comparison also computes the restitutions that this
@@ -193,7 +193,7 @@ def compare(
     comparison = Comparison(scene, reference, runs, (_reached_restitutions(scene, 1.0, law_runs),))
     if comparison.is_free:
         return comparison
-    more = (_reached_restitutions(scene, factor, {}) for factor in STIFFER)
+    more = (_reached_restitutions(scene, factor, {}) for factor in STIFFER_FACTORS)
     return replace(comparison, reached=(*comparison.reached, *more))
 
 
@@ -204,7 +204,7 @@ def _reached_restitutions(scene: Scene, factor: float, runs: Mapping[str, LawRun
     """
     stiffer = scene if factor == 1.0 else stiffened(scene, factor)
     lossless, exact = (
-        runs.get(law) or _run(stiffer, law, None, no_progress) for law in (LOSSLESS, EXACT_LAW)
+        runs.get(law) or _run(stiffer, law, None, no_progress) for law in (LOSSLESS_LAW, EXACT_LAW)
     )
     return Reached(lossless.stiffness, lossless.restitution, exact.restitution)
 

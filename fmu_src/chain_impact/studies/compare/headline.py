@@ -9,7 +9,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.drawing.style import load_unit
 from chain_impact.scene.words.unit_text import with_unit
 from chain_impact.studies.compare.runs import LawRun, LawRuns
-from chain_impact.studies.law_exchange import LOSSLESS, compared_impact
+from chain_impact.studies.law_exchange import LOSSLESS_LAW, compared_impact
 from chain_impact.text import count_text, span_text
 from chain_impact.variables.impact_units import unit_at
 
@@ -43,13 +43,13 @@ def laws_with_e(comparison: LawRuns) -> list[LawRun]:
     The law without losses ignores e, and a law of impulses has no force.
     """
     impulsive = {law for law, each in CONTACT_LAWS.items() if each.impulsive}
-    runs = [run for run in comparison.runs if run.law not in {LOSSLESS, *impulsive}]
+    runs = [run for run in comparison.runs if run.law not in {LOSSLESS_LAW, *impulsive}]
     return runs or list(comparison.runs)
 
 
 def counted(runs: Sequence[LawRun], count: int) -> str:
     """Return words for a ``count`` of the laws of ``runs``: "16 laws with losses", if all have losses."""
-    return count_text(count, "law") + (" with losses" if all(run.law != LOSSLESS for run in runs) else "")
+    return count_text(count, "law") + (" with losses" if all(run.law != LOSSLESS_LAW for run in runs) else "")
 
 
 def peaks(comparison: LawRuns, runs: Sequence[LawRun]) -> str:

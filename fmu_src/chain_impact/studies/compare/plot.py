@@ -41,7 +41,7 @@ from chain_impact.pictures.over_time.time_axis import name_time
 from chain_impact.scene.words.unit_text import stiffness_unit
 from chain_impact.studies.compare.headline import headline, laws_with_e, peaks
 from chain_impact.studies.compare.runs import LawRuns, grows_again, has_jump, with_jump
-from chain_impact.studies.law_exchange import LOSSLESS, compared_impact
+from chain_impact.studies.law_exchange import LOSSLESS_LAW, compared_impact
 from chain_impact.text import count_text, number_text, prefixed_unit
 from chain_impact.variables.impact_units import unit_at
 
@@ -50,7 +50,7 @@ SIZE = (10.0, 4.8)  # [inch] default width and height of the figure
 REFERENCE_LAYER = 3
 # the reason for the colour of a law whose force is above 0 at penetration 0
 JUMP_NOTE_OF_LAW = "force jumps at the onset"
-IMPULSIVE = " (impulse)"  # the end of the label of a law of impulses, if the law has no colour
+IMPULSE_ENDING = " (impulse)"  # the end of the label of a law of impulses, if the law has no colour
 IMPULSE: dict[str, Any] = {**LAW_LOOKS["newton_impact"], "linewidth": 1.2, "zorder": 3.5}
 """The look of the line of a law of impulses that has no colour."""
 # the heights of the panels of loops and energy, relative to each other, and the look of the legend, in a
@@ -130,8 +130,12 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     limits, most = "" if comparison.is_free else "not free", comparison.reached[0].lossless
     if math.isfinite(most) and not comparison.pressed_again and (limits or f"{most:.2f}" != "1.00"):
         limits = f"{limits or 'with other forces during the impact'}: e′ = {most:.2f} without losses"
-    lossless = [run for run in comparison.runs if run.law == LOSSLESS and laws_with_e(comparison) != [run]]
-    without_e = f"{LOSSLESS}, without e: {top}" if lossless and (top := peaks(comparison, lossless)) else ""
+    lossless = [
+        run for run in comparison.runs if run.law == LOSSLESS_LAW and laws_with_e(comparison) != [run]
+    ]
+    without_e = (
+        f"{LOSSLESS_LAW}, without e: {top}" if lossless and (top := peaks(comparison, lossless)) else ""
+    )
     return SEPARATOR.join(
         filter(None, (hit, comparison.no_restitution, limits, stiffness, tolerance, without_e, *others))
     )
@@ -141,19 +145,20 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
     """Return the laws that get a colour, at most COLOURED_LAWS: law → reason, "" for a law in USED.
 
     A law with several reasons has them all, with commas between them. The reasons are: "reference"; "of the
-    scene", unless the scene's law is the reference; "no losses", for the law LOSSLESS, if the
-    restitution in the first impact under LOSSLESS differs from that under the reference; "differs most with
-    losses", for the law whose restitution is farthest from that under the reference; and JUMP_NOTE_OF_LAW.
-    LOSSLESS does not count as the farthest, because it ignores the prescribed restitution. No law is the
-    farthest if the restitutions do not describe the contact alone (``has_restitution``).
+    scene", unless the scene's law is the reference; "no losses", for the law LOSSLESS_LAW, if the
+    restitution in the first impact under LOSSLESS_LAW differs from that under the reference; "differs most
+    with losses", for the law whose restitution is farthest from that under the reference; and
+    JUMP_NOTE_OF_LAW. LOSSLESS_LAW does not count as the farthest, because it ignores the prescribed
+    restitution. No law is the farthest if the restitutions do not describe the contact alone
+    (``has_restitution``).
     """
     reference = comparison.reference
     why = {reference: "reference"}
     why.setdefault(comparison.contact.model, "of the scene")
     expected = comparison[reference].restitution
     off = {run.law: abs(run.restitution - expected) for run in comparison.runs}
-    if off.pop(LOSSLESS, math.nan) > 0.0:
-        _add_reason(why, LOSSLESS, "no losses")
+    if off.pop(LOSSLESS_LAW, math.nan) > 0.0:
+        _add_reason(why, LOSSLESS_LAW, "no losses")
     differ = sorted((law for law in off if off[law] > 0.0), key=lambda law: -off[law])
     for law in differ[:1] if comparison.has_restitution else ():
         _add_reason(why, law, "differs most with losses")
@@ -176,9 +181,9 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
 
     Laws with equal loops share one line, under the first of these laws; its label names all of them. A label
     has the reasons of ``named_laws`` for the first of these laws that has any and, if the e′ describe the
-    contact alone, e′ of the first impact. With ``small`` only the labels of the reference and of LOSSLESS
+    contact alone, e′ of the first impact. With ``small`` only the labels of the reference and of LOSSLESS_LAW
     have reasons, and only that of the reference has the sign e′. The label of a law that acts by impulses and
-    has no colour is only the law's id with IMPULSIVE. The laws are in the order of their e′, the largest
+    has no colour is only the law's id with IMPULSE_ENDING. The laws are in the order of their e′, the largest
     first.
     """
     why = named_laws(comparison)
@@ -192,7 +197,7 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
         reasons = [why[law] for law in laws if law in why]
         first_reason = next(filter(None, reasons), "")
         is_brief = small and comparison.reference not in laws
-        if is_brief and LOSSLESS not in laws:
+        if is_brief and LOSSLESS_LAW not in laws:
             first_reason = ""
         restitution = comparison[first].restitution
         is_told = comparison.has_restitution and math.isfinite(restitution)
@@ -205,7 +210,7 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
             named = next(law for law in laws if law in why)
             look = law_look(named) | {"linewidth": 1.7, "zorder": 4}
         elif (loop := comparison[first].loop) is not None and not loop.size:
-            label, look = f"{first}{IMPULSIVE}", IMPULSE
+            label, look = f"{first}{IMPULSE_ENDING}", IMPULSE
         else:
             look = {"color": GREY, "linewidth": 0.9, "zorder": 2}
         looks[first] = {"label": label, **look}

@@ -78,12 +78,14 @@ MOST_DOTS = 40
 # the colour of the model's quantities of impacts, and of the model's curve if there is a single data set; the
 # curves of several data sets have the palette's colours
 MODEL = VERMILLION
-HARDLY = 10.0  # the ΔAIC from which on the data hardly support a law (Burnham & Anderson 2004)
+SUPPORT_LIMIT = 10.0  # the ΔAIC from which on the data hardly support a law (Burnham & Anderson 2004)
 # MEANS: each point of the running mean of residuals over time is the mean of 1/MEANS of the values;
 # LEAST_FOR_MEAN: the least number of values for a running mean; MEAN: the label of its line in matplotlib
 MEANS, LEAST_FOR_MEAN, MEAN = 20, 100, "_running mean"
 ERROR_DECIMALS = 7  # the largest number of decimals with which a standard error and its value are written
-USUAL = 2.0  # bars, and the grey band of usual residuals, extend from −USUAL to USUAL standard deviations
+# bars, and the grey band of usual residuals, extend from −USUAL_RESIDUAL to USUAL_RESIDUAL standard
+# deviations
+USUAL_RESIDUAL = 2.0
 
 
 @dataclass(frozen=True)
@@ -144,7 +146,7 @@ def fill(figure: Figure, fit: Estimates) -> None:
     if len(fit.estimated) < len(fit.columns):
         more.append(f"χ² per degree of freedom {number_text(fit.reduced_chi_squared, 3)}")
     marks = "bars and bands" if any(name in MEASURED_OF_IMPACT for name in names) else "bands"
-    more.append(f"±: standard error; Δ: model − data; {marks}: ± {USUAL:g} σ")
+    more.append(f"±: standard error; Δ: model − data; {marks}: ± {USUAL_RESIDUAL:g} σ")
     if any(line.get_label() == MEAN for axes in figure.axes for line in axes.lines):
         more.append("line through Δ: its running mean")
     if has_lines:
@@ -173,8 +175,8 @@ def _widths(names: Sequence[str]) -> list[int]:
 def fill_ranking(figure: Figure, fit: Estimates) -> None:
     """Draw the ranking of contact laws on an empty figure: ΔAIC of each law as a dot.
 
-    The best law is on top. A law without a fit has no dot. If a dot is beyond HARDLY, the axis is logarithmic
-    beyond HARDLY.
+    The best law is on top. A law without a fit has no dot. If a dot is beyond SUPPORT_LIMIT, the axis is
+    logarithmic beyond SUPPORT_LIMIT.
     """
     above = [math.nan if entry.fit is None else max(0.0, entry.fit.aic - fit.aic) for entry in fit.ranking]
     most = float(np.nanmax(above))
@@ -185,7 +187,7 @@ def fill_ranking(figure: Figure, fit: Estimates) -> None:
             "–"
             if entry.fit is None
             else number_text(round(value, 1), 2)
-            if value < HARDLY
+            if value < SUPPORT_LIMIT
             else f"{value:.0f}"
             for entry, value in zip(fit.ranking, above, strict=True)
         ],
@@ -199,16 +201,16 @@ def fill_ranking(figure: Figure, fit: Estimates) -> None:
     texts.append("blue: as good as the best law")
     open_ended = ", ".join(entry.law for entry in fit.ranking if entry.fit and not entry.fit.converged)
     texts += [f"did not converge: {open_ended}"] if open_ended else []
-    if most > HARDLY:
-        texts.append(f"from {HARDLY:g} on (dashed): hardly supported")
+    if most > SUPPORT_LIMIT:
+        texts.append(f"from {SUPPORT_LIMIT:g} on (dashed): hardly supported")
     others = count_of_best(fit) - 1
     laws = f"{fit.law} and {count_text(others, 'other law')} fit equally well" if others else ""
     write_headline(figure, heading(fit, ": ", laws), SEPARATOR.join(texts))
     axes = figure.subplots()
     draw_bars(axes, bars, (0.0, most or 1.0), small=is_narrow(figure))
-    axes.axvline(HARDLY, color=INK, linewidth=0.8, linestyle="--")
-    if most > HARDLY:
-        axes.set_xscale("symlog", linthresh=HARDLY)
+    axes.axvline(SUPPORT_LIMIT, color=INK, linewidth=0.8, linestyle="--")
+    if most > SUPPORT_LIMIT:
+        axes.set_xscale("symlog", linthresh=SUPPORT_LIMIT)
         axes.set_xlim(0.0, 2.0 * most)
     settle(figure)
 
@@ -261,16 +263,16 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
     several = len(fit.data) > 1
     measured = np.concatenate([data_set.value for data_set in fit.data])
     scale, unit = axis_unit(fit.unit(name), [measured[fit.columns[name]]])
-    largest = float(np.nanmax(np.abs(fit.residuals / fit.sigma)[fit.columns[name]], initial=USUAL))
+    largest = float(np.nanmax(np.abs(fit.residuals / fit.sigma)[fit.columns[name]], initial=USUAL_RESIDUAL))
     residuals.set(ylim=(-1.15 * largest, 1.15 * largest))
-    residuals.axhspan(-USUAL, USUAL, color=PALE, zorder=0, linewidth=0)
+    residuals.axhspan(-USUAL_RESIDUAL, USUAL_RESIDUAL, color=PALE, zorder=0, linewidth=0)
     spread = Line2D([], [], linestyle="", label=f"σ = {sigma_of(fit, name)}")
     for colour, part in zip(_colours(len(parts)), parts, strict=True):
         dots_label = f"data set {part.data_set + 1}" if several else "measured"
         mark_style: dict[str, Any] = {"linestyle": "", "marker": "o", "color": colour, "zorder": DATA_ABOVE}
         mark_style |= {"markersize": FIT_DOT, "markeredgewidth": 0, "label": dots_label}
         if over_impacts:
-            mark_style |= {"yerr": scale * USUAL * fit.sigma[part.rows], "capsize": 2}
+            mark_style |= {"yerr": scale * USUAL_RESIDUAL * fit.sigma[part.rows], "capsize": 2}
             values.errorbar(part.at, scale * measured[part.rows], **mark_style)
             model = scale * (measured[part.rows] + fit.residuals[part.rows])
             values.plot(part.at, model, "_", color=MODEL, **MODEL_DASH)

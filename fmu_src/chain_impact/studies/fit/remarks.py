@@ -16,13 +16,13 @@ from chain_impact.text import count_text
 # column
 SMALL_RESIDUAL = 1e-3
 # correlations between residuals r/σ of a column do not matter if their mean square is at most this number
-VISIBLE = 0.01
+HARMLESS_CORRELATION = 0.01
 # if the χ² of the columns with a given σ, divided by its degrees of freedom, is less than this number, the
 # data count as simulated without noise, and the small χ² needs no remark
-SIMULATED = 1e-6
+NOISELESS_RATIO = 1e-6
 # A remark follows if, with a correct model, so large or so small a χ², or so large a residual among all
 # residuals, has less than this probability.
-IMPROBABLE = 1e-3
+LEAST_PROBABILITY = 1e-3
 # A remark follows if √n times the correlation of n pairs of neighbouring residuals exceeds this number, which
 # has a probability of 2 % if the residuals are independent.
 ALIKE_NEIGHBOURS = 2.0
@@ -38,8 +38,8 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
     this value by r / (1 − h), to first order. The ratio of this difference to its standard error, from the
     other residuals, has Student's t distribution if the model is right (Cook & Weisberg 1982, *Residuals and
     Influence in Regression*, 2.2). Where σ is given, the standard error is at least that from σ. Each of the
-    n tests, one for each fitted value, uses the probability IMPROBABLE / n. Without an outlier, or with fewer
-    than 2 degrees of freedom, there is no remark.
+    n tests, one for each fitted value, uses the probability LEAST_PROBABILITY / n. Without an outlier, or
+    with fewer than 2 degrees of freedom, there is no remark.
 
     Args:
         fit: the fit.
@@ -69,7 +69,7 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
             others[of_column] = np.maximum(others[of_column], 1.0)
         alone |= of_column & (np.abs(fit.residuals[rows]) <= SMALL_RESIDUAL * np.ptp(value[rows][of_column]))
     ratio = np.abs(off) / np.maximum(others * np.sqrt(kept), np.finfo(float).tiny)
-    far = ~alone & (ratio > special.stdtrit(free, 1.0 - 0.5 * IMPROBABLE / len(rows)))
+    far = ~alone & (ratio > special.stdtrit(free, 1.0 - 0.5 * LEAST_PROBABILITY / len(rows)))
     order = rows[far][np.argsort(-ratio[far], kind="stable")]
     if len(order):
         labels = [label for data_set in fit.data for label in labels_of(data_set)]
@@ -99,7 +99,7 @@ def labels_of(data_set: Measurements) -> Iterator[str]:
 def unusual_chi_squared(result: Estimates) -> Iterator[str]:
     """Yield a remark if the χ² of all columns with a given σ is improbably large or improbably small.
 
-    A χ² so small that the data count as simulated (SIMULATED) gets no remark.
+    A χ² so small that the data count as simulated (NOISELESS_RATIO) gets no remark.
     """
     given = result.used.copy()
     for name in result.estimated:
@@ -111,15 +111,15 @@ def unusual_chi_squared(result: Estimates) -> Iterator[str]:
     # to `most`. The test for a too large χ² uses `most`, the test for a too small one `least`: so each
     # reports only a χ² that is improbable for all these numbers.
     most = most if result.estimated else least
-    if least <= 0 or total < SIMULATED * least:
+    if least <= 0 or total < NOISELESS_RATIO * least:
         return
-    what = f"χ² is {total:.4g} for {most} degrees of freedom, p < {IMPROBABLE:g}"
-    if exceedance_probability(total, most) < IMPROBABLE:
+    what = f"χ² is {total:.4g} for {most} degrees of freedom, p < {LEAST_PROBABILITY:g}"
+    if exceedance_probability(total, most) < LEAST_PROBABILITY:
         yield (
             f"{what}: the model does not follow the data within their σ, so the standard "
             "errors are too small."
         )
-    elif exceedance_probability(total, least) > 1.0 - IMPROBABLE:
+    elif exceedance_probability(total, least) > 1.0 - LEAST_PROBABILITY:
         yield (
             f"{what}: the data follow the model more closely than their σ allow, so the "
             "standard errors are too large."
@@ -129,10 +129,10 @@ def unusual_chi_squared(result: Estimates) -> Iterator[str]:
 def alike_neighbours(result: Estimates) -> dict[str, float]:
     """Return the columns in which neighbouring residuals are correlated: column → correlation r.
 
-    A column is listed if √n r > ALIKE_NEIGHBOURS, unless its residuals are too small (VISIBLE). Here r is the
-    correlation of the n pairs of a residual and the next residual of the column in the same data set. For
-    independent residuals, √n r has about the standard normal distribution (R. L. Anderson, Annals of
-    Mathematical Statistics 13 (1942) 1).
+    A column is listed if √n r > ALIKE_NEIGHBOURS, unless its residuals are too small (HARMLESS_CORRELATION).
+    Here r is the correlation of the n pairs of a residual and the next residual of the column in the same
+    data set. For independent residuals, √n r has about the standard normal distribution (R. L. Anderson,
+    Annals of Mathematical Statistics 13 (1942) 1).
     """
     found: dict[str, float] = {}
     data_set = np.repeat(np.arange(len(result.data)), [len(data_of_run) for data_of_run in result.data])
@@ -141,7 +141,7 @@ def alike_neighbours(result: Estimates) -> dict[str, float]:
         residuals = (result.residuals / result.sigma)[used]
         pairs = np.flatnonzero(np.diff(data_set[used]) == 0)
         square = float((residuals**2).mean()) if len(pairs) else 0.0
-        if square <= VISIBLE:
+        if square <= HARMLESS_CORRELATION:
             continue
         alike = float((residuals[pairs] * residuals[pairs + 1]).mean()) / square
         if math.sqrt(len(pairs)) * alike > ALIKE_NEIGHBOURS:

@@ -13,12 +13,13 @@ from chain_impact.studies.fit.parameters import LOG_SCALE_REACH, Parameter
 from chain_impact.studies.fit.unknown import size_of
 from chain_impact.text import TextTable, count_text, number_text, prefixed_unit
 
-HIGH = 0.9  # the report names two parameters if the absolute value of their correlation exceeds HIGH
+# the report names two parameters if the absolute value of their correlation exceeds HIGH_CORRELATION
+HIGH_CORRELATION = 0.9
 # the largest number of horizons that the report lists; of more, it lists the first two, "…" and the last two
 MOST_HORIZONS = 8
-# if the criteria (Akaike) of two laws differ by less than UNDECIDED, the data do not decide between these
-# laws
-UNDECIDED = 2.0
+# if the criteria (Akaike) of two laws differ by less than DECISIVE_DIFFERENCE, the data do not decide between
+# these laws
+DECISIVE_DIFFERENCE = 2.0
 
 
 def report(fit: Estimates) -> Iterator[str | TextTable]:
@@ -39,7 +40,7 @@ def report(fit: Estimates) -> Iterator[str | TextTable]:
         yield "The rms residual is in standard deviations σ of the best fit."
         equal = count_of_best(fit)
         if equal > 1:
-            together = f"The first {equal} laws fit equally well, with ΔAIC < {UNDECIDED:g}"
+            together = f"The first {equal} laws fit equally well, with ΔAIC < {DECISIVE_DIFFERENCE:g}"
             yield f"{together}: these data cannot tell them apart."
 
 
@@ -47,9 +48,9 @@ def fits_equally(law_fit: LawEstimates, best: Estimates) -> bool:
     """Return whether the data cannot decide between a law and the best law.
 
     The law must use as many values as the law that uses most, and its criterion of Akaike must exceed that of
-    the best law by less than UNDECIDED.
+    the best law by less than DECISIVE_DIFFERENCE.
     """
-    return law_fit.fit is not None and not law_fit.fewer and law_fit.fit.aic < best.aic + UNDECIDED
+    return law_fit.fit is not None and not law_fit.fewer and law_fit.fit.aic < best.aic + DECISIVE_DIFFERENCE
 
 
 def count_of_best(fit: Estimates) -> int:
@@ -169,7 +170,7 @@ def _correlations(fit: Estimates) -> Iterator[str]:
     names = list(fit.values)
     for i, first in enumerate(names):
         for j, second in enumerate(names[:i]):
-            if abs(fit.correlation[i, j]) > HIGH:
+            if abs(fit.correlation[i, j]) > HIGH_CORRELATION:
                 how = f"a correlation of {fit.correlation[i, j]:.3f}"
                 yield f"The estimates of {second} and {first} have {how}."
 

@@ -18,7 +18,7 @@ LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9
 TOO_FEW = 0.25
 # A singular value of the matrix J (``Information``) counts as 0 if it is smaller than this, relative to the
 # largest singular value. Each column of J, for one parameter, is first scaled to the norm 1.
-SINGULAR = 1e-7
+SINGULAR_RATIO = 1e-7
 
 
 @dataclass(frozen=True)
@@ -43,11 +43,11 @@ class Information:
         size = np.sqrt(np.diag(self.matrix))
         scale = np.divide(1.0, size, out=np.zeros(len(size)), where=size > 0.0)
         values, vectors = np.linalg.eigh(self.matrix * np.outer(scale, scale))
-        sound = values > SINGULAR**2 * max(values.max(initial=0.0), 1.0)
+        sound = values > SINGULAR_RATIO**2 * max(values.max(initial=0.0), 1.0)
         inverse: np.ndarray = (
             (vectors[:, sound] / values[sound]) @ vectors[:, sound].T * np.outer(scale, scale)
         )
-        lost = (np.abs(vectors[:, ~sound]) > SINGULAR**0.5).any(axis=1) | (size == 0.0)
+        lost = (np.abs(vectors[:, ~sound]) > SINGULAR_RATIO**0.5).any(axis=1) | (size == 0.0)
         inverse[lost, :] = inverse[:, lost] = math.nan
         inverse[np.diag_indices_from(inverse)] = np.where(lost, math.inf, np.diag(inverse))
         return inverse

@@ -27,7 +27,7 @@ SHARE = 0.2
 # otherwise.
 BATCH_RATIO = 16
 # number of batches submitted for each worker: while one batch is computed, the next one waits for the worker
-AHEAD = 2
+BATCHES_PER_WORKER = 2
 
 
 class Batches:
@@ -82,7 +82,7 @@ def run_batches(
 
     Args:
         executor: executes the batches in threads of this machine, or on the machines of a cluster.
-        count: the number of workers; AHEAD × ``count`` batches are submitted at the same time.
+        count: the number of workers; BATCHES_PER_WORKER × ``count`` batches are submitted at the same time.
         do: function that computes a batch, and returns the result and the computing time [s].
         spans: the runs, in ascending order.
         check: function that is called each time no batch has ended for ``patience``; it raises an error if
@@ -97,7 +97,7 @@ def run_batches(
             at_work[executor.submit(do, batch)] = batch
 
     try:
-        for _ in range(AHEAD * count):
+        for _ in range(BATCHES_PER_WORKER * count):
             submit()
         while at_work:
             done = wait(at_work, patience, FIRST_COMPLETED).done

@@ -18,7 +18,7 @@ from chain_impact.pictures.drawing.dark_ground import COLOURED_GROUND
 # contours; LEAST_ROOM: the least distance of the value of a contour from the next line, and LEAST_LENGTH: the
 # least extent of a contour along an axis, both relative to the map
 MOST_PIECES, LEAST_CELLS, LEAST_ROOM, LEAST_LENGTH = 2, 5, 0.07, 0.2
-MIDDLE = 0.6  # the part of a cell in which a mark is over the number in the cell
+MIDDLE_SHARE = 0.6  # the part of a cell in which a mark is over the number in the cell
 
 
 @dataclass(frozen=True)
@@ -46,10 +46,10 @@ class Scale:
         return np.asarray(np.log(values) if self.logarithmic else values)
 
     def cell_at(self, value: float) -> int | None:
-        """Return the index of the cell whose middle part (MIDDLE) has a value, if there is one."""
+        """Return the index of the cell whose middle part (MIDDLE_SHARE) has a value, if there is one."""
         edges = self.scaled(self.edges)
         off = np.abs(self.scaled(self.middles) - self.scaled(value)) / np.diff(edges)
-        return int(off.argmin()) if off.min() < 0.5 * MIDDLE else None
+        return int(off.argmin()) if off.min() < 0.5 * MIDDLE_SHARE else None
 
 
 def draw_contours(

@@ -36,7 +36,7 @@ MANIFEST = "_manifest.json"
 LOCK = ".lock"
 # matches the final names (``file_name``) and the temporary names (``run_batch``) of files of rows; ``tidy``
 # removes no other files, except the manifest
-OWN = re.compile(rf"runs-\d{{15}}{re.escape(PARQUET)}|\.runs-.*")
+OWN_FILES = re.compile(rf"runs-\d{{15}}{re.escape(PARQUET)}|\.runs-.*")
 FORMAT = 2  # version of the folder's format; a folder with another version is not continued
 
 
@@ -100,7 +100,7 @@ class Dataset:
         if not self.files:
             (self.path / MANIFEST).unlink(missing_ok=True)
         for path in self.path.iterdir():
-            if OWN.fullmatch(path.name) and path.name not in self.files:
+            if OWN_FILES.fullmatch(path.name) and path.name not in self.files:
                 path.unlink()
 
     def is_complete(self) -> bool:

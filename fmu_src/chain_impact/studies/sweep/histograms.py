@@ -46,7 +46,7 @@ BOX_WIDTH, BOX_LINE = 0.6, 0.9
 BOX_WORDS, SPREAD = "middle half and median", "; sideways: spread only"
 # a trend counts with at least the squared rank correlation TRENDING, and LEAST_TREND runs
 TRENDING, LEAST_TREND = 0.5, 12
-FEWEST = 3  # the correlation of fewer than FEWEST pairs of values counts as 0
+FEWEST_PAIRS = 3  # the correlation of fewer than FEWEST_PAIRS pairs of values counts as 0
 # the largest number of bars; narrower bars would show mainly random differences
 MOST_BINS = 60
 ONE_BAR_SPREAD = 1e-9  # [1] all values share one bar if their range is at most this times the largest |value|
@@ -132,14 +132,14 @@ def drawn_parameters(runs: Runs, varying: Sequence[Variation]) -> list[Variation
 def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
     """Return Spearman's correlation of the ranks of two arrays of shape (R,).
 
-    Pairs with a value that is not finite are left out. The result is 0 if fewer than FEWEST pairs are left,
-    or if all values of an array in these pairs are equal.
+    Pairs with a value that is not finite are left out. The result is 0 if fewer than FEWEST_PAIRS pairs are
+    left, or if all values of an array in these pairs are equal.
     """
     from scipy.stats import spearmanr  # this import takes long, and only pictures of samples need it
 
     known = np.isfinite(first) & np.isfinite(second)
     first, second = first[known], second[known]
-    if len(first) < FEWEST or not np.ptp(first) or not np.ptp(second):
+    if len(first) < FEWEST_PAIRS or not np.ptp(first) or not np.ptp(second):
         return 0.0
     return float(spearmanr(first, second).statistic)
 

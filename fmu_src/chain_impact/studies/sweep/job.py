@@ -28,7 +28,7 @@ from chain_impact.variables.prepared import PreparedScene, prepared_scene
 from chain_impact.variables.selection import missing_output_hint
 from chain_impact.variables.variable import Variable
 
-ENDED = "time"  # the column with the time [s] at which the run ended
+END_COLUMN = "time"  # the column with the time [s] at which the run ended
 STATUS = "solver.status"
 
 
@@ -113,7 +113,7 @@ class Job:
         """
         kinds = {"integer": np.int64, "real": np.float64}
         columns = [(name, kinds[variable.type]) for name, variable in self.columns.items()]
-        return np.dtype([*((name, np.float64) for name in (*self.largest, ENDED)), *columns])
+        return np.dtype([*((name, np.float64) for name in (*self.largest, END_COLUMN)), *columns])
 
 
 def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outputs: Sequence[str]) -> Job:

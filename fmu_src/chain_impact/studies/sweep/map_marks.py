@@ -22,7 +22,7 @@ from chain_impact.studies.sweep.contours import Scale
 SCENE_MARK: dict[str, Any] = {"marker": "P", "markersize": 7.0, "color": "white", "markeredgecolor": "black"}
 SCENE_MARK |= {"markeredgewidth": 0.9, "linestyle": "", "clip_on": False, "zorder": 5.0, "label": "_"}
 """The mark of the scene's own values in a map, with matplotlib's names."""
-HATCHED: dict[str, Any] = {"facecolor": "white", "edgecolor": "0.6", "hatch": "////", "linewidth": 0.0}
+HATCHED_STYLE: dict[str, Any] = {"facecolor": "white", "edgecolor": "0.6", "hatch": "////", "linewidth": 0.0}
 """The look of the cells of runs without an impact, with matplotlib's names."""
 SCENE = "scene"  # the name of the mark
 # the places of the name from which ``place_names`` chooses, the first free one: its distance from the mark
@@ -88,4 +88,4 @@ def hatch(axes: Axes, scales: tuple[Scale, Scale], cells: np.ndarray) -> None:
         for row, k in np.argwhere(cells).tolist()
     ]
     if corners:
-        axes.add_collection(PolyCollection(corners, **HATCHED), autolim=False)
+        axes.add_collection(PolyCollection(corners, **HATCHED_STYLE), autolim=False)

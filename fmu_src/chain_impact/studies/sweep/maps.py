@@ -27,7 +27,7 @@ from chain_impact.studies.sweep.colour_bars import (
     cut_values_words,
 )
 from chain_impact.studies.sweep.contours import Scale, draw_contours
-from chain_impact.studies.sweep.map_marks import HATCHED, SCENE_MARK, hatch, mark_scene
+from chain_impact.studies.sweep.map_marks import HATCHED_STYLE, SCENE_MARK, hatch, mark_scene
 from chain_impact.studies.sweep.quantities import Quantity, printed_number
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
@@ -95,7 +95,7 @@ def draw_maps(
         label = "scene" if near[1] else "nearest to the scene"
         entries.append(Patch(facecolor="none", edgecolor=INK, linewidth=NEAREST_FRAME, label=label))
     if any(cells.any() for cells in missed):
-        entries.append(Patch(label=NO_IMPACT, **HATCHED))
+        entries.append(Patch(label=NO_IMPACT, **HATCHED_STYLE))
     if entries:
         legend_at_foot(figure, entries)
 

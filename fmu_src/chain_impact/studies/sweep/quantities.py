@@ -12,7 +12,7 @@ import numpy as np
 from chain_impact.scene.errors import SceneError, names_matching
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.words.unit_text import bracketed_unit, unit_text, with_unit
-from chain_impact.studies.sweep.job import ENDED, Job
+from chain_impact.studies.sweep.job import END_COLUMN, Job
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.text import names_text, number_text, prefixed_unit, span_text
 from chain_impact.variables.impact_units import unit_at
@@ -138,7 +138,7 @@ QUANTITIES = (
     Quantity(COUNT, "impacts"),
     Quantity("energy.dissipated", "energy dissipated", "J"),
 )
-SHARED = ("N", "N·m", "J")
+SHARED_UNITS = ("N", "N·m", "J")
 """Units that have the same prefix in the whole picture, for main results and additional outputs.
 
 An additional output in any other unit gets no prefix.
@@ -254,7 +254,7 @@ def _final_quantity(name: str, prepared: PreparedScene) -> Quantity:
 
     An output with the peak or the time of a peak is not called "at the end", because it holds for the run.
     """
-    unit = "s" if name == ENDED else prepared.units[name]
+    unit = "s" if name == END_COLUMN else prepared.units[name]
     is_peak = name.rpartition(".")[2].startswith(("peak_", "max_"))
     return Quantity(name, name if is_peak else f"{name} at the end", unit_text(unit))
 
@@ -262,10 +262,10 @@ def _final_quantity(name: str, prepared: PreparedScene) -> Quantity:
 def _with_prefixes(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
     """Return the quantities with prefixes in their units, such as kN, and the factors for the prefixes.
 
-    An additional output whose unit is not in SHARED gets no prefix. All other quantities with equal units
-    get the same prefix, which suits the largest |value| of these quantities in all runs.
+    An additional output whose unit is not in SHARED_UNITS gets no prefix. All other quantities with equal
+    units get the same prefix, which suits the largest |value| of these quantities in all runs.
     """
-    shared = [quantity in QUANTITIES or quantity.unit in SHARED for quantity in quantities]
+    shared = [quantity in QUANTITIES or quantity.unit in SHARED_UNITS for quantity in quantities]
     families = [quantity.unit if shares else "" for quantity, shares in zip(quantities, shared, strict=True)]
     scales = {"": (1.0, "")}
     for unit in {*families} - {""}:

@@ -4,20 +4,20 @@
 import { digits } from "../base/format.js";
 import { endsOf } from "../base/range.js";
 
-// the zero of the potential energy is moved if this makes the range of all energies and 0 less than CLOSER times as large
-const CLOSER = 0.8;
+// the zero of the potential energy is moved if this makes the range of all energies and 0 less than RANGE_SHARE times as large
+const RANGE_SHARE = 0.8;
 const MOVED = ["potential", "total"];
 
 /**
  * Return the number [J] that a chart adds to the potential and the total energy, so that the least potential energy is about 0. The number
- * is rounded up to two significant digits; it is 0 if it would not make the range much smaller (CLOSER). `energies`: name → values.
+ * is rounded up to two significant digits; it is 0 if it would not make the range much smaller (RANGE_SHARE). `energies`: name → values.
  */
 export function energyOffset(energies) {
   const least = endsOf(energies.potential ?? [0])[0];
   if (least === 0 || !Number.isFinite(least)) return 0;
   const step = 10 ** (Math.floor(Math.log10(Math.abs(least))) - 1);
   const offset = Math.ceil(Number((-least / step).toFixed(6))) * step;
-  return energyRange(movedBy(energies, offset)) < CLOSER * energyRange(energies) ? offset : 0;
+  return energyRange(movedBy(energies, offset)) < RANGE_SHARE * energyRange(energies) ? offset : 0;
 }
 
 /** Return what an offset [J] adds to the energy with a name. */
