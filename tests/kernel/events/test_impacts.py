@@ -1,6 +1,8 @@
 """Impacts at rigid walls in plain Python, against Moreau's law by dense matrices."""
 
 import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -33,8 +35,19 @@ E, SLOWEST = 0.6, 1e-3
 POINTS = [1, 6, 11, 16]  # points of a free chain, one at each of the walls
 
 
+class Touching(NamedTuple):
+    """A chain at rigid walls: its record, the state y, the matrices J, M⁻¹ Jᵀ and W, and the candidates."""
+
+    d: Any
+    y: np.ndarray
+    jacobian: np.ndarray
+    response: np.ndarray
+    w: np.ndarray
+    candidates: Sequence[int]
+
+
 def touching(seed, candidates=(1, 6, 11), *, base="free", kinds=ONSET, arrive=True):
-    """Return a chain at rigid walls with approaching candidates: scene, record, state, J, M⁻¹ Jᵀ and W."""
+    """Return a chain at rigid walls with approaching candidates."""
     rng = np.random.default_rng(seed)
     scene, d = chain(rng, 4, base, model="newton_impact", restitution=E, minimum_impact_speed=SLOWEST)
     candidates = [c - (base == "pinned") for c in candidates]
@@ -51,19 +64,12 @@ def touching(seed, candidates=(1, 6, 11), *, base="free", kinds=ONSET, arrive=Tr
     d.step.state_end[:] = y
     d.step.start, d.step.end, d.step.communication_point = 1.0, 1.5, 1.2
     # values from an earlier problem
-    (
-        d.constraints.target[:],
-        d.constraints.in_active_set[:],
-        d.constraints.unforced[:],
-        d.scratch.load.x[:],
-    ) = (
-        5.0,
-        0,
-        5.0,
-        9.0,
-    )
+    d.constraints.target[:] = 5.0
+    d.constraints.in_active_set[:] = 0
+    d.constraints.unforced[:] = 5.0
+    d.scratch.load.x[:] = 9.0
     locate_points(d, y)
-    return d, y, jacobian, response, w, candidates
+    return Touching(d, y, jacobian, response, w, candidates)
 
 
 def kinetic(d, y):
@@ -132,7 +138,7 @@ def test_a_slow_arrival_comes_to_rest_and_is_held_while_the_wall_pushes(seed):
 
 
 def test_points_that_all_but_touch_are_neighbours():
-    d, *_ = touching(0, (1,))
+    d = touching(0, (1,)).d
     limit = impacts.NEAR_WALL_CLEARANCE * impacts.release_gap(d, 2, largest_coordinate(d))
     for c, part_of in ((2, 0.5), (5, 0.99), (9, 1.5), (13, -3.0)):
         press_in(d, c, -part_of * limit)
@@ -146,7 +152,8 @@ def test_points_that_all_but_touch_are_neighbours():
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 def test_fast_arrivals_rebound_and_slow_arrivals_rest(restitution):
     """e = 0 for a held contact, for a slow arrival, and for a rebound too slow to leave."""
-    d, y, _jacobian, response, w, candidates = touching(1, POINTS, kinds=NO_EVENT)
+    found = touching(1, POINTS, kinds=NO_EVENT)
+    d, y, response, w, candidates = found.d, found.y, found.response, found.w, found.candidates
     d.contacts.event[candidates] = ONSET, NEIGHBOUR, NO_EVENT, ONSET
     speeds = np.array([-1.0, -1.0, -1.0, -0.5 * SLOWEST])
     y[6:12] = response @ np.linalg.solve(w, speeds)
@@ -166,7 +173,8 @@ def test_fast_arrivals_rebound_and_slow_arrivals_rest(restitution):
 
 @pytest.mark.parametrize(("times", "aims"), [(0.9, 0.0), (1.1, 1.0)])
 def test_rebounds_too_slow_to_leave_are_none(times, aims):
-    d, y, _, response, w, _ = touching(1, (1,), kinds=NO_EVENT)
+    found = touching(1, (1,), kinds=NO_EVENT)
+    d, y, response, w = found.d, found.y, found.response, found.w
     d.contacts.event[1] = ONSET
     speed = -2.0 * SLOWEST
     y[6:12] = response @ np.linalg.solve(w, [speed])
@@ -179,7 +187,7 @@ def test_rebounds_too_slow_to_leave_are_none(times, aims):
 
 @pytest.mark.parametrize("short", [0.0, 0.5, 2.0])
 def test_impulses_fall_short_by_more_than_round_off(short):
-    d, *_ = touching(1, POINTS, kinds=NO_EVENT)
+    d = touching(1, POINTS, kinds=NO_EVENT).d
     d.constraints.target[:4] = 0.5
     d.constraints.reached[:4] = (
         0.5,
@@ -233,7 +241,7 @@ def test_errors_of_held_contacts_are_corrected_without_an_impulse():
 
 
 def test_with_nothing_that_touches_the_loads_are_those_of_a_flight():
-    d, *_ = touching(2, (), arrive=False)
+    d = touching(2, (), arrive=False).d
     impacts.handle_impact(d)
     assert not vectors(d.scratch.load).any()
 
@@ -277,7 +285,7 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
     ("event", "impulse", "met"), [(NEIGHBOUR, 0.0, 0), (NEIGHBOUR, 1.0, 1), (ONSET, 0.0, 1)]
 )
 def test_a_neighbour_without_an_impulse_was_not_met(event, impulse, met):
-    d, *_ = touching(1, (1,), kinds=NO_EVENT)
+    d = touching(1, (1,), kinds=NO_EVENT).d
     d.contacts.event[1], d.constraints.impulse[0], d.constraints.reached[0] = event, impulse, 0.0
     impacts.end_rebounding_contacts(d)
     assert d.contacts.active[1] == d.contacts.active_count == met
@@ -285,7 +293,7 @@ def test_a_neighbour_without_an_impulse_was_not_met(event, impulse, met):
 
 
 def test_contacts_end_where_they_stand_for_another_law():
-    d, y, *_ = touching(1, (1, 6, 11), kinds=NO_EVENT, arrive=False)
+    d, y = touching(1, (1, 6, 11), kinds=NO_EVENT, arrive=False)[:2]
     d.scratch.velocity.x[:] = 99.0
     rates = []
     locate_points(d, y)
@@ -301,7 +309,7 @@ def test_contacts_end_where_they_stand_for_another_law():
 
 def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
     """Release them for speeds above the round-off of the fastest point, if they are not pressed."""
-    d, *_ = touching(1, POINTS, kinds=NO_EVENT)
+    d = touching(1, POINTS, kinds=NO_EVENT).d
     scale = largest_component(d, d.scratch.velocity)
     d.constraints.in_active_set[:4] = 0, 0, 1, 0
     d.constraints.reached[:4] = 0.5 * SIGN_TOLERANCE * scale, 2.0 * SIGN_TOLERANCE * scale, 1.0, 0.0
@@ -311,7 +319,7 @@ def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
 
 
 def test_released_points_leave_the_wall_and_held_points_stay():
-    d, _y, *_ = touching(1, POINTS[:3], kinds=NO_EVENT)
+    d = touching(1, POINTS[:3], kinds=NO_EVENT).d
     d.constraints.in_active_set[:3] = 1, 0, 1
     impacts.release_contacts(d)
     locate_points(d, d.step.state_end)
@@ -330,7 +338,7 @@ def test_released_points_leave_the_wall_and_held_points_stay():
 
 @pytest.mark.parametrize("away", [0.0, 30.0, 1e4])
 def test_a_released_point_all_but_touches_at_any_distance(away):
-    d, y, *_ = touching(1, POINTS[:1], kinds=NO_EVENT)
+    d, y = touching(1, POINTS[:1], kinds=NO_EVENT)[:2]
     y[:2] += away * d.chain.longest_link
     locate_points(d, y)
     press_in(d, 1, 0.0)
@@ -373,7 +381,8 @@ def test_a_release_is_a_first_guess_of_who_is_let_go():
     """For any first guess, the held points are those that need a force."""
     results = []
     for event in (NO_EVENT, RELEASE):
-        d, y, _, _response, _w, candidates = touching(3, kinds=NO_EVENT)
+        found = touching(3, kinds=NO_EVENT)
+        d, y, candidates = found.d, found.y, found.candidates
         y[6:12] = 0.0
         d.step.state_end[:] = y
         d.contacts.event[candidates] = event
