@@ -14,7 +14,7 @@ import chain_impact
 from chain_impact import cli
 from chain_impact.cli import progress
 from tests.helpers.tools.fakes import CheckedPatch
-from tests.helpers.tools.shared import once, shared_folder
+from tests.helpers.tools.shared import make_once, shared_folder
 from tests.helpers.tools.sources import check_sources
 
 pytest_plugins = ["tests.tiers", "tests.scheduling"]
@@ -54,7 +54,7 @@ def fmu(tmp_path_factory):
     def build(folder):
         assert cli.main(["build", "-o", str(folder)]) == 0
 
-    return once(shared_folder(tmp_path_factory, "fmu") / "build", build) / "FourLinkBox.fmu"
+    return make_once(shared_folder(tmp_path_factory, "fmu") / "build", build) / "FourLinkBox.fmu"
 
 
 @pytest.fixture

@@ -31,7 +31,7 @@ SLOWEST = (
 # number of new objects after which garbage is collected; Python's 700 take a tenth of the time of a picture
 GARBAGE = 50_000
 # file → other file with which the file shares a process, because both use the same results
-WITH = {
+SHARED_PROCESS = {
     f"tests/pictures/{name}.py": "tests/pictures/test_overview.py"
     for name in (
         "motion/test_motion",
@@ -91,7 +91,7 @@ class ByFile(LoadFileScheduling):
 
     def _split_scope(self, nodeid):
         file = super()._split_scope(nodeid)
-        return WITH.get(file, file)
+        return SHARED_PROCESS.get(file, file)
 
 
 @pytest.hookimpl(optionalhook=True)

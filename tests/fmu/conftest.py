@@ -16,7 +16,7 @@ from lark import Lark
 
 from tests.fmu.scenes import KINDS, OnDemand
 from tests.helpers.tools.processes import Processes, make_environment
-from tests.helpers.tools.shared import once, shared_folder
+from tests.helpers.tools.shared import make_once, shared_folder
 
 Clean = Callable[..., Any]
 
@@ -67,7 +67,7 @@ def native(all_fmus) -> dict[str, str]:
 def clean_python(tmp_path_factory) -> Path:
     """Return the Python of an environment with fmpy and pythonfmu, without this package and numba."""
     environment = shared_folder(tmp_path_factory, "clean") / "environment"
-    once(environment, lambda folder: make_environment(folder, "pythonfmu", "fmpy"))
+    make_once(environment, lambda folder: make_environment(folder, "pythonfmu", "fmpy"))
     return environment / "bin" / "python"
 
 

@@ -9,7 +9,7 @@ from tests.helpers.scenes.derived_scenes import finger
 from tests.helpers.scenes.friction import thrown
 from tests.helpers.scenes.friction_derivative_scenes import dry_joints
 from tests.helpers.scenes.stops import knee
-from tests.helpers.tools.shared import once
+from tests.helpers.tools.shared import make_once
 
 KINDS = {
     "pythonfmu": {"target": "pythonfmu"},
@@ -66,7 +66,7 @@ class OnDemand(dict[str, str]):
         folder.mkdir(exist_ok=True)
 
     def __missing__(self, name: str) -> str:
-        folder = once(
+        folder = make_once(
             self.folder / name, lambda folder: build_fmu(scene_of(name), folder, **KINDS[self.kind])
         )
         (fmu,) = folder.glob("*.fmu")

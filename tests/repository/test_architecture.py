@@ -17,7 +17,7 @@ import pytest
 
 import chain_impact
 from tests import tiers
-from tests.scheduling import SLOWEST, WITH
+from tests.scheduling import SHARED_PROCESS, SLOWEST
 from tests.tiers import EXTRAS, IMPORTING, subjects
 
 ROOT = Path(__file__).parents[2]
@@ -306,7 +306,7 @@ def test_a_marked_test_has_some_cases_in_the_quick_tier(but, expected):
 def test_the_order_of_the_tests_names_files_that_exist():
     tests = [*(ROOT / "tests").rglob("test_*.py")]
     paths = {file.relative_to(ROOT).as_posix() for file in tests}
-    assert {*SLOWEST, *WITH, *WITH.values()} - paths == set()
+    assert {*SLOWEST, *SHARED_PROCESS, *SHARED_PROCESS.values()} - paths == set()
 
 
 IMPORT = re.compile(r"^(?:from ([\w.]+) )?import (?:\(([^)]*)\)|([^\n(#]+))", re.MULTILINE)

@@ -99,7 +99,7 @@ def test_every_key_says_its_unit_meaning_and_choices():
     assert choices["solver.method"] == SOLVER_METHODS
 
 
-def of_equal_links(*counts):
+def scene_with_equal_links(*counts):
     links = [{"length": 0.1 * (i + 1), "mass": 1.0, "count": count} for i, count in enumerate(counts)]
     zeros = [0.0] * sum(counts)
     changes = {
@@ -111,7 +111,7 @@ def of_equal_links(*counts):
 
 
 def test_a_count_stands_for_so_many_equal_links():
-    scene = of_equal_links(2, 1, 3)
+    scene = scene_with_equal_links(2, 1, 3)
     assert [link.length for link in scene.chain.links] == pytest.approx([0.1, 0.1, 0.2, 0.3, 0.3, 0.3])
     assert scene.contact.points == tuple(range(7))
     assert all("count" not in link for link in scene_to_dict(scene)["chain"]["links"])
@@ -142,7 +142,7 @@ def test_a_chain_has_at_most_a_thousand_links():
 
     assert len(chain(MAX_LINKS).chain.links) == MAX_LINKS
     assert refusal(chain, MAX_LINKS + 1) == "RodDrop: chain.links has 1001 entries, must have 1 to 1000"
-    message = refusal(of_equal_links, 400, 600, 1)
+    message = refusal(scene_with_equal_links, 400, 600, 1)
     assert message == "RodDrop: chain.links has 1001 links, must have at most 1000"
 
 

@@ -19,7 +19,7 @@ def shared_folder(factory: pytest.TempPathFactory, name: str) -> Path:
     return folder
 
 
-def once(path: Path, make: Callable[[Path], object]) -> Path:
+def make_once(path: Path, make: Callable[[Path], object]) -> Path:
     """Return the file or folder at a path; ``make`` writes it if no worker has done so, while others wait."""
     with FileLock(f"{path}.lock"):
         if not path.exists():
