@@ -44,7 +44,7 @@ export function fixed(value, decimals) {
 }
 
 const DECIMALS = 6; // largest number of decimals of an axis label that has no exponent
-const LARGE = 1e6; // absolute value from which on the labels of an axis have exponents if all are whole numbers
+const EXPONENT_LIMIT = 1e6; // absolute value from which on the labels of an axis have exponents if all are whole numbers
 
 /** Return the labels for ticks at equal distances, with only so many digits that all labels differ. */
 export function ticksOf(ticks) {
@@ -52,7 +52,7 @@ export function ticksOf(ticks) {
   const [mantissa, exponent] = step.toExponential().split("e");
   const decimals = (mantissa.split(".")[1] ?? "").length - Number(exponent); // number of decimals of the distance between two ticks
   const largest = Math.max(...ticks.map(Math.abs));
-  const isPlain = decimals <= DECIMALS && (largest < LARGE || decimals > 0);
+  const isPlain = decimals <= DECIMALS && (largest < EXPONENT_LIMIT || decimals > 0);
   return ticks.map((tick) => {
     if (Math.abs(tick) < step / 2) return "0";
     const afterFirst = Math.floor(Math.log10(Math.abs(tick))) + decimals; // number of digits of this tick after its first digit

@@ -1,11 +1,12 @@
 // Round numbers for the ticks of an axis.
 
 const TICK_STEPS = [5, 2.5, 2, 1]; // allowed distances between ticks, as multiples of a power of ten
-const EQUAL = 1e-9; // numbers whose difference is at most this, relative to the larger one, differ by round-off and count as equal
+// numbers whose difference is at most this, relative to the larger one, differ by round-off and count as equal
+const EQUALITY_TOLERANCE = 1e-9;
 
 /** Return whether two numbers, of which the first is not larger, are equal up to round-off. */
 export function areSame(low, high) {
-  return high - low <= EQUAL * Math.max(Math.abs(low), Math.abs(high));
+  return high - low <= EQUALITY_TOLERANCE * Math.max(Math.abs(low), Math.abs(high));
 }
 
 /**

@@ -10,7 +10,7 @@ export const MOMENT = 1e-3;
 const [FEWEST_TICKS, FEWEST_IF_LOW] = [3, 2];
 const TICKS_APART = 17; // [pixels] least distance between two ticks of a vertical axis
 const [ABOVE_PLOT, BELOW_PLOT] = [8, 21]; // [pixels] height of the space above the plot, and height of the axis below it
-const NARROWEST = 48; // [pixels] least width of a vertical axis, enough for most labels
+const LEAST_AXIS_WIDTH = 48; // [pixels] least width of a vertical axis, enough for most labels
 // horizontal positions of the letters at curves of compared motions, relative to the width of the chart: of A, and from each letter to the
 // next
 const [LETTERS_FROM, LETTERS_APART] = [0.1, 0.19];
@@ -104,7 +104,7 @@ export function labelledWidth(plot, labels, index, cycle) {
   if (cycle > 1) return _size;
   plot.ctx.font = font[0];
   const widths = (labels ?? []).map((label) => plot.ctx.measureText(label).width / devicePixelRatio);
-  return Math.ceil(Math.max(NARROWEST, LABEL_MARGIN + Math.max(...widths) + gap + ticks.size));
+  return Math.ceil(Math.max(LEAST_AXIS_WIDTH, LABEL_MARGIN + Math.max(...widths) + gap + ticks.size));
 }
 
 /** A chart with a vertical line at the present time: the base class of all charts. */

@@ -6,7 +6,7 @@ import { endsOf } from "../base/range.js";
 
 // the zero of the potential energy is moved if this makes the range of all energies and 0 less than RANGE_SHARE times as large
 const RANGE_SHARE = 0.8;
-const MOVED = ["potential", "total"];
+const MOVED_ENERGIES = ["potential", "total"];
 
 /**
  * Return the number [J] that a chart adds to the potential and the total energy, so that the least potential energy is about 0. The number
@@ -22,7 +22,7 @@ export function energyOffset(energies) {
 
 /** Return what an offset [J] adds to the energy with a name. */
 export function shiftOf(name, offset) {
-  return MOVED.includes(name) ? offset : 0;
+  return MOVED_ENERGIES.includes(name) ? offset : 0;
 }
 
 /** Return energies, name → values, with an offset [J] added to the potential and the total energy. */
@@ -31,9 +31,9 @@ export function movedBy(energies, offset) {
     [name, shiftOf(name, offset) ? values.map((value) => value + offset) : values]));
 }
 
-/** Return the end of the chart's title, after the unit: the offset [J] with the names of the moved energies (MOVED); "" for 0. */
+/** Return the end of the chart's title, after the unit: the offset [J] with the names of the moved energies (MOVED_ENERGIES); "" for 0. */
 export function offsetText(offset) {
-  return offset ? `shown: ${MOVED.join(" and ")} ${offset > 0 ? "+" : "−"} ${digits(Math.abs(offset), 2)}\u202fJ` : "";
+  return offset ? `shown: ${MOVED_ENERGIES.join(" and ")} ${offset > 0 ? "+" : "−"} ${digits(Math.abs(offset), 2)}\u202fJ` : "";
 }
 
 /** Return the size [J] of the range that contains 0 and all values of all energies. */

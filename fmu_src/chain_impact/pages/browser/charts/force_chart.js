@@ -9,7 +9,7 @@ import {
   axisOptions, Chart, contactTitle, drawCompared, drawCurve, labelledWidth, LETTER_DOT, MOMENT, styleColour, ticksText, ticksUpwards,
 } from "./chart.js";
 
-const AROUND = 0.35; // time that the chart shows before and after a contact, relative to the contact's duration
+const SHOWN_SHARE = 0.35; // time that the chart shows before and after a contact, relative to the contact's duration
 const MARGIN = 1.08; // ends of the axis of forces, relative to the extremes of the curves; above a contact's curves, PEAK_ROOM replaces it
 // [pixels] height above all curves for the text of the peak force, radius of the dot at the peak, and size of the letters of the text
 const [PEAK_ROOM, PEAK_DOT, PEAK_TEXT] = [22, 2.5, 11];
@@ -50,7 +50,7 @@ function noteAbove(forces, high, unit) {
  */
 function courseAround(recording, contact) {
   const { onset, end } = contact;
-  const margin = AROUND * Math.max(end - onset, 1e-6);
+  const margin = SHOWN_SHARE * Math.max(end - onset, 1e-6);
   const { rowTime: time } = recording;
   const columns = recording.courseOf(contact);
   const first = lastBefore(time, onset - margin);

@@ -8,8 +8,8 @@ import {
 import { energyOffset, movedBy, offsetText, shiftOf } from "./energy_zero.js";
 
 const WIDTHS = { total: 2.4 };
-const DENSE = 0.4; // a curve with more turns than this for each pixel of the chart's width fills an area
-const FAINT = 0.5; // opacity of a curve that fills an area, so that other curves are seen behind it
+const DENSE_TURNS = 0.4; // a curve with more turns than this for each pixel of the chart's width fills an area
+const FAINT_OPACITY = 0.5; // opacity of a curve that fills an area, so that other curves are seen behind it
 const MOST_BESIDE_NAMES = 3; // with more compared motions, a legend with long names has the values below them
 const ENVELOPE_STEP = 2; // [pixels] width of the strips in whose extremes the envelope of such a curve has its corners
 const ENVELOPE_TURNS = 5; // turns of the curve, more than two periods, over which the envelope takes its extremes
@@ -59,7 +59,7 @@ export class TimeChart extends Chart {
     const { clientWidth: width, clientHeight: height } = this.element;
     const pixel = largestIn(data.slice(1)) / height; // turns of less than this, such as those of round-off, are not seen
     data.slice(1).forEach((values, k) => {
-      const alpha = turnsOf(values, pixel) > DENSE * width ? FAINT : 1;
+      const alpha = turnsOf(values, pixel) > DENSE_TURNS * width ? FAINT_OPACITY : 1;
       this.plot.series[k + 1].alpha = alpha;
       this.rows[k].term.style.setProperty("--opacity", alpha);
     });

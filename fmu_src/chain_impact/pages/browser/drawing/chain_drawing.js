@@ -26,11 +26,11 @@ const [STUCK_DOT, BALL_DOT] = [10, 12]; // [pixels] diameters of the mark of a s
 // RANGE_RADIUS: radius of the arc that shows a joint's range, relative to the link's length; RANGE_POINTS: number of the arc's points;
 // RANGE_TICK: length of a stop's mark, relative to the radius
 const { RANGE_RADIUS, RANGE_POINTS, RANGE_TICK } = SHARED.jointStops;
-const BESIDE = 18; // [pixels] distance from a point to its number
-// distances from a point to its number that are tried in this order, as multiples of BESIDE; farther away, a number would seem to belong to
-// no point
+const NUMBER_GAP = 18; // [pixels] distance from a point to its number
+// distances from a point to its number that are tried in this order, as multiples of NUMBER_GAP; farther away, a number would seem to
+// belong to no point
 const NAME_MULTIPLES = [1, 1.25, 1.5];
-const NUMBERED = 12; // with more links, points have no numbers
+const MOST_NUMBERED_LINKS = 12; // with more links, points have no numbers
 const MANY_LINKS = 60; // from this number of links on, the chain is drawn as one line without joints
 
 /**
@@ -102,7 +102,7 @@ export class ChainDrawing {
       [range, this.links.polyline().addClass(kind).fill("none")]));
     this.discs = radius > 0 ? touching.map(([point, ownRadius]) => [point, ownRadius, this.circles.circle().addClass("disc")]) : [];
     this.outlines = [...bodies.map(() => "body"), ...(rail ? ["carriage"] : [])].map((kind) => this.bodies.polygon().addClass(kind));
-    this.names = Array.from({ length: links <= NUMBERED ? pointCount : 0 }, (_, point) =>
+    this.names = Array.from({ length: links <= MOST_NUMBERED_LINKS ? pointCount : 0 }, (_, point) =>
       this.numbers.plain(names.get(point) ?? (isPoint && point !== ball ? "" : String(point))).addClass("point-number"));
     this.bodyOf = this.names.map((_, point) => this.#nearestBody(point));
     const shown = ball !== null ? [ball] : links < MANY_LINKS ? Array.from({ length: links + 1 }, (_, point) => point) : [0, links];
@@ -225,7 +225,7 @@ export class ChainDrawing {
       const corners = bodies[this.bodyOf[point]];
       const outward = corners ? outOfBody(all[point], corners) : outOfChain(all.slice(0, links + 1), point);
       const text = name.text();
-      const around = positionsAround(all[point], outward, BESIDE, NAME_MULTIPLES);
+      const around = positionsAround(all[point], outward, NUMBER_GAP, NAME_MULTIPLES);
       const beside = corners ? around : around.map((candidate) => ({ ...candidate, anchor: "middle" }));
       const position = this.labelSpace.findPosition(text, NUMBER_TEXT, beside);
       name.css("visibility", position ? "visible" : "hidden");
@@ -309,7 +309,7 @@ export class ChainDrawing {
     rings.filter(({ isNumbered }) => isNumbered).forEach((ring) => {
       const { number, position, away, radius } = ring;
       const text = `#${number}`;
-      const candidates = positionsAround(position, [-away[1], away[0]], radius + BESIDE / 2, [1, 1 + BESIDE / 2 / radius]);
+      const candidates = positionsAround(position, [-away[1], away[0]], radius + NUMBER_GAP / 2, [1, 1 + NUMBER_GAP / 2 / radius]);
       const label = this.labelSpace.findPosition(text, NUMBER_TEXT, candidates, isOwnPlace(ring, rings));
       if (!label) return;
       const [x, y] = label.at;

@@ -2,7 +2,7 @@
 
 // widths of a usual letter and of a narrow one, and height of a line, relative to the size of the letters; they are approximate
 const [LETTER_WIDTH, NARROW_WIDTH, LINE_HEIGHT] = [0.72, 0.42, 1.2];
-const NARROW = /[fijlrt.,:'\s]/g;
+const NARROW_LETTERS = /[fijlrt.,:'\s]/g;
 const BESIDE_LINE = 3; // [pixels] least distance between a label and a drawn line
 const BESIDE_TEXT = 4; // [pixels] least distance between two labels side by side, so that they do not read as one text
 // a place at which a label would cover what labels should avoid is tried AVOIDED places (two rounds of directions) later
@@ -17,7 +17,7 @@ const HALF = 7;
  * start, middle or end.
  */
 function boxOf(text, [x, y], size, anchor) {
-  const narrow = text.match(NARROW)?.length ?? 0;
+  const narrow = text.match(NARROW_LETTERS)?.length ?? 0;
   const width = size * (LETTER_WIDTH * (text.length - narrow) + NARROW_WIDTH * narrow);
   const left = x - { start: 0, middle: 0.5, end: 1 }[anchor] * width;
   return [left, y - (LINE_HEIGHT * size) / 2, left + width, y + (LINE_HEIGHT * size) / 2];

@@ -7,10 +7,10 @@ const RING_TIME = 0.25; // [s] simulated time for which an impact has a ring
 // [pixels] RING: diameter of a ring at the onset, and the growth of the diameter in RING_TIME; RINGS_APART: difference of the diameters of
 // two rings at one position
 const [RING, RINGS_APART] = [20, 7];
-const SAME = 12; // [pixels] rings that are nearer to each other count as being at one position
-const OWN = 0.8; // the distance of a number from its ring must be smaller than this times its distance from any other ring
+const SAME_POSITION = 12; // [pixels] rings that are nearer to each other count as being at one position
+const OWN_DISTANCE = 0.8; // the distance of a number from its ring must be smaller than this times its distance from any other ring
 const NUMBERED_PART = 0.5; // fraction of RING_TIME for which a ring has its number beside it
-const PALE = 0.1; // a ring with a smaller opacity may lie behind a label
+const PALE_OPACITY = 0.1; // a ring with a smaller opacity may lie behind a label
 const MOST_RINGS = 3; // largest number of rings at one position: those of its last impacts
 const IMPULSE_ARROW = 72; // [pixels] length of the arrow of the largest impulse
 const NUMBERS = 8; // largest number of impacts that have their numbers at one time
@@ -31,7 +31,7 @@ export function ringsOf(recent, places, now) {
   return recent.flatMap(({ onset, number }, k) => {
     const age = (now - onset) / RING_TIME;
     const [before, after] = [places.slice(0, k), places.slice(k + 1)]
-      .map((others) => others.filter(({ position }) => apart(position, places[k].position) < SAME).length);
+      .map((others) => others.filter(({ position }) => apart(position, places[k].position) < SAME_POSITION).length);
     if (after >= MOST_RINGS) return [];
     const same = Math.min(before, MOST_RINGS - 1 - after); // number of rings at this position that began before
     return {
@@ -39,7 +39,7 @@ export function ringsOf(recent, places, now) {
       number,
       radius: (RING + RINGS_APART * same + RING * Math.sqrt(age)) / 2,
       opacity: (1 - age) ** 2,
-      isSeen: (1 - age) ** 2 > PALE,
+      isSeen: (1 - age) ** 2 > PALE_OPACITY,
       isNumbered: recent.length - k <= NUMBERS && age <= NUMBERED_PART,
     };
   });
@@ -64,8 +64,8 @@ const isImpulse = (impact) => hasImpulseOnly(impact) && !impact.atStop && impact
 
 /** Return a function: middle of a place for a ring's number → whether it is clearly nearer to the ring than to rings at other positions. */
 export function isOwnPlace({ position }, rings) {
-  const others = rings.filter((other) => apart(other.position, position) >= SAME);
-  return (middle) => others.every((other) => apart(middle, position) < OWN * apart(middle, other.position));
+  const others = rings.filter((other) => apart(other.position, position) >= SAME_POSITION);
+  return (middle) => others.every((other) => apart(middle, position) < OWN_DISTANCE * apart(middle, other.position));
 }
 
 function apart([x0, y0], [x1, y1]) {

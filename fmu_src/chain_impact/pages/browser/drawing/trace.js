@@ -1,31 +1,32 @@
 // The trace of the tip, or of the centre of a ball, on the screen: a smooth curve through its positions at the frames, with corners at
 // impacts.
 
-const APART = 1.5; // [pixels] least distance between two successive points of the drawn trace
-const OFF = 0.05; // [pixels] allowed distance of the curve from the drawn straight lines, if MOST and MOST_PARTS allow enough lines
+const POINT_DISTANCE = 1.5; // [pixels] least distance between two successive points of the drawn trace
+// [pixels] allowed distance of the curve from the drawn straight lines, if MOST_POINTS and MOST_PARTS allow enough lines
+const CURVE_TOLERANCE = 0.05;
 // largest distance of a cubic curve from its chord, divided by the difference between its slope at one end and the chord's slope (slopes in
 // pixels per step between frames); the distances that follow from the two ends add up
 const BEND = 4 / 27;
 const MOST_PARTS = 16; // largest number of straight lines with which the curve between two frames is drawn
-const MOST = 20_000; // largest number of points of the drawn trace
+const MOST_POINTS = 20_000; // largest number of points of the drawn trace
 const CELL = 6; // [pixels] size of the cells in which the search for the trace divides the drawing
 
 /**
- * Return { positions, frames }. `positions` are the points of the trace on the screen, each at least APART from the point before. `frames`
- * tells for each point at which frame the tip or ball is there; the frame's number has a fraction for a point between two frames.
+ * Return { positions, frames }. `positions` are the points of the trace on the screen, each at least POINT_DISTANCE from the point before.
+ * `frames` tells for each point at which frame the tip or ball is there; the frame's number has a fraction for a point between two frames.
  */
 export function traceOf(recording, camera) {
   const count = recording.time.length;
-  const most = Math.min(MOST_PARTS, Math.max(1, Math.floor(MOST / count)));
+  const most = Math.min(MOST_PARTS, Math.max(1, Math.floor(MOST_POINTS / count)));
   const at = Array.from(recording.time, (_, frame) => camera.toScreen(...recording.pointAt(frame, recording.traced)));
   const slopes = slopesOf(at, recording);
   const [frames, positions] = [[0], [at[0]]];
   for (let frame = 0; frame < count - 1; frame += 1) {
     const curve = curveBetween(at[frame], at[frame + 1], ...slopes[frame]);
-    const parts = Math.min(most, Math.max(1, Math.ceil(Math.sqrt(curve.bend / OFF))));
+    const parts = Math.min(most, Math.max(1, Math.ceil(Math.sqrt(curve.bend / CURVE_TOLERANCE))));
     for (let part = 1; part <= parts; part += 1) {
       const [here, before] = [curve.at(part / parts), positions.at(-1)];
-      if (Math.hypot(here[0] - before[0], here[1] - before[1]) >= APART) {
+      if (Math.hypot(here[0] - before[0], here[1] - before[1]) >= POINT_DISTANCE) {
         frames.push(frame + part / parts);
         positions.push(here);
       }

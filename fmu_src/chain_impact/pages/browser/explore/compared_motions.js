@@ -10,7 +10,8 @@ import { onGesture } from "./gestures.js";
 const COLOURS = 5; // number of colours for pinned motions in the style sheet
 const LETTERS = "ABCDE"; // the letters of the colours, because two colours may look alike
 const TIP = 15; // [pixels] diameter of the dot of a letter
-const AWAY = [1.1, 1.6, 2.2, 3, 4, 5, 7]; // distances from its tip at which a letter is tried in this order, as multiples of TIP
+// distances from its tip at which a letter is tried in this order, as multiples of TIP
+const LETTER_DISTANCES = [1.1, 1.6, 2.2, 3, 4, 5, 7];
 
 export class ComparedMotions {
   onPin = () => {}; // a function that is called when a motion has been pinned, or is not pinned any more
@@ -219,11 +220,11 @@ function isSameRun(one, other) {
 }
 
 /**
- * Return a position on the screen for a letter: that of its tip or the nearest one around it (AWAY) that is free in `space`, and reserve it
- * there. Without any, it is the tip's position inside the drawing, which has the given size.
+ * Return a position on the screen for a letter: that of its tip or the nearest one around it (LETTER_DISTANCES) that is free in `space`,
+ * and reserve it there. Without any, it is the tip's position inside the drawing, which has the given size.
  */
 function placeOfLetter(tip, space, size) {
-  const around = [{ at: tip }, ...positionsAround(tip, [1, 0], TIP, AWAY)];
+  const around = [{ at: tip }, ...positionsAround(tip, [1, 0], TIP, LETTER_DISTANCES)];
   const free = space.findPosition("A", TIP, around.map(({ at }) => ({ at, anchor: "middle" })));
   return free?.at ?? tip.map((value, axis) => Math.min(Math.max(value, TIP / 2), size[axis] - TIP / 2));
 }

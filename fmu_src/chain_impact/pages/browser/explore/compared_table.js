@@ -7,10 +7,10 @@ import { placeText } from "../scene/words.js";
 
 const TO_PRESENT = "From this motion to the present one";
 const SAME_TIME = 1e-9; // [s] times that differ by less count as equal
-const MANIFOLD = 10; // least factor between two forces or impulses that is told as a factor, not in percent
+const LEAST_FACTOR = 10; // least factor between two forces or impulses that is told as a factor, not in percent
 const ENERGY_ROUND_OFF = 1e-6; // energies below this, relative to the largest one, count as 0
-const LISTED = 100; // number of impacts of each motion, from the first on, that are compared
-const CLEAR = 0.01; // least relative difference of a time since the start, or of a force, that the summary tells
+const LISTED_COUNT = 100; // number of impacts of each motion, from the first on, that are compared
+const LEAST_DIFFERENCE = 0.01; // least relative difference of a time since the start, or of a force, that the summary tells
 
 /**
  * Return the parts of the summary of `motions`, the present one first: each motion has a `recording`, a `title` (an element) and, if it is
@@ -18,7 +18,7 @@ const CLEAR = 0.01; // least relative difference of a time since the start, or o
  * unknown, and dashes replace the changes to it.
  */
 export function summaryTable(motions, first, isPresent) {
-  const heads = ["impacts", "largest", "energy at the end", `first difference of more than ${100 * CLEAR}\u202f%`];
+  const heads = ["impacts", "largest", "energy at the end", `first difference of more than ${100 * LEAST_DIFFERENCE}\u202f%`];
   const head = make("tr", {}, ...[first, ...heads].map((part) => make("th", { scope: "col" }, part)));
   const present = motions[0].recording;
   const body = motions.map(({ title, recording, letter }) => {
@@ -50,8 +50,8 @@ export function pairsTable(motions, isPresent) {
     return make("tr", {}, number, make("th", { scope: "row", textContent: placeText(row.find(Boolean)) }), ...motions.map((_, k) =>
       cellOf(row[k], k > 0 && isPresent ? row[0] : null, row.doubtful[k], row[0]?.number)));
   });
-  if (motions.some(({ recording: { impacts } }) => impacts.length > LISTED)) {
-    const textContent = `the first ${LISTED} of each motion are listed`;
+  if (motions.some(({ recording: { impacts } }) => impacts.length > LISTED_COUNT)) {
+    const textContent = `the first ${LISTED_COUNT} of each motion are listed`;
     body.push(make("tr", {}, make("td"), make("td", { colSpan: 1 + motions.length, textContent })));
   }
   return [make("thead", {}, head), make("tbody", {}, ...body)];
@@ -81,15 +81,16 @@ function countChange({ impacts: { length: from } }, { impacts: { length: to } })
 }
 
 /**
- * Return words for the first impact that differs clearly (CLEAR) between a pinned recording with a `letter` and the present one, or that
- * only one of them has; "none" without one.
+ * Return words for the first impact that differs clearly (LEAST_DIFFERENCE) between a pinned recording with a `letter` and the present one,
+ * or that only one of them has; "none" without one.
  */
 function firstDifference(pinned, present, letter) {
   const isClear = ([now, then]) => {
     if (!now || !then) return true;
     const [gap, since] = [now.onset - then.onset, Math.min(now.onset - present.start, then.onset - pinned.start)];
     const key = forceKeyOf(now, then);
-    return Math.abs(gap) > CLEAR * since + SAME_TIME || (key !== "" && Math.abs(now[key] - then[key]) > CLEAR * then[key]);
+    const isForceClear = key !== "" && Math.abs(now[key] - then[key]) > LEAST_DIFFERENCE * then[key];
+    return Math.abs(gap) > LEAST_DIFFERENCE * since + SAME_TIME || isForceClear;
   };
   const row = alignedImpacts([present, pinned]).find(isClear);
   if (!row) return "none";
@@ -103,12 +104,12 @@ function firstDifference(pinned, present, letter) {
 
 /**
  * Return rows of impacts that belong together, sorted by the onset of the first impact in each row. A row has one entry for each recording
- * of `all`: an impact or undefined. Each of the first LISTED impacts of a recording is in one row, with its partners in others; `doubtful`
- * of a row tells for each entry whether it is a doubtful partner.
+ * of `all`: an impact or undefined. Each of the first LISTED_COUNT impacts of a recording is in one row, with its partners in others;
+ * `doubtful` of a row tells for each entry whether it is a doubtful partner.
  */
 function alignedImpacts(all) {
   const used = new Set();
-  const newIn = ({ impacts }) => impacts.slice(0, LISTED).filter((impact) => !used.has(impact));
+  const newIn = ({ impacts }) => impacts.slice(0, LISTED_COUNT).filter((impact) => !used.has(impact));
   const rows = all.flatMap((recording, k) => newIn(recording).map((first) => {
     const pairs = all.map((other, n) => (n === k ? { partner: first } : partnerOf(first, recording, other)));
     const row = pairs.map(({ partner }) => (used.has(partner) ? undefined : partner));
@@ -150,7 +151,7 @@ function comparableOf(...recordings) {
 
 /**
  * Return the change of the largest force (or else impulse) from `other` to a recording as text: in percent of the value of `other`, as in
- * "−12 %", or as a factor from MANIFOLD on, as in "× 1350"; "" if the units differ, a value is unknown, or the value of `other` is 0.
+ * "−12 %", or as a factor from LEAST_FACTOR on, as in "× 1350"; "" if the units differ, a value is unknown, or the value of `other` is 0.
  */
 function changeText(recording, other) {
   return ratioText(...comparableOf(recording, other));
@@ -159,7 +160,7 @@ function changeText(recording, other) {
 /** Return the change from a value `base` to `value` as text, as `changeText` does. */
 function ratioText(value, base) {
   if (!(base > 0)) return "";
-  if (value >= MANIFOLD * base) return `×\u202f${Number((value / base).toPrecision(3))}`;
+  if (value >= LEAST_FACTOR * base) return `×\u202f${Number((value / base).toPrecision(3))}`;
   const percent = 100 * (value / base - 1);
   const rounded = Math.abs(percent) < 0.05 ? "0" : digits(percent, 2);
   return `${percent > 0 && rounded !== "0" ? "+" : ""}${withMinus(rounded)}\u202f%`;

@@ -6,7 +6,7 @@ import { inputSignals } from "../scene/input_steps.js";
 import { commandOf, csvOf, impactsCsvOf, pictureOf, save } from "./export.js";
 import { savePage } from "./saved_page.js";
 
-const LONG = 2000; // number of characters from which on some programs cut an address
+const LONG_ADDRESS = 2000; // number of characters from which on some programs cut an address
 
 /**
  * Connect the buttons of the dialog with their exports.
@@ -26,7 +26,7 @@ export function connectExport(changes, { keys, ask, address, openScene, faultOf 
       location.protocol === "file:" && "The link works on this computer only: to send it, save this page.",
       openScene.text && "The command needs the scene file: save it first.",
       address.lacksPins && "The link has no pins of other scenes.",
-      length > LONG && `The link has ${length} characters; some programs cut it after ${LONG}.`,
+      length > LONG_ADDRESS && `The link has ${length} characters; some programs cut it after ${LONG_ADDRESS}.`,
     ].filter(Boolean).join(" ");
   });
   document.querySelectorAll("[data-copy]").forEach((button) => button.addEventListener("click", async () => {

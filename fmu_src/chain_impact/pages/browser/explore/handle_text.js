@@ -10,7 +10,7 @@ export const SPOKEN = {
   velocity: (index) => `Velocity of point ${index}: arrow keys change it`,
   wall: (name, words) => `${capitalized(words || `wall ${name}`)}: arrow keys move it`,
 };
-const ABOVE = 24; // [pixels] distance of the text from the middle of the handle
+const TEXT_DISTANCE = 24; // [pixels] distance of the text from the middle of the handle
 const DEGREES = 180 / Math.PI;
 
 /** Return the values that a handle sets, as text with unit: "−35.2°" for an angle, "1.2, 0.4 m/s" for a velocity. */
@@ -26,6 +26,6 @@ export function valueTextOf(changes, values) {
 export function writeAt(group, text, [x, y], width) {
   const half = 4 * text.length;
   const left = Math.min(Math.max(x, half), width - half);
-  const top = y > 2 * ABOVE ? y - ABOVE : y + ABOVE + 10;
+  const top = y > 2 * TEXT_DISTANCE ? y - TEXT_DISTANCE : y + TEXT_DISTANCE + 10;
   group.plain(text).attr({ x: left, y: top }).addClass("handle-text");
 }

@@ -10,7 +10,7 @@ import { SPOKEN, valueTextOf, writeAt } from "./handle_text.js";
 
 const ARROW_TIME = 0.1; // [s] the arrow of a velocity is as long as the way that a point would move in at most this time
 // largest length of an arrow of velocity, relative to the longer side of the view; ARROW_TIME is shortened so that no arrow is longer
-const LONGEST = 0.2;
+const LONGEST_HANDLE = 0.2;
 const GRIP = 26; // [pixels] diameter of a grip, large enough for a finger
 // [pixels] distance from a point to the start of its arrow, so that the grip of a velocity of 0 lies beside the point
 const STEM = 32;
@@ -93,7 +93,7 @@ export class Handles {
     if (this.dragged) return this.dragged.time;
     const [low, high] = this.player.recording.view;
     const size = Math.max(high[0] - low[0], high[1] - low[1]);
-    return Math.min(ARROW_TIME, (LONGEST * size) / Math.max(...velocity.map(([x, y]) => Math.hypot(x, y)), 1e-300));
+    return Math.min(ARROW_TIME, (LONGEST_HANDLE * size) / Math.max(...velocity.map(([x, y]) => Math.hypot(x, y)), 1e-300));
   }
 
   /**

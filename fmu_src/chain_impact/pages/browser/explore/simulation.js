@@ -10,7 +10,7 @@ import { withControls, wordsFor } from "./parameters/main_parameters.js";
 import { overlapOf, startText } from "./refused_start.js";
 import { faultWords } from "./stopped_run.js";
 
-const WAITING = 120; // [ms] after this computing time, the motion that is still shown becomes pale
+const WAITING_TIME = 120; // [ms] after this computing time, the motion that is still shown becomes pale
 // [ms] a run may take this long before the next change ends it, so that a slider shows its effect while it is dragged
 const PATIENCE = 250;
 // how far a run comes: it has no motion, a motion up to a fault, or no fault
@@ -69,7 +69,7 @@ export class Simulation {
     this.#started = performance.now();
     this.#nextRun = 0;
     const words = changesInWords(changes);
-    const waiting = setTimeout(() => document.body.classList.add("computing"), WAITING);
+    const waiting = setTimeout(() => document.body.classList.add("computing"), WAITING_TIME);
     const result = await this.engine
       .ask("motion", changes.values, { replaces: true, curves: choice.names, inputSteps: changes.inputSteps }, (share) =>
         find("stage").style.setProperty("--share", `${100 * share}%`))

@@ -6,7 +6,7 @@ import { mapped } from "../base/mapped.js";
 import { capitalized, placeText, touchingPartText, wallText } from "../scene/words.js";
 
 const LONGEST_LIST = 2000; // largest number of rows in the list, because each needs several elements of the page
-const FIRST = 10; // number of rows that the list shows at first where the page itself scrolls
+const FIRST_ROWS = 10; // number of rows that the list shows at first where the page itself scrolls
 // number of rows around the present impact that the list shows at first where it scrolls with the charts; fewer in a window below LOW
 const [NEAR, FEW_NEAR, LOW] = [5, 4, 740]; // LOW: [pixels]
 const COLUMNS = ["#", "time, s", "point", "wall", "speed", "e′", "peak"];
@@ -92,7 +92,7 @@ export class ImpactList {
     this.element.classList.toggle("whole", isWhole);
     const count = this.rows?.length ?? 0;
     this.more.hidden = count <= NEAR;
-    this.more.classList.toggle("few", count <= FIRST);
+    this.more.classList.toggle("few", count <= FIRST_ROWS);
     this.more.textContent = isWhole ? "Fewer impacts" : `All ${this.count} impacts`;
   }
 
@@ -127,7 +127,7 @@ export class ImpactList {
     table.createTHead().insertRow().append(...heads);
     const body = table.createTBody();
     this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact) => this.#row(body, columns, impact));
-    this.rows.slice(FIRST).forEach((row) => row.classList.add("later"));
+    this.rows.slice(FIRST_ROWS).forEach((row) => row.classList.add("later"));
     this.#showNear(0);
     this.#reach(this.rows[0].querySelector("button"));
     this.#markLargest(recording.impacts);

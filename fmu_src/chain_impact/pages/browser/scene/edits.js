@@ -3,7 +3,7 @@
 import { CORNERS, pointsOf, STOPS } from "./geometry.js";
 import { movablePoints, stopsOf } from "./scene_file.js";
 
-const BELOW = 0.5; // distance of a new wall below the chain, relative to the length of the longest link
+const NEW_WALL_DISTANCE = 0.5; // distance of a new wall below the chain, relative to the length of the longest link
 
 export function setOrRemove(table, key, value) {
   if (value === undefined) delete table[key];
@@ -96,7 +96,7 @@ export function addWall(file) {
   const names = new Set(walls.map(({ name }) => name));
   let number = 1;
   while (names.has(`wall${number}`)) number += 1;
-  const y = least - (file.contact.radius ?? 0) - BELOW * Math.max(...links.map(({ length }) => length));
+  const y = least - (file.contact.radius ?? 0) - NEW_WALL_DISTANCE * Math.max(...links.map(({ length }) => length));
   walls.push({ name: `wall${number}`, point: [initial.position[0], Number(y.toPrecision(4))], angle: 0 });
 }
 

@@ -15,7 +15,7 @@ import { areaOf, axisScale, isLogarithmic, limitOf, quantityOf, rangeOf, refused
 import { Ranking } from "./ranking.js";
 
 const POINTS = 41; // number of values of each parameter in the map
-const COARSE = 9; // number of values of each parameter in the preview
+const COARSE_POINTS = 9; // number of values of each parameter in the preview
 const BY_FINGER = "Tap a run to read it, and once more to open it.";
 const BY_MOUSE = "Point at a run to read it, and click to open it; or use the arrow keys and Enter.";
 const WORKERS = 8; // largest number of workers that compute a map
@@ -94,7 +94,7 @@ export class GridMap {
       this.#refuse(false);
       this.#tell();
     } else {
-      this.run(COARSE);
+      this.run(COARSE_POINTS);
     }
   }
 
@@ -172,7 +172,7 @@ export class GridMap {
     this.#touched = this.#chosen = undefined;
     // runs: for each run the values of all outputs, so that another colour needs no runs; null for a run that fails; known: present values
     // of both parameters, as text → their run
-    const coarse = this.shown?.points === COARSE && hasAreaOf(this.shown, request) ? this.shown : undefined;
+    const coarse = this.shown?.points === COARSE_POINTS && hasAreaOf(this.shown, request) ? this.shown : undefined;
     const shown = { ...request, points, coarse, runs: Array(points * points), faults: new Map(), known: new Map(), rows: 0 };
     this.shown = shown;
     Object.assign(this.canvas, { width: 2 * (points - 1), height: 2 * (points - 1) });

@@ -10,7 +10,7 @@ import { axisScale, decadesBetween, quantityOf, scaledTo, titleOf } from "./map_
 const DIGIT = 7; // [pixels] width of a digit of the numbers at the scale of the colours
 const GAP = 8; // [pixels] least distance between two numbers at the scale of the colours
 const LINE = 13; // [pixels] distance of two lines of the title of the colours
-const PALER = 150; // opacity (0 to 255) of runs that are not simulated yet, whose outputs are those of near runs
+const PENDING_OPACITY = 150; // opacity (0 to 255) of runs that are not simulated yet, whose outputs are those of near runs
 // [pixels] free space around the canvas for axes and scale; the rule of #map-canvas in the style sheet must have the same lengths
 const EDGE = { left: 64, right: 16, top: 8, bottom: 114 };
 const SWATCH = 11; // [pixels] side of the square with the colour of a class
@@ -36,7 +36,7 @@ export class MapDrawing {
     const image = context.createImageData(size, size);
     const coloursOf = (value, index) => {
       if (!Number.isFinite(value)) return faults.has(index) ? FAILED : WITHOUT;
-      const opacity = results[index] === undefined ? PALER : 255;
+      const opacity = results[index] === undefined ? PENDING_OPACITY : 255;
       return [...(output.places ? classColour(value) : colourAt(scale.shareOf(value))), opacity];
     };
     const colours = filled.map((value, index) => value !== undefined && coloursOf(value, index));
