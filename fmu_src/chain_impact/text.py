@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 from itertools import groupby, zip_longest
@@ -111,12 +112,12 @@ def as_html(parts: Iterable[str | TextTable]) -> str:
     return f"<div>{''.join(blocks)}</div>"
 
 
-class Printed:
+class Printed(ABC):
     """An object whose text is lines and tables: plain text, and HTML in a notebook."""
 
+    @abstractmethod
     def _lines_and_tables(self, *, in_notebook: bool) -> Iterable[str | TextTable]:
         """Return the lines and tables of the text; in a notebook there may be more."""
-        raise NotImplementedError
 
     def __repr__(self) -> str:
         """Return the object as text of several lines."""

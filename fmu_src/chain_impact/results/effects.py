@@ -54,10 +54,16 @@ def split_by_step(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]
     return [effect for effect in effects if effect.value], [effect for effect in effects if not effect.value]
 
 
+def change_in_run(effect: Effect) -> float | None:
+    """Return the change of the quantity in a run; None without a run, or if the quantity is not in it."""
+    run = effect.simulated
+    return None if run is None or math.isnan(run) else run
+
+
 def best_known(effect: Effect) -> float:
     """Return the change of the quantity in a run or, if it is not known, to first order."""
-    run = effect.simulated
-    return effect.change if run is None or math.isnan(run) else run
+    run = change_in_run(effect)
+    return effect.change if run is None else run
 
 
 def simulated_first(effects: Sequence[Effect]) -> list[Effect]:
@@ -74,4 +80,5 @@ def sorted_by_run(effects: Sequence[Effect]) -> list[Effect]:
 
 def simulated_text(effect: Effect, told: Callable[[float], str] = "{:+.3g}".format) -> str:
     """Return ``simulated``, the change in a run, as text (``told``); "none" if it is None or NaN."""
-    return "none" if effect.simulated is None or math.isnan(effect.simulated) else told(effect.simulated)
+    run = change_in_run(effect)
+    return "none" if run is None else told(run)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -17,6 +16,7 @@ from chain_impact.recording.summary import digits
 from chain_impact.results.effects import (
     Effect,
     best_known,
+    change_in_run,
     simulated_first,
     simulated_text,
     sorted_by_run,
@@ -238,8 +238,7 @@ class Ranking(Printed):
         scale, unit_of_change = readable_unit(abs(change), self.unit)
         size = f"{signed_text(100.0 * abs(change / self.value))} %" if self.value else ""
         size = (size or with_unit(signed_text(scale * abs(change)), unit_of_change)).removeprefix("+")
-        is_checked = most.simulated is not None and math.isfinite(most.simulated)
-        size = f"{size} in a run" if is_checked else f"about {size}"
+        size = f"about {size}" if change_in_run(most) is None else f"{size} in a run"
         what = f"{self._words} of {value}" if self.value else self._words
         return f"{most.parameter} + {most.step} {'raises' if change > 0.0 else 'lowers'} {what} by {size}"
 

@@ -175,7 +175,9 @@ def _measured(lines: Sequence[np.ndarray]) -> list[tuple[np.ndarray, np.ndarray,
 
 def _gaps(points: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Return the distance of each point, shape (2, P), from the nearest of ``others``, shape (2, Q)."""
-    return np.asarray(np.hypot(*(points[:, :, None] - others[:, None, :])).min(axis=1))
+    from scipy.spatial import KDTree  # this import takes long
+
+    return np.asarray(KDTree(others.T).query(points.T)[0])
 
 
 def _runs(values: np.ndarray) -> list[tuple[int, int]]:

@@ -112,10 +112,13 @@ def largest_forces(recording: Recording) -> dict[str, np.ndarray]:
     return {name: force for name, force in largest.items() if force.any()}
 
 
-def largest_wall_force(recording: Recording) -> float:
-    """Return the largest force at a wall or at a stop of a slider [N], also between rows, or 0."""
+def largest_wall_force(recording: Recording, forces: dict[str, np.ndarray]) -> float:
+    """Return the largest force at a wall or at a stop of a slider [N], also between rows, or 0.
+
+    ``forces`` are the ``largest_forces`` of the recording.
+    """
     peaks = recording.impacts["peak_force"][~recording.is_at_joint_stop]
-    at_rows = largest_forces(recording).get("wall", np.zeros(1)).max()
+    at_rows = forces.get("wall", np.zeros(1)).max()
     return float(max(np.nanmax(peaks, initial=0.0), at_rows))
 
 
@@ -135,7 +138,7 @@ def _name_peak(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) 
     The number of a wall force is that of the list of impacts: the curve has the forces at the rows only.
     """
     name, force = max(forces.items(), key=lambda each: float(each[1].max()))
-    told = largest_wall_force(recording) if name == "wall" else float(force.max())
+    told = largest_wall_force(recording, forces) if name == "wall" else float(force.max())
     row, factor = int(force.argmax()), load_unit(float(force.max()), "N")[0]
     place = float(recording.time[row]), factor * float(force[row])
     is_left = axes.transAxes.inverted().transform(axes.transData.transform(place))[0] > 0.5  # noqa: PLR2004

@@ -123,8 +123,8 @@ class Film:
             for size in (4, 5, 7)
         )
         self.veils = [self._veil(cursor.axes) for cursor in self.cursors]
-        in_joints = largest_forces(recording).get("joint", np.zeros(1)).max()
-        peak = max(largest_wall_force(recording), in_joints)
+        forces = largest_forces(recording)
+        peak = max(largest_wall_force(recording, forces), forces.get("joint", np.zeros(1)).max())
         self.scale = ArrowScale(peak, self.side)
         if peak > 0.0:
             self.scale.draw(self.scene, SCALE, MUTED)
