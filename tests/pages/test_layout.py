@@ -397,6 +397,10 @@ def test_a_phone_on_its_side_shows_force_and_motion_beside_a_slider(show, pins):
     page = show(viewport=ON_ITS_SIDE, has_touch=True)
     if pins:
         page.get_by_role("button", name="Pin").click()
+    whole = page.locator("#view").bounding_box()
+    assert whole["width"] > 560.0
+    assert whole["height"] > 290.0, "folded parameters leave their room to the motion"
+    page.get_by_role("button", name="Parameters").click()
     names = ("#parameters", "#stage", "#contact", "footer", "#energy")
     parameters, stage, contact, foot, energy = (page.locator(name).bounding_box() for name in names)
     assert parameters["x"] < stage["x"] < contact["x"]
@@ -422,5 +426,11 @@ def test_a_phone_has_motion_pins_and_force_above_the_parameters(show, scheme):
     sections = function_of("layout", "sectionsDownwards")
     assert page.evaluate(sections) == ["stage", "contact", *below]
     page.get_by_role("button", name="Pin").click()
-    until(page, "document.getElementById('pins').checkVisibility()")
+    page.evaluate("chainImpact.show({'contact.restitution': 0.5})")
+    until(page, "document.querySelector('#pins td small')")
     assert page.evaluate(sections) == ["stage", "pins", "contact", *below]
+    sizes = "({ scrollWidth, clientWidth, scrollHeight, clientHeight }) =>"
+    card = page.locator("#pins")
+    assert card.evaluate(f"{sizes} [scrollWidth - clientWidth, scrollHeight - clientHeight]") == [0, 0]
+    cells = card.locator("tbody tr").last.locator(":is(th, td):visible")
+    assert len({cell.bounding_box()["y"] for cell in cells.all()}) == 1, "a pin is one row"

@@ -26,9 +26,9 @@ export function summaryTable(motions, first, isPresent) {
     const changes = [countChange(recording, present), changeText(present, recording), energyChange(recording, present)];
     const cells = told.map((text, k) => {
       const cell = make("td", { textContent: text });
-      cell.dataset.head = heads[k];
       const change = letter && (isPresent ? changes[k] : "–");
-      if (change && k < changes.length) cell.append(make("small", { textContent: `${letter} → now ${change}`, title: TO_PRESENT }));
+      const direction = make("span", { className: "wide", textContent: `${letter} → now ` });
+      if (change && k < changes.length) cell.append(make("small", { title: TO_PRESENT }, direction, change));
       return cell;
     });
     if (letter) cells.at(-1).textContent = isPresent ? firstDifference(recording, present, letter) : "–";

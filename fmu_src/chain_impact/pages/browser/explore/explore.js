@@ -18,7 +18,7 @@ import { connectExport } from "./export_dialog.js";
 import { foldInputsWithoutRoom } from "./folded_inputs.js";
 import { Handles } from "./handles.js";
 import { UndoHistory } from "./history.js";
-import { addJumps } from "./jumps.js";
+import { addJumps, foldParameters } from "./jumps.js";
 import { GridMap } from "./map/map.js";
 import { OpenScene } from "./open_scene.js";
 import { outcomeBeside } from "./parameters/outcome.js";
@@ -147,5 +147,6 @@ const tellByHand = () => {
 changes.onOpen(tellByHand);
 tellByHand();
 addJumps();
+foldParameters();
 foldInputsWithoutRoom(changes);
 simulation.begin();

@@ -1,4 +1,4 @@
-// The buttons below the motion on a phone, each of which scrolls the page to one of its parts.
+// The buttons of a phone: those below the motion each scroll the page to one of its parts; on its side, one shows and hides the parameters.
 
 import { find, make } from "../base/dom.js";
 
@@ -19,4 +19,15 @@ export function addJumps() {
     return button;
   }));
   find("stage").append(jumps);
+}
+
+/** Connect the button that shows the parameters beside the motion, or hides them. */
+export function foldParameters() {
+  const button = find("parameters-fold");
+  const show = (isShown) => {
+    button.setAttribute("aria-expanded", isShown);
+    document.body.classList.toggle("without-parameters", !isShown);
+  };
+  button.addEventListener("click", () => show(button.getAttribute("aria-expanded") === "false"));
+  show(false);
 }

@@ -31,6 +31,7 @@ export function connect(clock, drawing, zoom) {
     0: () => zoom.fit(),
     "?": () => find("help").showModal(),
     "/": () => {
+      if (!find("parameters")?.checkVisibility()) find("parameters-fold")?.click();
       find("list-of-parameters")?.setAttribute("open", "");
       document.querySelector("#list-of-parameters input")?.focus();
     },
