@@ -1,0 +1,77 @@
+"""The recipes of docs/development/recipes.md name files that exist, and all places of their examples."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGE = ROOT / "fmu_src" / "chain_impact"
+PAGE = (ROOT / "docs" / "development" / "recipes.md").read_text(encoding="utf-8")
+KINDS = (".py", ".js", ".c", ".h")
+SOURCES = [file for file in PACKAGE.rglob("*") if file.suffix in KINDS and file.parent.name != "vendor"]
+SECTIONS = dict(re.findall(r"^## (.*)\n((?:(?!## ).*\n)*)", PAGE, re.M))
+"""Heading → text."""
+RECIPES = {heading: text for heading, text in SECTIONS.items() if "`" in heading}
+for text in SECTIONS.values():
+    RECIPES |= re.findall(r"^- (\*\*[^:]*):(.*(?:\n  .*)*)", text, re.M)
+"""Heading of a section, or first words of an entry, with examples in quotes → text."""
+
+
+def examples_in(heading):
+    return re.findall(r"`([^`]+)`", heading)
+
+
+def places_in(text):
+    """Return the files and folders that a recipe names, with those of the recipe that comes before it."""
+    found = re.findall(r"`([\w./]*(?:/|\.(?:py|js|toml|yml)))`", text)
+    if text.startswith("\nAfter the scene key"):
+        found += places_in(next(text for name, text in RECIPES.items() if name.startswith("Scene key")))
+    return found
+
+
+def is_named(file, places):
+    """Return whether a file is one of the places, or in one of their folders."""
+    path = f"/{file.relative_to(ROOT).as_posix()}"
+    return any(f"/{place}" in path if place.endswith("/") else path.endswith(f"/{place}") for place in places)
+
+
+def test_the_places_of_recipes_exist():
+    tops = [ROOT / top for top in (".ci", "docs", "fmu_src", "models", "tests")]
+    files = [file for top in tops for file in top.rglob("*.*")] + [*ROOT.iterdir()]
+    found = {place for text in SECTIONS.values() for place in places_in(text)}
+    assert len(found) > 60
+    assert [place for place in found if not any(is_named(file, [place]) for file in files)] == []
+
+
+@pytest.mark.parametrize(
+    ("heading", "example"), [(heading, one) for heading in RECIPES for one in examples_in(heading)]
+)
+def test_a_recipe_names_all_places_of_its_example(heading, example):
+    word = re.compile(rf"(?<!\w){re.escape(example)}(?!\w)")
+    found = [file for file in SOURCES if word.search(file.read_text(encoding="utf-8"))]
+    assert len(found) > 0 or (ROOT / "models" / example).is_dir()
+    places = places_in(RECIPES[heading])
+    assert places
+    assert [file.as_posix() for file in found if not is_named(file, places)] == []
+
+
+def test_the_code_of_the_first_contribution_is_that_of_the_repository():
+    blocks = re.findall(r'^```py title="(.*)"\n((?:(?!```).*\n)+)', PAGE, re.M)
+    assert len(blocks) >= 3
+    assert [name for name, text in blocks if text not in (ROOT / name).read_text(encoding="utf-8")] == []
+
+
+def test_the_tests_of_the_first_contribution_pass():
+    (command,) = re.findall(r"^pytest (.*)$", PAGE, re.M)
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-n", "0", *command.split()],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert re.match(r"\.{8,} ", done.stdout)
