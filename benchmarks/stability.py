@@ -345,7 +345,7 @@ def draw(figure: Any, record: Any) -> None:
         axes.set_yticks(range(len(restitutions)), [f"{e:g}" for e in restitutions])
         axes.grid(visible=False)
         axes.tick_params(length=0)
-    name_around(panels.tolist(), below="stiffness K [N/m$^{1.5}$]", beside="restitution e")
+    name_around(panels.tolist(), name_below="stiffness K [N/m$^{1.5}$]", name_beside="restitution e")
     keys = [
         Line2D(
             [], [], color=INK, marker=f"$\\mathrm{{{letter}}}$", linestyle="", markeredgewidth=0.0, label=name

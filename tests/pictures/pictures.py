@@ -100,7 +100,9 @@ def drawn(recording):
     and cached.
     """
     if id(recording) not in _PAGES:
-        page = figures.draw_figure(functools.partial(fill, recording=recording), usual=usual_size(recording))
+        page = figures.draw_figure(
+            functools.partial(fill, recording=recording), usual_size=usual_size(recording)
+        )
         page.draw_without_rendering()
         # the recording is kept, too, so that no other recording gets the same id
         _PAGES[id(recording)] = recording, page
@@ -112,7 +114,7 @@ def motion_of(recording):
     """Return the axes of the motion, drawn without other panels; they are drawn once and cached."""
     if id(recording) not in _MOTIONS:
         parts = functools.partial(fill, recording=recording, panels=["motion"], title=None)
-        page = figures.draw_figure(parts, usual=usual_size(recording))
+        page = figures.draw_figure(parts, usual_size=usual_size(recording))
         page.draw_without_rendering()
         _MOTIONS[id(recording)] = recording, page
     return next(axes for axes in _MOTIONS[id(recording)][1].axes if axes.get_label() == "motion")

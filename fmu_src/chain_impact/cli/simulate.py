@@ -304,7 +304,7 @@ def draw(canvas: Canvas, recording: Recording, *, has_derivatives: bool) -> None
 
     fill_page = partial(fill_sensitivities if has_derivatives else fill, recording=recording)
     usual = FIGURE_SIZE if has_derivatives else usual_size(recording, size=canvas.size)
-    canvas.draw(partial(draw_figure, fill_page, usual=usual), fill_page)
+    canvas.draw(partial(draw_figure, fill_page, usual_size=usual), fill_page)
 
 
 def curves_in(recording: Recording, source: Source, choice: PictureChoice) -> Curves:
@@ -328,7 +328,7 @@ def draw_curves(canvas: Canvas, recording: Recording, curves: Curves) -> None:
 
     fill_page = partial(fill_curves, recording=recording, curves=curves)
     try:
-        canvas.draw(partial(draw_figure, fill_page, usual=curves_size(curves)), fill_page)
+        canvas.draw(partial(draw_figure, fill_page, usual_size=curves_size(curves)), fill_page)
     except ValueError as error:
         raise UsageError(str(error)) from None
 

@@ -102,10 +102,12 @@ def axis_ends(
     bar (CUT_RATIO), bars are cut off at ROOM_BESIDE times the largest distance of these marks and bars from
     0.
     """
-    seen = [value for value in (*values, *marks) if value is not None and math.isfinite(value)]
-    low, high = min([0.0, *seen]), max([0.0, *seen])
-    shown = [value if mark is None else mark for value, mark in zip(values, marks or values, strict=True)]
-    reach = max((abs(value) for value in shown if math.isfinite(value)), default=0.0)
+    finite_values = [value for value in (*values, *marks) if value is not None and math.isfinite(value)]
+    low, high = min([0.0, *finite_values]), max([0.0, *finite_values])
+    marked_values = [
+        value if mark is None else mark for value, mark in zip(values, marks or values, strict=True)
+    ]
+    reach = max((abs(value) for value in marked_values if math.isfinite(value)), default=0.0)
     if 2 * sum(hollow) > len(values) and 0.0 < CUT_RATIO * reach < max(-low, high):
         return max(low, -ROOM_BESIDE * reach), min(high, ROOM_BESIDE * reach)
     return low, high
@@ -142,14 +144,14 @@ def fill_bars(
     heights = [len(block.names) for block in blocks]
     grid = figure.subplots(len(blocks), 1, height_ratios=heights, squeeze=False).ravel()
     for axes, block in zip(grid, blocks, strict=True):
-        draw_bars(axes, block, block.ends, small=is_narrow(figure))
+        draw_bars(axes, block, block.ends, is_small=is_narrow(figure))
     settle(figure)
 
 
-def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool) -> None:
+def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, is_small: bool) -> None:
     """Draw a block of bars into axes, with the texts in a column at the right.
 
-    ``ends``: the least and the largest value of the axis. ``small``: whether the figure is narrow, so that
+    ``ends``: the least and the largest value of the axis. ``is_small``: whether the figure is narrow, so that
     the names must be small, and the ticks few.
     """
     rows = range(len(block.names))
@@ -159,7 +161,8 @@ def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool
         axes.scatter(block.values, rows, s=DOT, color=colours, zorder=3.0, clip_on=False)
     else:
         fills = [
-            "none" if hollow else colour for hollow, colour in zip(block.is_hollow, colours, strict=True)
+            "none" if is_hollow else colour
+            for is_hollow, colour in zip(block.is_hollow, colours, strict=True)
         ]
         axes.barh(rows, block.values, BAR_THICKNESS, color=fills, edgecolor=colours)
         for row, (value, colour) in enumerate(zip(block.values, colours, strict=True)):
@@ -168,13 +171,13 @@ def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool
         for row, mark in enumerate(block.marks):
             if mark is not None:
                 axes.plot([mark], [row], **DIAMOND)
-    beside: dict[str, Any] = {"textcoords": "offset points", "fontsize": "small"}
+    offset_style: dict[str, Any] = {"textcoords": "offset points", "fontsize": "small"}
     for row, text in zip(rows, block.texts, strict=True):
         place: dict[str, Any] = {"xy": (1.0, row), "xycoords": axes.get_yaxis_transform(), "va": "center"}
-        axes.annotate(text.replace("-", "−"), xytext=(4.0, 0.0), **place, **beside)
+        axes.annotate(text.replace("-", "−"), xytext=(4.0, 0.0), **place, **offset_style)
     if block.heading:
-        axes.annotate(block.heading, (1.0, 1.0), (4.0, HEADING_SPACE), "axes fraction", **beside)
-    axes.set_yticks(rows, block.names, fontsize="small" if small else None)
+        axes.annotate(block.heading, (1.0, 1.0), (4.0, HEADING_SPACE), "axes fraction", **offset_style)
+    axes.set_yticks(rows, block.names, fontsize="small" if is_small else None)
     axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.axvline(0.0, color=INK, linewidth=0.6)
     axes.tick_params(axis="y", length=0)
@@ -188,7 +191,7 @@ def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, small: bool
         wrap=True,
         pad=TITLE_SPACE if block.heading else None,
     )
-    axes.xaxis.set_major_locator(MaxNLocator(4 if small else 6, min_n_ticks=LEAST_TICKS, steps=TICK_STEPS))
+    axes.xaxis.set_major_locator(MaxNLocator(4 if is_small else 6, min_n_ticks=LEAST_TICKS, steps=TICK_STEPS))
     low, high = ends
     margin = BAR_MARGIN * (high - low)
     axes.set_xlim(low - margin * (low < 0.0), high + margin * (high > 0.0))

@@ -46,8 +46,8 @@ SIGNS = (
 @contextmanager
 def draw_repeatably() -> Iterator[None]:
     """Let a ``with`` block draw equal pictures of equal scenes, whatever matplotlib's settings are."""
-    own = STYLE | COLOURS | {"svg.hashsalt": "chain-impact"}
-    with matplotlib.style.context("default"), matplotlib.rc_context(own):
+    style = STYLE | COLOURS | {"svg.hashsalt": "chain-impact"}
+    with matplotlib.style.context("default"), matplotlib.rc_context(style):
         yield
 
 
@@ -57,17 +57,17 @@ def drawing(scene: Scene) -> str:
     axes, joints, unit = _chain_figure(scene, DRAWING_SIZE, DRAWING_MARGIN, linewidth=5.0, markersize=8.0)
     low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
     for name, plane in scene.walls_at_start.items():
-        rubs = scene.has_contact_friction or name in scene.moving_walls
-        _name_wall(axes, name, plane, "nt" if rubs else "n")
-    every = math.ceil(len(scene.chain.links) / MOST_LABELLED_LINKS)
-    for i, angle in enumerate(scene.initial.angles[: None if every == 1 else 1]):
+        has_friction = scene.has_contact_friction or name in scene.moving_walls
+        _name_wall(axes, name, plane, "nt" if has_friction else "n")
+    label_step = math.ceil(len(scene.chain.links) / MOST_LABELLED_LINKS)
+    for i, angle in enumerate(scene.initial.angles[: None if label_step == 1 else 1]):
         _draw_angle(axes, joints[i], f"θ{i + 1} = {math.degrees(angle):.3g}°", angle, unit)
     for k, joint in enumerate(joints):
         if k == 0:
             _text(axes, "point 0", joint, (-8.0, 0.0), ha="right")
-        elif k % every == 0 or k == len(joints) - 1:
+        elif k % label_step == 0 or k == len(joints) - 1:
             _text(axes, str(k), joint, (0.0, 10.0))
-    if every == 1:
+    if label_step == 1:
         for k, (x, y, _) in [*scene.start.items()][len(joints) :]:
             _text(axes, scene.point_names.get(k, str(k)), np.array([x, y]), (6.0, -7.0), ha="left")
     corner = low + 14.0 * unit
@@ -107,9 +107,9 @@ def _chain_figure(
     points = np.array([disc[:2] for disc in scene.start.values()])
     joints, sites = np.split(points, [len(scene.chain.links) + 1])
     planes, middle = list(scene.walls_at_start.values()), joints.mean(axis=0)
-    seen = np.array([*points, *(_foot(plane, middle) for plane in planes)])
-    scale = max(np.ptp(seen, axis=0) / (np.array(size) - border))  # the scale [m per inch] of the drawing
-    centre = 0.5 * (seen.min(axis=0) + seen.max(axis=0))
+    places = np.array([*points, *(_foot(plane, middle) for plane in planes)])
+    scale = max(np.ptp(places, axis=0) / (np.array(size) - border))  # the scale [m per inch] of the drawing
+    centre = 0.5 * (places.min(axis=0) + places.max(axis=0))
     axes = Figure(figsize=size).add_axes((0.0, 0.0, 1.0, 1.0), xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
     draw_room(axes, centre + 0.5 * scale * np.array([[-1.0], [1.0]]) * size, planes)
@@ -140,15 +140,15 @@ def _name_wall(axes: Axes, name: str, plane: HalfPlane, letters: str) -> None:
     """
     low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
     foot, normal = _foot(plane, 0.5 * (low + high)), np.array(plane.normal)
-    along = np.array([normal[1], -normal[0]])
-    (x, y), (dx, dy) = foot, along
+    tangent = np.array([normal[1], -normal[0]])
+    (x, y), (dx, dy) = foot, tangent
     axes.axline((x, y), (x + dx, y + dy), color=INK, linewidth=0.6)
-    beside = 0.22 * (high - low)[1] * along
-    for letter, direction in zip(letters, (normal, along), strict=False):
-        _arrow(axes, letter, foot + beside, direction)
+    shift = 0.22 * (high - low)[1] * tangent
+    for letter, direction in zip(letters, (normal, tangent), strict=False):
+        _arrow(axes, letter, foot + shift, direction)
     side = "right" if normal[0] > 0.5 else "left" if normal[0] < -0.5 else "center"  # noqa: PLR2004
     edge = 0.08 * (high - low)
-    _text(axes, name, np.clip(foot - beside, low + edge, high - edge), -12.0 * normal, ha=side)
+    _text(axes, name, np.clip(foot - shift, low + edge, high - edge), -12.0 * normal, ha=side)
 
 
 def _draw_angle(axes: Axes, joint: np.ndarray, text: str, angle: float, unit: float) -> None:
@@ -158,13 +158,13 @@ def _draw_angle(axes: Axes, joint: np.ndarray, text: str, angle: float, unit: fl
     ``unit``: the length in the scene [m] that is drawn as a typographic point.
     """
     x, y = joint
-    turned = math.degrees(math.remainder(angle, math.tau))
+    degrees = math.degrees(math.remainder(angle, math.tau))
     axes.plot([x, x + REFERENCE_LENGTH * unit], [y, y], "--", color=INK, linewidth=0.8)
-    ends = {"theta1": min(0.0, turned), "theta2": max(0.0, turned)}
+    ends = {"theta1": min(0.0, degrees), "theta2": max(0.0, degrees)}
     axes.add_patch(Arc((x, y), 2.0 * ARC_RADIUS * unit, 2.0 * ARC_RADIUS * unit, color=INK, **ends))
     # [points] text and link are on opposite sides of the line from which the angle is measured
-    below = -9.0 if turned > 0.0 else 6.0
-    _text(axes, text.replace("-", "−"), joint, (0.7 * REFERENCE_LENGTH, below), ha="left")
+    label_offset = -9.0 if degrees > 0.0 else 6.0
+    _text(axes, text.replace("-", "−"), joint, (0.7 * REFERENCE_LENGTH, label_offset), ha="left")
 
 
 def _arrow(axes: Axes, letter: str, start: np.ndarray, direction: Iterable[float]) -> None:
@@ -178,8 +178,8 @@ def _arrow(axes: Axes, letter: str, start: np.ndarray, direction: Iterable[float
     )
 
 
-def _text(axes: Axes, text: str, point: np.ndarray, offset: Iterable[float], **given: Any) -> None:
+def _text(axes: Axes, text: str, point: np.ndarray, offset: Iterable[float], **text_style: Any) -> None:
     """Draw a text at the distance ``offset``, x and y in typographic points, from a point [m]."""
     x, y = offset
     style: dict[str, Any] = {"ha": "center", "va": "center", "textcoords": "offset points", "zorder": 6}
-    axes.annotate(text, (point[0], point[1]), (x, y), annotation_clip=False, **(style | given))
+    axes.annotate(text, (point[0], point[1]), (x, y), annotation_clip=False, **(style | text_style))

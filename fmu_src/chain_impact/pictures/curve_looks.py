@@ -30,26 +30,28 @@ def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
     """
     owners = [owner_of(name) for name in names]
     bodies = [body_of(owner) for owner in owners]
-    different = list(dict.fromkeys(bodies))
+    bodies_once = list(dict.fromkeys(bodies))
     # number in brackets → index, for bodies of the only kind in the panel
-    alike: dict[str, int] = {}
-    if len({body.partition("[")[0] for body in different}) == 1:
-        alike = {body.partition("[")[2]: number for body, number in places.items() if "[" in body}
-    known = [places.get(body, alike.get(body.partition("[")[2], -1)) for body in different]
-    earlier = [number for number in known if number >= 0]
-    free = (number for number in range(2 * len(names)) if number not in earlier)
-    numbers = {body: k if k >= 0 else next(free) for body, k in zip(different, known, strict=True)}
-    looks, before = [], Counter[str]()
-    taken = {*places.values(), *numbers.values()}
-    left = (number for number in range(len(PALETTE)) if number not in taken)
+    places_by_part: dict[str, int] = {}
+    if len({body.partition("[")[0] for body in bodies_once}) == 1:
+        places_by_part = {body.partition("[")[2]: number for body, number in places.items() if "[" in body}
+    body_places = [places.get(body, places_by_part.get(body.partition("[")[2], -1)) for body in bodies_once]
+    earlier = [number for number in body_places if number >= 0]
+    free_places = (number for number in range(2 * len(names)) if number not in earlier)
+    numbers = {
+        body: k if k >= 0 else next(free_places) for body, k in zip(bodies_once, body_places, strict=True)
+    }
+    looks, look_counts = [], Counter[str]()
+    used_colours = {*places.values(), *numbers.values()}
+    free_colours = (number for number in range(len(PALETTE)) if number not in used_colours)
     for body, owner in zip(bodies, owners, strict=True):
-        look = places.get(owner, numbers[body] + len(PALETTE) * before[body])
-        if before[body] and owner not in places:
-            look = numbers[owner] = next(left, look)
+        look = places.get(owner, numbers[body] + len(PALETTE) * look_counts[body])
+        if look_counts[body] and owner not in places:
+            look = numbers[owner] = next(free_colours, look)
         looks.append(look)
-        before[body] += 1
+        look_counts[body] += 1
     is_unclear = len({*owners}) < len(owners) or len({*looks}) < len(looks)
-    if is_unclear or max(known) >= len(PALETTE) or max(looks) >= len(PALETTE) * len(DASHES):
+    if is_unclear or max(body_places) >= len(PALETTE) or max(looks) >= len(PALETTE) * len(DASHES):
         return list(range(len(names)))
     places |= numbers
     return looks

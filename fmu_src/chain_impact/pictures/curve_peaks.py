@@ -25,15 +25,15 @@ LABEL_DISTANCE = 0.15
 
 def drawn_peaks(recording: Recording, curves: Curves) -> list[Peak]:
     """Return those of ``peaks`` whose force or moment has a curve."""
-    found = []
+    labels = []
     for peak in peaks(recording):
         impact = recording.impacts[peak.row]
         point, wall = impact["point"], recording.wall_names[impact["wall"]]
         is_stop = recording.is_joint_stop(impact["wall"])
         name = f"joint[{point}].stop_moment" if is_stop else f"contact[{point}].{wall}.force"
         if peak.words.startswith("peak") and name in curves.values:
-            found.append(peak)
-    return found
+            labels.append(peak)
+    return labels
 
 
 def largest_drawn(curves: Curves) -> str:
@@ -59,9 +59,11 @@ def largest_force(curves: Curves) -> tuple[str, np.ndarray]:
         names = [name for name in curves.values if curves.units.get(name) == unit]
         sizes = {name: np.abs(curves.values[name]) for name in names}
         sizes |= {f"|{owner}.force|": size for owner, size in amounts(curves, names).items()}
-        most = {name: size[row] for name, size in sizes.items() if (row := largest_row(size)) is not None}
-        if most:
-            name = max(most, key=lambda each: most[each])
+        peak_sizes = {
+            name: size[row] for name, size in sizes.items() if (row := largest_row(size)) is not None
+        }
+        if peak_sizes:
+            name = max(peak_sizes, key=lambda candidate: peak_sizes[candidate])
             return name, sizes[name]
     return "", np.zeros(0)
 
@@ -81,33 +83,37 @@ def extremes(
         unit: the unit of all values.
         scale: the factor from values to the numbers of the axis.
     """
-    found = []
-    near = LABEL_DISTANCE * float(np.ptp(_finite(lines)))
+    sized_labels = []
+    label_distance = LABEL_DISTANCE * float(np.ptp(_finite(lines)))
     for k, (values, style) in enumerate(lines if unit in MARKED_UNITS else ()):
         if (row := largest_row(np.abs(values))) is not None:
             value = float(values[row])
             outwards = math.copysign(1.0, value)
-            ways = outwards * np.array([other[row] - value for n, (other, _) in enumerate(lines) if n != k])
+            ways = outwards * np.array(
+                [other_values[row] - value for n, (other_values, _) in enumerate(lines) if n != k]
+            )
             outer = float(ways[ways >= 0.0].min(initial=math.inf))
-            inner = float(-ways[ways < 0.0].max(initial=-math.inf))
-            if outer < min(near, inner):
+            inner_distance = float(-ways[ways < 0.0].max(initial=-math.inf))
+            if outer < min(label_distance, inner_distance):
                 outwards = -outwards
             text = f"{'−' * (value < 0.0)}{force_text(abs(value), unit_text(unit))}"
             look, position = {"color": style["color"]}, (float(time[row]), scale * value)
-            found.append((abs(value), Label(text, position, (0.0, outwards), look=look, is_on_side=True)))
-    return [label for _, label in sorted(found, key=lambda each: -each[0])]
+            sized_labels.append(
+                (abs(value), Label(text, position, (0.0, outwards), look=look, is_on_side=True))
+            )
+    return [label for _, label in sorted(sized_labels, key=lambda entry: -entry[0])]
 
 
 def _finite(lines: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> np.ndarray:
     """Return all finite values of some curves and 0, in one array."""
-    every = np.concatenate([np.zeros(1), *(values for values, _ in lines)])
-    return np.asarray(every[np.isfinite(every)])
+    all_values = np.concatenate([np.zeros(1), *(values for values, _ in lines)])
+    return np.asarray(all_values[np.isfinite(all_values)])
 
 
 def largest_row(sizes: np.ndarray) -> int | None:
     """Return the row of the largest finite size, or None if no size is finite and above 0."""
-    finite = np.where(np.isfinite(sizes), sizes, 0.0)
-    return int(finite.argmax()) if finite.any() else None
+    finite_sizes = np.where(np.isfinite(sizes), sizes, 0.0)
+    return int(finite_sizes.argmax()) if finite_sizes.any() else None
 
 
 def largest_vectors(curves: Curves) -> str:
@@ -120,9 +126,9 @@ def largest_vectors(curves: Curves) -> str:
     texts_at_time: dict[str, list[str]] = {}
     for owner, sizes in amounts(curves, [name for names in curves.panels for name in names]).items():
         if (row := largest_row(sizes)) is not None:
-            when = f"{factor * (curves.time[row] - start):.3g} {unit}"
-            texts_at_time.setdefault(when, []).append(f"{owner} {force_text(float(sizes[row]), 'N')}")
-    parts = [f"{' and '.join(each)} at {when}" for when, each in texts_at_time.items()]
+            time_words = f"{factor * (curves.time[row] - start):.3g} {unit}"
+            texts_at_time.setdefault(time_words, []).append(f"{owner} {force_text(float(sizes[row]), 'N')}")
+    parts = [f"{' and '.join(outputs)} at {time_words}" for time_words, outputs in texts_at_time.items()]
     return f"largest |force|: {', '.join(parts)}" if parts else ""
 
 

@@ -102,8 +102,8 @@ def clear_panels(curves: Curves) -> list[list[str]]:
             quantities.setdefault(shared_part([name]), []).append(name)
         panels += quantities.values()
     panels = panels if len(panels) <= MOST_PANELS else curves.panels
-    moving = [names for names in panels if any(curves.values[name].any() for name in names)]
-    return moving or panels
+    moving_panels = [names for names in panels if any(curves.values[name].any() for name in names)]
+    return moving_panels or panels
 
 
 def check_curves(curves: Curves) -> None:
@@ -151,8 +151,8 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
         )
         lead = (None if told_peaks else force) if is_one else ""
         write_head(figure, recording, title or summary, *texts, told_peaks=told_peaks, lead=lead)
-    zero = always_zero(curves, panels)
-    notes = [f"0 in the whole view: {names_text(zero, MOST_NAMED)}"] if zero else []
+    zero_names = always_zero(curves, panels)
+    notes = [f"0 in the whole view: {names_text(zero_names, MOST_NAMED)}"] if zero_names else []
     if lacks_impulses(recording, curves):
         notes.append(NO_FORCE)
     if number := narrow_peak(recording, curves):
@@ -160,7 +160,7 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     if notes:
         write_foot(figure, "; ".join(notes))
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
-    found = draw_all(list(grid), recording, curves, panels)
+    panel_labels = draw_all(list(grid), recording, curves, panels)
     for axes in grid:
         axes.tick_params(labelbottom=axes is grid[-1])
         if axes is not grid[-1]:
@@ -169,7 +169,7 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     settle(figure)
     figure.set_layout_engine("none")  # the axes must not move after labels are placed in them
     ink = Ink(figure)
-    for axes, labels in zip(grid, found, strict=True):
+    for axes, labels in zip(grid, panel_labels, strict=True):
         place_labels(axes, labels, ink, lines=True, fontsize="small")
 
 
@@ -205,7 +205,7 @@ def shown_impact_words(recording: Recording, curves: Curves) -> str:
     return f"{hit_words(recording, impact)}, impact {curves.number} of {count}"
 
 
-def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves) -> None:
+def fill_curve_axes(panel_axes: Sequence[Axes], recording: Recording, curves: Curves) -> None:
     """Draw the curves into axes that a user gives: those of each unit into one of the axes, in order.
 
     Raises:
@@ -213,11 +213,11 @@ def fill_curve_axes(given: Sequence[Axes], recording: Recording, curves: Curves)
     """
     check_curves(curves)
     count = len(curves.panels)
-    if len(given) != count:
-        raise ValueError(f"ax: there are {len(given)} axes for {count_text(count, 'unit')} of curves")
-    with draw_into(given):
-        draw_all(given, recording, curves, curves.panels, beside=False)
-        fit_into_figure(given)
+    if len(panel_axes) != count:
+        raise ValueError(f"ax: there are {len(panel_axes)} axes for {count_text(count, 'unit')} of curves")
+    with draw_into(panel_axes):
+        draw_all(panel_axes, recording, curves, curves.panels, has_room_beside=False)
+        fit_into_figure(panel_axes)
 
 
 def draw_all(
@@ -226,77 +226,79 @@ def draw_all(
     curves: Curves,
     panels: Sequence[Sequence[str]],
     *,
-    beside: bool = True,
+    has_room_beside: bool = True,
 ) -> list[list[Label]]:
     """Draw the curves of each panel into its axes, with lines at impacts, legend and labels.
 
     Return for each panel the labels of the curves' largest |values| (``extremes``), which the caller places.
 
-    ``grid``: the axes of each panel. ``panels``: the names of the outputs in each panel. ``beside``: whether
-    legends may stand beside the axes.
+    ``grid``: the axes of each panel. ``panels``: the names of the outputs in each panel. ``has_room_beside``:
+    whether legends may stand beside the axes.
     """
     figure = grid[0].get_figure(root=True)
-    wide = beside and figure is not None and not is_narrow(figure)
+    names_beside = has_room_beside and figure is not None and not is_narrow(figure)
     start, factor = 0.0, 1.0
     if curves.onset is not None:
         start, factor = curves.onset, 1e3
-    time, shown = factor * (curves.time - start), shown_time(recording)
+    time, time_span = factor * (curves.time - start), shown_time(recording)
     ends = time[[0, -1]]
     if curves.onset is None:
-        ends = np.array([shown.start, shown.end])
+        ends = np.array([time_span.start, time_span.end])
     keys = impact_handles(grid[0], recording, *(start + ends / factor))
     places: dict[str, int] = {}
-    found: list[list[Label]] = []
+    labels: list[list[Label]] = []
     is_shown = (time >= ends[0]) & (time <= ends[1])
     for axes, names in zip(grid, (drawn_in(curves, names) for names in panels), strict=True):
         mark_impacts(axes, recording, start, factor)
         if curves.number:
-            ended = mark_end(axes, recording, curves.number, factor)
-            keys += ended if axes is grid[0] else []
-        drawn = [curves.values[name] for name in names]
+            end_label = mark_end(axes, recording, curves.number, factor)
+            keys += end_label if axes is grid[0] else []
+        curves_in_panel = [curves.values[name] for name in names]
         stored_unit = curves.units[names[0]]
-        scale, unit = axis_unit(stored_unit, drawn)
-        looks = zip(names, looks_of(names, places), hidden_counts(drawn), strict=True)
+        scale, unit = axis_unit(stored_unit, curves_in_panel)
+        looks = zip(names, looks_of(names, places), hidden_counts(curves_in_panel), strict=True)
         lines = {
             name: (
                 curves.values[name],
                 {"color": PALETTE[look % len(PALETTE)]}
                 | look_of_energy(name)
                 | {
-                    "linestyle": dashes(look // len(PALETTE) + hidden, stored_unit),
+                    "linestyle": dashes(look // len(PALETTE) + hidden_count, stored_unit),
                     "label": name,
                 },
             )
-            for name, look, hidden in looks
+            for name, look, hidden_count in looks
         }
         plot_curves(axes, time, [(scale * values, look) for values, look in lines.values()])
-        sizes = amount_lines(curves, lines) if wide else {}
+        sizes = amount_lines(curves, lines) if names_beside else {}
         for values, look in sizes.values():
             axes.plot(time, scale * values, **look)
         # where the amount of a force has a curve, its largest value is told, and not those of the components
         parts = (line for name, line in lines.items() if name.partition(".force.")[0] not in sizes)
-        visible = [(values[is_shown], look) for values, look in (*sizes.values(), *parts)]
-        found.append(extremes(time[is_shown], visible, stored_unit, scale))
+        visible_curves = [(values[is_shown], look) for values, look in (*sizes.values(), *parts)]
+        labels.append(extremes(time[is_shown], visible_curves, stored_unit, scale))
         quantity = shared_part(names) or QUANTITIES.get(stored_unit) or vector_of(names)
         is_alone = len(names) == 1 and len(names[0]) <= LONGEST_LEGEND_NAME
         axes.set_ylabel(f"{full_name(names[0]) if is_alone else quantity}{bracketed_unit(unit)}".lstrip())
         if curves.onset is None:
-            shade_rests(axes, shown)
+            shade_rests(axes, time_span)
         axes.set_xlim(*ends)
         of_time = f"time after the onset at {start:.6f} s [ms]"
         if curves.onset is None:
-            of_time = "; ".join(filter(None, (name_time(axes, ends[-1]), shown.note)))
+            of_time = "; ".join(filter(None, (name_time(axes, ends[-1]), time_span.note)))
         axes.set_xlabel(of_time)
         axes.margins(y=0.16 if stored_unit in MARKED_UNITS else 0.08)
-        if stored_unit in MARKED_UNITS and all(not (values[is_shown] < 0.0).any() for values in drawn):
+        if stored_unit in MARKED_UNITS and all(
+            not (values[is_shown] < 0.0).any() for values in curves_in_panel
+        ):
             axes.set_ylim(LEAST_ZERO_SHARE * axes.get_ylim()[1])
-        if any(values.any() for values in drawn):
+        if any(values.any() for values in curves_in_panel):
             give_ticks(axes)
         else:
             axes.set(ylim=ZERO_ENDS, yticks=[0.0])
         handles = [] if is_alone else axes.get_legend_handles_labels()[0]
         legend_above(axes, [*handles, *(keys if axes is grid[0] else [])])
-    return found
+    return labels
 
 
 def full_name(name: str) -> str:
@@ -318,8 +320,8 @@ def look_of_energy(name: str) -> dict[str, Any]:
 
 def always_zero(curves: Curves, panels: Sequence[Sequence[str]]) -> list[str]:
     """Return the outputs without a curve in ``panels``: outputs that are always 0."""
-    drawn = {name for names in panels for name in drawn_in(curves, names)}
-    return [name for names in curves.panels for name in names if name not in drawn]
+    drawn_names = {name for names in panels for name in drawn_in(curves, names)}
+    return [name for names in curves.panels for name in names if name not in drawn_names]
 
 
 def drawn_in(curves: Curves, names: Sequence[str]) -> list[str]:
@@ -328,8 +330,8 @@ def drawn_in(curves: Curves, names: Sequence[str]) -> list[str]:
     Outputs that are 0 at all times have no curves if the panel has at least two such outputs, and at least
     one output that is not 0 at all times.
     """
-    moving = [name for name in names if curves.values[name].any()]
-    return moving if moving and len(moving) < len(names) - 1 else list(names)
+    moving_names = [name for name in names if curves.values[name].any()]
+    return moving_names if moving_names and len(moving_names) < len(names) - 1 else list(names)
 
 
 def mark_end(axes: Axes, recording: Recording, number: int, factor: float) -> list[Any]:
@@ -352,9 +354,9 @@ def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
     Only units of forces, moments, impulses, energies and powers (LOAD_UNITS) get a prefix (``load_unit``),
     and the unit m if all |values| are below PREFIX_BELOW.
     """
-    largest = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
-    has_prefix = unit in LOAD_UNITS or (unit == "m" and largest < PREFIX_BELOW)
-    return load_unit(largest, unit) if has_prefix else (1.0, unit)
+    largest_value = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
+    has_prefix = unit in LOAD_UNITS or (unit == "m" and largest_value < PREFIX_BELOW)
+    return load_unit(largest_value, unit) if has_prefix else (1.0, unit)
 
 
 def vector_of(names: Sequence[str]) -> str:

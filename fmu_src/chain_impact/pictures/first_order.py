@@ -27,28 +27,30 @@ MOST_OF_ZERO = 1.5
 STEP_PARTS = tuple(digit * 10.0**-power for power in range(1, 10) for digit in (10, 5, 2))
 
 
-def drawn_rows(recording: Recording, sensitivities: Sensitivities, known: np.ndarray) -> np.ndarray:
+def drawn_rows(recording: Recording, sensitivities: Sensitivities, is_known: np.ndarray) -> np.ndarray:
     """Return whether curves are drawn, at T times for P parameters, shape (T, P).
 
     Curves have gaps within impacts that are too short to be visible, and where a jump is ``is_shifted``.
-    ``known`` is the result of ``known_changes``.
+    ``is_known`` is the result of ``known_changes``.
     """
-    return np.asarray(known & ~short_contacts(recording)[:, None] & ~is_shifted(recording, sensitivities))
+    return np.asarray(is_known & ~short_contacts(recording)[:, None] & ~is_shifted(recording, sensitivities))
 
 
-def known_changes(recording: Recording, sensitivities: Sensitivities, relative: np.ndarray) -> np.ndarray:
+def known_changes(
+    recording: Recording, sensitivities: Sensitivities, relative_changes: np.ndarray
+) -> np.ndarray:
     """Return whether changes to first order can hold, at T times for P parameters, shape (T, P).
 
     They hold until they exceed a range (``is_first_order_true``) or reverse the order of two impacts
     (``keeps_order``). A gap of the curves (``drawn_rows``) before this time also ends the changes, so that
     all curves of a parameter end at the last row that is True.
 
-    ``relative``, shape (T, P), is the largest of the ``shares`` of all drawn outputs.
+    ``relative_changes``, shape (T, P), is the largest of the ``shares`` of all drawn outputs.
     """
-    known = is_first_order_true(relative) & keeps_order(recording, sensitivities)
-    drawn = drawn_rows(recording, sensitivities, known)
-    still_drawn = np.maximum.accumulate(drawn[::-1], axis=0)[::-1]
-    return np.asarray(known & (still_drawn | known.all(axis=0)))
+    is_known = is_first_order_true(relative_changes) & keeps_order(recording, sensitivities)
+    is_drawn = drawn_rows(recording, sensitivities, is_known)
+    still_drawn = np.maximum.accumulate(is_drawn[::-1], axis=0)[::-1]
+    return np.asarray(is_known & (still_drawn | is_known.all(axis=0)))
 
 
 def keeps_order(recording: Recording, sensitivities: Sensitivities) -> np.ndarray:
@@ -57,8 +59,8 @@ def keeps_order(recording: Recording, sensitivities: Sensitivities) -> np.ndarra
     From the first of two impacts whose shifted onsets have the other order, the result is False.
     """
     onsets = sensitivities.impacts["onset"]
-    moved = onsets[:, None] + np.nan_to_num(sensitivities.impact_changes("onset"))
-    is_reversed = np.diff(moved, axis=0) < -ORDER_ROUND_OFF * recording.duration
+    moved_onsets = onsets[:, None] + np.nan_to_num(sensitivities.impact_changes("onset"))
+    is_reversed = np.diff(moved_onsets, axis=0) < -ORDER_ROUND_OFF * recording.duration
     first = np.where(is_reversed, onsets[:-1, None], np.inf).min(axis=0, initial=np.inf)
     return np.asarray(recording.time[:, None] < first)
 
@@ -91,36 +93,38 @@ def span_of(recording: Recording, output: str) -> float:
     return span if span > RANGE_ROUND_OFF * max(np.abs(column).max() for column in columns) else 1.0
 
 
-def is_first_order_true(relative: np.ndarray) -> np.ndarray:
+def is_first_order_true(relative_changes: np.ndarray) -> np.ndarray:
     """Return whether changes to first order can hold, at T times for P parameters, shape (T, P).
 
-    ``relative``, shape (T, P), is the largest of the ``shares`` of all drawn outputs. For a parameter, the
-    changes can hold before the first time at which ``relative`` exceeds 1.
+    ``relative_changes``, shape (T, P), is the largest of the ``shares`` of all drawn outputs. For a
+    parameter, the changes can hold before the first time at which ``relative_changes`` exceeds 1.
     """
-    return np.asarray(np.maximum.accumulate(relative, axis=0) <= 1.0)
+    return np.asarray(np.maximum.accumulate(relative_changes, axis=0) <= 1.0)
 
 
 def with_small_steps(
-    recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str], known: np.ndarray
+    recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str], is_known: np.ndarray
 ) -> Sensitivities:
     """Return derivatives with smaller steps of parameters that are 0, whose curves suit those of the others.
 
     1 % of 0 is 0, so that the step of such a parameter is arbitrary. The step gets the largest of STEP_PARTS
     with which the changes of no output are more than MOST_OF_ZERO times those by all other parameters. Only
     curves use these steps; the legend has their factors, and all numbers are for the whole step.
-    ``known`` is the result of ``known_changes``.
+    ``is_known`` is the result of ``known_changes``.
     """
     is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])
     if is_zero.all() or not is_zero.any():
         return sensitivities
-    is_shown = known & is_outside_impacts(recording)[:, None]
+    is_shown = is_known & is_outside_impacts(recording)[:, None]
     sizes = [np.where(is_shown, np.abs(np.nan_to_num(sensitivities.changes(name))), 0.0) for name in outputs]
-    most = np.max(sizes, axis=1)
-    others = most[:, ~is_zero].max(axis=1)
-    chosen = {}
+    largest_changes = np.max(sizes, axis=1)
+    largest_other = largest_changes[:, ~is_zero].max(axis=1)
+    chosen_factors = {}
     for k in np.flatnonzero(is_zero):
-        fits = (
-            part for part in STEP_PARTS if (part * most[:, k] <= MOST_OF_ZERO * others)[others > 0.0].all()
+        is_fitting = (
+            part
+            for part in STEP_PARTS
+            if (part * largest_changes[:, k] <= MOST_OF_ZERO * largest_other)[largest_other > 0.0].all()
         )
-        chosen[list(sensitivities.parameters)[k]] = next(fits, 1.0)
-    return replace(sensitivities, parts={**sensitivities.parts, **chosen})
+        chosen_factors[list(sensitivities.parameters)[k]] = next(is_fitting, 1.0)
+    return replace(sensitivities, parts={**sensitivities.parts, **chosen_factors})

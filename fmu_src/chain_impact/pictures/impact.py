@@ -59,37 +59,37 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
     else:
         grid = figure.add_gridspec(4, 1, height_ratios=(1, 1, 1, LOOP))
         loop = figure.add_subplot(grid[3, 0], label="loop")
-    shown = shown_contact(impact, course.time, course.force)
-    time_factor, time_unit = prefixed_unit(shown, "s")
-    timed: list[Axes] = []
-    most: list[tuple[Axes, Label]] = []
+    shown_rows = shown_contact(impact, course.time, course.force)
+    time_factor, time_unit = prefixed_unit(shown_rows, "s")
+    time_panels: list[Axes] = []
+    peak_labels: list[tuple[Axes, Label]] = []
     for row, (name, values, unit, colour) in enumerate(quantities(course, stop)):
-        axes = figure.add_subplot(grid[row, 0], sharex=timed[0] if timed else None, label=name)
-        timed.append(axes)
+        axes = figure.add_subplot(grid[row, 0], sharex=time_panels[0] if time_panels else None, label=name)
+        time_panels.append(axes)
         factor, shown_unit = load_unit(np.abs(values).max(initial=0.0), unit)
         axes.set_ylabel(f"{name} [{shown_unit}]")
         if not len(course.time):
             write_impulse_note(axes)
             continue
         axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
-        along, up = time_factor * (course.time - impact["onset"]), factor * values
-        axes.plot(along, up, color=colour)
+        times, forces = time_factor * (course.time - impact["onset"]), factor * values
+        axes.plot(times, forces, color=colour)
         if name != "speed" and values.max() > 0.0:
             top, look = int(values.argmax()), {"color": colour}
-            place = (float(along[top]), float(up[top]))
-            most.append((axes, Label(force_text(float(values[top]), unit), place, look=look)))
+            place = (float(times[top]), float(forces[top]))
+            peak_labels.append((axes, Label(force_text(float(values[top]), unit), place, look=look)))
             axes.margins(y=LABEL_ROOM)
-        if shown < np.ptp(course.time):
-            axes.set_xlim(-SHOWN_BEFORE * time_factor * shown, time_factor * shown)
-    if shown < (np.ptp(course.time) if len(course.time) else 0.0):
+        if shown_rows < np.ptp(course.time):
+            axes.set_xlim(-SHOWN_BEFORE * time_factor * shown_rows, time_factor * shown_rows)
+    if shown_rows < (np.ptp(course.time) if len(course.time) else 0.0):
         text_style: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": "small", "color": INK}
-        timed[0].text(
-            1.0, 1.02, f"{duration_text(impact, course)} →", transform=timed[0].transAxes, **text_style
+        time_panels[0].text(
+            1.0, 1.02, f"{duration_text(impact, course)} →", transform=time_panels[0].transAxes, **text_style
         )
-    timed[-1].set_xlabel(f"time after the onset at {impact['onset']:.6f} s [{time_unit}]")
+    time_panels[-1].set_xlabel(f"time after the onset at {impact['onset']:.6f} s [{time_unit}]")
     draw_loop(loop, impact, course, at_stop=stop)
-    give_ticks(*timed, loop)
-    figure.align_ylabels(timed)
+    give_ticks(*time_panels, loop)
+    figure.align_ylabels(time_panels)
     legend = loop.get_legend()
     # a legend with a single entry repeats the text below the title, and is removed
     if legend is not None and len(legend.get_texts()) == 1:
@@ -97,14 +97,14 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
     settle(figure)
     figure.set_layout_engine("none")
     ink = Ink(figure)
-    for axes, label in most:
+    for axes, label in peak_labels:
         place_labels(axes, [label], ink, lines=True, fontsize="small")
 
 
 def duration_text(impact: np.void, course: Course) -> str:
     """Return words for the duration of a contact: "lasts 3.2 ms", "lasts to the end, for 1.5 s"."""
-    lasting = float(np.ptp(course.time)) if len(course.time) else 0.0
-    text = force_text(lasting, "s") if lasting > 0.0 else "0 s"
+    duration = float(np.ptp(course.time)) if len(course.time) else 0.0
+    text = force_text(duration, "s") if duration > 0.0 else "0 s"
     return f"lasts to the end, for {text}" if lasts(impact) else f"lasts {text}"
 
 
@@ -175,8 +175,8 @@ def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
     parts = parts[1:] if lasts(impact) else parts
     parts.append(f"{impact['impact_speed']:.4g} {speed_unit(at_stop)} at the onset")
     if impact["peak_force"] > 0.0:
-        of, unit = ("moment", "N·m") if at_stop else ("force", "N")
-        parts.insert(0, f"peak {of} {force_text(impact['peak_force'], unit)}")
+        load_word, unit = ("moment", "N·m") if at_stop else ("force", "N")
+        parts.insert(0, f"peak {load_word} {force_text(impact['peak_force'], unit)}")
     if impact["impulse"] > 0.0:
         parts.append(f"impulse {impact['impulse']:.4g} {'N·m·s' if at_stop else 'N·s'}")
     return SEPARATOR.join(parts)

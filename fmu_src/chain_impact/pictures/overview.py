@@ -49,33 +49,33 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     Raises:
         ValueError: when a panel does not exist.
     """
-    shown = panels_to_draw(recording, panels)
-    late = place_of_late_peaks(recording) if is_narrow(figure) and "impacts" in shown else ""
+    shown_panels = panels_to_draw(recording, panels)
+    late_place = place_of_late_peaks(recording) if is_narrow(figure) and "impacts" in shown_panels else ""
     notes = (
         full_names(recording),
         SEPARATOR.join(recording.points_through_walls),
-        f"lines below marks: {late}" if late else "",
+        f"lines below marks: {late_place}" if late_place else "",
     )
     for foot_text in filter(None, notes):
         write_foot(figure, foot_text)
     if title is not None:
-        write_head(figure, recording, title, panels=shown)
-    panel_axes = axes_of(figure, recording, shown)
+        write_head(figure, recording, title, panels=shown_panels)
+    panel_axes = axes_of(figure, recording, shown_panels)
     motion = None if is_over_time(recording, "motion") else panel_axes.get("motion")
-    timed = [axes for name, axes in panel_axes.items() if is_over_time(recording, name)]
+    time_panels = [axes for name, axes in panel_axes.items() if is_over_time(recording, name)]
     # in a narrow figure the panel of impacts below the marks explains them, and its legend has more room
-    keyed = "impacts" if is_narrow(figure) and "impacts" in shown else "energy"
-    if (keyed_axes := panel_axes.get(keyed, next(iter(timed), None))) is not None:
-        add_time_keys(keyed_axes, recording, is_marked=keyed == "energy" in shown)
+    keyed = "impacts" if is_narrow(figure) and "impacts" in shown_panels else "energy"
+    if (keyed_axes := panel_axes.get(keyed, next(iter(time_panels), None))) is not None:
+        add_time_keys(keyed_axes, recording, is_marked=keyed == "energy" in shown_panels)
     for name, axes in panel_axes.items():
-        if name in shown:
+        if name in shown_panels:
             PANELS[name].draw(axes, recording)
             move_legend_to_foot(axes, figure)
         else:
             draw_clock(axes, recording)
-    if timed and "time" not in panel_axes:
-        label_time(timed[-1], recording)
-    figure.align_ylabels(timed)
+    if time_panels and "time" not in panel_axes:
+        label_time(time_panels[-1], recording)
+    figure.align_ylabels(time_panels)
     if motion is None:
         settle(figure)
     else:
@@ -98,15 +98,18 @@ def _settle_motion(
     with few. Beside other motions there is no room, and a legend with few entries is above. The foot of the
     figure explains what a legend with few entries lacks.
     """
-    is_small, scaled, explained = is_narrow(figure), None if is_flat(recording) else motion, False
-    beside: list[Any] = [(legend_beside, all_entries), (legend_beside, few_entries)]
-    for put_legend, entries_of in [*(beside if is_small and is_alone else []), (legend_above, few_entries)]:
+    is_small, scaled_axes, explained = is_narrow(figure), None if is_flat(recording) else motion, False
+    legends_beside: list[Any] = [(legend_beside, all_entries), (legend_beside, few_entries)]
+    for put_legend, entries_of in [
+        *(legends_beside if is_small and is_alone else []),
+        (legend_above, few_entries),
+    ]:
         legend = put_legend(motion, entries_of(motion)) if is_small else None
         if is_small and entries_of is few_entries and not explained:
             explained = True
             if note := note_on_lines(motion):
                 write_foot(figure, note)
-        settle(figure, scaled)
+        settle(figure, scaled_axes)
         room = motion.get_position(original=True).transformed(figure.transFigure)
         width = room.width - (LEGEND_ROOM * legend.get_window_extent().width if legend else 0.0)
         if not legend or width >= max(
@@ -119,7 +122,7 @@ def _settle_motion(
     draw_motion(motion, recording, room.height / width, band, WHOLE_WIDTH if is_alone else GROWTH_FACTORS)
     if is_small:
         put_legend(motion, entries_of(motion))
-    settle(figure, scaled)
+    settle(figure, scaled_axes)
 
 
 def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
@@ -128,19 +131,21 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
     Raises:
         ValueError: when a panel does not exist, or the numbers of axes and panels differ.
     """
-    shown, given = panels_to_draw(recording, panels), np.ravel(axes).tolist()
-    if len(shown) != len(given):
-        raise ValueError(f"ax: there are {len(given)} axes for {len(shown)} panels: {', '.join(shown)}")
-    with draw_into(given):
-        for name, panel in zip(shown, given, strict=True):
+    shown_panels, given_axes = panels_to_draw(recording, panels), np.ravel(axes).tolist()
+    if len(shown_panels) != len(given_axes):
+        raise ValueError(
+            f"ax: there are {len(given_axes)} axes for {len(shown_panels)} panels: {', '.join(shown_panels)}"
+        )
+    with draw_into(given_axes):
+        for name, panel in zip(shown_panels, given_axes, strict=True):
             if is_over_time(recording, name):
                 add_time_keys(panel, recording, is_marked=name == "energy")
                 label_time(panel, recording)
             PANELS[name].draw(panel, recording)
-        fit_into_figure(given)
-        for figure in {panel.get_figure(root=True) for panel in given}:
+        fit_into_figure(given_axes)
+        for figure in {panel.get_figure(root=True) for panel in given_axes}:
             ink = Ink(figure)
-            for name, panel in zip(shown, given, strict=True):
+            for name, panel in zip(shown_panels, given_axes, strict=True):
                 if panel.get_figure(root=True) is figure:
                     PANELS[name].write_numbers(panel, recording, ink)
 

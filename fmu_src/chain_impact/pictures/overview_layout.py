@@ -85,32 +85,32 @@ def is_beside(ratio: float, width: float) -> bool:
     return ratio <= BROADEST_BESIDE and (1.0 - motion_share(ratio, width)) * width >= LEAST_BESIDE
 
 
-def heights_of(recording: Recording, shown: Sequence[str]) -> list[float]:
+def heights_of(recording: Recording, shown_panels: Sequence[str]) -> list[float]:
     """Return the heights of the panels over time, relative to the height of the panel of energies.
 
     If a motion in the plane is shown beside or above these panels, the height of the axis that shows the
-    colours of time comes last. ``shown`` has the names of all panels.
+    colours of time comes last. ``shown_panels`` has the names of all panels.
     """
-    timed = [name for name in shown if is_in_column(recording, name)]
-    has_colours = timed and len(timed) < len(shown)
-    return [PANELS[name].height(recording) for name in timed] + ([CLOCK_SHARE] if has_colours else [])
+    time_panels = [name for name in shown_panels if is_in_column(recording, name)]
+    has_colours = time_panels and len(time_panels) < len(shown_panels)
+    return [PANELS[name].height(recording) for name in time_panels] + ([CLOCK_SHARE] if has_colours else [])
 
 
-def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> tuple[float, float]:
-    """Return the width and the usual height of a figure [inches] with the panels in ``shown``.
+def size_for(recording: Recording, shown_panels: Sequence[str], size: Size | None) -> tuple[float, float]:
+    """Return the width and the usual height of a figure [inches] with the panels in ``shown_panels``.
 
     The width is that of ``size`` or, without ``size``, the usual one. But the result is FIGURE_SIZE, whatever
     ``size`` is, for a motion in the plane alone, and for panels without a motion.
     """
     width = figure_size(size)[0] if size else FULL
-    timed = [name for name in shown if is_in_column(recording, name)]
+    time_panels = [name for name in shown_panels if is_in_column(recording, name)]
     ratio = broadness(recording)
-    if not timed or "motion" not in shown:
+    if not time_panels or "motion" not in shown_panels:
         return FIGURE_SIZE
-    is_column = width <= COLUMN and "motion" not in timed and not is_beside(ratio, width)
+    is_column = width <= COLUMN and "motion" not in time_panels and not is_beside(ratio, width)
     energy = ENERGY_IN_COLUMN if is_column else ENERGY_HEIGHT
-    over_time = energy * sum(heights_of(recording, shown)) + TEXTS * len(timed)
-    if "motion" in timed:
+    over_time = energy * sum(heights_of(recording, shown_panels)) + TEXTS * len(time_panels)
+    if "motion" in time_panels:
         return width, HEADS + over_time
     if is_beside(ratio, width):
         motion = (motion_share(ratio, width) * width - MARGINS) / ratio
@@ -123,27 +123,27 @@ def size_for(recording: Recording, shown: Sequence[str], size: Size | None) -> t
     return width, max(height, FIGURE_SIZE[1]) if width < WIDE else height
 
 
-def axes_of(figure: Figure, recording: Recording, shown: Sequence[str]) -> dict[str, Axes]:
+def axes_of(figure: Figure, recording: Recording, shown_panels: Sequence[str]) -> dict[str, Axes]:
     """Return the axes of a figure: name of a panel → axes.
 
     If a motion in the plane is shown with panels over time, "time" has the axes of the colours of time, below
     these panels.
     """
-    timed = [name for name in shown if is_in_column(recording, name)]
-    width, has_motion = figure.get_figwidth(), len(timed) < len(shown)
+    time_panels = [name for name in shown_panels if is_in_column(recording, name)]
+    width, has_motion = figure.get_figwidth(), len(time_panels) < len(shown_panels)
     ratio = broadness(recording) if has_motion else 1.0
-    heights = heights_of(recording, shown)
-    names = [*timed, *(["time"] if timed and has_motion else [])]
-    if has_motion and timed and is_beside(ratio, width):
+    heights = heights_of(recording, shown_panels)
+    names = [*time_panels, *(["time"] if time_panels and has_motion else [])]
+    if has_motion and time_panels and is_beside(ratio, width):
         share = motion_share(ratio, width)
         columns = figure.add_gridspec(1, 2, width_ratios=[share, 1.0 - share])
         motion = figure.add_subplot(columns[0], label="motion", anchor="N")
         # the panels over time have a grid of their own, so that the motion does not change their left margin
         grid: Any = columns[1].subgridspec(len(heights), 1, height_ratios=heights)
         return {"motion": motion} | _timed_axes(figure, grid, names)
-    above = [_height_above(ratio, width)] if has_motion else []
+    heights_above = [_height_above(ratio, width)] if has_motion else []
     # all panels share a grid, so that their left edges are aligned
-    grid = figure.add_gridspec(len(above) + len(heights), 1, height_ratios=[*above, *heights])
+    grid = figure.add_gridspec(len(heights_above) + len(heights), 1, height_ratios=[*heights_above, *heights])
     axes = {}
     if has_motion:
         axes["motion"] = figure.add_subplot(grid[0], label="motion")
@@ -159,11 +159,15 @@ def _timed_axes(figure: Figure, grid: Any, names: Sequence[str]) -> dict[str, Ax
     """
     axes: dict[str, Axes] = {}
     for name in sorted(names, key=lambda name: (name != "time", name == "impact")):
-        cell, own = grid[names.index(name) - len(names), 0], name == "impact"
-        shared = None if own else next((axes[other] for other in axes if other != "impact"), None)
-        axes[name] = figure.add_subplot(cell, sharex=shared, label=name)
-    for name, below in pairwise(names):
-        if "impact" not in (name, below) and below != "time":
+        cell, is_alone = grid[names.index(name) - len(names), 0], name == "impact"
+        shared_axes = (
+            None
+            if is_alone
+            else next((axes[other_name] for other_name in axes if other_name != "impact"), None)
+        )
+        axes[name] = figure.add_subplot(cell, sharex=shared_axes, label=name)
+    for name, lower_name in pairwise(names):
+        if "impact" not in (name, lower_name) and lower_name != "time":
             axes[name].tick_params(labelbottom=False)
     return axes
 

@@ -43,11 +43,11 @@ class Panel(NamedTuple):
 
 def draw_place(axes: Axes, recording: Recording) -> None:
     """Draw the position of the chain: over time for a ball that moves along a line, else in the plane."""
-    along = line_of_motion(recording)
-    if along is None:
+    axis = line_of_motion(recording)
+    if axis is None:
         draw_motion(axes, recording)
     else:
-        draw_along_line(axes, recording, along)
+        draw_along_line(axes, recording, axis)
 
 
 def number_places(axes: Axes, recording: Recording, ink: Ink) -> None:

@@ -44,8 +44,12 @@ def is_shifted(recording: Recording, sensitivities: Sensitivities) -> np.ndarray
     for name in ("onset", "end"):
         shifts = np.abs(np.nan_to_num(sensitivities.impact_changes(name)))
         for k, shift in enumerate(shifts):
-            at, before, after = sensitivities.impacts[name][k], onsets[:k], onsets[k + 1 :]
-            low = np.maximum(at - shift, before.max(initial=-np.inf))
-            high = np.minimum(at + shift, after.min(initial=np.inf))
+            impact_onsets, earlier_onsets, later_onsets = (
+                sensitivities.impacts[name][k],
+                onsets[:k],
+                onsets[k + 1 :],
+            )
+            low = np.maximum(impact_onsets - shift, earlier_onsets.max(initial=-np.inf))
+            high = np.minimum(impact_onsets + shift, later_onsets.min(initial=np.inf))
             rows |= (low < time) & (time < high)
     return rows

@@ -68,56 +68,60 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
 
     ``outputs`` are names as in ``Sensitivities.drawn``.
     """
-    found = recording.sensitivities
-    assert found is not None
-    names = found.drawn(outputs)
-    parts = np.stack([shares(recording, found, name) for name in names])
-    known = known_changes(recording, found, parts.max(axis=0))
-    message, checked = headline_and_check(recording, found, names, parts, known)
+    given_sensitivities = recording.sensitivities
+    assert given_sensitivities is not None
+    names = given_sensitivities.drawn(outputs)
+    parts = np.stack([shares(recording, given_sensitivities, name) for name in names])
+    is_known = known_changes(recording, given_sensitivities, parts.max(axis=0))
+    message, checked = headline_and_check(recording, given_sensitivities, names, parts, is_known)
     remarks = [
         FIRST_ORDER_CHANGES,
         SHIFT_NOTE if len(recording.impacts) else "",
-        "" if known.all() else END_NOTE,
+        "" if is_known.all() else END_NOTE,
     ]
-    scaled = with_small_steps(recording, found, names, known)
-    remarks.append(SCALE_NOTE if any(part != 1.0 for part in scaled.parts.values()) else "")
+    scaled_sensitivities = with_small_steps(recording, given_sensitivities, names, is_known)
+    remarks.append(SCALE_NOTE if any(part != 1.0 for part in scaled_sensitivities.parts.values()) else "")
     write_headline(figure, message, conditions(recording, *remarks))
-    relative = np.max([shares(recording, scaled, name) for name in names], axis=0)
-    looks = looks_of(found, relative, scaled.parts, is_brief=is_narrow(figure))
-    drawn = drawn_rows(recording, found, known)
-    across = 1 if is_narrow(figure) else 2
-    panels, table = panels_of(figure, len(names), across)
+    relative_changes = np.max([shares(recording, scaled_sensitivities, name) for name in names], axis=0)
+    looks = looks_of(
+        given_sensitivities, relative_changes, scaled_sensitivities.parts, is_brief=is_narrow(figure)
+    )
+    is_drawn = drawn_rows(recording, given_sensitivities, is_known)
+    column_count = 1 if is_narrow(figure) else 2
+    panels, table = panels_of(figure, len(names), column_count)
     for axes, name in zip(panels, names, strict=True):
-        scale = draw_changes(axes, recording, scaled, name, looks, known=known, drawn=drawn)
+        scale = draw_changes(
+            axes, recording, scaled_sensitivities, name, looks, is_known=is_known, is_drawn=is_drawn
+        )
         if checked and checked.output == name:
             mark_run(
                 axes, float(recording.time[checked.row]), scale * checked.change, looks[checked.parameter]
             )
         mark_impacts(axes, recording)
-        mark_unknown(axes, recording, found)
+        mark_unknown(axes, recording, given_sensitivities)
         give_ticks(axes)
     for place, axes in enumerate(panels):
         # the next row is full of panels, without the table, so that this panel has a panel below it
-        if (place // across + 2) * across <= len(panels):
+        if (place // column_count + 2) * column_count <= len(panels):
             axes.tick_params(labelbottom=False)
         else:
             axes.set_xlabel(name_time(axes, float(recording.time[-1])))
-    height = draw_impact_changes(table, recording, found, looks, known)
+    height = draw_impact_changes(table, recording, given_sensitivities, looks, is_known)
     handles = panels[0].get_legend_handles_labels()[0]
     if checked:
         handles.append(Line2D([], [], label="change in a run", **RUN_LOOK))
-    if not known.all():
+    if not is_known.all():
         handles.append(Line2D([], [], color=INK, label="end of first order", **END_LOOK))
     legend_at_head(figure, [*handles, *impact_handles(panels[0], recording)])
-    if found.limits:
-        write_foot(figure, "\n".join(found.limits), most=MOST_LIMITS)
+    if given_sensitivities.limits:
+        write_foot(figure, "\n".join(given_sensitivities.limits), most_width=MOST_LIMITS)
     settle(figure)
     give_height(table, height)
     settle(figure)
 
 
-def give_height(table: Axes, wanted: float) -> None:
-    """Give the row of the grid with the table the height ``wanted`` [inch], or more beside a panel.
+def give_height(table: Axes, wanted_height: float) -> None:
+    """Give the row of the grid with the table the height ``wanted_height`` [inch], or more beside a panel.
 
     The figure must be arranged before and after.
     """
@@ -125,57 +129,61 @@ def give_height(table: Axes, wanted: float) -> None:
     assert grid is not None
     assert figure is not None
     ratios: Any = grid.get_height_ratios()  # matplotlib's type is too wide
-    *others, last = ratios
+    *other_ratios, last = ratios
     height = table.bbox.height / figure.dpi
-    room = height * (sum(others) + last) / last  # the height of all rows of the grid
-    ratio = sum(others) * wanted / max(room - wanted, LEAST_PANELS)
-    grid.set_height_ratios([*others, ratio if grid.ncols == 1 else max(last, ratio)])
+    room = height * (sum(other_ratios) + last) / last  # the height of all rows of the grid
+    ratio = sum(other_ratios) * wanted_height / max(room - wanted_height, LEAST_PANELS)
+    grid.set_height_ratios([*other_ratios, ratio if grid.ncols == 1 else max(last, ratio)])
 
 
-def panels_of(figure: Figure, count: int, across: int) -> tuple[list[Axes], Axes]:
+def panels_of(figure: Figure, count: int, column_count: int) -> tuple[list[Axes], Axes]:
     """Return ``count`` axes with a common axis of time, and then the axes of the table of impacts.
 
-    ``across`` is the number of axes in a row. The table follows the ``count`` axes, and takes the rest of the
-    last row.
+    ``column_count`` is the number of axes in a row. The table follows the ``count`` axes, and takes the rest
+    of the last row.
     """
-    rows, panels = -(-(count + 1) // across), list[Axes]()
-    grid = figure.add_gridspec(rows, across)
+    rows, panels = -(-(count + 1) // column_count), list[Axes]()
+    grid = figure.add_gridspec(rows, column_count)
     for place in range(count):
         first = panels[0] if panels else None
-        panels.append(figure.add_subplot(grid[divmod(place, across)], sharex=first))
-    return panels, figure.add_subplot(grid[count // across, count % across :])
+        panels.append(figure.add_subplot(grid[divmod(place, column_count)], sharex=first))
+    return panels, figure.add_subplot(grid[count // column_count, count % column_count :])
 
 
 def looks_of(
-    sensitivities: Sensitivities, relative: np.ndarray, factors: Mapping[str, float], *, is_brief: bool
+    sensitivities: Sensitivities,
+    relative_changes: np.ndarray,
+    factors: Mapping[str, float],
+    *,
+    is_brief: bool,
 ) -> Looks:
     """Return the properties of each parameter's curves, with matplotlib's names.
 
     The LARGEST_EFFECTS parameters with the largest changes have colours, unless a change is round-off; all
     others are grey. Of the grey curves, only the last has a label, which stands for all grey curves: their
     names or, if they are more than MOST_GREY or ``is_brief``, their number.
-    ``relative`` is the largest of the ``shares`` of all drawn outputs, shape (T, P). ``factors``: name of a
-    parameter → the factor of its curves, which the label has; 1 for all others.
+    ``relative_changes`` is the largest of the ``shares`` of all drawn outputs, shape (T, P). ``factors``:
+    name of a parameter → the factor of its curves, which the label has; 1 for all others.
     """
     names = list(sensitivities.parameters)
-    order = np.argsort(-relative.max(axis=0), kind="stable")
-    coloured = {k for k in order[:LARGEST_EFFECTS] if relative[:, k].max() > NO_CHANGE}
-    others = sorted(set(order) - coloured)
+    order = np.argsort(-relative_changes.max(axis=0), kind="stable")
+    coloured = {k for k in order[:LARGEST_EFFECTS] if relative_changes[:, k].max() > NO_CHANGE}
+    other_indices = sorted(set(order) - coloured)
 
     def label(name: str) -> str:
-        scaled = f" (× {factors[name]:g})" if factors.get(name, 1.0) != 1.0 else ""
-        return f"{name} + {sensitivities.step_text(name)}{scaled}"
+        factor_text = f" (× {factors[name]:g})" if factors.get(name, 1.0) != 1.0 else ""
+        return f"{name} + {sensitivities.step_text(name)}{factor_text}"
 
-    rest = count_text(len(others), "other parameter")
-    if len(others) <= MOST_GREY and not is_brief:
-        rest = ", ".join(label(names[k]) for k in others)
+    other_words = count_text(len(other_indices), "other parameter")
+    if len(other_indices) <= MOST_GREY and not is_brief:
+        other_words = ", ".join(label(names[k]) for k in other_indices)
     colours, looks = iter(PALETTE), []
     for k, name in enumerate(names):
         if k in coloured:
             looks.append({"color": next(colours), "linewidth": 1.5, "zorder": 3, "label": label(name)})
         else:
-            told = rest if k == others[-1] else "_"
-            looks.append({"color": GREY, "linewidth": 0.9, "zorder": 2, "label": told})
+            label_text = other_words if k == other_indices[-1] else "_"
+            looks.append({"color": GREY, "linewidth": 0.9, "zorder": 2, "label": label_text})
     return looks
 
 
@@ -186,17 +194,17 @@ def draw_changes(
     output: str,
     looks: Looks,
     *,
-    known: np.ndarray,
-    drawn: np.ndarray,
+    is_known: np.ndarray,
+    is_drawn: np.ndarray,
 ) -> float:
     """Draw the changes of an output over time, a curve for each parameter; return the factor of the unit.
 
-    A curve has gaps where ``drawn``, the result of ``drawn_rows``, is False, and where the derivative is
-    unknown. It has a mark where it ends before the run: where ``known``, the result of ``known_changes``,
+    A curve has gaps where ``is_drawn``, the result of ``drawn_rows``, is False, and where the derivative is
+    unknown. It has a mark where it ends before the run: where ``is_known``, the result of ``known_changes``,
     becomes False. If there are more than MOST_GREY grey curves, they are drawn as a band. ``looks`` is the
     result of ``looks_of``.
     """
-    changes = np.where(drawn, sensitivities.changes(output), np.nan)
+    changes = np.where(is_drawn, sensitivities.changes(output), np.nan)
     rows = is_outside_impacts(recording)
     low, high = scale_ends(changes[rows])
     scale, unit = readable_unit(max(-low, high), sensitivities.units[output])
@@ -207,8 +215,8 @@ def draw_changes(
     for k, (values, look) in enumerate(zip(changes.T, looks, strict=True)):
         if len(grey) <= MOST_GREY or k not in grey:
             axes.plot(recording.time, values, **look)
-            if not known[-1, k] and known[:, k].any():
-                end = np.flatnonzero(known[:, k])[-1]
+            if not is_known[-1, k] and is_known[:, k].any():
+                end = np.flatnonzero(is_known[:, k])[-1]
                 axes.plot(recording.time[[end]], values[[end]], color=look["color"], **END_LOOK)
     name = f"Δ {output}{bracketed_unit(unit)}"
     figure = axes.get_figure(root=True)
@@ -242,8 +250,8 @@ def scale_ends(changes: np.ndarray) -> tuple[float, float]:
 
 def mark_unknown(axes: Axes, recording: Recording, sensitivities: Sensitivities) -> None:
     """Shade the time from the first row without any known derivative to the end of the run."""
-    unknown = np.isnan(sensitivities.slopes).all(axis=(1, 2))
-    if unknown.any():
-        start, end = recording.time[unknown.argmax()], recording.time[-1]
+    is_unknown = np.isnan(sensitivities.slopes).all(axis=(1, 2))
+    if is_unknown.any():
+        start, end = recording.time[is_unknown.argmax()], recording.time[-1]
         axes.axvspan(start, end, color=OUTSIDE_COLOUR, linewidth=0.0, zorder=0)
         axes.text(start, 0.98, " no derivatives", transform=axes.get_xaxis_transform(), va="top", color=INK)

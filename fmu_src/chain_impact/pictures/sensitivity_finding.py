@@ -40,7 +40,7 @@ def headline_and_check(
     sensitivities: Sensitivities,
     outputs: Sequence[str],
     parts: np.ndarray,
-    known: np.ndarray,
+    is_known: np.ndarray,
 ) -> tuple[str, Checked | None]:
     """Return the headline, which tells what the most important parameter does, and the change in a run.
 
@@ -54,53 +54,60 @@ def headline_and_check(
     change by 1 %. The headline tells if no parameter has an effect, or if there are no derivatives after the
     start.
 
-    ``parts``: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P). ``known`` is the result
-    of ``known_changes``.
+    ``parts``: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P). ``is_known`` is the
+    result of ``known_changes``.
     """
     has_any = np.isfinite(sensitivities.slopes).any(axis=(1, 2))
     if not has_any[1:].any():
         return f"{recording.name}: no derivatives from {recording.time[0]:g} s on", None
     factor, unit = time_unit(recording.duration)
     last_known = int(np.flatnonzero(has_any)[-1])
-    until = "" if has_any[-1] else f", known until {factor * recording.time[last_known]:.3g} {unit}"
-    k = most_important(sensitivities, parts.max(axis=0), known)
+    end_words = "" if has_any[-1] else f", known until {factor * recording.time[last_known]:.3g} {unit}"
+    k = most_important(sensitivities, parts.max(axis=0), is_known)
     if parts[..., k].max() <= NO_CHANGE:
         return f"{recording.name}: no parameter changes {', '.join(outputs)}", None
     parameter = list(sensitivities.parameters)[k]
     step = f"{parameter} + {sensitivities.step_text(parameter)}"
-    if not known[:, k].all():
-        end = factor * recording.time[known[:, k]].max(initial=recording.time[0])
-        until = f", not predictable after {end:.3g} {unit}"
-    sizes = [_change_sizes(recording, sensitivities, name, k, known) for name in outputs]
-    relative = [size.max() / span_of(recording, name) for size, name in zip(sizes, outputs, strict=True)]
-    first = outputs[int(np.argmax(relative))]
-    alike = [n for n, name in enumerate(outputs) if sensitivities.units[name] == sensitivities.units[first]]
-    n = max(alike, key=lambda n: sizes[n].max())
+    if not is_known[:, k].all():
+        end = factor * recording.time[is_known[:, k]].max(initial=recording.time[0])
+        end_words = f", not predictable after {end:.3g} {unit}"
+    sizes = [_change_sizes(recording, sensitivities, name, k, is_known) for name in outputs]
+    relative_sizes = [
+        size.max() / span_of(recording, name) for size, name in zip(sizes, outputs, strict=True)
+    ]
+    first = outputs[int(np.argmax(relative_sizes))]
+    alike_outputs = [
+        n for n, name in enumerate(outputs) if sensitivities.units[name] == sensitivities.units[first]
+    ]
+    n = max(alike_outputs, key=lambda n: sizes[n].max())
     output, row, of_output = outputs[n], int(sizes[n].argmax()), sensitivities.units[outputs[n]]
     if not sizes[n][row]:
-        return f"{recording.name}: {step}{until.removeprefix(',')}", None
-    what = f"{recording.name}: {step} changes {output} by"
+        return f"{recording.name}: {step}{end_words.removeprefix(',')}", None
+    step_words = f"{recording.name}: {step} changes {output} by"
     in_run = _change_in_run(recording, sensitivities, output, parameter, row)
-    most, at = _size_text(sizes[n][row], of_output), f"{factor * recording.time[row]:.4g} {unit}"
+    largest_text, time_text = (
+        _size_text(sizes[n][row], of_output),
+        f"{factor * recording.time[row]:.4g} {unit}",
+    )
     if in_run is None:
-        return f"{what} about {most} at {at}{until}", None
+        return f"{step_words} about {largest_text} at {time_text}{end_words}", None
     is_other = differs(sensitivities.changes(output)[row, k], in_run)
-    beside = f" in a run ({most} to first order)" if is_other else ""
+    first_order_text = f" in a run ({largest_text} to first order)" if is_other else ""
     size = _size_text(abs(in_run), of_output)
-    return f"{what} {size}{beside} at {at}{until}", Checked(output, k, row, in_run)
+    return f"{step_words} {size}{first_order_text} at {time_text}{end_words}", Checked(output, k, row, in_run)
 
 
-def most_important(sensitivities: Sensitivities, relative: np.ndarray, known: np.ndarray) -> int:
+def most_important(sensitivities: Sensitivities, relative_changes: np.ndarray, is_known: np.ndarray) -> int:
     """Return the index of the parameter that the headline names (``headline_and_check``).
 
-    ``relative``: the largest of the ``shares`` of all outputs, shape (T, P). ``known`` is the result of
-    ``known_changes``.
+    ``relative_changes``: the largest of the ``shares`` of all outputs, shape (T, P). ``is_known`` is the
+    result of ``known_changes``.
     """
     can_be = np.array([value != 0.0 for value in sensitivities.parameters.values()])
-    if relative[:, can_be].max(initial=0.0) <= NO_CHANGE:
+    if relative_changes[:, can_be].max(initial=0.0) <= NO_CHANGE:
         can_be[:] = True
-    most, rows = relative.max(axis=0), known.sum(axis=0)
-    return min(np.flatnonzero(can_be).tolist(), key=lambda k: (rows[k], -most[k]))
+    largest_changes, rows = relative_changes.max(axis=0), is_known.sum(axis=0)
+    return min(np.flatnonzero(can_be).tolist(), key=lambda k: (rows[k], -largest_changes[k]))
 
 
 def _change_in_run(
@@ -111,10 +118,10 @@ def _change_in_run(
     If the run cannot be repeated, or if the other run lacks the output, the result is None.
     """
     value = sensitivities.parameters[parameter] + sensitivities.step(parameter)
-    other = recording.row_of_other_run({parameter: value}, float(recording.time[row]))
-    if other is None or output not in other.columns:
+    other_row = recording.row_of_other_run({parameter: value}, float(recording.time[row]))
+    if other_row is None or output not in other_row.columns:
         return None
-    return float(other.columns[output][0] - recording.columns[output][row])
+    return float(other_row.columns[output][0] - recording.columns[output][row])
 
 
 def _size_text(size: float, unit: str) -> str:
@@ -124,13 +131,13 @@ def _size_text(size: float, unit: str) -> str:
 
 
 def _change_sizes(
-    recording: Recording, sensitivities: Sensitivities, output: str, k: int, known: np.ndarray
+    recording: Recording, sensitivities: Sensitivities, output: str, k: int, is_known: np.ndarray
 ) -> np.ndarray:
     """Return |change| of an output, to first order, for a step of parameter k, shape (T,), in its unit.
 
     The result is 0 within impacts that end in the run, where a jump is ``is_shifted``, where the derivative
-    is unknown, and where ``known``, the result of ``known_changes``, is False.
+    is unknown, and where ``is_known``, the result of ``known_changes``, is False.
     """
     sizes = np.abs(np.nan_to_num(sensitivities.changes(output)[:, k]))
-    sizes[~known[:, k] | is_shifted(recording, sensitivities)[:, k]] = 0.0
+    sizes[~is_known[:, k] | is_shifted(recording, sensitivities)[:, k]] = 0.0
     return np.where(is_outside_impacts(recording), sizes, 0.0)

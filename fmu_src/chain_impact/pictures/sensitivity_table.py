@@ -49,15 +49,15 @@ def draw_impact_changes(
     recording: Recording,
     sensitivities: Sensitivities,
     looks: Sequence[dict[str, Any]],
-    known: np.ndarray,
+    is_known: np.ndarray,
 ) -> float:
     """Draw the change of each impact's peak force [%] by a step of each parameter, as a table.
 
     The table has a column for each impact, and the rows ``shown_parameters``; the title tells how many
     parameters have no row. ``looks`` has the properties of each parameter's curves. If no change of a peak
     force is known, as in rigid impacts, the changes are those of the impulses.
-    ``known``, shape (T, P): whether changes to first order can hold, for each row of the recording and each
-    parameter. A cell is blank if its change is not known, or cannot hold at the impact's onset.
+    ``is_known``, shape (T, P): whether changes to first order can hold, for each row of the recording and
+    each parameter. A cell is blank if its change is not known, or cannot hold at the impact's onset.
 
     Return the height that the table needs [inch].
     """
@@ -71,14 +71,14 @@ def draw_impact_changes(
     quantity = "peak_force"
     if not np.isfinite(sensitivities.relative(quantity)).any():
         quantity = "impulse"
-    at = [recording.row_at(time) for time in onsets]
-    every_change = 100.0 * np.where(known[at], sensitivities.relative(quantity), np.nan).T
+    onset_rows = [recording.row_at(time) for time in onsets]
+    every_change = 100.0 * np.where(is_known[onset_rows], sensitivities.relative(quantity), np.nan).T
     rows = shown_parameters(looks, every_change)
     changes = every_change[rows]
     sizes = np.abs(changes[np.isfinite(changes)])
-    largest = sizes.max(initial=0.0)
-    most = min(MOST_CHANGE, largest) or MOST_CHANGE
-    norm = SymLogNorm(FAINT_CHANGE * most, linscale=0.1, vmin=-most, vmax=most)
+    largest_size = sizes.max(initial=0.0)
+    most_change = min(MOST_CHANGE, largest_size) or MOST_CHANGE
+    norm = SymLogNorm(FAINT_CHANGE * most_change, linscale=0.1, vmin=-most_change, vmax=most_change)
     image = axes.imshow(np.ma.masked_invalid(changes), SIGNED_COLOURS, norm=norm, aspect="auto")
     figure = axes.get_figure(root=True)
     assert figure is not None
@@ -89,15 +89,17 @@ def draw_impact_changes(
                 look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "small"}
                 axes.text(column, row, cell_text(change), color="black", **look)
     else:
-        ticks = [part * most for part in (-1.0, -0.1, 0.0, 0.1, 1.0)]
-        lowest, *others, highest = map(cell_text, ticks)
+        ticks = [part * most_change for part in (-1.0, -0.1, 0.0, 0.1, 1.0)]
+        lowest, *other_texts, highest = map(cell_text, ticks)
         # changes beyond an end of the bar have the colour of this end
-        ends = (f"≤{lowest}", f"≥{highest}") if largest > most else (lowest, highest)
-        texts = FixedFormatter([ends[0], *others, ends[1]])
+        ends = (f"≤{lowest}", f"≥{highest}") if largest_size > most_change else (lowest, highest)
+        texts = FixedFormatter([ends[0], *other_texts, ends[1]])
         bar = figure.colorbar(image, ax=axes, ticks=FixedLocator(ticks), format=texts)
         bar.ax.minorticks_off()
-    every = -(-len(onsets) // MOST_NUMBERED)
-    axes.set_xticks(range(0, len(onsets), every), [str(k + 1) for k in range(0, len(onsets), every)])
+    number_step = -(-len(onsets) // MOST_NUMBERED)
+    axes.set_xticks(
+        range(0, len(onsets), number_step), [str(k + 1) for k in range(0, len(onsets), number_step)]
+    )
     axes.set_yticks(range(len(rows)), [list(sensitivities.parameters)[k] for k in rows], fontsize="small")
     for label, k in zip(axes.get_yticklabels(), rows, strict=True):
         label.set_color(looks[k]["color"] if looks[k]["color"] != GREY else INK)
@@ -120,14 +122,14 @@ def shown_parameters(looks: Sequence[dict[str, Any]], changes: np.ndarray) -> li
     """
     coloured = [k for k, look in enumerate(looks) if look["color"] != GREY]
     sizes = np.abs(np.nan_to_num(changes)).max(axis=1)
-    others = sorted({*range(len(looks))} - {*coloured}, key=lambda k: -sizes[k])
-    return coloured + others[: max(MOST_TABLE_ROWS - len(coloured), 0)]
+    other_parameters = sorted({*range(len(looks))} - {*coloured}, key=lambda k: -sizes[k])
+    return coloured + other_parameters[: max(MOST_TABLE_ROWS - len(coloured), 0)]
 
 
 def has_numbers(figure: Figure, impacts: int) -> bool:
     """Return whether the cells of a table with ``impacts`` columns in a figure have room for numbers."""
-    across = 1 if is_narrow(figure) else 2
-    return figure.get_figwidth() / across - ROW_NAMES_WIDTH >= CELL_WIDTH * impacts
+    column_count = 1 if is_narrow(figure) else 2
+    return figure.get_figwidth() / column_count - ROW_NAMES_WIDTH >= CELL_WIDTH * impacts
 
 
 def cell_text(change: float) -> str:

@@ -124,7 +124,7 @@ def draw(folder: Path) -> None:
     """Draw all charts, each as <model>.png."""
     for model, fill in CHARTS.items():
         with mpl.rc_context(STYLE):
-            draw_figure(fill, folder / f"{model}.png", usual=SIZE)
+            draw_figure(fill, folder / f"{model}.png", usual_size=SIZE)
 
 
 if __name__ == "__main__":

@@ -288,8 +288,8 @@ def test_rates_as_text(rate, text):
 
 def test_a_slim_motion_leaves_its_room_to_the_charts():
     figure, slim = Figure(SIZE_WITH_CHARTS), np.array([[0.0, 0.0], [0.4, 1.0]])
-    usual = places_for(figure, slim, wide=True, has_charts=False)
-    narrow, broad = (places_for(figure, slim * [part, 1.0], wide=True, has_charts=True) for part in (1, 9))
+    usual = places_for(figure, slim, is_wide=True, has_charts=False)
+    narrow, broad = (places_for(figure, slim * [part, 1.0], is_wide=True, has_charts=True) for part in (1, 9))
     assert usual == broad
     assert narrow.scene[2] == LEAST_WIDTH
     assert narrow.wider == pytest.approx(usual.scene[2] - LEAST_WIDTH)

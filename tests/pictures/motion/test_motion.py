@@ -72,7 +72,7 @@ def test_poses_that_look_alike_are_left_out():
     places = np.array([0.0, 0.04, 0.1, 0.13, 0.25, 0.01])
     rods = np.stack([np.stack([places, places + 1.0], axis=1), np.zeros((6, 2))], axis=-1)
     assert distinct_poses(rods, 0.1) == [0, 2, 4]
-    assert distinct_poses(rods, 0.1, always=2) == [0, 1, 4]
+    assert distinct_poses(rods, 0.1, always_kept=2) == [0, 1, 4]
 
 
 def test_every_impact_has_a_strong_pose_if_there_are_few():

@@ -81,12 +81,12 @@ class Ground(NamedTuple):
             return lightened_colour(colour, least_luminance(self.ground, READABLE_CONTRAST))
         grey = (red + green + blue) / 3.0
         low, high = np.array(to_rgb(self.ground)), np.array(to_rgb(self.text))
-        needed = (
+        needed_luminance = (
             READABLE_CONTRAST if grey <= LIGHTEST_TEXT else VISIBLE_CONTRAST if grey <= LIGHTEST_LINE else 1.0
         )
-        least = least_luminance(self.ground, needed) if needed > 1.0 else 0.0
+        least_part = least_luminance(self.ground, needed_luminance) if needed_luminance > 1.0 else 0.0
         mixed = [low + part * (high - low) for part in np.linspace((1.0 - grey) ** SPREAD, 1.0, MIXTURES)]
-        red, green, blue = next((mix for mix in mixed if luminance(mix) >= least), mixed[-1]).tolist()
+        red, green, blue = next((mix for mix in mixed if luminance(mix) >= least_part), mixed[-1]).tolist()
         return red, green, blue, alpha
 
     def suit(self, artists: Iterable[Artist]) -> None:
@@ -124,15 +124,17 @@ class Ground(NamedTuple):
                     if is_coloured(colour):
                         label.set_color(colour)
 
-    def _opacity(self, least: float, colour: Any) -> float:
-        """Return the least opacity, from ``least`` on, with which marks have VISIBLE_CONTRAST to the ground.
+    def _opacity(self, least_opacity: float, colour: Any) -> float:
+        """Return the least opacity ≥ ``least_opacity`` with which marks have VISIBLE_CONTRAST to the ground.
 
         ``colour`` is the colour of the marks. The result is 1 if no opacity is enough.
         """
         low, high = np.array(to_rgb(self.ground)), np.array(to_rgb(colour))
-        needed = least_luminance(self.ground, VISIBLE_CONTRAST)
-        tried = np.linspace(least, 1.0, MIXTURES).tolist()
-        return next((part for part in tried if luminance(low + part * (high - low)) >= needed), 1.0)
+        needed_luminance = least_luminance(self.ground, VISIBLE_CONTRAST)
+        opacities = np.linspace(least_opacity, 1.0, MIXTURES).tolist()
+        return next(
+            (part for part in opacities if luminance(low + part * (high - low)) >= needed_luminance), 1.0
+        )
 
     def _suited_colour_or_none(self, colour: Any) -> Any:
         return colour if isinstance(colour, str) and colour == "none" else self.suited_colour(colour)
@@ -152,18 +154,20 @@ class Ground(NamedTuple):
         A single colour is returned without a list, because matplotlib accepts any number of opacities with a
         colour that is not in a list.
         """
-        each = [self.suited_colour(colour) for colour in np.asarray(colours)]
-        return each[0] if len(each) == 1 else each
+        suited_list = [self.suited_colour(colour) for colour in np.asarray(colours)]
+        return suited_list[0] if len(suited_list) == 1 else suited_list
 
     def _suited_map(self, artist: ScalarMappable) -> Colormap:
         """Return the colour map that replaces the map of an artist.
 
         The map TIME gets new colours; any other map gets only a new colour for missing values.
         """
-        own = artist.get_cmap()
-        if own.name == TIME:
-            return ListedColormap([self.suited_colour(own(index)) for index in range(own.N)], TIME)
-        return own.with_extremes(bad=self.suited_colour(own.get_bad()))
+        colour_map = artist.get_cmap()
+        if colour_map.name == TIME:
+            return ListedColormap(
+                [self.suited_colour(colour_map(index)) for index in range(colour_map.N)], TIME
+            )
+        return colour_map.with_extremes(bad=self.suited_colour(colour_map.get_bad()))
 
 
 def luminance(colour: Any) -> float:
@@ -190,8 +194,8 @@ def least_luminance(ground: Any, ratio: float) -> float:
     return min(1.0, ratio * (luminance(ground) + GLARE) - GLARE)
 
 
-def lightened_colour(colour: Any, least: float = 0.0) -> Colour:
-    """Return a colour mixed with white: its luminance is at least LEAST_LUMINANCE and ``least``.
+def lightened_colour(colour: Any, at_least: float = 0.0) -> Colour:
+    """Return a colour mixed with white, with a luminance of at least LEAST_LUMINANCE and ``at_least``.
 
     But at most LEAST_WHITE is required. Of MIXTURES parts of white, the least that is enough is taken. The
     opacity stays. A colour in REPLACED is replaced before it is mixed.
@@ -200,6 +204,6 @@ def lightened_colour(colour: Any, least: float = 0.0) -> Colour:
     red, green, blue = to_rgb(REPLACED.get(to_hex(colour), colour))
     shares = np.linspace(0.0, 1.0, MIXTURES)
     mixed = [(*(part + share * (1.0 - part) for part in (red, green, blue)), alpha) for share in shares]
-    needed = min(max(LEAST_LUMINANCE, least), LEAST_WHITE)
-    r, g, b, a = next(mixture for mixture in mixed if luminance(mixture) >= needed)
+    needed_luminance = min(max(LEAST_LUMINANCE, at_least), LEAST_WHITE)
+    r, g, b, a = next(mixture for mixture in mixed if luminance(mixture) >= needed_luminance)
     return r, g, b, a

@@ -29,19 +29,21 @@ FAST_ENTRY = "pale: range of an oscillation, line: mean"
 
 
 def fill_band(
-    axes: Axes, along: np.ndarray, curves: np.ndarray | Sequence[np.ndarray], label: str | None = None
+    axes: Axes, x_values: np.ndarray, curves: np.ndarray | Sequence[np.ndarray], label: str | None = None
 ) -> None:
     """Fill in grey, at each position, the range from the least to the largest value of some curves.
 
-    The area has gaps where all curves lack a value. ``along``: the positions on the horizontal axis, shape
+    The area has gaps where all curves lack a value. ``x_values``: the positions on the horizontal axis, shape
     (T,); ``curves``: values, each of shape (T,); ``label``: the text in the legend, None for no entry.
     """
-    known = np.ma.masked_invalid(curves)
-    ends = known.min(axis=0).filled(np.nan), known.max(axis=0).filled(np.nan)
-    axes.fill_between(along, *ends, color=GREY, alpha=BAND_OPACITY, linewidth=0.0, label=label)
+    finite_curves = np.ma.masked_invalid(curves)
+    ends = finite_curves.min(axis=0).filled(np.nan), finite_curves.max(axis=0).filled(np.nan)
+    axes.fill_between(x_values, *ends, color=GREY, alpha=BAND_OPACITY, linewidth=0.0, label=label)
 
 
-def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> None:
+def plot_curves(
+    axes: Axes, x_values: np.ndarray, curves: Sequence[tuple[np.ndarray, dict[str, Any]]]
+) -> None:
     """Draw curves; a fast curve (``is_fast``) is drawn as its range and its mean (``envelope``).
 
     The range is a pale area, the mean a line. If there is a fast curve, an entry of the legend explains both;
@@ -49,27 +51,27 @@ def plot_curves(axes: Axes, along: np.ndarray, curves: Sequence[tuple[np.ndarray
 
     Args:
         axes: the axes to draw into.
-        along: the positions on the horizontal axis, shape (T,).
+        x_values: the positions on the horizontal axis, shape (T,).
         curves: values, shape (T,), and properties with matplotlib's names, for each curve.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
     bins = max(1, int(axes.get_window_extent().width * 72.0 / figure.dpi / BIN))
     ends = [(np.nanmin(values), np.nanmax(values)) for values, _ in curves if np.isfinite(values).any()]
-    least = LEAST_TURN * float(np.ptp(ends)) if ends else 0.0
-    fast = [k for k, (values, _) in enumerate(curves) if is_fast(along, values, bins, least)]
+    least_turn = LEAST_TURN * float(np.ptp(ends)) if ends else 0.0
+    fast_curves = [k for k, (values, _) in enumerate(curves) if is_fast(x_values, values, bins, least_turn)]
     for k, (values, look) in enumerate(curves):
-        if k not in fast:
-            axes.plot(along, values, **look)
+        if k not in fast_curves:
+            axes.plot(x_values, values, **look)
             continue
-        low, high, mean = envelope(along, values, least)
+        low, high, mean = envelope(x_values, values, least_turn)
         axes.fill_between(
-            along, low, high, color=look["color"], alpha=AREA_OPACITY, linewidth=0.0, zorder=1.8
+            x_values, low, high, color=look["color"], alpha=AREA_OPACITY, linewidth=0.0, zorder=1.8
         )
-        axes.plot(along, mean, **look)
-    if fast:
-        colour, *others = {curves[k][1]["color"] for k in fast}
-        colour, alpha = (GREY, BAND_OPACITY) if others else (colour, AREA_OPACITY)
+        axes.plot(x_values, mean, **look)
+    if fast_curves:
+        colour, *other_colours = {curves[k][1]["color"] for k in fast_curves}
+        colour, alpha = (GREY, BAND_OPACITY) if other_colours else (colour, AREA_OPACITY)
         axes.plot([], [], color=colour, alpha=alpha, linewidth=5.0, solid_capstyle="butt", label=FAST_ENTRY)
 
 
@@ -84,11 +86,14 @@ def hidden_counts(curves: Sequence[np.ndarray], same: float = SAME_CURVE, share:
         same: the largest distance at which two curves coincide in a row, relative to the range of all curves.
         share: the part of the rows, 0 to 1, in which curves must coincide.
     """
-    every = [curve[np.isfinite(curve)] for curve in curves]
-    whole = np.concatenate(every) if every else np.zeros(0)
-    seen = same * float(np.ptp(whole)) if whole.size else 0.0
+    finite_curves = [curve[np.isfinite(curve)] for curve in curves]
+    all_values = np.concatenate(finite_curves) if finite_curves else np.zeros(0)
+    seen_distance = same * float(np.ptp(all_values)) if all_values.size else 0.0
     return [
-        sum(bool(np.quantile(np.abs(curve - other), share) <= seen) for other in curves[:k])
+        sum(
+            bool(np.quantile(np.abs(curve - other_curve), share) <= seen_distance)
+            for other_curve in curves[:k]
+        )
         for k, curve in enumerate(curves)
     ]
 
@@ -106,13 +111,13 @@ def merged_dashes(lines: Sequence[np.ndarray]) -> list[Any]:
     Returns:
         The styles, as matplotlib takes them.
     """
-    evenly = [_points_at(*each) for each in _measured(lines)]
+    evenly = [_points_at(*measured_line) for measured_line in _measured(lines)]
     groups: dict[int, list[int]] = {}
     for k, line in enumerate(evenly):
-        apart = {
+        distinct_dashes = {
             j: max(np.median(_gaps(*pair)) for pair in ((evenly[j], line), (line, evenly[j]))) for j in groups
         }
-        groups.setdefault(next((j for j in groups if apart[j] <= MERGED), k), []).append(k)
+        groups.setdefault(next((j for j in groups if distinct_dashes[j] <= MERGED), k), []).append(k)
     dashes: list[Any] = [None] * len(lines)
     for group in groups.values():
         for place, k in enumerate(group[1:]):
@@ -132,22 +137,22 @@ def parts_with_dashes(lines: Sequence[np.ndarray]) -> list[list[tuple[np.ndarray
     Returns:
         The parts in their order along each line, with dashes as matplotlib takes them.
     """
-    measured, parts = _measured(lines), []
-    evenly = [_points_at(*each) for each in measured]
-    for k, (line, (_, way, places)) in enumerate(zip(lines, measured, strict=True)):
-        near = np.array([_gaps(evenly[k], other) <= MERGED for other in evenly])
+    measured_lines, parts = _measured(lines), []
+    evenly = [_points_at(*measured_line) for measured_line in measured_lines]
+    for k, (line, (_, way, places)) in enumerate(zip(lines, measured_lines, strict=True)):
+        merged_parts = np.array([_gaps(evenly[k], other_points) <= MERGED for other_points in evenly])
         # the number of lines at each place that are below this line, and of all that are above the first one
-        below, above = near[:k].sum(axis=0), near.sum(axis=0) - 1
-        looks = np.where(below > 0, len(lines) * below + above, 0)
+        count_below, count_above = merged_parts[:k].sum(axis=0), merged_parts.sum(axis=0) - 1
+        looks = np.where(count_below > 0, len(lines) * count_below + count_above, 0)
         for start, stop in _runs(looks):
             looks[start:stop] *= places[stop - 1] - places[start] >= LEAST_DASHED
-        own = []
+        own_parts = []
         for start, stop in _runs(looks):
             first, last = places[start], places[min(stop, PIECES - 1)]
-            along = np.concatenate([[first], way[(way > first) & (way < last)], [last]])
-            dashes = _dashes(int(below[start]) - 1, int(above[start])) if looks[start] else None
-            own.append((_points_at(line, way, along), dashes))
-        parts.append(own)
+            part_places = np.concatenate([[first], way[(way > first) & (way < last)], [last]])
+            dashes = _dashes(int(count_below[start]) - 1, int(count_above[start])) if looks[start] else None
+            own_parts.append((_points_at(line, way, part_places), dashes))
+        parts.append(own_parts)
     return parts
 
 
@@ -168,16 +173,18 @@ def _measured(lines: Sequence[np.ndarray]) -> list[tuple[np.ndarray, np.ndarray,
         return []
     low, high = (np.array([end(line, axis=1) for line in lines]) for end in (np.min, np.max))
     span = high.max(axis=0) - low.min(axis=0)
-    scaled = [line / np.where(span > 0.0, span, 1.0)[:, None] for line in lines]
-    ways = [np.append(0.0, np.hypot(*np.diff(line)).cumsum()) for line in scaled]
-    return [(line, way, np.linspace(0.0, way[-1], PIECES)) for line, way in zip(scaled, ways, strict=True)]
+    scaled_lines = [line / np.where(span > 0.0, span, 1.0)[:, None] for line in lines]
+    ways = [np.append(0.0, np.hypot(*np.diff(line)).cumsum()) for line in scaled_lines]
+    return [
+        (line, way, np.linspace(0.0, way[-1], PIECES)) for line, way in zip(scaled_lines, ways, strict=True)
+    ]
 
 
-def _gaps(points: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Return the distance of each point, shape (2, P), from the nearest of ``others``, shape (2, Q)."""
+def _gaps(points: np.ndarray, other_points: np.ndarray) -> np.ndarray:
+    """Return the distance of each point, shape (2, P), from the nearest of ``other_points``, shape (2, Q)."""
     from scipy.spatial import KDTree  # this import takes long
 
-    return np.asarray(KDTree(others.T).query(points.T)[0])
+    return np.asarray(KDTree(other_points.T).query(points.T)[0])
 
 
 def _runs(values: np.ndarray) -> list[tuple[int, int]]:
@@ -193,65 +200,69 @@ def _points_at(line: np.ndarray, way: np.ndarray, places: np.ndarray) -> np.ndar
     return np.array([np.interp(places, way, part) for part in line])
 
 
-def is_fast(along: np.ndarray, values: np.ndarray, bins: int, least: float) -> bool:
+def is_fast(x_values: np.ndarray, values: np.ndarray, bins: int, least_turn: float) -> bool:
     """Return whether a curve turns so often that, drawn as a line, it would look like an area.
 
     The axis is divided into ``bins`` equal parts. The result is True if, at more than FAST_PART of the parts,
     the part and the parts beside it have at least FAST_TURNS turns. So a range (``envelope``) contains whole
     periods, and a slow curve with steep flanks is no fast curve. A turn counts only if the value changes by
-    at least ``least`` from this turn to the next turn; the last turn always counts. The result is False for a
-    curve with missing values, or with at most ``bins`` rows. ``along`` and ``values`` have the shape (T,).
+    at least ``least_turn`` from this turn to the next turn; the last turn always counts. The result is False
+    for a curve with missing values, or with at most ``bins`` rows. ``x_values`` and ``values`` have the shape
+    (T,).
     """
-    if not np.isfinite(values).all() or len(along) <= bins:
+    if not np.isfinite(values).all() or len(x_values) <= bins:
         return False
     steps = np.diff(values)
-    turns = np.flatnonzero(steps[1:] * steps[:-1] < 0.0) + 1
-    large = np.abs(np.diff(values[turns], append=np.inf)) >= least
-    counts, _ = np.histogram(along[turns[large]], bins, (along[0], along[-1]))
-    around = np.convolve(counts, np.ones(3))[1:-1]
-    return bool((around >= FAST_TURNS).mean() > FAST_PART)
+    turn_rows = np.flatnonzero(steps[1:] * steps[:-1] < 0.0) + 1
+    is_large = np.abs(np.diff(values[turn_rows], append=np.inf)) >= least_turn
+    counts, _ = np.histogram(x_values[turn_rows[is_large]], bins, (x_values[0], x_values[-1]))
+    counts_of_three = np.convolve(counts, np.ones(3))[1:-1]
+    return bool((counts_of_three >= FAST_TURNS).mean() > FAST_PART)
 
 
-def turning_rows(values: np.ndarray, least: float) -> list[int]:
+def turning_rows(values: np.ndarray, least_turn: float) -> list[int]:
     """Return the rows at which a curve turns, and its first and last row.
 
-    A turn counts if the value changes by at least ``least`` until the next turn. ``values`` has the shape
-    (T,) and no missing value.
+    A turn counts if the value changes by at least ``least_turn`` until the next turn. ``values`` has the
+    shape (T,) and no missing value.
     """
     steps = np.diff(values)
-    moved = np.flatnonzero(steps)  # the curve does not turn in the middle of equal values
-    turned = moved[1:][steps[moved[1:]] * steps[moved[:-1]] < 0.0]
-    kept, way = [0], 0.0
-    for row in [*turned.tolist(), len(values) - 1]:
-        change = float(values[row] - values[kept[-1]])
+    moved_rows = np.flatnonzero(steps)  # the curve does not turn in the middle of equal values
+    turn_rows = moved_rows[1:][steps[moved_rows[1:]] * steps[moved_rows[:-1]] < 0.0]
+    turn_chain, way = [0], 0.0
+    for row in [*turn_rows.tolist(), len(values) - 1]:
+        change = float(values[row] - values[turn_chain[-1]])
         if way * change > 0.0:
-            kept[-1] = row
-        elif abs(change) >= least:
-            kept.append(row)
+            turn_chain[-1] = row
+        elif abs(change) >= least_turn:
+            turn_chain.append(row)
             way = change
-    return kept
+    return turn_chain
 
 
 def envelope(
-    along: np.ndarray, values: np.ndarray, least: float
+    x_values: np.ndarray, values: np.ndarray, least_turn: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the least values, the largest values and the mean of a fast curve, each of shape (T,).
 
     The least and the largest values join the lower and the upper turns of the curve (``turning_rows``), and
     contain the curve from its first to its last row. The mean is that of each period, from one upper turn to
-    the next one, at the middle of the period. ``along`` and ``values`` have the shape (T,).
+    the next one, at the middle of the period. ``x_values`` and ``values`` have the shape (T,).
     """
-    rows = np.array(turning_rows(values, least))
+    rows = np.array(turning_rows(values, least_turn))
     ends = []
     for sign in (-1.0, 1.0):
         sizes = sign * values[rows]
-        beside = np.concatenate([[-np.inf], sizes, [-np.inf]])
-        turns = rows[(sizes >= beside[:-2]) & (sizes >= beside[2:])]
-        ends.append(sign * np.maximum(sign * values, sign * np.interp(along, along[turns], values[turns])))
-    areas = np.append(0.0, np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(along)))
-    turns = turns[(turns > 0) & (turns < len(along) - 1)]
-    if len(turns) < 2:  # noqa: PLR2004 - no whole period
-        turns = np.array([0, len(along) - 1])
-    means = np.diff(areas[turns]) / np.diff(along[turns])
-    middles = 0.5 * (along[turns][1:] + along[turns][:-1])
-    return ends[0], ends[1], np.interp(along, middles, means)
+        neighbour_sizes = np.concatenate([[-np.inf], sizes, [-np.inf]])
+        turn_rows = rows[(sizes >= neighbour_sizes[:-2]) & (sizes >= neighbour_sizes[2:])]
+        ends.append(
+            sign
+            * np.maximum(sign * values, sign * np.interp(x_values, x_values[turn_rows], values[turn_rows]))
+        )
+    areas = np.append(0.0, np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(x_values)))
+    turn_rows = turn_rows[(turn_rows > 0) & (turn_rows < len(x_values) - 1)]
+    if len(turn_rows) < 2:  # noqa: PLR2004 - no whole period
+        turn_rows = np.array([0, len(x_values) - 1])
+    mean_values = np.diff(areas[turn_rows]) / np.diff(x_values[turn_rows])
+    middles = 0.5 * (x_values[turn_rows][1:] + x_values[turn_rows][:-1])
+    return ends[0], ends[1], np.interp(x_values, middles, mean_values)

@@ -82,7 +82,7 @@ def draw_figure(
     fill: Fill,
     path: str | os.PathLike[str] | None = None,
     size: Size | None = None,
-    usual: tuple[float, float] = FIGURE_SIZE,
+    usual_size: tuple[float, float] = FIGURE_SIZE,
 ) -> Figure | None:
     """Draw a figure into a file, or return the figure.
 
@@ -91,29 +91,30 @@ def draw_figure(
         path: the file to write; its suffix png, svg or pdf determines the format. With None, the figure is
             returned.
         size: width and height [inches]. The height None means the height that the contents need. If ``size``
-            itself is None, the size is ``usual``, without a check whether the contents have room.
-        usual: default width and height [inches]; for a height of None, ``fitting_figure`` starts from these.
+            itself is None, the size is ``usual_size``, without a check whether the contents have room.
+        usual_size: default width and height [inches]; for a height of None, ``fitting_figure`` starts from
+        these.
 
     Raises:
         ValueError: when the given size is not possible, or has no room for the contents.
         OSError: when the file cannot be written.
     """
-    inches, filled, is_free = usual, fill, False
+    inches, fill_figure, is_free = usual_size, fill, False
     if size is not None:
         width, height = figure_size(size)
         if height is None:
-            tried = fitting_figure(fill, width, usual)
+            tried_figure = fitting_figure(fill, width, usual_size)
             if path is not None:
-                save(Path(path), lambda: tried)
+                save(Path(path), lambda: tried_figure)
                 return None
-            inches, is_free = (width, float(tried.get_figheight())), True
+            inches, is_free = (width, float(tried_figure.get_figheight())), True
         else:
-            inches, filled = (width, height), partial(fill_or_refuse, fill)
+            inches, fill_figure = (width, height), partial(fill_or_refuse, fill)
     if path is not None:
-        save(Path(path), lambda: filled_figure(filled, inches))
+        save(Path(path), lambda: filled_figure(fill_figure, inches))
         return None
     figure = StyledFigure(figsize=inches, free_height=is_free)
-    filled(figure)
+    fill_figure(figure)
     adapt_to_dark_style(figure)
     return figure
 
@@ -136,46 +137,50 @@ def fill_or_refuse(fill: Fill, figure: Figure) -> None:
     Raises:
         ValueError: when there is too little room.
     """
-    lacks = lacking_height(fill, figure)
-    if lacks <= 0.0:
+    lacking = lacking_height(fill, figure)
+    if lacking <= 0.0:
         return
     width, height = map(float, figure.get_size_inches())
-    least = float(least_figure(fill, width, height, lacks=lacks).get_figheight())
-    raise NoRoomError(width, height, f"at least {least:g} high, or the picture must have fewer panels", least)
+    least_height = float(least_figure(fill, width, height, lacking=lacking).get_figheight())
+    raise NoRoomError(
+        width, height, f"at least {least_height:g} high, or the picture must have fewer panels", least_height
+    )
 
 
-def fitting_figure(fill: Fill, width: float, usual: tuple[float, float]) -> Figure:
+def fitting_figure(fill: Fill, width: float, usual_size: tuple[float, float]) -> Figure:
     """Return a figure of a given width [inches] with the height that its contents need.
 
-    The first height that is tried is that of ``usual`` (width and height [inches]); for a width between WIDE
-    and the usual width, a lower one; at most TALLEST, and SLENDER × ``width``. If the first height is too low
-    for the contents, the result is that of ``least_figure``, which tries greater heights. If this figure is
-    higher than the largest first height, the axes may be lower (FLAT_AXES_HEIGHT).
+    The first height that is tried is that of ``usual_size`` (width and height [inches]); for a width between
+    WIDE and the usual width, a lower one; at most TALLEST, and SLENDER × ``width``. If the first height is
+    too low for the contents, the result is that of ``least_figure``, which tries greater heights. If this
+    figure is higher than the largest first height, the axes may be lower (FLAT_AXES_HEIGHT).
 
     Raises:
         ValueError: when no tried height is enough.
     """
-    height = usual[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual[0])))
-    most = max(LEAST_SIZE, min(TALLEST, SLENDER * width))
-    height = min(max(LEAST_SIZE, height), most)
+    height = usual_size[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual_size[0])))
+    most_height = max(LEAST_SIZE, min(TALLEST, SLENDER * width))
+    height = min(max(LEAST_SIZE, height), most_height)
     with suppress(NoRoomError):
-        return figure_at_least(fill, width, height, USUAL_AXES_HEIGHT, most)
-    return figure_at_least(fill, width, most, FLAT_AXES_HEIGHT)
+        return figure_at_least(fill, width, height, USUAL_AXES_HEIGHT, most_height)
+    return figure_at_least(fill, width, most_height, FLAT_AXES_HEIGHT)
 
 
-def figure_at_least(fill: Fill, width: float, height: float, mean: float, most: float = math.inf) -> Figure:
+def figure_at_least(
+    fill: Fill, width: float, height: float, mean: float, most_height: float = math.inf
+) -> Figure:
     """Return a figure with a width and a height [inches], or the higher one that its contents need.
 
-    ``mean`` is as in ``lacking_height``, ``most`` as in ``least_figure``.
+    ``mean`` is as in ``lacking_height``, ``most_height`` as in ``least_figure``.
 
     Raises:
         NoRoomError: when no tried height is enough.
     """
     figure = StyledFigure(figsize=(width, height), dpi=DPI, free_height=True)
-    lacks = lacking_height(fill, figure, mean)
-    if lacks <= 0.0:
+    lacking = lacking_height(fill, figure, mean)
+    if lacking <= 0.0:
         return figure
-    return least_figure(fill, width, height, mean, lacks, most=most, free_height=True)
+    return least_figure(fill, width, height, mean, lacking, most_height=most_height, free_height=True)
 
 
 def least_figure(
@@ -183,45 +188,45 @@ def least_figure(
     width: float,
     height: float,
     mean: float = 0.0,
-    lacks: float = math.inf,
+    lacking: float = math.inf,
     *,
-    most: float = math.inf,
+    most_height: float = math.inf,
     free_height: bool = False,
 ) -> Figure:
     """Return the lowest figure with room for its contents; its height is found by bisection.
 
     ``height`` [inches] is too low. The possible heights are ``height``, rounded up to a multiple of
-    HEIGHT_STEP, plus 1, 2, … or MOST_HEIGHT_STEPS − 1 times HEIGHT_STEP, up to ``most`` [inches]. ``mean`` is
-    as in ``lacking_height``. ``lacks`` is the result of ``lacking_height`` at ``height``, inf if unknown.
-    ``free_height`` is as in ``StyledFigure``.
+    HEIGHT_STEP, plus 1, 2, … or MOST_HEIGHT_STEPS − 1 times HEIGHT_STEP, up to ``most_height`` [inches].
+    ``mean`` is as in ``lacking_height``. ``lacking`` is the result of ``lacking_height`` at ``height``, inf
+    if unknown. ``free_height`` is as in ``StyledFigure``.
 
     Raises:
         NoRoomError: when no possible height is enough.
     """
     heights = HEIGHT_STEP * (math.ceil(height / HEIGHT_STEP) + np.arange(1, MOST_HEIGHT_STEPS))
-    heights = heights[heights <= most]
+    heights = heights[heights <= most_height]
     # all heights up to the index ``low`` are too low, and all from the index ``high`` on are enough
-    low, high, found = -1, len(heights), None
+    low, high, found_figure = -1, len(heights), None
     while high - low > 1:
         # The next guess follows from the lack of height at the last guess, if this lack is known and not 0.
-        # Else the next guess is the middle between ``low`` and ``high``; but the height ``most`` comes first,
-        # because often no height up to it is enough.
-        is_known = lacks != 0.0 and math.isfinite(lacks)
-        middle = high - 1 if found is None and math.isfinite(most) else (low + high) // 2
-        guess = int(heights.searchsorted(height + lacks)) if is_known else middle
+        # Else the next guess is the middle between ``low`` and ``high``; but the height ``most_height`` comes
+        # first, because often no height up to it is enough.
+        is_known = lacking != 0.0 and math.isfinite(lacking)
+        middle = high - 1 if found_figure is None and math.isfinite(most_height) else (low + high) // 2
+        guess = int(heights.searchsorted(height + lacking)) if is_known else middle
         k = min(max(guess, low + 1), high - 1)
         height = float(heights[k])
         figure = StyledFigure(figsize=(width, height), dpi=DPI, free_height=free_height)
-        lacks = lacking_height(fill, figure, mean)
-        if lacks > 0.0:
+        lacking = lacking_height(fill, figure, mean)
+        if lacking > 0.0:
             low = k
             continue
-        high, found = k, figure
-        if -HEIGHT_STEP < lacks < 0.0:  # at the next lower height the figure would lack height
+        high, found_figure = k, figure
+        if -HEIGHT_STEP < lacking < 0.0:  # at the next lower height the figure would lack height
             break
-    if found is None:
+    if found_figure is None:
         raise NoRoomError(width, height, "wider for the panels")
-    return found
+    return found_figure
 
 
 @drawing_style()
@@ -241,19 +246,24 @@ def lacking_height(fill: Fill, figure: Figure, mean: float = 0.0) -> float:
         if not isinstance(figure.get_layout_engine(), PlaceHolderLayoutEngine):
             figure.draw_without_rendering()
         framed = list(framed_panels(figure))
-        named = [axes for axes in figure.axes if axes.get_ylabel() or has_heading(axes) or axes in framed]
-        named = [axes for axes in named if axes.get_gid() != FRAME]
-        sides = np.array([axes.bbox.height / figure.dpi for axes in named])
-        lacks = len(sides) * max(LEAST_AXES_HEIGHT - sides.min(), mean - sides.mean()) if len(sides) else 0.0
-        if lacks > 0.0:
-            return float(lacks)
+        named_axes = [
+            axes for axes in figure.axes if axes.get_ylabel() or has_heading(axes) or axes in framed
+        ]
+        named_axes = [axes for axes in named_axes if axes.get_gid() != FRAME]
+        sides = np.array([axes.bbox.height / figure.dpi for axes in named_axes])
+        lacking = (
+            len(sides) * max(LEAST_AXES_HEIGHT - sides.min(), mean - sides.mean()) if len(sides) else 0.0
+        )
+        if lacking > 0.0:
+            return float(lacking)
         boxes = list(text_boxes(figure))
-        whole = Bbox.union([figure.bbox, *boxes])
-        is_within = (np.abs(whole.get_points() - figure.bbox.get_points()) <= OVERLAP_TOLERANCE).all()
+        whole_box = Bbox.union([figure.bbox, *boxes])
+        is_within = (np.abs(whole_box.get_points() - figure.bbox.get_points()) <= OVERLAP_TOLERANCE).all()
         if is_within and not any(
-            first.padded(-OVERLAP_TOLERANCE).overlaps(second) for first, second in combinations(boxes, 2)
+            first.padded(-OVERLAP_TOLERANCE).overlaps(second_box)
+            for first, second_box in combinations(boxes, 2)
         ):
-            return float(lacks)
+            return float(lacking)
     return math.inf
 
 
@@ -269,72 +279,74 @@ def text_boxes(figure: Figure) -> Iterator[Bbox]:
 
 def numbers_in_view(axis: Axis) -> list[Text]:
     """Return the numbers at an axis between its ends; matplotlib also keeps numbers beyond the ends."""
-    along = int(isinstance(axis, YAxis))
+    axis_index = int(isinstance(axis, YAxis))
     low, high = sorted(axis.get_view_interval())
     slack = LIMIT_ROUND_OFF * (high - low)
     texts = filter(Text.get_text, axis.get_majorticklabels())
-    return [text for text in texts if low - slack <= text.get_position()[along] <= high + slack]
+    return [text for text in texts if low - slack <= text.get_position()[axis_index] <= high + slack]
 
 
-def settle(figure: Figure, scaled: Axes | None = None) -> None:
+def settle(figure: Figure, scaled_axes: Axes | None = None) -> None:
     """Arrange a figure: break legends above axes into rows, and labels longer than their axes into lines.
 
-    Numbers along x that would overlap are left out. The axes ``scaled`` get equal scales along x and y after
-    the layout.
+    Numbers along x that would overlap are left out. The axes ``scaled_axes`` get equal scales along x and y
+    after the layout.
     """
     engine = figure.get_layout_engine()
     fit_legends(figure)
     for _ in range(SETTLINGS):
-        if scaled is not None:
-            scaled.set_aspect("auto")
+        if scaled_axes is not None:
+            scaled_axes.set_aspect("auto")
         if engine is not None:
             engine.execute(figure)
-        if scaled is not None:
-            scaled.set_aspect("equal")
-            scaled.apply_aspect()
+        if scaled_axes is not None:
+            scaled_axes.set_aspect("equal")
+            scaled_axes.apply_aspect()
         is_changed = break_labels(figure)
         if not (fit_legends(figure) or is_changed):
             return
 
 
-def look_like_one(first: Bbox, second: Bbox) -> bool:
+def look_like_one(first_box: Bbox, second_box: Bbox) -> bool:
     """Return whether two successive numbers of an x axis overlap, or are so close that they read as one.
 
-    ``first`` is the rectangle of the left number, ``second`` that of the right number, both in pixels.
+    ``first_box`` is the rectangle of the left number, ``second_box`` that of the right number, both in
+    pixels.
     """
-    return bool(first.x1 + TICK_SPACE * first.height > second.x0)
+    return bool(first_box.x1 + TICK_SPACE * first_box.height > second_box.x0)
 
 
-def break_labels(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
+def break_labels(figure: Figure, wanted_axes: Sequence[Axes] | None = None) -> bool:
     """Break labels that are longer than their axes, and thin out overlapping numbers along x.
 
     Along x, a label may be LABEL_RATIO, but is also broken if it would reach beyond the figure's edges.
-    ``wanted``: the axes, by default all axes of the figure. Returns whether the text of a label has changed.
+    ``wanted_axes``: the axes, by default all axes of the figure. Returns whether the text of a label has
+    changed.
     """
-    before = labels_of(figure)
-    for axes in figure.axes if wanted is None else wanted:
-        inside = axes.get_window_extent()
+    earlier_labels = labels_of(figure)
+    for axes in figure.axes if wanted_axes is None else wanted_axes:
+        panel_box = axes.get_window_extent()
         if has_heading(axes):
             axes.title.set_text(axes.title.get_text().replace("\n", " "))
-            break_lines(axes.title, inside.width, COMMA)
+            break_lines(axes.title, panel_box.width, COMMA)
         label = axes.yaxis.label
-        for whole, broken in ((" [", "\n["), (".", ".\n")):
+        for separator, broken in ((" [", "\n["), (".", ".\n")):
             text = label.get_text()
-            if label.get_window_extent().height > inside.height and broken not in text:
-                label.set_text(text.replace(whole, broken, 1))
-        if label.get_window_extent().height > inside.height:
+            if label.get_window_extent().height > panel_box.height and broken not in text:
+                label.set_text(text.replace(separator, broken, 1))
+        if label.get_window_extent().height > panel_box.height:
             label.set_fontsize("small")
         thin_ticks(axes)
-        label, middle = axes.xaxis.label, 0.5 * (inside.x0 + inside.x1)
+        label, middle = axes.xaxis.label, 0.5 * (panel_box.x0 + panel_box.x1)
         # the label is centred on its axes, and must not reach beyond the figure's edges
         edge = EDGE_MARGIN * figure.dpi
-        longest = min(
-            LABEL_RATIO * inside.width, 2.0 * (middle - edge), 2.0 * (figure.bbox.x1 - edge - middle)
+        longest_label = min(
+            LABEL_RATIO * panel_box.width, 2.0 * (middle - edge), 2.0 * (figure.bbox.x1 - edge - middle)
         )
-        if label.get_window_extent().width > longest:
+        if label.get_window_extent().width > longest_label:
             label.set_text(label.get_text().replace("\n", " "))
-            break_lines(label, longest, "; ")
-    return labels_of(figure) != before
+            break_lines(label, longest_label, "; ")
+    return labels_of(figure) != earlier_labels
 
 
 def name_above(axes: Axes, name: str) -> None:
@@ -363,11 +375,11 @@ def thin_ticks(axes: Axes) -> None:
     if numbers_meet(axes.xaxis):
         texts = numbers_in_view(axes.xaxis)
         ticks, names = [float(text.get_position()[0]) for text in texts], [text.get_text() for text in texts]
-        zero = int(np.abs(ticks).argmin())
+        zero_index = int(np.abs(ticks).argmin())
         for step in range(2, len(ticks)):
-            kept = [name * ((k - zero) % step == 0) for k, name in enumerate(names)]
-            axes.set_xticks(ticks, kept)
-            if sum(map(bool, kept)) > 1 and not numbers_meet(axes.xaxis):
+            kept_names = [name * ((k - zero_index) % step == 0) for k, name in enumerate(names)]
+            axes.set_xticks(ticks, kept_names)
+            if sum(map(bool, kept_names)) > 1 and not numbers_meet(axes.xaxis):
                 return
         axes.set_xticks(ticks, [names[0], *[""] * (len(names) - 2), names[-1]])
 

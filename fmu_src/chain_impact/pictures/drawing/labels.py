@@ -85,10 +85,10 @@ class Ink:
 
     def __init__(self, figure: Figure) -> None:
         """Draw the figure, which also arranges its contents, and store its pixels."""
-        own = figure.canvas
+        figure_canvas = figure.canvas
         canvas: Any = FigureCanvasAgg(figure)  # matplotlib has no type information for the canvas
         canvas.draw()
-        figure.set_canvas(own)
+        figure.set_canvas(figure_canvas)
         grounds = [*FLAT_COLOURS, figure.get_facecolor(), *(axes.get_facecolor() for axes in figure.axes)]
         grounds += [faint_colour(axes, SHADE) for axes in figure.axes]
         parts = np.ascontiguousarray(canvas.buffer_rgba())[::-1]
@@ -113,54 +113,55 @@ class Ink:
         """Forget the labels that were written since ``pixels`` were copied."""
         self._drawn, self._strong, self._labels, self._leaders = (part.copy() for part in pixels)
 
-    def were_free(self, low: np.ndarray, high: np.ndarray, *, on_pale: bool = False) -> np.ndarray:
+    def were_free(self, lows: np.ndarray, highs: np.ndarray, *, on_pale: bool = False) -> np.ndarray:
         """Return whether each box had no drawn pixel before any label was written, shape (B,).
 
-        ``low`` and ``high`` are the lower left and upper right corners of the boxes in pixels, shape (B, 2).
-        With ``on_pale`` only strong pixels count as drawn.
+        ``lows`` and ``highs`` are the lower left and upper right corners of the boxes in
+        pixels, shape (B, 2). With ``on_pale`` only strong pixels count as drawn.
         """
-        (x0, y0), (x1, y1) = np.floor(low).astype(int).T, np.ceil(high).astype(int).T
+        (x0, y0), (x1, y1) = np.floor(lows).astype(int).T, np.ceil(highs).astype(int).T
         counts = self._strong_counts if on_pale else self._counts
         return np.asarray(counts[y1, x1] - counts[y0, x1] - counts[y1, x0] + counts[y0, x0] == 0)
 
-    def is_crossed(self, position: np.ndarray, end: np.ndarray, own: float) -> bool:
+    def is_crossed(self, position: np.ndarray, end: np.ndarray, own_length: float) -> bool:
         """Return whether a strong pixel is on the straight line from ``position`` to ``end`` [pixels].
 
-        The first ``own`` pixels of the line do not count.
+        The first ``own_length`` pixels of the line do not count.
         """
-        _, beyond = _line_between(position, end, own)
-        return bool(self._strong[beyond].any())
+        _, leader_pixels = _line_between(position, end, own_length)
+        return bool(self._strong[leader_pixels].any())
 
     def take(
         self,
         low: np.ndarray,
         high: np.ndarray,
         position: np.ndarray | None = None,
-        own: float = 0.0,
+        own_length: float = 0.0,
         crossed: float = math.inf,
         *,
         on_pale: bool = False,
     ) -> bool:
         """Take a box for a label, with its leader, if both are free; return whether they were free.
 
-        ``low`` and ``high`` are the lower left and the upper right corner of the box in pixels. A free box
-        has no label and no drawn pixel. With ``on_pale`` only strong pixels count as drawn.
+        ``low`` and ``high`` are the lower left and the upper right corner of the box in
+        pixels. A free box has no label and no drawn pixel. With ``on_pale`` only strong pixels count as
+        drawn.
 
         With ``position`` the label has a leader, the straight line from ``position`` to the middle of the
         box. A free leader crosses no label. At most the part MOST_COVERED of its pixels are drawn pixels.
-        Behind its first ``own`` pixels, it crosses no other leader, and has at most ``crossed`` pixels at
-        strong pixels (CROSSING_DISTANCE).
+        Behind its first ``own_length`` pixels, it crosses no other leader, and has at most ``crossed`` pixels
+        at strong pixels (CROSSING_DISTANCE).
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
         box, labels = self._drawn[y0:y1, x0:x1], self._labels[y0:y1, x0:x1]
-        met = self._strong if on_pale else self._drawn
-        if labels.any() or met[y0:y1, x0:x1].any():
+        met_pixels = self._strong if on_pale else self._drawn
+        if labels.any() or met_pixels[y0:y1, x0:x1].any():
             return False
         if position is not None:
-            line, beyond = _line_between(position, 0.5 * (low + high), own)
-            if self._labels[line].any() or met[line].sum() > MOST_COVERED * len(line[0]):
+            line, leader_pixels = _line_between(position, 0.5 * (low + high), own_length)
+            if self._labels[line].any() or met_pixels[line].sum() > MOST_COVERED * len(line[0]):
                 return False
-            if self._leaders[beyond].any() or self._near_strong[beyond].sum() > crossed:
+            if self._leaders[leader_pixels].any() or self._near_strong[leader_pixels].sum() > crossed:
                 return False
             self._drawn[line] = self._strong[line] = True
             led = np.zeros_like(self._drawn)
@@ -171,28 +172,28 @@ class Ink:
         return True
 
 
-def _line_between(position: np.ndarray, end: np.ndarray, own: float) -> tuple[tuple[Any, ...], ...]:
-    """Return the pixels of a straight line as (rows, columns), and the same without the first ``own`` pixels.
+def _line_between(position: np.ndarray, end: np.ndarray, own_length: float) -> tuple[tuple[Any, ...], ...]:
+    """Return the pixels of a line as (rows, columns), and the same without the first ``own_length`` pixels.
 
     The line goes from ``position`` to ``end``, each with x and y in pixels.
     """
     count = 2 + int(np.abs(end - position).max())
     line = tuple(np.linspace(position, end, count).astype(int).T[::-1])
-    return line, tuple(along[int(own) :] for along in line)
+    return line, tuple(line_coordinates[int(own_length) :] for line_coordinates in line)
 
 
 def widened_mask(pixels: np.ndarray) -> np.ndarray:
     """Return whether each pixel is at most CROSSING_DISTANCE, along x and along y, from a true pixel."""
-    wide = pixels.copy()
+    wide_mask = pixels.copy()
     for axis in (0, 1):
-        here = wide.copy()
+        axis_mask = wide_mask.copy()
         for way in range(1, CROSSING_DISTANCE + 1):
-            ahead, behind = (slice(way, None), slice(None, -way))
-            for to, of in ((ahead, behind), (behind, ahead)):
-                at: tuple[slice, ...] = (to,) if axis == 0 else (slice(None), to)
-                by: tuple[slice, ...] = (of,) if axis == 0 else (slice(None), of)
-                wide[at] |= here[by]
-    return wide
+            later_part, earlier_part = (slice(way, None), slice(None, -way))
+            for target_part, source_part in ((later_part, earlier_part), (earlier_part, later_part)):
+                target_slices: tuple[slice, ...] = (target_part,) if axis == 0 else (slice(None), target_part)
+                source_slices: tuple[slice, ...] = (source_part,) if axis == 0 else (slice(None), source_part)
+                wide_mask[target_slices] |= axis_mask[source_slices]
+    return wide_mask
 
 
 def cumulative_counts(pixels: np.ndarray) -> np.ndarray:
@@ -234,46 +235,46 @@ def place_labels(
         probe.set_text(words)
         return 0.5 * np.asarray(probe.get_window_extent().size)
 
-    def written(order: Sequence[int], *, short: bool = False) -> list[int]:
+    def write_labels(order: Sequence[int], *, short: bool = False) -> list[int]:
         """Write the labels with the indices in ``order``, the first index first.
 
         If ``short``, only the short text of each label is tried, or its text if it has no short one. Return
         the indices of the labels without room.
         """
-        small = [labels[k].short or labels[k].text for k in order]
+        briefs = [labels[k].short or labels[k].text for k in order]
         homes = np.array(
-            [_usual_box(axes, labels[k], half_size(words)) for k, words in zip(order, small, strict=True)]
+            [_usual_box(axes, labels[k], half_size(words)) for k, words in zip(order, briefs, strict=True)]
         )
-        left = []
-        for n, (k, words) in enumerate(zip(order, small, strict=True)):
-            wanted = (words,) if short or words == labels[k].text else (labels[k].text, words)
-            sizes = {text: half_size(text) for whole in wanted for text in (whole, folded_label(whole))}
-            others = np.delete(marks, k, axis=0)
-            if not _place(axes, labels[k], homes[n + 1 :], others, sizes, ink=ink, steps=steps, **look):
-                left.append(k)
-        return left
+        misses = []
+        for n, (k, words) in enumerate(zip(order, briefs, strict=True)):
+            choices = (words,) if short or words == labels[k].text else (labels[k].text, words)
+            sizes = {text: half_size(text) for choice in choices for text in (choice, folded_label(choice))}
+            other_marks = np.delete(marks, k, axis=0)
+            if not _place(axes, labels[k], homes[n + 1 :], other_marks, sizes, ink=ink, steps=steps, **look):
+                misses.append(k)
+        return misses
 
-    def clear() -> None:
-        for text in {*axes.texts} - before:
+    def remove_texts() -> None:
+        for text in {*axes.texts} - texts_before:
             text.remove()
-        ink.restore(free)
+        ink.restore(free_pixels)
 
     marks = axes.transData.transform(np.reshape([label.position for label in labels], (-1, 2)))
-    before, free, order = {*axes.texts}, ink.pixels(), range(len(labels))
-    left = written(order)
-    if left and lines:
-        again = [*left, *(k for k in order if k not in left)]
+    texts_before, free_pixels, order = {*axes.texts}, ink.pixels(), range(len(labels))
+    misses = write_labels(order)
+    if misses and lines:
+        retries = [*misses, *(k for k in order if k not in misses)]
         for short in (False, True):
-            clear()
-            fewer = written(again, short=short)
-            if len(fewer) < len(left):
-                left = fewer
+            remove_texts()
+            fewer_misses = write_labels(retries, short=short)
+            if len(fewer_misses) < len(misses):
+                misses = fewer_misses
                 break
         else:
-            clear()
-            written(order)
+            remove_texts()
+            write_labels(order)
     probe.remove()
-    return [labels[k] for k in sorted(left)]
+    return [labels[k] for k in sorted(misses)]
 
 
 def _usual_box(axes: Axes, label: Label, half: np.ndarray) -> np.ndarray:
@@ -294,7 +295,7 @@ def _place(
     axes: Axes,
     label: Label,
     homes: np.ndarray,
-    others: np.ndarray,
+    other_marks: np.ndarray,
     sizes: dict[str, np.ndarray],
     *,
     ink: Ink,
@@ -311,8 +312,8 @@ def _place(
         axes: the axes inside which the text stays; with leaders, the text may be beyond their right edge.
         label: the label, with its position and the best direction from this position to the text.
         homes: the best boxes of the labels that are written later: two corners of each, shape (H, 2, 2).
-        others: the positions of the other labels, shape (O, 2) [pixels]. Without leaders, the middle of the
-            text must not be nearer to one of ``others`` than to the label's own position.
+        other_marks: the positions of the other labels, shape (O, 2) [pixels]. Without leaders, the middle of
+            the text must not be nearer to one of ``other_marks`` than to the label's own position.
         sizes: text → half of its width and height [pixels]; the texts are tried in the order of the dict.
         ink: the used pixels of the figure.
         steps: the distances from the position that are tried, in this order, relative to LABEL_OFFSET.
@@ -320,15 +321,15 @@ def _place(
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
-    point, inside = figure.dpi / 72.0, axes.get_window_extent()
+    point, axes_box = figure.dpi / 72.0, axes.get_window_extent()
     may_lead = LEADER_DISTANCES[-1] in steps
-    beyond = (
-        min(inside.x1 + FARTHEST_OUTSIDE * point, figure.bbox.x1 - LABEL_OFFSET * point)
+    is_beyond = (
+        min(axes_box.x1 + FARTHEST_OUTSIDE * point, figure.bbox.x1 - LABEL_OFFSET * point)
         if may_lead
-        else inside.x1
+        else axes_box.x1
     )
-    highest = np.array([max(inside.x1, beyond), inside.y1])
-    at = np.asarray(axes.transData.transform(label.position))
+    highest = np.array([max(axes_box.x1, is_beyond), axes_box.y1])
+    label_point = np.asarray(axes.transData.transform(label.position))
     style: dict[str, Any] = {
         "textcoords": "offset points",
         "ha": "center",
@@ -337,7 +338,7 @@ def _place(
         "in_layout": False,
     }
     grounds = (False, True) if may_lead else (False,)
-    apart = np.array([ink.apart, 0.0])
+    shift = np.array([ink.apart, 0.0])
     outline: Any = {
         True: {"path_effects": [withStroke(linewidth=TEXT_OUTLINE, foreground="white")]},
         False: {},
@@ -346,26 +347,26 @@ def _place(
     for crossed, on_pale, words, spared in tries:
         half = sizes[words]
         ways = directions(label.away) * (steps[:, None, None] * LABEL_OFFSET * point + half)
-        low, high = at + ways - half - PAD * point, at + ways + half + PAD * point
-        is_inside = ((low >= inside.min) & (high <= highest)).all(axis=-1)
-        is_inside &= (high[..., 0] <= inside.x1) | (low[..., 0] >= inside.x1)
+        low, high = label_point + ways - half - PAD * point, label_point + ways + half + PAD * point
+        is_inside = ((low >= axes_box.min) & (high <= highest)).all(axis=-1)
+        is_inside &= (high[..., 0] <= axes_box.x1) | (low[..., 0] >= axes_box.x1)
         if label.is_on_side:
             is_inside &= ways @ label.away > -LABEL_OFFSET
         for home in spared:
-            is_inside &= ~((low < home[1] + apart) & (home[0] - apart < high)).all(axis=-1)
-        tried = np.argwhere(is_inside)
-        free = ink.were_free(low[is_inside], high[is_inside], on_pale=on_pale)
+            is_inside &= ~((low < home[1] + shift) & (home[0] - shift < high)).all(axis=-1)
+        tried_places = np.argwhere(is_inside)
+        is_free = ink.were_free(low[is_inside], high[is_inside], on_pale=on_pale)
         # Limits > 0 concern leaders only; positions without a leader were already tried with the limit 0.
         if crossed:
-            free &= np.isin(steps[tried[:, 0]], LEADER_DISTANCES)
-        for step, turn in tried[free].tolist():
+            is_free &= np.isin(steps[tried_places[:, 0]], LEADER_DISTANCES)
+        for step, turn in tried_places[is_free].tolist():
             is_led = may_lead and steps[step] in LEADER_DISTANCES
             led: dict[str, Any] = {"arrowprops": LEADER, "zorder": LABEL_LAYER} if is_led else {}
-            box, start = (low[step, turn], high[step, turn]), at if led else None
+            box, start = (low[step, turn], high[step, turn]), label_point if led else None
             middle = 0.5 * (box[0] + box[1])
             if not may_lead:
-                is_nearer = np.hypot(*(others - middle).T) < np.hypot(*(at - middle))
-                if is_nearer.any() or ink.is_crossed(at, middle, OWN_LINE * point):
+                is_nearer = np.hypot(*(other_marks - middle).T) < np.hypot(*(label_point - middle))
+                if is_nearer.any() or ink.is_crossed(label_point, middle, OWN_LINE * point):
                     continue
             if ink.take(*box, start, MARK_LENGTH * point, crossed * point, on_pale=on_pale):
                 offset = (ways[step, turn] / point).tolist()
@@ -385,9 +386,9 @@ def folded_label(words: str) -> str:
     return ",\n".join(", ".join(part) for part in (parts[:first], parts[first:]) if part)
 
 
-def directions(away: tuple[float, float]) -> np.ndarray:
-    """Return LABEL_DIRECTIONS unit vectors, those nearest to ``away`` first, shape (LABEL_DIRECTIONS, 2)."""
-    angles = math.atan2(away[1], away[0]) + 2.0 * math.pi / LABEL_DIRECTIONS * np.array(TURNS)
+def directions(outwards: tuple[float, float]) -> np.ndarray:
+    """Return unit vectors, those nearest to ``outwards`` first, shape (LABEL_DIRECTIONS, 2)."""
+    angles = math.atan2(outwards[1], outwards[0]) + 2.0 * math.pi / LABEL_DIRECTIONS * np.array(TURNS)
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
 

@@ -58,8 +58,10 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None) -> None:
     if handles is None:
         handles, _ = axes.get_legend_handles_labels()
     # the handle of error bars is no artist, but a tuple of artists
-    ordered = sorted(handles, key=lambda handle: isinstance(handle, Artist) and handle.get_gid() == KEY)
-    _add_legend(axes, [(handle, str(handle.get_label())) for handle in ordered])
+    ordered_handles = sorted(
+        handles, key=lambda handle: isinstance(handle, Artist) and handle.get_gid() == KEY
+    )
+    _add_legend(axes, [(handle, str(handle.get_label())) for handle in ordered_handles])
 
 
 def legend_beside(axes: Axes, handles: Sequence[Any]) -> Any:
@@ -78,9 +80,11 @@ def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> No
     ``handles`` are the artists that get an entry, at least one; ``options`` are keywords of matplotlib's
     ``legend``.
     """
-    low = foot_of(figure)
-    height = _legend_of_figure(figure, handles, loc="lower center", bbox_to_anchor=(0.5, low), **options)
-    reserve_margins(figure, 0.0, low + height)
+    foot_height = foot_of(figure)
+    height = _legend_of_figure(
+        figure, handles, loc="lower center", bbox_to_anchor=(0.5, foot_height), **options
+    )
+    reserve_margins(figure, 0.0, foot_height + height)
 
 
 def legend_at_head(figure: Figure, handles: Sequence[Any]) -> None:
@@ -99,23 +103,23 @@ def _legend_of_figure(figure: Figure, handles: Sequence[Any], **options: Any) ->
     room = (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi
     legend = figure.legend(handles=list(handles), ncols=1, **options)
     texts = legend.get_texts()
-    beside = legend.get_window_extent().width - max(text.get_window_extent().width for text in texts)
+    handle_width = legend.get_window_extent().width - max(text.get_window_extent().width for text in texts)
     for text in texts:
-        break_lines(text, room - beside)
+        break_lines(text, room - handle_width)
     _fill_rows(legend, room)
     return float(legend.get_window_extent().height / figure.bbox.height)
 
 
-def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
+def fit_legends(figure: Figure, wanted_axes: Sequence[Axes] | None = None) -> bool:
     """Break each legend above its axes into rows, as few as fit into the width of the axes.
 
     In a narrow figure, a legend is removed if the legends of earlier axes have all entries of this legend,
-    with the same looks. ``wanted`` are the axes whose legends are broken, in order; by default all axes of
-    the figure. Returns whether a legend has changed its size or was removed.
+    with the same looks. ``wanted_axes`` are the axes whose legends are broken, in order; by default all axes
+    of the figure. Returns whether a legend has changed its size or was removed.
     """
     is_changed = False
-    known: set[tuple[str, ...]] = set()
-    for axes in figure.axes if wanted is None else wanted:
+    known_legends: set[tuple[str, ...]] = set()
+    for axes in figure.axes if wanted_axes is None else wanted_axes:
         legend: Any = axes.get_legend()
         if legend is None or legend.get_gid() != MARK:
             continue
@@ -123,16 +127,16 @@ def fit_legends(figure: Figure, wanted: Sequence[Axes] | None = None) -> bool:
         entries = {
             (label, *_look_of_entry(mark)) for mark, label in zip(legend.legend_handles, labels, strict=True)
         }
-        if entries <= known:
+        if entries <= known_legends:
             legend.remove()
             is_changed = True
             continue
         if is_narrow(figure):
-            known |= entries
-        before = legend.get_window_extent().size
+            known_legends |= entries
+        earlier_size = legend.get_window_extent().size
         axes.apply_aspect()
         _fill_rows(legend, axes.get_window_extent().width)
-        is_changed |= not np.allclose(legend.get_window_extent().size, before)
+        is_changed |= not np.allclose(legend.get_window_extent().size, earlier_size)
     return is_changed
 
 
@@ -158,23 +162,23 @@ def _fill_rows(legend: Any, room: float) -> None:
     The entries of different rows are not aligned in columns, because one long entry would leave gaps in all
     rows.
     """
-    whole = legend.get_children()[0].get_children()[-1]
-    figure, entries = legend.get_figure(root=True), _entries(whole)
+    whole_box = legend.get_children()[0].get_children()[-1]
+    figure, entries = legend.get_figure(root=True), _entries(whole_box)
     em = legend.get_texts()[0].get_fontsize()
     widths, space = [entry.get_window_extent().width for entry in entries], ENTRY_GAP * em * figure.dpi / 72.0
-    room -= legend.get_window_extent().width - whole.get_window_extent().width
+    room -= legend.get_window_extent().width - whole_box.get_window_extent().width
     rows = _rows(widths, space, room)
     low, high = max(widths), room
     for _ in range(HALVINGS if len(rows) > 1 else 0):
         middle = 0.5 * (low + high)
-        tried = _rows(widths, space, middle)
-        rows, low, high = (tried, low, middle) if len(tried) == len(rows) else (rows, middle, high)
+        tried_rows = _rows(widths, space, middle)
+        rows, low, high = (tried_rows, low, middle) if len(tried_rows) == len(rows) else (rows, middle, high)
     lines: list[Any] = [
         HPacker(sep=ENTRY_GAP * em, align="baseline", children=[entries[k] for k in row]) for row in rows
     ]
     block = VPacker(sep=ROW_GAP * em, children=lines)
     block.set_figure(figure)
-    whole.get_children()[:] = [block]
+    whole_box.get_children()[:] = [block]
 
 
 def _entries(box: Any) -> list[Any]:
@@ -195,12 +199,12 @@ def _rows(widths: Sequence[float], space: float, room: float) -> list[list[int]]
     row; all are in pixels. An entry that is wider than ``room`` has a row of its own.
     """
     rows: list[list[int]] = []
-    filled = np.inf
+    filled_width = np.inf
     for k, width in enumerate(widths):
-        if filled + space + width <= room:
+        if filled_width + space + width <= room:
             rows[-1].append(k)
-            filled += space + width
+            filled_width += space + width
         else:
             rows.append([k])
-            filled = width
+            filled_width = width
     return rows

@@ -17,20 +17,20 @@ COMMA = ", "  # the text between two parts of a headline
 HALVINGS = 8  # the number of steps of a bisection for the least width that needs no additional line
 
 
-def break_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) -> None:
+def break_lines(text: Text, room: float, parts: str = SEPARATOR, more_lines: int = 1) -> None:
     """Break a text into lines that fit into a width [pixels], as few as possible and of similar lengths.
 
     A part of the text is broken only if the part is longer than ``room``, or if lines of whole parts would be
-    more than ``more`` lines more than necessary. At the end of a line, the separator between two parts is
-    left out, except a comma.
+    more than ``more_lines`` lines more than necessary. At the end of a line, the separator between two parts
+    is left out, except a comma.
 
     Args:
         text: the text, which is changed.
         room: the width [pixels].
         parts: the separator between two parts.
-        more: how many lines more than necessary are allowed, so that parts stay whole.
+        more_lines: how many lines more than necessary are allowed, so that parts stay whole.
     """
-    whole, dropped = text.get_text(), parts if parts != COMMA else " "
+    whole_text, dropped_characters = text.get_text(), parts if parts != COMMA else " "
 
     @functools.cache
     def width(words: str) -> float:
@@ -39,38 +39,42 @@ def break_lines(text: Text, room: float, parts: str = SEPARATOR, more: int = 1) 
         return float(text.get_window_extent().width)
 
     pieces: list[str] = []
-    for part in re.split(f"(?<={re.escape(parts.rstrip(' '))}) ", whole):
-        fits = width(part.rstrip(dropped)) <= room
-        pieces += [part] if fits else BREAKABLE_SPACE.split(part)
-    lines, words = _filled(pieces, room, width, dropped), BREAKABLE_SPACE.split(whole)
-    filled = _filled(words, room, width, dropped)
-    if len(lines) > len(filled) + more:
-        lines, pieces = filled, words
+    for part in re.split(f"(?<={re.escape(parts.rstrip(' '))}) ", whole_text):
+        is_narrow = width(part.rstrip(dropped_characters)) <= room
+        pieces += [part] if is_narrow else BREAKABLE_SPACE.split(part)
+    lines, words = _filled(pieces, room, width, dropped_characters), BREAKABLE_SPACE.split(whole_text)
+    filled_lines = _filled(words, room, width, dropped_characters)
+    if len(lines) > len(filled_lines) + more_lines:
+        lines, pieces = filled_lines, words
     low, high = max(map(width, pieces), default=0.0), room
     for _ in range(HALVINGS if len(lines) > 1 else 0):
         middle = 0.5 * (low + high)
-        tried = _filled(pieces, middle, width, dropped)
-        if len(tried) == len(lines):
-            lines, high = tried, middle
+        tried_lines = _filled(pieces, middle, width, dropped_characters)
+        if len(tried_lines) == len(lines):
+            lines, high = tried_lines, middle
         else:
             low = middle
-    text.set_text("\n".join(line.rstrip(dropped) for line in lines))
+    text.set_text("\n".join(line.rstrip(dropped_characters) for line in lines))
 
 
-def _filled(pieces: Sequence[str], room: float, width: Callable[[str], float], dropped: str) -> list[str]:
+def _filled(
+    pieces: Sequence[str], room: float, width: Callable[[str], float], dropped_characters: str
+) -> list[str]:
     """Return lines of text, each with as many successive pieces as fit into ``room``, a width [pixels].
 
-    ``width`` returns the width of some words [pixels]; ``dropped`` has the characters that are left out at
-    the end of a line, and whose width does not count there.
+    ``width`` returns the width of some words [pixels]; ``dropped_characters`` has the characters that are
+    left out at the end of a line, and whose width does not count there.
     """
     space = width("n n") - width("nn")
     lines: list[str] = []
-    filled = math.inf  # the width [pixels] of the last line and a space; infinite as long as no line exists
+    line_width = (
+        math.inf
+    )  # the width [pixels] of the last line and a space; infinite as long as no line exists
     for piece in pieces:
-        if filled + width(piece.rstrip(dropped)) <= room:
+        if line_width + width(piece.rstrip(dropped_characters)) <= room:
             lines[-1] += f" {piece}"
         else:
             lines.append(piece)
-            filled = 0.0
-        filled += width(piece) + space
+            line_width = 0.0
+        line_width += width(piece) + space
     return lines

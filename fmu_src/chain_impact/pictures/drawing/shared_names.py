@@ -13,11 +13,11 @@ FRAME = "frame"  # the matplotlib identifier (gid) of empty axes that carry the 
 TITLE_HEIGHT = 1.6  # the height that the titles of panels take, relative to the size of their font
 
 
-def name_around(panels: Sequence[Axes], *, below: str, beside: str, above: str = "") -> None:
+def name_around(panels: Sequence[Axes], *, name_below: str, name_beside: str, name_above: str = "") -> None:
     """Write the name of the horizontal axes below a grid of panels, and of the vertical axes at its left.
 
-    ``above``: what the titles of the panels tell; it stands above these titles. Only panels at an outer edge
-    of the grid keep their numbers; a panel above an empty place has numbers along x, too.
+    ``name_above``: what the titles of the panels tell; it stands above these titles. Only panels at an outer
+    edge of the grid keep their numbers; a panel above an empty place has numbers along x, too.
     """
     figure, grid = panels[0].get_figure(root=True), grid_of(panels[0])
     assert figure is not None
@@ -29,11 +29,11 @@ def name_around(panels: Sequence[Axes], *, below: str, beside: str, above: str =
         axes.tick_params(which="both", labelbottom=int(cell.num1) + grid.ncols >= len(panels))
     look = {"frame_on": False, "xticks": [], "yticks": [], "gid": FRAME, "zorder": -1.0}
     frame = figure.add_subplot(grid[:, :], **look)
-    frame.set(xlabel=below, ylabel=beside)
-    if above:
+    frame.set(xlabel=name_below, ylabel=name_beside)
+    if name_above:
         size = mpl.font_manager.FontProperties(size=mpl.rcParams["xtick.labelsize"]).get_size_in_points()
         pad = mpl.rcParams["axes.titlepad"] + TITLE_HEIGHT * size
-        frame.set_title(above, fontsize=mpl.rcParams["axes.labelsize"], pad=pad)
+        frame.set_title(name_above, fontsize=mpl.rcParams["axes.labelsize"], pad=pad)
     cells = [(axes, cell) for axes in panels if (cell := axes.get_subplotspec()) is not None]
     figure.align_xlabels([frame, *(axes for axes, cell in cells if cell.is_last_row())])
     figure.align_ylabels([frame, *(axes for axes, cell in cells if cell.is_first_col())])

@@ -113,8 +113,10 @@ def drawing_style(colours: dict[str, str] = COLOURS) -> Iterator[None]:
     A setting in STYLE applies unless the user has changed this setting. The settings in ``colours`` apply in
     any case; with empty ``colours``, the colours of the user's style stay.
     """
-    kept = {key: value for key, value in STYLE.items() if mpl.rcParams[key] == mpl.rcParamsDefault[key]}
-    with mpl.rc_context(kept | colours):
+    default_style = {
+        key: value for key, value in STYLE.items() if mpl.rcParams[key] == mpl.rcParamsDefault[key]
+    }
+    with mpl.rc_context(default_style | colours):
         yield
 
 
@@ -233,34 +235,34 @@ def write_headline(figure: Figure, message: str, conditions: str = "", *lines: t
     reserve_margins(figure, top / height, 0.0)
 
 
-def fitted_lines(figure: Figure, text: str, more: int = 1) -> str:
+def fitted_lines(figure: Figure, text: str, more_lines: int = 1) -> str:
     """Return a text in lines that fit between the margins of a figure in a small font.
 
-    ``more`` is as in ``break_lines``.
+    ``more_lines`` is as in ``break_lines``.
     """
     probe = figure.text(0.0, 0.0, text, fontsize="small")
-    break_lines(probe, (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi, more=more)
+    break_lines(probe, (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi, more_lines=more_lines)
     probe.remove()
     return str(probe.get_text())
 
 
-def write_foot(figure: Figure, text: str, most: float | None = None) -> Text | None:
+def write_foot(figure: Figure, text: str, most_width: float | None = None) -> Text | None:
     """Write a text at the foot of a figure, above earlier texts there; return matplotlib's object for it.
 
     A text without room is left out, and None is returned. All texts at the foot together take at most the
-    fraction ``most`` of the figure's height; by default FREE_FOOT if the contents of the figure determine
-    this height, else MOST_FOOT.
+    fraction ``most_width`` of the figure's height; by default FREE_FOOT if the contents of the figure
+    determine this height, else MOST_FOOT.
     """
-    if most is None:
-        most = FREE_FOOT if getattr(figure, "free_height", False) else MOST_FOOT
-    (width, height), low = figure.get_size_inches(), foot_of(figure)
+    if most_width is None:
+        most_width = FREE_FOOT if getattr(figure, "free_height", False) else MOST_FOOT
+    (width, height), foot_height = figure.get_size_inches(), foot_of(figure)
     text_style: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "bottom", "in_layout": False}
-    foot = figure.text(LEFT / width, low + 0.5 * GAP / height, "", **text_style)
-    for more in (1, 0):
-        foot.set_text(fitted_lines(figure, text, more))
+    foot = figure.text(LEFT / width, foot_height + 0.5 * GAP / height, "", **text_style)
+    for more_lines in (1, 0):
+        foot.set_text(fitted_lines(figure, text, more_lines))
         room = (foot.get_window_extent().height / figure.dpi + GAP) / height
-        if low + room <= most:
-            reserve_margins(figure, 0.0, low + room)
+        if foot_height + room <= most_width:
+            reserve_margins(figure, 0.0, foot_height + room)
             return foot
     foot.remove()
     return None
@@ -283,8 +285,8 @@ def head_of(figure: Figure) -> float:
     engine = figure.get_layout_engine()
     if not isinstance(engine, ConstrainedLayoutEngine):
         return 0.0
-    _, low, _, height = engine.get()["rect"]
-    return 1.0 - float(low + height)
+    _, bottom, _, height = engine.get()["rect"]
+    return 1.0 - float(bottom + height)
 
 
 def reserve_margins(figure: Figure, top: float, bottom: float) -> None:
@@ -294,10 +296,10 @@ def reserve_margins(figure: Figure, top: float, bottom: float) -> None:
     """
     engine = figure.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
-        left, low, width, height = engine.get()["rect"]
-        high = min(low + height, 1.0 - top)
-        low = max(low, bottom)
-        engine.set(rect=(left, low, width, high - low))
+        left, bottom_edge, width, height = engine.get()["rect"]
+        top_edge = min(bottom_edge + height, 1.0 - top)
+        bottom_edge = max(bottom_edge, bottom)
+        engine.set(rect=(left, bottom_edge, width, top_edge - bottom_edge))
 
 
 def words_of(figure: Figure) -> dict[str, str]:
@@ -332,17 +334,17 @@ def save(path: str | os.PathLike[str], make: Callable[[], Figure]) -> None:
     Raises:
         OSError: when the file cannot be written.
     """
-    with written_atomically(Path(path)) as fresh:
+    with written_atomically(Path(path)) as new_file:
         figure = make()
         adapt_to_dark_style(figure)
         metadata = words_of(figure) if Path(path).suffix == ".png" else None
-        figure.savefig(fresh, dpi="figure", metadata=metadata)
+        figure.savefig(new_file, dpi="figure", metadata=metadata)
 
 
-def load_unit(largest: float, unit: str) -> tuple[float, str]:
-    """Return ``prefixed_unit``, in which a unit of LOAD_UNITS stays for LEAST_LOAD ≤ ``largest`` < 1."""
+def load_unit(largest_load: float, unit: str) -> tuple[float, str]:
+    """Return ``prefixed_unit``, in which a unit of LOAD_UNITS stays for LEAST_LOAD ≤ ``largest_load`` < 1."""
     is_load = unit.replace("·", ".") in LOAD_UNITS
-    return (1.0, unit) if is_load and LEAST_LOAD <= largest < 1.0 else prefixed_unit(largest, unit)
+    return (1.0, unit) if is_load and LEAST_LOAD <= largest_load < 1.0 else prefixed_unit(largest_load, unit)
 
 
 def force_text(value: float, unit: str) -> str:

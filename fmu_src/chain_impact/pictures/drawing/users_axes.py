@@ -32,7 +32,7 @@ def draw_into(axes: Sequence[Axes]) -> Iterator[None]:
         for panel in axes
         if is_dark(panel.get_facecolor())
     }
-    before = {panel: set(panel.findobj()) for panel in grounds}
+    earlier_artists = {panel: set(panel.findobj()) for panel in grounds}
     for panel in grounds:
         panel.set_facecolor("white")
     try:
@@ -40,7 +40,9 @@ def draw_into(axes: Sequence[Axes]) -> Iterator[None]:
             yield
     finally:
         for panel, ground in grounds.items():
-            ground.suit([panel.patch, *(set(panel.findobj()) - before[panel]), panel.xaxis, panel.yaxis])
+            ground.suit(
+                [panel.patch, *(set(panel.findobj()) - earlier_artists[panel]), panel.xaxis, panel.yaxis]
+            )
 
 
 def fit_into_figure(axes: Sequence[Axes]) -> None:
@@ -49,18 +51,18 @@ def fit_into_figure(axes: Sequence[Axes]) -> None:
     If the figure has a layout engine, the size of the axes stays, because the engine sets it.
     """
     for figure in {figure for panel in axes if (figure := panel.get_figure(root=True)) is not None}:
-        own = [panel for panel in axes if panel.get_figure(root=True) is figure]
+        own_panels = [panel for panel in axes if panel.get_figure(root=True) is figure]
         figure.draw_without_rendering()
-        fit_legends(figure, own)
-        break_labels(figure, own)
+        fit_legends(figure, own_panels)
+        break_labels(figure, own_panels)
         if figure.get_layout_engine() is not None:
             figure.draw_without_rendering()
-            fit_legends(figure, own)
+            fit_legends(figure, own_panels)
             continue
         for _ in range(TIMES):
-            for panel in own:
+            for panel in own_panels:
                 _fit(panel, figure)
-            fit_legends(figure, own)
+            fit_legends(figure, own_panels)
 
 
 def _fit(axes: Axes, figure: Figure) -> None:
@@ -68,13 +70,15 @@ def _fit(axes: Axes, figure: Figure) -> None:
     box, room = axes.get_tightbbox(), _room(axes, figure)
     if box is None:
         return
-    (left, low), (right, high) = axes.get_position(original=True).transformed(figure.transFigure).get_points()
-    width, height = LEAST_PART * (right - left), LEAST_PART * (high - low)
-    left, low = left + max(0.0, room.x0 - box.x0), low + max(0.0, room.y0 - box.y0)
-    right, high = right - max(0.0, box.x1 - room.x1), high - max(0.0, box.y1 - room.y1)
-    if right - left >= width and high - low >= height:
-        moved = Bbox([[left, low], [right, high]]).transformed(figure.transFigure.inverted())
-        axes.set_position(moved, which="both")
+    (left, bottom), (right, top) = (
+        axes.get_position(original=True).transformed(figure.transFigure).get_points()
+    )
+    width, height = LEAST_PART * (right - left), LEAST_PART * (top - bottom)
+    left, bottom = left + max(0.0, room.x0 - box.x0), bottom + max(0.0, room.y0 - box.y0)
+    right, top = right - max(0.0, box.x1 - room.x1), top - max(0.0, box.y1 - room.y1)
+    if right - left >= width and top - bottom >= height:
+        moved_box = Bbox([[left, bottom], [right, top]]).transformed(figure.transFigure.inverted())
+        axes.set_position(moved_box, which="both")
 
 
 def _room(axes: Axes, figure: Figure) -> Bbox:
@@ -83,21 +87,21 @@ def _room(axes: Axes, figure: Figure) -> Bbox:
     The rectangle ends TEXT_SPACE before the edges of the figure, and before other axes and their texts that
     are beside, above or below.
     """
-    own = axes.get_position(original=True)
+    own_box = axes.get_position(original=True)
     space = TEXT_SPACE * figure.dpi / 72.0
-    (left, low), (right, high) = figure.bbox.padded(-space).get_points()
-    for other in figure.axes:
-        beside, texts = other.get_position(original=True), other.get_tightbbox()
-        if other is axes or texts is None:
+    (left, bottom), (right, top) = figure.bbox.padded(-space).get_points()
+    for other_axes in figure.axes:
+        other_box, texts = other_axes.get_position(original=True), other_axes.get_tightbbox()
+        if other_axes is axes or texts is None:
             continue
-        if beside.x0 < own.x1 and own.x0 < beside.x1:
-            if beside.y0 >= own.y1:
-                high = min(high, texts.y0 - space)
-            elif beside.y1 <= own.y0:
-                low = max(low, texts.y1 + space)
-        elif beside.y0 < own.y1 and own.y0 < beside.y1:
-            if beside.x0 >= own.x1:
+        if other_box.x0 < own_box.x1 and own_box.x0 < other_box.x1:
+            if other_box.y0 >= own_box.y1:
+                top = min(top, texts.y0 - space)
+            elif other_box.y1 <= own_box.y0:
+                bottom = max(bottom, texts.y1 + space)
+        elif other_box.y0 < own_box.y1 and own_box.y0 < other_box.y1:
+            if other_box.x0 >= own_box.x1:
                 right = min(right, texts.x0 - space)
-            elif beside.x1 <= own.x0:
+            elif other_box.x1 <= own_box.x0:
                 left = max(left, texts.x1 + space)
-    return Bbox([[left, low], [right, high]])
+    return Bbox([[left, bottom], [right, top]])

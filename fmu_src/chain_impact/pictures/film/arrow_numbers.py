@@ -44,7 +44,7 @@ class Number(NamedTuple):
 
 
 def write_numbers(
-    axes: Axes, wanted: Sequence[Number], lines: Sequence[np.ndarray], pale: np.ndarray
+    axes: Axes, wanted_numbers: Sequence[Number], lines: Sequence[np.ndarray], pale_line: np.ndarray
 ) -> Iterator[Text]:
     """Write numbers where they cover nothing, the largest first, and yield the texts that were written.
 
@@ -52,23 +52,26 @@ def write_numbers(
 
     Args:
         axes: the axes to write into.
-        wanted: the numbers to write.
+        wanted_numbers: the numbers to write.
         lines: the lines that a number must not cover, each of shape (P, 2) [m]. A closed line is the outline
             of a body; the middle of a number must not be in the body, either.
-        pale: a line of shape (P, 2) [m]. A number covers this line only if there is no room elsewhere.
+        pale_line: a line of shape (P, 2) [m]. A number covers this line only if there is no room elsewhere.
     """
-    if not wanted:
+    if not wanted_numbers:
         return
     figure = axes.get_figure(root=True)
     assert figure is not None
     point, room = figure.dpi / 72.0, axes.get_window_extent()
-    drawn = [np.asarray(axes.transData.transform(line)) for line in lines if len(line)]
-    dots = np.concatenate([sample_line(line, SAMPLE * point) for line in drawn])
-    kept = (np.concatenate([dots, sample_line(axes.transData.transform(pale), SAMPLE * point)]), dots)
-    bodies = [Path(line) for line in drawn if len(line) > 2 and (line[0] == line[-1]).all()]  # noqa: PLR2004
-    taken: list[Bbox] = []
+    drawn_lines = [np.asarray(axes.transData.transform(line)) for line in lines if len(line)]
+    dots = np.concatenate([sample_line(line, SAMPLE * point) for line in drawn_lines])
+    avoided_points = (
+        np.concatenate([dots, sample_line(axes.transData.transform(pale_line), SAMPLE * point)]),
+        dots,
+    )
+    bodies = [Path(line) for line in drawn_lines if len(line) > 2 and (line[0] == line[-1]).all()]  # noqa: PLR2004
+    taken_boxes: list[Bbox] = []
     text_style: dict[str, Any] = {"fontweight": "bold", "ha": "center", "va": "center"}
-    for number in sorted(wanted, key=lambda number: -number.size):
+    for number in sorted(wanted_numbers, key=lambda number: -number.size):
         outline = [withStroke(linewidth=TEXT_OUTLINE, foreground="white")]
         text = axes.text(
             number.position[0],
@@ -78,16 +81,19 @@ def write_numbers(
             path_effects=outline,
             **text_style,
         )
-        half, at = 0.5 * np.asarray(text.get_window_extent().size), axes.transData.transform(number.position)
-        for avoided, distance in product(kept, DISTANCES):
-            middles = at + directions((float(number.away[0]), float(number.away[1]))) * (
+        half, number_point = (
+            0.5 * np.asarray(text.get_window_extent().size),
+            axes.transData.transform(number.position),
+        )
+        for avoided, distance in product(avoided_points, DISTANCES):
+            middles = number_point + directions((float(number.away[0]), float(number.away[1]))) * (
                 distance * point + half
             )
             boxes = [Bbox([middle - half, middle + half]).padded(NUMBER_MARGIN * point) for middle in middles]
-            free = [box for box in boxes if is_free(box, room, avoided, bodies, taken)]
-            if free:
-                taken.append(free[0])
-                x, y = axes.transData.inverted().transform(middle_of(free[0])).tolist()
+            free_boxes = [box for box in boxes if is_free(box, room, avoided, bodies, taken_boxes)]
+            if free_boxes:
+                taken_boxes.append(free_boxes[0])
+                x, y = axes.transData.inverted().transform(middle_of(free_boxes[0])).tolist()
                 text.set_position((x, y))
                 yield text
                 break
@@ -95,14 +101,16 @@ def write_numbers(
             text.remove()
 
 
-def is_free(box: Bbox, room: Bbox, dots: np.ndarray, bodies: Sequence[Path], taken: Sequence[Bbox]) -> bool:
+def is_free(
+    box: Bbox, room: Bbox, dots: np.ndarray, bodies: Sequence[Path], taken_boxes: Sequence[Bbox]
+) -> bool:
     """Return whether a number may be written in a box; all arguments are in pixels.
 
     The box must be within ``room``, cover none of ``dots``, shape (D, 2), and overlap none of the boxes
-    ``taken``. The middle of the box must be outside of all ``bodies``.
+    ``taken_boxes``. The middle of the box must be outside of all ``bodies``.
     """
-    (low, high), (least, most) = box.get_points(), room.get_points()
-    if (low < least).any() or (high > most).any() or any(map(box.overlaps, taken)):
+    (low, high), (room_low, room_high) = box.get_points(), room.get_points()
+    if (low < room_low).any() or (high > room_high).any() or any(map(box.overlaps, taken_boxes)):
         return False
     if ((dots > low) & (dots < high)).all(axis=1).any():
         return False
@@ -120,6 +128,6 @@ def sample_line(line: np.ndarray, step: float) -> np.ndarray:
 
     ``line`` has the corners of the line, shape (P, 2).
     """
-    passed = np.append(0.0, np.hypot(*np.diff(line, axis=0).T).cumsum())
-    places = np.linspace(0.0, passed[-1], 2 + int(passed[-1] / step))
-    return np.stack([np.interp(places, passed, along) for along in line.T], axis=-1)
+    passed_lengths = np.append(0.0, np.hypot(*np.diff(line, axis=0).T).cumsum())
+    places = np.linspace(0.0, passed_lengths[-1], 2 + int(passed_lengths[-1] / step))
+    return np.stack([np.interp(places, passed_lengths, coordinate) for coordinate in line.T], axis=-1)

@@ -52,15 +52,15 @@ class ArrowScale:
         mark would be nearer to the left end than FIRST_MARK × the length of the ruler, or nearer to the mark
         at its right than MARK_GAP × this length.
         """
-        highest, whole = math.floor(math.log10(self.peak)), LONGEST_ARROW * self.side
-        marks, free = [(whole, force_text(self.peak, "N"))], whole
+        highest, whole_length = math.floor(math.log10(self.peak)), LONGEST_ARROW * self.side
+        marks, free_length = [(whole_length, force_text(self.peak, "N"))], whole_length
         for force in 10.0 ** (highest - np.arange(DECADES)):
-            at = self.length(float(force))
-            if at < FIRST_MARK * whole:
+            mark_length = self.length(float(force))
+            if mark_length < FIRST_MARK * whole_length:
                 break
-            if at <= free - MARK_GAP * whole:
-                marks.append((at, EngFormatter("N", places=0)(float(force))))
-                free = at
+            if mark_length <= free_length - MARK_GAP * whole_length:
+                marks.append((mark_length, EngFormatter("N", places=0)(float(force))))
+                free_length = mark_length
         return marks
 
     def draw(self, axes: Axes, y: float, colour: str) -> None:
@@ -76,14 +76,14 @@ class ArrowScale:
         end = left + LONGEST_ARROW * self.side
         axes.plot([left, end], [y, y], **marks)
         axes.annotate(SCALE_NAME, (end, y), (4.0, 0.0), ha="left", **text_look)
-        (largest, *others), taken = self.marks(), list[Bbox]()
-        for at, text in [largest, (0.0, "0"), *others]:
-            below: dict[str, Any] = text_look | {"ha": "center", "va": "top"}
-            label = axes.annotate(text, (left + at, y), (0.0, -RULER_TICK - 1.0), **below)
+        (largest_mark, *other_marks), taken_boxes = self.marks(), list[Bbox]()
+        for mark_place, text in [largest_mark, (0.0, "0"), *other_marks]:
+            text_below: dict[str, Any] = text_look | {"ha": "center", "va": "top"}
+            label = axes.annotate(text, (left + mark_place, y), (0.0, -RULER_TICK - 1.0), **text_below)
             box = label.get_window_extent()
             # in a small film, this number may touch another one
-            if any(box.padded(NUMBER_SPACE * box.height).overlaps(other) for other in taken):
+            if any(box.padded(NUMBER_SPACE * box.height).overlaps(other_box) for other_box in taken_boxes):
                 label.remove()
                 continue
-            axes.plot([left + at], [y], "|", **marks)
-            taken.append(box)
+            axes.plot([left + mark_place], [y], "|", **marks)
+            taken_boxes.append(box)

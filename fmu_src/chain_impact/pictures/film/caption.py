@@ -65,9 +65,9 @@ class Caption:
         if number and self.ends[number - 1] < self.times[max(frame - CAPTION_FRAMES, 0)]:
             number = 0
         if number:
-            ended = int(np.searchsorted(self.times, self.ends[number - 1]))
-            passed = max(0, frame - ended) / CAPTION_FRAMES
-            self.text.set_alpha(1.0 - (1.0 - LEAST_OPACITY) * min(1.0, passed))
+            end_frame = int(np.searchsorted(self.times, self.ends[number - 1]))
+            passed_share = max(0, frame - end_frame) / CAPTION_FRAMES
+            self.text.set_alpha(1.0 - (1.0 - LEAST_OPACITY) * min(1.0, passed_share))
         if number != self.shown_number:
             self.shown_number = number
             self._write(self._words(number) if number else [""])
@@ -76,20 +76,23 @@ class Caption:
         """Return words for impact ``number``, from 1, the longest first."""
         recording, impacts = self.recording, self.recording.impacts
         count, impact = f"impact {number} of {len(impacts)}", impacts[number - 1]
-        whole, brief = short_names(recording, hit_words(recording, impact)), brief_hit(recording, impact)
+        whole_words, brief = (
+            short_names(recording, hit_words(recording, impact)),
+            brief_hit(recording, impact),
+        )
         hard = hardness_words(recording, number - 1)
-        return [f"{text}\n{hard}" for text in (f"{count}: {whole}", f"{count}: {brief}", brief)]
+        return [f"{text}\n{hard}" for text in (f"{count}: {whole_words}", f"{count}: {brief}", brief)]
 
     def _result(self) -> list[str]:
         """Return words for the largest value of all impacts, and for the energies, the longest first."""
         recording = self.recording
-        most = [
+        largest_words = [
             f"{peak.text} in impact {peak.row + 1}" if peak.equal == 1 else peak.text
             for peak in peaks(recording)[:1]
         ]
         count, energies = impact_count_text(recording), energy_texts(recording)[:1]
         tries = [[count, *energies], [count.partition(" in ")[0], *energies], [count]]
-        return ["\n".join([*most, ", ".join(parts)]) for parts in tries]
+        return ["\n".join([*largest_words, ", ".join(parts)]) for parts in tries]
 
     def _write(self, texts: list[str]) -> None:
         """Write the first of some texts that has room, or else the last one."""
@@ -110,6 +113,6 @@ def caption_starts(recording: Recording) -> np.ndarray:
     ends = np.maximum.accumulate(
         np.append(-np.inf, impact_ends(recording.impacts, float(recording.time[-1])))
     )
-    early = np.minimum(onsets, np.maximum(onsets - SPEED_RAMP, 0.5 * (onsets + ends[:-1])))
+    early_starts = np.minimum(onsets, np.maximum(onsets - SPEED_RAMP, 0.5 * (onsets + ends[:-1])))
     is_slow = np.isin(onsets, [onset for onset, _ in slow_spans(recording)])
-    return np.asarray(np.where(is_slow, early, onsets))
+    return np.asarray(np.where(is_slow, early_starts, onsets))

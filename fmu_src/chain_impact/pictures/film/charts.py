@@ -45,12 +45,12 @@ def draw_charts(
     below ``top``, a height above the foot of the figure [pixels]. The charts reach farther to the left than
     CHARTS by ``wider``, relative to the width of the figure.
     """
-    left, low, width, high = np.add(CHARTS, (-wider, 0.0, wider, 0.0)).tolist()
+    left, bottom, width, height = np.add(CHARTS, (-wider, 0.0, wider, 0.0)).tolist()
     forces = largest_forces(recording)
     lift = STRIP + STRIP_TOP_MARGIN if forces else 0.0
-    panels = [figure.add_axes((left, low + lift, width, high - lift))]
+    panels = [figure.add_axes((left, bottom + lift, width, height - lift))]
     if forces:
-        panels.append(figure.add_axes((left, low, width, STRIP)))
+        panels.append(figure.add_axes((left, bottom, width, STRIP)))
         _draw_forces(panels[1], recording, forces)
         panels[0].tick_params(labelbottom=False)
     _draw_energies(panels[0], recording, top)
@@ -80,16 +80,16 @@ def stretch(axes: Axes, times: np.ndarray) -> bool:
         return False
     ticks = axes.get_xticks()
     ticks = ticks[np.abs(ticks - ticks.clip(*ends)) <= END_TOLERANCE * np.ptp(ends)]
-    at = np.interp(ticks, times, frames)
+    tick_places = np.interp(ticks, times, frames)
     axes.set_xscale(
         "function", functions=(lambda t: np.interp(t, times, frames), lambda k: np.interp(k, frames, times))
     )
-    kept = [len(ticks) - 1]  # the last number stays, so that the end of the axis can be read
+    kept_ticks = [len(ticks) - 1]  # the last number stays, so that the end of the axis can be read
     for k in range(len(ticks)):
-        if np.abs(at[kept] - at[k]).min() >= TICK_GAP:
-            kept.append(k)
-    kept.sort()
-    numbers = [f"{tick:.10g}" for tick in ticks[kept]]
+        if np.abs(tick_places[kept_ticks] - tick_places[k]).min() >= TICK_GAP:
+            kept_ticks.append(k)
+    kept_ticks.sort()
+    numbers = [f"{tick:.10g}" for tick in ticks[kept_ticks]]
     axes.set_xticks([float(number) for number in numbers], numbers)
     axes.set_xlim(*ends)
     return True
@@ -104,12 +104,12 @@ def largest_forces(recording: Recording) -> dict[str, np.ndarray]:
     at_walls = [
         interaction.force for interaction in recording.interactions if interaction.kind in (WALL, SLIDER_STOP)
     ]
-    known = {
+    known_forces = {
         "wall": [force for force in at_walls if force is not None],
         "joint": [np.hypot(*force.T) for force in recording.loads.values()],
     }
-    largest = {name: np.max(forces, axis=0) for name, forces in known.items() if forces}
-    return {name: force for name, force in largest.items() if force.any()}
+    force_curves = {name: np.max(forces, axis=0) for name, forces in known_forces.items() if forces}
+    return {name: force for name, force in force_curves.items() if force.any()}
 
 
 def largest_wall_force(recording: Recording, forces: dict[str, np.ndarray]) -> float:
@@ -137,14 +137,14 @@ def _name_peak(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) 
 
     The number of a wall force is that of the list of impacts: the curve has the forces at the rows only.
     """
-    name, force = max(forces.items(), key=lambda each: float(each[1].max()))
-    told = largest_wall_force(recording, forces) if name == "wall" else float(force.max())
+    name, force = max(forces.items(), key=lambda named_force: float(named_force[1].max()))
+    peak_force = largest_wall_force(recording, forces) if name == "wall" else float(force.max())
     row, factor = int(force.argmax()), load_unit(float(force.max()), "N")[0]
     place = float(recording.time[row]), factor * float(force[row])
     is_left = axes.transAxes.inverted().transform(axes.transData.transform(place))[0] > 0.5  # noqa: PLR2004
     look: dict[str, Any] = {"color": FORCE_COLOURS[name], "fontsize": SMALL, "va": "center"}
     look |= {"ha": "right" if is_left else "left", "textcoords": "offset points"}
-    axes.annotate(force_text(told, "N"), place, (-4.0 if is_left else 4.0, 0.0), **look)
+    axes.annotate(force_text(peak_force, "N"), place, (-4.0 if is_left else 4.0, 0.0), **look)
 
 
 def _draw_energies(axes: Axes, recording: Recording, top: float) -> None:
@@ -159,5 +159,5 @@ def _draw_energies(axes: Axes, recording: Recording, top: float) -> None:
             break
     # for a legend of many rows, the axes become lower, so that the legend does not touch the film's caption
     box = axes.get_position()
-    above = (key.get_window_extent().y1 - top) / axes.figure.bbox.height
-    axes.set_position((box.x0, box.y0, box.width, box.height - max(0.0, above)))
+    height_above = (key.get_window_extent().y1 - top) / axes.figure.bbox.height
+    axes.set_position((box.x0, box.y0, box.width, box.height - max(0.0, height_above)))

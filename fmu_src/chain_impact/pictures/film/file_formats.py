@@ -35,10 +35,10 @@ def write_gif(
     from PIL import Image
     from PIL.GifImagePlugin import getdata, getheader
 
-    full = np.array([to_rgb(colour) for colour in colours])
+    exact_colours = np.array([to_rgb(colour) for colour in colours])
     share = np.linspace(0.0, 1.0, SHADES, endpoint=False)[:, None, None]
     back = np.array(to_rgb(ground))
-    shades = np.concatenate([back[None], (full + share * (back - full)).reshape(-1, 3)])
+    shades = np.concatenate([back[None], (exact_colours + share * (back - exact_colours)).reshape(-1, 3)])
     shades = shades[(shades == back).all(axis=1) | (np.abs(shades - back) > GROUND_DISTANCE).any(axis=1)]
     palette = Image.new("P", (1, 1))
     palette.putpalette(np.rint(255.0 * shades).astype(np.uint8).tobytes())

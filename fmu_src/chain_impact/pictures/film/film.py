@@ -85,27 +85,25 @@ class Film:
         self.rows = np.searchsorted(recording.time, times, side="right") - 1
         self.interactions, self.moving = recording.interactions, list[Any]()
         self.numbers, self.arrows = list[Number](), list[np.ndarray]()
-        wide = bool((figure.get_size_inches() > 0.99 * np.array(SIZE_WITH_CHARTS)).all())
-        self.tells_energies = wide and bool(recording.energies)
+        is_wide = bool((figure.get_size_inches() > 0.99 * np.array(SIZE_WITH_CHARTS)).all())
+        self.tells_energies = is_wide and bool(recording.energies)
         radius = radius_of(recording)
         framing = film_view(places_of(recording), recording.walls, radius, pinned=recording.pinned)
-        place = places_for(figure, framing[0], wide=wide, has_charts=self.tells_energies)
-        self.scene = figure.add_axes(place.scene)
-        figure.text(
-            place.scene[0], 0.94, recording.name, fontsize=13 if wide else 10, fontweight="bold", va="center"
-        )
+        place = places_for(figure, framing[0], is_wide=is_wide, has_charts=self.tells_energies)
+        self.scene, sizes = figure.add_axes(place.scene), (13, 15) if is_wide else (10, 10)
+        figure.text(place.scene[0], 0.94, recording.name, fontsize=sizes[0], fontweight="bold", va="center")
         moving: dict[str, Any] = {"animated": True, "va": "center"}
-        self.clock = figure.text(*place.clock, "", fontsize=15 if wide else 10, fontweight="bold", **moving)
+        self.clock = figure.text(*place.clock, "", fontsize=sizes[1], fontweight="bold", **moving)
         self.rate = figure.text(*place.rate, "", fontsize=10, **moving)
-        told = times if self.tells_energies else times[:0]
-        self.caption = Caption(figure, place.caption, recording, told)
+        listed_times = times if self.tells_energies else times[:0]
+        self.caption = Caption(figure, place.caption, recording, listed_times)
         self._draw_ground(*framing)
         self.cursors = (
             draw_charts(figure, recording, times, self.caption.lowest, place.wider)
             if self.tells_energies
             else []
         )
-        still: dict[str, Any] = {"animated": True, "solid_capstyle": "round", "solid_joinstyle": "round"}
+        line: dict[str, Any] = {"animated": True, "solid_capstyle": "round", "solid_joinstyle": "round"}
         self.trace_times, self.path = trace_of(recording, self.side)
         self.shade = colour_of_time(recording)
         self.trace_colours = self._time_colours(self.trace_times)
@@ -116,7 +114,7 @@ class Film:
         for lines in (self.trace, self.tail, self.ranges):
             self.scene.add_collection(lines, autolim=False)
         self._add_bodies(radius)
-        (self.chain,) = self.scene.plot([], [], linewidth=4.0, **still)
+        (self.chain,) = self.scene.plot([], [], linewidth=4.0, **line)
         mark: dict[str, Any] = {"linestyle": "", "marker": "o", "animated": True}
         self.sites, self.joints, self.tip = (
             self.scene.plot([], [], color="white", markeredgecolor="white", markersize=size, **mark)[0]
@@ -129,14 +127,14 @@ class Film:
         if peak > 0.0:
             self.scale.draw(self.scene, SCALE, MUTED)
         if self.loads:
-            self._draw_key(figure, 0.99 if not wide else place.scene[0] + place.scene[2])
+            self._draw_key(figure, 0.99 if not is_wide else place.scene[0] + place.scene[2])
         self._suit(figure)
 
     def _add_bodies(self, radius: float) -> None:
         """Add discs, outlines and the carriage; ``radius`` is the result of ``radius_of``."""
         body: dict[str, Any] = {**body_look(INK), "animated": True}
-        touching = self.recording.touching_radii if radius > 0.0 else {}
-        self.discs = {point: Circle((0, 0), own, animated=True) for point, own in touching.items()}
+        radii = self.recording.touching_radii if radius > 0.0 else {}
+        self.discs = {point: Circle((0, 0), r, animated=True) for point, r in radii.items()}
         self.bodies = {link: Polygon(corners, **body) for link, corners in self.recording.outlines.items()}
         base = {**body, "facecolor": to_rgb(PALE)}
         rail = self.recording.rail
@@ -189,15 +187,15 @@ class Film:
         self.side = float(min(np.ptp(view, axis=0)))
         # the axes have equal scales along x and y, so they also show room beside, above or below the view
         room, size = self.scene.get_window_extent().size, np.ptp(view, axis=0)
-        seen = room * (size / room).max()
-        low = view[0] - anchor * (seen - size)
+        seen_size = room * (size / room).max()
+        lower_corner = view[0] - anchor * (seen_size - size)
         self.scene.set(xticks=[], yticks=[])
         self.scene.spines[:].set_visible(False)
-        self.view = low + np.array([np.zeros(2), seen])
+        self.view = lower_corner + np.array([np.zeros(2), seen_size])
         self.pin = pin_mark(self.recording.all_points) if pinned else []
         self.room_moves = bool(self.recording.moved_walls) or (pinned and moves(self.recording.points[:, 0]))
-        drawn = draw_rail(self.scene, self.recording)
-        self.rail = [line for lines in drawn for line in lines.get_segments()]
+        rail_lines = draw_rail(self.scene, self.recording)
+        self.rail = [line for lines in rail_lines for line in lines.get_segments()]
         self.room = self._draw_room(0)
         for artist in self.room if self.room_moves else ():
             artist.set_animated(True)
@@ -229,10 +227,10 @@ class Film:
         """
         time, places = self.times[frame], self.points[frame]
         points = places[: self.recording.link_count + 1]
-        passed = np.searchsorted(self.trace_times, time, side="right")
-        self.traced = np.append(self.path[:passed], points[-1:], axis=0)
+        passed_rows = np.searchsorted(self.trace_times, time, side="right")
+        self.traced = np.append(self.path[:passed_rows], points[-1:], axis=0)
         self.trace.set_segments(list(np.stack([self.traced[:-1], self.traced[1:]], axis=1)))
-        self.trace.set_color(self.trace_colours[:passed])
+        self.trace.set_color(self.trace_colours[:passed_rows])
         self._show_tail(time)
         self._colour_chain(time)
         self.rings.set_data(*self.spots[self.recording.impacts["onset"] <= time].T)
@@ -282,7 +280,7 @@ class Film:
 
     def _show_tail(self, time: float) -> None:
         moments = np.linspace(max(time - TAIL, self.times[0]), time, TAIL_PARTS + 1)
-        tip = np.stack([np.interp(moments, self.trace_times, along) for along in self.path.T], axis=-1)
+        tip = np.stack([np.interp(moments, self.trace_times, x) for x in self.path.T], axis=-1)
         self.tail.set_segments(list(np.stack([tip[:-1], tip[1:]], axis=1)))
         self.tail.set_color(self._time_colours(moments[1:]))
         self.tail.set_alpha(list(np.linspace(0.0, 1.0, TAIL_PARTS)))
@@ -303,20 +301,21 @@ class Film:
         self.plane = self.recording.sides_at(float(self.times[frame]))
         for interaction in self.interactions:
             force = 0.0 if interaction.force is None else self._value_at(interaction.force, frame)
-            sticks = interaction.sticking is not None and interaction.sticking[self.rows[frame]] > 0.0
+            is_stuck = interaction.sticking is not None and interaction.sticking[self.rows[frame]] > 0.0
             if interaction.wall in self.plane and force > 0.0:
-                along = 0.0 if interaction.friction is None else self._value_at(interaction.friction, frame)
+                course = interaction.friction
+                friction = 0.0 if course is None else self._value_at(course, frame)
                 self._add_contact(
-                    self.points[frame, interaction.point], interaction.wall, (force, along), sticks
+                    self.points[frame, interaction.point], interaction.wall, (force, friction), is_stuck
                 )
-            elif interaction.kind == FRICTION and sticks:
+            elif interaction.kind == FRICTION and is_stuck:
                 joint = self.points[frame, max(interaction.point - 1, 0)]
                 self._add_line(joint, "o", markeredgecolor=INK, markersize=7)
             elif interaction.kind == JOINT_STOP and force > 0.0:
                 mark, (dx, dy) = touching_place(self.points[frame], interaction.point)
                 self._add_line(mark, "o", markersize=9)
-                across = np.array([dy, -dx])
-                self.numbers.append(Number(force, force_text(force, "N·m"), mark, across, FORCE))
+                tangent = np.array([dy, -dx])
+                self.numbers.append(Number(force, force_text(force, "N·m"), mark, tangent, FORCE))
         self._add_loads(frame)
         self.moving += write_numbers(self.scene, self.numbers, self._outlines(frame), self.traced)
         if self.ground:
@@ -333,53 +332,53 @@ class Film:
         A force that is too small for ``ArrowScale.shows`` has neither arrow nor number.
         """
         forces = {joint: force[frame] for joint, force in self.loads.items()}
-        largest = max(forces, key=lambda joint: np.hypot(*forces[joint]), default=0)
+        peak_joint = max(forces, key=lambda joint: np.hypot(*forces[joint]), default=0)
         for joint, force in forces.items():
-            whole = float(np.hypot(*force))
-            if whole > 0.0 and self.scale.shows(whole):
+            size = float(np.hypot(*force))
+            if size > 0.0 and self.scale.shows(size):
                 joint_position = self.points[frame, joint - 1]
-                self._add_arrow(joint_position, force / whole, whole, LOAD, with_size=joint == largest)
+                self._add_arrow(joint_position, force / size, size, LOAD, with_size=joint == peak_joint)
 
     def _value_at(self, column: np.ndarray, frame: int) -> float:
         return float(np.interp(self.times[frame], self.recording.time, column))
 
-    def _add_contact(self, point: np.ndarray, wall: str, force: tuple[float, float], sticks: bool) -> None:
+    def _add_contact(self, point: np.ndarray, wall: str, force: tuple[float, float], is_stuck: bool) -> None:
         """Add the arrow of the contact force on a point; if the contact sticks, also a bar along the wall.
 
         Args:
             point: position of the point [m].
             wall: name of the wall.
             force: the normal and the tangential part of the force [N], along the wall's normal and tangent.
-            sticks: whether the contact sticks.
+            is_stuck: whether the contact sticks.
         """
         plane = self.plane[wall]
         normal = np.array(plane.normal)
         tangent = np.array([normal[1], -normal[0]])
-        foot, whole = point - plane.clearance(*point) * normal, float(np.hypot(*force))
-        if sticks:
+        foot, force_size = point - plane.clearance(*point) * normal, float(np.hypot(*force))
+        if is_stuck:
             bar = np.stack([foot - HALF_BAR * self.side * tangent, foot + HALF_BAR * self.side * tangent])
             self._add_line(bar.T, linewidth=5.0, solid_capstyle="butt")
-        self._add_arrow(foot, (force[0] * normal + force[1] * tangent) / whole, whole, FORCE)
+        self._add_arrow(foot, (force[0] * normal + force[1] * tangent) / force_size, force_size, FORCE)
 
     def _add_arrow(
-        self, foot: np.ndarray, direction: np.ndarray, whole: float, colour: str, with_size: bool = True
+        self, foot: np.ndarray, direction: np.ndarray, force_size: float, colour: str, with_size: bool = True
     ) -> None:
         """Add the arrow of a force.
 
         Args:
             foot: the start of the arrow [m].
             direction: unit vector of the force.
-            whole: the size of the force [N].
+            force_size: the size of the force [N].
             colour: the colour of the arrow.
             with_size: whether the size is also written at the arrow's head.
         """
-        head = foot + self.scale.length(whole) * direction
+        head = foot + self.scale.length(force_size) * direction
         style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
         arrow = FancyArrowPatch(tuple(foot), tuple(head), color=colour, linewidth=2.2, **style)
         self.moving.append(self.scene.add_patch(arrow))
         self.arrows.append(np.stack([foot, head]))
         if with_size:
-            self.numbers.append(Number(whole, force_text(whole, "N"), head, direction, colour))
+            self.numbers.append(Number(force_size, force_text(force_size, "N"), head, direction, colour))
 
     def _add_line(self, points: np.ndarray, *marker: str, **style: Any) -> None:
         self.moving += self.scene.plot(*points, *marker, color=FORCE, **style)

@@ -33,16 +33,16 @@ class Places(NamedTuple):
     wider: float
 
 
-def places_for(figure: Figure, view: np.ndarray, *, wide: bool, has_charts: bool) -> Places:
-    """Return the places in a figure for a ``view`` (``film_view``); ``wide``: whether charts have room.
+def places_for(figure: Figure, view: np.ndarray, *, is_wide: bool, has_charts: bool) -> Places:
+    """Return the places in a figure for a ``view`` (``film_view``); ``is_wide``: whether charts have room.
 
     If the figure ``has_charts``, the axes with the chain are only as wide as the view is at their height, but
     at least LEAST_WIDTH, and the charts take the rest.
     """
-    if not wide:
+    if not is_wide:
         return Places(*SMALL_PLACES, CAPTION, 0.0)
     inches, (width, height) = figure.get_size_inches(), np.ptp(view, axis=0)
-    needed = SCENE[3] * inches[1] * width / height / inches[0] if has_charts else SCENE[2]
-    left = SCENE[2] - float(np.clip(needed, LEAST_WIDTH, SCENE[2]))
-    clock, rate, caption = ((place[0] - left, place[1]) for place in (CLOCK, RATE, CAPTION))
-    return Places((*SCENE[:2], SCENE[2] - left, SCENE[3]), clock, rate, caption, left)
+    needed_width = SCENE[3] * inches[1] * width / height / inches[0] if has_charts else SCENE[2]
+    free_width = SCENE[2] - float(np.clip(needed_width, LEAST_WIDTH, SCENE[2]))
+    clock, rate, caption = ((place[0] - free_width, place[1]) for place in (CLOCK, RATE, CAPTION))
+    return Places((*SCENE[:2], SCENE[2] - free_width, SCENE[3]), clock, rate, caption, free_width)

@@ -19,12 +19,12 @@ LENGTH_EXCESS = 1e-12  # a round length may exceed the largest allowed length by
 SMALL_LENGTH = 0.01  # [m] the number at a shorter bar is in millimetres
 
 
-def round_length(most: float) -> float:
-    """Return the largest round length that is at most ``most`` [m]."""
-    power = 10.0 ** math.floor(math.log10(most))
+def round_length(most_length: float) -> float:
+    """Return the largest round length that is at most ``most_length`` [m]."""
+    power = 10.0 ** math.floor(math.log10(most_length))
     # the logarithm of a number just below a power of ten may be rounded up, so that ``power`` exceeds
-    # ``most`` by round-off; LENGTH_EXCESS allows this
-    return next(factor * power for factor in FACTORS if factor * power <= most * (1.0 + LENGTH_EXCESS))
+    # ``most_length`` by round-off; LENGTH_EXCESS allows this
+    return next(factor * power for factor in FACTORS if factor * power <= most_length * (1.0 + LENGTH_EXCESS))
 
 
 def ruler_parts(axes: Axes, colour: str) -> tuple[Figure, Any, dict[str, Any]]:

@@ -26,8 +26,10 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
     """
     time, tip = recording.time, recording.points[:, -1]
     speeds, steps = _speeds(recording), np.diff(time)
-    far = np.hypot(*np.diff(tip, axis=0).T) / (PIECE * size)
-    parts = np.where(_is_straightened(recording), 1, np.ceil(far).clip(1, MOST_TRACE_PARTS)).astype(int)
+    piece_counts = np.hypot(*np.diff(tip, axis=0).T) / (PIECE * size)
+    parts = np.where(_is_straightened(recording), 1, np.ceil(piece_counts).clip(1, MOST_TRACE_PARTS)).astype(
+        int
+    )
     row = np.repeat(np.arange(len(steps)), parts)
     s = ((np.arange(len(row)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[row])[:, None]
     h = steps[row, None]
@@ -35,10 +37,10 @@ def trace_of(recording: Recording, size: float) -> tuple[np.ndarray, np.ndarray]
     # index 1, a time h later; s is the fraction of h, v₀ and v₁ are the velocities:
     # p = (1 − s)² ((1 + 2 s) p₀ + s h v₀) + s² ((3 − 2 s) p₁ − (1 − s) h v₁)
     start, end = tip[row], tip[row + 1]
-    before = (1.0 - s) ** 2 * ((1.0 + 2.0 * s) * start + s * h * speeds[row])
-    after = s**2 * ((3.0 - 2.0 * s) * end - (1.0 - s) * h * speeds[row + 1])
+    start_part = (1.0 - s) ** 2 * ((1.0 + 2.0 * s) * start + s * h * speeds[row])
+    end_part = s**2 * ((3.0 - 2.0 * s) * end - (1.0 - s) * h * speeds[row + 1])
     times = time[row] + s[:, 0] * h[:, 0]
-    return np.append(times, time[-1]), np.concatenate([before + after, tip[-1:]])
+    return np.append(times, time[-1]), np.concatenate([start_part + end_part, tip[-1:]])
 
 
 def _speeds(recording: Recording) -> np.ndarray:
@@ -49,10 +51,10 @@ def _speeds(recording: Recording) -> np.ndarray:
     of the line to the only neighbour.
     """
     last = recording.points.shape[1] - 1
-    known = [recording.columns.get(f"point[{last}].v{axis}") for axis in "xy"]
-    if known[0] is not None and known[1] is not None:
-        return np.stack([known[0], known[1]], axis=-1)
-    slopes = [np.gradient(along, recording.time) for along in recording.points[:, -1].T]
+    velocities = [recording.columns.get(f"point[{last}].v{axis}") for axis in "xy"]
+    if velocities[0] is not None and velocities[1] is not None:
+        return np.stack([velocities[0], velocities[1]], axis=-1)
+    slopes = [np.gradient(coordinate, recording.time) for coordinate in recording.points[:, -1].T]
     return np.stack(slopes, axis=-1)
 
 
@@ -63,10 +65,10 @@ def _is_straightened(recording: Recording) -> np.ndarray:
     recording lacks the tip's velocity, the velocities from positions are wrong in these two rows. The path is
     then also straight in the interval of rows before this one, and in the interval after it.
     """
-    at = np.searchsorted(recording.time, recording.impacts["onset"], side="right") - 1
+    impact_rows = np.searchsorted(recording.time, recording.impacts["onset"], side="right") - 1
     broken = np.zeros(len(recording.time) - 1, bool)
     knows = f"point[{recording.points.shape[1] - 1}].vx" in recording.columns
-    for beside in (0,) if knows else (-1, 0, 1):
-        rows = at + beside
+    for row_shift in (0,) if knows else (-1, 0, 1):
+        rows = impact_rows + row_shift
         broken[rows[(rows >= 0) & (rows < len(broken))]] = True
     return broken

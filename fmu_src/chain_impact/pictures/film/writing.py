@@ -62,13 +62,13 @@ def write_film(
     """
     rate, (width, height) = RATES[path.suffix.lower()], (length // 2 * 2 for length in size)
     start, stop = (float(recording.time[row]) for row in (0, -1))
-    times, usual = frame_times(start, stop, slow_spans(recording), impact_time)
-    frames = (len(times) - 1) * rate / usual  # the number of frames if ``speed`` is 1
+    times, usual_speed = frame_times(start, stop, slow_spans(recording), impact_time)
+    frames = (len(times) - 1) * rate / usual_speed  # the number of frames if ``speed`` is 1
     speed = pace(recording, speed, rate, frames / MOST_SLOWED_FRAMES if impact_time > 0.0 else 1.0)
     count = 1 + int(np.ceil(frames / speed))
-    shown = np.interp(np.linspace(0, len(times) - 1, count), np.arange(len(times)), times)
-    rates = np.interp(shown, times, np.gradient(times) * usual * speed)
-    pictures = draw_frames(recording, shown, rates, (width, height), progress)
+    shown_times = np.interp(np.linspace(0, len(times) - 1, count), np.arange(len(times)), times)
+    rates = np.interp(shown_times, times, np.gradient(times) * usual_speed * speed)
+    pictures = draw_frames(recording, shown_times, rates, (width, height), progress)
     if path.suffix.lower() == ".gif":
         ground = Ground.current()
         colours = [ground.suited_colour(colour) for colour in FILM_COLOURS] if ground else FILM_COLOURS
@@ -77,7 +77,7 @@ def write_film(
         write_mp4(pictures, path, rate, (width, height))
 
 
-def pace(recording: Recording, speed: float | None, rate: int, slowest: float) -> float:
+def pace(recording: Recording, speed: float | None, rate: int, slowest_speed: float) -> float:
     """Return the speed of a film: simulated seconds per second on the screen, outside of slow motion.
 
     A SceneWarning is given if the returned speed is too high to show a sine that drives an input.
@@ -85,19 +85,20 @@ def pace(recording: Recording, speed: float | None, rate: int, slowest: float) -
     Args:
         recording: the recording to show.
         speed: the speed that the user gives, which is returned. If it is None, the speed is 1 or, to show a
-            fast sine that drives an input, a lower one, but at least ``slowest``.
+            fast sine that drives an input, a lower one, but at least ``slowest_speed``.
         rate: frames per second on the screen.
-        slowest: the least speed that is chosen for a sine; a number above 1 counts as 1.
+        slowest_speed: the least speed that is chosen for a sine; a number above 1 counts as 1.
     """
-    fastest = fastest_sine(recording)
-    enough = rate / (FRAMES_OF_SINE * fastest) if fastest else np.inf
+    fastest_frequency = fastest_sine(recording)
+    sine_speed = rate / (FRAMES_OF_SINE * fastest_frequency) if fastest_frequency else np.inf
     if speed is None:
-        speed = min(1.0, max(enough, slowest))
-    if speed > enough:
-        frames = f"only {rate / (speed * fastest):.2g} frames in a period of its sine of {fastest:g} Hz"
+        speed = min(1.0, max(sine_speed, slowest_speed))
+    if speed > sine_speed:
+        count = f"{rate / (speed * fastest_frequency):.2g}"
+        frames = f"only {count} frames in a period of its sine of {fastest_frequency:g} Hz"
         warn(
             recording.name,
-            [f"the film has {frames}, which may look slow or still; speed = {enough:.2g} shows it"],
+            [f"the film has {frames}, which may look slow or still; speed = {sine_speed:.2g} shows it"],
         )
     return speed
 

@@ -50,6 +50,6 @@ def draw_rail(axes: Axes, recording: Recording) -> list[LineCollection]:
         return []
     lines = recording.rail.lines(recording.points[:, 0])
     label = "slider, stops" if recording.rail.stops else "slider"
-    drawn = LineCollection(lines, colors=INK, linewidths=1.2, capstyle="round", zorder=2.5, label=label)
-    axes.add_collection(drawn, autolim=False)
-    return [drawn]
+    rail_lines = LineCollection(lines, colors=INK, linewidths=1.2, capstyle="round", zorder=2.5, label=label)
+    axes.add_collection(rail_lines, autolim=False)
+    return [rail_lines]

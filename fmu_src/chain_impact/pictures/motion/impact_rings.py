@@ -34,7 +34,7 @@ def rows_by_speed(recording: Recording) -> np.ndarray:
 def draw_rings(axes: Axes, recording: Recording) -> None:
     """Draw the rings of all impacts, at walls and at stops; close impacts share a ring (``rings``)."""
     places = rings(axes, recording)
-    plot_rings(axes, recording, {row: spot for spot, rows in places.items() for row in rows}, RING_SIZE)
+    plot_rings(axes, recording, {row: place for place, rows in places.items() for row in rows}, RING_SIZE)
 
 
 def plot_rings(
@@ -47,13 +47,13 @@ def plot_rings(
     ``spots``: row of an impact → position in the axes; ``size``: the diameter of a ring [points].
     """
     look: dict[str, Any] = {"marker": "o", "markersize": size, "markerfacecolor": "none", "linestyle": ""}
-    most = [peak for peak in marked_peaks(recording) if peak.row in spots]
+    ring_peaks = [peak for peak in marked_peaks(recording) if peak.row in spots]
     if places := list(dict.fromkeys(spots.values())):
-        label = "impacts" if len(places) > len(most) else "_"
+        label = "impacts" if len(places) > len(ring_peaks) else "_"
         axes.plot(*np.transpose(places), **look, color=INK, zorder=5, label=label)
-    for peak in most:
-        bold = {"color": PEAK_COLOUR, "markeredgewidth": PEAK_WIDTH, "zorder": 5.2, "label": peak.words}
-        axes.plot(*spots[peak.row], **look | bold)
+    for peak in ring_peaks:
+        peak_style = {"color": PEAK_COLOUR, "markeredgewidth": PEAK_WIDTH, "zorder": 5.2, "label": peak.words}
+        axes.plot(*spots[peak.row], **look | peak_style)
 
 
 def draw_sticking(axes: Axes, recording: Recording) -> None:
@@ -82,53 +82,53 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> None:
     is_told = name_loads(axes, recording, ink, slice(1))
     place_in = {row: place for place, row in enumerate(rows_by_height(marks_of(recording)[1]).tolist())}
     labels = []
-    for spot, hits in rings(axes, recording).items():
-        whole, short = numbers_of(sorted(hits, key=place_in.__getitem__))
-        place = _label_place(recording, recording.impacts[hits[0]], spot)
-        labels.append((min(map(place_in.__getitem__, hits)), Label(whole, *place, short=short)))
-    ordered = [label for _, label in sorted(labels, key=lambda entry: entry[0])]
-    place_labels(axes, ordered, ink, lines=True, fontsize="small", color=INK)
+    for ring_place, hits in rings(axes, recording).items():
+        whole_list, short = numbers_of(sorted(hits, key=place_in.__getitem__))
+        place = _label_place(recording, recording.impacts[hits[0]], ring_place)
+        labels.append((min(map(place_in.__getitem__, hits)), Label(whole_list, *place, short=short)))
+    ordered_labels = [label for _, label in sorted(labels, key=lambda entry: entry[0])]
+    place_labels(axes, ordered_labels, ink, lines=True, fontsize="small", color=INK)
     if is_told:
         name_loads(axes, recording, ink, slice(1, None))
 
 
 def _label_place(
-    recording: Recording, impact: np.void, spot: tuple[float, float]
+    recording: Recording, impact: np.void, ring_place: tuple[float, float]
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return the position for an impact's label, and the unit vector from this position to the label.
 
-    The position is ``spot``, the place of the impact's ring. The vector points into the wall or, at a stop of
-    a joint, to the right of the link's direction from the base to the tip. At a stop of a slider, the
+    The position is ``ring_place``, the place of the impact's ring. The vector points into the wall or, at a
+    stop of a joint, to the right of the link's direction from the base to the tip. At a stop of a slider, the
     position is an end of the stop's mark, and the vector points along the mark, away from it.
     """
     if recording.is_joint_stop(impact["wall"]):
         x, y = touching_place(recording.pose_at(impact["onset"]), impact["point"])[1]
-        return spot, (float(y), float(-x))
+        return ring_place, (float(y), float(-x))
     nx, ny = recording.wall_of(impact).normal
     if recording.touching_part(impact) != "slider":
-        return spot, (-nx, -ny)
-    across = (-ny, nx) if nx >= 0.0 else (ny, -nx)
+        return ring_place, (-nx, -ny)
+    tangent = (-ny, nx) if nx >= 0.0 else (ny, -nx)
     assert recording.rail is not None
     reach = recording.rail.half
-    return (spot[0] + reach * across[0], spot[1] + reach * across[1]), across
+    return (ring_place[0] + reach * tangent[0], ring_place[1] + reach * tangent[1]), tangent
 
 
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
     """Return the rings: position of a ring → rows of its impacts in ``recording.impacts``, fastest first.
 
-    The position of a ring is the ``spot`` of its fastest impact, by ``rows_by_speed``. A slower impact at the
-    same wall or stop belongs to this ring if the distance from its spot to the ring's position is less than
-    RING_DISTANCE × the larger side of the view.
+    The position of a ring is the ``ring_place`` of its fastest impact, by ``rows_by_speed``. A slower impact
+    at the same wall or stop belongs to this ring if the distance from its spot to the ring's position is less
+    than RING_DISTANCE × the larger side of the view.
     """
     spacing = RING_DISTANCE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     hits_at: dict[tuple[float, float], list[int]] = {}
     walls = recording.impacts["wall"]
     for row in rows_by_speed(recording).tolist():
         x, y = recording.impact_position(recording.impacts[row]).tolist()
-        near = (
-            spot
-            for spot, hits in hits_at.items()
-            if walls[hits[0]] == walls[row] and np.hypot(spot[0] - x, spot[1] - y) < spacing
+        near_places = (
+            ring_place
+            for ring_place, hits in hits_at.items()
+            if walls[hits[0]] == walls[row] and np.hypot(ring_place[0] - x, ring_place[1] - y) < spacing
         )
-        hits_at.setdefault(next(near, (x, y)), []).append(row)
+        hits_at.setdefault(next(near_places, (x, y)), []).append(row)
     return hits_at

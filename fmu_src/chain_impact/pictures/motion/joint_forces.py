@@ -47,23 +47,23 @@ def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
         # ``POSE_LAYER`` is above the layer of the pose at the end, which could cover the pose drawn here
         pose = recording.pose_at(loads[0].time)
         axes.plot(*pose.T, ".-", color=LOAD, linewidth=POSE_WIDTH, zorder=POSE_LAYER)
-        x, y, along, up = np.transpose(arrows)
-        most = np.hypot(along, up).max()
-        longest = LONGEST_LOAD * min(np.ptp(view_of(recording).corners, axis=0))
-        ways = longest / most * np.stack([along, up], axis=-1)
-        longest *= max(SHORTEST_LOAD, part_in_view(np.stack([x, y], axis=-1), ways, view.corners))
+        x, y, x_forces, y_forces = np.transpose(arrows)
+        largest_force = np.hypot(x_forces, y_forces).max()
+        longest_arrow = LONGEST_LOAD * min(np.ptp(view_of(recording).corners, axis=0))
+        ways = longest_arrow / largest_force * np.stack([x_forces, y_forces], axis=-1)
+        longest_arrow *= max(SHORTEST_LOAD, part_in_view(np.stack([x, y], axis=-1), ways, view.corners))
         axes.quiver(
-            *(x, y, along, up),
+            *(x, y, x_forces, y_forces),
             angles="xy",
             scale_units="xy",
-            scale=most / longest,
+            scale=largest_force / longest_arrow,
             color=LOAD,
             zorder=6,
             clip_on=False,
             in_layout=False,
         )
         key_style: dict[str, Any] = {"marker": "$\u2192$", "markersize": 8.0, "linestyle": "", "color": LOAD}
-        axes.plot([], [], **key_style, label=f"joint forces\n≤ {force_text(most, 'N')}")
+        axes.plot([], [], **key_style, label=f"joint forces\n≤ {force_text(largest_force, 'N')}")
 
 
 def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> float:
@@ -77,13 +77,14 @@ def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> f
     return float(parts.min(initial=1.0))
 
 
-def name_loads(axes: Axes, recording: Recording, ink: Ink, wanted: slice) -> bool:
-    """Write those of the MOST_FORCES largest forces in joints that are ``wanted``, where ``ink`` has room.
+def name_loads(axes: Axes, recording: Recording, ink: Ink, wanted_joints: slice) -> bool:
+    """Write those of the MOST_FORCES largest joint forces that are ``wanted_joints``, where ``ink`` has room.
 
-    ``wanted`` selects from the forces, the largest first. Each force stands near the position of its joint at
-    the time of the force. A force without room leaves out all smaller ones. Returns whether all have room.
+    ``wanted_joints`` selects from the forces, the largest first. Each force stands near the position of its
+    joint at the time of the force. A force without room leaves out all smaller ones. Returns whether all have
+    room.
     """
-    peaks = [peak for peak in joint_peaks(recording)[:MOST_FORCES][wanted] if peak.force > 0.0]
+    peaks = [peak for peak in joint_peaks(recording)[:MOST_FORCES][wanted_joints] if peak.force > 0.0]
     values = [force_text(peak.force, "N") for peak in peaks]
     labels = [
         Label(

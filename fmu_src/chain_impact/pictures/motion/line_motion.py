@@ -37,41 +37,41 @@ def line_of_motion(recording: Recording) -> int | None:
     if ball is None:
         return None
     ways = np.ptp(recording.points[:, ball], axis=0)
-    along = int(ways.argmax())
-    if not ways[along] > recording.touching_radii[ball] or ways[1 - along] > MOST_LINE_WIDTH * ways[along]:
+    axis = int(ways.argmax())
+    if not ways[axis] > recording.touching_radii[ball] or ways[1 - axis] > MOST_LINE_WIDTH * ways[axis]:
         return None
     normals = [recording.walls[name].normal for name in view_of(recording).walls]
-    return along if all(abs(normal[along]) > PARALLEL_COMPONENT for normal in normals) else None
+    return axis if all(abs(normal[axis]) > PARALLEL_COMPONENT for normal in normals) else None
 
 
-def draw_along_line(axes: Axes, recording: Recording, along: int) -> None:
+def draw_along_line(axes: Axes, recording: Recording, axis: int) -> None:
     """Draw the position of a ball over time, with walls and impacts, for a ball that moves along one axis.
 
-    ``along`` is the axis of the motion: 0 for x and 1 for y.
+    ``axis`` is the axis of the motion: 0 for x and 1 for y.
     """
     ball = ball_of(recording)
     assert ball is not None
-    time, place, radius = recording.time, recording.points[:, ball, along], recording.touching_radii[ball]
-    surfaces = wall_surfaces(recording, along)
-    every = [place - radius, place + radius, *surfaces.values()]
-    low, high = min(map(np.min, every)), max(map(np.max, every))
+    time, place, radius = recording.time, recording.points[:, ball, axis], recording.touching_radii[ball]
+    surfaces = wall_surfaces(recording, axis)
+    all_places = [place - radius, place + radius, *surfaces.values()]
+    low, high = min(map(np.min, all_places)), max(map(np.max, all_places))
     span = high - low
     low, high = low - BALL_MARGIN * span, high + BALL_MARGIN * span
     for name, surface in surfaces.items():
-        is_below = recording.walls[name].normal[along] > 0.0
+        is_below = recording.walls[name].normal[axis] > 0.0
         low, high = (low - WALL_BAND * span, high) if is_below else (low, high + WALL_BAND * span)
         kind, width = ("moving wall", 1.2) if moves(surface) else ("wall", 2.0)
         axes.plot(time, surface, color=INK, linewidth=width, zorder=2.0, label=f"{kind} {name}")
     for name, surface in surfaces.items():
-        beyond = low if recording.walls[name].normal[along] > 0.0 else high
-        axes.fill_between(time, surface, beyond, color=OUTSIDE_COLOUR, linewidth=0.0, zorder=0.5)
+        wall_edge = low if recording.walls[name].normal[axis] > 0.0 else high
+        axes.fill_between(time, surface, wall_edge, color=OUTSIDE_COLOUR, linewidth=0.0, zorder=0.5)
     if radius > 0.0:
         look: dict[str, Any] = {"color": BLUE, "alpha": BALL_OPACITY, "linewidth": 0.0, "zorder": 1.5}
         axes.fill_between(time, place - radius, place + radius, label=f"ball, radius {radius:g} m", **look)
     axes.plot(time, place, color=BLUE, linewidth=1.2, label=f"path of the {'centre' if radius else 'ball'}")
     draw_hits(axes, recording, surfaces)
     axes.set_ylim(low, high)
-    axes.set_ylabel(f"{'xy'[along]} [m]")
+    axes.set_ylabel(f"{'xy'[axis]} [m]")
     show_all_time(axes, recording)
     legend_above(axes)
 
@@ -83,9 +83,9 @@ def draw_hits(axes: Axes, recording: Recording, surfaces: dict[str, np.ndarray])
     """
     hits = [(row["onset"], surfaces.get(recording.wall_names[row["wall"]])) for row in recording.impacts]
     spots = {
-        row: (float(onset), float(np.interp(onset, recording.time, at)))
-        for row, (onset, at) in enumerate(hits)
-        if at is not None
+        row: (float(onset), float(np.interp(onset, recording.time, hit_place)))
+        for row, (onset, hit_place) in enumerate(hits)
+        if hit_place is not None
     }
     if spots:
         figure = axes.get_figure(root=True)
@@ -94,17 +94,17 @@ def draw_hits(axes: Axes, recording: Recording, surfaces: dict[str, np.ndarray])
         plot_rings(axes, recording, spots, min(max(RING_PART * room, SMALLEST_RING), RING_SIZE))
 
 
-def wall_surfaces(recording: Recording, along: int) -> dict[str, np.ndarray]:
+def wall_surfaces(recording: Recording, axis: int) -> dict[str, np.ndarray]:
     """Return where each wall in view meets the line of a ball: name of wall → coordinate, shape (T,) [m].
 
-    ``along`` is the axis along which the ball moves, and so the axis of this coordinate: 0 for x, 1 for y.
+    ``axis`` is the axis along which the ball moves, and so the axis of this coordinate: 0 for x, 1 for y.
     """
-    ball, still, surfaces = ball_of(recording), np.zeros(len(recording.time)), {}
+    ball, zero_places, surfaces = ball_of(recording), np.zeros(len(recording.time)), {}
     for name in view_of(recording).walls:
         wall = recording.walls[name]
-        offset = wall.offset + recording.moved_walls.get(name, still)
+        offset = wall.offset + recording.moved_walls.get(name, zero_places)
         # The surface of the wall with the normal n is the line of all p with n·p = offset. The result is the
         # coordinate along the axis of that p whose coordinate across the axis equals the ball's.
-        beside = wall.normal[1 - along] * recording.points[:, ball, 1 - along]
-        surfaces[name] = (offset - beside) / wall.normal[along]
+        transverse_part = wall.normal[1 - axis] * recording.points[:, ball, 1 - axis]
+        surfaces[name] = (offset - transverse_part) / wall.normal[axis]
     return surfaces

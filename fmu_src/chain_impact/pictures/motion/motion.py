@@ -55,38 +55,38 @@ def draw_motion(
     recording: Recording,
     shape: float | None = None,
     band: float = BAND,
-    grown: Sequence[float] = GROWTH_FACTORS,
+    growth_factors: Sequence[float] = GROWTH_FACTORS,
 ) -> None:
     """Draw the motion in the plane: walls, paths, faint poses, and strong poses at start, end and impacts.
 
-    ``shape`` is the height of the axes divided by their width, if known; ``shape``, ``band`` and ``grown``
-    are as for ``view_of``.
+    ``shape`` is the height of the axes divided by their width, if known; ``shape``, ``band`` and
+    ``growth_factors`` are as for ``view_of``.
     """
-    view = view_of(recording, shape, band, grown)
+    view = view_of(recording, shape, band, growth_factors)
     draw_walls(axes, recording, view)
     shade = colour_of_time(recording)
     draw_faint(axes, recording)
     draw_paths(axes, recording, shade)
     marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MOST_MARKED_POINTS else ""}
-    thick, ball = 1.0, ball_of(recording)
+    thickness, ball = 1.0, ball_of(recording)
     if ball is not None:  # a mark shows the ball's centre, a thin line the link
-        thick, marks = BALL_LINE, marks | {"markevery": [ball]}
+        thickness, marks = BALL_LINE, marks | {"markevery": [ball]}
     rows = strong_rows(recording)
-    strong = [float(time) for time in recording.impacts["onset"][rows]]
-    draw_moving(axes, recording, view, shade, strong)
+    strong_times = [float(time) for time in recording.impacts["onset"][rows]]
+    draw_moving(axes, recording, view, shade, strong_times)
     draw_rail(axes, recording)
     label = "at impacts" if len(rows) > 1 else f"at impact {sum(rows) + 1}"
-    for time in strong:
-        look = {"color": shade(time), "linewidth": 1.6 * thick, "markersize": 3.5} | marks
+    for time in strong_times:
+        look = {"color": shade(time), "linewidth": 1.6 * thickness, "markersize": 3.5} | marks
         draw_bodies(axes, recording, recording.row_at(time), shade(time), linewidth=0.8)
-        draw_chain(axes, recording.pose_at(time), label="_" if time > strong[0] else label, **look)
-    rests = f", {rest_word(recording)}" if ends_at_rest(recording) else ""
-    for row, name in ((0, "start"), (-1, f"end{rests}")):
+        draw_chain(axes, recording.pose_at(time), label="_" if time > strong_times[0] else label, **look)
+    rest_text = f", {rest_word(recording)}" if ends_at_rest(recording) else ""
+    for row, name in ((0, "start"), (-1, f"end{rest_text}")):
         colour = shade(recording.time[row])
-        style = {"color": colour, "linewidth": 3.0 * thick, "markersize": 5.5, "label": name} | marks
+        style = {"color": colour, "linewidth": 3.0 * thickness, "markersize": 5.5, "label": name} | marks
         # a wider copy of the chain at the start is visible as a rim around the chain at the end
         if row == 0 and is_covered(recording):
-            rim = {"linewidth": (3.0 + RIM_WIDTH) * thick, "markersize": 5.5 + RIM_WIDTH, "label": "_"}
+            rim = {"linewidth": (3.0 + RIM_WIDTH) * thickness, "markersize": 5.5 + RIM_WIDTH, "label": "_"}
             draw_chain(axes, recording.points[row], **style | rim)
         draw_bodies(axes, recording, row, colour, linewidth=1.2)
         draw_chain(axes, recording.points[row], **style)
@@ -100,13 +100,13 @@ def draw_motion(
     draw_rings(axes, recording)
     draw_sticking(axes, recording)
     draw_loads(axes, recording, view)
-    flat = is_flat(recording)
-    axes.set_aspect("auto" if flat else "equal")
+    is_flat_motion = is_flat(recording)
+    axes.set_aspect("auto" if is_flat_motion else "equal")
     give_ticks(axes)
     axes.set(xlabel="x [m]", ylabel="y [m]")
-    if flat:
-        largest = float(np.abs(axes.get_ylim()).max())
-        factor, unit = prefixed_unit(largest, "m") if largest < SHORT_LENGTH else (1.0, "m")
+    if is_flat_motion:
+        largest_height = float(np.abs(axes.get_ylim()).max())
+        factor, unit = prefixed_unit(largest_height, "m") if largest_height < SHORT_LENGTH else (1.0, "m")
         scale_numbers(axes.yaxis, factor)
         box = axes.get_window_extent()
         zoom = box.height / box.width * np.ptp(axes.get_xlim()) / np.ptp(axes.get_ylim())
@@ -120,12 +120,14 @@ def all_entries(axes: Axes) -> list[Any]:
     The first artist in PEAK_COLOUR is left out if a text of the figure in this colour tells the impact with
     the largest force.
     """
-    kept, _ = axes.get_legend_handles_labels()
+    kept_handles, _ = axes.get_legend_handles_labels()
     figure = axes.get_figure(root=True)
     if figure is not None and any(text.get_color() == PEAK_COLOUR for text in figure.texts):
-        rings = [line for line in kept if isinstance(line, Line2D) and line.get_color() == PEAK_COLOUR]
-        kept = [handle for handle in kept if handle not in rings[:1]]
-    return kept
+        rings = [
+            line for line in kept_handles if isinstance(line, Line2D) and line.get_color() == PEAK_COLOUR
+        ]
+        kept_handles = [handle for handle in kept_handles if handle not in rings[:1]]
+    return kept_handles
 
 
 def few_entries(axes: Axes) -> list[Any]:
@@ -145,8 +147,12 @@ def colour_of_time(recording: Recording) -> Any:
 
     Times before and after the shown time have the first and the last colour.
     """
-    shown = shown_time(recording)
-    norm = Normalize(shown.start, shown.end if shown.end > shown.start else shown.start + 1.0, clip=True)
+    time_span = shown_time(recording)
+    norm = Normalize(
+        time_span.start,
+        time_span.end if time_span.end > time_span.start else time_span.start + 1.0,
+        clip=True,
+    )
     return lambda time: TIME_COLOURS(norm(time))
 
 
@@ -156,14 +162,14 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
     If the chain is a ball (``ball_of``), the end of its link that is not the centre has no path. ``shade`` is
     the function from a time [s] to its colour.
     """
-    *others, tip = recording.points.transpose(1, 0, 2)
+    *other_paths, tip = recording.points.transpose(1, 0, 2)
     ball, name = ball_of(recording), "tip"
     if ball is not None:
-        others, tip, name = [], recording.points[:, ball], "path"
-    others += [*recording.sites.transpose(1, 0, 2)]
-    alpha = 0.45 * min(1.0, MOST_CLEAR_PATHS / (len(others) + 1))
-    label = "other points" if any(map(moves, others)) else "_"
-    axes.add_collection(LineCollection(others, colors=INK, linewidths=0.6, alpha=alpha, label=label))
+        other_paths, tip, name = [], recording.points[:, ball], "path"
+    other_paths += [*recording.sites.transpose(1, 0, 2)]
+    alpha = 0.45 * min(1.0, MOST_CLEAR_PATHS / (len(other_paths) + 1))
+    label = "other points" if any(map(moves, other_paths)) else "_"
+    axes.add_collection(LineCollection(other_paths, colors=INK, linewidths=0.6, alpha=alpha, label=label))
     if len(tip) == 1:
         return
     middles = 0.5 * (recording.time[1:] + recording.time[:-1])
@@ -198,7 +204,9 @@ def density(path: np.ndarray, size: float) -> float:
     """
     way = np.append(0.0, np.hypot(*np.diff(path, axis=0).T).cumsum())
     count = min(MOST_SAMPLES, 2 + int(2.0 * way[-1] / (LINE_CELL * size)))
-    places = np.stack([np.interp(np.linspace(0.0, way[-1], count), way, along) for along in path.T], axis=-1)
+    places = np.stack(
+        [np.interp(np.linspace(0.0, way[-1], count), way, coordinate) for coordinate in path.T], axis=-1
+    )
     areas = [
         len(np.unique(np.floor(places / (cell * size)), axis=0)) * cell**2 for cell in (LINE_CELL, AREA_CELL)
     ]

@@ -29,7 +29,7 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
     Walls are drawn at start, end and ``times`` [s] in the colours of time, the base at start and end; both
     are drawn faintly in between. ``shade`` is the function from a time [s] to its colour.
     """
-    (corners, near), ends = view, [float(recording.time[row]) for row in (0, -1)]
+    (corners, near_walls), ends = view, [float(recording.time[row]) for row in (0, -1)]
 
     def lines(name: str, times: Sequence[float]) -> list[np.ndarray]:
         """Return the two ends of the visible part of the wall ``name`` at each of some times [s].
@@ -37,16 +37,18 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
         The visible part bounds the room of the chain in the view; a wall without such a part has no ends.
         """
         rooms = (recording.walls_at(time) for time in times)
-        return [wall_line(walls[name], [walls[other] for other in near], corners) for walls in rooms]
+        return [
+            wall_line(walls[name], [walls[wall_name] for wall_name in near_walls], corners) for walls in rooms
+        ]
 
     has_label = False
-    for name in moving_walls(recording, near):
-        between = lines(name, np.linspace(ends[0], ends[1], FAINT_WALLS).tolist())
-        _add(axes, between, colors=INK, linewidths=0.6, alpha=0.13, zorder=1.9)
-        for shown, width in ((times, 1.2), (ends, 2.4)):
-            for time, line in zip(shown, lines(name, shown), strict=True):
+    for name in moving_walls(recording, near_walls):
+        faint_lines = lines(name, np.linspace(ends[0], ends[1], FAINT_WALLS).tolist())
+        _add(axes, faint_lines, colors=INK, linewidths=0.6, alpha=0.13, zorder=1.9)
+        for shown_times, width in ((times, 1.2), (ends, 2.4)):
+            for time, line in zip(shown_times, lines(name, shown_times), strict=True):
                 _add(axes, [line], colors=[shade(time)], linewidths=width, zorder=2.0)
-        if any(map(len, between)) and not has_label:  # all walls share one entry of the legend
+        if any(map(len, faint_lines)) and not has_label:  # all walls share one entry of the legend
             axes.collections[-1].set_label("moving wall")
             has_label = True
         if np.ptp(recording.moved_walls[name]) > LEAST_TRACE * np.ptp(corners, axis=0).max():
@@ -81,15 +83,15 @@ def _wall_trace(recording: Recording, name: str, lines: Sequence[np.ndarray]) ->
     first part that is not empty: the end that is farther from the chain. If both parts are empty, the path
     is empty, too.
     """
-    wall, moved = recording.walls[name], recording.moved_walls[name]
-    line = next((visible for visible in lines if len(visible) > 1), np.zeros((0, 2)))
+    wall, wall_motion = recording.walls[name], recording.moved_walls[name]
+    line = next((visible_line for visible_line in lines if len(visible_line) > 1), np.zeros((0, 2)))
     if not len(line):
         return line
     ends = [line[0] + share * (line[-1] - line[0]) for share in (TRACE_GAP, 1.0 - TRACE_GAP)]
-    gaps = [np.hypot(*(recording.all_points - end).reshape(-1, 2).T).min() for end in ends]
-    end, normal = ends[int(np.argmax(gaps))], np.array(wall.normal)
+    gap_sizes = [np.hypot(*(recording.all_points - end).reshape(-1, 2).T).min() for end in ends]
+    end, normal = ends[int(np.argmax(gap_sizes))], np.array(wall.normal)
     foot = end - wall.clearance(*end) * normal
-    return np.asarray(foot + moved[:, None] * normal)
+    return np.asarray(foot + wall_motion[:, None] * normal)
 
 
 def _draw_trace(axes: Axes, path: np.ndarray, time: np.ndarray, shade: Any) -> None:
@@ -100,9 +102,9 @@ def _draw_trace(axes: Axes, path: np.ndarray, time: np.ndarray, shade: Any) -> N
         _add(axes, pieces, colors=shade(middles), linewidths=1.2, capstyle="round", zorder=3.2)
 
 
-def _moved(lines: Sequence[np.ndarray], ways: np.ndarray) -> list[np.ndarray]:
-    """Return all lines moved by each displacement in ``ways``, shape (W, 2) [m]: W copies of each line."""
-    return [line + way for way in ways for line in lines]
+def _moved(lines: Sequence[np.ndarray], displacements: np.ndarray) -> list[np.ndarray]:
+    """Return all lines moved by each of ``displacements``, shape (W, 2) [m]: W copies of each line."""
+    return [line + way for way in displacements for line in lines]
 
 
 def _add(axes: Axes, lines: Sequence[np.ndarray], **look: Any) -> None:

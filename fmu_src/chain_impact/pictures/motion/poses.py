@@ -65,24 +65,25 @@ def strong_rows(recording: Recording) -> list[int]:
         return [*(peak.row for peak in marked_peaks(recording)), rows[0]][:1]
     if not rows:
         return []
-    first, *others = (recording.pose_at(recording.impacts["onset"][row]) for row in rows)
-    poses = np.array([first, recording.points[0], recording.points[-1], *others])
-    kept = distinct_poses(poses, STRONG_APART * seen_size(recording), always=3)
-    return sorted([rows[0], *(rows[k - 2] for k in kept[3:])])
+    first, *other_poses = (recording.pose_at(recording.impacts["onset"][row]) for row in rows)
+    poses = np.array([first, recording.points[0], recording.points[-1], *other_poses])
+    kept_rows = distinct_poses(poses, STRONG_APART * seen_size(recording), always_kept=3)
+    return sorted([rows[0], *(rows[k - 2] for k in kept_rows[3:])])
 
 
-def distinct_poses(poses: np.ndarray, least: float, always: int = 1) -> list[int]:
+def distinct_poses(poses: np.ndarray, least_distance: float, always_kept: int = 1) -> list[int]:
     """Return the indices of the poses to keep, each of which differs from all earlier poses that are kept.
 
     ``poses`` has the positions of the points in each pose, shape (P, N+1, 2) [m]. Two poses differ if the
-    mean distance of their points is at least ``least`` [m]. The first ``always`` poses are kept in any case.
+    mean distance of their points is at least ``least_distance`` [m]. The first ``always_kept`` poses are kept
+    in any case.
     """
-    kept: list[int] = []
+    kept_rows: list[int] = []
     for k, pose in enumerate(poses):
-        ways = np.hypot(*np.moveaxis(poses[kept] - pose, -1, 0)).mean(axis=-1)
-        if k < always or ways.min() >= least:
-            kept.append(k)
-    return kept
+        ways = np.hypot(*np.moveaxis(poses[kept_rows] - pose, -1, 0)).mean(axis=-1)
+        if k < always_kept or ways.min() >= least_distance:
+            kept_rows.append(k)
+    return kept_rows
 
 
 def draw_faint(axes: Axes, recording: Recording) -> None:

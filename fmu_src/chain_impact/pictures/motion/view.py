@@ -70,15 +70,16 @@ def view_of(
     recording: Recording,
     shape: float | None = None,
     band: float = BAND,
-    grown: Sequence[float] = GROWTH_FACTORS,
+    growth_factors: Sequence[float] = GROWTH_FACTORS,
 ) -> View:
     """Return the view of a motion in the plane: the motion, with a margin, and the walls near it.
 
     Of a wall that comes near the motion, the view contains the position at the start and both extreme
     positions, except positions farther away than FARTHEST_WALL. The view is extended towards ``shape``, the
-    wanted height of the view divided by its width, by at most the factors ``grown`` on width and height, and
-    not beyond walls on both sides. ``band`` is how far the view reaches beyond a wall, relative to the longer
-    side of the view without margins. A motion that ``is_flat`` has a range along y of its own (FLAT_MARGIN).
+    wanted height of the view divided by its width, by at most the factors ``growth_factors`` on width and
+    height, and not beyond walls on both sides. ``band`` is how far the view reaches beyond a wall, relative
+    to the longer side of the view without margins. A motion that ``is_flat`` has a range along y of its own
+    (FLAT_MARGIN).
     """
     places = {
         (name, end): wall
@@ -86,42 +87,44 @@ def view_of(
         for name, wall in walls.items()
         if end == 0 or name in recording.moved_walls
     }
-    everywhere, drawn = dict(places), drawn_places(recording)
-    view, near = view_corners(drawn, places, pinned=recording.pinned)
+    everywhere, visible_places = dict(places), drawn_places(recording)
+    view, near_walls = view_corners(visible_places, places, pinned=recording.pinned)
     if recording.moved_walls:
-        names = {name for name, _ in near}
-        places = {at: wall for at, wall in places.items() if at[0] in names}
-        view, near = view_corners(drawn, places, near=FARTHEST_WALL, pinned=recording.pinned)
+        names = {name for name, _ in near_walls}
+        places = {wall_key: wall for wall_key, wall in places.items() if wall_key[0] in names}
+        view, near_walls = view_corners(visible_places, places, near=FARTHEST_WALL, pinned=recording.pinned)
     width = np.ptp(view, axis=0).max()
     margin = np.full((2, 2), VIEW_MARGIN * width)
-    for wall in near.values():
+    for wall in near_walls.values():
         bands = band * width * np.array([wall.normal, np.negative(wall.normal)])
         margin = np.maximum(margin, bands)
     view = view + margin * [[-1.0], [1.0]]
     sides = np.ptp(view, axis=0)
-    least = np.full(2, LEAST_SIDE_RATIO * sides.max())
-    wanted = least if shape is None else np.array([sides[1] / shape, shape * sides[0]])
-    wanted = np.minimum(wanted, np.array(grown) * np.maximum(sides, least))
-    before, is_open = open_shares(near.values())
-    more = np.maximum(0.0, np.where(is_open, wanted, np.minimum(wanted, least)) - sides)
-    view = view + more * np.stack([-before, 1.0 - before])
-    met = dict(near)
-    for at, wall in everywhere.items():
+    least_sides = np.full(2, LEAST_SIDE_RATIO * sides.max())
+    wanted_sides = least_sides if shape is None else np.array([sides[1] / shape, shape * sides[0]])
+    wanted_sides = np.minimum(wanted_sides, np.array(growth_factors) * np.maximum(sides, least_sides))
+    earlier_share, is_open = open_shares(near_walls.values())
+    extra_sides = np.maximum(
+        0.0, np.where(is_open, wanted_sides, np.minimum(wanted_sides, least_sides)) - sides
+    )
+    view = view + extra_sides * np.stack([-earlier_share, 1.0 - earlier_share])
+    met_walls = dict(near_walls)
+    for wall_key, wall in everywhere.items():
         normal = np.array(wall.normal)
         # [m] how far the view reaches beyond the wall; negative if the wall is outside of the view
-        beyond = -wall.clearance(*np.where(normal > 0.0, *view))
-        if at not in near and beyond > 0.0:
-            met[at] = wall
-            along = int(np.abs(normal).argmax())
+        wall_distances = -wall.clearance(*np.where(normal > 0.0, *view))
+        if wall_key not in near_walls and wall_distances > 0.0:
+            met_walls[wall_key] = wall
+            axis = int(np.abs(normal).argmax())
             # Only the enlarged view reaches this wall. If the wall is parallel to an edge of the view, the
             # view is cut to end at most ``band`` × ``width`` beyond the wall.
-            if abs(normal[along]) > PARALLEL_COMPONENT:
-                inwards = max(0.0, beyond - band * width)
-                view[int(normal[along] < 0.0), along] += np.sign(normal[along]) * inwards
+            if abs(normal[axis]) > PARALLEL_COMPONENT:
+                inwards = max(0.0, wall_distances - band * width)
+                view[int(normal[axis] < 0.0), axis] += np.sign(normal[axis]) * inwards
     if is_flat(recording):
-        low, high = drawn[..., 1].min(), drawn[..., 1].max()
+        low, high = visible_places[..., 1].min(), visible_places[..., 1].max()
         view[:, 1] = low - FLAT_MARGIN * (high - low), high + FLAT_MARGIN * (high - low)
-    return View(view, list(dict.fromkeys(name for name, _ in met)))
+    return View(view, list(dict.fromkeys(name for name, _ in met_walls)))
 
 
 def drawn_places(recording: Recording) -> np.ndarray:
@@ -141,8 +144,8 @@ def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:
     In the first dict, each moving wall leaves the chain the most room; in the second, it leaves the least
     room. Both dicts also have the walls that do not move.
     """
-    for extreme in (np.min, np.max):
+    for end_of in (np.min, np.max):
         walls = dict(recording.walls)
-        for name, moved in recording.moved_walls.items():
-            walls[name] = replace(walls[name], offset=walls[name].offset + float(extreme(moved)))
+        for name, wall_motion in recording.moved_walls.items():
+            walls[name] = replace(walls[name], offset=walls[name].offset + float(end_of(wall_motion)))
         yield walls

@@ -29,13 +29,13 @@ def draw_walls(axes: Axes, recording: Recording, view: View | None = None) -> No
     moving base, to ``draw_moving``. The ground is white where the chain may be at all times,
     SHORT_TIMES_COLOUR where the chain may be only at some times, and OUTSIDE_COLOUR beyond walls.
     """
-    corners, near = view or view_of(recording)
-    moving = moving_walls(recording, near)
-    at_most, at_least = ([walls[name] for name in near] for walls in wall_extremes(recording))
-    if moving:
+    corners, near_walls = view or view_of(recording)
+    moving_names = moving_walls(recording, near_walls)
+    at_most, at_least = ([walls[name] for name in near_walls] for walls in wall_extremes(recording))
+    if moving_names:
         axes.add_patch(Polygon(_corners(at_most, corners), facecolor=SHORT_TIMES_COLOUR, zorder=0.4))
-    still = [wall for name, wall in zip(near, at_least, strict=True) if name not in moving]
-    draw_room(axes, corners, at_least, still)
+    still_walls = [wall for name, wall in zip(near_walls, at_least, strict=True) if name not in moving_names]
+    draw_room(axes, corners, at_least, still_walls)
     if recording.pinned and not moves(recording.points[:, 0]):
         draw_pin(axes, pin_mark(recording.all_points))
 
@@ -66,28 +66,28 @@ def draw_pin(axes: Axes, lines: list[np.ndarray]) -> list[Artist]:
 
 
 def draw_room(
-    axes: Axes, view: np.ndarray, near: Sequence[HalfPlane], lines: Sequence[HalfPlane] | None = None
+    axes: Axes, view: np.ndarray, near_walls: Sequence[HalfPlane], lines: Sequence[HalfPlane] | None = None
 ) -> list[Artist]:
     """Draw the room between some walls in white, the area beyond in grey, and lines of walls; set the limits.
 
     Args:
         axes: the axes to draw into.
         view: lower left and upper right corner of the axes' view, shape (2, 2) [m].
-        near: the walls that bound the room.
-        lines: the walls in ``near`` that get a line; by default all.
+        near_walls: the walls that bound the room.
+        lines: the walls in ``near_walls`` that get a line; by default all.
 
     Returns:
         The artists.
     """
-    axes.set_facecolor(OUTSIDE_COLOUR if near else "white")
-    room = Polygon(_corners(near, view), facecolor="white", zorder=0.5)
+    axes.set_facecolor(OUTSIDE_COLOUR if near_walls else "white")
+    room = Polygon(_corners(near_walls, view), facecolor="white", zorder=0.5)
     axes.add_patch(room)
-    drawn: list[Artist] = [room]
-    for wall in near if lines is None else lines:
-        if len(ends := wall_line(wall, near, view)):
-            drawn += axes.plot(*ends.T, color=INK, linewidth=2.0, zorder=2)
+    drawn_artists: list[Artist] = [room]
+    for wall in near_walls if lines is None else lines:
+        if len(ends := wall_line(wall, near_walls, view)):
+            drawn_artists += axes.plot(*ends.T, color=INK, linewidth=2.0, zorder=2)
     axes.set(xlim=view[:, 0], ylim=view[:, 1])
-    return drawn
+    return drawn_artists
 
 
 def wall_line(wall: HalfPlane, walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
@@ -97,5 +97,5 @@ def wall_line(wall: HalfPlane, walls: Sequence[HalfPlane], view: np.ndarray) -> 
     one of ``walls``.
     """
     corners = _corners(walls, view)
-    gaps = corners @ np.array(wall.normal) - wall.offset
-    return np.asarray(corners[abs(gaps) < WALL_TOLERANCE * np.ptp(view)])
+    corner_gaps = corners @ np.array(wall.normal) - wall.offset
+    return np.asarray(corners[abs(corner_gaps) < WALL_TOLERANCE * np.ptp(view)])

@@ -50,11 +50,11 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
     """Draw the energies over time, with marks at impacts; small energies (``tiny_curves``) as a band."""
     tick_impacts(axes, recording)
     time, curves = recording.detailed_energies[0], energy_curves(recording)
-    tiny = tiny_curves(curves)
-    plot_curves(axes, time, [curve for k, curve in enumerate(curves) if k not in tiny])
-    if tiny:
-        values = [curves[k][0] for k in tiny]
-        names = ", ".join(curves[k][1]["label"] for k in tiny)
+    tiny_indices = tiny_curves(curves)
+    plot_curves(axes, time, [curve for k, curve in enumerate(curves) if k not in tiny_indices])
+    if tiny_indices:
+        values = [curves[k][0] for k in tiny_indices]
+        names = ", ".join(curves[k][1]["label"] for k in tiny_indices)
         fill_band(axes, time, values, f"{names}: ≤ {np.abs(values).max():.2g} J")
     axes.set_ylabel("energy [J]")
     show_all_time(axes, recording)
@@ -69,15 +69,22 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
     of the total energy is wide, behind other curves, and never dashed. Any other curve is dashed if it would
     hide an earlier curve other than that of the total energy, or if its energy is in ENERGY_PARTS.
     """
-    shown, offset = shown_energies(recording)
-    if "elastic" in shown and not shown["elastic"].max() > VISIBLE_ELASTIC * range_of(shown):
-        del shown["elastic"]
-    others = [name for name in shown if name != "total"]
-    hidden = hidden_counts([shown[name] for name in others], COVERED_CURVE, MOSTLY)
-    is_dashed = {name: name in ENERGY_PARTS or count > 0 for name, count in zip(others, hidden, strict=True)}
+    shown_curves, offset = shown_energies(recording)
+    if "elastic" in shown_curves and not shown_curves["elastic"].max() > VISIBLE_ELASTIC * range_of(
+        shown_curves
+    ):
+        del shown_curves["elastic"]
+    other_names = [name for name in shown_curves if name != "total"]
+    hidden_counts_of_others = hidden_counts(
+        [shown_curves[name] for name in other_names], COVERED_CURVE, MOSTLY
+    )
+    is_dashed = {
+        name: name in ENERGY_PARTS or count > 0
+        for name, count in zip(other_names, hidden_counts_of_others, strict=True)
+    }
     return [
         (energy, part_look(name, offset) | {"linestyle": "--" if is_dashed.get(name) else "-"})
-        for name, energy in shown.items()
+        for name, energy in shown_curves.items()
     ]
 
 
@@ -88,9 +95,11 @@ def shown_energies(recording: Recording) -> tuple[dict[str, np.ndarray], float]:
     left out if they are always 0. Each energy has the shape (T,) [J].
     """
     time, energies = recording.detailed_energies
-    known = {name: energies.get(name, np.zeros(len(time))) for name in ENERGIES}
+    known_energies = {name: energies.get(name, np.zeros(len(time))) for name in ENERGIES}
     rare = ("elastic", "supplied", *ENERGY_PARTS)
-    return without_gap({name: energy for name, energy in known.items() if energy.any() or name not in rare})
+    return without_gap(
+        {name: energy for name, energy in known_energies.items() if energy.any() or name not in rare}
+    )
 
 
 def tiny_curves(curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> list[int]:
@@ -102,8 +111,8 @@ def tiny_curves(curves: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> list[int
     sizes = [float(np.abs(values).max(initial=0.0)) for values, _ in curves]
     parts = {PART_LABEL.format(name) for name in ENERGY_PARTS}
     is_part = [look["label"] in parts for _, look in curves]
-    tiny = [k for k, size in enumerate(sizes) if size < TINY_ENERGY * max(sizes) and not is_part[k]]
-    return tiny if len(tiny) > MOST_GREY else []
+    tiny_indices = [k for k, size in enumerate(sizes) if size < TINY_ENERGY * max(sizes) and not is_part[k]]
+    return tiny_indices if len(tiny_indices) > MOST_GREY else []
 
 
 def without_gap(energies: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray], float]:
@@ -114,11 +123,11 @@ def without_gap(energies: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray],
     the number has two significant digits. Otherwise the number is 0, and no energy changes.
     """
     potential = energies.get("potential", np.zeros(1))
-    least = float(potential.min())
-    if least == 0.0 or not math.isfinite(least):
+    least_potential = float(potential.min())
+    if least_potential == 0.0 or not math.isfinite(least_potential):
         return energies, 0.0
-    step = 10.0 ** (math.floor(math.log10(abs(least))) - 1)
-    offset = math.ceil(round(-least / step, 6)) * step
+    step = 10.0 ** (math.floor(math.log10(abs(least_potential))) - 1)
+    offset = math.ceil(round(-least_potential / step, 6)) * step
     shifted = {
         name: energy + offset if name in ("potential", "total") else energy
         for name, energy in energies.items()

@@ -76,7 +76,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     strip. If there are impacts both at walls and at stops of joints, the values at stops of joints have an
     axis on the right.
     """
-    stopped, onsets, scale = recording.is_at_joint_stop, recording.impacts["onset"], stop_scale(recording)
+    is_at_stop, onsets, scale = recording.is_at_joint_stop, recording.impacts["onset"], stop_scale(recording)
     times, tops = marks_of(recording)
     ends, span = contact_ends(recording), recording.duration
     groups, lanes = point_groups(recording, tops), 0
@@ -95,11 +95,13 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         form = MARK_SCALES.get(mark["marker"], 1.0)
         axes.plot(times[hits], tops[hits], **look, markersize=form * IMPACT_DOT, label=label)
         for size in np.unique(sizes[hits][sizes[hits] > IMPACT_DOT]):
-            wide = hits[sizes[hits] == size]
-            axes.plot(times[wide], tops[wide], **look, markersize=form * size, label="_", zorder=1.9)
+            wide_hits = hits[sizes[hits] == size]
+            axes.plot(
+                times[wide_hits], tops[wide_hits], **look, markersize=form * size, label="_", zorder=1.9
+            )
         for row in strongest & {*hits.tolist()}:
-            bold = {"color": PEAK_COLOUR, "markersize": form * IMPACT_DOT, "label": "_", "zorder": 2.1}
-            axes.plot(times[row], tops[row], **look | bold)
+            peak_style = {"color": PEAK_COLOUR, "markersize": form * IMPACT_DOT, "label": "_", "zorder": 2.1}
+            axes.plot(times[row], tops[row], **look | peak_style)
         goes_on = hits[ends[hits] - onsets[hits] > SEEN_CONTACT * span]
         if len(goes_on) and not are_told(figure, recording, goes_on):
             draw_contacts(axes, np.stack([onsets, ends])[:, goes_on], lanes, name, colour)
@@ -107,7 +109,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     if lanes:
         axes.axhline(0.0, color=GREY, linewidth=STEM, zorder=0.9)
         axes.spines["bottom"].set_position(("outward", ROWS_GAP + lanes * ROW))
-    at_stops, at_walls = bool(stopped.any()), not stopped.all() or not len(stopped)
+    at_stops, at_walls = bool(is_at_stop.any()), not is_at_stop.all() or not len(is_at_stop)
     # the names of the rows of contacts are below the axis, at its left
     name = scaled_name(axes.yaxis, *shown_values(recording, is_stop=not at_walls))
     axes.set_ylabel(name, loc="bottom" if lanes else "center")
@@ -142,9 +144,9 @@ def are_told(figure: Figure, recording: Recording, rows: np.ndarray) -> bool:
     """Return whether a panel of dry friction in the figure shows the contacts of the impacts in ``rows``."""
     if all(axes.get_label() != "friction" for axes in figure.axes):
         return False
-    shown = rubbing_places(recording)[:MOST_ROWS]
+    shown_places = rubbing_places(recording)[:MOST_ROWS]
     walls, names = recording.wall_names, recording.point_names
-    return all(element_label(recording.impacts[row], walls, names) in shown for row in rows)
+    return all(element_label(recording.impacts[row], walls, names) in shown_places for row in rows)
 
 
 def place_of_late_peaks(recording: Recording) -> str:
@@ -152,9 +154,9 @@ def place_of_late_peaks(recording: Recording) -> str:
 
     The words are in the legend or, in a narrow figure, whose legend lacks room, at the foot of the figure.
     """
-    late = impacts_at_peaks(recording)["onset"] > recording.impacts["onset"]
-    words, *_ = shown_values(recording, is_stop=bool(recording.is_at_joint_stop[late].all()))
-    return f"impacts, at the time of their {words}" if late.any() else ""
+    is_late = impacts_at_peaks(recording)["onset"] > recording.impacts["onset"]
+    words, *_ = shown_values(recording, is_stop=bool(recording.is_at_joint_stop[is_late].all()))
+    return f"impacts, at the time of their {words}" if is_late.any() else ""
 
 
 def draw_contacts(axes: Axes, spans: np.ndarray, lane: int, name: str, colour: str) -> None:
@@ -166,9 +168,9 @@ def draw_contacts(axes: Axes, spans: np.ndarray, lane: int, name: str, colour: s
     figure = axes.get_figure(root=True)
     assert figure is not None
     depth = ROWS_GAP + (0.5 + lane) * ROW  # [points] the distance of the row below the axes' lower edge
-    below = ScaledTranslation(0.0, -depth / 72.0, figure.dpi_scale_trans)
+    shift_below = ScaledTranslation(0.0, -depth / 72.0, figure.dpi_scale_trans)
     look: dict[str, Any] = {"color": colour, "linewidth": CONTACT, "alpha": 0.5, "zorder": 1.0}
-    look["transform"] = axes.get_xaxis_transform() + below
+    look["transform"] = axes.get_xaxis_transform() + shift_below
     lines = axes.hlines(np.zeros(spans.shape[1]), *spans, **look)
     # the lines are below the axes; they are cut off only at the left and right edge of the axes
     lines.set_clip_path(Rectangle((0.0, -1.0), 1.0, 2.0, transform=axes.transAxes))
@@ -256,8 +258,8 @@ def mark_sizes(
     for look, hits in enumerate(groups):
         looks[hits] = look
     for rows in common_marks(recording, times, tops).values():
-        present = np.unique(looks[rows])
-        covering = len(present) - np.searchsorted(present, looks[rows], side="right")
+        shown_looks = np.unique(looks[rows])
+        covering = len(shown_looks) - np.searchsorted(shown_looks, looks[rows], side="right")
         sizes[rows] += COVERED_RIM * covering
     return sizes
 
@@ -274,14 +276,16 @@ def point_groups(recording: Recording, tops: np.ndarray) -> list[tuple[str, dict
     names = [short_names(recording, what_touches(recording, row)) for row in impacts]
     members = list(zip(recording.is_at_joint_stop.tolist(), impacts["point"].tolist(), names, strict=True))
     hit = list(dict.fromkeys(members[row] for row in rows_by_height(tops)))
-    marked = sorted(hit if len(hit) <= MOST_OWN_MARKS else hit[: MOST_OWN_MARKS - 1])
-    marks = {is_stop: iter(known) for is_stop, known in ((False, POINT_MARKS), (True, STOP_MARKS))}
+    marked_members = sorted(hit if len(hit) <= MOST_OWN_MARKS else hit[: MOST_OWN_MARKS - 1])
+    marks = {
+        is_stop: iter(known_marks) for is_stop, known_marks in ((False, POINT_MARKS), (True, STOP_MARKS))
+    }
     groups = [
-        (member[-1], next(marks[member[0]]), np.array([other == member for other in members]))
-        for member in marked
+        (member[-1], next(marks[member[0]]), np.array([other_member == member for other_member in members]))
+        for member in marked_members
     ]
-    others = np.array([member not in marked for member in members], bool)
-    groups = [("others", OTHERS_MARK, others), *groups] if others.any() else groups
+    is_unmarked = np.array([member not in marked_members for member in members], bool)
+    groups = [("others", OTHERS_MARK, is_unmarked), *groups] if is_unmarked.any() else groups
     return [(name, dict(mark), np.flatnonzero(hits)) for name, mark, hits in groups]
 
 
@@ -293,26 +297,26 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
     coincide share a label (``numbers_of``). If an impact in ``marked_peaks`` has a label of its own, this
     label also has the force, moment or impulse, if there is room.
     """
-    times, high = marks_of(recording)
+    times, heights = marks_of(recording)
     if not len(times):
         return
     step = numbered_step(axes, recording)
-    common = {row: rows for rows in common_marks(recording, times, high).values() for row in rows}
+    common_rows = {row: rows for rows in common_marks(recording, times, heights).values() for row in rows}
     strongest = {peak.row: peak.value for peak in marked_peaks(recording)}
 
     def label(rows: Sequence[int]) -> Label:
         """Return the label of the impacts ``rows`` at the mark of the first one."""
-        (text, short), place = numbers_of(rows), (float(times[rows[0]]), float(high[rows[0]]))
+        (text, short), place = numbers_of(rows), (float(times[rows[0]]), float(heights[rows[0]]))
         if rows[0] in strongest and len(rows) == 1:
             value = strongest[rows[0]]
             return Label(f"{text}: {value}", place, short=text, look={"color": PEAK_COLOUR})
         return Label(text, place, short=short)
 
     tries = [[label([row]) for row in range(step - 1, len(times), step)]] if step > 1 else []
-    for rows in choices(rows_by_height(high).tolist()):
-        groups = {tuple(sorted(common[row], key=lambda row: -high[row])) for row in rows}
+    for rows in choices(rows_by_height(heights).tolist()):
+        groups = {tuple(sorted(common_rows[row], key=lambda row: -heights[row])) for row in rows}
         if len(groups) <= MOST_NUMBER_LABELS:
-            tries.append([label(group) for group in sorted(groups, key=lambda group: -high[group[0]])])
+            tries.append([label(group) for group in sorted(groups, key=lambda group: -heights[group[0]])])
     write_first_whole(axes, tries, ink, fontsize="small")
 
 
@@ -323,14 +327,14 @@ def numbered_step(axes: Axes, recording: Recording) -> int:
     (REGULAR, EQUAL_DISTANCES) that are too short for all numbers.
     """
     onsets = recording.impacts["onset"]
-    gaps = np.diff(onsets)
-    if len(gaps) < REGULAR or np.ptp(gaps) > EQUAL_DISTANCES * gaps.mean():
+    onset_gaps = np.diff(onsets)
+    if len(onset_gaps) < REGULAR or np.ptp(onset_gaps) > EQUAL_DISTANCES * onset_gaps.mean():
         return 1
     # a text of the width that a number needs: the longest number, and two spaces
     probe = axes.text(0.0, 0.0, f"{len(onsets)}  ", fontsize="small")
     width = probe.get_window_extent().width
     probe.remove()
     ends = axes.transData.transform([(onsets[0], 0.0), (onsets[-1], 0.0)])[:, 0]
-    gap = float(np.ptp(ends)) / len(gaps)
+    gap = float(np.ptp(ends)) / len(onset_gaps)
     steps: Iterator[int] = (step * 10**power for power in count() for step in (1, 2, 5))
-    return next(step for step in steps if step * gap >= width or step >= len(gaps))
+    return next(step for step in steps if step * gap >= width or step >= len(onset_gaps))

@@ -48,20 +48,20 @@ def shown_time(recording: Recording) -> ShownTime:
     resting = rests(recording)
     first, last = (float(recording.time[row]) for row in (0, -1))
     start, end = first, last
-    before = resting[0][1] - first if resting and resting[0][0] == first else 0.0
-    after = last - resting[-1][0] if resting and resting[-1][1] == last else 0.0
-    moving = last - first - before - after
-    if moving > 0.0 and before + after >= CUT_REST * (last - first):
+    rest_before = resting[0][1] - first if resting and resting[0][0] == first else 0.0
+    rest_after = last - resting[-1][0] if resting and resting[-1][1] == last else 0.0
+    moving_time = last - first - rest_before - rest_after
+    if moving_time > 0.0 and rest_before + rest_after >= CUT_REST * (last - first):
         start, end = (
-            max(first, first + before - REST_AT_START * moving),
-            min(last, last - after + REST_AT_END * moving),
+            max(first, first + rest_before - REST_AT_START * moving_time),
+            min(last, last - rest_after + REST_AT_END * moving_time),
         )
     cuts = [f"starts at {first:g} s"] * (start > first) + [f"ends at {last:g} s"] * (end < last)
-    told = f"the run {' and '.join(cuts)}" if cuts else ""
-    return ShownTime(start, end, resting, rest_word(recording) if resting else "", told)
+    cut_text = f"the run {' and '.join(cuts)}" if cuts else ""
+    return ShownTime(start, end, resting, rest_word(recording) if resting else "", cut_text)
 
 
-def shade_rests(axes: Axes, shown: ShownTime) -> None:
+def shade_rests(axes: Axes, shown_span: ShownTime) -> None:
     """Shade each time without motion in axes over time [s]."""
-    for low, high in shown.rests:
+    for low, high in shown_span.rests:
         axes.axvspan(low, high, color=faint_colour(axes, SHADE), linewidth=0.0, zorder=-1)

@@ -45,11 +45,13 @@ def shown_contact(impact: np.void, time: np.ndarray, force: np.ndarray) -> float
     """
     if not len(time):
         return 0.0
-    lasting = float(np.ptp(time))
+    duration = float(np.ptp(time))
     speed = max(impact["impact_speed"], SLOWEST)
     peak = float(time[np.argmax(force >= PEAK * force.max())] - time[0])
-    near = max(LONGEST_IMPACT * np.nan_to_num(impact["max_penetration"]) / speed, PEAK_TIMES_SHOWN * peak)
-    return near if lasting > MUCH_LONGER * near else lasting
+    near_duration = max(
+        LONGEST_IMPACT * np.nan_to_num(impact["max_penetration"]) / speed, PEAK_TIMES_SHOWN * peak
+    )
+    return near_duration if duration > MUCH_LONGER * near_duration else duration
 
 
 def is_alone(recording: Recording) -> bool:
@@ -73,12 +75,12 @@ def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray
     if (course := course_in_run(recording, row)) is not None:
         return (row, course.time, course.force) if len(course.time) else None
     end = recording.time[-1] if lasts(impact) else impact["end"]
-    inside = (recording.time >= impact["onset"]) & (recording.time <= end)
+    is_inside = (recording.time >= impact["onset"]) & (recording.time <= end)
     place = int(impact["point"]), recording.wall_names[impact["wall"]]
     force = recording.contact_forces.get(place)
-    if force is None or np.count_nonzero(inside) < LEAST_CONTACT_ROWS:
+    if force is None or np.count_nonzero(is_inside) < LEAST_CONTACT_ROWS:
         return None
-    return row, recording.time[inside], force[inside]
+    return row, recording.time[is_inside], force[is_inside]
 
 
 def draw_one_impact(axes: Axes, recording: Recording) -> None:
@@ -88,22 +90,22 @@ def draw_one_impact(axes: Axes, recording: Recording) -> None:
     axis tell that the axis ends before the contact. If ``course_of_hardest`` knows no force, a text says
     this.
     """
-    found = course_of_hardest(recording)
-    if found is None:
+    hardest_course = course_of_hardest(recording)
+    if hardest_course is None:
         axes.text(0.5, 0.5, "no force over time is known", transform=axes.transAxes, ha="center", color=INK)
         return
-    row, time, force = found
+    row, time, force = hardest_course
     impact = recording.impacts[row]
     factor, unit = prefixed_unit(shown_contact(impact, time, force), "s")
-    along, up, force_unit = curve_of(recording, found)
+    times, forces, force_unit = curve_of(recording, hardest_course)
     duration = float(impact["end"] - impact["onset"])
-    lasting = "lasts to the end" if lasts(impact) else f"lasts {force_text(duration, 's')}"
-    words = f"impact {row + 1}, {lasting}"
-    axes.fill_between(along, up, color=PEAK_COLOUR, alpha=OPACITY, linewidth=0.0, label=words)
-    axes.plot(along, up, color=PEAK_COLOUR, linewidth=1.4)
-    shown = factor * shown_contact(impact, time, force)
-    axes.set(xlim=(-0.03 * shown, 1.03 * shown), ylim=(0.0, HEADROOM * float(up.max())))
-    if shown < along[-1]:
+    duration_words = "lasts to the end" if lasts(impact) else f"lasts {force_text(duration, 's')}"
+    words = f"impact {row + 1}, {duration_words}"
+    axes.fill_between(times, forces, color=PEAK_COLOUR, alpha=OPACITY, linewidth=0.0, label=words)
+    axes.plot(times, forces, color=PEAK_COLOUR, linewidth=1.4)
+    shown_ends = factor * shown_contact(impact, time, force)
+    axes.set(xlim=(-0.03 * shown_ends, 1.03 * shown_ends), ylim=(0.0, HEADROOM * float(forces.max())))
+    if shown_ends < times[-1]:
         axes.plot(BREAK, [0.0, 0.0], marker=SLASH, **BREAK_LOOK, transform=axes.transAxes)
     axes.set_xlabel(f"time after the onset [{unit}]")
     axes.set_ylabel(f"{'moment' if recording.is_joint_stop(impact['wall']) else 'force'} [{force_unit}]")
@@ -129,10 +131,12 @@ def curve_of(
 
 def number_one_impact(axes: Axes, recording: Recording, ink: Ink) -> None:
     """Write the peak force or moment at the curve of ``draw_one_impact``."""
-    if found := course_of_hardest(recording):
-        along, up, _ = curve_of(recording, found)
-        top, peak = int(up.argmax()), recording.impacts["peak_force"][found[0]]
-        unit = unit_at("peak_force", stop=recording.is_joint_stop(recording.impacts["wall"][found[0]]))
-        place = float(along[top]), float(up[top])
+    if hardest_course := course_of_hardest(recording):
+        times, forces, _ = curve_of(recording, hardest_course)
+        top, peak = int(forces.argmax()), recording.impacts["peak_force"][hardest_course[0]]
+        unit = unit_at(
+            "peak_force", stop=recording.is_joint_stop(recording.impacts["wall"][hardest_course[0]])
+        )
+        place = float(times[top]), float(forces[top])
         label = Label(force_text(float(peak), unit), place, look={"color": PEAK_COLOUR})
         place_labels(axes, [label], ink, lines=True, fontsize="small")

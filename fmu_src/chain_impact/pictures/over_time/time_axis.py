@@ -35,8 +35,8 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
 
     The label of the axis of time is below the bar.
     """
-    shown = shown_time(recording)
-    start, end = shown.start, max(shown.end, shown.start + 1e-9)
+    time_span = shown_time(recording)
+    start, end = time_span.start, max(time_span.end, time_span.start + 1e-9)
     axes.set_axes_locator(_slim_box)
     axes.imshow(np.linspace([0.0], [1.0], 256).T, TIME_COLOURS, aspect="auto", extent=(start, end, 0, 1))
     label_time(axes, recording)
@@ -55,9 +55,9 @@ def _slim_box(axes: Any, _: Any) -> Bbox:
 
 def label_time(axes: Axes, recording: Recording) -> None:
     """Give the x axis the label and the limits of the shown time."""
-    shown = shown_time(recording)
-    margin = TIME_MARGIN * max(shown.end - shown.start, 1e-9)
-    axes.set(xlabel=name_time(axes, shown.end), xlim=(shown.start - margin, shown.end + margin))
+    time_span = shown_time(recording)
+    margin = TIME_MARGIN * max(time_span.end - time_span.start, 1e-9)
+    axes.set(xlabel=name_time(axes, time_span.end), xlim=(time_span.start - margin, time_span.end + margin))
 
 
 def add_time_keys(axes: Axes, recording: Recording, *, is_marked: bool) -> None:
@@ -66,8 +66,8 @@ def add_time_keys(axes: Axes, recording: Recording, *, is_marked: bool) -> None:
     The entry for times without motion also tells cut ends of the run. Call the function before the legend of
     the axes is made.
     """
-    shown = shown_time(recording)
-    if is_marked and impact_lines(recording, shown.start, shown.end):
+    time_span = shown_time(recording)
+    if is_marked and impact_lines(recording, time_span.start, time_span.end):
         look: dict[str, Any] = {
             "color": faint_colour(axes, TICK),
             "marker": "|",
@@ -75,8 +75,8 @@ def add_time_keys(axes: Axes, recording: Recording, *, is_marked: bool) -> None:
             "gid": KEY,
         }
         axes.plot([], [], linestyle="", label="impacts", **look)
-    if shown.rests:
-        words = ", ".join(filter(None, (shown.word, shown.cuts)))
+    if time_span.rests:
+        words = ", ".join(filter(None, (time_span.word, time_span.cuts)))
         look = {"color": faint_colour(axes, 2.0 * SHADE), "linewidth": 0.0, "gid": KEY}
         axes.add_patch(Rectangle((0.0, 0.0), 0.0, 0.0, label=words, **look))
 

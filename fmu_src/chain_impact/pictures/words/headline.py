@@ -79,8 +79,8 @@ class Peak(NamedTuple):
         """The quantity and its value: "peak force 12.6 kN", "30 equal impulses of 0.981 N·s"."""
         if self.equal == 1:
             return f"{self.words} {self.value}"
-        quantity, *at = self.words.removeprefix("largest ").split(" at ")
-        return f"{self.equal} equal {' at '.join([f'{quantity}s', *at])} of {self.value}"
+        quantity, *place = self.words.removeprefix("largest ").split(" at ")
+        return f"{self.equal} equal {' at '.join([f'{quantity}s', *place])} of {self.value}"
 
 
 def headline(recording: Recording, first: str | None = None, *, short: bool = False) -> str:
@@ -111,17 +111,17 @@ def energy_texts(recording: Recording) -> list[str]:
     inputs supply or take is left out if it is round-off, not known, or at most LITTLE_SUPPLIED × the
     dissipated one. Of a supplied energy that oscillates (MANY_TURNS), the range is told.
     """
-    lost, supplied = (
+    lost_energy, supplied = (
         float(recording.energies.get(name, np.zeros(1))[-1]) for name in ("dissipated", "supplied")
     )
-    least = NO_LOSS * np.abs(recording.energies.get("total", np.zeros(1))).max()
-    parts = [f"{lost:.3g} J dissipated"] if lost > least else []
+    least_loss = NO_LOSS * np.abs(recording.energies.get("total", np.zeros(1))).max()
+    parts = [f"{lost_energy:.3g} J dissipated"] if lost_energy > least_loss else []
     course = recording.energies.get("supplied", np.zeros(1))
     low, high = float(course.min()), float(course.max())
-    if high - low > least and len(turning_rows(course, LARGE_TURN * (high - low))) > MANY_TURNS:
+    if high - low > least_loss and len(turning_rows(course, LARGE_TURN * (high - low))) > MANY_TURNS:
         ends = f"{low:.2g} and {high:.2g} J".replace("-", "−")
         return [*parts, f"supplied energy oscillates between {ends}"]
-    if abs(supplied) > max(least, LITTLE_SUPPLIED * lost):
+    if abs(supplied) > max(least_loss, LITTLE_SUPPLIED * lost_energy):
         parts.append(f"{abs(supplied):.3g} J {'supplied' if supplied > 0.0 else 'taken'} by drives")
     return parts
 
@@ -169,8 +169,8 @@ def write_head(
     results = [*first, *hits, "" if short else load]
     if short and not title:
         results += [*([impact_count_text(recording)] if lead else []), *energy_texts(recording)]
-    known = conditions(recording, *results, touches=has_contact(recording), short=short)
-    write_headline(figure, title or headline(recording, lead, short=short), known, *lines)
+    condition_texts = conditions(recording, *results, touches=has_contact(recording), short=short)
+    write_headline(figure, title or headline(recording, lead, short=short), condition_texts, *lines)
 
 
 def peaks(recording: Recording) -> list[Peak]:
@@ -182,13 +182,13 @@ def peaks(recording: Recording) -> list[Peak]:
     found = []
     for is_stop in (False, True):
         words, unit, values = impact_values(recording, is_stop=is_stop)
-        largest = float(values.max(initial=0.0))
-        if largest > 0.0:
+        top = float(values.max(initial=0.0))
+        if top > 0.0:
             if words in (IMPULSE, HIT_IMPULSE):
                 order = "largest " if np.count_nonzero(values) > 1 else ""
                 words = f"{order}{words}{' at a stop' if is_stop else ''}"
-            equal = np.flatnonzero(values >= (1.0 - SAME_PEAK) * largest)
-            found.append(Peak(words, force_text(largest, unit), int(equal[0]), len(equal)))
+            rows = np.flatnonzero(values >= (1.0 - SAME_PEAK) * top)
+            found.append(Peak(words, force_text(top, unit), int(rows[0]), len(rows)))
     return found
 
 
@@ -237,11 +237,11 @@ def impact_values(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.
     # force says nothing on the bounces
     is_impulsive = has_impulses(law_at(recording, is_stop=is_stop))
     if is_impulsive or ((forces == 0.0) & (impulses > 0.0)).any():
-        ended = impulses * ~lasts(impacts)
-        words, shown = (
-            (IMPULSE, ended) if ended.any() else (HIT_IMPULSE, impulses_of_hits(recording) * is_own)
+        totals = impulses * ~lasts(impacts)
+        words, values = (
+            (IMPULSE, totals) if totals.any() else (HIT_IMPULSE, impulses_of_hits(recording) * is_own)
         )
-        return words, unit_at("impulse", stop=is_stop), shown
+        return words, unit_at("impulse", stop=is_stop), values
     return f"peak {'moment' if is_stop else 'force'}", unit_at("peak_force", stop=is_stop), forces
 
 
@@ -252,17 +252,17 @@ def impulses_of_hits(recording: Recording) -> np.ndarray:
     the run, the time integral of the contact's force is subtracted, because it grows with the duration of the
     run; the result is then 0 if this force is not known. An unknown impulse counts as 0.
     """
-    impacts, time, found = recording.impacts, recording.time, np.nan_to_num(recording.impacts["impulse"])
+    impacts, time, impulses = recording.impacts, recording.time, np.nan_to_num(recording.impacts["impulse"])
     forces = recording.contact_forces
     for row in np.flatnonzero(lasts(impacts)):
         onset, wall = impacts["onset"][row], recording.wall_names[impacts["wall"][row]]
         force, first = forces.get((int(impacts["point"][row]), wall)), np.searchsorted(time, onset)
         if force is None or first == len(time):
-            found[row] = 0.0
+            impulses[row] = 0.0
             continue
-        held = np.append(force[first], force[first:])
-        found[row] = max(0.0, found[row] - np.trapezoid(held, np.append(onset, time[first:])))
-    return np.asarray(found)
+        held_forces = np.append(force[first], force[first:])
+        impulses[row] = max(0.0, impulses[row] - np.trapezoid(held_forces, np.append(onset, time[first:])))
+    return np.asarray(impulses)
 
 
 def peak_impact_words(recording: Recording, peak: Peak, *, valued: bool) -> str:
@@ -284,11 +284,10 @@ def place_words(recording: Recording, row: int) -> str:
     """
     impact, peak = recording.impacts[row], peak_time(recording, row)
     factor, unit = time_unit(recording.duration)
-    at = f"{factor * impact['onset']:.4g} {unit}"
-    later = f", peak at {factor * peak:.4g} {unit}" if peak > impact["onset"] else ""
-    return (
-        f"impact {row + 1}: {brief_hit(recording, impact)} at {at} with {speed_text(recording, row)}{later}"
-    )
+    onset_text = f"{factor * impact['onset']:.4g} {unit}"
+    peak_text = f", peak at {factor * peak:.4g} {unit}" if peak > impact["onset"] else ""
+    speed = speed_text(recording, row)
+    return f"impact {row + 1}: {brief_hit(recording, impact)} at {onset_text} with {speed}{peak_text}"
 
 
 def load_text(recording: Recording) -> str:
@@ -297,18 +296,18 @@ def load_text(recording: Recording) -> str:
     If the recording does not have the forces, they come from a repeated run. The result is "" if no joint
     bears a force, or if the forces remain unknown.
     """
-    known = joint_peaks(recording)
-    if not known and (
-        again := recording.row_of_other_run({"outputs.loads": True}, float(recording.time[-1]))
+    known_peaks = joint_peaks(recording)
+    if not known_peaks and (
+        loaded_run := recording.row_of_other_run({"outputs.loads": True}, float(recording.time[-1]))
     ):
-        known = joint_peaks(again)
-    largest = next(iter(known), None)
-    if largest is None or not largest.force > 0.0:
+        known_peaks = joint_peaks(loaded_run)
+    largest_name = next(iter(known_peaks), None)
+    if largest_name is None or not largest_name.force > 0.0:
         return ""
     factor, unit = time_unit(recording.duration)
     return (
-        f"joint {largest.joint} bears up to {force_text(largest.force, 'N')} in the run, "
-        f"{'by' if largest.kind == LARGEST_OF_ROWS else 'at'} {factor * largest.time:.5g} {unit}"
+        f"joint {largest_name.joint} bears up to {force_text(largest_name.force, 'N')} in the run, "
+        f"{'by' if largest_name.kind == LARGEST_OF_ROWS else 'at'} {factor * largest_name.time:.5g} {unit}"
     )
 
 
@@ -353,30 +352,30 @@ def joint_words(recording: Recording) -> list[str]:
     The damping of a powered drive, with a target or a limit, is "servo damping": its work is work of the
     drive, and not dissipated energy.
     """
-    known, largest = recording.parameters, dict[tuple[str, str], float]()
+    values, limits = recording.parameters, dict[tuple[str, str], float]()
     has_targets = any(name.endswith(".target_angle") for name in (*recording.columns, *recording.inputs))
-    for name, value in known.items():
+    for name, value in values.items():
         owner, _, key = name.rpartition(".")
         if (unit := JOINT_LOSSES.get(key)) and value:
-            is_servo = key == "joint_damping" and (has_targets or known.get(f"{owner}.joint_torque_limit"))
+            is_servo = key == "joint_damping" and (has_targets or values.get(f"{owner}.joint_torque_limit"))
             words = "servo damping" if is_servo else key.replace("_", " ")
-            largest[words, unit] = max(value, largest.get((words, unit), 0.0))
-    return [f"{words} ≤ {most:g} {unit}" for (words, unit), most in sorted(largest.items())]
+            limits[words, unit] = max(value, limits.get((words, unit), 0.0))
+    return [f"{words} ≤ {limit:g} {unit}" for (words, unit), limit in sorted(limits.items())]
 
 
 def contact_words(recording: Recording) -> list[str]:
     """Return words for the law, the restitution and the stiffness of walls, as far as known and in use."""
-    known, parts = recording.parameters, []
-    law = known.get("contact.model", "")
+    values, parts = recording.parameters, []
+    law = values.get("contact.model", "")
     if law:
         parts.append(f"law {law}")
-    if "contact.restitution" in known:
+    if "contact.restitution" in values:
         if uses_restitution(law):
-            parts.append(f"restitution e = {known['contact.restitution']:g}")
+            parts.append(f"restitution e = {values['contact.restitution']:g}")
         # an impulsive law uses no stiffness
         if not has_impulses(law):
-            unit = raise_exponents(stiffness_unit("N/m", known["contact.exponent"]))
-            parts.append(f"stiffness K = {number_text(known['contact.stiffness'])} {unit}")
+            unit = raise_exponents(stiffness_unit("N/m", values["contact.exponent"]))
+            parts.append(f"stiffness K = {number_text(values['contact.stiffness'])} {unit}")
     return parts
 
 

@@ -32,11 +32,11 @@ def write_first_whole(axes: Axes, tries: Iterable[Sequence[Label]], ink: Ink, **
 
     ``options`` are keywords of ``place_labels``.
     """
-    before, free = {*axes.texts}, ink.pixels()
+    earlier_texts, free_pixels = {*axes.texts}, ink.pixels()
     for labels in tries:
-        for text in {*axes.texts} - before:
+        for text in {*axes.texts} - earlier_texts:
             text.remove()
-        ink.restore(free)
+        ink.restore(free_pixels)
         if not place_labels(axes, labels, ink, **options):
             return
 
@@ -47,8 +47,8 @@ def numbers_of(rows: Sequence[int]) -> tuple[str, str]:
     The text has all numbers or, if they are more than MOST_IN_LABEL items, the number of the first impact in
     ``rows`` and how many more there are: "5 + 14 more". The short text is "5, …".
     """
-    whole, first = number_list(row + 1 for row in rows), f"{rows[0] + 1}"
-    text = whole if whole.count(",") < MOST_IN_LABEL else f"{first} + {len(rows) - 1} more"
+    whole_list, first = number_list(row + 1 for row in rows), f"{rows[0] + 1}"
+    text = whole_list if whole_list.count(",") < MOST_IN_LABEL else f"{first} + {len(rows) - 1} more"
     return text, min(f"{first}, …" if len(rows) > 1 else first, text, key=len)
 
 

@@ -53,9 +53,9 @@ def full_names(recording: Recording) -> str:
     The panels name the points with impacts at walls or with phases of dry friction at walls, and shorten a
     name that is longer than LONGEST_NAME.
     """
-    shown = {*recording.impacts["point"][~recording.is_at_joint_stop].tolist()}
-    shown |= {int(phase["point"]) for phase in recording.stick_slip if phase["wall"] >= 0}
+    shown_points = {*recording.impacts["point"][~recording.is_at_joint_stop].tolist()}
+    shown_points |= {int(phase["point"]) for phase in recording.stick_slip if phase["wall"] >= 0}
     names = recording.point_names
     return SEPARATOR.join(
-        f"point {k}: {names[k]}" for k in sorted(shown & names.keys()) if len(names[k]) > LONGEST_NAME
+        f"point {k}: {names[k]}" for k in sorted(shown_points & names.keys()) if len(names[k]) > LONGEST_NAME
     )

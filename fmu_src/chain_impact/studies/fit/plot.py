@@ -121,13 +121,13 @@ def fill(figure: Figure, fit: Estimates) -> None:
     """Draw a panel for each of the first MOST_FIT_PANELS columns, and the headline, on an empty figure."""
     names = list(fit.columns)[:MOST_FIT_PANELS]
     widths = [1] if is_narrow(figure) else _widths(names)
-    across, rows = len(widths), math.ceil(len(names) / len(widths))
+    columns, rows = len(widths), math.ceil(len(names) / len(widths))
     # one grid for all panels: then their axes stand exactly below each other
     shape = {"width_ratios": widths, "height_ratios": [*PANEL_PARTS] * rows}
-    grid = figure.add_gridspec(len(PANEL_PARTS) * rows, across, **shape)
+    grid = figure.add_gridspec(len(PANEL_PARTS) * rows, columns, **shape)
     results, has_lines = [_model(fit, k) for k in range(len(fit.data))], False
     for k, name in enumerate(names):
-        row, column = divmod(k, across)
+        row, column = divmod(k, columns)
         # the last panel is as wide as its row, but not a panel of impacts, which has few values
         is_alone = k == len(names) - 1 and not column and name not in MEASURED_OF_IMPACT
         cells = [grid[2 * row + part, slice(None) if is_alone else column] for part in (0, 1)]
@@ -135,28 +135,30 @@ def fill(figure: Figure, fit: Estimates) -> None:
         has_lines |= _panel(values, figure.add_subplot(cells[1], sharex=values), fit, name, results)
     residuals = figure.axes[1::2]
     for k, axes in enumerate(residuals):
-        below = residuals[k + across : k + across + 1] or residuals[-1:] * (len(names) % across == 1)
-        if any(other is not axes and other.get_xlabel() == axes.get_xlabel() for other in below):
+        neighbours = residuals[k + columns : k + columns + 1] or residuals[-1:] * (len(names) % columns == 1)
+        if any(
+            neighbour is not axes and neighbour.get_xlabel() == axes.get_xlabel() for neighbour in neighbours
+        ):
             axes.set_xlabel("")
     poor = ", ".join(alike_neighbours(fit))
     warning = f"errors are too small: neighbouring residuals of {poor} are correlated"
-    more = [f"rms residual {number_text(misfit(fit, fit), 3)} σ", strongest_correlation(fit)]
+    notes = [f"rms residual {number_text(misfit(fit, fit), 3)} σ", strongest_correlation(fit)]
     if len(names) < len(fit.columns):
-        more.append(f"{len(names)} of {len(fit.columns)} columns")
+        notes.append(f"{len(names)} of {len(fit.columns)} columns")
     if len(fit.estimated) < len(fit.columns):
-        more.append(f"χ² per degree of freedom {number_text(fit.reduced_chi_squared, 3)}")
+        notes.append(f"χ² per degree of freedom {number_text(fit.reduced_chi_squared, 3)}")
     marks = "bars and bands" if any(name in MEASURED_OF_IMPACT for name in names) else "bands"
-    more.append(f"±: standard error; Δ: model − data; {marks}: ± {USUAL_RESIDUAL:g} σ")
+    notes.append(f"±: standard error; Δ: model − data; {marks}: ± {USUAL_RESIDUAL:g} σ")
     if any(line.get_label() == MEAN for axes in figure.axes for line in axes.lines):
-        more.append("line through Δ: its running mean")
+        notes.append("line through Δ: its running mean")
     if has_lines:
-        more.append("grey lines: impacts of the model")
+        notes.append("grey lines: impacts of the model")
     texts = _estimate_texts(fit)
-    kept = 1 if is_narrow(figure) else MOST_IN_TITLE
+    note_count = 1 if is_narrow(figure) else MOST_IN_TITLE
     size = heading(fit, ": ").partition(": ")[2]
-    title = f"{fit.scene.name}: {', '.join(texts[:kept])}"
+    title = f"{fit.scene.name}: {', '.join(texts[:note_count])}"
     lines = [(warning, PEAK_COLOUR)] if poor else []
-    write_headline(figure, title, SEPARATOR.join(filter(None, [*texts[kept:], *more, size])), *lines)
+    write_headline(figure, title, SEPARATOR.join(filter(None, [*texts[note_count:], *notes, size])), *lines)
     figure.align_ylabels()
     settle(figure)
 
@@ -178,18 +180,18 @@ def fill_ranking(figure: Figure, fit: Estimates) -> None:
     The best law is on top. A law without a fit has no dot. If a dot is beyond SUPPORT_LIMIT, the axis is
     logarithmic beyond SUPPORT_LIMIT.
     """
-    above = [math.nan if entry.fit is None else max(0.0, entry.fit.aic - fit.aic) for entry in fit.ranking]
-    most = float(np.nanmax(above))
+    excesses = [math.nan if entry.fit is None else max(0.0, entry.fit.aic - fit.aic) for entry in fit.ranking]
+    largest_excess = float(np.nanmax(excesses))
     bars = Bars(
         names=[entry.law for entry in fit.ranking],
-        values=above,
+        values=excesses,
         texts=[
             "–"
             if entry.fit is None
             else number_text(round(value, 1), 2)
             if value < SUPPORT_LIMIT
             else f"{value:.0f}"
-            for entry, value in zip(fit.ranking, above, strict=True)
+            for entry, value in zip(fit.ranking, excesses, strict=True)
         ],
         label="ΔAIC",
         heading="ΔAIC",
@@ -201,17 +203,17 @@ def fill_ranking(figure: Figure, fit: Estimates) -> None:
     texts.append("blue: as good as the best law")
     open_ended = ", ".join(entry.law for entry in fit.ranking if entry.fit and not entry.fit.converged)
     texts += [f"did not converge: {open_ended}"] if open_ended else []
-    if most > SUPPORT_LIMIT:
+    if largest_excess > SUPPORT_LIMIT:
         texts.append(f"from {SUPPORT_LIMIT:g} on (dashed): hardly supported")
-    others = count_of_best(fit) - 1
-    laws = f"{fit.law} and {count_text(others, 'other law')} fit equally well" if others else ""
+    other_count = count_of_best(fit) - 1
+    laws = f"{fit.law} and {count_text(other_count, 'other law')} fit equally well" if other_count else ""
     write_headline(figure, heading(fit, ": ", laws), SEPARATOR.join(texts))
     axes = figure.subplots()
-    draw_bars(axes, bars, (0.0, most or 1.0), small=is_narrow(figure))
+    draw_bars(axes, bars, (0.0, largest_excess or 1.0), is_small=is_narrow(figure))
     axes.axvline(SUPPORT_LIMIT, color=INK, linewidth=0.8, linestyle="--")
-    if most > SUPPORT_LIMIT:
+    if largest_excess > SUPPORT_LIMIT:
         axes.set_xscale("symlog", linthresh=SUPPORT_LIMIT)
-        axes.set_xlim(0.0, 2.0 * most)
+        axes.set_xlim(0.0, 2.0 * largest_excess)
     settle(figure)
 
 
@@ -220,13 +222,13 @@ def _ranges(fit: Estimates, tied: Sequence[Estimates]) -> list[str]:
 
     There is a text for each of the first MOST_ESTIMATES parameters.
     """
-    found = []
+    value_ranges = []
     for parameter in fit.parameters[:MOST_ESTIMATES]:
-        values = [each.values[parameter.label] for each in tied]
+        values = [tied_fit.values[parameter.label] for tied_fit in tied]
         ends = " to ".join(dict.fromkeys(number_text(end(values), 3) for end in (min, max)))
         unit = scene_unit(parameter.unit, fit.scene)
-        found.append(f"{parameter.label} {raise_exponents(with_unit(ends, unit))} under these laws")
-    return found
+        value_ranges.append(f"{parameter.label} {raise_exponents(with_unit(ends, unit))} under these laws")
+    return value_ranges
 
 
 def strongest_correlation(fit: Estimates) -> str:
@@ -235,9 +237,9 @@ def strongest_correlation(fit: Estimates) -> str:
     if not pairs.any():
         return ""
     i, j = np.unravel_index(int(np.abs(pairs).argmax()), pairs.shape)
-    first, second = (list(fit.values)[k] for k in (i, j))
+    first_name, second_name = (list(fit.values)[k] for k in (i, j))
     value = f"{pairs[i, j]:.2f}".replace("-", "−")
-    return f"correlation {value} of {first} and {second}"
+    return f"correlation {value} of {first_name} and {second_name}"
 
 
 def _model(fit: Estimates, k: int) -> Result:
@@ -260,15 +262,15 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
     """
     parts = _columns(fit, name, results)
     over_impacts, has_lines = name in MEASURED_OF_IMPACT, False
-    several = len(fit.data) > 1
+    has_several = len(fit.data) > 1
     measured = np.concatenate([data_set.value for data_set in fit.data])
     scale, unit = axis_unit(fit.unit(name), [measured[fit.columns[name]]])
-    largest = float(np.nanmax(np.abs(fit.residuals / fit.sigma)[fit.columns[name]], initial=USUAL_RESIDUAL))
-    residuals.set(ylim=(-1.15 * largest, 1.15 * largest))
+    reach = float(np.nanmax(np.abs(fit.residuals / fit.sigma)[fit.columns[name]], initial=USUAL_RESIDUAL))
+    residuals.set(ylim=(-1.15 * reach, 1.15 * reach))
     residuals.axhspan(-USUAL_RESIDUAL, USUAL_RESIDUAL, color=PALE, zorder=0, linewidth=0)
     spread = Line2D([], [], linestyle="", label=f"σ = {sigma_of(fit, name)}")
     for colour, part in zip(_colours(len(parts)), parts, strict=True):
-        dots_label = f"data set {part.data_set + 1}" if several else "measured"
+        dots_label = f"data set {part.data_set + 1}" if has_several else "measured"
         mark_style: dict[str, Any] = {"linestyle": "", "marker": "o", "color": colour, "zorder": DATA_ABOVE}
         mark_style |= {"markersize": FIT_DOT, "markeredgewidth": 0, "label": dots_label}
         if over_impacts:
@@ -277,17 +279,17 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
             model = scale * (measured[part.rows] + fit.residuals[part.rows])
             values.plot(part.at, model, "_", color=MODEL, **MODEL_DASH)
         else:
-            look = {"color": colour} if several else {"color": MODEL, "label": "model"}
+            look = {"color": colour} if has_several else {"color": MODEL, "label": "model"}
             run = results[part.data_set]
             has_lines |= _curve((values, residuals), run, scale * run[name], part.at.max(), look)
             step = math.ceil(len(part.rows) / MOST_DOTS)
             mark_style |= {"markevery": step} | ({"label": f"{dots_label} (1 of {step})"} if step > 1 else {})
             values.plot(part.at, scale * measured[part.rows], **mark_style)
-        off = fit.residuals[part.rows] / fit.sigma[part.rows]
-        residuals.plot(part.at, off, ".", color=colour, markersize=3)
-        if not over_impacts and len(off) >= LEAST_FOR_MEAN:
-            means = running_means(part.at, off)
-            residuals.plot(*means, color=colour if several else MODEL, linewidth=1.4, label=MEAN)
+        ratios = fit.residuals[part.rows] / fit.sigma[part.rows]
+        residuals.plot(part.at, ratios, ".", color=colour, markersize=3)
+        if not over_impacts and len(ratios) >= LEAST_FOR_MEAN:
+            means = running_means(part.at, ratios)
+            residuals.plot(*means, color=colour if has_several else MODEL, linewidth=1.4, label=MEAN)
     values.set_ylabel(f"{name}{bracketed_unit(unit)}")
     values.tick_params(labelbottom=False)
     residuals.set_ylabel("Δ [σ]")
@@ -300,22 +302,22 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
         residuals.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     if len(parts) <= len(PALETTE):
         handles = values.get_legend_handles_labels()[0]
-        if over_impacts and not several:
+        if over_impacts and not has_several:
             handles = [Line2D([], [], color=MODEL, linewidth=1.8, label="model"), *handles]
         legend_above(values, [*handles, spread])
     return has_lines
 
 
-def running_means(at: np.ndarray, values: np.ndarray) -> np.ndarray:
+def running_means(times: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return the mean position and the mean value of each part of the values, shape (2, number of parts).
 
-    Each part has ⌊n/MEANS⌋ of the n values, successive ones in the order of their positions ``at``.
+    Each part has ⌊n/MEANS⌋ of the n values, successive ones in the order of their positions ``times``.
     Neighbouring parts share about half of their values.
     """
-    order, width = np.argsort(at, kind="stable"), len(at) // MEANS
-    starts = range(0, len(at) - width + 1, max(1, width // 2))
+    order, width = np.argsort(times, kind="stable"), len(times) // MEANS
+    starts = range(0, len(times) - width + 1, max(1, width // 2))
     rows = [order[start : start + width] for start in starts]
-    return np.array([[at[part].mean(), values[part].mean()] for part in rows]).T
+    return np.array([[times[part].mean(), values[part].mean()] for part in rows]).T
 
 
 def _curve(
@@ -326,12 +328,12 @@ def _curve(
     The curve has the values ``model`` at the times of ``result``. Curve and lines end at ``last`` [s], the
     time of the last measurement. Returns whether there is a line at an impact.
     """
-    onsets, until = result.impacts["onset"], result.time <= last
+    onsets, rows = result.impacts["onset"], result.time <= last
     onsets = onsets[onsets <= last]
     for axes in panels:
-        across: dict[str, Any] = {"linewidth": 0.6, "zorder": 0, "transform": axes.get_xaxis_transform()}
-        axes.vlines(onsets, 0.0, 1.0, faint_colour(axes, IMPACT_LINE), **across)
-    panels[0].plot(result.time[until], model[until], **{"linewidth": 1.8, "zorder": 4.0} | look)
+        mark_style: dict[str, Any] = {"linewidth": 0.6, "zorder": 0, "transform": axes.get_xaxis_transform()}
+        axes.vlines(onsets, 0.0, 1.0, faint_colour(axes, IMPACT_LINE), **mark_style)
+    panels[0].plot(result.time[rows], model[rows], **{"linewidth": 1.8, "zorder": 4.0} | look)
     return len(onsets) > 0
 
 
@@ -341,9 +343,11 @@ def _columns(fit: Estimates, name: str, results: list[Result]) -> list[Column]:
     for k, data in enumerate(fit.data):
         rows = np.flatnonzero(np.array(data.quantity) == name)
         if len(rows):
-            of = data.row[rows]
-            at = _numbers(data, of, results[k]) if name in MEASURED_OF_IMPACT else data.times[of]
-            columns.append(Column(k, first + rows, at))
+            data_rows = data.row[rows]
+            places = (
+                _numbers(data, data_rows, results[k]) if name in MEASURED_OF_IMPACT else data.times[data_rows]
+            )
+            columns.append(Column(k, first + rows, places))
         first += len(data)
     return columns
 
@@ -354,8 +358,8 @@ def _numbers(data: Measurements, rows: np.ndarray, result: Result) -> np.ndarray
     ``rows``: the indices of the K measured impacts in ``data.impacts``; ``result``: the model's run. The
     number is NaN if the model lacks the impact.
     """
-    matches = (data.impacts[row].find(result.impacts) for row in rows)
-    return np.array([np.nan if match is None else match + 1.0 for match in matches])
+    found_rows = (data.impacts[row].find(result.impacts) for row in rows)
+    return np.array([np.nan if match is None else match + 1.0 for match in found_rows])
 
 
 def _colours(count: int) -> list[str]:
@@ -369,8 +373,8 @@ def _estimate_texts(fit: Estimates) -> list[str]:
     If there are more parameters, the last text has the number of these.
     """
     texts = [_estimate_text(fit, label) for label in fit.values]
-    left = len(texts) - MOST_ESTIMATES
-    return texts[:MOST_ESTIMATES] + ([f"{left} more parameters"] if left > 0 else [])
+    rest_count = len(texts) - MOST_ESTIMATES
+    return texts[:MOST_ESTIMATES] + ([f"{rest_count} more parameters"] if rest_count > 0 else [])
 
 
 def _estimate_text(fit: Estimates, label: str) -> str:
@@ -383,9 +387,9 @@ def _estimate_text(fit: Estimates, label: str) -> str:
     """
     parameter = next(parameter for parameter in fit.parameters if parameter.label == label)
     value, error = fit.values[label], fit.standard_errors[label]
-    if which := fit.at_bounds.get(label):
+    if bound := fit.at_bounds.get(label):
         text = with_unit(number_text(value, 4), scene_unit(parameter.unit, fit.scene))
-        return f"{label} at its {which} bound {raise_exponents(text)}"
+        return f"{label} at its {bound} bound {raise_exponents(text)}"
     size = size_of(parameter, value, error / parameter.slope(value))
     unit = scene_unit(parameter.unit, fit.scene)
     decimals = 1 - math.floor(math.log10(error)) if 0.0 < error < math.inf else -1

@@ -53,20 +53,28 @@ def draw_maps(
     panels: Sequence[Axes],
     runs: Runs,
     quantities: Sequence[Quantity],
-    over: Sequence[Variation],
+    variations: Sequence[Variation],
 ) -> None:
     """Draw a map of each quantity in its panel: a coloured cell for each pair of values of two parameters.
 
-    ``over``: the parameter of the horizontal axis, and that of the vertical axis. With a third parameter,
-    there is a single quantity, with a map for each value of this parameter; all maps share their colours.
+    ``variations``: the parameter of the horizontal axis, and that of the vertical axis. With a third
+    parameter, there is a single quantity, with a map for each value of this parameter; all maps share their
+    colours.
     """
-    first, second, *third = over
-    scales, own = (axis_of(first), axis_of(second)), [own_value(runs, first), own_value(runs, second)]
-    missed = [_tables(runs, quantity.is_without_touch(runs), over).astype(bool) for quantity in quantities]
-    every = [_tables(runs, quantity.values_or_nan(runs), over) for quantity in quantities]
-    of_each = [list(panels)] if third else [[axes] for axes in panels]
-    for quantity, group, tables, untouched in zip(quantities, of_each, every, missed, strict=True):
-        _draw_group(group, scales, quantity, tables, own)
+    first_variation, second_variation, *third_variations = variations
+    scales, own_values = (
+        (axis_of(first_variation), axis_of(second_variation)),
+        [own_value(runs, first_variation), own_value(runs, second_variation)],
+    )
+    missed_tables = [
+        _tables(runs, quantity.is_without_touch(runs), variations).astype(bool) for quantity in quantities
+    ]
+    value_tables = [_tables(runs, quantity.values_or_nan(runs), variations) for quantity in quantities]
+    of_each = [list(panels)] if third_variations else [[axes] for axes in panels]
+    for quantity, group, tables, untouched in zip(
+        quantities, of_each, value_tables, missed_tables, strict=True
+    ):
+        _draw_group(group, scales, quantity, tables, own_values)
         for axes, cells in zip(group, untouched, strict=True):
             hatch(axes, scales, cells)
     for axes in panels:
@@ -77,77 +85,85 @@ def draw_maps(
                 axis.set_ticks(range(len(scale.names)), scale.names)
         if scales[0].names:
             axes.tick_params(axis="x", rotation=90)
-    near = _name_maps(panels, runs, over)
+    nearest = _name_maps(panels, runs, variations)
     # a map with numbers in its cells has no room for the name of the mark
-    is_named = bool(third) or not has_numbers(every[0])
-    marked = [panels[near[0]]] if near else [] if third else panels
-    for axes in marked if None not in own else ():
-        mark_scene(axes, own, named=is_named)
+    is_named = bool(third_variations) or not has_numbers(value_tables[0])
+    marked_panels = [panels[nearest[0]]] if nearest else [] if third_variations else panels
+    for axes in marked_panels if None not in own_values else ():
+        mark_scene(axes, own_values, is_named=is_named)
     blank = max(
-        int(np.ma.getmaskarray(table).sum() - cells.sum()) for table, cells in zip(every, missed, strict=True)
+        int(np.ma.getmaskarray(table).sum() - cells.sum())
+        for table, cells in zip(value_tables, missed_tables, strict=True)
     )
     failed = int(runs.failed.sum())
     causes = ["failed"] * (failed > 0) + ["only impulses"] * (blank > failed)
     entries: list[Any] = [Patch(facecolor=FAILED_COLOUR, label=" or ".join(causes))] if blank else []
-    if marked and None not in own and not is_named:
+    if marked_panels and None not in own_values and not is_named:
         entries.append(Line2D([], [], **SCENE_MARK | {"label": "scene"}))
-    if near and (None in own or not near[1]):
-        label = "scene" if near[1] else "nearest to the scene"
+    if nearest and (None in own_values or not nearest[1]):
+        label = "scene" if nearest[1] else "nearest to the scene"
         entries.append(Patch(facecolor="none", edgecolor=INK, linewidth=NEAREST_FRAME, label=label))
-    if any(cells.any() for cells in missed):
+    if any(cells.any() for cells in missed_tables):
         entries.append(Patch(label=NO_IMPACT, **HATCHED_STYLE))
     if entries:
         legend_at_foot(figure, entries)
 
 
-def _tables(runs: Runs, values: np.ndarray, over: Sequence[Variation]) -> Any:
+def _tables(runs: Runs, values: np.ndarray, variations: Sequence[Variation]) -> Any:
     """Return a value of each run in maps, shape (number of maps, rows, columns), masked if it is not finite.
 
-    ``over`` is as in ``draw_maps``. Rows and columns are in the order of the axes, maps in that of the third
-    parameter; without a third parameter there is a single map.
+    ``variations`` is as in ``draw_maps``. Rows and columns are in the order of the axes, maps in that of the
+    third parameter; without a third parameter there is a single map.
     """
-    indices = [list(runs.varied).index(variation.name) for variation in reversed(over)]
+    indices = [list(runs.varied).index(variation.name) for variation in reversed(variations)]
     values = values.reshape(runs.design.shape)
     spare = tuple(k for k in range(values.ndim) if k not in indices)
-    values = values.transpose(*indices, *spare).reshape([len(each.values) for each in reversed(over)])
-    values = values[np.ix_(*(axis_of(each).order for each in reversed(over)))]
+    values = values.transpose(*indices, *spare).reshape(
+        [len(parameter.values) for parameter in reversed(variations)]
+    )
+    values = values[np.ix_(*(axis_of(parameter).order for parameter in reversed(variations)))]
     return np.ma.masked_invalid(values.reshape(-1, *values.shape[-2:]))
 
 
-def nearest_map(runs: Runs, third: Variation) -> tuple[int, bool] | None:
+def nearest_map(runs: Runs, third_variation: Variation) -> tuple[int, bool] | None:
     """Return the index of the map nearest to the scene's own value of the third parameter, if any.
 
     The second result tells whether the map has exactly this value. Without such a map the result is None, as
     for a value outside of the varied range or for a choice that does not vary.
     """
-    own, choice = own_value(runs, third), runs.scene.values.get(third.name)
-    values = third.shown(third.values[axis_of(third).order]).tolist()
-    if third.choices:
+    scene_value, choice = own_value(runs, third_variation), runs.scene.values.get(third_variation.name)
+    values = third_variation.shown(third_variation.values[axis_of(third_variation).order]).tolist()
+    if third_variation.choices:
         return next(((k, True) for k, value in enumerate(values) if value == choice), None)
-    if own is None:
+    if scene_value is None:
         return None
-    along = np.log if is_logarithmic(third) else np.asarray
-    k = int(np.abs(along(values) - along(own)).argmin())
-    return k, math.isclose(values[k], own)
+    scaled = np.log if is_logarithmic(third_variation) else np.asarray
+    k = int(np.abs(scaled(values) - scaled(scene_value)).argmin())
+    return k, math.isclose(values[k], scene_value)
 
 
-def _name_maps(panels: Sequence[Axes], runs: Runs, over: Sequence[Variation]) -> tuple[int, bool] | None:
+def _name_maps(
+    panels: Sequence[Axes], runs: Runs, variations: Sequence[Variation]
+) -> tuple[int, bool] | None:
     """Write the names of the parameters once around all maps; return the map of the scene, if any.
 
     With a third parameter, its value stands above each map, and the result is that of ``nearest_map``. If
     this map has not exactly the scene's value, the map has a frame.
     """
-    first, second, *third = (label_of(runs, variation) for variation in over)
-    name_around(panels, below=first, beside=second, above="".join(third))
-    if not third:
+    first_label, second_label, *third_labels = (label_of(runs, variation) for variation in variations)
+    name_around(panels, name_below=first_label, name_beside=second_label, name_above="".join(third_labels))
+    if not third_labels:
         return None
-    values = over[2].shown(over[2].values[axis_of(over[2]).order]).tolist()
+    values = variations[2].shown(variations[2].values[axis_of(variations[2]).order]).tolist()
     for axes, value in zip(panels, values, strict=True):
-        axes.set_title(value if over[2].choices else printed_number(value), fontsize="small")
-    near, own = nearest_map(runs, over[2]), [own_value(runs, variation) for variation in over[:2]]
-    if near and (None in own or not near[1]):
-        panels[near[0]].spines[:].set(visible=True, color=INK, linewidth=NEAREST_FRAME)
-    return near
+        axes.set_title(value if variations[2].choices else printed_number(value), fontsize="small")
+    nearest, own_values = (
+        nearest_map(runs, variations[2]),
+        [own_value(runs, variation) for variation in variations[:2]],
+    )
+    if nearest and (None in own_values or not nearest[1]):
+        panels[nearest[0]].spines[:].set(visible=True, color=INK, linewidth=NEAREST_FRAME)
+    return nearest
 
 
 def _draw_group(
@@ -155,21 +171,21 @@ def _draw_group(
     scales: tuple[Scale, Scale],
     quantity: Quantity,
     tables: Any,
-    own: Sequence[float | None],
+    own_values: Sequence[float | None],
 ) -> None:
     """Draw maps that share their colours, with one bar that explains the colours, and contours or numbers.
 
     A single map with few cells has a number in each of its cells.
 
     ``scales``: the horizontal and the vertical axis. ``tables``: the values in each map, see ``_tables``.
-    ``own``: as for ``_write_values``.
+    ``own_values``: as for ``_write_values``.
     """
     for axes in panels:
         axes.set_facecolor(FAILED_COLOUR)
     values = tables.compressed()
     if not values.size:
-        where: dict[str, Any] = {"transform": panels[0].transAxes, "ha": "center", "va": "center"}
-        panels[0].text(0.5, 0.5, f"{quantity.label}:\n{NEVER}", **where)
+        text_style: dict[str, Any] = {"transform": panels[0].transAxes, "ha": "center", "va": "center"}
+        panels[0].text(0.5, 0.5, f"{quantity.label}:\n{NEVER}", **text_style)
         return
     norm, colours, ticks, ends = colours_of(quantity, values)
     x, y = scales
@@ -183,9 +199,9 @@ def _draw_group(
     is_smooth = not (quantity.is_count or x.names or y.names)
     for axes, table, mesh in zip(panels, tables, meshes, strict=True):
         if has_numbers(tables) and len(panels) == 1:
-            _write_values(axes, scales, table, mesh, own)
+            _write_values(axes, scales, table, mesh, own_values)
         elif is_smooth:
-            draw_contours(axes, scales, table, mesh, levels, own=own)
+            draw_contours(axes, scales, table, mesh, levels, own_values=own_values)
 
 
 def has_numbers(tables: Any) -> bool:
@@ -193,26 +209,30 @@ def has_numbers(tables: Any) -> bool:
     return bool(max(tables.shape[1:]) < FEW_CELLS)
 
 
-def _write_values(axes: Axes, scales: tuple[Scale, Scale], shown: Any, mesh: QuadMesh, own: Any) -> None:
+def _write_values(
+    axes: Axes, scales: tuple[Scale, Scale], shown_values: Any, mesh: QuadMesh, own_values: Any
+) -> None:
     """Write the value of each cell at the cell's place (``Scale.middles``), or below a mark at this place.
 
-    ``scales``: as for ``_draw_group``; ``shown``: the values in the map, with a row for each cell of the
-    vertical axis; ``own``: the scene's value on each axis, or None.
+    ``scales``: as for ``_draw_group``; ``shown_values``: the values in the map, with a row for each cell of
+    the vertical axis; ``own_values``: the scene's value on each axis, or None.
     """
-    places = np.asarray(mesh.norm(shown)) / (
+    places = np.asarray(mesh.norm(shown_values)) / (
         mesh.norm.Ncmap - 1 if isinstance(mesh.norm, BoundaryNorm) else 1
     )
     figure = axes.get_figure(root=True)
-    digits = 2 if figure is not None and is_narrow(figure) and shown.shape[1] > WIDE_CELLS else 3
-    marked = [] if None in own else [s.cell_at(value) for s, value in zip(scales, own, strict=True)]
-    for row, column in np.argwhere(~np.ma.getmaskarray(shown)).tolist():
-        at = (scales[0].middles[column], scales[1].middles[row])
-        down, va = (-4.0, "top") if [column, row] == marked else (0.0, "center")
+    digits = 2 if figure is not None and is_narrow(figure) and shown_values.shape[1] > WIDE_CELLS else 3
+    marked_cell = (
+        [] if None in own_values else [s.cell_at(value) for s, value in zip(scales, own_values, strict=True)]
+    )
+    for row, column in np.argwhere(~np.ma.getmaskarray(shown_values)).tolist():
+        cell_middle = (scales[0].middles[column], scales[1].middles[row])
+        text_offset, va = (-4.0, "top") if [column, row] == marked_cell else (0.0, "center")
         ink = "black" if places[row, column] > LIGHT_COLOUR else "white"
-        text = number_text(shown[row, column], digits)
+        text = number_text(shown_values[row, column], digits)
         look: dict[str, Any] = {"va": va, "ha": "center", "color": ink, "fontsize": "x-small"}
         look["gid"] = COLOURED_GROUND
-        axes.annotate(text, at, (0.0, down), textcoords="offset points", **look)
+        axes.annotate(text, cell_middle, (0.0, text_offset), textcoords="offset points", **look)
 
 
 def axis_of(variation: Variation) -> Scale:
@@ -228,9 +248,9 @@ def axis_of(variation: Variation) -> Scale:
         return Scale(order, np.arange(len(names) + 1) - 0.5, False, names, np.arange(len(names)))
     order = np.unique(variation.values, return_index=True)[1]
     logarithmic = is_logarithmic(variation)
-    at = np.log(variation.values[order]) if logarithmic else variation.values[order]
-    middles = 0.5 * (at[1:] + at[:-1])
-    edges = np.array([2 * at[0] - middles[0], *middles, 2 * at[-1] - middles[-1]])
+    axis_values = np.log(variation.values[order]) if logarithmic else variation.values[order]
+    middles = 0.5 * (axis_values[1:] + axis_values[:-1])
+    edges = np.array([2 * axis_values[0] - middles[0], *middles, 2 * axis_values[-1] - middles[-1]])
     edges = np.clip(
         np.exp(edges) if logarithmic else edges, variation.variable.minimum, variation.variable.maximum
     )
@@ -274,5 +294,5 @@ def unit_of(runs: Runs, variation: Variation) -> str:
     If the runs vary an exponent, a unit has the word "exponent" in place of its number: N/m^exponent.
     """
     unit = variation.variable.unit
-    varied = {"contact.exponent", "stop.exponent"} & {*runs.varied}
-    return unit if varied else scene_unit(unit, runs.scene)
+    varied_exponents = {"contact.exponent", "stop.exponent"} & {*runs.varied}
+    return unit if varied_exponents else scene_unit(unit, runs.scene)
