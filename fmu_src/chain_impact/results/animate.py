@@ -49,12 +49,14 @@ def write_animation(
         raise AnimationError(f"{recording.name}: an animation needs two rows at least, with point[0].x")
     if path is None:
         return InlinePage(page(recording, speed or 1.0, impact_time))
-    with written_atomically(path) as fresh:
+    with written_atomically(path) as new_file:
         if kind == ".html":
-            fresh.write_text(page(recording, speed or 1.0, impact_time), encoding="utf-8")
+            new_file.write_text(page(recording, speed or 1.0, impact_time), encoding="utf-8")
         else:
             from chain_impact.pictures.film.writing import write_film
 
-            write_film(recording, fresh, speed=speed, impact_time=impact_time, size=size, progress=progress)
+            write_film(
+                recording, new_file, speed=speed, impact_time=impact_time, size=size, progress=progress
+            )
     progress(1.0)
     return None

@@ -78,7 +78,7 @@ def sorted_by_run(effects: Sequence[Effect]) -> list[Effect]:
     return sorted(effects, key=lambda effect: (effect.simulated is None, -abs(effect.simulated or 0.0)))
 
 
-def simulated_text(effect: Effect, told: Callable[[float], str] = "{:+.3g}".format) -> str:
-    """Return ``simulated``, the change in a run, as text (``told``); "none" if it is None or NaN."""
+def simulated_text(effect: Effect, value_text: Callable[[float], str] = "{:+.3g}".format) -> str:
+    """Return ``simulated``, the change in a run, as text (``value_text``); "none" if it is None or NaN."""
     run = change_in_run(effect)
-    return "none" if run is None else told(run)
+    return "none" if run is None else value_text(run)

@@ -63,10 +63,14 @@ def quantity_named(recording: Recording, sensitivities: Sensitivities, name: str
     if name not in sensitivities.columns:
         quantities = (*PEAKS, JOINT_FORCE, *sensitivities.columns)
         of_peak = re.sub(r"\w*$", r"peak_\g<0>", name, count=1)
-        near = of_peak if of_peak in quantities else nearest_name(name, quantities)
-        hint = f"the nearest is {near}" if near else f"must be an output, {', '.join((*PEAKS, JOINT_FORCE))}"
-        if missing := recording.output_hint(of_peak):
-            hint = f"the nearest is {of_peak}, and {missing}"
+        near_name = of_peak if of_peak in quantities else nearest_name(name, quantities)
+        hint = (
+            f"the nearest is {near_name}"
+            if near_name
+            else f"must be an output, {', '.join((*PEAKS, JOINT_FORCE))}"
+        )
+        if output_hint := recording.output_hint(of_peak):
+            hint = f"the nearest is {of_peak}, and {output_hint}"
         raise SceneError(
             f"{recording.name}: {name} is not a quantity that can be ranked; {hint}, or impact[n].…"
         )
@@ -87,8 +91,8 @@ def _largest(
         hits = np.flatnonzero(np.isfinite(values)) + 1
         impulses = f" but by impulses: rank impact[{hits[0]}].impulse" if len(hits) else ""
         raise SceneError(f"{recording.name}: {name} is 0: nothing presses against {surface}{impulses}")
-    found = _impact_quantity(recording, sensitivities, int(np.nanargmax(values)) + 1, field)
-    return found._replace(value_in=partial(_largest_in, field=field, at_stops=at_stops))
+    impact_quantity = _impact_quantity(recording, sensitivities, int(np.nanargmax(values)) + 1, field)
+    return impact_quantity._replace(value_in=partial(_largest_in, field=field, at_stops=at_stops))
 
 
 def _values_of(recording: Recording, field: str, *, at_stops: bool) -> np.ndarray:
@@ -109,8 +113,10 @@ def _impact_quantity(
     """Return the quantity ``field`` of the impact with a number, from 1, with its derivatives."""
     impacts, slopes = recording.impacts, sensitivities.impact_slopes
     if not 1 <= number <= len(impacts):
-        few = count_text(len(impacts), "impact")
-        raise SceneError(f"{recording.name}: impact[{number}].{field} does not exist; the run has {few}")
+        impact_words = count_text(len(impacts), "impact")
+        raise SceneError(
+            f"{recording.name}: impact[{number}].{field} does not exist; the run has {impact_words}"
+        )
     if field not in slopes and field != DURATION:
         fields = ", ".join((*slopes, DURATION))
         raise SceneError(f"{recording.name}: impact[{number}].{field} has no derivatives; must be {fields}")
@@ -118,14 +124,14 @@ def _impact_quantity(
     value, slope = impact[field], slopes_of_impacts(sensitivities, field)
     units = impact_units(stop=recording.is_joint_stop(impact["wall"]))
     wall = recording.wall_names[impact["wall"]]
-    where = f"impact {number}, {recording.touching_part(impact)} at {wall}, t = {impact['onset']:.6g} s"
-    again = partial(_impact_in, number=number, field=field)
+    place_text = f"impact {number}, {recording.touching_part(impact)} at {wall}, t = {impact['onset']:.6g} s"
+    value_in_run = partial(_impact_in, number=number, field=field)
     # a coordinate on a wall through the origin is 0 up to round-off, so its size counts as at least the
     # length of the chain
     links = sensitivities.prepared.scene.chain.links
-    least = sum(link.length for link in links) if field in POSITION else 0.0
-    size = max(abs(float(value)), least)
-    return RankedQuantity(float(value), units[field], where, slope[number - 1], size, again)
+    least_size = sum(link.length for link in links) if field in POSITION else 0.0
+    size = max(abs(float(value)), least_size)
+    return RankedQuantity(float(value), units[field], place_text, slope[number - 1], size, value_in_run)
 
 
 def _impact_in(recording: Recording, number: int, field: str) -> float:
@@ -136,33 +142,37 @@ def _joint_force(recording: Recording, sensitivities: Sensitivities) -> RankedQu
     """Return the largest force in any joint during the run, with its derivatives."""
     names = [name for name in sensitivities.columns if _is_joint_force(name)]
     if not names:
-        prepared = sensitivities.prepared
-        if prepared.scene.outputs.loads and not any(_is_joint_force(of.name) for of in prepared.outputs):
+        prepared_data = sensitivities.prepared
+        if prepared_data.scene.outputs.loads and not any(
+            _is_joint_force(name_part.name) for name_part in prepared_data.outputs
+        ):
             raise SceneError(f"{recording.name}: joint_force: the chain has no joint")
         raise SceneError(
             f"{recording.name}: joint_force needs the forces in joints: outputs.loads must be true, and "
             "output=…, if it is given, must have joint[*].peak_force"
         )
     name = max(names, key=lambda column: recording.columns[column][-1])
-    where = f"joint[{name_parts(name).n}], the largest of the run"
-    found = _final_output(recording, sensitivities, name)
-    return found._replace(where=where, value_in=partial(_largest_end_in, names=names))
+    place_text = f"joint[{name_parts(name).n}], the largest of the run"
+    end_quantity = _final_output(recording, sensitivities, name)
+    return end_quantity._replace(where=place_text, value_in=partial(_largest_end_in, names=names))
 
 
 def _is_joint_force(name: str) -> bool:
     """Return whether an output is the largest force in a joint since the start."""
-    of = name_parts(name)
-    return of.owner == "joint" and of.quantity == "peak_force"
+    name_part = name_parts(name)
+    return name_part.owner == "joint" and name_part.quantity == "peak_force"
 
 
 def _final_output(recording: Recording, sensitivities: Sensitivities, name: str) -> RankedQuantity:
     """Return the value of an output at the end of the run, with its derivatives."""
     values = recording.columns[name]
     size = max(abs(float(values[-1])), float(np.ptp(values)))
-    where = f"at the end, t = {recording.time[-1]:g} s"
+    place_text = f"at the end, t = {recording.time[-1]:g} s"
     slopes = sensitivities.slopes[-1, sensitivities.columns[name]]
-    again = partial(_largest_end_in, names=[name])
-    return RankedQuantity(float(values[-1]), sensitivities.units[name], where, slopes, size, again)
+    value_in_run = partial(_largest_end_in, names=[name])
+    return RankedQuantity(
+        float(values[-1]), sensitivities.units[name], place_text, slopes, size, value_in_run
+    )
 
 
 def _largest_end_in(recording: Recording, names: Sequence[str]) -> float:

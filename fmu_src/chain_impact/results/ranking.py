@@ -102,11 +102,11 @@ class Ranking(Printed):
         if self.unknown:
             yield f"not known: {', '.join(self.unknown)}"
         if any(abs(self.share(effect)) > LARGE_SHARE for effect in self.effects if effect.simulated is None):
-            large = f"effects of more than {100.0 * LARGE_SHARE:g} %"
-            yield f"{large} hold for smaller changes only: check them by another run"
+            effect_words = f"effects of more than {100.0 * LARGE_SHARE:g} %"
+            yield f"{effect_words} hold for smaller changes only: check them by another run"
         if checked:
-            drawn = itertools.chain(*self._blocks())
-            if not_run := [effect.parameter for effect in drawn if effect.simulated is None]:
+            drawn_effects = itertools.chain(*self._blocks())
+            if not_run := [effect.parameter for effect in drawn_effects if effect.simulated is None]:
                 yield f"no run is possible with the new values of {', '.join(not_run)}"
         for name in self.left_out:
             yield f"{name} is left out: it changes the unit of the stiffness"
@@ -154,12 +154,12 @@ class Ranking(Printed):
                 the parameter and the new value. If the scene cannot have this value, ``run`` returns None,
                 and the effect remains unchecked.
         """
-        found = {}
+        checked_effects = {}
         for effect in itertools.chain(*self._blocks()):
             recording = run(effect.parameter, effect.value + step_of(effect.value))
             if recording is not None:
-                found[effect.parameter] = self.value_in(recording) - self.value
-        effects = (e._replace(simulated=found.get(e.parameter)) for e in self.effects)
+                checked_effects[effect.parameter] = self.value_in(recording) - self.value
+        effects = (e._replace(simulated=checked_effects.get(e.parameter)) for e in self.effects)
         return replace(self, effects=tuple(effects))
 
     def plot(self, path: str | os.PathLike[str] | None = None, *, size: Size | None = None) -> Figure | None:
@@ -176,8 +176,8 @@ class Ranking(Printed):
         """
         from chain_impact import pictures
 
-        usual = pictures.bars_size([len(effects) for effects in self._blocks()])
-        return pictures.draw_figure(self.fill, path, size, usual)
+        usual_figure_size = pictures.bars_size([len(effects) for effects in self._blocks()])
+        return pictures.draw_figure(self.fill, path, size, usual_figure_size)
 
     def fill(self, figure: Figure) -> None:
         """Draw the bars on an empty figure.
@@ -188,59 +188,67 @@ class Ranking(Printed):
         from chain_impact import pictures
 
         blocks = self._blocks()
-        drawn = list(itertools.chain(*blocks))
-        checked = [effect for effect in drawn if effect.simulated is not None]
+        drawn_effects = list(itertools.chain(*blocks))
+        checked = [effect for effect in drawn_effects if effect.simulated is not None]
         verdict = self.verdict(checked)
-        warning = f"{verdict} (hollow bars)" if any(e.differs for e in drawn) else ""
+        warning = f"{verdict} (hollow bars)" if any(e.differs for e in drawn_effects) else ""
         if self._only_runs_hold:
             warning = f"{verdict}: the bars are the runs, not first order"
             blocks = list(map(simulated_first, blocks))
         changes = [[effect.change for effect in effects] for effects in blocks]
         marks = [[effect.simulated for effect in effects] for effects in blocks]
-        hollow = [[effect.differs for effect in effects] for effects in blocks]
-        reach = [max(map(abs, ends)) for ends in map(pictures.axis_ends, changes, marks, hollow)]
-        longest = [max(map(abs, values)) for values in changes]
-        sizes = list(map(min, reach, longest))
-        more = max(len(self.effects) - MOST_BARS, 0)
+        hollow_bars = [[effect.differs for effect in effects] for effects in blocks]
+        reach = [max(map(abs, ends)) for ends in map(pictures.axis_ends, changes, marks, hollow_bars)]
+        longest_bars = [max(map(abs, values)) for values in changes]
+        sizes = list(map(min, reach, longest_bars))
+        omitted_count = max(len(self.effects) - MOST_BARS, 0)
         parts = [
             self.where,
-            f"{more} other effects are left out" if more else "",
+            f"{omitted_count} other effects are left out" if omitted_count else "",
             f"{count_text(len(self.without), 'parameter')} without effect" if self.without else "",
             f"of {len(self.unknown)} it is not known" if self.unknown else "",
             *(f"{name} is left out: it changes the unit of the stiffness" for name in self.left_out),
         ]
         pictures.fill_bars(
             figure,
-            title=f"{self.source}: {self._winner(drawn)}",
+            title=f"{self.source}: {self._winner(drawn_effects)}",
             warning=warning,
             conditions="; ".join(filter(None, parts)),
-            blocks=[pictures.Bars(**self._bars(*each)) for each in zip(blocks, sizes, strict=True)],
+            blocks=[
+                pictures.Bars(**self._bars(*block_and_size))
+                for block_and_size in zip(blocks, sizes, strict=True)
+            ],
         )
 
     @property
     def _only_runs_hold(self) -> bool:
         """Whether the runs differ from all effects of the picture, so that no effect to first order holds."""
-        drawn = list(itertools.chain(*self._blocks()))
-        return bool(drawn) and all(e.differs and np.isfinite(e.simulated or 0.0) for e in drawn)
+        drawn_effects = list(itertools.chain(*self._blocks()))
+        return bool(drawn_effects) and all(
+            e.differs and np.isfinite(e.simulated or 0.0) for e in drawn_effects
+        )
 
-    def _winner(self, drawn: Sequence[Effect]) -> str:
+    def _winner(self, drawn_effects: Sequence[Effect]) -> str:
         """Return a sentence on the largest effect of 1 % or, without any, of a fixed step, and the quantity.
 
         Of an effect that a run has checked, the change in the run counts.
         """
         factor, unit = readable_unit(abs(self.value), self.unit)
         value = with_unit(digits(factor * self.value), unit)
-        if not drawn:
+        if not drawn_effects:
             return f"no effect on {self._words} = {value}"
-        alike = [effect for effect in drawn if bool(effect.value) == bool(drawn[0].value)]
-        most = max(alike, key=lambda effect: abs(best_known(effect)))
-        change = best_known(most)
+        alike_effects = [
+            effect for effect in drawn_effects if bool(effect.value) == bool(drawn_effects[0].value)
+        ]
+        largest_effect = max(alike_effects, key=lambda effect: abs(best_known(effect)))
+        change = best_known(largest_effect)
         scale, unit_of_change = readable_unit(abs(change), self.unit)
         size = f"{signed_text(100.0 * abs(change / self.value))} %" if self.value else ""
         size = (size or with_unit(signed_text(scale * abs(change)), unit_of_change)).removeprefix("+")
-        size = f"about {size}" if change_in_run(most) is None else f"{size} in a run"
-        what = f"{self._words} of {value}" if self.value else self._words
-        return f"{most.parameter} + {most.step} {'raises' if change > 0.0 else 'lowers'} {what} by {size}"
+        size = f"about {size}" if change_in_run(largest_effect) is None else f"{size} in a run"
+        change_words = f"{self._words} of {value}" if self.value else self._words
+        verb = "raises" if change > 0.0 else "lowers"
+        return f"{largest_effect.parameter} + {largest_effect.step} {verb} {change_words} by {size}"
 
     @property
     def _words(self) -> str:
@@ -282,15 +290,15 @@ class Ranking(Printed):
         label = f"change{bracketed_unit(unit)}"
         steps = list(dict.fromkeys(effect.step for effect in effects))
         words = " or ".join(steps) if len(steps) <= NAMED_STEPS else f"{PART:g} in SI units"
-        why = " of the value" if effects[0].value else ", as the value is 0: not comparable"
-        title = f"+ {words}{why}"
+        scale_words = " of the value" if effects[0].value else ", as the value is 0: not comparable"
+        title = f"+ {words}{scale_words}"
         marks = [None if effect.simulated is None else factor * effect.simulated for effect in effects]
         names = [effect.parameter for effect in effects]
         bars = {"names": names, "values": values, "texts": texts, "label": label, "title": title}
-        hollow = [effect.differs for effect in effects]
+        hollow_bars = [effect.differs for effect in effects]
         return bars | {
             "marks": marks,
-            "hollow": hollow,
+            "hollow": hollow_bars,
             "heading": "first order" if self.value else "",
         }
 
@@ -310,22 +318,22 @@ def ranking_of(
         SceneError: when the quantity does not exist, or the run does not have the quantity.
         UnknownNameError: when the recording has no derivatives for one of the parameters.
     """
-    found = quantity_named(recording, sensitivities, quantity)
+    found_quantity = quantity_named(recording, sensitivities, quantity)
     names, units = list(sensitivities.parameters), sensitivities.units
-    changes = found.slopes * np.array([sensitivities.step(name) for name in names])
-    wanted = [parameters] if isinstance(parameters, str) else parameters
-    what = "not among simulate(sensitivities=[…])"
-    like = {
+    changes = found_quantity.slopes * np.array([sensitivities.step(name) for name in names])
+    wanted_names = [parameters] if isinstance(parameters, str) else parameters
+    fault = "not among simulate(sensitivities=[…])"
+    matching_names = {
         name
-        for pattern in wanted
-        for name in names_matching(recording.name, pattern, names, what, lambda _: None)
+        for pattern in wanted_names
+        for name in names_matching(recording.name, pattern, names, fault, lambda _: None)
     }
-    left_out = tuple(name for name in EXPONENTS if name in like and name not in wanted)
-    chosen = np.array([name in like and name not in left_out for name in names])
-    finite = np.isfinite(changes) & chosen
-    nothing = finite & (np.abs(changes) <= LEAST_EFFECT * found.size)
+    left_out = tuple(name for name in EXPONENTS if name in matching_names and name not in wanted_names)
+    is_chosen = np.array([name in matching_names and name not in left_out for name in names])
+    is_finite = np.isfinite(changes) & is_chosen
+    has_no_effect = is_finite & (np.abs(changes) <= LEAST_EFFECT * found_quantity.size)
     at_zero = np.array([sensitivities.parameters[name] == 0.0 for name in names])
-    order = [k for k in np.lexsort((-np.abs(np.where(finite, changes, 0.0)), at_zero)) if finite[k]]
+    order = [k for k in np.lexsort((-np.abs(np.where(is_finite, changes, 0.0)), at_zero)) if is_finite[k]]
     effects = tuple(
         Effect(
             names[k],
@@ -333,22 +341,24 @@ def ranking_of(
             units[names[k]].removeprefix("1"),
             sensitivities.step_text(names[k]),
             float(changes[k]),
-            float(found.slopes[k]),
+            float(found_quantity.slopes[k]),
         )
         for k in order
-        if not nothing[k]
+        if not has_no_effect[k]
     )
-    without, unknown = (tuple(np.array(names)[rows].tolist()) for rows in (nothing, chosen & ~finite))
+    names_without_effect, unknown_names = (
+        tuple(np.array(names)[rows].tolist()) for rows in (has_no_effect, is_chosen & ~is_finite)
+    )
     return Ranking(
         recording.name,
         quantity,
-        found.value,
-        found.unit,
-        found.where,
+        found_quantity.value,
+        found_quantity.unit,
+        found_quantity.where,
         effects,
-        without,
-        unknown,
+        names_without_effect,
+        unknown_names,
         tuple(sensitivities.limits),
         left_out,
-        value_in=found.value_in,
+        value_in=found_quantity.value_in,
     )

@@ -114,8 +114,10 @@ class Result(Printed, SceneRecording):
         if name in self.names:
             return (self.stepwise if name in self.stepwise else self.input_values)[name]
         hint = series_hint(self.output_hint)
-        like = names_matching(self.scene.name, name, self.names, "not an output of this result", hint)
-        return {item: self[item] for item in like}
+        matching_names = names_matching(
+            self.scene.name, name, self.names, "not an output of this result", hint
+        )
+        return {item: self[item] for item in matching_names}
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -146,8 +148,12 @@ class Result(Printed, SceneRecording):
     @cached_property
     def motion(self) -> dict[str, np.ndarray]:
         """Name of an output that changes continuously → its values over time, shape (T,)."""
-        recorded = self.outputs.dtype.names or ()
-        return self.prepared.series(self.outputs) if self._has_all else {n: self.outputs[n] for n in recorded}
+        recorded_names = self.outputs.dtype.names or ()
+        return (
+            self.prepared.series(self.outputs)
+            if self._has_all
+            else {n: self.outputs[n] for n in recorded_names}
+        )
 
     @property
     def _has_all(self) -> bool:
@@ -246,11 +252,11 @@ class Result(Printed, SceneRecording):
             UnknownNameError: when the result lacks the output of another field.
         """
         energy = np.zeros(len(self.time), [(name, np.float64) for name in ENERGIES])
-        known = self.prepared.structure.numbers
-        is_known = known["impulses"] and (self._has_all or "energy.friction" in self.names)
+        known_numbers = self.prepared.structure.numbers
+        is_known = known_numbers["impulses"] and (self._has_all or "energy.friction" in self.names)
         for name, kind in ENERGIES.items():
             # the scene has no such output, for example without friction or supply: this energy is 0
-            if not all(known[condition] for condition in kind.when if condition in FACTS):
+            if not all(known_numbers[condition] for condition in kind.when if condition in FACTS):
                 continue
             if name == "friction" and not is_known:
                 energy[name] = np.nan
@@ -270,23 +276,23 @@ class Result(Printed, SceneRecording):
             with warnings.catch_warnings():
                 # the user has seen the warnings of the scene, and the other values are not the user's
                 warnings.simplefilter("ignore", SceneWarning)
-                other = self.rerun.changed(values)
+                other_result = self.rerun.changed(values)
         except SceneError:
             return None
-        outputs = other(np.array([time]))
+        outputs = other_result(np.array([time]))
         if not len(outputs):
             return None
         return replace(
             self,
-            prepared=other.prepared,
+            prepared=other_result.prepared,
             time=np.array([time]),
             outputs=outputs,
             impacts=NO_IMPACTS,
             sensitivities=None,
             stepwise={},
             stick_slip=NO_PHASES,
-            rerun=other,
-            input_values=other.inputs(np.array([time])),
+            rerun=other_result,
+            input_values=other_result.inputs(np.array([time])),
         )
 
     def to_dataframe(self) -> pandas.DataFrame:
@@ -335,8 +341,8 @@ class Result(Printed, SceneRecording):
 
     def _lines_and_tables(self, *, in_notebook: bool) -> Iterable[str | TextTable]:
         """Return the summary of the run, with the first impacts; with more of them in a notebook."""
-        listed = summary.LISTED_IMPACTS if in_notebook else summary.LISTED_IN_SHORT
-        return summary.summary_lines(self, len(self.names), self._facts(), listed)
+        listed_count = summary.LISTED_IMPACTS if in_notebook else summary.LISTED_IN_SHORT
+        return summary.summary_lines(self, len(self.names), self._facts(), listed_count)
 
     def _facts(self) -> list[str]:
         """Return lines on the energy, on a wall or slider stop that is too soft, and on the solver's work."""

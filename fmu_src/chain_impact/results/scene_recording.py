@@ -45,8 +45,10 @@ class SceneRecording(Recording):
 
         The list is empty if ``simulate(output=…)`` left out positions of points.
         """
-        moved, numbers = self.moved_walls, {name: k for k, name in enumerate(self.wall_names)}
-        walls = {numbers[name]: (name, wall, moved.get(name, 0.0)) for name, wall in self.walls.items()}
+        wall_motions, numbers = self.moved_walls, {name: k for k, name in enumerate(self.wall_names)}
+        walls = {
+            numbers[name]: (name, wall, wall_motions.get(name, 0.0)) for name, wall in self.walls.items()
+        }
         try:
             positions = self.all_points
         except UnknownNameError:  # the positions of points were left out of the result
@@ -103,24 +105,24 @@ class SceneRecording(Recording):
         from chain_impact import pictures  # matplotlib is imported here, because this takes a second
 
         if curves:
-            drawn = self.curves([curves] if isinstance(curves, str) else curves, around)
-            return self._plot_curves(drawn, path, size, title, ax)
+            drawn_curves = self.curves([curves] if isinstance(curves, str) else curves, around)
+            return self._plot_curves(drawn_curves, path, size, title, ax)
         if around is not None:
             raise ValueError(f"around = {around!r}: only curves are drawn around an impact")
-        given = [name for name, value in (("kind", kind), ("panels", panels)) if value]
-        if len(given) > 1:
+        given_options = [name for name, value in (("kind", kind), ("panels", panels)) if value]
+        if len(given_options) > 1:
             raise ValueError(f"kind = {kind!r} and panels = {panels!r}: one of them must be left out")
-        shown = [kind] if kind else [panels] if panels and isinstance(panels, str) else panels
-        if self.scene.outputs.energies or "energy" in shown:
+        shown_panels = [kind] if kind else [panels] if panels and isinstance(panels, str) else panels
+        if self.scene.outputs.energies or "energy" in shown_panels:
             # raises an error if the result lacks the outputs of energy
             names_matching(
                 self.name, "energy.kinetic", self.columns, "not an output of this result", self.output_hint
             )
         if ax is None:
-            fill = partial(pictures.fill, recording=self, panels=shown, title=title)
-            return pictures.draw_figure(fill, path, size, pictures.usual_size(self, shown, size))
+            fill = partial(pictures.fill, recording=self, panels=shown_panels, title=title)
+            return pictures.draw_figure(fill, path, size, pictures.usual_size(self, shown_panels, size))
         pictures.check_alone(path, size)
-        pictures.fill_axes(ax, self, shown or ["motion"])
+        pictures.fill_axes(ax, self, shown_panels or ["motion"])
         return ax
 
     def _plot_curves(
@@ -154,8 +156,10 @@ class SceneRecording(Recording):
         """
         if self.rerun is None:
             return self.time, self.energies
-        found = self.curves([f"energy.{name}" for name in self.energies])
-        return found.time, {name.partition(".")[2]: values for name, values in found.values.items()}
+        energy_curves = self.curves([f"energy.{name}" for name in self.energies])
+        return energy_curves.time, {
+            name.partition(".")[2]: values for name, values in energy_curves.values.items()
+        }
 
     def plot_impact(
         self,

@@ -44,29 +44,29 @@ class Differences:
     parted: bool
 
 
-def differences(run: Recording, tighter: Recording) -> Differences:
+def differences(run: Recording, tighter_run: Recording) -> Differences:
     """Return the differences of two runs of the same scene, the second run at a tighter tolerance.
 
     The comparison ends at the first impact in which the runs differ: after this impact, the runs are two
     different motions, whose distance is not an error of the solver.
     """
-    rows = min(len(run.time), len(tighter.time))
-    end, together = float(run.time[rows - 1]), run.time[:rows] == tighter.time[:rows]
-    same = common_count(run.impacts, tighter.impacts)
-    onsets = [side.impacts["onset"] for side in (run, tighter)]
-    later = [float(times[same]) for times in onsets if len(times) > same]
-    parted = bool(later) and min(later) <= end
+    rows = min(len(run.time), len(tighter_run.time))
+    end, has_same_times = float(run.time[rows - 1]), run.time[:rows] == tighter_run.time[:rows]
+    same = common_count(run.impacts, tighter_run.impacts)
+    onsets = [side.impacts["onset"] for side in (run, tighter_run)]
+    later_onsets = [float(times[same]) for times in onsets if len(times) > same]
+    parted = bool(later_onsets) and min(later_onsets) <= end
     if parted:
-        end = min(later)
-    apart = np.linalg.norm(run.all_points[:rows] - tighter.all_points[:rows], axis=-1)
+        end = min(later_onsets)
+    distances = np.linalg.norm(run.all_points[:rows] - tighter_run.all_points[:rows], axis=-1)
     # a row counts only if it has the same time in both runs, and this time is not after ``end``
-    apart[~together | (run.time[:rows] > end)] = 0.0
-    row, point = np.unravel_index(apart.argmax(), apart.shape)
+    distances[~has_same_times | (run.time[:rows] > end)] = 0.0
+    row, point = np.unravel_index(distances.argmax(), distances.shape)
     onset = np.abs(onsets[0][:same] - onsets[1][:same]).max(initial=0.0)
     return Differences(
         impacts=same,
         onset=float(onset),
-        position=float(apart[row, point]),
+        position=float(distances[row, point]),
         point=point_label(int(point), run.point_names),
         time=float(run.time[row]),
         end=end,

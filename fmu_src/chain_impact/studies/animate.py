@@ -99,34 +99,38 @@ def record_slowly(
         BuildError: when the kernel cannot be compiled.
     """
     scene, show = scene_of(scene), progress or no_progress
-    result = simulate(scene, inputs=inputs, interpolation=interpolation, progress=lambda done: show(done / 2))
+    result = simulate(
+        scene, inputs=inputs, interpolation=interpolation, progress=lambda share: show(share / 2)
+    )
     stop, onsets = float(result.time[-1]), result.impacts["onset"]
-    spans, usual = slow_spans(result), frame_rate(result)
-    shown, _ = frame_times(0.0, stop, spans, impact_time, MOST_FILM_ROWS, usual=usual)
+    spans, usual_speed = slow_spans(result), frame_rate(result)
+    shown_times, _ = frame_times(0.0, stop, spans, impact_time, MOST_FILM_ROWS, usual=usual_speed)
     # an impact that is too weak for slow motion gets dense rows, too, because the usual rows could miss the
     # peak force of this impact
-    lasting = (impact_ends(result.impacts, stop) - onsets)[:, None]
-    others = (onsets[:, None] + lasting * CONTACT_SHARES).ravel()[:MOST_FILM_ROWS]
-    touching = contact_ends(result) - onsets
-    is_long = touching > LONG_CONTACT * stop
-    early = onsets[is_long] + touching[is_long] * np.geomspace(EARLIEST_SHARE, 1.0, EARLY_TIMES)[:, None]
-    others = np.append(others, early.ravel()[:MOST_FILM_ROWS])
+    durations = (impact_ends(result.impacts, stop) - onsets)[:, None]
+    contact_times = (onsets[:, None] + durations * CONTACT_SHARES).ravel()[:MOST_FILM_ROWS]
+    touch_durations = contact_ends(result) - onsets
+    is_long = touch_durations > LONG_CONTACT * stop
+    early_times = (
+        onsets[is_long] + touch_durations[is_long] * np.geomspace(EARLIEST_SHARE, 1.0, EARLY_TIMES)[:, None]
+    )
+    contact_times = np.append(contact_times, early_times.ravel()[:MOST_FILM_ROWS])
     schedule = input_schedule(
         result.prepared,
         {} if inputs is None else inputs,
         interpolation,
-        np.union1d(shown, others.clip(0.0, stop)),
+        np.union1d(shown_times, contact_times.clip(0.0, stop)),
     )
     instance = Instance(result.prepared, schedule, varied=())
     rows = WordRows(len(schedule.times), result.prepared.output_words)
-    done, _ = instance.run(schedule, rows, lambda part: show(0.5 + part / 2))
+    share, _ = instance.run(schedule, rows, lambda part: show(0.5 + part / 2))
     return Result(
         result.prepared,
-        schedule.times[:done],
-        structured_rows(rows.numbers[:done], result.prepared.output_layout),
+        schedule.times[:share],
+        structured_rows(rows.numbers[:share], result.prepared.output_layout),
         result.impacts,
         statistics=instance.statistics,
         stick_slip=result.stick_slip,
         rerun=result.rerun,
-        input_values=schedule.values(np.arange(done)),
+        input_values=schedule.values(np.arange(share)),
     )

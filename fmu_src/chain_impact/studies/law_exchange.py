@@ -58,9 +58,13 @@ def first_number(scene: Scene, impacts: np.ndarray) -> int | None:
     Impacts at stops of joints with their own law (``stops.model``) do not obey ``contact.model``. Returns
     None if no impact obeys it.
     """
-    differs = scene.stops.model is not None
+    has_other_law = scene.stops.model is not None
     return next(
-        (k for k, row in enumerate(impacts) if not (differs and is_scene_joint_stop(scene, row["wall"]))),
+        (
+            k
+            for k, row in enumerate(impacts)
+            if not (has_other_law and is_scene_joint_stop(scene, row["wall"]))
+        ),
         None,
     )
 
@@ -81,11 +85,11 @@ def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
     """
     changes: Changes = {("contact", "model"): law}
     for path, exponent, stiffness in _tables(scene):
-        needed = needed_exponent(law, exponent)
-        if needed != exponent and impact is not None:
+        exponent_of_law = needed_exponent(law, exponent)
+        if exponent_of_law != exponent and impact is not None:
             if len(path) == 1:
-                changes[*path, "exponent"] = needed
-            changes[*path, "stiffness"] = _equally_deep(stiffness, exponent, needed, impact)
+                changes[*path, "exponent"] = exponent_of_law
+            changes[*path, "stiffness"] = _equally_deep(stiffness, exponent, exponent_of_law, impact)
     # stops with their own law, but without an exponent of their own, would follow a change of
     # contact.exponent; so the exponent that they have is set
     if scene.stops.model and ("contact", "exponent") in changes:
@@ -93,14 +97,14 @@ def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
     return changes
 
 
-def _equally_deep(stiffness: float, n: float, needed: float, impact: np.void) -> float:
-    """Return the stiffness that, at the exponent ``needed``, gives an impact the same elastic penetration.
+def _equally_deep(stiffness: float, n: float, exponent_of_law: float, impact: np.void) -> float:
+    """Return the stiffness that gives an impact the same elastic penetration at the exponent of a law.
 
     ``stiffness`` is the stiffness at the exponent ``n`` before the change.
     """
     energy = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
     depth = lossless_depth(energy, stiffness, n)
-    return float((needed + 1.0) * energy / depth ** (needed + 1.0))
+    return float((exponent_of_law + 1.0) * energy / depth ** (exponent_of_law + 1.0))
 
 
 def stiffened(scene: Scene, factor: float) -> Scene:
@@ -120,12 +124,12 @@ def contact_at(scene: Scene, impact: np.void) -> Contact:
         values = {name: getattr(stops, name) for name in keys}
         return replace(contact, **values, model=stops.model or contact.model, wall={})
     material = contact.wall.get(scene.wall_names[impact["wall"]])
-    given = {
+    given_values = {
         name: value
         for name in ("stiffness", "restitution")
         if material and (value := getattr(material, name)) is not None
     }
-    return replace(contact, **given, wall={})
+    return replace(contact, **given_values, wall={})
 
 
 def contact_with_law(contact: Contact, law: str, impact: np.void) -> Contact:
@@ -134,8 +138,8 @@ def contact_with_law(contact: Contact, law: str, impact: np.void) -> Contact:
     If the law does not allow the contact's exponent, the contact gets the exponent that the law needs, and
     the stiffness with which ``impact`` without losses has the same penetration as before.
     """
-    needed = needed_exponent(law, contact.exponent)
-    if needed == contact.exponent:
+    exponent_of_law = needed_exponent(law, contact.exponent)
+    if exponent_of_law == contact.exponent:
         return replace(contact, model=law)
-    stiffness = _equally_deep(contact.stiffness, contact.exponent, needed, impact)
-    return replace(contact, model=law, exponent=needed, stiffness=stiffness)
+    stiffness = _equally_deep(contact.stiffness, contact.exponent, exponent_of_law, impact)
+    return replace(contact, model=law, exponent=exponent_of_law, stiffness=stiffness)

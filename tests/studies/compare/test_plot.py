@@ -184,7 +184,7 @@ def test_the_range_of_peak_forces_is_told(comparison):
     hertz = 1e-3 * comparison["hertz"].peak_force
     assert f"hertz, without e: peak force {hertz:.1f} kN" in conditions(comparison, looks_of(comparison))
     for small in (False, True):
-        told = headline(comparison, small=small)
+        told = headline(comparison, is_small=small)
         assert f"peak force {min(forces):.1f} to {max(forces):.1f} kN" in told
 
 

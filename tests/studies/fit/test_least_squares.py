@@ -20,7 +20,7 @@ def search(function, start, *, low=-np.inf, high=np.inf, sigma=None, most=200):
     count = len(function(start)[0])
     bounds = np.broadcast_to(low, start.shape), np.broadcast_to(high, start.shape)
     sigma = np.ones(count) if sigma is None else np.asarray(sigma, float)
-    found = minimize(evaluate, evaluate(start), sigma, bounds=bounds, enough=1e-12, most=most)
+    found = minimize(evaluate, evaluate(start), sigma, bounds=bounds, enough_decrease=1e-12, most_steps=most)
     return found, calls
 
 

@@ -110,7 +110,10 @@ class Comparison(Printed, LawRuns):
 
     def save_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the table as CSV, with all digits of each number; the cell of a missing value is empty."""
-        with written_atomically(Path(path)) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
+        with (
+            written_atomically(Path(path)) as new_file,
+            new_file.open("w", newline="", encoding="utf-8") as file,
+        ):
             writer = csv.writer(file)
             writer.writerow(LAW_COLUMNS)
             writer.writerows([_cell(value(run)) for value in LAW_COLUMNS.values()] for run in self.runs)
@@ -173,8 +176,8 @@ def compare(
     law_runs: dict[str, LawRun] = {}
 
     def run(law: str, impact: np.void | None) -> None:
-        done = len(law_runs)
-        law_runs[law] = _run(scene, law, impact, lambda part: show((done + part) / len(laws)))
+        finished_count = len(law_runs)
+        law_runs[law] = _run(scene, law, impact, lambda part: show((finished_count + part) / len(laws)))
 
     for law in at_home:
         run(law, None)
@@ -184,17 +187,17 @@ def compare(
     if reference is None:
         reason = _why_none(scene, [run.note for run in law_runs.values()])
         raise SceneError(f"{scene.name}: no impact to compare the laws by: {reason}")
-    expected = law_runs[reference].result
-    assert expected is not None
+    reference_result = law_runs[reference].result
+    assert reference_result is not None
     for law in laws:
         if law not in law_runs:
             run(law, firsts[reference])
-    runs = tuple(_compared_with(expected, law_runs[law]) for law in laws)
+    runs = tuple(_compared_with(reference_result, law_runs[law]) for law in laws)
     comparison = Comparison(scene, reference, runs, (_reached_restitutions(scene, 1.0, law_runs),))
     if comparison.is_free:
         return comparison
-    more = (_reached_restitutions(scene, factor, {}) for factor in STIFFER_FACTORS)
-    return replace(comparison, reached=(*comparison.reached, *more))
+    stiffer_runs = (_reached_restitutions(scene, factor, {}) for factor in STIFFER_FACTORS)
+    return replace(comparison, reached=(*comparison.reached, *stiffer_runs))
 
 
 def _reached_restitutions(scene: Scene, factor: float, runs: Mapping[str, LawRun]) -> Reached:
@@ -203,10 +206,12 @@ def _reached_restitutions(scene: Scene, factor: float, runs: Mapping[str, LawRun
     ``runs``: law → run at this stiffness; a law in ``runs`` is not simulated again.
     """
     stiffer = scene if factor == 1.0 else stiffened(scene, factor)
-    lossless, exact = (
+    lossless_restitution, exact_restitution = (
         runs.get(law) or _run(stiffer, law, None, no_progress) for law in (LOSSLESS_LAW, EXACT_LAW)
     )
-    return Reached(lossless.stiffness, lossless.restitution, exact.restitution)
+    return Reached(
+        lossless_restitution.stiffness, lossless_restitution.restitution, exact_restitution.restitution
+    )
 
 
 def _why_none(scene: Scene, notes: Sequence[str]) -> str:
@@ -222,8 +227,10 @@ def _why_none(scene: Scene, notes: Sequence[str]) -> str:
         )
     if note := next(filter(None, notes), ""):
         return note
-    kept = f"the stops keep stops.model = {model}, and there is none at a wall" if model else "there is none"
-    return f"{kept} before {scene.simulation.stop_time:g} s"
+    kept_law = (
+        f"the stops keep stops.model = {model}, and there is none at a wall" if model else "there is none"
+    )
+    return f"{kept_law} before {scene.simulation.stop_time:g} s"
 
 
 def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
@@ -238,17 +245,19 @@ def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
     names = scene.law_names
     for law in laws or ():
         if law not in names:
-            listed = "`chain-impact info --list laws` lists them"
-            raise UnknownNameError(scene.name, law, names, "not a contact law", otherwise=listed)
-    chosen = [law for law in names if not laws or law in laws]
-    at_home = any(keeps_exponents(law, scene) for law in chosen)
-    return chosen if at_home else [*chosen, scene.contact.model]
+            hint = "`chain-impact info --list laws` lists them"
+            raise UnknownNameError(scene.name, law, names, "not a contact law", otherwise=hint)
+    chosen_names = [law for law in names if not laws or law in laws]
+    at_home = any(keeps_exponents(law, scene) for law in chosen_names)
+    return chosen_names if at_home else [*chosen_names, scene.contact.model]
 
 
 def _run(scene: Scene, law: str, impact: np.void | None, progress: Progress) -> LawRun:
     changes = law_values(scene, law, impact)
-    used = scene.contact if impact is None else contact_with_law(contact_at(scene, impact), law, impact)
-    parameters = f"n = {used.exponent:g}, K = {used.stiffness:.4g} for the same elastic depth"
+    used_contact = (
+        scene.contact if impact is None else contact_with_law(contact_at(scene, impact), law, impact)
+    )
+    parameters = f"n = {used_contact.exponent:g}, K = {used_contact.stiffness:.4g} for the same elastic depth"
     notes = [parameters] if len(changes) > 1 else []
     result, first = None, {}
     try:
@@ -262,14 +271,16 @@ def _run(scene: Scene, law: str, impact: np.void | None, progress: Progress) -> 
     if result is not None and number is not None:
         impact = result.impacts[number]
         first = _values_of(result, impact)
-        used = contact_at(result.scene, impact)
-        earlier, later = result.impacts[:number], result.impacts[number + 1 : number + 2]
+        used_contact = contact_at(result.scene, impact)
+        earlier_impacts, later_impacts = result.impacts[:number], result.impacts[number + 1 : number + 2]
         # A contact that lasts until the end of the run has NaN as ``end`` and ``duration``, and a comparison
         # with NaN is False. So a lasting contact before this impact counts as an overlap; if this impact
         # itself lasts, the next impact does not count.
-        overlap = later["onset"] <= impact["onset"] + first["duration"]
-        notes += [OVERLAPS] if overlap.any() or not (earlier["end"] <= impact["onset"]).all() else []
-    return LawRun(law, used.exponent, used.stiffness, **first, note="; ".join(notes), result=result)
+        overlap = later_impacts["onset"] <= impact["onset"] + first["duration"]
+        notes += [OVERLAPS] if overlap.any() or not (earlier_impacts["end"] <= impact["onset"]).all() else []
+    return LawRun(
+        law, used_contact.exponent, used_contact.stiffness, **first, note="; ".join(notes), result=result
+    )
 
 
 def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
@@ -299,21 +310,23 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
     return values_of_run
 
 
-def _compared_with(expected: Result, run: LawRun) -> LawRun:
-    """Return ``run`` with number (from 1) and onset of the first impact that differs from ``expected``.
+def _compared_with(reference_result: Result, run: LawRun) -> LawRun:
+    """Return ``run`` with number (from 1) and onset of the first impact that differs from the reference.
 
-    ``expected`` is the result with the reference law. Impacts differ if their points or walls differ. If one
-    result has all impacts of the other result and more, its first additional impact is the first that
-    differs; but additional impacts of ``expected`` do not count if ``run`` ended early. If no impact differs,
-    ``run`` is returned unchanged.
+    ``reference_result`` is the result with the reference law. Impacts differ if their points or walls differ.
+    If one result has all impacts of the other result and more, its first additional impact is the first that
+    differs; but additional impacts of ``reference_result`` do not count if ``run`` ended early. If no impact
+    differs, ``run`` is returned unchanged.
     """
     if run.result is None:
         return run
-    ours, theirs = run.result.impacts, expected.impacts
-    common = common_count(ours, theirs)
-    if common == min(len(ours), len(theirs)):
-        stopped = run.result.time[-1] < expected.time[-1]
-        if len(ours) == len(theirs) or (stopped and len(ours) < len(theirs)):
+    run_impacts, reference_impacts = run.result.impacts, reference_result.impacts
+    common_rows = common_count(run_impacts, reference_impacts)
+    if common_rows == min(len(run_impacts), len(reference_impacts)):
+        is_shorter = run.result.time[-1] < reference_result.time[-1]
+        if len(run_impacts) == len(reference_impacts) or (
+            is_shorter and len(run_impacts) < len(reference_impacts)
+        ):
             return run
-    time = (ours if common < len(ours) else theirs)["onset"][common]
-    return replace(run, divergence=common + 1, divergence_time=float(time))
+    time = (run_impacts if common_rows < len(run_impacts) else reference_impacts)["onset"][common_rows]
+    return replace(run, divergence=common_rows + 1, divergence_time=float(time))

@@ -14,27 +14,27 @@ from chain_impact.text import count_text, span_text
 from chain_impact.variables.impact_units import unit_at
 
 
-def headline(comparison: LawRuns, *, small: bool = False) -> str:
+def headline(comparison: LawRuns, *, is_small: bool = False) -> str:
     """Return the headline: ranges of realised restitutions e′ and peak forces in the first impact.
 
     The ranges are those of the laws with a force that depends on e (``laws_with_e``). If the e′ do not
     describe the contact alone (``has_restitution``), the headline has only the peak forces. A law under which
     the impact does not end has no e′; if no law has an e′, the headline tells only that the impact does not
     end.
-    ``small``: whether the headline is for a narrow figure, and must be short.
+    ``is_small``: whether the headline is for a narrow figure, and must be short.
     """
     runs, e, name = laws_with_e(comparison), comparison.contact.restitution, comparison.scene.name
     restitutions = [run.restitution for run in runs if math.isfinite(run.restitution)]
     if not comparison.has_restitution:
         ran = sum(math.isfinite(run.peak_force) for run in runs)
-        where = "" if small else f" in the {compared_impact(comparison.scene)}"
-        return f"{name}: {peaks(comparison, runs)}{where}, {counted(runs, ran)}"
+        impact_words = "" if is_small else f" in the {compared_impact(comparison.scene)}"
+        return f"{name}: {peaks(comparison, runs)}{impact_words}, {counted(runs, ran)}"
     if not restitutions:
         return f"{name}: the first impact does not end under any law"
     ends = dict.fromkeys((f"{min(restitutions):.2f}", f"{max(restitutions):.2f}"))
     ranges = ", ".join(filter(None, (f"restitution {' to '.join(ends)}", peaks(comparison, runs))))
-    where = "" if small else f" in the first impact, {counted(runs, len(restitutions))}"
-    return f"{name}: {ranges} for e = {e:g}{where}"
+    impact_words = "" if is_small else f" in the first impact, {counted(runs, len(restitutions))}"
+    return f"{name}: {ranges} for e = {e:g}{impact_words}"
 
 
 def laws_with_e(comparison: LawRuns) -> list[LawRun]:
@@ -42,22 +42,24 @@ def laws_with_e(comparison: LawRuns) -> list[LawRun]:
 
     The law without losses ignores e, and a law of impulses has no force.
     """
-    impulsive = {law for law, each in CONTACT_LAWS.items() if each.impulsive}
+    impulsive = {law for law, contact_law in CONTACT_LAWS.items() if contact_law.impulsive}
     runs = [run for run in comparison.runs if run.law not in {LOSSLESS_LAW, *impulsive}]
     return runs or list(comparison.runs)
 
 
-def counted(runs: Sequence[LawRun], count: int) -> str:
-    """Return words for a ``count`` of the laws of ``runs``: "16 laws with losses", if all have losses."""
-    return count_text(count, "law") + (" with losses" if all(run.law != LOSSLESS_LAW for run in runs) else "")
+def counted(law_runs: Sequence[LawRun], count: int) -> str:
+    """Return words for a ``count`` of the laws of ``law_runs``: "16 laws with losses", if all have losses."""
+    return count_text(count, "law") + (
+        " with losses" if all(run.law != LOSSLESS_LAW for run in law_runs) else ""
+    )
 
 
 def peaks(comparison: LawRuns, runs: Sequence[LawRun]) -> str:
     """Return words for the range of the peak forces or moments of ``runs`` that are above 0, or ""."""
-    found = [run.peak_force for run in runs if run.peak_force > 0.0]
+    peak_forces = [run.peak_force for run in runs if run.peak_force > 0.0]
     unit = unit_at("peak_force", stop=comparison.is_at_stop)
-    if not found:
+    if not peak_forces:
         return ""
-    factor, unit = load_unit(max(found), unit)
-    ends = with_unit(span_text(factor * min(found), factor * max(found)), unit)
+    factor, unit = load_unit(max(peak_forces), unit)
+    ends = with_unit(span_text(factor * min(peak_forces), factor * max(peak_forces)), unit)
     return f"peak {'moment' if comparison.is_at_stop else 'force'} {ends}"

@@ -89,15 +89,15 @@ def plot_comparison(
 @drawing_style()
 def fill(figure: Figure, comparison: LawRuns) -> None:
     """Draw the two panels of the picture on an empty figure."""
-    small = is_narrow(figure)
-    looks = looks_of(comparison, small=small)
-    write_headline(figure, headline(comparison, small=small), conditions(comparison, looks))
-    panels: dict[str, Any] = {"nrows": 2, "height_ratios": LOOPS_ABOVE} if small else {"ncols": 2}
+    is_small = is_narrow(figure)
+    looks = looks_of(comparison, is_small=is_small)
+    write_headline(figure, headline(comparison, is_small=is_small), conditions(comparison, looks))
+    panels: dict[str, Any] = {"nrows": 2, "height_ratios": LOOPS_ABOVE} if is_small else {"ncols": 2}
     loops, energy = figure.subplots(**panels)
     draw_loops(loops, comparison, looks)
     draw_energy(energy, comparison, looks)
     dash_lines(loops, energy)
-    legend_at_foot(figure, legend_handles(looks, energy, loops), **(NARROW_LEGEND if small else {}))
+    legend_at_foot(figure, legend_handles(looks, energy, loops), **(NARROW_LEGEND if is_small else {}))
     settle(figure)
 
 
@@ -114,30 +114,32 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     names = ("effective_mass", "impact_speed", "peak_force", "max_penetration")
     mass, speed, force, depth = (unit_at(name, stop=comparison.is_at_stop) for name in names)
     per = f"{force}/{depth}"
-    moving = f"{impact['effective_mass']:.3g} {mass} at {impact['impact_speed']:.3g} {speed}"
-    hit = f"{compared_impact(comparison.scene)} of {moving}"
+    motion_text = f"{impact['effective_mass']:.3g} {mass} at {impact['impact_speed']:.3g} {speed}"
+    hit = f"{compared_impact(comparison.scene)} of {motion_text}"
     unit = raise_exponents(stiffness_unit(per, contact.exponent))
     stiffness = f"stiffness K = {number_text(contact.stiffness)} {unit}"
     tolerance = f"tolerance {number_text(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
     # whether the laws in the grey band have an entry in the legend, which tells their number
     is_told = bool(laws_in_band(comparison, looks))
-    others = [f"grey: {count_text(grey, 'other law')}"] if grey and not is_told else []
+    other_texts = [f"grey: {count_text(grey, 'other law')}"] if grey and not is_told else []
     results = [run.result for run in comparison.runs if run.result is not None]
     last = max(result.time[-1] for result in results)
     if max(shown_time(result).end for result in results) < last:
-        others.append(f"the runs end at {last:g} s")
-    limits, most = "" if comparison.is_free else "not free", comparison.reached[0].lossless
-    if math.isfinite(most) and not comparison.pressed_again and (limits or f"{most:.2f}" != "1.00"):
-        limits = f"{limits or 'with other forces during the impact'}: e′ = {most:.2f} without losses"
-    lossless = [
+        other_texts.append(f"the runs end at {last:g} s")
+    limits, limit = "" if comparison.is_free else "not free", comparison.reached[0].lossless
+    if math.isfinite(limit) and not comparison.pressed_again and (limits or f"{limit:.2f}" != "1.00"):
+        limits = f"{limits or 'with other forces during the impact'}: e′ = {limit:.2f} without losses"
+    lossless_laws = [
         run for run in comparison.runs if run.law == LOSSLESS_LAW and laws_with_e(comparison) != [run]
     ]
     without_e = (
-        f"{LOSSLESS_LAW}, without e: {top}" if lossless and (top := peaks(comparison, lossless)) else ""
+        f"{LOSSLESS_LAW}, without e: {top}"
+        if lossless_laws and (top := peaks(comparison, lossless_laws))
+        else ""
     )
     return SEPARATOR.join(
-        filter(None, (hit, comparison.no_restitution, limits, stiffness, tolerance, without_e, *others))
+        filter(None, (hit, comparison.no_restitution, limits, stiffness, tolerance, without_e, *other_texts))
     )
 
 
@@ -153,62 +155,63 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
     (``has_restitution``).
     """
     reference = comparison.reference
-    why = {reference: "reference"}
-    why.setdefault(comparison.contact.model, "of the scene")
-    expected = comparison[reference].restitution
-    off = {run.law: abs(run.restitution - expected) for run in comparison.runs}
-    if off.pop(LOSSLESS_LAW, math.nan) > 0.0:
-        _add_reason(why, LOSSLESS_LAW, "no losses")
-    differ = sorted((law for law in off if off[law] > 0.0), key=lambda law: -off[law])
+    reasons = {reference: "reference"}
+    reasons.setdefault(comparison.contact.model, "of the scene")
+    reference_restitution = comparison[reference].restitution
+    deviations = {run.law: abs(run.restitution - reference_restitution) for run in comparison.runs}
+    if deviations.pop(LOSSLESS_LAW, math.nan) > 0.0:
+        _add_reason(reasons, LOSSLESS_LAW, "no losses")
+    differ = sorted((law for law in deviations if deviations[law] > 0.0), key=lambda law: -deviations[law])
     for law in differ[:1] if comparison.has_restitution else ():
-        _add_reason(why, law, "differs most with losses")
+        _add_reason(reasons, law, "differs most with losses")
     for law in (run.law for run in comparison.runs if run.loop is not None and run.loop.size):
         if has_jump(law):
-            _add_reason(why, law, JUMP_NOTE_OF_LAW)
+            _add_reason(reasons, law, JUMP_NOTE_OF_LAW)
     for run in comparison.runs:
-        if run.law in USED and run.result is not None and len(why) < COLOURED_LAWS:
-            why.setdefault(run.law, "")
-    return why
+        if run.law in USED and run.result is not None and len(reasons) < COLOURED_LAWS:
+            reasons.setdefault(run.law, "")
+    return reasons
 
 
-def _add_reason(why: dict[str, str], law: str, reason: str) -> None:
-    """Add a reason for the colour of a law to ``why`` (law → reasons, separated by commas)."""
-    why[law] = f"{why[law]}, {reason}" if law in why else reason
+def _add_reason(reasons: dict[str, str], law: str, reason: str) -> None:
+    """Add a reason for the colour of a law to ``reasons`` (law → reasons, separated by commas)."""
+    reasons[law] = f"{reasons[law]}, {reason}" if law in reasons else reason
 
 
-def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
+def looks_of(comparison: LawRuns, *, is_small: bool = False) -> Looks:
     """Return the looks of the lines: law → keywords of matplotlib's ``plot``, with colour and label.
 
     Laws with equal loops share one line, under the first of these laws; its label names all of them. A label
     has the reasons of ``named_laws`` for the first of these laws that has any and, if the e′ describe the
-    contact alone, e′ of the first impact. With ``small`` only the labels of the reference and of LOSSLESS_LAW
-    have reasons, and only that of the reference has the sign e′. The label of a law that acts by impulses and
-    has no colour is only the law's id with IMPULSE_ENDING. The laws are in the order of their e′, the largest
-    first.
+    contact alone, e′ of the first impact. With ``is_small`` only the labels of the reference and of
+    LOSSLESS_LAW have reasons, and only that of the reference has the sign e′. The label of a law that acts by
+    impulses and has no colour is only the law's id with IMPULSE_ENDING. The laws are in the order of their
+    e′, the largest first.
     """
-    why = named_laws(comparison)
+    chosen_reasons = named_laws(comparison)
     twins: dict[str, list[str]] = {}
     for run in comparison.runs:
-        twin = next((other for other in twins if _are_loops_equal(comparison[other].loop, run.loop)), run.law)
+        loop = run.loop
+        twin = next((rival for rival in twins if _are_loops_equal(comparison[rival].loop, loop)), run.law)
         twins.setdefault(twin, []).append(run.law)
     looks: Looks = {}
     for first in sorted(twins, key=lambda law: -np.nan_to_num(comparison[law].restitution)):
         laws = twins[first]
-        reasons = [why[law] for law in laws if law in why]
+        reasons = [chosen_reasons[law] for law in laws if law in chosen_reasons]
         first_reason = next(filter(None, reasons), "")
-        is_brief = small and comparison.reference not in laws
+        is_brief = is_small and comparison.reference not in laws
         if is_brief and LOSSLESS_LAW not in laws:
             first_reason = ""
         restitution = comparison[first].restitution
         is_told = comparison.has_restitution and math.isfinite(restitution)
-        reached = f"{'' if is_brief else 'e′ = '}{restitution:.2f}" if is_told else ""
-        words = ", ".join(filter(None, (first_reason, reached)))
+        restitution_text = f"{'' if is_brief else 'e′ = '}{restitution:.2f}" if is_told else ""
+        words = ", ".join(filter(None, (first_reason, restitution_text)))
         label = ", ".join(laws) + (f" ({words})" if words else "")
         if comparison.reference in laws:
             look = law_look(comparison.reference) | {"linewidth": 3.0, "zorder": REFERENCE_LAYER}
         elif reasons:
-            named = next(law for law in laws if law in why)
-            look = law_look(named) | {"linewidth": 1.7, "zorder": 4}
+            named_law = next(law for law in laws if law in chosen_reasons)
+            look = law_look(named_law) | {"linewidth": 1.7, "zorder": 4}
         elif (loop := comparison[first].loop) is not None and not loop.size:
             label, look = f"{first}{IMPULSE_ENDING}", IMPULSE
         else:
@@ -217,12 +220,12 @@ def looks_of(comparison: LawRuns, *, small: bool = False) -> Looks:
     return looks
 
 
-def _are_loops_equal(first: np.ndarray | None, second: np.ndarray | None) -> bool:
+def _are_loops_equal(loop: np.ndarray | None, twin: np.ndarray | None) -> bool:
     """Return whether two loops of force over penetration (``LawRun.loop``) are equal.
 
     An empty loop, that of an impulse, and None, for an impact that has not ended, equal no loop.
     """
-    return first is not None and second is not None and first.size > 0 and np.array_equal(first, second)
+    return loop is not None and twin is not None and loop.size > 0 and np.array_equal(loop, twin)
 
 
 def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
@@ -235,8 +238,8 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     loops = {law: loop for law in looks if (loop := comparison[law].loop) is not None}
     name = "moment" if comparison.is_at_stop else "force"
     units = [unit_at(quantity, stop=comparison.is_at_stop) for quantity in ("max_penetration", "peak_force")]
-    largest = np.max([loop.max(axis=1) for loop in loops.values() if loop.size], axis=0, initial=0.0)
-    factors, (depth_unit, force_unit) = zip(*map(prefixed_unit, largest, units), strict=True)
+    largest_values = np.max([loop.max(axis=1) for loop in loops.values() if loop.size], axis=0, initial=0.0)
+    factors, (depth_unit, force_unit) = zip(*map(prefixed_unit, largest_values, units), strict=True)
     loops = {law: loop * np.reshape(factors, (2, 1)) if loop.size else loop for law, loop in loops.items()}
     fill_loops(axes, [loops[law] for law in band if law in loops and loops[law].size])
     for law in (law for law, loop in loops.items() if not loop.size):
@@ -261,12 +264,12 @@ def laws_in_band(comparison: LawRuns, looks: Looks) -> list[str]:
     return grey if len(grey) > MOST_GREY else []
 
 
-def band_label(comparison: LawRuns, band: Sequence[str], *, small: bool = False) -> str:
+def band_label(comparison: LawRuns, band: Sequence[str], *, is_small: bool = False) -> str:
     """Return the label of the grey band: the number of its laws, and the laws with the extreme e′.
 
     If the e′ do not describe the contact alone (``has_restitution``), the label has only the number.
 
-    ``small``: whether the label is for a narrow figure, and must be short.
+    ``is_small``: whether the label is for a narrow figure, and must be short.
     """
     count = sum(
         run.law == law or _are_loops_equal(comparison[law].loop, run.loop)
@@ -277,11 +280,11 @@ def band_label(comparison: LawRuns, band: Sequence[str], *, small: bool = False)
         return count_text(count, "other law")
     laws = [law for law in band if math.isfinite(comparison[law].restitution)] or list(band)
     order = sorted(laws, key=lambda law: comparison[law].restitution)
-    before = "" if small else "e′ = "
+    prefix = "" if is_small else "e′ = "
     extremes = " to ".join(
-        f"{law} ({before}{comparison[law].restitution:.2f})" for law in (order[0], order[-1])
+        f"{law} ({prefix}{comparison[law].restitution:.2f})" for law in (order[0], order[-1])
     )
-    return f"{count} others: {extremes}" if small else f"{count_text(count, 'other law')}: {extremes}"
+    return f"{count} others: {extremes}" if is_small else f"{count_text(count, 'other law')}: {extremes}"
 
 
 def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
@@ -323,8 +326,8 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
         totals = [(result.time, offset + result.energy["total"]) for result in results]
         curves = [np.interp(time, *total, right=np.nan) for total in totals]
         figure = axes.get_figure(root=True)
-        small = figure is not None and is_narrow(figure)
-        fill_band(axes, time, curves, band_label(comparison, band, small=small))
+        is_small = figure is not None and is_narrow(figure)
+        fill_band(axes, time, curves, band_label(comparison, band, is_small=is_small))
     courses = {
         law: np.array([result.time, offset + result.energy["total"]])
         for law in looks
@@ -333,18 +336,19 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     draw_lines(axes, courses, looks)
     mark: dict[str, Any] = {"marker": "x", "s": 22.0, "linewidth": 1.3}
     times = {law: comparison[law].divergence_time for law in courses}
-    parted = {law: at for law, at in times.items() if math.isfinite(at)}
-    for law, at in parted.items():
-        axes.scatter(at, np.interp(at, *courses[law]), color=looks[law]["color"], zorder=5.0, **mark)
+    parted = {law: moment for law, moment in times.items() if math.isfinite(moment)}
+    for law, moment in parted.items():
+        energy = np.interp(moment, *courses[law])
+        axes.scatter(moment, energy, color=looks[law]["color"], zorder=5.0, **mark)
     if parted:
         label = f"first impact that differs from {comparison.reference}"
         axes.scatter([], [], color=INK, label=label, **mark)
-    every = [run.result for run in comparison.runs if run.result is not None]
-    shown = [shown_time(result) for result in every]
-    end = max(time.end for time in shown)
+    run_results = [run.result for run in comparison.runs if run.result is not None]
+    time_spans = [shown_time(result) for result in run_results]
+    end = max(time.end for time in time_spans)
     axes.set_xlabel(name_time(axes, end))
-    start = min(time.start for time in shown)
-    first = min((result.impacts["onset"][0] for result in every if len(result.impacts)), default=start)
+    start = min(time.start for time in time_spans)
+    first = min((result.impacts["onset"][0] for result in run_results if len(result.impacts)), default=start)
     # before the first impact all curves are equal, so only the last part of the time before it is shown
     label = f"total {offset_text(offset)} [J]" if offset else "total energy [J]"
     axes.set(ylabel=label, xlim=(max(start, first - LEAD_SHARE * (end - first)), end))
@@ -353,8 +357,8 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
 
 def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
     """Draw a line for each law; ``lines``: law → points of the line, shape (2, S)."""
-    for law, (along, up) in lines.items():
-        axes.plot(along, up, **looks[law])
+    for law, (times, energies) in lines.items():
+        axes.plot(times, energies, **looks[law])
 
 
 def dash_lines(*panels: Axes) -> None:
@@ -370,17 +374,17 @@ def dash_lines(*panels: Axes) -> None:
             if line.get_zorder() > REFERENCE_LAYER and line.get_color() not in (GREY, INK)
         ]
         parts = parts_with_dashes([np.array(line.get_data(), float) for line in lines])
-        for line, own in zip(lines, parts, strict=True):
+        for line, own_parts in zip(lines, parts, strict=True):
             styles: dict[Any, list[np.ndarray]] = {}
-            for points, dashes in own:
+            for points, dashes in own_parts:
                 styles.setdefault(dashes, []).append(np.append(points, [[math.nan]] * 2, axis=1))
-            if len(own) == 1 and None in styles:
+            if len(own_parts) == 1 and None in styles:
                 continue
             line.set_data(np.concatenate(styles.pop(None, [np.zeros((2, 0))]), axis=1))
             look: dict[str, Any] = {"color": line.get_color(), "linewidth": line.get_linewidth()}
             for dashes, pieces in styles.items():
-                joined = np.concatenate(pieces, axis=1)
-                axes.plot(*joined, **look, linestyle=dashes, zorder=line.get_zorder(), label="_")
+                joined_part = np.concatenate(pieces, axis=1)
+                axes.plot(*joined_part, **look, linestyle=dashes, zorder=line.get_zorder(), label="_")
 
 
 def legend_handles(looks: Looks, *panels: Axes) -> list[Any]:
@@ -388,5 +392,5 @@ def legend_handles(looks: Looks, *panels: Axes) -> list[Any]:
     styles = {look["label"]: Line2D([], [], **look) for look in looks.values() if look["color"] != GREY}
     lines = dict.fromkeys(line.get_label() for axes in panels for line in axes.lines)
     bands = [collection for axes in panels for collection in axes.collections]
-    drawn = [styles[label] for label in lines if label in styles]
-    return [*drawn, *(band for band in bands if str(band.get_label())[:1] != "_")]
+    drawn_styles = [styles[label] for label in lines if label in styles]
+    return [*drawn_styles, *(band for band in bands if str(band.get_label())[:1] != "_")]

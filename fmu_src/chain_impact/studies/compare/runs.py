@@ -139,9 +139,9 @@ class LawRuns:
         the exact law from the prescribed restitution, by more than FREE_TOLERANCE. A realised restitution
         that is unknown, such as that of an impact that does not end in the run, does not count.
         """
-        reached = self.reached[0]
-        off = (abs(reached.lossless - 1.0), abs(reached.exact - self.contact.restitution))
-        return not any(deviation > FREE_TOLERANCE for deviation in off)
+        reached_pair = self.reached[0]
+        deviations = (abs(reached_pair.lossless - 1.0), abs(reached_pair.exact - self.contact.restitution))
+        return not any(deviation > FREE_TOLERANCE for deviation in deviations)
 
     @property
     def pressed_again(self) -> bool:
@@ -158,8 +158,8 @@ class LawRuns:
             return "other forces press this contact again before it ends"
         if not self.first_impact["impact_speed"]:
             return "this contact begins without a speed"
-        most = max(np.nan_to_num([run.restitution for run in self.runs]), default=0.0)
-        return "other forces drive this contact apart" if most > 1.0 + FREE_TOLERANCE else ""
+        largest_restitution = max(np.nan_to_num([run.restitution for run in self.runs]), default=0.0)
+        return "other forces drive this contact apart" if largest_restitution > 1.0 + FREE_TOLERANCE else ""
 
     @property
     def has_restitution(self) -> bool:

@@ -54,9 +54,18 @@ def law_table(comparison: LawRuns) -> TextTable:
         "time, s": [run.duration for run in comparison.runs],
         "lost, J": [run.energy_lost for run in comparison.runs],
     }
-    shown = [shared_unit(name, values) for name, values in quantities.items()]
-    head = ("law", "e′", *(name for name, _ in shown), "impacts", "differs at", "steps", "evaluations", "")
-    rows = zip(comparison.runs, *(cells for _, cells in shown), strict=True)
+    shown_quantities = [shared_unit(name, values) for name, values in quantities.items()]
+    head = (
+        "law",
+        "e′",
+        *(name for name, _ in shown_quantities),
+        "impacts",
+        "differs at",
+        "steps",
+        "evaluations",
+        "",
+    )
+    rows = zip(comparison.runs, *(cells for _, cells in shown_quantities), strict=True)
     return TextTable(head, [_row(run, cells) for run, *cells in rows])
 
 
@@ -65,16 +74,24 @@ def shared_unit(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
 
     ``name`` is the head without a prefix: "peak, N" may become "peak, kN".
     """
-    what, _, unit = name.partition(", ")
+    quantity, _, unit = name.partition(", ")
     factor, unit = prefixed_unit(np.nanmax([0.0, *values]), unit)
-    return f"{what}, {unit}", [format_number(factor * value, "#.4g") for value in values]
+    return f"{quantity}, {unit}", [format_number(factor * value, "#.4g") for value in values]
 
 
 def _row(run: LawRun, values: Sequence[str]) -> tuple[str, ...]:
-    differs = DASH if run.divergence is None else f"{run.divergence}, {run.divergence_time:.4f}"
+    divergence_text = DASH if run.divergence is None else f"{run.divergence}, {run.divergence_time:.4f}"
     counts = (str(count) if run.result else DASH for count in (run.impacts, run.steps, run.evaluations))
     impacts, *cost = counts
-    return (run.law, format_number(run.restitution, ".4f"), *values, impacts, differs, *cost, run.note)
+    return (
+        run.law,
+        format_number(run.restitution, ".4f"),
+        *values,
+        impacts,
+        divergence_text,
+        *cost,
+        run.note,
+    )
 
 
 def format_number(value: float, form: str) -> str:
@@ -85,13 +102,13 @@ def format_number(value: float, form: str) -> str:
 def legend(comparison: LawRuns) -> str:
     """Return sentences on the meaning of the columns and, if stops have their own law, on this law."""
     scene = comparison.scene
-    kept = f" The stops keep {scene.stops.model} under every law." if scene.stops.model else ""
+    stop_sentence = f" The stops keep {scene.stops.model} under every law." if scene.stops.model else ""
     return (
         f"Columns e′ to lost describe the {compared_impact(scene)}; e′ is its restitution, separation over "
         "approach speed, and lost is the energy that the whole chain dissipates meanwhile. "
         "'differs at' is the first impact with another point "
         f"or wall than under {comparison.reference}: its number and time. "
-        f"Evaluations of the equations of motion are the cost on any computer.{kept}"
+        f"Evaluations of the equations of motion are the cost on any computer.{stop_sentence}"
     )
 
 
@@ -108,15 +125,19 @@ def advice(comparison: LawRuns) -> str:
     if comparison.pressed_again:
         reach = "" if comparison.is_free else f"\n{_reach_sentence(comparison)}"
         return f"{comparison.no_restitution}, so e′ does not tell which laws realise e = {e:g}{reach}"
-    near = [run.law for run in comparison.runs if abs(run.restitution - e) <= REALISED_WITHIN * e]
-    within = f"within {100 * REALISED_WITHIN:g} % of e = {e:g} in this impact: "
+    near_laws = [run.law for run in comparison.runs if abs(run.restitution - e) <= REALISED_WITHIN * e]
+    accuracy_text = f"within {100 * REALISED_WITHIN:g} % of e = {e:g} in this impact: "
     if comparison.is_free:
-        return within + (_law_names(near) or "none of these laws") + _choice_words(comparison, near)
-    sure = [law for law in near if law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive]
-    here = [law for law in near if law not in sure]
+        return (
+            accuracy_text
+            + (_law_names(near_laws) or "none of these laws")
+            + _choice_words(comparison, near_laws)
+        )
+    sure = [law for law in near_laws if law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive]
+    unsure_laws = [law for law in near_laws if law not in sure]
     parts = [f"{', '.join(sure)}, as in any scene"] * bool(sure)
-    parts += [f"{_law_names(here)}, in this scene, not in any"] * bool(here)
-    return f"{within}{'; '.join(parts) or 'none of these laws'}\n{_reach_sentence(comparison)}"
+    parts += [f"{_law_names(unsure_laws)}, in this scene, not in any"] * bool(unsure_laws)
+    return f"{accuracy_text}{'; '.join(parts) or 'none of these laws'}\n{_reach_sentence(comparison)}"
 
 
 def _law_names(laws: Sequence[str]) -> str:
@@ -124,17 +145,17 @@ def _law_names(laws: Sequence[str]) -> str:
     return ", ".join(laws) if len(laws) <= NAMED_LAWS else f"{len(laws)} laws, see e′"
 
 
-def _choice_words(comparison: LawRuns, near: Sequence[str]) -> str:
-    """Return words that advise one of the laws in ``near``; "" if these are fewer than two.
+def _choice_words(comparison: LawRuns, near_laws: Sequence[str]) -> str:
+    """Return words that advise one of the laws in ``near_laws``; "" if these are fewer than two.
 
-    ``near`` has the laws that realise the prescribed restitution.
+    ``near_laws`` has the laws that realise the prescribed restitution.
     """
-    if len(near) <= 1:
+    if len(near_laws) <= 1:
         return ""
-    if EXACT_LAW in near:
+    if EXACT_LAW in near_laws:
         return f"; take {EXACT_LAW}, which gives any free impact exactly e"
     e = comparison.contact.restitution
-    best = min(near, key=lambda law: abs(comparison[law].restitution - e))
+    best = min(near_laws, key=lambda law: abs(comparison[law].restitution - e))
     return f"; take {best}, which is the nearest here"
 
 
@@ -145,9 +166,9 @@ def _reach_sentence(comparison: LawRuns) -> str:
     """
     e = comparison.contact.restitution
     values = ", ".join(
-        f"{format_number(at.exact, '.2f')} at K = {at.stiffness:.4g} "
-        f"({format_number(at.lossless, '.2f')} lossless)"
-        for at in comparison.reached
+        f"{format_number(reached_pair.exact, '.2f')} at K = {reached_pair.stiffness:.4g} "
+        f"({format_number(reached_pair.lossless, '.2f')} lossless)"
+        for reached_pair in comparison.reached
     )
     return (
         "this impact is not free: other forces act while it lasts, less in a stiffer contact. "

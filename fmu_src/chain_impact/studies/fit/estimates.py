@@ -110,8 +110,8 @@ class Estimates:
 
     @cached_property
     def _units(self) -> dict[str, str]:
-        elsewhere = SceneFacts(self.scene)["contacts"]
-        impacts = impact_units(stop=bool(self.scene.chain.stops) and not elsewhere)
+        contacts = SceneFacts(self.scene)["contacts"]
+        impacts = impact_units(stop=bool(self.scene.chain.stops) and not contacts)
         return {**PreparedScene(self.scene).units, **impacts}
 
     @cached_property

@@ -85,7 +85,7 @@ def fit(
         BuildError: when the kernel cannot be compiled.
     """
     scene, progress = scene_of(scene), progress or no_progress
-    usual = scene.simulation.stop_time
+    usual_stop = scene.simulation.stop_time
     if stop_time is not None:
         scene = scene.with_values({"simulation.stop_time": stop_time})
     for name, value in (sigma or {}).items():
@@ -93,28 +93,28 @@ def fit(
     runs = _runs(data)
     scenes = _scenes(scene, len(runs), set_each or {})
     all_data = [read_measurements(run, scene, sigma or {}, columns) for run in runs]
-    measured = all_data if stop_time is None else [data_set.cut_at(stop_time) for data_set in all_data]
-    late = sum(map(len, all_data)) - sum(map(len, measured))
-    beyond = (
+    data_sets = all_data if stop_time is None else [data_set.cut_at(stop_time) for data_set in all_data]
+    late_count = sum(map(len, all_data)) - sum(map(len, data_sets))
+    late_text = (
         [
-            f"{late} of {sum(map(len, all_data))} values lie after the stop time, {stop_time:g} s: "
+            f"{late_count} of {sum(map(len, all_data))} values lie after the stop time, {stop_time:g} s: "
             "they were not used."
         ]
-        if late
+        if late_count
         else []
     )
-    if stop_time is None and (long := _long_data_sentences(usual, all_data)):
-        raise SceneError(f"{scene.name}: {'; '.join(long)}: if it is in s, give the stop time")
-    _check_sigma(scene, sigma or {}, measured)
+    if stop_time is None and (long_sentences := _long_data_sentences(usual_stop, all_data)):
+        raise SceneError(f"{scene.name}: {'; '.join(long_sentences)}: if it is in s, give the stop time")
+    _check_sigma(scene, sigma or {}, data_sets)
 
     def fit_scenes(scenes: Sequence[Scene], progress: Progress) -> Fit:
         parameters = parameters_of(scenes, free, free_each, bounds or {})
-        _check_inputs(scene, parameters, measured)
+        _check_inputs(scene, parameters, data_sets)
         try:
-            result = _fit(Problem(scenes, measured, parameters, interpolation), progress)
+            result = _fit(Problem(scenes, data_sets, parameters, interpolation), progress)
         except SceneError as error:
-            raise SceneError("; ".join([str(error), *beyond])) from None
-        return replace(result, notes=(*beyond, *result.notes))
+            raise SceneError("; ".join([str(error), *late_text])) from None
+        return replace(result, notes=(*late_text, *result.notes))
 
     if laws:
         from chain_impact.studies.fit.law_ranking import rank
@@ -130,20 +130,20 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
     rows = evaluation.usable
     _check_rigid(problem, rows)
     if rows.sum() < len(problem.parameters):
-        few = (
+        few_text = (
             f"{problem.scenes[0].name}: {count_text(int(rows.sum()), 'value')} can be fitted, "
             f"must be at least {len(problem.parameters)}, as many as parameters are free"
         )
-        raise SceneError("; ".join([few, *_left_out_remarks(problem, evaluation)]))
+        raise SceneError("; ".join([few_text, *_left_out_remarks(problem, evaluation)]))
     fisher_information = information(evaluation.slopes[rows], search_result.sigma[rows])
-    reached = problem.bounds_reached(evaluation.coordinates, fisher_information.alone)
+    reached_bounds = problem.bounds_reached(evaluation.coordinates, fisher_information.alone)
     values, covariance = problem.values(evaluation.coordinates), fisher_information.covariance
     labels = [parameter.label for parameter in problem.parameters]
     columns = freedom_of_columns(problem, evaluation, search_result.sigma)
-    groups = [(problem.group[rows] == group, free) for group, free in columns.items()]
-    small = small_sample(evaluation.slopes[rows], search_result.sigma[rows], groups)
-    errors = fisher_information.errors * small.factor
-    halves = errors * quantiles(small.freedom)
+    groups = [(problem.group[rows] == group, column_freedom) for group, column_freedom in columns.items()]
+    sample = small_sample(evaluation.slopes[rows], search_result.sigma[rows], groups)
+    errors = fisher_information.errors * sample.factor
+    halves = errors * quantiles(sample.freedom)
     with np.errstate(invalid="ignore"):
         correlation = covariance / np.outer(fisher_information.errors, fisher_information.errors)
     scenes = tuple(
@@ -170,22 +170,22 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
         converged=search_result.last_search.converged,
         evaluations=problem.evaluations,
         horizons=search_result.horizons,
-        at_bounds={labels[p]: which for p, which in reached.items()},
+        at_bounds={labels[p]: bound for p, bound in reached_bounds.items()},
         interpolation=problem.interpolation,
-        unknown=tuple(unknown_parameter_remarks(problem, evaluation, fisher_information, reached)),
+        unknown=tuple(unknown_parameter_remarks(problem, evaluation, fisher_information, reached_bounds)),
         model_runs=evaluation.runs,
     )
     return replace(result, notes=tuple(_fit_remarks(problem, result, evaluation, search_result)))
 
 
-def _check_rigid(problem: Problem, usable: np.ndarray) -> None:
-    """Refuse a column of FORCE_QUANTITIES if none of it can be fitted (``usable``) and walls are rigid."""
+def _check_rigid(problem: Problem, is_usable: np.ndarray) -> None:
+    """Refuse a column of FORCE_QUANTITIES if none of it can be fitted (``is_usable``) and walls are rigid."""
     scene = problem.scenes[0]
     law = CONTACT_LAWS.get(scene.contact.model)
     if not (law and law.impulsive):
         return
     for group, name in enumerate(problem.names):
-        if name in FORCE_QUANTITIES and not usable[problem.group == group].any():
+        if name in FORCE_QUANTITIES and not is_usable[problem.group == group].any():
             raise SceneError(
                 f"{scene.name}: a rigid impact, contact.model = {law.id}, has no {name}: leave the column "
                 "out, or choose a law with a force"
@@ -200,13 +200,15 @@ def _on_bounds(problem: Problem, search_result: SearchSeries) -> Evaluation:
     model with the parameters of the search is returned.
     """
     evaluation = search_result.last_search.best
-    alone = information(evaluation.slopes[evaluation.usable], search_result.sigma[evaluation.usable]).alone
-    reached = problem.bounds_reached(evaluation.coordinates, alone)
-    if not reached:
+    alone_errors = information(
+        evaluation.slopes[evaluation.usable], search_result.sigma[evaluation.usable]
+    ).alone
+    reached_bounds = problem.bounds_reached(evaluation.coordinates, alone_errors)
+    if not reached_bounds:
         return evaluation
     coordinates = evaluation.coordinates.copy()
-    for p, which in reached.items():
-        coordinates[p] = problem.low[p] if which == "lower" else problem.high[p]
+    for p, bound in reached_bounds.items():
+        coordinates[p] = problem.low[p] if bound == "lower" else problem.high[p]
     on_bounds = problem.evaluate(coordinates)
     return on_bounds if np.array_equal(on_bounds.usable, evaluation.usable) else evaluation
 
@@ -240,18 +242,18 @@ def _long_data_sentences(stop_time: float, data: Sequence[Measurements]) -> list
 
     ``stop_time`` is the stop time of the scene [s]. The times of such data are probably in ms.
     """
-    lasting = [(data_set.source, float(np.nanmax(data_set.value_times, initial=0.0))) for data_set in data]
+    end_times = [(data_set.source, float(np.nanmax(data_set.value_times, initial=0.0))) for data_set in data]
     return [
         f"{source} lasts {last:g} s, {last / stop_time:.0f} times as long as the scene, {stop_time:g} s: "
         "its time must be in s, not in ms"
-        for source, last in lasting
+        for source, last in end_times
         if last >= MOST_STOP_TIMES * stop_time
     ]
 
 
-def _check_sigma(scene: Scene, sigma: Iterable[str], measured: Sequence[Measurements]) -> None:
+def _check_sigma(scene: Scene, sigma: Iterable[str], data_sets: Sequence[Measurements]) -> None:
     """Refuse a name in ``sigma`` that is not a measured column."""
-    names = {name for data_set in measured for name in data_set.quantity}
+    names = {name for data_set in data_sets for name in data_set.quantity}
     for name in sigma:
         if name not in names:
             raise SceneError(
@@ -259,10 +261,10 @@ def _check_sigma(scene: Scene, sigma: Iterable[str], measured: Sequence[Measurem
             )
 
 
-def _check_inputs(scene: Scene, parameters: Sequence[Parameter], measured: Sequence[Measurements]) -> None:
+def _check_inputs(scene: Scene, parameters: Sequence[Parameter], data_sets: Sequence[Measurements]) -> None:
     """Refuse a free parameter that is an input, if a data set for which it is free has this input."""
     for parameter in parameters:
-        for k, data_set in enumerate(measured):
+        for k, data_set in enumerate(data_sets):
             if parameter.data_set in (None, k) and parameter.name in data_set.inputs:
                 reason = f"is free, and is a column of {data_set.source}; must be only one of the two"
                 raise SceneError(f"{scene.name}: {parameter.name} {reason}")
@@ -285,13 +287,13 @@ def _interval(parameter: Parameter, coordinate: float, half: float) -> tuple[flo
 
 def _fitted_scene(scene: Scene, k: int, parameters: Sequence[Parameter], values: np.ndarray) -> Scene:
     """Return the scene of data set ``k`` with the fitted values, except those of inputs."""
-    known = scene.values
-    mine = zip(parameters, values.tolist(), strict=True)
+    scene_values = scene.values
+    fitted_pairs = zip(parameters, values.tolist(), strict=True)
     return scene.with_values(
         {
             parameter.name: value
-            for parameter, value in mine
-            if parameter.data_set in (None, k) and parameter.name in known
+            for parameter, value in fitted_pairs
+            if parameter.data_set in (None, k) and parameter.name in scene_values
         }
     )
 
@@ -304,13 +306,13 @@ def _deviance(problem: Problem, evaluation: Evaluation, rows: np.ndarray) -> flo
     """
     total = 0.0
     for group, name in enumerate(problem.names):
-        mine = rows & (problem.group == group)
-        residuals = evaluation.residuals[mine]
+        group_rows = rows & (problem.group == group)
+        residuals = evaluation.residuals[group_rows]
         if name in problem.estimated:
-            mean = max(float((residuals**2).mean()), np.finfo(float).tiny) if mine.any() else 1.0
-            total += mine.sum() * math.log(mean)
+            mean = max(float((residuals**2).mean()), np.finfo(float).tiny) if group_rows.any() else 1.0
+            total += group_rows.sum() * math.log(mean)
         else:
-            total += float(((residuals / problem.sigma[mine]) ** 2).sum())
+            total += float(((residuals / problem.sigma[group_rows]) ** 2).sum())
     return float(total)
 
 
@@ -326,9 +328,9 @@ def _fit_remarks(
         )
     notes += _left_out_remarks(problem, evaluation)
     notes += [
-        f"{label} is at its {which} bound, {result.values[label]:.6g}: "
+        f"{label} is at its {bound} bound, {result.values[label]:.6g}: "
         "its standard error and interval do not hold."
-        for label, which in result.at_bounds.items()
+        for label, bound in result.at_bounds.items()
     ]
     for parameter in problem.parameters:
         if parameter.name not in problem.scenes[0].values:
@@ -351,15 +353,18 @@ def _few_values_remarks(problem: Problem, evaluation: Evaluation) -> Iterator[st
 def _left_out_remarks(problem: Problem, evaluation: Evaluation) -> list[str]:
     """Return remarks on the measured values that were not fitted, with the reasons; [] without any."""
     count, notes = len(problem.value), []
-    missing, blind = int((~evaluation.exists).sum()), int((evaluation.exists & ~evaluation.usable).sum())
-    if missing:
+    missing_count, blind_count = (
+        int((~evaluation.exists).sum()),
+        int((evaluation.exists & ~evaluation.usable).sum()),
+    )
+    if missing_count:
         fault = problem.fault(evaluation)
-        why = fault or "the model has no such impact, or its contact lasts to the end"
+        reason = fault or "the model has no such impact, or its contact lasts to the end"
         columns = ", ".join(problem.names[group] for group in np.unique(problem.group[~evaluation.exists]))
-        notes.append(f"{missing} of {count} values were left out, of {columns}: {why}.")
-    if blind:
+        notes.append(f"{missing_count} of {count} values were left out, of {columns}: {reason}.")
+    if blind_count:
         limits = [limit for run in evaluation.runs for limit in run.limits] or ["a derivative does not exist"]
         notes.append(
-            f"{blind} of {count} values were left out, for want of a derivative: {'; '.join(limits)}."
+            f"{blind_count} of {count} values were left out, for want of a derivative: {'; '.join(limits)}."
         )
     return notes

@@ -85,40 +85,42 @@ def search_parameters(problem: Problem, progress: Progress = no_progress) -> Sea
     first = _search_with_growing_horizon(problem, start, FOLLOWED_WITHIN[0], progress)
     if first.last_search.converged and first.misfit_ratio < SUSPICIOUS_RATIO:
         return first
-    second = _search_with_growing_horizon(problem, start, FOLLOWED_WITHIN[1], progress)
-    return min(first, second, key=lambda candidate: _mean_square(candidate.last_search.best, first.sigma))
+    second_search = _search_with_growing_horizon(problem, start, FOLLOWED_WITHIN[1], progress)
+    return min(
+        first, second_search, key=lambda candidate: _mean_square(candidate.last_search.best, first.sigma)
+    )
 
 
 def _search_with_growing_horizon(
-    problem: Problem, start: Evaluation, far: float, progress: Progress
+    problem: Problem, start: Evaluation, far_ratio: float, progress: Progress
 ) -> SearchSeries:
     """Return the result of a series of searches, whose horizons grow until all data are used.
 
-    ``start`` is the model at the start values; for ``far`` and each next horizon see ``_next_horizon``.
+    ``start`` is the model at the start values; for ``far_ratio`` and each next horizon see ``_next_horizon``.
     """
     evaluation, sigma = start, _first_sigma(problem)
     last = float(np.nanmax(problem.value_times, initial=0.0))
-    horizons = [_first_horizon(problem, evaluation, far)]
+    horizons = [_first_horizon(problem, evaluation, far_ratio)]
     best = math.inf
     while horizons[-1] < math.inf:
         result, sigma = _search_to_horizon(
-            problem, evaluation, sigma, horizons[-1], enough=ROUGH_CHANGE, most=ROUGH_STEPS
+            problem, evaluation, sigma, horizons[-1], enough_decrease=ROUGH_CHANGE, most_steps=ROUGH_STEPS
         )
         if result.best.usable.sum() >= MANY_VALUES:
             best = min(best, _mean_square(result.best, sigma))
         evaluation = problem.evaluate(result.best.coordinates)
-        horizons.append(_next_horizon(problem, evaluation, horizons[-1], far))
+        horizons.append(_next_horizon(problem, evaluation, horizons[-1], far_ratio))
         progress(min(1.0, horizons[-2] / last))
-    early = sigma
+    earlier_sigma = sigma
     for _ in range(MOST_ROUNDS):
-        present = sigma
+        present_sigma = sigma
         result, sigma = _search_to_horizon(
-            problem, evaluation, present, math.inf, enough=FINE_CHANGE, most=FINE_STEPS
+            problem, evaluation, present_sigma, math.inf, enough_decrease=FINE_CHANGE, most_steps=FINE_STEPS
         )
         evaluation = result.best
-        if len(problem.names) == 1 or np.allclose(sigma, present, rtol=SETTLED_SIGMA, atol=0.0):
+        if len(problem.names) == 1 or np.allclose(sigma, present_sigma, rtol=SETTLED_SIGMA, atol=0.0):
             break
-    misfit_ratio = _mean_square(evaluation, early) / max(best, LEAST_SQUARE)
+    misfit_ratio = _mean_square(evaluation, earlier_sigma) / max(best, LEAST_SQUARE)
     return SearchSeries(result, sigma, (*horizons[:-1], last), misfit_ratio)
 
 
@@ -129,22 +131,28 @@ def _mean_square(evaluation: Evaluation, sigma: np.ndarray) -> float:
 
 
 def _search_to_horizon(
-    problem: Problem, evaluation: Evaluation, sigma: np.ndarray, horizon: float, *, enough: float, most: int
+    problem: Problem,
+    evaluation: Evaluation,
+    sigma: np.ndarray,
+    horizon: float,
+    *,
+    enough_decrease: float,
+    most_steps: int,
 ) -> tuple[Search, np.ndarray]:
     """Return the result of a search with the data up to a horizon [s], and new σ of all values, shape (M,).
 
     ``evaluation`` is the model at the start of the search, compared with all data; ``sigma`` has the σ that
-    the search uses; see ``minimize`` for ``enough`` and ``most``.
+    the search uses; see ``minimize`` for ``enough_decrease`` and ``most_steps``.
     """
-    minimum = minimize(
+    minimum_found = minimize(
         lambda coordinates: problem.evaluate(coordinates, horizon),
         problem.cut_at_horizon(evaluation, horizon),
         sigma,
         bounds=(problem.low, problem.high),
-        enough=enough,
-        most=most,
+        enough_decrease=enough_decrease,
+        most_steps=most_steps,
     )
-    return minimum, estimate_sigma(problem, minimum.best, sigma)
+    return minimum_found, estimate_sigma(problem, minimum_found.best, sigma)
 
 
 def estimate_sigma(problem: Problem, evaluation: Evaluation, sigma: np.ndarray) -> np.ndarray:
@@ -154,14 +162,14 @@ def estimate_sigma(problem: Problem, evaluation: Evaluation, sigma: np.ndarray) 
     at least LEAST_SIGMA times the size of the column. If ν (``freedom_of_columns``) is at most NO_FREEDOM, σ
     stays as in ``sigma``.
     """
-    estimated, rows = sigma.copy(), evaluation.usable
-    free = freedom_of_columns(problem, evaluation, sigma)
-    for group, least in _columns_without_sigma(problem):
-        mine = problem.group == group
-        if free[group] > NO_FREEDOM:
-            squares = (evaluation.residuals[rows & mine] ** 2).sum()
-            estimated[mine] = max(least, math.sqrt(squares / free[group]))
-    return estimated
+    estimated_sigma, rows = sigma.copy(), evaluation.usable
+    freedom = freedom_of_columns(problem, evaluation, sigma)
+    for group, least_sigma in _columns_without_sigma(problem):
+        group_rows = problem.group == group
+        if freedom[group] > NO_FREEDOM:
+            squares = (evaluation.residuals[rows & group_rows] ** 2).sum()
+            estimated_sigma[group_rows] = max(least_sigma, math.sqrt(squares / freedom[group]))
+    return estimated_sigma
 
 
 def freedom_of_columns(problem: Problem, evaluation: Evaluation, sigma: np.ndarray) -> dict[int, float]:
@@ -171,18 +179,20 @@ def freedom_of_columns(problem: Problem, evaluation: Evaluation, sigma: np.ndarr
     number of parameters that the column determines; it need not be whole.
     """
     rows = np.flatnonzero(evaluation.usable)
-    left, singular, _ = np.linalg.svd(evaluation.slopes[rows] / sigma[rows, None], full_matrices=False)
+    left_vectors, singular, _ = np.linalg.svd(
+        evaluation.slopes[rows] / sigma[rows, None], full_matrices=False
+    )
     rank = singular > 1e-12 * max(singular.max(initial=0.0), 1e-300)
-    leverage = (left[:, rank] ** 2).sum(axis=1)
-    mine = {group: problem.group[rows] == group for group, _ in _columns_without_sigma(problem)}
-    return {group: float(rows.sum() - leverage[rows].sum()) for group, rows in mine.items()}
+    leverage = (left_vectors[:, rank] ** 2).sum(axis=1)
+    rows_of_groups = {group: problem.group[rows] == group for group, _ in _columns_without_sigma(problem)}
+    return {group: float(rows.sum() - leverage[rows].sum()) for group, rows in rows_of_groups.items()}
 
 
 def _first_sigma(problem: Problem) -> np.ndarray:
     """Return the first σ of each value, shape (M,): the given one, or 0.01 × the column's ``size``."""
     sigma = problem.sigma.copy()
-    for group, least in _columns_without_sigma(problem):
-        sigma[problem.group == group] = 0.01 / LEAST_SIGMA * least
+    for group, least_sigma in _columns_without_sigma(problem):
+        sigma[problem.group == group] = 0.01 / LEAST_SIGMA * least_sigma
     return sigma
 
 
@@ -198,13 +208,13 @@ def _check(problem: Problem, evaluation: Evaluation) -> None:
     A column cannot be fitted if only some of its values have a σ, or if it has a single value without σ.
     """
     for name in problem.estimated:
-        mine = problem.group == problem.names.index(name)
+        group_rows = problem.group == problem.names.index(name)
         sources = ", ".join(data_set.source for data_set in problem.data)
-        if not np.isnan(problem.sigma[mine]).all():
+        if not np.isnan(problem.sigma[group_rows]).all():
             raise SceneError(
                 f"{sources}: some values of {name} have a sigma and others none; give all or none"
             )
-        if mine.sum() <= 1:
+        if group_rows.sum() <= 1:
             raise SceneError(
                 f"{sources}: {name} has one value only, from which its sigma cannot be estimated: give it, "
                 f"for example 2% (--sigma {name}=2%), or add a column sigma({name})"
@@ -214,36 +224,36 @@ def _check(problem: Problem, evaluation: Evaluation) -> None:
         raise SceneError(f"{problem.scenes[0].name}: the model has no value to compare with data: {fault}")
 
 
-def _first_horizon(problem: Problem, evaluation: Evaluation, far: float) -> float:
+def _first_horizon(problem: Problem, evaluation: Evaluation, far_ratio: float) -> float:
     """Return the first horizon [s]: infinity if the first search is to use all data.
 
     The horizon is the time up to which as many values lie as VALUES_PER_PARAMETER demands or, if later, the
     time up to which the model follows the data. The horizon is infinite if too few values have a time, or if
-    no value has a time later than the horizon. ``evaluation`` is the model at the start values; for ``far``
-    see ``_next_horizon``.
+    no value has a time later than the horizon. ``evaluation`` is the model at the start values; for
+    ``far_ratio`` see ``_next_horizon``.
     """
     times = np.sort(problem.value_times[np.isfinite(problem.value_times)])
-    least = len(problem.parameters)
-    rows = max(least, min(VALUES_PER_PARAMETER * least, len(times) // VALUES_PER_PARAMETER))
+    least_count = len(problem.parameters)
+    rows = max(least_count, min(VALUES_PER_PARAMETER * least_count, len(times) // VALUES_PER_PARAMETER))
     return (
-        _next_horizon(problem, evaluation, float(times[rows - 1]) / GROWTH, far)
+        _next_horizon(problem, evaluation, float(times[rows - 1]) / GROWTH, far_ratio)
         if rows <= len(times)
         else math.inf
     )
 
 
-def _next_horizon(problem: Problem, evaluation: Evaluation, horizon: float, far: float) -> float:
+def _next_horizon(problem: Problem, evaluation: Evaluation, horizon: float, far_ratio: float) -> float:
     """Return the next horizon [s], the later one of two times; infinity if no value is later than both.
 
     One time is GROWTH × ``horizon``. The other is the first time of a value in ``Problem.followed`` that the
-    model lacks, or from which it differs by more than ``far`` × the size of the column; infinity if no value
-    is such. If ``horizon`` and both times are 0, the next horizon is the first time > 0 of a value.
+    model lacks, or from which it differs by more than ``far_ratio`` × the size of the column; infinity if no
+    value is such. If ``horizon`` and both times are 0, the next horizon is the first time > 0 of a value.
     """
-    away = problem.followed & ~(np.abs(evaluation.residuals) <= far * problem.size)
+    is_far = problem.followed & ~(np.abs(evaluation.residuals) <= far_ratio * problem.size)
     times = problem.value_times
     last = float(np.nanmax(times))
-    reached = float(np.min(times[away], initial=math.inf, where=np.isfinite(times[away])))
-    next_horizon = max(GROWTH * horizon, reached)
+    reached_time = float(np.min(times[is_far], initial=math.inf, where=np.isfinite(times[is_far])))
+    next_horizon = max(GROWTH * horizon, reached_time)
     if next_horizon == horizon:  # only if ``horizon`` is 0
         next_horizon = float(np.min(times, initial=math.inf, where=times > horizon))
     return next_horizon if next_horizon < last else math.inf

@@ -38,31 +38,31 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     laws = [contact.model, *(law for law in scenes[0].law_names if law != contact.model)]
     first, ranking = None, []
     for k, law in enumerate(laws):
-        fitted, note = None, ""
+        fitted_law, note = None, ""
         for origin in (first.scenes, scenes) if first else (scenes,):
             try:
-                fitted = fit(
+                fitted_law = fit(
                     [_with_law(scene, law, first) for scene in origin],
                     _progress_of_law(progress, k, len(laws)),
                 )
             except SceneError as error:
-                note = note if fitted else str(error).removeprefix(f"{scenes[0].name}: ")
+                note = note if fitted_law else str(error).removeprefix(f"{scenes[0].name}: ")
                 continue
             exponent = needed_exponent(law, contact.exponent)
             note = f"n = {exponent:g}" if exponent != contact.exponent else ""
-            if fitted.converged:
+            if fitted_law.converged:
                 break
-        ranking.append(LawFit(law, fitted, note))
-        first = first or (fitted if law == contact.model else None)
-    most = max((int(law_fit.fit.used.sum()) for law_fit in ranking if law_fit.fit), default=0)
-    if not most:
+        ranking.append(LawFit(law, fitted_law, note))
+        first = first or (fitted_law if law == contact.model else None)
+    most_values = max((int(law_fit.fit.used.sum()) for law_fit in ranking if law_fit.fit), default=0)
+    if not most_values:
         raise SceneError(f"{scenes[0].name}: no contact law can be fitted: {ranking[0].note}")
-    ranking.sort(key=lambda law_fit: _rank_key(law_fit, most))
-    ranked = tuple(_with_remarks(law_fit, most) for law_fit in ranking)
-    best = ranked[0].fit
+    ranking.sort(key=lambda law_fit: _rank_key(law_fit, most_values))
+    ranked_laws = tuple(_with_remarks(law_fit, most_values) for law_fit in ranking)
+    best = ranked_laws[0].fit
     assert best is not None
     # the report shows the user's start values; other laws started at the parameters of the fit `first`
-    return replace(best, parameters=(first or best).parameters, ranking=ranked)
+    return replace(best, parameters=(first or best).parameters, ranking=ranked_laws)
 
 
 def _progress_of_law(progress: Progress, k: int, count: int) -> Progress:
@@ -83,24 +83,24 @@ def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
     return scene.with_values(law_values(scene, law, impact))
 
 
-def _rank_key(law_fit: LawFit, most: int) -> tuple[bool, bool, float]:
+def _rank_key(law_fit: LawFit, most_values: int) -> tuple[bool, bool, float]:
     """Return the key by which laws are sorted, the best law first.
 
-    ``most`` is the largest number of measured values that the fit of any law uses. Laws that use ``most``
-    values come before laws that use fewer; in both groups Akaike's criterion decides. A law without a fit
-    comes last.
+    ``most_values`` is the largest number of measured values that the fit of any law uses. Laws that use
+    ``most_values`` values come before laws that use fewer; in both groups Akaike's criterion decides. A law
+    without a fit comes last.
     """
     if law_fit.fit is None:
         return True, True, math.inf
-    return False, bool(law_fit.fit.used.sum() < most), round(law_fit.fit.aic, CRITERION_DIGITS)
+    return False, bool(law_fit.fit.used.sum() < most_values), round(law_fit.fit.aic, CRITERION_DIGITS)
 
 
-def _with_remarks(law_fit: LawFit, most: int) -> LawFit:
-    """Return a law's fit with remarks if the fit uses fewer values than ``most``, or did not converge."""
+def _with_remarks(law_fit: LawFit, most_values: int) -> LawFit:
+    """Return a law's fit with remarks if it uses fewer values than ``most_values``, or did not converge."""
     if law_fit.fit is None:
         return law_fit
-    left = most - int(law_fit.fit.used.sum())
+    missing_count = most_values - int(law_fit.fit.used.sum())
     parts = [law_fit.note] if law_fit.note else []
-    parts += [f"{left} values fewer than others: not comparable"] if left else []
+    parts += [f"{missing_count} values fewer than others: not comparable"] if missing_count else []
     parts += [] if law_fit.fit.converged else ["did not converge"]
-    return replace(law_fit, note="; ".join(parts), fewer=left)
+    return replace(law_fit, note="; ".join(parts), fewer=missing_count)

@@ -42,8 +42,8 @@ def minimize(
     sigma: np.ndarray,
     *,
     bounds: tuple[np.ndarray, np.ndarray],
-    enough: float,
-    most: int,
+    enough_decrease: float,
+    most_steps: int,
 ) -> Search:
     """Search the parameters with the least sum of squares of residuals r/σ, and return the result.
 
@@ -54,27 +54,27 @@ def minimize(
         first: the model at the start of the search; its usable values are fitted.
         sigma: standard deviations of the values, shape (M,).
         bounds: the lowest and the highest coordinates, each of shape (P,).
-        enough: the search has converged when a step changes the sum of squares by less than ``enough`` × the
-            sum.
-        most: the largest number of ``Search.steps``; a search that needs more has not converged.
+        enough_decrease: the search has converged when a step changes the sum of squares by less than
+            ``enough_decrease`` × the sum.
+        most_steps: the largest number of ``Search.steps``; a search that needs more has not converged.
     """
     rows = first.usable
     # a parameter on which no fitted value depends stays fixed, because SciPy would vary it in many steps
-    moved = first.slopes[rows].any(axis=0)
-    if not moved.any():
+    is_moved = first.slopes[rows].any(axis=0)
+    if not is_moved.any():
         return Search(first, False, 0)
-    kept = {first.coordinates[moved].tobytes(): first}
+    kept_evaluations = {first.coordinates[is_moved].tobytes(): first}
 
     def model(coordinates: np.ndarray) -> Evaluation:
         key = coordinates.tobytes()
-        if key not in kept:
+        if key not in kept_evaluations:
             all_coordinates = first.coordinates.copy()
-            all_coordinates[moved] = coordinates
-            kept[key] = evaluate(all_coordinates)
-        return kept[key]
+            all_coordinates[is_moved] = coordinates
+            kept_evaluations[key] = evaluate(all_coordinates)
+        return kept_evaluations[key]
 
     def slopes(coordinates: np.ndarray) -> np.ndarray:
-        return np.asarray(model(coordinates).slopes[np.ix_(rows, moved)] / sigma[rows, None])
+        return np.asarray(model(coordinates).slopes[np.ix_(rows, is_moved)] / sigma[rows, None])
 
     @np.errstate(over="ignore")
     def residuals(coordinates: np.ndarray) -> np.ndarray:
@@ -83,20 +83,20 @@ def minimize(
             return np.full(int(rows.sum()), np.inf)
         return np.asarray(solution.residuals[rows] / sigma[rows])
 
-    if not np.isfinite(residuals(first.coordinates[moved])).all():
+    if not np.isfinite(residuals(first.coordinates[is_moved])).all():
         return Search(first, False, 0)
 
     from scipy import optimize  # imported here, because the import takes long
 
     solution = optimize.least_squares(
         residuals,
-        first.coordinates[moved],
+        first.coordinates[is_moved],
         slopes,
-        bounds=[ends[moved] for ends in bounds],
+        bounds=[ends[is_moved] for ends in bounds],
         x_scale="jac",
-        ftol=enough,
+        ftol=enough_decrease,
         xtol=SMALLEST_CHANGE,
         gtol=SMALLEST_CHANGE,
-        max_nfev=most,
+        max_nfev=most_steps,
     )
     return Search(model(solution.x), bool(solution.status > 0), int(solution.nfev))

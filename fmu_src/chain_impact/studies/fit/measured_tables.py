@@ -57,20 +57,20 @@ def read_measurements(
         SceneError: when a table cannot be used.
         OSError: when a file cannot be read.
     """
-    several = cast("Sequence[TableSource]", [sources] if is_table(sources) else sources)
-    tables = [read_table(source) for source in several]
+    several_sources = cast("Sequence[TableSource]", [sources] if is_table(sources) else sources)
+    tables = [read_table(source) for source in several_sources]
     source = "+".join(table.source for table in tables)
-    measured = [name for table in tables for name in _value_columns(table)]
-    hint = f"there are {', '.join(measured)}"
-    patterns = measured if columns is None else columns
-    chosen = {
+    measured_names = [name for table in tables for name in _value_columns(table)]
+    hint = f"there are {', '.join(measured_names)}"
+    patterns = measured_names if columns is None else columns
+    chosen_names = {
         column
         for name in patterns
-        for column in names_matching(source, name, measured, "not a column", lambda _: hint)
+        for column in names_matching(source, name, measured_names, "not a column", lambda _: hint)
     }
     book = _Book(scene, sigma)
     for table in tables:
-        book.read(table, chosen)
+        book.read(table, chosen_names)
     return book.measurements(source)
 
 
@@ -91,22 +91,22 @@ class _Book:
         # for each value: column, value, σ, time [s] or index in ``_impacts``, and whether it is an impact's
         self._found: list[tuple[str, float, float, float, bool]] = []
 
-    def read(self, table: Table, chosen: Set[str]) -> None:
-        """Add the values in the ``chosen`` columns of a table, and in its columns of inputs."""
-        samples, quantities = self._columns(table, chosen | {*self._inputs})
-        before = -math.inf
+    def read(self, table: Table, chosen_names: Set[str]) -> None:
+        """Add the values in the ``chosen_names`` columns of a table, and in its columns of inputs."""
+        samples, quantities = self._columns(table, chosen_names | {*self._inputs})
+        earlier_time = -math.inf
         for row in range(len(table.rows)):
             if TIME not in table.names or any(table.cell(row, name) is not None for name in WHICH):
                 self._add_impact(table, row, quantities)
             else:
-                before = self._add_sample(table, row, samples, before)
+                earlier_time = self._add_sample(table, row, samples, earlier_time)
 
     def measurements(self, source: str) -> Measurements:
         """Return the measurements from all added tables; ``source`` has the names of the files."""
         if not self._found:
             raise SceneError(f"{source}: no value was measured: all cells are empty")
-        names, values, sigmas, where, kinds = zip(*self._found, strict=True)
-        of_impact, time_or_impact = np.array(kinds), np.array(where)
+        names, values, sigmas, locations, kinds = zip(*self._found, strict=True)
+        of_impact, time_or_impact = np.array(kinds), np.array(locations)
         times = np.unique(time_or_impact[~of_impact])
         outputs = tuple(dict.fromkeys(name for name, kind in zip(names, kinds, strict=True) if not kind))
         index = {name: k for group in (outputs, MEASURED_OF_IMPACT) for k, name in enumerate(group)}
@@ -122,28 +122,30 @@ class _Book:
             column=np.array([index[name] for name in names]),
             of_impact=of_impact,
             inputs={
-                name: (at[:, 0], at[:, 1])
+                name: (signal_values[:, 0], signal_values[:, 1])
                 for name, signal in self._signals.items()
-                if (at := np.array(signal)).size
+                if (signal_values := np.array(signal)).size
             },
         )
 
-    def _columns(self, table: Table, chosen: Set[str]) -> tuple[list[str], list[str]]:
+    def _columns(self, table: Table, chosen_names: Set[str]) -> tuple[list[str], list[str]]:
         """Return two lists: chosen columns of outputs and inputs over time, and of quantities of impacts."""
-        measured, over_time = _value_columns(table), {*self._outputs, *self._inputs}
-        values = [name for name in measured if name in chosen]
-        needed, likely = _needed_time_column(table, over_time)
+        measured_names, over_time = _value_columns(table), {*self._outputs, *self._inputs}
+        values = [name for name in measured_names if name in chosen_names]
+        needed_name, likely = _needed_time_column(table, over_time)
         for name in values:
             if name not in over_time and name not in MEASURED_OF_IMPACT:
                 if likely and likely_time([name]):
-                    raise SceneError(f"{table.source}: the column {needed} is missing{likely}")
-                others = [one for one in measured if one in {*over_time, *MEASURED_OF_IMPACT}]
-                raise SceneError(f"{table.source}: column {name} {self._hint(name, others)}")
+                    raise SceneError(f"{table.source}: the column {needed_name} is missing{likely}")
+                other_names = [
+                    column for column in measured_names if column in {*over_time, *MEASURED_OF_IMPACT}
+                ]
+                raise SceneError(f"{table.source}: column {name} {self._hint(name, other_names)}")
             if name in over_time and name in self._seen:
                 raise SceneError(f"{table.source}: column {name} is also in {self._seen[name]}")
             self._seen[name] = table.source
         for name in table.names:
-            if is_sigma(name) and name[6:-1] not in measured:
+            if is_sigma(name) and name[6:-1] not in measured_names:
                 raise SceneError(f"{table.source}: column {name} has no column {name[6:-1]} beside it")
             if is_sigma(name) and name[6:-1] in self._inputs:
                 raise SceneError(f"{table.source}: column {name}: an input has no standard deviation")
@@ -159,30 +161,33 @@ class _Book:
                     f"{table.source}: the column {' or '.join(keys)} is missing; "
                     f"it says to which of the {kinds} the values in {columns[0]} belong{likely}"
                 )
-        if not measured:
+        if not measured_names:
             raise SceneError(
                 f"{table.source}: it has no column with values, of an output such as {self._outputs[0]} or "
                 f"of impacts: {', '.join(MEASURED_OF_IMPACT)}{likely}"
             )
         return samples, quantities
 
-    def _hint(self, name: str, others: Sequence[str]) -> str:
-        near = nearest_name(name, [*self._outputs, *self._inputs, *MEASURED_OF_IMPACT])
-        hint = f"the nearest is {near}" if near else f"impacts have {', '.join(MEASURED_OF_IMPACT)}"
+    def _hint(self, name: str, other_names: Sequence[str]) -> str:
+        near_name = nearest_name(name, [*self._outputs, *self._inputs, *MEASURED_OF_IMPACT])
+        hint = f"the nearest is {near_name}" if near_name else f"impacts have {', '.join(MEASURED_OF_IMPACT)}"
         return (
             f"is not an output that changes over time, no input, and no quantity of an impact; {hint}; name "
-            f"it as `chain-impact info` does, or choose columns: --columns {','.join(others) or 'NAMES'}"
+            f"it as `chain-impact info` does, or choose columns: --columns {','.join(other_names) or 'NAMES'}"
         )
 
-    def _add_sample(self, table: Table, row: int, names: list[str], before: float) -> float:
+    def _add_sample(self, table: Table, row: int, names: list[str], earlier_time: float) -> float:
         """Add the values of outputs and inputs in the columns ``names`` of a row; return the row's time [s].
 
-        The time must be ≥ 0, and later than ``before`` [s], the time of the preceding row that is no impact.
+        The time must be ≥ 0, and later than ``earlier_time`` [s], the time of the preceding row that is no
+        impact.
         """
         time = table.number(row, TIME)
-        if not (time >= 0.0 and time > before):
-            later = f" and > {before:g}, the value of the row before" if before >= 0.0 else ""
-            raise SceneError(f"{table.where(row, TIME)} = {time:g} must be a time >= 0 [s]{later}")
+        if not (time >= 0.0 and time > earlier_time):
+            later_text = (
+                f" and > {earlier_time:g}, the value of the row before" if earlier_time >= 0.0 else ""
+            )
+            raise SceneError(f"{table.where(row, TIME)} = {time:g} must be a time >= 0 [s]{later_text}")
         for name in names:
             if name not in self._inputs:
                 self._add(table, row, name, time, False)
@@ -198,12 +203,12 @@ class _Book:
                 f"{CALL_ONSET.format(TIME)}"
             )
         number, point, wall = (self._which(table, row, name) for name in WHICH)
-        alike = number is None
+        is_alike = number is None
         if number is None:
             number = self._counts[point, wall] = self._counts.get((point, wall), 0) + 1
-        measured = {name: table.number(row, name) for name in names}
-        onset, end = (measured.get(name, math.nan) for name in (ONSET, "end"))
-        self._impacts.append(ImpactRow(number, point, wall, alike, end if math.isnan(onset) else onset))
+        measured_values = {name: table.number(row, name) for name in names}
+        onset, end = (measured_values.get(name, math.nan) for name in (ONSET, "end"))
+        self._impacts.append(ImpactRow(number, point, wall, is_alike, end if math.isnan(onset) else onset))
         for name in names:
             if name != DURATION or math.isnan(end - onset):  # beside onset and end, a duration adds nothing
                 self._add(table, row, name, len(self._impacts) - 1.0, True)
@@ -218,9 +223,9 @@ class _Book:
             return None
         if name == WALL:
             stops = dict.fromkeys(stop for _, stop in self._scene.chain.stops)
-            known = [*self._scene.half_planes, *stops, *self._scene.slider_stops]
-            if cell not in known:
-                columns = ", ".join(known) or "none"
+            known_names = [*self._scene.half_planes, *stops, *self._scene.slider_stops]
+            if cell not in known_names:
+                columns = ", ".join(known_names) or "none"
                 raise SceneError(
                     f"{table.where(row, name)} = {value_text(cell)} must be a wall of the scene: {columns}"
                 )
@@ -230,7 +235,7 @@ class _Book:
         names = {label: k for k, label in self._scene.point_names.items() if labels.count(label) == 1}
         if name == POINT and cell in names:
             return names[str(cell)]
-        allowed = (
+        allowed_text = (
             f"one of the points {', '.join(map(str, [*points, *names]))}"
             if name == POINT
             else "a whole number >= 1"
@@ -238,7 +243,7 @@ class _Book:
         is_name = name == POINT and bool(names) and isinstance(cell, str) and cell.isidentifier()
         number = -1.0 if is_name else table.number(row, name)
         if number != int(number) or (number not in points if name == POINT else number < 1):
-            raise SceneError(f"{table.where(row, name)} = {value_text(cell)} must be {allowed}")
+            raise SceneError(f"{table.where(row, name)} = {value_text(cell)} must be {allowed_text}")
         return int(number)
 
     def _add(self, table: Table, row: int, name: str, time_or_impact: float, of_impact: bool) -> None:
@@ -276,13 +281,13 @@ def _needed_time_column(table: Table, over_time: Set[str]) -> tuple[str, str]:
     hint names a column that looks like times; it is "" without one, or if the needed column is there.
     """
     is_list = {*WHICH, *MEASURED_OF_IMPACT} & {*table.names} and not over_time & {*table.names}
-    needed, column = ONSET if is_list else TIME, time_like(table.names)
-    if column is None or needed in table.names:
-        return needed, ""
-    return needed, CALL_ONSET.format(column) if is_list else likely_time(table.names)
+    needed_name, column = ONSET if is_list else TIME, time_like(table.names)
+    if column is None or needed_name in table.names:
+        return needed_name, ""
+    return needed_name, CALL_ONSET.format(column) if is_list else likely_time(table.names)
 
 
 def _value_columns(table: Table) -> list[str]:
     """Return all columns except time, WHICH, joint and sigma(…), and POSITION beside WHICH or onset."""
-    others = (TIME, *WHICH, JOINT, *(POSITION if {*WHICH, ONSET} & {*table.names} else ()))
-    return [name for name in table.names if name not in others and not is_sigma(name)]
+    other_names = (TIME, *WHICH, JOINT, *(POSITION if {*WHICH, ONSET} & {*table.names} else ()))
+    return [name for name in table.names if name not in other_names and not is_sigma(name)]

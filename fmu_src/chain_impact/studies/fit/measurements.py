@@ -121,15 +121,15 @@ class Measurements:
         Raises:
             SceneError: when no value is left.
         """
-        kept = ~(self.value_times > stop)
-        if not kept.any():
+        is_kept = ~(self.value_times > stop)
+        if not is_kept.any():
             raise SceneError(
                 f"{self.source}: no value was measured until the stop time, {stop:g} s; the first is at "
                 f"{self.value_times.min():g} s"
             )
         times = self.times[: np.searchsorted(self.times, stop, side="right")]
         arrays = ("value", "sigma", "row", "column", "of_impact")
-        names = tuple(compress(self.quantity, kept))
+        names = tuple(compress(self.quantity, is_kept))
         return replace(
-            self, times=times, quantity=names, **{field: getattr(self, field)[kept] for field in arrays}
+            self, times=times, quantity=names, **{field: getattr(self, field)[is_kept] for field in arrays}
         )

@@ -105,26 +105,28 @@ def parameters_of(
         raise SceneError(f"{scene.name}: no parameter is free; name at least one")
     free, free_each = [*map(fmu_name, free)], [*map(fmu_name, free_each)]
     bounds = {fmu_name(name): values for name, values in bounds.items()}
-    for typed in names:
-        if fmu_name(typed) not in variables:
-            what, hint = "not a parameter that can be fitted", absent_hint(typed)
-            hint = hint or fixed_hint(scene, fmu_name(typed)) or start_hint(typed)
-            raise UnknownNameError(scene.name, typed, variables, what, hint)
+    for typed_name in names:
+        if fmu_name(typed_name) not in variables:
+            fault, hint = "not a parameter that can be fitted", absent_hint(typed_name)
+            hint = hint or fixed_hint(scene, fmu_name(typed_name)) or start_hint(typed_name)
+            raise UnknownNameError(scene.name, typed_name, variables, fault, hint)
     names = [*free, *free_each]
     for k, name in enumerate(names):
         if name in names[:k]:
             raise SceneError(f"{scene.name}: {name} is named twice among the free parameters")
     for name in bounds:
         if name not in names:
-            near = nearest_name(name, names) or ", ".join(names)
-            raise SceneError(f"{scene.name}: bounds of {name}: the parameter is not free; free is {near}")
-    shared = [_parameter(variables[name], scene, bounds.get(name), None) for name in free]
-    each = [
-        _parameter(variables[name], one, bounds.get(name), k)
+            near_names = nearest_name(name, names) or ", ".join(names)
+            raise SceneError(
+                f"{scene.name}: bounds of {name}: the parameter is not free; free is {near_names}"
+            )
+    shared_parameters = [_parameter(variables[name], scene, bounds.get(name), None) for name in free]
+    own_parameters = [
+        _parameter(variables[name], own_scene, bounds.get(name), k)
         for name in free_each
-        for k, one in enumerate(scenes)
+        for k, own_scene in enumerate(scenes)
     ]
-    return (*shared, *each)
+    return (*shared_parameters, *own_parameters)
 
 
 def _parameter(

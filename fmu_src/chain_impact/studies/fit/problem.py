@@ -58,8 +58,8 @@ class Evaluation:
     @property
     def usable(self) -> np.ndarray:
         """Whether each value can be fitted, shape (M,): the model has the value and all its derivatives."""
-        usable: np.ndarray = self.exists & np.isfinite(self.slopes).all(axis=1)
-        return usable
+        is_usable: np.ndarray = self.exists & np.isfinite(self.slopes).all(axis=1)
+        return is_usable
 
 
 class Problem:
@@ -129,8 +129,8 @@ class Problem:
     @property
     def estimated(self) -> tuple[str, ...]:
         """The names of the columns in which a value has no given standard deviation."""
-        unknown = set(self.group[np.isnan(self.sigma)].tolist())
-        return tuple(name for k, name in enumerate(self.names) if k in unknown)
+        unknown_groups = set(self.group[np.isnan(self.sigma)].tolist())
+        return tuple(name for k, name in enumerate(self.names) if k in unknown_groups)
 
     @property
     def start(self) -> np.ndarray:
@@ -142,8 +142,8 @@ class Problem:
 
         The residuals of an impact without a measured time stay.
         """
-        beyond = self.value_times > horizon
-        return replace(evaluation, residuals=np.where(beyond, np.nan, evaluation.residuals))
+        is_beyond = self.value_times > horizon
+        return replace(evaluation, residuals=np.where(is_beyond, np.nan, evaluation.residuals))
 
     @property
     def followed(self) -> np.ndarray:
@@ -159,13 +159,19 @@ class Problem:
     def values(self, coordinates: np.ndarray) -> np.ndarray:
         """Return the values of the parameters for their ``coordinates``, both of shape (P,)."""
         return np.array(
-            [parameter.value(at) for parameter, at in zip(self.parameters, coordinates.tolist(), strict=True)]
+            [
+                parameter.value(coordinate)
+                for parameter, coordinate in zip(self.parameters, coordinates.tolist(), strict=True)
+            ]
         )
 
     def scale(self, values: np.ndarray) -> np.ndarray:
         """Return the derivative of each value with respect to the parameter's coordinate, shape (P,)."""
         return np.array(
-            [parameter.slope(at) for parameter, at in zip(self.parameters, values.tolist(), strict=True)]
+            [
+                parameter.slope(value)
+                for parameter, value in zip(self.parameters, values.tolist(), strict=True)
+            ]
         )
 
     def evaluate(self, coordinates: np.ndarray, horizon: float = math.inf) -> Evaluation:
@@ -178,10 +184,10 @@ class Problem:
         scale = self.scale(values)
         model_values, slopes = np.full(len(self.value), np.nan), np.zeros((len(self.value), len(coordinates)))
         runs = []
-        for k, (mine, part) in enumerate(zip(self.used, self._parts, strict=True)):
-            done = self._run(k, values[mine], horizon)
-            model_values[part], slopes[part, mine] = _select(self.data[k], done)
-            runs.append(done)
+        for k, (own_columns, part) in enumerate(zip(self.used, self._parts, strict=True)):
+            differentiated_run = self._run(k, values[own_columns], horizon)
+            model_values[part], slopes[part, own_columns] = _select(self.data[k], differentiated_run)
+            runs.append(differentiated_run)
         self.evaluations += 1
         return self.cut_at_horizon(
             Evaluation(coordinates, model_values - self.value, slopes * scale, tuple(runs)), horizon
@@ -196,9 +202,9 @@ class Problem:
             coordinates: the coordinates of the parameters, shape (P,).
             errors: standard error of each coordinate if all other parameters are fixed, shape (P,).
         """
-        lower = coordinates - self.low <= self._bound_distances(self.low, errors)
+        is_at_lower = coordinates - self.low <= self._bound_distances(self.low, errors)
         upper = self.high - coordinates <= self._bound_distances(self.high, errors)
-        return {int(p): "lower" if lower[p] else "upper" for p in np.flatnonzero(lower | upper)}
+        return {int(p): "lower" if is_at_lower[p] else "upper" for p in np.flatnonzero(is_at_lower | upper)}
 
     def _bound_distances(self, bounds: np.ndarray, errors: np.ndarray) -> np.ndarray:
         """Return the largest distance at which each coordinate counts as at a bound, shape (P,).
@@ -214,8 +220,10 @@ class Problem:
         """
         way = np.abs(self.start - bounds)
         distance = BOUND_ERRORS * np.minimum(errors, np.where(way > 0.0, way, np.inf))
-        near = np.stack([np.where(np.isfinite(errors), distance, 0.0), BOUND_PART * (self.high - self.low)])
-        return np.asarray(np.where(np.isfinite(near), near, 0.0).max(axis=0))
+        distances_to_bound = np.stack(
+            [np.where(np.isfinite(errors), distance, 0.0), BOUND_PART * (self.high - self.low)]
+        )
+        return np.asarray(np.where(np.isfinite(distances_to_bound), distances_to_bound, 0.0).max(axis=0))
 
     def fault(self, evaluation: Evaluation) -> str:
         """Return words for the data and the fault of the first run that stopped at a fault; "" without."""
@@ -227,9 +235,9 @@ class Problem:
     def _sizes(self) -> np.ndarray:
         sizes = np.zeros(len(self.value))
         for group in range(len(self.names)):
-            mine = self.group == group
-            values = self.value[mine]
-            sizes[mine] = max(float(np.ptp(values)), float(np.abs(values).max()), EMPTY_COLUMN_SIZE)
+            group_rows = self.group == group
+            values = self.value[group_rows]
+            sizes[group_rows] = max(float(np.ptp(values)), float(np.abs(values).max()), EMPTY_COLUMN_SIZE)
         return sizes
 
     def _run(self, k: int, values: np.ndarray, horizon: float) -> Differentiated:
@@ -246,29 +254,29 @@ def _select(data: Measurements, run: Differentiated) -> tuple[np.ndarray, np.nda
 
     Values and derivatives are NaN where the run ended earlier, or does not have the measured impact.
     """
-    selected = np.full(len(data), np.nan)
+    selected_values = np.full(len(data), np.nan)
     slopes = np.full((len(data), run.slopes.shape[2]), np.nan)
     sampled = np.flatnonzero(~data.of_impact & (data.row < len(run.values)))
     row, column = data.row[sampled], data.column[sampled]
-    selected[sampled], slopes[sampled] = run.values[row, column], run.slopes[row, column]
+    selected_values[sampled], slopes[sampled] = run.values[row, column], run.slopes[row, column]
     for m in np.flatnonzero(data.of_impact):
-        at = data.impacts[data.row[m]].find(run.impacts)
-        if at is not None:
-            selected[m], slopes[m] = quantity(run, at, MEASURED_OF_IMPACT[data.column[m]])
-    return selected, slopes
+        impact_row = data.impacts[data.row[m]].find(run.impacts)
+        if impact_row is not None:
+            selected_values[m], slopes[m] = quantity(run, impact_row, MEASURED_OF_IMPACT[data.column[m]])
+    return selected_values, slopes
 
 
-def quantity(run: Differentiated, at: int, name: str) -> tuple[float, np.ndarray]:
+def quantity(run: Differentiated, row: int, name: str) -> tuple[float, np.ndarray]:
     """Return the quantity ``name`` of an impact of the model, and its derivatives, shape (P,).
 
-    ``at``: the index of the impact in ``run.impacts``. A peak force of 0, as of an impulse, is NaN, as is a
+    ``row``: the index of the impact in ``run.impacts``. A peak force of 0, as of an impulse, is NaN, as is a
     joint force of 0. If the contact lasts to the end of the run, a quantity that is not known at the onset
     (ONSET_QUANTITIES) is NaN.
     """
     if name == DURATION:
-        end, onset = quantity(run, at, "end"), quantity(run, at, "onset")
+        end, onset = quantity(run, row, "end"), quantity(run, row, "onset")
         return end[0] - onset[0], end[1] - onset[1]
-    ended = np.isfinite(run.impacts["end"][at]) or name in ONSET_QUANTITIES
-    value = float(run.impacts[name][at])
-    is_defined = ended and not (name in ("peak_force", "joint_force") and value == 0.0)
-    return (value if is_defined else math.nan), run.impact_slopes[name][at]
+    is_known = np.isfinite(run.impacts["end"][row]) or name in ONSET_QUANTITIES
+    value = float(run.impacts[name][row])
+    is_defined = is_known and not (name in ("peak_force", "joint_force") and value == 0.0)
+    return (value if is_defined else math.nan), run.impact_slopes[name][row]

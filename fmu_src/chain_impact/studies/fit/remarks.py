@@ -50,39 +50,42 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
 
     rows = np.flatnonzero(fit.used)
     value = np.concatenate([data_set.value for data_set in fit.data])
-    free = fit.freedom - 1
-    if free < 1:
+    freedom_left = fit.freedom - 1
+    if freedom_left < 1:
         return
-    whitened, off = slopes[rows] / fit.sigma[rows, None], (fit.residuals / fit.sigma)[rows]
+    whitened, weighted = slopes[rows] / fit.sigma[rows, None], (fit.residuals / fit.sigma)[rows]
     covariance = np.nan_to_num(information(slopes[rows], fit.sigma[rows]).covariance, posinf=0.0)
-    # kept: 1 − h for each value in use, with its leverage h, shape (number of these values,)
-    kept = 1.0 - np.einsum("mp,pq,mq->m", whitened, covariance, whitened)
-    # alone: values that are no outliers; first, those without which some parameter would not be determined
-    alone = kept < LEVERAGE_ROUND_OFF
-    kept[alone] = 1.0
-    others = np.sqrt(np.maximum((off**2).sum() - off**2 / kept, 0.0) / free)
-    for name, mine in fit.columns.items():
-        of_column = mine[rows]
+    # kept_shares: 1 − h for each value in use, with its leverage h, shape (number of these values,)
+    kept_shares = 1.0 - np.einsum("mp,pq,mq->m", whitened, covariance, whitened)
+    # is_alone: values that are no outliers; first, those without which some parameter would not be determined
+    is_alone = kept_shares < LEVERAGE_ROUND_OFF
+    kept_shares[is_alone] = 1.0
+    other_sizes = np.sqrt(np.maximum((weighted**2).sum() - weighted**2 / kept_shares, 0.0) / freedom_left)
+    for name, column_rows in fit.columns.items():
+        of_column = column_rows[rows]
         if not of_column.any():
             continue
         if name not in fit.estimated:
-            others[of_column] = np.maximum(others[of_column], 1.0)
-        alone |= of_column & (np.abs(fit.residuals[rows]) <= SMALL_RESIDUAL * np.ptp(value[rows][of_column]))
-    ratio = np.abs(off) / np.maximum(others * np.sqrt(kept), np.finfo(float).tiny)
-    far = ~alone & (ratio > special.stdtrit(free, 1.0 - 0.5 * LEAST_PROBABILITY / len(rows)))
-    order = rows[far][np.argsort(-ratio[far], kind="stable")]
+            other_sizes[of_column] = np.maximum(other_sizes[of_column], 1.0)
+        is_alone |= of_column & (
+            np.abs(fit.residuals[rows]) <= SMALL_RESIDUAL * np.ptp(value[rows][of_column])
+        )
+    ratio = np.abs(weighted) / np.maximum(other_sizes * np.sqrt(kept_shares), np.finfo(float).tiny)
+    is_far = ~is_alone & (ratio > special.stdtrit(freedom_left, 1.0 - 0.5 * LEAST_PROBABILITY / len(rows)))
+    order = rows[is_far][np.argsort(-ratio[is_far], kind="stable")]
     if len(order):
         labels = [label for data_set in fit.data for label in labels_of(data_set)]
-        named = [
+        named_rows = [
             f"{labels[row]} is measured {value[row]:.6g}, the model has {value[row] + fit.residuals[row]:.6g}"
             for row in order[:NAMED_VALUES]
         ]
-        more = (
+        more_text = (
             f"; so are {count_text(len(order) - NAMED_VALUES, 'other value')}"
             if len(order) > NAMED_VALUES
             else ""
         )
-        yield f"Far from what the other values tell: {'; '.join(named)}{more}. Are these rows wrong?"
+        outlier_text = "; ".join(named_rows) + more_text
+        yield f"Far from what the other values tell: {outlier_text}. Are these rows wrong?"
 
 
 def labels_of(data_set: Measurements) -> Iterator[str]:
@@ -90,10 +93,10 @@ def labels_of(data_set: Measurements) -> Iterator[str]:
     for name, row, of_impact in zip(data_set.quantity, data_set.row, data_set.of_impact, strict=True):
         if of_impact:
             impact = data_set.impacts[row]
-            where = f"impact {impact.number}" + (" of its point and wall" if impact.alike else "")
+            impact_text = f"impact {impact.number}" + (" of its point and wall" if impact.alike else "")
         else:
-            where = f"t = {data_set.times[row]:.6g} s"
-        yield f"{name} ({where})"
+            impact_text = f"t = {data_set.times[row]:.6g} s"
+        yield f"{name} ({impact_text})"
 
 
 def unusual_chi_squared(result: Estimates) -> Iterator[str]:
@@ -101,27 +104,27 @@ def unusual_chi_squared(result: Estimates) -> Iterator[str]:
 
     A χ² so small that the data count as simulated (NOISELESS_RATIO) gets no remark.
     """
-    given = result.used.copy()
+    is_used = result.used.copy()
     for name in result.estimated:
-        given &= ~result.columns[name]
-    total, most = float(((result.residuals / result.sigma)[given] ** 2).sum()), int(given.sum())
-    least = most - len(result.parameters)
-    # If σ is given for every column, χ² has `least` degrees of freedom. Otherwise, the columns with an
-    # estimated σ may determine some of the parameters; the degrees of freedom are then unknown, from `least`
-    # to `most`. The test for a too large χ² uses `most`, the test for a too small one `least`: so each
-    # reports only a χ² that is improbable for all these numbers.
-    most = most if result.estimated else least
-    if least <= 0 or total < NOISELESS_RATIO * least:
+        is_used &= ~result.columns[name]
+    total, value_count = float(((result.residuals / result.sigma)[is_used] ** 2).sum()), int(is_used.sum())
+    least_freedom = value_count - len(result.parameters)
+    # If σ is given for every column, χ² has `least_freedom` degrees of freedom. Otherwise, the columns with
+    # an estimated σ may determine some of the parameters; the degrees of freedom are then unknown, from
+    # `least_freedom` to `value_count`. The test for a too large χ² uses the larger number, the test for a too
+    # small one the smaller: so each reports only a χ² that is improbable for all these numbers.
+    value_count = value_count if result.estimated else least_freedom
+    if least_freedom <= 0 or total < NOISELESS_RATIO * least_freedom:
         return
-    what = f"χ² is {total:.4g} for {most} degrees of freedom, p < {LEAST_PROBABILITY:g}"
-    if exceedance_probability(total, most) < LEAST_PROBABILITY:
+    chi_squared_text = f"χ² is {total:.4g} for {value_count} degrees of freedom, p < {LEAST_PROBABILITY:g}"
+    if exceedance_probability(total, value_count) < LEAST_PROBABILITY:
         yield (
-            f"{what}: the model does not follow the data within their σ, so the standard "
+            f"{chi_squared_text}: the model does not follow the data within their σ, so the standard "
             "errors are too small."
         )
-    elif exceedance_probability(total, least) > 1.0 - LEAST_PROBABILITY:
+    elif exceedance_probability(total, least_freedom) > 1.0 - LEAST_PROBABILITY:
         yield (
-            f"{what}: the data follow the model more closely than their σ allow, so the "
+            f"{chi_squared_text}: the data follow the model more closely than their σ allow, so the "
             "standard errors are too large."
         )
 
@@ -134,24 +137,24 @@ def alike_neighbours(result: Estimates) -> dict[str, float]:
     data set. For independent residuals, √n r has about the standard normal distribution (R. L. Anderson,
     Annals of Mathematical Statistics 13 (1942) 1).
     """
-    found: dict[str, float] = {}
+    correlations: dict[str, float] = {}
     data_set = np.repeat(np.arange(len(result.data)), [len(data_of_run) for data_of_run in result.data])
-    for name, mine in result.columns.items():
-        used = mine & result.used
-        residuals = (result.residuals / result.sigma)[used]
-        pairs = np.flatnonzero(np.diff(data_set[used]) == 0)
+    for name, column_rows in result.columns.items():
+        used_rows = column_rows & result.used
+        residuals = (result.residuals / result.sigma)[used_rows]
+        pairs = np.flatnonzero(np.diff(data_set[used_rows]) == 0)
         square = float((residuals**2).mean()) if len(pairs) else 0.0
         if square <= HARMLESS_CORRELATION:
             continue
-        alike = float((residuals[pairs] * residuals[pairs + 1]).mean()) / square
-        if math.sqrt(len(pairs)) * alike > ALIKE_NEIGHBOURS:
-            found[name] = alike
-    return found
+        correlation = float((residuals[pairs] * residuals[pairs + 1]).mean()) / square
+        if math.sqrt(len(pairs)) * correlation > ALIKE_NEIGHBOURS:
+            correlations[name] = correlation
+    return correlations
 
 
 def not_random(result: Estimates) -> Iterator[str]:
     """Yield a remark that lists the columns in which neighbouring residuals are correlated."""
-    texts = ", ".join(f"{name} ({alike:.2f})" for name, alike in alike_neighbours(result).items())
+    texts = ", ".join(f"{name} ({correlation:.2f})" for name, correlation in alike_neighbours(result).items())
     if texts:
         yield (
             f"Neighbouring residuals are correlated, so they are not only noise: {texts}. The "

@@ -38,10 +38,10 @@ def report(fit: Estimates) -> Iterator[str | TextTable]:
         yield ""
         yield TextTable(("law", "ΔAIC", "rms residual", *fit.values, ""), _laws(fit))
         yield "The rms residual is in standard deviations σ of the best fit."
-        equal = count_of_best(fit)
-        if equal > 1:
-            together = f"The first {equal} laws fit equally well, with ΔAIC < {DECISIVE_DIFFERENCE:g}"
-            yield f"{together}: these data cannot tell them apart."
+        equal_count = count_of_best(fit)
+        if equal_count > 1:
+            equal_text = f"The first {equal_count} laws fit equally well, with ΔAIC < {DECISIVE_DIFFERENCE:g}"
+            yield f"{equal_text}: these data cannot tell them apart."
 
 
 def fits_equally(law_fit: LawEstimates, best: Estimates) -> bool:
@@ -75,9 +75,9 @@ def heading(fit: Estimates, mark: str = "  ", laws: str = "") -> str:
     that follows; ``laws`` replaces the law.
     """
     sets = f"{count_text(len(fit.data), 'data set')}, " if len(fit.data) > 1 else ""
-    named = laws or fit.law
+    law_name = laws or fit.law
     return (
-        f"{fit.scene.name}{mark}{f'{named}, ' if named else ''}{sets}{int(fit.used.sum())} values, "
+        f"{fit.scene.name}{mark}{f'{law_name}, ' if law_name else ''}{sets}{int(fit.used.sum())} values, "
         f"{count_text(len(fit.parameters), 'free parameter')}"
     )
 
@@ -130,10 +130,12 @@ def rounded_text(value: float, error: float) -> str:
 
 def _columns(fit: Estimates) -> list[Sequence[str]]:
     rows: list[Sequence[str]] = []
-    for name, mine in fit.columns.items():
-        used = mine & fit.used
-        rms = math.sqrt(float((fit.residuals[used] ** 2).mean())) if used.any() else math.nan
-        rows.append((name, str(int(used.sum())), sigma_of(fit, name), values_text([rms], fit.unit(name))))
+    for name, column_rows in fit.columns.items():
+        used_rows = column_rows & fit.used
+        rms = math.sqrt(float((fit.residuals[used_rows] ** 2).mean())) if used_rows.any() else math.nan
+        rows.append(
+            (name, str(int(used_rows.sum())), sigma_of(fit, name), values_text([rms], fit.unit(name)))
+        )
     return rows
 
 
@@ -143,14 +145,14 @@ def sigma_of(fit: Estimates, name: str) -> str:
     For example "0.935 mm estimated"; if σ differs between the values, its least and its largest value.
     """
     sigma = fit.sigma[fit.columns[name]]
-    how = "estimated" if name in fit.estimated else "given"
-    return f"{values_text([*dict.fromkeys((sigma.min(), sigma.max()))], fit.unit(name))} {how}"
+    origin = "estimated" if name in fit.estimated else "given"
+    return f"{values_text([*dict.fromkeys((sigma.min(), sigma.max()))], fit.unit(name))} {origin}"
 
 
 def values_text(values: Sequence[float], unit: str) -> str:
     """Return one or two values as text with a unit, whose prefix suits the largest value."""
-    factor, shown = prefixed_unit(max(values), unit) if unit else (1.0, unit)
-    return with_unit(" … ".join(number_text(factor * value, 3) for value in values), shown)
+    factor, shown_unit = prefixed_unit(max(values), unit) if unit else (1.0, unit)
+    return with_unit(" … ".join(number_text(factor * value, 3) for value in values), shown_unit)
 
 
 def _quality(fit: Estimates) -> str:
@@ -168,11 +170,11 @@ def _quality(fit: Estimates) -> str:
 
 def _correlations(fit: Estimates) -> Iterator[str]:
     names = list(fit.values)
-    for i, first in enumerate(names):
-        for j, second in enumerate(names[:i]):
+    for i, first_name in enumerate(names):
+        for j, second_name in enumerate(names[:i]):
             if abs(fit.correlation[i, j]) > HIGH_CORRELATION:
-                how = f"a correlation of {fit.correlation[i, j]:.3f}"
-                yield f"The estimates of {second} and {first} have {how}."
+                correlation_text = f"a correlation of {fit.correlation[i, j]:.3f}"
+                yield f"The estimates of {second_name} and {first_name} have {correlation_text}."
 
 
 def _laws(fit: Estimates) -> list[Sequence[str]]:

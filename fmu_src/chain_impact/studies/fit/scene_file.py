@@ -41,16 +41,16 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
         text = tomlkit.dumps(scene_to_dict(scene))
     else:
         text = text_with_values(text_of(Path(like)), scene, str(Path(like)))
-    moved = like is not None and Path(like).parent.resolve() != path.parent.resolve()
+    is_elsewhere = like is not None and Path(like).parent.resolve() != path.parent.resolve()
     if law and cache.is_in_cache(Path(law)):
         text = _with_file(text, ("contact", "law_file"), _copy_law_file(Path(law), path.parent))
-    elif law and moved:
+    elif law and is_elsewhere:
         text = _with_file(text, ("contact", "law_file"), os.path.relpath(law, path.parent))
     for name, signal in scene.signals.items():
-        if signal.file and moved:
+        if signal.file and is_elsewhere:
             text = _with_file(text, ("signals", name, "file"), os.path.relpath(signal.file, path.parent))
-    with written_atomically(path) as fresh:
-        fresh.write_text(text, encoding="utf-8")
+    with written_atomically(path) as new_file:
+        new_file.write_text(text, encoding="utf-8")
 
 
 def text_with_values(text: str, scene: Scene, source: str) -> str:
@@ -59,8 +59,12 @@ def text_with_values(text: str, scene: Scene, source: str) -> str:
     All other values keep their text, except in links that ``_text_with_values`` replaces as a whole.
     ``source``: the name of the file, for errors.
     """
-    present = parse_scene(text, source)
-    return text if present == scene else _text_with_values(text, scene_to_dict(present), scene_to_dict(scene))
+    present_data = parse_scene(text, source)
+    return (
+        text
+        if present_data == scene
+        else _text_with_values(text, scene_to_dict(present_data), scene_to_dict(scene))
+    )
 
 
 def _copy_law_file(law: Path, folder: Path) -> str:
@@ -72,8 +76,8 @@ def _copy_law_file(law: Path, folder: Path) -> str:
     """
     copy, source = folder / law.name, law.read_bytes()
     if not copy.exists():
-        with written_atomically(copy) as fresh:
-            fresh.write_bytes(source)
+        with written_atomically(copy) as new_file:
+            new_file.write_bytes(source)
     elif copy.read_bytes() != source:
         raise SceneError(
             f"{copy} is another file than that of the contact law {law.stem}, which must be saved there: "
@@ -92,63 +96,65 @@ def _with_file(text: str, key: tuple[str, ...], file: str) -> str:
     return str(tomlkit.dumps(document))
 
 
-def _text_with_values(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
-    """Return the text of a scene file with the values of ``wanted`` where ``present`` has other values.
+def _text_with_values(text: str, present_data: dict[str, Any], wanted_data: dict[str, Any]) -> str:
+    """Return the text of a scene file with the values of ``wanted_data`` that ``present_data`` lacks.
 
-    ``present`` has the values of the text; both are dicts as ``scene_to_dict`` makes them.
+    ``present_data`` has the values of the text; both are dicts as ``scene_to_dict`` makes them.
     """
     document: Any = tomlkit.parse(text)
     short = any(key in link for link in document["chain"]["links"] for key in ("count", "shape"))
-    if short and wanted["chain"] != present["chain"]:
-        # ``wanted`` has every link with its mass and inertia, which do not fit an entry that is a box or has
-        # a `count`: so a change of [chain] replaces all entries by those of ``wanted``
-        document["chain"]["links"] = present["chain"]["links"] = wanted["chain"]["links"]
-    for name, value in wanted.items():
-        if value != present.get(name):
+    if short and wanted_data["chain"] != present_data["chain"]:
+        # ``wanted_data`` has every link with its mass and inertia, which do not fit an entry that is a box or
+        # has a `count`: so a change of [chain] replaces all entries by those of ``wanted_data``
+        document["chain"]["links"] = present_data["chain"]["links"] = wanted_data["chain"]["links"]
+    for name, value in wanted_data.items():
+        if value != present_data.get(name):
             if isinstance(value, Mapping):
-                _update(document.setdefault(name, tomlkit.table()), value, present.get(name, {}))
+                _update(document.setdefault(name, tomlkit.table()), value, present_data.get(name, {}))
             else:
-                _set_values(document, name, value, present.get(name))
+                _set_values(document, name, value, present_data.get(name))
     return str(tomlkit.dumps(document))
 
 
-def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -> None:
-    """Write the values of ``wanted`` that differ from ``present`` into a table of a TOML document.
+def _update(table: Any, wanted_data: Mapping[str, Any], present_data: Mapping[str, Any]) -> None:
+    """Write the values of ``wanted_data`` that differ from ``present_data`` into a table of a TOML document.
 
-    Keys that ``present`` has, but ``wanted`` has not, are removed from the table.
+    Keys that ``present_data`` has, but ``wanted_data`` has not, are removed from the table.
     """
-    for key in present:
-        if key not in wanted and key in table:
+    for key in present_data:
+        if key not in wanted_data and key in table:
             del table[key]
-    for key, value in wanted.items():
-        before = present.get(key)
-        if value == before:
+    for key, value in wanted_data.items():
+        present_value = present_data.get(key)
+        if value == present_value:
             continue
         if isinstance(value, list) and value and isinstance(value[0], Mapping):
-            for entry, after, old in zip(table[key], value, before or (), strict=True):
-                _update(entry, after, old)
+            for entry, wanted_entry, present_entry in zip(
+                table[key], value, present_value or (), strict=True
+            ):
+                _update(entry, wanted_entry, present_entry)
         elif isinstance(value, Mapping):
-            _update(table.setdefault(key, tomlkit.table()), value, before or {})
+            _update(table.setdefault(key, tomlkit.table()), value, present_value or {})
         else:
-            _set_values(table, key, value, before)
+            _set_values(table, key, value, present_value)
 
 
-def _set_values(table: Any, key: str, value: Any, present: Any = None) -> None:
+def _set_values(table: Any, key: str, value: Any, present_value: Any = None) -> None:
     """Write a value into a table of a TOML document; a comment after the value keeps its column if possible.
 
-    Of a list that keeps its length, only the entries that differ from ``present`` are written; the other
-    entries keep their text, such as an angle in degrees. ``present`` is the value before the change, in the
-    same unit as ``value``; with None, all entries are written.
+    Of a list that keeps its length, only the entries that differ from ``present_value`` are written; the
+    other entries keep their text, such as an angle in degrees. ``present_value`` is the value before the
+    change, in the same unit as ``value``; with None, all entries are written.
     """
-    here = table.get(key)
-    before = len(here.as_string()) if hasattr(here, "as_string") else 0
-    if isinstance(value, list) and here is not None and len(here) == len(value):
+    present_item = table.get(key)
+    text_length = len(present_item.as_string()) if hasattr(present_item, "as_string") else 0
+    if isinstance(value, list) and present_item is not None and len(present_item) == len(value):
         for k, entry in enumerate(value):
-            if present is None or present[k] != entry:
-                here[k] = entry
+            if present_value is None or present_value[k] != entry:
+                present_item[k] = entry
     else:
         table[key] = value
-    trivia = table.item(key).trivia if before else None
+    trivia = table.item(key).trivia if text_length else None
     if trivia is not None and trivia.comment:
-        room = len(trivia.comment_ws) + before - len(table.item(key).as_string())
+        room = len(trivia.comment_ws) + text_length - len(table.item(key).as_string())
         trivia.comment_ws = " " * max(1, room)

@@ -10,23 +10,23 @@ SIGMA = "sigma({})"  # the name of the column of standard deviations, from the n
 PERCENT = "%"
 
 
-def standard_deviation(name: str, given: float | str, value: float) -> float:
+def standard_deviation(name: str, given_sigma: float | str, value: float) -> float:
     """Return the standard deviation of a value, in the unit of the value.
 
-    ``given`` is the standard deviation that the user gives for the value's column ``name``: a number in the
-    unit of the value, or a text such as "2%", in percent of each |value|.
+    ``given_sigma`` is the standard deviation that the user gives for the value's column ``name``: a number in
+    the unit of the value, or a text such as "2%", in percent of each |value|.
 
     Raises:
-        SceneError: when ``given`` is neither a finite number > 0 nor such a percentage.
+        SceneError: when ``given_sigma`` is neither a finite number > 0 nor such a percentage.
     """
-    text = str(given).strip()
+    text = str(given_sigma).strip()
     try:
         number = float(text.removesuffix(PERCENT))
     except ValueError:
         number = -math.inf
     if not math.isfinite(number) or number <= 0.0:
         raise SceneError(
-            f"sigma of {name} = {value_text(given)} must be a number > 0, or percent of each value: 2%"
+            f"sigma of {name} = {value_text(given_sigma)} must be a number > 0, or percent of each value: 2%"
         )
     return number / 100.0 * abs(value) if text.endswith(PERCENT) else number
 

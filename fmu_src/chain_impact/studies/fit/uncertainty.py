@@ -47,9 +47,9 @@ class Information:
         inverse: np.ndarray = (
             (vectors[:, sound] / values[sound]) @ vectors[:, sound].T * np.outer(scale, scale)
         )
-        lost = (np.abs(vectors[:, ~sound]) > SINGULAR_RATIO**0.5).any(axis=1) | (size == 0.0)
-        inverse[lost, :] = inverse[:, lost] = math.nan
-        inverse[np.diag_indices_from(inverse)] = np.where(lost, math.inf, np.diag(inverse))
+        is_lost = (np.abs(vectors[:, ~sound]) > SINGULAR_RATIO**0.5).any(axis=1) | (size == 0.0)
+        inverse[is_lost, :] = inverse[:, is_lost] = math.nan
+        inverse[np.diag_indices_from(inverse)] = np.where(is_lost, math.inf, np.diag(inverse))
         return inverse
 
     @property
@@ -125,10 +125,13 @@ def small_sample(
         part_of_column = np.diag(covariance @ matrix @ covariance)
         return np.divide(part_of_column, variance, out=np.zeros(len(variance)), where=variance > 0.0)
 
-    for mine, degrees in groups:
-        precision, free = information(slopes[mine], sigma[mine]).matrix, max(degrees, LEAST_FREEDOM)
-        doubt += part(precision) ** 2 / free
-        growth += 4.0 / free * part(precision - precision @ covariance @ precision).clip(0.0)
+    for group_rows, degrees in groups:
+        precision, least_degrees = (
+            information(slopes[group_rows], sigma[group_rows]).matrix,
+            max(degrees, LEAST_FREEDOM),
+        )
+        doubt += part(precision) ** 2 / least_degrees
+        growth += 4.0 / least_degrees * part(precision - precision @ covariance @ precision).clip(0.0)
     freedom = np.divide(1.0, doubt, out=np.full(len(doubt), math.inf), where=doubt > 0.0)
     return SmallSample(np.sqrt(1.0 + growth), freedom)
 

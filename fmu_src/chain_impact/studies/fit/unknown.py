@@ -26,31 +26,33 @@ HUGE_ERROR = 10.0
 
 
 def unknown_parameter_remarks(
-    problem: Problem, evaluation: Evaluation, fisher_information: Information, reached: Collection[int]
+    problem: Problem, evaluation: Evaluation, fisher_information: Information, reached_bounds: Collection[int]
 ) -> Iterator[str]:
     """Yield a sentence for each parameter that the data do not determine.
 
     ``evaluation`` is the fitted model, ``fisher_information`` the information of the fitted values.
-    ``reached`` has the indices of the parameters at a bound, which get no sentence.
+    ``reached_bounds`` has the indices of the parameters at a bound, which get no sentence.
     """
     values, errors = problem.values(evaluation.coordinates), fisher_information.errors
 
     def is_weak(p: int, error: float) -> bool:
         return is_unknown(problem.parameters[p], values[p], error)
 
-    weak = [p for p in range(len(errors)) if p not in reached and is_weak(p, errors[p])]
-    for p in weak:
+    weak_indices = [p for p in range(len(errors)) if p not in reached_bounds and is_weak(p, errors[p])]
+    for p in weak_indices:
         parameter = problem.parameters[p]
         if fisher_information.matrix[p, p] == 0.0:
             yield f"{parameter.label} has no effect on the measured values."
             continue
-        how = size_of(parameter, values[p], errors[p])
-        text = f"{parameter.label} is not determined by these data: its standard error is {how}."
-        others = [(float(fisher_information.with_held(q).errors[p - (q < p)]), q) for q in weak if q != p]
-        error, q = min(others, default=(math.inf, -1))
+        size_text = size_of(parameter, values[p], errors[p])
+        text = f"{parameter.label} is not determined by these data: its standard error is {size_text}."
+        other_errors = [
+            (float(fisher_information.with_held(q).errors[p - (q < p)]), q) for q in weak_indices if q != p
+        ]
+        error, q = min(other_errors, default=(math.inf, -1))
         if error < ERROR_RATIO * errors[p] and not is_weak(p, error):
-            fixed, left = problem.parameters[q].label, size_of(parameter, values[p], error)
-            text += f" It acts together with {fixed}: with that held, it would be {left}."
+            fixed, left_size = problem.parameters[q].label, size_of(parameter, values[p], error)
+            text += f" It acts together with {fixed}: with that held, it would be {left_size}."
         yield text
 
 

@@ -62,9 +62,9 @@ class Batches:
         """Record the computing time of a batch [s], and set the size of the next batches."""
         self._elapsed += seconds / self._workers
         a_second = (batch[1] - batch[0]) / max(seconds, 1e-6)
-        wanted = min(max(SHORTEST_BATCH_TIME, SHARE * self._elapsed), LONGEST_BATCH_TIME)
-        self._size = max(1, min(int(wanted * a_second), BATCH_RATIO * self._size, LONGEST_BATCH))
-        self._least = max(1, int(wanted / BATCH_RATIO * a_second))
+        wanted_time = min(max(SHORTEST_BATCH_TIME, SHARE * self._elapsed), LONGEST_BATCH_TIME)
+        self._size = max(1, min(int(wanted_time * a_second), BATCH_RATIO * self._size, LONGEST_BATCH))
+        self._least = max(1, int(wanted_time / BATCH_RATIO * a_second))
 
 
 def run_batches(
@@ -100,10 +100,10 @@ def run_batches(
         for _ in range(BATCHES_PER_WORKER * count):
             submit()
         while at_work:
-            done = wait(at_work, patience, FIRST_COMPLETED).done
-            if not done:
+            finished_tasks = wait(at_work, patience, FIRST_COMPLETED).done
+            if not finished_tasks:
                 check()
-            for future in done:
+            for future in finished_tasks:
                 batch = at_work.pop(future)
                 rows, seconds = future.result()
                 batches.record_time(batch, seconds)
@@ -129,20 +129,23 @@ def run_in_threads(
     if spans:
         # compile the kernel before the threads begin; otherwise each of them would compile it, or wait for it
         computation.runner()
-    enough = Event()
+    stop_event = Event()
     with ThreadPoolExecutor(threads) as pool:
         try:
             yield from run_batches(
-                pool, threads, partial(computation.run_batch, wanted=lambda: not enough.is_set()), spans
+                pool,
+                threads,
+                partial(computation.run_batch, is_wanted=lambda: not stop_event.is_set()),
+                spans,
             )
         finally:
-            enough.set()
+            stop_event.set()
 
 
-def missing_spans(done: Sequence[Span], count: int) -> list[Span]:
-    """Return the spans of those of the runs 0 … count − 1 that are in no span of ``done``, ascending."""
+def missing_spans(finished_spans: Sequence[Span], count: int) -> list[Span]:
+    """Return the spans of the runs 0 … count − 1 that are in no span of ``finished_spans``, ascending."""
     spans, start = [], 0
-    for first, end in sorted(done):
+    for first, end in sorted(finished_spans):
         if first > start:
             spans.append((start, first))
         start = max(start, end)

@@ -41,14 +41,14 @@ def run_on_cluster(
         BuildError: when a worker cannot compile the kernel.
         RunError: when the cluster cannot compute a batch, has no workers left, or the connection is lost.
     """
-    lost = RunError(f"scheduler {address}: the connection was lost")
+    connection_error = RunError(f"scheduler {address}: the connection was lost")
 
     def check() -> None:
         """Raise a RunError if the cluster has no workers left, or the connection is lost."""
         try:
             threads = client.nthreads()
         except OSError:
-            raise lost from None
+            raise connection_error from None
         if not threads:
             raise RunError(f"scheduler {address}: it has no workers left")
 
@@ -62,7 +62,7 @@ def run_on_cluster(
         except (BuildError, RunError):
             raise
         except CancelledError:
-            raise lost from None
+            raise connection_error from None
         except Exception as error:
             name, reason = computation.job.scene.name, f"{type(error).__name__}: {error}"
             raise RunError(f"{name}: the cluster could not do a part of the sweep: {reason}") from None
@@ -109,17 +109,17 @@ def _check_workers(client: Any, computation: Computation, address: str) -> int:
     threads = client.nthreads()
     if not threads:
         raise SceneError(f"scheduler {address}: it has no workers; start some with: dask worker {address}")
-    ours = identity()
+    own_identity = identity()
     for worker, answer in client.run(identity, on_error="return").items():
         if isinstance(answer, BaseException):
             raise SceneError(
                 f"scheduler {address}: the worker {worker} cannot import chain-impact ({answer}); "
-                f"install version {ours[0]} there"
+                f"install version {own_identity[0]} there"
             )
-        if tuple(answer) != ours:
+        if tuple(answer) != own_identity:
             raise SceneError(
                 f"scheduler {address}: the worker {worker} has chain-impact {answer[0]} "
-                f"(kernel {answer[1]}), must have {ours[0]} (kernel {ours[1]}) as here"
+                f"(kernel {answer[1]}), must have {own_identity[0]} (kernel {own_identity[1]}) as here"
             )
     if computation.folder:
         for worker, answer in client.run(_can_read_manifest, computation.folder).items():

@@ -46,11 +46,11 @@ def colours_of(
 
     The ticks, place → label, are empty if matplotlib's ticks suit.
     """
-    least, most = float(values.min()), float(values.max())
+    least_value, largest_value = float(values.min()), float(values.max())
     colours: Colormap = mpl.colormaps[MAP_COLOURS]
-    norm, ticks, ends = Normalize(), dict[float, str](), (least, most)
-    if quantity.is_count and least < most:
-        bins = count_bins(least, most)
+    norm, ticks, ends = Normalize(), dict[float, str](), (least_value, largest_value)
+    if quantity.is_count and least_value < largest_value:
+        bins = count_bins(least_value, largest_value)
         norm, colours = BoundaryNorm(bins, len(bins) - 1), colours.resampled(len(bins) - 1)
         ticks = {
             0.5 * (low + high): f"{low + 0.5:.0f}" + (f"–{high - 0.5:.0f}" if high - low > 1.0 else "")
@@ -65,7 +65,11 @@ def colours_of(
 
 
 def add_bar(
-    panels: Sequence[Axes], mesh: QuadMesh, label: str, beyond: tuple[bool, bool], ticks: dict[float, str]
+    panels: Sequence[Axes],
+    mesh: QuadMesh,
+    label: str,
+    has_values_beyond: tuple[bool, bool],
+    ticks: dict[float, str],
 ) -> list[float]:
     """Draw the bar for the colours of a quantity, with its name; return the values at which ticks stand.
 
@@ -76,7 +80,7 @@ def add_bar(
         panels: the maps.
         mesh: the cells of one map.
         label: the name of the quantity that the colours show.
-        beyond: whether there are values below, and above, the ends of the colours.
+        has_values_beyond: whether there are values below, and above, the ends of the colours.
         ticks: as ``colours_of`` returns them.
     """
     figure = panels[0].get_figure(root=True)
@@ -84,9 +88,9 @@ def add_bar(
     low, high = (float(end or 0.0) for end in mesh.get_clim())
     extends = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
     scale = "log" if isinstance(mesh.norm, LogNorm) else ""
-    whole = ", ".join(filter(None, (label, scale)))
+    whole_label = ", ".join(filter(None, (label, scale)))
     is_shared, is_above = len(panels) > 1, len(panels) == 1 and has_bar_above(panels[0])
-    look: dict[str, Any] = {"extend": extends[beyond]}
+    look: dict[str, Any] = {"extend": extends[has_values_beyond]}
     if is_shared:
         look |= {"aspect": SLIM_BAR} | ({"location": "bottom"} if is_narrow(figure) else {})
     elif is_above:
@@ -96,9 +100,9 @@ def add_bar(
     look["ticks"] = MaxNLocator(MOST_LEVELS, steps=TICK_STEPS) if is_linear else None
     bar = figure.colorbar(mesh, ax=list(panels), **look)
     if is_shared:
-        bar.set_label(whole)
+        bar.set_label(whole_label)
     elif is_above:
-        bar.set_label(whole, loc="left")
+        bar.set_label(whole_label, loc="left")
     else:
         name_above(panels[0], label)
         bar.ax.set_title(scale, fontsize="small")
@@ -111,8 +115,8 @@ def add_bar(
             bar.long_axis.get_minor_locator(),
             bar.long_axis.get_major_formatter(),
         )
-    every = [*bar.get_ticks(), *(bar.get_ticks(minor=True) if is_few else [])]
-    levels = sorted(float(level) for level in every if low < level < high)
+    all_ticks = [*bar.get_ticks(), *(bar.get_ticks(minor=True) if is_few else [])]
+    levels = sorted(float(level) for level in all_ticks if low < level < high)
     if ticks:
         bar.set_ticks(list(ticks), labels=list(ticks.values()))
         bar.ax.tick_params(which="both", length=0)
@@ -123,10 +127,10 @@ def add_bar(
 
 def _thin_out(bar: Colorbar, ticks: dict[float, str], width: float) -> None:
     """Leave out some of the numbers at a bar above a map, so that they fit into a ``width`` [inch]."""
-    needed = sum(DIGIT * (len(text) + 1) for text in ticks.values())
-    kept = list(ticks)[:: int(np.ceil(needed / width)) or 1]
+    needed_width = sum(DIGIT * (len(text) + 1) for text in ticks.values())
+    kept_ticks = list(ticks)[:: int(np.ceil(needed_width / width)) or 1]
     bar.minorlocator = mpl.ticker.NullLocator()
-    bar.set_ticks(kept, labels=[ticks[place] for place in kept])
+    bar.set_ticks(kept_ticks, labels=[ticks[place] for place in kept_ticks])
 
 
 def has_bar_above(axes: Axes) -> bool:
@@ -163,5 +167,7 @@ def cut_values_words(extremes: tuple[float, float], ends: tuple[float, float]) -
 
     The result is "" if neither is beyond an end. The arguments are those of ``are_beyond``.
     """
-    there = zip(("down to", "up to"), extremes, are_beyond(extremes, ends), strict=True)
-    return "".join(f", {words} {extreme:.3g}" for words, extreme, is_beyond in there if is_beyond)
+    extreme_ends = zip(("down to", "up to"), extremes, are_beyond(extremes, ends), strict=True)
+    return "".join(
+        f", {words} {extreme_value:.3g}" for words, extreme_value, is_beyond in extreme_ends if is_beyond
+    )

@@ -37,17 +37,17 @@ def columns_of(design: Design, rows: np.ndarray, first: int, names: Iterable[str
         first: the number, from 0, of the first of these runs.
         names: the names of the columns; by default all columns: varied parameters, results, status.
     """
-    varied = {variation.name: k for k, variation in enumerate(design.variations)}
+    indices_by_name = {variation.name: k for k, variation in enumerate(design.variations)}
     columns: Columns = {}
     values = None
-    for name in names or (*varied, *(rows.dtype.names or ()), STATUS_WORD):
+    for name in names or (*indices_by_name, *(rows.dtype.names or ()), STATUS_WORD):
         if name == STATUS_WORD:
             columns[name] = _STATUS_WORDS[rows[STATUS]]
-        elif name not in varied:
+        elif name not in indices_by_name:
             columns[name] = rows[name]
         else:
             values = design.values(first, first + len(rows)) if values is None else values
-            columns[name] = design.variations[varied[name]].shown(values[:, varied[name]])
+            columns[name] = design.variations[indices_by_name[name]].shown(values[:, indices_by_name[name]])
     return columns
 
 
@@ -93,26 +93,26 @@ class Computation:
         """
         return Runner(self.job, own_kernel=self.own_kernel)
 
-    def run_batch(self, batch: Span, wanted: Callable[[], bool] = lambda: True) -> tuple[Outcome, float]:
+    def run_batch(self, batch: Span, is_wanted: Callable[[], bool] = lambda: True) -> tuple[Outcome, float]:
         """Compute the runs of a batch; return the ``Outcome`` of the batch, and the time taken [s].
 
         If the outcome is the name of a file, the name is temporary; ``Dataset.add`` gives the final name.
 
         Raises:
-            CancelledError: when ``wanted``, which is called about once a second, returns False.
+            CancelledError: when ``is_wanted``, which is called about once a second, returns False.
             BuildError: when the kernel cannot be compiled.
             MissingExtraError: when a file is asked for, and pyarrow is not installed.
             OSError: when the file cannot be written.
         """
-        runner, started = self.runner(), perf_counter()
+        runner, start_time = self.runner(), perf_counter()
 
         def chunks() -> Iterator[tuple[int, np.ndarray]]:
             for first in range(batch[0], batch[1], CHUNK):
                 values = self.design.values(first, min(first + CHUNK, batch[1]))
-                yield first, runner.run(values, wanted)
+                yield first, runner.run(values, is_wanted)
 
         if self.folder is None:
-            return np.concatenate([rows for _, rows in chunks()]), perf_counter() - started
+            return np.concatenate([rows for _, rows in chunks()]), perf_counter() - start_time
         path = self.folder / f".{file_name(batch)}-{uuid4().hex}"
         try:
             write_parquet(path, (columns_of(self.design, rows, first) for first, rows in chunks()))
@@ -122,7 +122,7 @@ class Computation:
                 raise
             # an error of Arrow names no file, so a new error names the folder
             raise OSError(error.errno or errno.EIO, error.strerror or str(error), str(self.folder)) from None
-        return path.name, perf_counter() - started
+        return path.name, perf_counter() - start_time
 
 
 def file_name(batch: Span) -> str:

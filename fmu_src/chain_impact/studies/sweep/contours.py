@@ -48,77 +48,85 @@ class Scale:
     def cell_at(self, value: float) -> int | None:
         """Return the index of the cell whose middle part (MIDDLE_SHARE) has a value, if there is one."""
         edges = self.scaled(self.edges)
-        off = np.abs(self.scaled(self.middles) - self.scaled(value)) / np.diff(edges)
-        return int(off.argmin()) if off.min() < 0.5 * MIDDLE_SHARE else None
+        distances = np.abs(self.scaled(self.middles) - self.scaled(value)) / np.diff(edges)
+        return int(distances.argmin()) if distances.min() < 0.5 * MIDDLE_SHARE else None
 
 
 def draw_contours(
     axes: Axes,
     scales: tuple[Scale, Scale],
-    shown: Any,
+    shown_values: Any,
     mesh: QuadMesh,
     levels: Sequence[float],
     *,
-    own: Sequence[float | None],
+    own_values: Sequence[float | None],
 ) -> None:
     """Draw contours at ``levels`` in a map, each piece of a contour with its value.
 
     A contour with more than MOST_PIECES pieces is left out, as in a map of a chaotic motion, and so is a
     short piece, or one without room for its value. A map with fewer than LEAST_CELLS cells on an axis has no
     contours. The value stands at the place that is farthest from other contours, other values, the edges and
-    the scene's mark at ``own``.
+    the scene's mark at ``own_values``.
     """
-    found: dict[float, list[np.ndarray]] = {}
-    for level in levels if min(shown.shape) >= LEAST_CELLS else ():
-        line = axes.contour(*(scale.middles for scale in scales), shown, [level])
+    pieces_of_levels: dict[float, list[np.ndarray]] = {}
+    for level in levels if min(shown_values.shape) >= LEAST_CELLS else ():
+        line = axes.contour(*(scale.middles for scale in scales), shown_values, [level])
         pieces = [piece for piece in line.allsegs[0] if len(piece)]
         line.remove()
         if len(pieces) <= MOST_PIECES:
-            found[level] = pieces
-    places = {level: [_axes_fractions(piece, scales) for piece in pieces] for level, pieces in found.items()}
-    taken = [] if None in own else [_axes_fractions(np.array([own], float), scales)]
-    for level, pieces in found.items():
-        others = [piece for other, there in places.items() if other != level for piece in there]
-        kept = []
+            pieces_of_levels[level] = pieces
+    places = {
+        level: [_axes_fractions(piece, scales) for piece in pieces]
+        for level, pieces in pieces_of_levels.items()
+    }
+    taken_points = [] if None in own_values else [_axes_fractions(np.array([own_values], float), scales)]
+    for level, pieces in pieces_of_levels.items():
+        other_pieces = [
+            piece
+            for other_level, level_pieces in places.items()
+            if other_level != level
+            for piece in level_pieces
+        ]
+        kept_labels = []
         for piece, place in zip(pieces, places[level], strict=True):
-            row = _roomiest_index(place, [*others, *taken])
+            row = _roomiest_index(place, [*other_pieces, *taken_points])
             if row is None or np.ptp(place, axis=0).max() < LEAST_LENGTH:
                 continue
-            kept.append(Path(piece))
-            taken.append(place[row : row + 1])
-            right, up = piece[row]
+            kept_labels.append(Path(piece))
+            taken_points.append(place[row : row + 1])
+            x, y = piece[row]
             ground = mesh.to_rgba(np.asarray(level))
             halo = [
                 Stroke(linewidth=5.0, foreground=ground),
                 Stroke(linewidth=1.8, foreground="black"),
                 Normal(),
             ]
-            text = axes.text(right, up, f"{level:g}", color="white", fontsize="small", path_effects=halo)
+            text = axes.text(x, y, f"{level:g}", color="white", fontsize="small", path_effects=halo)
             text.set(ha="center", va="center", clip_on=True, gid=COLOURED_GROUND)
-        if kept:
+        if kept_labels:
             look: dict[str, Any] = {"colors": "white", "linewidths": 0.9, "linestyles": "solid"}
-            line = axes.contour(*(scale.middles for scale in scales), shown, [level], **look)
-            line.set_paths([Path.make_compound_path(*kept)])
+            line = axes.contour(*(scale.middles for scale in scales), shown_values, [level], **look)
+            line.set_paths([Path.make_compound_path(*kept_labels)])
             line.set_path_effects([Stroke(linewidth=2.1, foreground="black"), Normal()])
 
 
 def _axes_fractions(points: np.ndarray, scales: tuple[Scale, Scale]) -> np.ndarray:
     """Return points of a map, shape (S, 2), as fractions of its width and height."""
-    found = []
+    fractions = []
     for part, scale in zip(points.T, scales, strict=True):
-        low, high, at = map(scale.scaled, (*scale.edges[[0, -1]], part))
-        found.append((at - low) / (high - low))
-    return np.transpose(found)
+        low, high, scaled_part = map(scale.scaled, (*scale.edges[[0, -1]], part))
+        fractions.append((scaled_part - low) / (high - low))
+    return np.transpose(fractions)
 
 
-def _roomiest_index(line: np.ndarray, others: Sequence[np.ndarray]) -> int | None:
+def _roomiest_index(line: np.ndarray, other_points: Sequence[np.ndarray]) -> int | None:
     """Return the index of the point of a line that is farthest from the edges and from other points.
 
     All points are fractions of the width and height of a map, shape (S, 2). The result is None if no point is
     LEAST_ROOM away from them.
     """
     room = np.minimum(line, 1.0 - line).min(axis=1)
-    for other in others:
-        room = np.minimum(room, np.hypot(*(line[:, None] - other[None]).transpose(2, 0, 1)).min(axis=1))
+    for other_line in other_points:
+        room = np.minimum(room, np.hypot(*(line[:, None] - other_line[None]).transpose(2, 0, 1)).min(axis=1))
     row = int(room.argmax())
     return row if room[row] >= LEAST_ROOM else None

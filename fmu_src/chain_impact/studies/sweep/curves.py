@@ -55,29 +55,29 @@ def draw_curves(
     panels: Sequence[Axes],
     runs: Runs,
     quantities: list[Quantity],
-    across: Variation,
+    abscissa: Variation,
     choice: Variation | None = None,
 ) -> None:
     """Draw each quantity over a parameter in its panel, with a cross at the foot for each failed run.
 
     Samples are points without lines.
 
-    ``across``: the parameter on the horizontal axis, a number. ``choice``: a second parameter; each of the
+    ``abscissa``: the parameter on the horizontal axis, a number. ``choice``: a second parameter; each of the
     numbers or choices of ``choice`` has a line, but choices with equal results share a line (``lines_of``).
     """
-    values, is_sampled = runs[across.name], runs.design.samples is not None
-    lines, has_missed = lines_of(runs, across, choice), False
+    values, is_sampled = runs[abscissa.name], runs.design.samples is not None
+    lines, has_missed = lines_of(runs, abscissa, choice), False
     for axes, quantity in zip(panels, quantities, strict=True):
-        shown = quantity.values_or_nan(runs)
-        curves = [np.array([values[rows], shown[rows]]) for rows in lines.values()]
-        drawn = [curve[:, np.isfinite(curve[1])] for curve in curves]
-        usable = [curve.shape[1] > 1 and not is_sampled for curve in drawn]
-        dashes = iter(merged_dashes([curve for curve, use in zip(drawn, usable, strict=True) if use]))
-        looks = zip(lines.items(), looks_of(lines, choice), usable, strict=False)
+        shown_values = quantity.values_or_nan(runs)
+        curves = [np.array([values[rows], shown_values[rows]]) for rows in lines.values()]
+        drawn_curves = [curve[:, np.isfinite(curve[1])] for curve in curves]
+        is_line = [curve.shape[1] > 1 and not is_sampled for curve in drawn_curves]
+        dashes = iter(merged_dashes([curve for curve, use in zip(drawn_curves, is_line, strict=True) if use]))
+        looks = zip(lines.items(), looks_of(lines, choice), is_line, strict=False)
         for place, ((names, rows), look, use) in enumerate(looks):
             text = " = ".join(names)
             label = f"{text} (failed)" if choice and runs.failed[rows].all() else text
-            across_up, marks = (values[rows], shown[rows]), dict[str, Any]()
+            across_up, marks = (values[rows], shown_values[rows]), dict[str, Any]()
             if is_sampled:
                 marks = {"marker": ".", "linestyle": "", "rasterized": True}
             else:
@@ -88,19 +88,19 @@ def draw_curves(
                     marks = {"marker": ".", "markersize": DOT_SIZE}
             (line,) = axes.plot(*across_up, label=label, linewidth=1.4, **look | marks)
             if quantity.is_count and len(lines) > 1:
-                line.set_transform(axes.transData + _shift_up(axes, place, len(lines), shown))
+                line.set_transform(axes.transData + _shift_up(axes, place, len(lines), shown_values))
             if use and (dash := next(dashes)) and not quantity.is_count:
                 line.set(linestyle=dash, marker="None")  # marks would hide those of the line below
         mark_at_foot(axes, values[runs.failed], CROSS)
-        missed = quantity.is_without_touch(runs)
-        has_missed |= bool(missed.any())
-        mark_at_foot(axes, values[missed], RING)
-        axes.set_xscale("log" if is_logarithmic(across) else "linear")
-        axes.set_xlabel(label_of(runs, across))
+        is_missed = quantity.is_without_touch(runs)
+        has_missed |= bool(is_missed.any())
+        mark_at_foot(axes, values[is_missed], RING)
+        axes.set_xscale("log" if is_logarithmic(abscissa) else "linear")
+        axes.set_xlabel(label_of(runs, abscissa))
         give_ticks(axes)
-        _set_vertical_axis(axes, quantity, shown, EQUAL_COUNTS if len(lines) > 1 else "")
-        if (own := own_value(runs, across)) is not None:
-            axes.axvline(own, **SCENE_LINE)
+        _set_vertical_axis(axes, quantity, shown_values, EQUAL_COUNTS if len(lines) > 1 else "")
+        if (scene_value := own_value(runs, abscissa)) is not None:
+            axes.axvline(scene_value, **SCENE_LINE)
     entries: list[Any] = [Line2D([], [], label=NO_IMPACT, **RING)] if has_missed else []
     if choice:
         handles, _ = panels[0].get_legend_handles_labels()
@@ -110,28 +110,32 @@ def draw_curves(
         legend_at_foot(figure, entries)
 
 
-def broken_line(values: np.ndarray, shown: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def broken_line(
+    values: np.ndarray, shown_values: np.ndarray, counts: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the points of a line with a gap, NaN, wherever the number of impacts changes.
 
     Args:
         values: the values of the parameter, shape (R,), in ascending order.
-        shown: the results, shape (R,).
+        shown_values: the results, shape (R,).
         counts: the numbers of impacts, shape (R,); NaN if a run failed.
     """
-    gaps = np.flatnonzero(np.diff(np.nan_to_num(counts.astype(float), nan=-1.0))) + 1
-    return np.insert(values.astype(float), gaps, np.nan), np.insert(shown.astype(float), gaps, np.nan)
+    gap_rows = np.flatnonzero(np.diff(np.nan_to_num(counts.astype(float), nan=-1.0))) + 1
+    return np.insert(values.astype(float), gap_rows, np.nan), np.insert(
+        shown_values.astype(float), gap_rows, np.nan
+    )
 
 
-def _shift_up(axes: Axes, place: int, count: int, shown: np.ndarray) -> ScaledTranslation:
-    """Return the shift upward of the line at a ``place`` among ``count`` lines with counts ``shown``.
+def _shift_up(axes: Axes, place: int, count: int, shown_values: np.ndarray) -> ScaledTranslation:
+    """Return the shift upward of the line at a ``place`` among ``count`` lines with counts ``shown_values``.
 
     So lines with equal counts stand one above the other, the first on top. Their distance is at most
     COUNT_GAP, and all lines of a count have room between two counts.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
-    finite = shown[np.isfinite(shown)]
-    counts = float(np.ptp(finite)) + 1.0 if finite.size else 1.0
+    finite_values = shown_values[np.isfinite(shown_values)]
+    counts = float(np.ptp(finite_values)) + 1.0 if finite_values.size else 1.0
     room = PART_FOR_LINES * axes.get_window_extent().height / figure.dpi / counts / count
     return ScaledTranslation(0.0, (0.5 * (count - 1) - place) * min(COUNT_GAP, room), figure.dpi_scale_trans)
 
@@ -154,41 +158,43 @@ def looks_of(lines: Iterable[tuple[str, ...]], choice: Variation | None) -> list
 
 
 def lines_of(
-    runs: Runs, across: Variation, choice: Variation | None = None
+    runs: Runs, abscissa: Variation, choice: Variation | None = None
 ) -> dict[tuple[str, ...], np.ndarray]:
-    """Return the lines of any panel: names → indices of the line's runs, sorted by the value of ``across``.
+    """Return the lines of any panel: names → indices of the line's runs, sorted by the value of ``abscissa``.
 
     Each number or choice of ``choice`` has a line, named by its text; but choices with equal results
     (``_are_results_equal``) share a line, which has the names of all these choices. Numbers never share a
     line. Without ``choice``, the only line has no name.
     """
-    rows = np.argsort(runs[across.name], kind="stable")
+    rows = np.argsort(runs[abscissa.name], kind="stable")
     if choice is None:
         return {(): rows}
     names = [*dict.fromkeys(choice.shown(choice.values))]
     results = np.array([quantity.values_in(runs) for quantity in results_of(runs).every])
     lines: list[tuple[list[str], np.ndarray]] = []
     for name, text in zip(names, names if choice.choices else distinct_texts(names), strict=True):
-        mine = rows[runs[choice.name][rows] == name]
+        choice_rows = rows[runs[choice.name][rows] == name]
         same = (
-            texts for texts, others in lines if choice.choices and _are_results_equal(results, mine, others)
+            texts
+            for texts, other_rows in lines
+            if choice.choices and _are_results_equal(results, choice_rows, other_rows)
         )
         if texts := next(same, None):
             texts.append(text)
         else:
-            lines.append(([text], mine))
-    return {tuple(texts): mine for texts, mine in lines}
+            lines.append(([text], choice_rows))
+    return {tuple(texts): choice_rows for texts, choice_rows in lines}
 
 
-def _are_results_equal(results: np.ndarray, first: np.ndarray, second: np.ndarray) -> bool:
+def _are_results_equal(results: np.ndarray, first_rows: np.ndarray, second_rows: np.ndarray) -> bool:
     """Return whether two lists of indices of runs are as long, with nearly equal results of runs in pairs.
 
     ``results``: the value of each quantity in each run, shape (number of quantities, R). Two missing values,
     NaN, are equal.
     """
-    if len(first) != len(second):
+    if len(first_rows) != len(second_rows):
         return False
-    return np.allclose(results[:, first], results[:, second], rtol=EQUAL_RESULTS, equal_nan=True)
+    return np.allclose(results[:, first_rows], results[:, second_rows], rtol=EQUAL_RESULTS, equal_nan=True)
 
 
 def distinct_texts(values: Sequence[float]) -> list[str]:
@@ -197,10 +203,13 @@ def distinct_texts(values: Sequence[float]) -> list[str]:
     All texts have the same limit of significant digits: the least limit from 4 on that makes them differ.
     """
     texts = ([number_text(float(value), digits) for value in values] for digits in range(4, MOST_DIGITS))
-    return next((found for found in texts if len({*found}) == len(found)), [*map(repr, values)])
+    return next(
+        (value_texts for value_texts in texts if len({*value_texts}) == len(value_texts)),
+        [*map(repr, values)],
+    )
 
 
-def course_text(values: np.ndarray, shown: np.ndarray, name: str) -> str:
+def course_text(values: np.ndarray, shown_values: np.ndarray, name: str) -> str:
     """Return words for the course of results over a parameter: "rises with" or "falls with" its name.
 
     If the results neither only rise nor only fall, the words tell the value of the parameter with the lowest
@@ -209,44 +218,47 @@ def course_text(values: np.ndarray, shown: np.ndarray, name: str) -> str:
 
     Args:
         values: the values of the parameter, shape (R,).
-        shown: the results, shape (R,).
+        shown_values: the results, shape (R,).
         name: the name of the parameter.
     """
     order = np.argsort(values, kind="stable")
-    values, shown = values[order][known := np.isfinite(shown[order])], shown[order][known]
+    values, shown_values = (
+        values[order][is_known := np.isfinite(shown_values[order])],
+        shown_values[order][is_known],
+    )
     if len(values) < LEAST_COURSE:
         return ""
-    steps = np.diff(shown)
+    steps = np.diff(shown_values)
     for word, sign in (("rises", 1.0), ("falls", -1.0)):
         if (sign * steps > 0.0).all():
             return f"{word} with {name}"
     texts = []
-    for word, extreme in (("lowest", shown.min()), ("highest", shown.max())):
-        (rows,) = np.nonzero(shown == extreme)
-        if len(rows) == 1 and 0 < rows[0] < len(shown) - 1:
+    for word, extreme_value in (("lowest", shown_values.min()), ("highest", shown_values.max())):
+        (rows,) = np.nonzero(shown_values == extreme_value)
+        if len(rows) == 1 and 0 < rows[0] < len(shown_values) - 1:
             texts.append(f"{word} at {name} = {number_text(float(values[rows[0]]))}")
     return " and ".join(texts)
 
 
-def _set_vertical_axis(axes: Axes, quantity: Quantity, shown: np.ndarray, of_counts: str) -> None:
+def _set_vertical_axis(axes: Axes, quantity: Quantity, shown_values: np.ndarray, of_counts: str) -> None:
     """Set the vertical axis of a panel; if no run has a value of the quantity, write NEVER in the panel.
 
-    ``shown``: the value of the quantity in each run; it is not finite if the run has no value. ``of_counts``:
-    words that the name of a count has.
+    ``shown_values``: the value of the quantity in each run; it is not finite if the run has no value.
+    ``of_counts``: words that the name of a count has.
     """
-    finite = shown[np.isfinite(shown)]
+    finite_values = shown_values[np.isfinite(shown_values)]
     words = of_counts if quantity.is_count else ""
-    name_above(axes, ", ".join(filter(None, (quantity.label_for(finite), words))))
-    if ends := quantity.ends_for(finite):
+    name_above(axes, ", ".join(filter(None, (quantity.label_for(finite_values), words))))
+    if ends := quantity.ends_for(finite_values):
         axes.set_ylim(*ends)
-    if not finite.size:
+    if not finite_values.size:
         axes.text(0.5, 0.5, NEVER, transform=axes.transAxes, ha="center", color="0.4")
     elif quantity.is_count:
         axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, steps=COUNT_STEPS))
-        axes.set_ylim(finite.min() - 0.5, finite.max() + 0.5)
-    elif finite.min() > 0.0:
-        is_over_log = axes.get_xscale() == "log" and finite.max() >= DECADE * finite.min()
-        if is_over_log or value_ratio(finite) >= WIDE_RANGE:
+        axes.set_ylim(finite_values.min() - 0.5, finite_values.max() + 0.5)
+    elif finite_values.min() > 0.0:
+        is_over_log = axes.get_xscale() == "log" and finite_values.max() >= DECADE * finite_values.min()
+        if is_over_log or value_ratio(finite_values) >= WIDE_RANGE:
             axes.set_yscale("log")
-        if axes.get_yscale() == "log" and finite.max() < WIDE_RANGE * finite.min():
+        if axes.get_yscale() == "log" and finite_values.max() < WIDE_RANGE * finite_values.min():
             number_few_decades(axes.yaxis)

@@ -129,8 +129,8 @@ class Dataset:
             OSError: when the folder cannot be read or written.
         """
         # left: a temporary folder in which a killed process has left an incomplete manifest
-        for left in self.path.glob(f".{MANIFEST}-*"):
-            rmtree(left, ignore_errors=True)
+        for left_file in self.path.glob(f".{MANIFEST}-*"):
+            rmtree(left_file, ignore_errors=True)
         if (self.path / MANIFEST).exists():
             self.files = self._listed()
         elif any(path.name != LOCK for path in self.path.iterdir()):
@@ -155,8 +155,8 @@ class Dataset:
 
     def _list(self) -> None:
         """Write the manifest, which lists ``files``."""
-        with written_atomically(self.path / MANIFEST) as fresh:
-            fresh.write_text(json.dumps(self._head | {"files": self.files}), encoding="utf-8")
+        with written_atomically(self.path / MANIFEST) as new_file:
+            new_file.write_text(json.dumps(self._head | {"files": self.files}), encoding="utf-8")
 
     def _listed(self) -> dict[str, Span]:
         """Return the files that the manifest on the disk lists: name → span of runs.
@@ -166,18 +166,20 @@ class Dataset:
             OSError: when the manifest cannot be read.
         """
         manifest = self.path / MANIFEST
-        wrong = "remove the folder, or choose another name"
+        advice = "remove the folder, or choose another name"
         try:
-            listed = json.loads(manifest.read_text(encoding="utf-8"))
-            differs = [name for name in self._head if listed[name] != self._head[name]]
-            files = {name: (int(first), int(end)) for name, (first, end) in listed["files"].items()}
+            manifest_data = json.loads(manifest.read_text(encoding="utf-8"))
+            different_names = [name for name in self._head if manifest_data[name] != self._head[name]]
+            files = {name: (int(first), int(end)) for name, (first, end) in manifest_data["files"].items()}
         except (ValueError, KeyError, TypeError, AttributeError):
-            raise SceneError(f"{manifest} is not the manifest of a sweep: {wrong}") from None
-        if differs:
-            raise SceneError(f"{self.path} was left by a sweep that differs in its {differs[0]}: {wrong}")
+            raise SceneError(f"{manifest} is not the manifest of a sweep: {advice}") from None
+        if different_names:
+            raise SceneError(
+                f"{self.path} was left by a sweep that differs in its {different_names[0]}: {advice}"
+            )
         for name, batch in files.items():
             if name != file_name(batch) or not 0 <= batch[0] < batch[1] <= self.runs:
-                raise SceneError(f"{manifest} lists {name}, which is not a file of the sweep: {wrong}")
+                raise SceneError(f"{manifest} lists {name}, which is not a file of the sweep: {advice}")
         return files
 
 

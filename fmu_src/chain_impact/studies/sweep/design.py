@@ -64,7 +64,7 @@ class Design:
         """Return the values of the K parameters in the runs first … end − 1, shape (end − first, K)."""
         if self.samples is None:
             indices = np.unravel_index(np.arange(first, end), self.shape)
-            columns = [v.values[at] for v, at in zip(self.variations, indices, strict=True)]
+            columns = [v.values[row] for v, row in zip(self.variations, indices, strict=True)]
         else:
             parts = self._cubes(first, end) if self.sampling == "lhs" else self._sobol(first, end)
             columns = [v.values_at(part) for v, part in zip(self.variations, parts.T, strict=True)]
@@ -79,16 +79,16 @@ class Design:
         Each hypercube has the same bits as one from SciPy: a ``LatinHypercube`` object for each hypercube, in
         order, all with one generator ``default_rng(seed)``, of which each object spawns the next child.
         """
-        count, varied, parts = self.runs, len(self.variations), []
-        size = count if count * (varied + FEWEST_RESULTS) <= MOST_CELLS else CUBE
+        count, column_count, parts = self.runs, len(self.variations), []
+        size = count if count * (column_count + FEWEST_RESULTS) <= MOST_CELLS else CUBE
         while first < end:
-            cube, at = divmod(first, size)
-            inside = min(size, count - cube * size)
-            to = min(inside, at + end - first)
-            order = _order(self.seed, cube, inside, varied)[:, at:to].T
-            within = _generator(self.seed, cube, at * varied).random((to - at, varied))
-            parts.append((order - within) / inside)
-            first += to - at
+            cube, row = divmod(first, size)
+            row_count = min(size, count - cube * size)
+            to = min(row_count, row + end - first)
+            order = _order(self.seed, cube, row_count, column_count)[:, row:to].T
+            cube_values = _generator(self.seed, cube, row * column_count).random((to - row, column_count))
+            parts.append((order - cube_values) / row_count)
+            first += to - row
         return np.concatenate(parts)
 
     def _sobol(self, first: int, end: int) -> np.ndarray:
@@ -111,21 +111,22 @@ class Design:
         return np.concatenate([engine.random(count) for count in counts if count])
 
 
-def _generator(seed: int, cube: int, drawn: int) -> np.random.Generator:
-    """Return the random generator of hypercube ``cube`` (from 0), after it has drawn ``drawn`` numbers."""
+def _generator(seed: int, cube: int, drawn_count: int) -> np.random.Generator:
+    """Return the random generator of hypercube ``cube`` (from 0) after it drew ``drawn_count`` numbers."""
     bits: Any = np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(cube,)))
-    return np.random.Generator(bits.advance(drawn))
+    return np.random.Generator(bits.advance(drawn_count))
 
 
 @functools.lru_cache(maxsize=8)
-def _order(seed: int, cube: int, count: int, varied: int) -> np.ndarray:
+def _order(seed: int, cube: int, count: int, column_count: int) -> np.ndarray:
     """Return for each parameter the number of the cell in which each sample lies, shape (varied, count).
 
-    The hypercube ``cube`` (from 0) has ``count`` samples. The range of each of the ``varied`` parameters is
-    divided into ``count`` cells, numbered from 1; each cell has one sample, and the order is random.
+    The hypercube ``cube`` (from 0) has ``count`` samples. The range of each of the ``column_count``
+    parameters is divided into ``count`` cells, numbered from 1; each cell has one sample, and the order is
+    random.
     """
-    order = np.tile(np.arange(1, count + 1, dtype=np.int32), (varied, 1))
-    generator = _generator(seed, cube, count * varied)
+    order = np.tile(np.arange(1, count + 1, dtype=np.int32), (column_count, 1))
+    generator = _generator(seed, cube, count * column_count)
     for row in order:
         generator.shuffle(row)
     return order
@@ -164,13 +165,15 @@ def sampled_design(
     """
     if sampling not in SAMPLINGS:
         raise SceneError(f"{source}: sampling = {sampling!r} must be lhs or sobol")
-    most = MOST_RUNS if sampling == "lhs" else MOST_SOBOL
-    count = checked_integer(source, "samples", count, end=most + 1)
-    seed = checked_integer(source, "seed", seed, least=0, end=MOST_SEEDS)
+    most_runs = MOST_RUNS if sampling == "lhs" else MOST_SOBOL
+    count = checked_integer(source, "samples", count, end=most_runs + 1)
+    seed = checked_integer(source, "seed", seed, least_number=0, end=MOST_SEEDS)
     return Design(tuple(variations), count, sampling, seed)
 
 
-def checked_integer(source: str, name: str, number: int, *, least: int = 1, end: int | None = None) -> int:
+def checked_integer(
+    source: str, name: str, number: int, *, least_number: int = 1, end: int | None = None
+) -> int:
     """Return ``number``, the argument ``name`` of a sweep, if it is whole and least ≤ number < end.
 
     ``end`` None means no upper limit. ``source`` is the name of the scene, for errors.
@@ -180,8 +183,8 @@ def checked_integer(source: str, name: str, number: int, *, least: int = 1, end:
     """
     bound = "" if end is None else f" and < {end}"
     integral = isinstance(number, Integral) and not isinstance(number, bool)
-    if not integral or number < least or (end is not None and number >= end):
-        raise SceneError(f"{source}: {name} = {number} must be a whole number >= {least}{bound}")
+    if not integral or number < least_number or (end is not None and number >= end):
+        raise SceneError(f"{source}: {name} = {number} must be a whole number >= {least_number}{bound}")
     return int(number)
 
 

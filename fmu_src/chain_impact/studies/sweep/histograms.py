@@ -72,8 +72,12 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
         edges = edges_of(values, logarithmic=logarithmic, integer=quantity.is_count)
         axes.hist(values, edges.tolist(), color=BARS, edgecolor="white", linewidth=1.0)
         low, middle, high = np.quantile(values, list(QUANTILES))
-        between = with_unit(f"{low:.3g} … {high:.3g}", quantity.unit)
-        labels = ("_", f"median {with_unit(f'{middle:.3g}', quantity.unit)}", f"90 % of the runs: {between}")
+        range_words = with_unit(f"{low:.3g} … {high:.3g}", quantity.unit)
+        labels = (
+            "_",
+            f"median {with_unit(f'{middle:.3g}', quantity.unit)}",
+            f"90 % of the runs: {range_words}",
+        )
         positions = (low, middle, high)
         for quantile, line, label in zip(positions, QUANTILES.values(), labels, strict=True):
             axes.axvline(quantile, color=INK, linestyle=line, linewidth=1.2, label=label)
@@ -81,30 +85,39 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
             axes.plot([], [], linestyle="", label=f"{NO_IMPACT}: {count_text(untouched, 'run')}, not drawn")
         legend_above(axes)
         give_ticks(axes)
-        few: dict[str, Any] = {"nbins": FEW_COUNTS, "integer": True, "min_n_ticks": 1, "steps": COUNT_STEPS}
-        axes.yaxis.set_major_locator(MaxNLocator(**few))
+        few_ticks: dict[str, Any] = {
+            "nbins": FEW_COUNTS,
+            "integer": True,
+            "min_n_ticks": 1,
+            "steps": COUNT_STEPS,
+        }
+        axes.yaxis.set_major_locator(MaxNLocator(**few_ticks))
 
 
 def draw_samples(
-    panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]
+    panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity], variations: Sequence[Variation]
 ) -> None:
     """Draw each quantity in successive panels: a histogram, then dots over each of ``drawn_parameters``.
 
     If the quantity follows the first of these closely (TRENDING), the dots over the others show the quantity
     divided by its trend over the first, because this trend would hide all other effects.
     """
-    each, drawn = len(panels) // len(quantities), drawn_parameters(runs, varying)
-    draw_histograms(panels[::each], runs, quantities)
+    panels_per_quantity, drawn_variations = len(panels) // len(quantities), drawn_parameters(runs, variations)
+    draw_histograms(panels[::panels_per_quantity], runs, quantities)
     for k, quantity in enumerate(quantities):
-        for axes, variation in zip(panels[each * k + 1 : each * (k + 1)], drawn, strict=True):
-            trend = None if variation is drawn[0] else trend_over(runs, quantity, drawn[0])
+        for axes, variation in zip(
+            panels[panels_per_quantity * k + 1 : panels_per_quantity * (k + 1)], drawn_variations, strict=True
+        ):
+            trend = (
+                None if variation is drawn_variations[0] else trend_over(runs, quantity, drawn_variations[0])
+            )
             _scatter(axes, runs, quantity, variation, trend)
             if trend is not None:
-                name_above(axes, f"ratio [–] of {quantity.name} to its trend over {drawn[0].name}")
+                name_above(axes, f"ratio [–] of {quantity.name} to its trend over {drawn_variations[0].name}")
     keys: list[Any] = []
-    if any(own_value(runs, variation) is not None for variation in drawn):
+    if any(own_value(runs, variation) is not None for variation in drawn_variations):
         keys.append(Line2D([], [], label="value in the scene", **SCENE_LINE))
-    if any(variation.choices for variation in drawn):
+    if any(variation.choices for variation in drawn_variations):
         keys.append(Patch(facecolor="none", edgecolor=INK, linewidth=BOX_LINE, label=BOX_WORDS))
     if any(quantity.is_without_touch(runs).any() for quantity in quantities):
         keys.append(Line2D([], [], label=NO_IMPACT, **RING))
@@ -113,7 +126,7 @@ def draw_samples(
         legend_at_foot(figure, keys)
 
 
-def drawn_parameters(runs: Runs, varying: Sequence[Variation]) -> list[Variation]:
+def drawn_parameters(runs: Runs, variations: Sequence[Variation]) -> list[Variation]:
     """Return the parameters over which samples are drawn: at most MOST_SCATTERS, the strongest first.
 
     The strength of a parameter is its largest |rank correlation| with one of the LOADS, or 0 without loads.
@@ -126,10 +139,10 @@ def drawn_parameters(runs: Runs, varying: Sequence[Variation]) -> list[Variation
             return -1.0
         return max(abs(rank_correlation(runs[variation.name], load)) for load in loads)
 
-    return sorted(varying, key=strength, reverse=True)[:MOST_SCATTERS]
+    return sorted(variations, key=strength, reverse=True)[:MOST_SCATTERS]
 
 
-def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
+def rank_correlation(first_values: np.ndarray, second_values: np.ndarray) -> float:
     """Return Spearman's correlation of the ranks of two arrays of shape (R,).
 
     Pairs with a value that is not finite are left out. The result is 0 if fewer than FEWEST_PAIRS pairs are
@@ -137,47 +150,50 @@ def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
     """
     from scipy.stats import spearmanr  # this import takes long, and only pictures of samples need it
 
-    known = np.isfinite(first) & np.isfinite(second)
-    first, second = first[known], second[known]
-    if len(first) < FEWEST_PAIRS or not np.ptp(first) or not np.ptp(second):
+    is_known = np.isfinite(first_values) & np.isfinite(second_values)
+    first_values, second_values = first_values[is_known], second_values[is_known]
+    if len(first_values) < FEWEST_PAIRS or not np.ptp(first_values) or not np.ptp(second_values):
         return 0.0
-    return float(spearmanr(first, second).statistic)
+    return float(spearmanr(first_values, second_values).statistic)
 
 
-def influence_words(runs: Runs, quantities: Sequence[Quantity], varying: Sequence[Variation]) -> str:
+def influence_words(runs: Runs, quantities: Sequence[Quantity], variations: Sequence[Variation]) -> str:
     """Return words with the number of runs and, for each quantity, rank correlations with varied numbers.
 
     The largest |correlation| comes first. Quantities without a correlation are left out. For a choice, the
     words have the median with each choice, of the quantity or its ratio to the trend that the panel shows.
     """
-    numbers, parts = [variation.name for variation in varying if not variation.choices], [f"{len(runs)} runs"]
+    numbers, parts = (
+        [variation.name for variation in variations if not variation.choices],
+        [f"{len(runs)} runs"],
+    )
     for quantity in quantities:
-        found = {name: rank_correlation(runs[name], quantity.values_or_nan(runs)) for name in numbers}
-        order = sorted(filter(found.get, found), key=lambda name: -abs(found[name]))
+        correlations = {name: rank_correlation(runs[name], quantity.values_or_nan(runs)) for name in numbers}
+        order = sorted(filter(correlations.get, correlations), key=lambda name: -abs(correlations[name]))
         if order:
-            told = ", ".join(f"{correlation_text(found[name])} with {name}" for name in order)
-            parts.append(f"rank correlation of {quantity.name}: {told}")
-        for choice in (variation for variation in varying if variation.choices):
-            trend = trend_over(runs, quantity, drawn_parameters(runs, varying)[0])
+            told_text = ", ".join(f"{correlation_text(correlations[name])} with {name}" for name in order)
+            parts.append(f"rank correlation of {quantity.name}: {told_text}")
+        for choice in (variation for variation in variations if variation.choices):
+            trend = trend_over(runs, quantity, drawn_parameters(runs, variations)[0])
             values = quantity.values_or_nan(runs) if trend is None else quantity.values_or_nan(runs) / trend
-            each = [
+            words_of_quantities = [
                 (name, values[runs[choice.name] == name]) for name in choice.shown(np.unique(choice.values))
             ]
             medians = [
-                f"{printed_number(float(f'{np.nanmedian(found):.3g}'))} with {name}"
-                for name, found in each
-                if np.isfinite(found).any()
+                f"{printed_number(float(f'{np.nanmedian(correlations):.3g}'))} with {name}"
+                for name, correlations in words_of_quantities
+                if np.isfinite(correlations).any()
             ]
-            what = f"{quantity.name}" if trend is None else "the ratio"
-            parts.append(f"median of {what}: {', '.join(medians)}")
+            quantity_text = f"{quantity.name}" if trend is None else "the ratio"
+            parts.append(f"median of {quantity_text}: {', '.join(medians)}")
     return "; ".join(parts)
 
 
 def correlation_text(value: float) -> str:
     """Return a correlation as text with two decimals, but with more if it would look like ±1 and is not."""
     texts = (f"{value:.{decimals}f}" for decimals in range(2, 6))
-    exact = abs(value) == 1.0
-    text = next((text for text in texts if exact or abs(float(text)) < 1.0), f"{value:.0f}")
+    is_exact = abs(value) == 1.0
+    text = next((text for text in texts if is_exact or abs(float(text)) < 1.0), f"{value:.0f}")
     return text.replace("-", "−") if float(text) else "0.00"
 
 
@@ -187,15 +203,15 @@ def trend_over(runs: Runs, quantity: Quantity, variation: Variation) -> np.ndarr
     The result is None if the parameter is a choice, if a value is not positive, for fewer than LEAST_TREND
     values, or if the squared rank correlation is below TRENDING.
     """
-    values, given = quantity.values_or_nan(runs), runs[variation.name]
-    known = np.isfinite(values)
-    if variation.choices or known.sum() < LEAST_TREND or (values[known] <= 0.0).any():
+    values, parameter_values = quantity.values_or_nan(runs), runs[variation.name]
+    is_known = np.isfinite(values)
+    if variation.choices or is_known.sum() < LEAST_TREND or (values[is_known] <= 0.0).any():
         return None
-    if rank_correlation(given, values) ** 2 < TRENDING:
+    if rank_correlation(parameter_values, values) ** 2 < TRENDING:
         return None
-    along = np.log(given) if is_logarithmic(variation) else given
-    parabola = np.polynomial.Polynomial.fit(along[known], np.log(values[known]), 2)
-    return np.asarray(np.exp(parabola(along)))
+    abscissas = np.log(parameter_values) if is_logarithmic(variation) else parameter_values
+    parabola = np.polynomial.Polynomial.fit(abscissas[is_known], np.log(values[is_known]), 2)
+    return np.asarray(np.exp(parabola(abscissas)))
 
 
 def _scatter(
@@ -205,31 +221,31 @@ def _scatter(
 
     ``trend``: if given, the quantity is divided by this, shape (R,).
     """
-    shown, given = quantity.values_or_nan(runs), runs[variation.name]
-    shown = shown if trend is None else shown / trend
+    shown_values, parameter_values = quantity.values_or_nan(runs), runs[variation.name]
+    shown_values = shown_values if trend is None else shown_values / trend
     if variation.choices:
         names = variation.shown(np.unique(variation.values)).tolist()
         # the dots of a choice lie side by side, at places that repeat in each run of the program
-        beside = (np.arange(len(runs)) * GOLDEN) % 1.0 - 0.5
-        places = np.array([names.index(name) for name in given])
+        sideways_shifts = (np.arange(len(runs)) * GOLDEN) % 1.0 - 0.5
+        places = np.array([names.index(name) for name in parameter_values])
         for place in range(len(names)):
-            _draw_box(axes, place, shown[(places == place) & np.isfinite(shown)])
-        given = places + DOTS_PART * beside
+            _draw_box(axes, place, shown_values[(places == place) & np.isfinite(shown_values)])
+        parameter_values = places + DOTS_PART * sideways_shifts
         axes.set_xticks(range(len(names)), names)
         axes.set_xlim(-0.5, len(names) - 0.5)
     else:
         axes.set_xscale("log" if is_logarithmic(variation) else "linear")
-    axes.plot(given, shown, ".", color=BLUE, markersize=4.0, rasterized=True)
-    mark_at_foot(axes, np.asarray(given)[quantity.is_without_touch(runs)], RING)
+    axes.plot(parameter_values, shown_values, ".", color=BLUE, markersize=4.0, rasterized=True)
+    mark_at_foot(axes, np.asarray(parameter_values)[quantity.is_without_touch(runs)], RING)
     axes.set_xlabel(label_of(runs, variation) + (SPREAD if variation.choices else ""))
     name_above(axes, quantity.label)
-    finite = shown[np.isfinite(shown)]
-    if finite.size and value_ratio(finite) >= WIDE_COLOURS and not quantity.is_count:
+    finite_values = shown_values[np.isfinite(shown_values)]
+    if finite_values.size and value_ratio(finite_values) >= WIDE_COLOURS and not quantity.is_count:
         axes.set_yscale("log")
-        if finite.max() < WIDE_RANGE * finite.min():
+        if finite_values.max() < WIDE_RANGE * finite_values.min():
             number_few_decades(axes.yaxis)
-    if (own := own_value(runs, variation)) is not None:
-        axes.axvline(own, **SCENE_LINE)
+    if (scene_value := own_value(runs, variation)) is not None:
+        axes.axvline(scene_value, **SCENE_LINE)
     if not variation.choices:
         give_ticks(axes)
 

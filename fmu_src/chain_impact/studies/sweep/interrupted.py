@@ -29,12 +29,12 @@ def is_complete(table: Path) -> bool:
     """Return whether the file of a table exists, and is not the unfinished table of an interrupted sweep."""
     if not table.exists() or not partial_path(table).is_file():
         return table.exists()
-    with np.load(partial_path(table)) as kept:
-        return bool(kept.get("beside_complete_table", False))
+    with np.load(partial_path(table)) as stored_data:
+        return bool(stored_data.get("beside_complete_table", False))
 
 
 def store_finished_runs(
-    table: Path, head: Mapping[str, Any], rows: np.ndarray, done: Sequence[Span], *, complete: bool
+    table: Path, head: Mapping[str, Any], rows: np.ndarray, finished_spans: Sequence[Span], *, complete: bool
 ) -> None:
     """Write the finished runs of an interrupted sweep to the file ``partial_path`` beside the table.
 
@@ -42,14 +42,14 @@ def store_finished_runs(
         table: the path of the table.
         head: the data that identify the sweep (``sweep_identity``).
         rows: the rows of all runs of the sweep; those of runs that have not finished have no meaning.
-        done: the spans of the finished runs.
+        finished_spans: the spans of the finished runs.
         complete: whether the file of the table is complete (``is_complete``).
 
     Raises:
         OSError: when the file cannot be written.
     """
-    spans = np.array(done, np.int64)
-    with written_atomically(partial_path(table)) as fresh, fresh.open("wb") as file:
+    spans = np.array(finished_spans, np.int64)
+    with written_atomically(partial_path(table)) as new_file, new_file.open("wb") as file:
         np.savez(file, head=json.dumps(head), rows=rows, done=spans, beside_complete_table=complete)
 
 
@@ -63,17 +63,21 @@ def restore_runs(table: Path, head: Mapping[str, Any], rows: np.ndarray) -> list
         SceneError: when the file is damaged, or belongs to another sweep.
         OSError: when the file cannot be read.
     """
-    path, wrong = partial_path(table), "remove it, or choose another name"
+    path, advice = partial_path(table), "remove it, or choose another name"
     if not path.is_file():
         return []
     try:
-        with np.load(path) as kept:
-            stored_head, old, done = json.loads(str(kept["head"])), kept["rows"], kept["done"].tolist()
+        with np.load(path) as stored_data:
+            stored_head, stored_rows, finished_spans = (
+                json.loads(str(stored_data["head"])),
+                stored_data["rows"],
+                stored_data["done"].tolist(),
+            )
     except (ValueError, KeyError, EOFError, zipfile.BadZipFile):
-        raise SceneError(f"{path} does not come from an interrupted sweep: {wrong}") from None
-    if differs := [name for name in head if stored_head.get(name) != head[name]]:
-        raise SceneError(f"{path} was left by a sweep that differs in its {differs[0]}: {wrong}")
-    spans = [(first, end) for first, end in done]
+        raise SceneError(f"{path} does not come from an interrupted sweep: {advice}") from None
+    if different_names := [name for name in head if stored_head.get(name) != head[name]]:
+        raise SceneError(f"{path} was left by a sweep that differs in its {different_names[0]}: {advice}")
+    spans = [(first, end) for first, end in finished_spans]
     for first, end in spans:
-        rows[first:end] = old[first:end]
+        rows[first:end] = stored_rows[first:end]
     return spans

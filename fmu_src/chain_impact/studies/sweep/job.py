@@ -67,19 +67,19 @@ class Job:
         The first path leads to a flag: 1 if the column's walls or stops are rigid. Each other path belongs to
         a candidate at one of these, and leads to the number of its latest onset, 0 before the first onset.
         """
-        joints, found = stop_pairs(self.scene), dict[str, list[DataPath]]()
+        joints, pair_paths = stop_pairs(self.scene), dict[str, list[DataPath]]()
         for c, pair in enumerate(candidates(self.scene)):
             name = "stop.peak_moment" if pair in joints else "peak_force"
-            found.setdefault(name, [("law", c, "impulsive")]).append(("contacts", "impact_number", c))
-        return found
+            pair_paths.setdefault(name, [("law", c, "impulsive")]).append(("contacts", "impact_number", c))
+        return pair_paths
 
     @property
     def columns(self) -> dict[str, Variable]:
         """The columns with the value of an output of the FMU at the end of each run: name → output."""
         outputs = self.prepared.outputs_by_name
         standard = [name for name in outputs if outputs[name].kind.parts.owner in ("energy", "solver")]
-        wanted = dict.fromkeys(["impact.count", *standard, *self.outputs])
-        return {name: outputs[name] for name in wanted}
+        wanted_columns = dict.fromkeys(["impact.count", *standard, *self.outputs])
+        return {name: outputs[name] for name in wanted_columns}
 
     @property
     def differentiated(self) -> list[Variable]:
@@ -87,8 +87,8 @@ class Job:
 
         If a column is a derivative, the list has all that the scene asks for; otherwise the list is empty.
         """
-        asks = any(name.startswith(SENSITIVITY) for name in self.columns)
-        return self.prepared.varied if asks else []
+        asks_sensitivities = any(name.startswith(SENSITIVITY) for name in self.columns)
+        return self.prepared.varied if asks_sensitivities else []
 
     @property
     def loads(self) -> dict[str, Variable]:
@@ -123,23 +123,23 @@ def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outpu
         UnknownNameError: when an output does not exist.
         SceneError: when the scene does not have the solver's status as an output.
     """
-    prepared = prepared_scene(source)
-    available = prepared.outputs_by_name
+    prepared_data = prepared_scene(source)
+    available_outputs = prepared_data.outputs_by_name
     for name in outputs:
-        if not (isinstance(name, str) and name in available):
+        if not (isinstance(name, str) and name in available_outputs):
             raise UnknownNameError(
-                prepared.scene.name,
+                prepared_data.scene.name,
                 name,
-                available,
+                available_outputs,
                 "not an output",
-                missing_output_hint(prepared, str(name)),
+                missing_output_hint(prepared_data, str(name)),
             )
-    if STATUS not in available:
-        name = prepared.scene.name
+    if STATUS not in available_outputs:
+        name = prepared_data.scene.name
         raise SceneError(f"{name}: outputs.solver = false must be true: each run has its status")
     variables = [variation.variable for variation in variations]
     return Job(
-        prepared,
+        prepared_data,
         tuple(variable.set_path for variable in variables),
         tuple(variable.type for variable in variables),
         tuple(dict.fromkeys(outputs)),
@@ -177,10 +177,10 @@ class Runner:
         Raises:
             BuildError: when the kernel cannot be compiled.
         """
-        varied = job.differentiated
-        self._instance = job.prepared.new_instance(varied)
-        scope = counts_and_flags(self._instance) if own_kernel and not varied else None
-        self._kernel = kernel_for(job.scene, derivatives=bool(varied), scope=scope)
+        varied_paths = job.differentiated
+        self._instance = job.prepared.new_instance(varied_paths)
+        scope = counts_and_flags(self._instance) if own_kernel and not varied_paths else None
+        self._kernel = kernel_for(job.scene, derivatives=bool(varied_paths), scope=scope)
         layout, self._job, self._dtype = self._instance.dtype, job, job.dtype
         self._columns, self._loads = job.columns, job.loads
         # lists of impacts, and integrals over time such as the impulse at a wall, take time: if no column
@@ -203,21 +203,21 @@ class Runner:
             *(variable.record_path for variable in self._loads.values()),
             *(path for rigid in job.rigid.values() for path in rigid),
         ]
-        kept = [(name, self._dtype[name]) for name in self._dtype.names or () if name != JOINT_FORCE]
+        kept_fields = [(name, self._dtype[name]) for name in self._dtype.names or () if name != JOINT_FORCE]
         loads = [(f"load[{joint}]", np.dtype(float)) for joint in range(len(self._loads))]
         rigid = [(f"{name} of rigid", np.dtype(np.int64), (len(paths),)) for name, paths in job.rigid.items()]
-        self._rigid, self._words = list(job.rigid), np.dtype([*kept, *loads, *rigid])
+        self._rigid, self._words = list(job.rigid), np.dtype([*kept_fields, *loads, *rigid])
         self._output_indices = np.array([word_index(layout, path) for path in paths], np.int64)
 
-    def run(self, values: np.ndarray, wanted: Callable[[], bool] = lambda: True) -> np.ndarray:
+    def run(self, values: np.ndarray, is_wanted: Callable[[], bool] = lambda: True) -> np.ndarray:
         """Simulate R runs, and return their rows of results, shape (R,).
 
         Args:
             values: the values of the K varied parameters in each run, shape (R, K).
-            wanted: function that is called about once a second; it returns whether to continue.
+            is_wanted: function that is called about once a second; it returns whether to continue.
 
         Raises:
-            CancelledError: when ``wanted`` returns False.
+            CancelledError: when ``is_wanted`` returns False.
         """
         words = np.ascontiguousarray(values[:, self._in_record], np.float64)
         for k, is_choice in enumerate(self._is_choice):
@@ -227,23 +227,23 @@ class Runner:
         if () in self._job.varied:
             stops = np.ascontiguousarray(values[:, self._job.varied.index(())], np.float64)
         rows = np.zeros(len(values), self._words)
-        done, continuing = 0, 0
-        while done < len(rows):
-            if not wanted():
+        finished_count, continued_count = 0, 0
+        while finished_count < len(rows):
+            if not is_wanted():
                 raise CancelledError
-            done += self._kernel.run_each(
+            finished_count += self._kernel.run_each(
                 self._instance.ctypes.data,
                 self._varied_indices.ctypes.data,
                 len(self._varied_indices),
-                words[done:].ctypes.data,
-                stops[done:].ctypes.data,
-                len(rows) - done,
+                words[finished_count:].ctypes.data,
+                stops[finished_count:].ctypes.data,
+                len(rows) - finished_count,
                 self._output_indices.ctypes.data,
                 len(self._output_indices),
-                rows[done:].ctypes.data,
-                continuing,
+                rows[finished_count:].ctypes.data,
+                continued_count,
             )
-            continuing = 1
+            continued_count = 1
         # after a fault, the kernel may return the end of the last step, which can lie after the stop time
         rows["time"] = np.minimum(rows["time"], stops)
         return self._table_rows(rows)
@@ -275,6 +275,10 @@ class Runner:
         Outputs of the impacts before the fault and of the solver stay.
         """
         failed = rows[STATUS] != OK
-        outputs = [name for name, one in self._columns.items() if one.record_path[0] in {"output", TANGENTS}]
+        outputs = [
+            name
+            for name, variable in self._columns.items()
+            if variable.record_path[0] in {"output", TANGENTS}
+        ]
         for name in (*self._job.largest, *outputs):
             rows[name][failed] = np.nan

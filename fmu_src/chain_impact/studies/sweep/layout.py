@@ -47,22 +47,22 @@ DOTS, CURVES, MAPS, HISTOGRAMS = "dots", "curves", "maps", "histograms"
 
 def varying_in(design: Design) -> list[Variation]:
     """Return the variations with more than one different value; without any, the first variation."""
-    varying = [variation for variation in design.variations if count_of(variation) > 1]
-    return varying or list(design.variations[:1])
+    variations = [variation for variation in design.variations if count_of(variation) > 1]
+    return variations or list(design.variations[:1])
 
 
 def picture_form(design: Design) -> str:
     """Return the kind of picture for a design: DOTS, CURVES, MAPS or HISTOGRAMS."""
-    varying = varying_in(design)
-    choices = [variation for variation in varying if variation.choices]
+    variations = varying_in(design)
+    choices = [variation for variation in variations if variation.choices]
     if design.samples is not None:
-        return HISTOGRAMS if len(varying) > 1 or choices else CURVES
-    if len(varying) == 1:
+        return HISTOGRAMS if len(variations) > 1 or choices else CURVES
+    if len(variations) == 1:
         return DOTS if choices else CURVES
-    if len(varying) == MOST_VARIED:
+    if len(variations) == MOST_VARIED:
         return MAPS
     if not choices:
-        return CURVES if min(map(count_of, varying)) <= MOST_SPLIT else MAPS
+        return CURVES if min(map(count_of, variations)) <= MOST_SPLIT else MAPS
     return CURVES if len(choices) == 1 and count_of(choices[0]) <= len(COLOURS) else MAPS
 
 
@@ -72,15 +72,15 @@ def panels_of_each(design: Design) -> int:
     In a picture with histograms, each quantity has a panel with a histogram, and a panel with dots for each
     of ``drawn_parameters``. If three parameters vary without samples, each value of the third has a map.
     """
-    kind, varying = picture_form(design), varying_in(design)
+    kind, variations = picture_form(design), varying_in(design)
     if kind == HISTOGRAMS:
-        return 1 + min(len(varying), MOST_SCATTERS)
-    return count_of(sorted_parameters(varying, kind)[-1]) if has_map_series(varying, kind) else 1
+        return 1 + min(len(variations), MOST_SCATTERS)
+    return count_of(sorted_parameters(variations, kind)[-1]) if has_map_series(variations, kind) else 1
 
 
-def has_map_series(varying: Sequence[Variation], kind: str) -> bool:
+def has_map_series(variations: Sequence[Variation], kind: str) -> bool:
     """Return whether a third parameter varies: then the picture has a map of one result for each value."""
-    return kind == MAPS and len(varying) == MOST_VARIED
+    return kind == MAPS and len(variations) == MOST_VARIED
 
 
 def count_of(variation: Variation) -> int:
@@ -88,22 +88,24 @@ def count_of(variation: Variation) -> int:
     return len(np.unique(variation.values))
 
 
-def sorted_parameters(varying: Sequence[Variation], kind: str) -> list[Variation]:
+def sorted_parameters(variations: Sequence[Variation], kind: str) -> list[Variation]:
     """Return the parameters sorted, the parameter of the horizontal axis first.
 
     A number comes before a choice. In a picture with curves, a number with more than MOST_SPLIT values comes
     before a number with at most MOST_SPLIT values. Of three parameters in a picture with maps, the one with
     the fewest values comes last.
     """
-    if has_map_series(varying, kind):
-        third = min(reversed(varying), key=count_of)
+    if has_map_series(variations, kind):
+        third_variation = min(reversed(variations), key=count_of)
         return [
-            *sorted_parameters([variation for variation in varying if variation is not third], kind),
-            third,
+            *sorted_parameters(
+                [variation for variation in variations if variation is not third_variation], kind
+            ),
+            third_variation,
         ]
     return sorted(
-        varying,
-        key=lambda each: (bool(each.choices), kind == CURVES and count_of(each) <= MOST_SPLIT),
+        variations,
+        key=lambda parameter: (bool(parameter.choices), kind == CURVES and count_of(parameter) <= MOST_SPLIT),
     )
 
 
@@ -118,19 +120,19 @@ def panels_in_row(design: Design, count: int, width: float) -> int:
     - Panels with dots: as few as the least possible number of rows allows.
     - Other panels: 3 of 3, at most 2 of another count.
     """
-    kind, varying = picture_form(design), varying_in(design)
-    has_names = any(variation.choices for variation in sorted_parameters(varying, kind)[:2])
-    if has_map_series(varying, kind):
-        most = SMALL_MAPS if width >= THREE_SMALL else 1 if has_names else MOST_IN_ROW
-        across = math.ceil(count / math.ceil(count / most))
-        return across + int(across > 1 and count % across == 1)
+    kind, variations = picture_form(design), varying_in(design)
+    has_names = any(variation.choices for variation in sorted_parameters(variations, kind)[:2])
+    if has_map_series(variations, kind):
+        most_panels = SMALL_MAPS if width >= THREE_SMALL else 1 if has_names else MOST_IN_ROW
+        panels_across = math.ceil(count / math.ceil(count / most_panels))
+        return panels_across + int(panels_across > 1 and count % panels_across == 1)
     if kind == MAPS and (width < WIDE if has_names else width < THREE_SMALL and count <= MOST_IN_ROW):
         return 1
     if kind != MAPS and width < WIDE:
         return 1
     if kind == DOTS:
-        most = max(1, int((width - CHOICES_WIDTH) / DOTS_WIDTH))
-        return math.ceil(count / math.ceil(count / most))
+        most_panels = max(1, int((width - CHOICES_WIDTH) / DOTS_WIDTH))
+        return math.ceil(count / math.ceil(count / most_panels))
     return count if count == MOST_IN_ROW else min(count, 2)
 
 
@@ -140,14 +142,16 @@ def usual_size(design: Design, quantities: int, width: float | None = None) -> t
     ``width``: the width that the user gives, or None. If it is given, only the returned height is used: the
     default height of a figure with this width.
     """
-    count, kind, varying = quantities * panels_of_each(design), picture_form(design), varying_in(design)
+    count, kind, variations = quantities * panels_of_each(design), picture_form(design), varying_in(design)
     dots = width or CHOICES_WIDTH + DOTS_WIDTH * min(count, 4) + 0.5
-    usual = dots if kind == DOTS else ONE_PANEL_WIDTH if count == 1 else 10.8 if kind == MAPS else 10.0
-    rows = math.ceil(count / panels_in_row(design, count, width := width or usual))
+    usual_width = dots if kind == DOTS else ONE_PANEL_WIDTH if count == 1 else 10.8 if kind == MAPS else 10.0
+    rows = math.ceil(count / panels_in_row(design, count, width := width or usual_width))
     if kind == DOTS:
-        return usual, 0.7 + rows * (0.6 + 0.22 * len(varying[0].values))
+        return usual_width, 0.7 + rows * (0.6 + 0.22 * len(variations[0].values))
     if kind == MAPS:
-        high = max(LOWEST_MAP, MAP_SHAPE * (width - NUMBERS_WIDTH) / panels_in_row(design, count, width))
-        return usual, HEAD_AND_FOOT + rows * min(ROW_HEIGHT, high + MAP_GAP)
+        map_height = max(
+            LOWEST_MAP, MAP_SHAPE * (width - NUMBERS_WIDTH) / panels_in_row(design, count, width)
+        )
+        return usual_width, HEAD_AND_FOOT + rows * min(ROW_HEIGHT, map_height + MAP_GAP)
     # in one narrow column, rows have half of the height
-    return usual, 0.6 + rows * ROW_HEIGHT if width >= WIDE else 0.6 + ROW_HEIGHT * max(1.0, 0.5 * rows)
+    return usual_width, 0.6 + rows * ROW_HEIGHT if width >= WIDE else 0.6 + ROW_HEIGHT * max(1.0, 0.5 * rows)

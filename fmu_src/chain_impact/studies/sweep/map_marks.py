@@ -39,13 +39,15 @@ PLACES = [
 ]
 
 
-def mark_scene(axes: Axes, own: Sequence[float | None], *, named: bool) -> None:
-    """Draw a mark at the scene's values; if ``named``, with the word "scene", see ``place_names``."""
-    axes.plot(*np.array(own, float)[:, None], **SCENE_MARK)
-    if named:
+def mark_scene(axes: Axes, own_values: Sequence[float | None], *, is_named: bool) -> None:
+    """Draw a mark at the scene's values; if ``is_named``, with the word "scene", see ``place_names``."""
+    axes.plot(*np.array(own_values, float)[:, None], **SCENE_MARK)
+    if is_named:
         look: dict[str, Any] = {"color": "white", "fontsize": "small", "gid": COLOURED_GROUND}
         look["path_effects"] = [Stroke(linewidth=1.8, foreground="black"), Normal()]
-        axes.annotate(SCENE, np.array(own, float).tolist(), (0.0, 0.0), textcoords="offset points", **look)
+        axes.annotate(
+            SCENE, np.array(own_values, float).tolist(), (0.0, 0.0), textcoords="offset points", **look
+        )
 
 
 def place_names(figure: Figure) -> None:
@@ -63,15 +65,15 @@ def place_names(figure: Figure) -> None:
         for name in axes.texts:
             if isinstance(name, Annotation) and name.get_text() == SCENE:
                 values = [text.get_window_extent() for text in axes.texts if text is not name]
-                found = []
+                placed_names = []
                 for place in PLACES:
                     _put(name, place)
                     box = name.get_window_extent()
                     is_outside = not np.allclose(Bbox.union([axes.bbox, box]).size, axes.bbox.size)
                     covered = [box.overlaps(value) for value in values]
                     covered += [line.intersects_bbox(box, filled=False) for line in lines]
-                    found.append((is_outside, sum(covered)))
-                _put(name, PLACES[found.index(min(found))])
+                    placed_names.append((is_outside, sum(covered)))
+                _put(name, PLACES[placed_names.index(min(placed_names))])
 
 
 def _put(name: Annotation, place: tuple[tuple[float, float], str, str]) -> None:

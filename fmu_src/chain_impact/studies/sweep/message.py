@@ -26,16 +26,18 @@ LEAST_SHARE, MAIN = 0.2, 2.0
 SMALL_EFFECT, NO_EFFECT = 0.01, 1e-6
 
 
-def headline_parts(runs: Runs, results: Results, mark: str, *, small: bool = False) -> list[str]:
+def headline_parts(runs: Runs, results: Results, mark: str, *, is_small: bool = False) -> list[str]:
     """Return the parts of the headline: results with their course, runs without impact, and failed runs.
 
     The results are those with ``in_headline`` that are known and not 0 in at least one run or, without any,
-    the first drawn one; with ``small`` only the first of them. The reasons of failed runs stand in brackets
-    after ``mark``: "×: ", or "" if the picture has no mark for failed runs.
+    the first drawn one; with ``is_small`` only the first of them. The reasons of failed runs stand in
+    brackets after ``mark``: "×: ", or "" if the picture has no mark for failed runs.
     """
-    loads = [one for one in results.every if one.in_headline and np.nan_to_num(one.values_or_nan(runs)).any()]
+    loads = [
+        load for load in results.every if load.in_headline and np.nan_to_num(load.values_or_nan(runs)).any()
+    ]
     quantities, parts = loads or results.drawn[:1], list[str]()
-    for quantity in quantities[:1] if small else quantities:
+    for quantity in quantities[:1] if is_small else quantities:
         values = quantity.values_or_nan(runs)
         if np.isfinite(values).any():
             span = quantity.range_text(values[np.isfinite(values)])
@@ -45,31 +47,31 @@ def headline_parts(runs: Runs, results: Results, mark: str, *, small: bool = Fal
     if failed:
         words = [word.replace("_", " ") for word in np.unique(runs[STATUS_WORD][runs.failed])]
         parts.append(f"{failed} failed ({mark}{names_text(words, MOST_REASONS)})")
-    first, *others = list(filter(None, parts)) or ["no results"]
-    return [f"{runs.scene.name}: {first}", *others]
+    first_part, *other_parts = list(filter(None, parts)) or ["no results"]
+    return [f"{runs.scene.name}: {first_part}", *other_parts]
 
 
 def effect_text(runs: Runs, quantity: Quantity) -> str:
     """Return words for what a result depends on, such as "rises mostly with contact.stiffness"."""
-    varying, values = varying_in(runs.design), quantity.values_or_nan(runs)
-    known = np.isfinite(values)
-    if not known.any() or not np.ptp(values[known]):
+    variations, values = varying_in(runs.design), quantity.values_or_nan(runs)
+    is_known = np.isfinite(values)
+    if not is_known.any() or not np.ptp(values[is_known]):
         return ""
-    if len(varying) == 1 and runs.design.samples is None:
-        (one,) = varying
+    if len(variations) == 1 and runs.design.samples is None:
+        (only_variation,) = variations
         if picture_form(runs.design) != DOTS:
-            return course_text(runs[one.name], values, one.name)
-        (largest,) = np.nonzero(values == values[known].max())
-        return f"largest with {runs[one.name][largest[0]]}" if len(largest) == 1 else ""
-    found = {each.name: share_of(runs, each, values) for each in varying}
-    first, *others = sorted(found, key=lambda name: -found[name][0])
-    share, sense = found[first]
+            return course_text(runs[only_variation.name], values, only_variation.name)
+        (largest_rows,) = np.nonzero(values == values[is_known].max())
+        return f"largest with {runs[only_variation.name][largest_rows[0]]}" if len(largest_rows) == 1 else ""
+    shares_of_names = {variation.name: share_of(runs, variation, values) for variation in variations}
+    first_name, *other_names = sorted(shares_of_names, key=lambda name: -shares_of_names[name][0])
+    share, sense = shares_of_names[first_name]
     if share < LEAST_SHARE:
         return ""
-    if not others or share >= MAIN * found[others[0]][0]:
-        mostly = " mostly" if others else ""
-        return f"{sense}{mostly} with {first}" if sense else f"depends{mostly} on {first}"
-    return f"depends on {first} and {others[0]}"
+    if not other_names or share >= MAIN * shares_of_names[other_names[0]][0]:
+        mostly = " mostly" if other_names else ""
+        return f"{sense}{mostly} with {first_name}" if sense else f"depends{mostly} on {first_name}"
+    return f"depends on {first_name} and {other_names[0]}"
 
 
 def idle_text(runs: Runs, quantity: Quantity) -> str:
@@ -78,19 +80,19 @@ def idle_text(runs: Runs, quantity: Quantity) -> str:
     A parameter hardly matters if its effect is at most SMALL_EFFECT. The text is "" if there is none, if only
     one parameter varies, and for samples.
     """
-    varying, told = varying_in(runs.design), list[str]()
-    if len(varying) == 1 or runs.design.samples is not None:
+    variations, idle_names = varying_in(runs.design), list[str]()
+    if len(variations) == 1 or runs.design.samples is not None:
         return ""
     values = np.ma.masked_invalid(quantity.values_or_nan(runs).reshape(runs.design.shape))
-    largest = float(np.abs(values).max()) if values.count() else 0.0
-    for variation in varying if largest else ():
+    largest_value = float(np.abs(values).max()) if values.count() else 0.0
+    for variation in variations if largest_value else ():
         changes = np.ma.ptp(values, axis=runs.design.variations.index(variation))
-        effect = float(changes.max()) / largest
+        effect = float(changes.max()) / largest_value
         if effect <= NO_EFFECT:
-            told.append(f"{variation.name} has no effect")
+            idle_names.append(f"{variation.name} has no effect")
         elif effect <= SMALL_EFFECT:
-            told.append(f"{variation.name} changes it by ≤ {number_text(100.0 * effect, 2)} %")
-    return ", ".join(told)
+            idle_names.append(f"{variation.name} changes it by ≤ {number_text(100.0 * effect, 2)} %")
+    return ", ".join(idle_names)
 
 
 def share_of(runs: Runs, variation: Variation, values: np.ndarray) -> tuple[float, str]:
@@ -101,16 +103,16 @@ def share_of(runs: Runs, variation: Variation, values: np.ndarray) -> tuple[floa
     """
     from scipy.stats import rankdata  # this import takes long
 
-    known = np.isfinite(values)
-    given, ranks = runs[variation.name][known], rankdata(values[known])
+    is_known = np.isfinite(values)
+    parameter_values, ranks = runs[variation.name][is_known], rankdata(values[is_known])
     if runs.design.samples is not None and not variation.choices:
-        correlation = rank_correlation(given, values[known])
+        correlation = rank_correlation(parameter_values, values[is_known])
         return correlation**2, "rises" if correlation > 0.0 else "falls"
-    _, at = np.unique(given, return_inverse=True)
-    counts = np.bincount(at)
-    means = np.bincount(at, ranks) / counts
-    share = float(counts @ (means - ranks.mean()) ** 2 / np.sum((ranks - ranks.mean()) ** 2))
-    steps = np.diff(means)
+    _, level_indices = np.unique(parameter_values, return_inverse=True)
+    counts = np.bincount(level_indices)
+    mean_ranks = np.bincount(level_indices, ranks) / counts
+    share = float(counts @ (mean_ranks - ranks.mean()) ** 2 / np.sum((ranks - ranks.mean()) ** 2))
+    steps = np.diff(mean_ranks)
     sense = "rises" if (steps > 0.0).all() else "falls" if (steps < 0.0).all() else ""
     return share, "" if variation.choices else sense
 
@@ -120,20 +122,20 @@ def no_impact_text(runs: Runs, quantity: Quantity) -> str:
 
     If these runs are all the runs with some values of a number, up to an end, the words tell these values.
     """
-    missed = quantity.is_without_touch(runs)
-    if not missed.any() or missed.all():
-        return f"{NO_IMPACT} in any run" if missed.any() else ""
+    is_missed = quantity.is_without_touch(runs)
+    if not is_missed.any() or is_missed.all():
+        return f"{NO_IMPACT} in any run" if is_missed.any() else ""
     for variation in varying_in(runs.design):
-        given = runs[variation.name]
-        levels = np.unique(given)
-        empty = np.array([missed[given == level].all() for level in levels])
-        if variation.choices or not np.array_equal(missed, np.isin(given, levels[empty])):
+        parameter_values = runs[variation.name]
+        levels = np.unique(parameter_values)
+        is_empty = np.array([is_missed[parameter_values == level].all() for level in levels])
+        if variation.choices or not np.array_equal(is_missed, np.isin(parameter_values, levels[is_empty])):
             continue
-        ends = [(levels[empty].min(), "≥", empty[::-1]), (levels[empty].max(), "≤", empty)]
+        ends = [(levels[is_empty].min(), "≥", is_empty[::-1]), (levels[is_empty].max(), "≤", is_empty)]
         for limit, sign, order in ends:
             if not np.diff(order.astype(int)).clip(0).any():
                 text = with_unit(
                     printed_number(float(limit)), raise_exponents(unit_text(unit_of(runs, variation)))
                 )
-                return f"{NO_IMPACT} at {variation.name} {sign if empty.sum() > 1 else '='} {text}"
-    return f"{NO_IMPACT} in {int(missed.sum())} of {len(runs)} runs"
+                return f"{NO_IMPACT} at {variation.name} {sign if is_empty.sum() > 1 else '='} {text}"
+    return f"{NO_IMPACT} in {int(is_missed.sum())} of {len(runs)} runs"

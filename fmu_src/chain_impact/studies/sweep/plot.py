@@ -73,11 +73,11 @@ SAME_ENDS = 1e-6  # the largest difference of the ends of equal axes, relative t
 MOST_DRAWN = 2**18  # largest number of runs that a picture can show
 
 
-def check_picture(varied: Sequence[Variation], samples: int | None, runs: int, source: str) -> None:
+def check_picture(variations: Sequence[Variation], samples: int | None, runs: int, source: str) -> None:
     """Refuse a sweep that no picture can show.
 
     Args:
-        varied: the varied parameters.
+        variations: the varied parameters.
         samples: the number of samples; None if the sweep has no samples.
         runs: the number of runs, which need not be computed yet.
         source: the name of the scene, for errors.
@@ -86,13 +86,13 @@ def check_picture(varied: Sequence[Variation], samples: int | None, runs: int, s
         SceneError: when more than MOST_VARIED parameters vary without samples, each of MOST_VARIED has more
             than MOST_MAPS values, or there are more than MOST_DRAWN runs.
     """
-    if len(varied) > MOST_VARIED and samples is None:
+    if len(variations) > MOST_VARIED and samples is None:
         raise SceneError(
-            f"{source}: {len(varied)} parameters vary, must be <= {MOST_VARIED} for a picture, or samples "
-            "(--samples N, samples=N)"
+            f"{source}: {len(variations)} parameters vary, must be <= {MOST_VARIED} for a picture, or "
+            "samples (--samples N, samples=N)"
         )
-    fewest = min(map(count_of, varied))
-    if len(varied) == MOST_VARIED and samples is None and fewest > MOST_MAPS:
+    fewest = min(map(count_of, variations))
+    if len(variations) == MOST_VARIED and samples is None and fewest > MOST_MAPS:
         raise SceneError(
             f"{source}: {MOST_VARIED} parameters vary, and each has {fewest} values or more: for a picture, "
             f"which has a map for each value of one parameter, one must have <= {MOST_MAPS}"
@@ -125,38 +125,38 @@ def plot_sweep(
                 f"{runs.scene.name}: {len(results.drawn)} panels must be 1 if {MOST_VARIED} parameters vary"
             )
         results = Results(results.drawn[:1], results.drawn[:1])
-    usual = usual_size(runs.design, len(results.drawn), figure_size(size)[0] if size else None)
-    return draw_figure(partial(fill, runs=runs, results=results), path, size, usual)
+    usual_figure_size = usual_size(runs.design, len(results.drawn), figure_size(size)[0] if size else None)
+    return draw_figure(partial(fill, runs=runs, results=results), path, size, usual_figure_size)
 
 
 @drawing_style()
 def fill(figure: Figure, runs: Runs, results: Results) -> None:
     """Draw the headline and, for each quantity in ``results.drawn``, ``panels_of_each`` panels."""
     quantities, kind = results.drawn, picture_form(runs.design)
-    varying = varying_in(runs.design)
-    lines = [conditions(runs, varying), constant_quantities_words(runs, results)]
+    variations = varying_in(runs.design)
+    lines = [conditions(runs, variations), constant_quantities_words(runs, results)]
     has_lines = kind == CURVES and runs.design.samples is None
     if has_lines and len({*runs[COUNT][~runs.failed].tolist()}) > 1:
         lines.append("lines break where the number of impacts changes")
     if kind == HISTOGRAMS:
-        lines.insert(0, influence_words(runs, quantities, varying))
+        lines.insert(0, influence_words(runs, quantities, variations))
     mark = "×: " if kind == CURVES else ""
-    message = ", ".join(headline_parts(runs, results, mark, small=is_narrow(figure)))
+    message = ", ".join(headline_parts(runs, results, mark, is_small=is_narrow(figure)))
     write_headline(figure, message, "; ".join(filter(None, lines)))
-    # the parameter ``first`` gets the horizontal axis
-    first, *others = sorted_parameters(varying, kind)
+    # the parameter ``first_variation`` gets the horizontal axis
+    first_variation, *other_variations = sorted_parameters(variations, kind)
     count = len(quantities) * panels_of_each(runs.design)
     panels = _panels(
         figure, count, panels_in_row(runs.design, count, figure.get_figwidth()), sharey=kind == DOTS
     )
     if kind == DOTS:
-        _draw_dots(panels, runs, quantities, first)
+        _draw_dots(panels, runs, quantities, first_variation)
     elif kind == CURVES:
-        draw_curves(panels, runs, quantities, first, *others)
+        draw_curves(panels, runs, quantities, first_variation, *other_variations)
     elif kind == HISTOGRAMS:
-        draw_samples(panels, runs, quantities, varying)
+        draw_samples(panels, runs, quantities, variations)
     else:
-        draw_maps(figure, panels, runs, quantities, (first, *others))
+        draw_maps(figure, panels, runs, quantities, (first_variation, *other_variations))
     if kind != MAPS:  # maps share their names
         name_once(figure)
         figure.align_ylabels()
@@ -166,19 +166,19 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
 
 def name_once(figure: Figure) -> None:
     """Remove label and numbers of a horizontal axis if the next axes below have the same label and ends."""
-    below: dict[int, tuple[str, tuple[float, float]]] = {}
+    lower_names: dict[int, tuple[str, tuple[float, float]]] = {}
     for axes in reversed(figure.axes):
         cell = axes.get_subplotspec()
         if cell is None or not (name := axes.get_xlabel()):
             continue
-        under, ends = below.get(cell.colspan.start, ("", (0.0, 0.0)))
-        below[cell.colspan.start] = name, axes.get_xlim()
+        under, ends = lower_names.get(cell.colspan.start, ("", (0.0, 0.0)))
+        lower_names[cell.colspan.start] = name, axes.get_xlim()
         if under == name and np.allclose(ends, axes.get_xlim(), rtol=SAME_ENDS, atol=0.0):
             axes.set_xlabel("")
             axes.tick_params(which="both", labelbottom=False)
 
 
-def marked_parameters(runs: Runs, varying: list[Variation]) -> list[Variation]:
+def marked_parameters(runs: Runs, variations: list[Variation]) -> list[Variation]:
     """Return the parameters of which the picture can mark the value in the scene, with a mark or a line.
 
     These are, with curves, the parameter of the horizontal axis; with histograms, the parameters over which
@@ -187,41 +187,55 @@ def marked_parameters(runs: Runs, varying: list[Variation]) -> list[Variation]:
     """
     kind = picture_form(runs.design)
     if kind == CURVES:
-        return sorted_parameters(varying, kind)[:1]
+        return sorted_parameters(variations, kind)[:1]
     if kind == HISTOGRAMS:
-        return drawn_parameters(runs, varying)
+        return drawn_parameters(runs, variations)
     if kind == DOTS:
         return []
-    first, second, *third = sorted_parameters(varying, kind)
-    is_in_map = all(own_value(runs, variation) is not None for variation in (first, second))
-    return varying if is_in_map and all(nearest_map(runs, variation) for variation in third) else []
+    first_variation, second_variation, *third_variations = sorted_parameters(variations, kind)
+    is_in_map = all(
+        own_value(runs, variation) is not None for variation in (first_variation, second_variation)
+    )
+    return (
+        variations
+        if is_in_map and all(nearest_map(runs, variation) for variation in third_variations)
+        else []
+    )
 
 
-def conditions(runs: Runs, varying: list[Variation]) -> str:
+def conditions(runs: Runs, variations: list[Variation]) -> str:
     """Return a text with the range of each varied number, and how many choices each varied choice has.
 
     After a range stands the value in the scene: with (+) or (dashed line) if the picture marks the value
     (``marked_parameters``), and with (outside) if the value is beyond the range. Of samples, a parameter over
     which the picture has no dots is named as such; of the others, the axes show range and choices.
     """
-    parts, shown = [], marked_parameters(runs, varying)
+    parts, marked_variations = [], marked_parameters(runs, variations)
     is_sampled = picture_form(runs.design) == HISTOGRAMS
     mark = " (+)" if picture_form(runs.design) == MAPS else " (dashed line)"
-    for variation in varying:
+    for variation in variations:
         ends = " to ".join(distinct_texts([*dict.fromkeys((variation.values.min(), variation.values.max()))]))
         ends = LEADING_HYPHEN.sub("−", ends)
         interval = f"{ends} {raise_exponents(unit_text(unit_of(runs, variation)))}".rstrip()
-        own = number_in_scene(runs, variation)
-        marked = " (outside)" if own_value(runs, variation) is None else mark if variation in shown else ""
-        scene_text = "" if own is None else f", {printed_number(own)} in the scene{marked}"
+        scene_number = number_in_scene(runs, variation)
+        mark_text = (
+            " (outside)"
+            if own_value(runs, variation) is None
+            else mark
+            if variation in marked_variations
+            else ""
+        )
+        scene_text = (
+            "" if scene_number is None else f", {printed_number(scene_number)} in the scene{mark_text}"
+        )
         count = f"{variation.name}: {count_text(count_of(variation), 'choice')}"
         choice = str(runs.scene.values.get(variation.name, ""))
         if variation.choices:
             scene_text = f", {choice} in the scene" if choice in variation.shown(variation.values) else ""
-        scene_text += ", no panel" if is_sampled and variation not in shown else ""
-        if is_sampled and variation in shown:
+        scene_text += ", no panel" if is_sampled and variation not in marked_variations else ""
+        if is_sampled and variation in marked_variations:
             scene_text = scene_text.removeprefix(", ")
-            if scene_text and (variation.choices or marked == " (outside)"):
+            if scene_text and (variation.choices or mark_text == " (outside)"):
                 parts.append(f"{variation.name}: {scene_text}")
             continue
         parts.append(
@@ -230,15 +244,15 @@ def conditions(runs: Runs, varying: list[Variation]) -> str:
     return "; ".join(parts)
 
 
-def _panels(figure: Figure, count: int, across: int, *, sharey: bool = False) -> list[Axes]:
-    """Return ``count`` empty panels, ``across`` in a row.
+def _panels(figure: Figure, count: int, column_count: int, *, sharey: bool = False) -> list[Axes]:
+    """Return ``count`` empty panels, ``column_count`` in a row.
 
     ``sharey``: whether all panels have the same vertical axis.
     """
-    grid = figure.subplots(math.ceil(count / across), across, squeeze=False, sharey=sharey)
+    grid = figure.subplots(math.ceil(count / column_count), column_count, squeeze=False, sharey=sharey)
     panels = list(grid.flat)
-    for unused in panels[count:]:
-        unused.remove()
+    for unused_axes in panels[count:]:
+        unused_axes.remove()
     return panels[:count]
 
 
@@ -251,18 +265,18 @@ def _draw_dots(panels: list[Axes], runs: Runs, quantities: list[Quantity], choic
     names = choice.shown(choice.values).tolist()
     rows = np.arange(len(runs))
     for axes, quantity in zip(panels, quantities, strict=True):
-        shown, missed = quantity.values_or_nan(runs), quantity.is_without_touch(runs)
-        finite = shown[np.isfinite(shown)]
+        shown_values, is_missed = quantity.values_or_nan(runs), quantity.is_without_touch(runs)
+        finite_values = shown_values[np.isfinite(shown_values)]
         axes.grid(axis="y", color="0.92")
-        axes.plot(shown, rows, "o", color=COLOURS[0], markersize=4.0)
-        missing = "impulse" if quantity.column in LOADS else "unknown"
-        for row in rows[~np.isfinite(shown)]:
-            word = "failed" if runs.failed[row] else NO_IMPACT if missed[row] else missing
+        axes.plot(shown_values, rows, "o", color=COLOURS[0], markersize=4.0)
+        missing_word = "impulse" if quantity.column in LOADS else "unknown"
+        for row in rows[~np.isfinite(shown_values)]:
+            word = "failed" if runs.failed[row] else NO_IMPACT if is_missed[row] else missing_word
             axes.text(
                 FOOT, row, word, transform=axes.get_yaxis_transform(), va="center", color="0.4", size="small"
             )
-        axes.set_xlabel(quantity.label_for(finite))
-        if ends := quantity.ends_for(finite):
+        axes.set_xlabel(quantity.label_for(finite_values))
+        if ends := quantity.ends_for(finite_values):
             axes.set_xlim(*ends)
         if quantity.is_count:
             axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, steps=COUNT_STEPS))

@@ -70,8 +70,8 @@ class Quantity:
 
         ``_small_range`` says what is small; the text is "" if the range is not small.
         """
-        within = self._small_range(values)
-        return f"varies by {100.0 * within:.2g} %" if within else ""
+        relative_range = self._small_range(values)
+        return f"varies by {100.0 * relative_range:.2g} %" if relative_range else ""
 
     def ends_for(self, values: np.ndarray) -> tuple[float, float] | None:
         """Return the ends of an axis, if the range of ``values`` is small (``_small_range``); else None.
@@ -89,11 +89,11 @@ class Quantity:
         The range is small if this quotient lies between EQUAL_RESULTS and LEAST_RANGE. For a count, without
         values, and if all values are 0, the result is 0.
         """
-        largest = np.abs(values).max(initial=0.0)
-        if self.is_count or not largest:
+        largest_value = np.abs(values).max(initial=0.0)
+        if self.is_count or not largest_value:
             return 0.0
-        within = float(np.ptp(values) / largest)
-        return within if EQUAL_RESULTS < within < LEAST_RANGE else 0.0
+        relative_range = float(np.ptp(values) / largest_value)
+        return relative_range if EQUAL_RESULTS < relative_range < LEAST_RANGE else 0.0
 
     def is_without_touch(self, runs: Runs) -> np.ndarray:
         """Return whether each run has no value because nothing touches, shape (R,).
@@ -101,7 +101,9 @@ class Quantity:
         The table has 0 for a load, a penetration or a dissipated energy of such a run.
         """
         if peak := PEAKS.get(self.column):
-            loads = {each.at_stops: name for name, each in PEAKS.items() if each.is_load}
+            loads = {
+                peak_quantity.at_stops: name for name, peak_quantity in PEAKS.items() if peak_quantity.is_load
+            }
             load = loads[peak.at_stops]
             return np.asarray(~runs.failed & (runs[load] == 0.0))
         is_energy = self.column == "energy.dissipated"
@@ -120,9 +122,9 @@ class Quantity:
 
     def range_text(self, values: np.ndarray) -> str:
         """Return words with the smallest and the largest of ``values``: "peak force 1.2 to 3.4 kN"."""
-        least, most = float(np.nanmin(values)), float(np.nanmax(values))
-        counts = " to ".join(dict.fromkeys((f"{least:g}", f"{most:g}")))
-        ends = counts if self.is_count else LEADING_HYPHEN.sub("−", span_text(least, most))
+        least_value, largest_value = float(np.nanmin(values)), float(np.nanmax(values))
+        counts = " to ".join(dict.fromkeys((f"{least_value:g}", f"{largest_value:g}")))
+        ends = counts if self.is_count else LEADING_HYPHEN.sub("−", span_text(least_value, largest_value))
         return with_unit(f"{self.name} {ends}", self.unit)
 
 
@@ -181,48 +183,59 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
         SceneError: when there are too many panels.
     """
     main = {quantity.column: quantity for quantity in QUANTITIES}
-    prepared = PreparedScene(runs.scene)
+    prepared_data = PreparedScene(runs.scene)
     if panels:
         fields = list(runs.rows.dtype.names or ())
-        chosen = columns_named(prepared, panels, fields)
-        every = _with_prefixes(runs, [main.get(name) or _final_quantity(name, prepared) for name in chosen])
-        return Results(every, every)
+        chosen_columns = columns_named(prepared_data, panels, fields)
+        all_quantities = _with_prefixes(
+            runs, [main.get(name) or _final_quantity(name, prepared_data) for name in chosen_columns]
+        )
+        return Results(all_quantities, all_quantities)
     scene = runs.scene
-    absent = (
+    absent_columns = (
         set()
         if SceneFacts(scene)["contacts"]
         else {name for name, peak in PEAKS.items() if not peak.at_stops}
     )
     # rigid walls give runs without a force
     without_force = {name: np.isnan(runs[name])[~runs.failed] for name in runs.names if name in LOADS}
-    absent |= {name for name, rows in without_force.items() if rows.all()}
-    shown = [quantity for name, quantity in main.items() if name in {*runs.names} - absent]
-    additional = [_final_quantity(name, prepared) for name in runs.outputs if name not in main]
-    every = _with_prefixes(runs, shown + additional[:MOST_ASKED])
+    absent_columns |= {name for name, rows in without_force.items() if rows.all()}
+    shown_quantities = [quantity for name, quantity in main.items() if name in {*runs.names} - absent_columns]
+    additional = [_final_quantity(name, prepared_data) for name in runs.outputs if name not in main]
+    all_quantities = _with_prefixes(runs, shown_quantities + additional[:MOST_ASKED])
     partly = {name for name, rows in without_force.items() if rows.any()}
-    drawn = [one for one in every if one.column in partly or _differs(one.values_in(runs))] or every
-    loads = [quantity for quantity in drawn if quantity.column in LOADS]
+    drawn_quantities = [
+        drawn_quantity
+        for drawn_quantity in all_quantities
+        if drawn_quantity.column in partly or _differs(drawn_quantity.values_in(runs))
+    ] or all_quantities
+    loads = [quantity for quantity in drawn_quantities if quantity.column in LOADS]
     if runs.design.samples is not None and loads:
         return Results(loads, loads)
-    return Results(every, drawn)
+    return Results(all_quantities, drawn_quantities)
 
 
-def columns_named(prepared: PreparedScene, panels: Sequence[str], available: Sequence[str]) -> list[str]:
-    """Return the names in ``available`` that match a pattern in ``panels``; ``*`` stands for any text.
+def columns_named(
+    prepared_data: PreparedScene, panels: Sequence[str], available_columns: Sequence[str]
+) -> list[str]:
+    """Return the ``available_columns`` that match a pattern in ``panels``; ``*`` stands for any text.
 
     Raises:
         UnknownNameError: when a pattern matches no name.
         SceneError: when more than MOST_NAMED_PANELS names match.
     """
-    source = prepared.scene.name
-    hint = partial(missing_output_hint, prepared)
-    matches = (names_matching(source, panel, available, "not a column", hint) for panel in panels)
-    chosen = list(dict.fromkeys(name for names in matches for name in names))
-    if len(chosen) > MOST_NAMED_PANELS:
+    source = prepared_data.scene.name
+    hint = partial(missing_output_hint, prepared_data)
+    matching_columns = (
+        names_matching(source, panel, available_columns, "not a column", hint) for panel in panels
+    )
+    chosen_columns = list(dict.fromkeys(name for names in matching_columns for name in names))
+    if len(chosen_columns) > MOST_NAMED_PANELS:
         raise SceneError(
-            f"{source}: {len(chosen)} panels ({names_text(chosen, 3)}) must be <= {MOST_NAMED_PANELS}"
+            f"{source}: {len(chosen_columns)} panels ({names_text(chosen_columns, 3)}) "
+            f"must be <= {MOST_NAMED_PANELS}"
         )
-    return chosen
+    return chosen_columns
 
 
 def outputs_for(job: Job, panels: Sequence[str]) -> list[str]:
@@ -233,8 +246,8 @@ def outputs_for(job: Job, panels: Sequence[str]) -> list[str]:
         SceneError: when there are too many panels.
     """
     standard = job.dtype.names or ()
-    available = [*dict.fromkeys((*standard, *job.prepared.outputs_by_name))]
-    return [name for name in columns_named(job.prepared, panels, available) if name not in standard]
+    available_columns = [*dict.fromkeys((*standard, *job.prepared.outputs_by_name))]
+    return [name for name in columns_named(job.prepared, panels, available_columns) if name not in standard]
 
 
 def constant_quantities_words(runs: Runs, results: Results) -> str:
@@ -249,12 +262,12 @@ def constant_quantities_words(runs: Runs, results: Results) -> str:
     return f"the same in all runs: {', '.join(parts)}" if parts else ""
 
 
-def _final_quantity(name: str, prepared: PreparedScene) -> Quantity:
+def _final_quantity(name: str, prepared_data: PreparedScene) -> Quantity:
     """Return the quantity for the column ``name``, an output or ``time``, at the end of each run.
 
     An output with the peak or the time of a peak is not called "at the end", because it holds for the run.
     """
-    unit = "s" if name == END_COLUMN else prepared.units[name]
+    unit = "s" if name == END_COLUMN else prepared_data.units[name]
     is_peak = name.rpartition(".")[2].startswith(("peak_", "max_"))
     return Quantity(name, name if is_peak else f"{name} at the end", unit_text(unit))
 
@@ -265,21 +278,23 @@ def _with_prefixes(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]
     An additional output whose unit is not in SHARED_UNITS gets no prefix. All other quantities with equal
     units get the same prefix, which suits the largest |value| of these quantities in all runs.
     """
-    shared = [quantity in QUANTITIES or quantity.unit in SHARED_UNITS for quantity in quantities]
-    families = [quantity.unit if shares else "" for quantity, shares in zip(quantities, shared, strict=True)]
+    has_shared_unit = [quantity in QUANTITIES or quantity.unit in SHARED_UNITS for quantity in quantities]
+    families = [
+        quantity.unit if shares else "" for quantity, shares in zip(quantities, has_shared_unit, strict=True)
+    ]
     scales = {"": (1.0, "")}
     for unit in {*families} - {""}:
         members = [quantity for quantity, family in zip(quantities, families, strict=True) if family == unit]
         values = np.abs([quantity.values_in(runs) for quantity in members])
         scales[unit] = prefixed_unit(float(np.max(values[np.isfinite(values)], initial=0.0)), unit)
-    scaled = []
+    scaled_quantities = []
     for quantity, family in zip(quantities, families, strict=True):
         factor, unit = scales[family]
-        scaled.append(replace(quantity, unit=unit or quantity.unit, factor=factor))
-    return scaled
+        scaled_quantities.append(replace(quantity, unit=unit or quantity.unit, factor=factor))
+    return scaled_quantities
 
 
 def _differs(values: np.ndarray) -> bool:
     """Return whether the finite values are not equal (EQUAL_RESULTS); True also if no value is finite."""
-    finite = values[np.isfinite(values)]
-    return not finite.size or bool(np.ptp(finite) > EQUAL_RESULTS * np.abs(finite).max())
+    finite_values = values[np.isfinite(values)]
+    return not finite_values.size or bool(np.ptp(finite_values) > EQUAL_RESULTS * np.abs(finite_values).max())

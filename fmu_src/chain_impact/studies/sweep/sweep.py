@@ -94,9 +94,9 @@ def sweep(
     """
     scene, progress = scene_of(scene), progress or no_progress
     threads = cores() if threads is None else checked_integer(scene.name, "threads", threads)
-    prepared = PreparedScene(scene)
-    variations = variations_of(prepared, vary)
-    job = job_of(prepared, variations, (outputs,) if isinstance(outputs, str) else outputs)
+    prepared_data = PreparedScene(scene)
+    variations = variations_of(prepared_data, vary)
+    job = job_of(prepared_data, variations, (outputs,) if isinstance(outputs, str) else outputs)
     if samples is None:
         design = grid_design(variations, scene.name)
     else:
@@ -108,19 +108,19 @@ def sweep(
     with ExitStack() as stack:
         dataset = stack.enter_context(locked_dataset(target, job, design)) if target and streamed else None
         head = sweep_identity(job, design)
-        done: list[Span] = []
+        finished_spans: list[Span] = []
         if dataset:
-            done = list(dataset.files.values())
+            finished_spans = list(dataset.files.values())
         elif target:
-            done = restore_runs(target, head, rows)
-        spans = missing_spans(done, design.runs)
-        left = sum(end - first for first, end in spans)
-        if target and left < design.runs:
-            finished = f"{design.runs - left} of {design.runs} runs are kept in {target}"
-            log.info("%s, %s are left", finished, left)
+            finished_spans = restore_runs(target, head, rows)
+        spans = missing_spans(finished_spans, design.runs)
+        run_count = sum(end - first for first, end in spans)
+        if target and run_count < design.runs:
+            finished = f"{design.runs - run_count} of {design.runs} runs are kept in {target}"
+            log.info("%s, %s are left", finished, run_count)
         if target and not dataset:
-            stack.enter_context(_store_when_interrupted(target, head, rows, done, design))
-        many = scheduler is None and left >= OWN_KERNEL_FROM
+            stack.enter_context(_store_when_interrupted(target, head, rows, finished_spans, design))
+        many = scheduler is None and run_count >= OWN_KERNEL_FROM
         own_kernel = many and not missing_compilers() and has_own_kernel(job)
         computation = Computation(job, design, dataset.path.resolve() if dataset else None, own_kernel)
         if scheduler is None or not spans:
@@ -133,9 +133,9 @@ def sweep(
                 dataset.add(batch, batch_rows)
             else:
                 rows[slice(*batch)] = batch_rows
-                done.append(batch)
-            left -= batch[1] - batch[0]
-            progress(1.0 - left / design.runs)
+                finished_spans.append(batch)
+            run_count -= batch[1] - batch[0]
+            progress(1.0 - run_count / design.runs)
     result = Sweep(scene, design, dataset or rows, job.outputs)
     if target and not dataset:
         result.save(target)
@@ -145,7 +145,7 @@ def sweep(
 
 @contextmanager
 def _store_when_interrupted(
-    table: Path, head: Mapping[str, Any], rows: np.ndarray, done: list[Span], design: Design
+    table: Path, head: Mapping[str, Any], rows: np.ndarray, finished_spans: list[Span], design: Design
 ) -> Iterator[None]:
     """If an exception ends the ``with`` block, write the finished runs beside the table, or in it.
 
@@ -155,15 +155,17 @@ def _store_when_interrupted(
         table: the path of the table.
         head: the data that identify the sweep (``sweep_identity``).
         rows: the rows of all runs, which the block fills.
-        done: the spans of the finished runs, to which the block adds.
+        finished_spans: the spans of the finished runs, to which the block adds.
         design: the varied values of each run.
     """
-    complete = is_complete(table)
+    was_complete = is_complete(table)
     try:
         yield
     except BaseException:
-        if done:
-            store_finished_runs(table, head, rows, done, complete=complete)
-        if done and not complete:
-            write_table(table, (columns_of(design, rows[slice(*batch)], batch[0]) for batch in sorted(done)))
+        if finished_spans:
+            store_finished_runs(table, head, rows, finished_spans, complete=was_complete)
+        if finished_spans and not was_complete:
+            write_table(
+                table, (columns_of(design, rows[slice(*batch)], batch[0]) for batch in sorted(finished_spans))
+            )
         raise

@@ -63,11 +63,13 @@ class Sweep(Runs):
 
     def __repr__(self) -> str:
         """Return the scene's name, and how its runs ended: "FourLinkBox  9 runs: 8 ok, 1 too_much_work"."""
-        ended: Counter[int] = Counter()
+        end_counts: Counter[int] = Counter()
         for chunk in self.chunks([STATUS]):
-            ended.update(dict(zip(*(part.tolist() for part in np.unique_counts(chunk[STATUS])), strict=True)))
-        most_first = sorted(ended, key=lambda code: (-ended[code], code))
-        ends = ", ".join(f"{ended[code]} {STATUS_NAME[code]}" for code in most_first)
+            end_counts.update(
+                dict(zip(*(part.tolist() for part in np.unique_counts(chunk[STATUS])), strict=True))
+            )
+        most_first = sorted(end_counts, key=lambda code: (-end_counts[code], code))
+        ends = ", ".join(f"{end_counts[code]} {STATUS_NAME[code]}" for code in most_first)
         return f"{self.scene.name}  {count_text(len(self), 'run')}: {ends}"
 
     def _repr_html_(self) -> str:
@@ -76,8 +78,10 @@ class Sweep(Runs):
         rows = list(
             zip(*(map(_cell_text, column[:SHOWN_RUNS].tolist()) for column in first.values()), strict=True)
         )
-        more = [f"… and {count_text(len(self) - SHOWN_RUNS, 'more run')}"] if len(self) > SHOWN_RUNS else []
-        return as_html([repr(self), TextTable(self.names, rows), *more])
+        more_text = (
+            [f"… and {count_text(len(self) - SHOWN_RUNS, 'more run')}"] if len(self) > SHOWN_RUNS else []
+        )
+        return as_html([repr(self), TextTable(self.names, rows), *more_text])
 
     def to_dataframe(self) -> Any:
         """Return all columns as a pandas ``DataFrame``.
@@ -142,11 +146,11 @@ def write_table(path: Path, chunks: Iterable[Columns]) -> None:
         MissingExtraError: when pyarrow is not installed, for Parquet.
         OSError: when the file cannot be written.
     """
-    with written_atomically(path) as fresh:
+    with written_atomically(path) as new_file:
         if path.suffix.lower() == PARQUET:
-            write_parquet(fresh, chunks)
+            write_parquet(new_file, chunks)
             return
-        with fresh.open("w", newline="", encoding="utf-8") as file:
+        with new_file.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             for number, columns in enumerate(chunks):
                 if number == 0:

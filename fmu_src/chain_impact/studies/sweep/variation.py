@@ -73,8 +73,8 @@ class Variation:
         if not self.interval:
             return np.asarray(self.values[(parts * len(self.values)).astype(int)])
         low, high = self.values
-        inside = low * (high / low) ** parts if self.logarithmic else low + (high - low) * parts
-        return np.asarray(np.clip(inside, min(low, high), max(low, high)))
+        inner_values = low * (high / low) ** parts if self.logarithmic else low + (high - low) * parts
+        return np.asarray(np.clip(inner_values, min(low, high), max(low, high)))
 
 
 def sweepable_variables(source: Scene | PreparedScene) -> dict[str, Variable]:
@@ -89,28 +89,28 @@ def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> 
         UnknownNameError: when a name is unknown.
         SceneError: when ``vary`` is empty, or a value is not allowed.
     """
-    prepared = prepared_scene(source)
-    scene = prepared.scene
+    prepared_data = prepared_scene(source)
+    scene = prepared_data.scene
     if not vary:
         raise SceneError(f"{scene.name}: nothing is varied; give at least one parameter")
-    parameters = sweepable_variables(prepared)
+    parameters = sweepable_variables(prepared_data)
     variations = []
-    for typed, values in vary.items():
-        name = fmu_name(typed)
+    for typed_name, values in vary.items():
+        name = fmu_name(typed_name)
         if name not in parameters:
-            what = "not a parameter that can be varied"
+            fault = "not a parameter that can be varied"
             hint = slider_hint(scene, name) or absent_hint(name)
             hint = hint or parameter_hint(name, len(scene.chain.links), scene.signals)
             hint = hint or fixed_hint(scene, name) or named_point_hint(scene, name, parameters)
-            raise UnknownNameError(scene.name, typed, parameters, what, hint)
+            raise UnknownNameError(scene.name, typed_name, parameters, fault, hint)
         try:
             variation = _read(parameters[name], values)
             _check(variation)
         except SceneError as error:
-            error.source, error.name = scene.name, typed
+            error.source, error.name = scene.name, typed_name
             raise
-        warned = radians_hint(name, max(variation.values, key=abs), variation.variable.unit)
-        warn(scene.name, [warned] if warned else [])
+        radian_warning = radians_hint(name, max(variation.values, key=abs), variation.variable.unit)
+        warn(scene.name, [radian_warning] if radian_warning else [])
         variations.append(variation)
     return tuple(variations)
 
@@ -121,10 +121,10 @@ def _read(variable: Variable, values: Values) -> Variation:
         if ":" in values:
             return _range(variable, values)
         values = [part.strip() for part in values.split(",")]
-    given = np.atleast_1d(np.asarray(values, object))
-    if given.ndim != 1 or not given.size:
-        raise SceneError(f"has values of shape {given.shape}; must be {FORMS}")
-    return Variation(variable, np.array([_number(variable, value) for value in given]))
+    given_values = np.atleast_1d(np.asarray(values, object))
+    if given_values.ndim != 1 or not given_values.size:
+        raise SceneError(f"has values of shape {given_values.shape}; must be {FORMS}")
+    return Variation(variable, np.array([_number(variable, value) for value in given_values]))
 
 
 def _range(variable: Variable, text: str) -> Variation:
@@ -135,7 +135,7 @@ def _range(variable: Variable, text: str) -> Variation:
     """
     parts = text.split(":")
     logarithmic = parts[-1].strip() == LOG
-    wrong = SceneError(f"= {text} must be {FORMS}")
+    range_error = SceneError(f"= {text} must be {FORMS}")
     if variable.items:
         raise SceneError(f"= {text} must be a list of choices, {variable.allowed}")
     try:
@@ -143,9 +143,9 @@ def _range(variable: Variable, text: str) -> Variation:
         ends = np.array([float(radians_of(end, variable.unit)) for end in (low, high)])
         numbers = [int(part) for part in count]
     except ValueError:  # a part of the range is not a number, or the second end is missing
-        raise wrong from None
+        raise range_error from None
     if len(numbers) > 1:
-        raise wrong
+        raise range_error
     if numbers and not 1 < numbers[0] <= MOST_VALUES:
         raise SceneError(f"= {text} must have 2 to {MOST_VALUES} values")
     if logarithmic and not (ends > 0.0).all():
@@ -170,23 +170,23 @@ def _number(variable: Variable, value: object) -> float:
     try:
         return float(radians_of(value, variable.unit))
     except (TypeError, ValueError):
-        needed = variable.allowed + or_degrees(variable.unit) + nearest_choice(value, names)
+        needed_text = variable.allowed + or_degrees(variable.unit) + nearest_choice(value, names)
         if RANGE.fullmatch(str(value)):
-            needed += "; a range is written 0.1:0.9:9, with the number of its values"
-        raise SceneError(f"= {value} must be {needed}") from None
+            needed_text += "; a range is written 0.1:0.9:9, with the number of its values"
+        raise SceneError(f"= {value} must be {needed_text}") from None
 
 
 def _check(variation: Variation) -> None:
     """Refuse a variation with a value, or an end of its interval, that the parameter cannot have."""
     variable, values = variation.variable, variation.values
-    good = np.isfinite(values)
-    for limit, keeps in (
+    is_finite = np.isfinite(values)
+    for limit, keeps_limit in (
         (variable.minimum, np.greater_equal),
         (variable.exclusive_minimum, np.greater),
         (variable.maximum, np.less_equal),
     ):
-        good &= True if limit is None else keeps(values, limit)
+        is_finite &= True if limit is None else keeps_limit(values, limit)
     if variable.items:
-        good &= np.isin(values, np.arange(1, len(variable.items) + 1))
-    for wrong in values[~good]:
-        raise SceneError(f"= {wrong:.17g} must be {variable.allowed}")
+        is_finite &= np.isin(values, np.arange(1, len(variable.items) + 1))
+    for wrong_value in values[~is_finite]:
+        raise SceneError(f"= {wrong_value:.17g} must be {variable.allowed}")
