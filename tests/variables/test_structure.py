@@ -1,8 +1,7 @@
 """The structure of a scene, and the tables of conditions, counts and owners, which pages evaluate as well."""
 
-# Tests: variables/owners.py, variables/row_text.py
+# Tests: variables/owners.py
 
-import re
 from dataclasses import fields
 
 import pytest
@@ -19,7 +18,6 @@ from chain_impact.scene.words.names import INPUTS_OF
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import COUNT_RULES, OWN_CONDITIONS, OWNER_KINDS, RECORD_NUMBERS
 from chain_impact.variables.parameters import PARAMETERS
-from chain_impact.variables.row_text import rows_block
 from chain_impact.variables.structure import structure_of
 from tests.helpers.campaigns import random_scenes
 from tests.variables.everything import CART, EVERYTHING
@@ -79,14 +77,6 @@ def test_the_conditions_of_variables_are_known():
     for kind in kinds:
         conditions = {*kind.when, kind.tunable, kind.stores_given_if} - {""}
         assert conditions <= known | members_of(OWNER_KINDS[kind.owner_kind].over), kind.name
-
-
-@pytest.mark.parametrize(
-    "row", ["depth | m", "depth | m | its depth | fild=way", "depth | m | it | minimum=1e"]
-)
-def test_a_wrong_row_of_outputs_is_named(row):
-    with pytest.raises(ValueError, match=re.escape(row)):
-        rows_block(part="output", owner_kind="joint", prefix="joint[{n}]", rows=row)
 
 
 def test_no_owner_changes_what_holds_for_its_scene():

@@ -11,10 +11,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from chain_impact.scene.rules.key_rules import Derived
-from chain_impact.scene.words.names import DataPath, NameParts, name_parts, sensitivity_name
+from chain_impact.scene.words.names import (
+    AXES,
+    INDEX_PLACE,
+    DataPath,
+    NameParts,
+    name_parts,
+    sensitivity_name,
+)
 
 NEXT = "{next}"
 MOTION = "given_channel"
@@ -196,8 +204,90 @@ def block(
     start = f"{prefix}." if prefix else ""
     return Block(
         owner_kind,
-        tuple(replace(row, name=start + row.name, when=(*when, *row.when), **common) for row in rows),
+        tuple(replace(kind, name=start + kind.name, when=(*when, *kind.when), **common) for kind in rows),
     )
+
+
+def row(
+    name: str,
+    unit: str,
+    text: str,
+    *,
+    field: str = "",
+    nominal: str = "",
+    rate_of: str = "",
+    array: str = "",
+    feedthrough: bool = False,
+    minimum: float | str | None = None,
+    maximum: float | str | None = None,
+    when: str = "",
+) -> tuple[Kind, ...]:
+    """Return the kinds of a row of ``record_block``.
+
+    A row with {axis} stands for two kinds: for x, where {j} is 0, and for y, where {j} is 1. ``field`` is the
+    dotted path of the field in its part of the record, if not the name, and ``when`` a condition beside those
+    of the block; ``Kind`` explains the other arguments.
+    """
+    kinds = []
+    for j, axis in enumerate(AXES if "{axis}" in name + text else ("",)):
+        path = (field or name).replace("{axis}", axis).replace("{j}", str(j))
+        kinds.append(
+            Kind(
+                name=name.replace("{axis}", axis),
+                unit=unit,
+                text=text,
+                axis=axis,
+                record_path=tuple(int(step) if step.isdecimal() else step for step in path.split(".")),
+                nominal=nominal,
+                rate_of=rate_of,
+                array=array,
+                feedthrough=feedthrough,
+                minimum=minimum,
+                maximum=maximum,
+                when=(when,) if when else (),
+            )
+        )
+    return tuple(kinds)
+
+
+def input_row(text: str, *, field: str) -> tuple[Kind, ...]:
+    """Return the kinds of a row of inputs, which get name and unit from ``names`` of ``record_block``."""
+    return row("", "", text, field=field)
+
+
+def record_block(
+    part: str,
+    owner_kind: str,
+    prefix: str,
+    *rows: tuple[Kind, ...],
+    names: Mapping[str, str] = MappingProxyType({}),
+    array: bool = False,
+    **common: Any,
+) -> Block:
+    """Return a block of kinds whose values are in one part of the record.
+
+    Args:
+        part: the part of the record.
+        owner_kind: the kind of owner.
+        prefix: the first part of the names.
+        rows: the rows. {at}, the index of the owner, is appended to the path of a field that has neither {at}
+            nor {next}, unless ``owner_kind`` is "one" or "slider".
+        names: whole name → unit of inputs: kind k has the k-th name that begins with ``prefix``.
+        array: whether the values of all owners form an array with the name <owner_kind>.<name in the row>.
+        common: attributes that all kinds have, and further arguments of ``block``.
+    """
+    kinds = [kind for of_row in rows for kind in of_row]
+    if names:
+        head = f"{prefix}."
+        units = {name.removeprefix(head): unit for name, unit in names.items() if name.startswith(head)}
+        kinds = [replace(kinds[k], name=name, unit=unit) for k, (name, unit) in enumerate(units.items())]
+    has_no_index = owner_kind in ("one", "slider")
+    for k, kind in enumerate(kinds):
+        steps = (part, *kind.record_path)
+        index = () if has_no_index or INDEX_PLACE in steps or NEXT in steps else (INDEX_PLACE,)
+        joined = f"{owner_kind}.{kind.name}" if array else kind.array
+        kinds[k] = replace(kind, record_path=(*steps, *index), array=joined)
+    return block(owner_kind, *kinds, prefix=prefix, **{"is_terminal": True} | common)
 
 
 def fill_path(path: DataPath, owner: Mapping[str, Any]) -> DataPath:
