@@ -28,12 +28,14 @@ from chain_impact.pictures.first_order import (
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts, is_shifted, short_contacts
 from chain_impact.pictures.sensitivities import LARGEST_EFFECTS, fill_sensitivities, looks_of
 from chain_impact.pictures.sensitivity_table import (
+    ADDED_HEADING,
     CELL_HEIGHT,
     MOST_OPACITY,
     MOST_TABLE_ROWS,
     SIGNED_COLOURS,
     draw_impact_changes,
 )
+from chain_impact.scene.words.plain_names import plain_name
 from tests.helpers.scenes.problems import flat_rod
 from tests.helpers.scenes.stops import knee, struck_rod
 from tests.pictures.pictures import contrast
@@ -97,7 +99,7 @@ def test_outputs_that_are_asked_for(swing, count):
     page = drawn(swing, *names)
     *panels, table = page.axes
     assert [axes.get_ylabel().split()[1] for axes in panels] == names
-    assert table.get_title(loc="left") == "change of peak force [%]"
+    assert table.get_title(loc="left") == "change of peak force [%] by + 1 %"
     bottom = [axes for axes in panels if axes.get_xlabel()]
     assert len(bottom) == min(count, 2)  # the times stand once in each column
     tops = {round(axes.get_position().y1, 3) for axes in bottom}
@@ -113,7 +115,8 @@ def test_an_output_that_is_not_there(swing):
 def test_the_legend_says_what_is_changed_and_by_how_much(page):
     (legend,) = page.legends
     assert [text.get_text() for text in legend.get_texts()] == [
-        *(f"{name} + 1 %" for name in FEW),
+        "+ 1 %:",
+        *FEW,
         "change in a run",
         "impact",
     ]
@@ -125,7 +128,7 @@ def test_the_most_important_of_many_parameters_have_colours():
     whole = recording.sensitivities
     relative = np.max([shares(recording, whole, name) for name in names], axis=0)
     found = with_small_steps(recording, whole, names, known_changes(recording, whole, relative))
-    count = len(found.parameters)
+    of_value = [name for name, value in found.parameters.items() if value]
     curves = [line for line in page.axes[1].lines if len(line.get_xdata()) == len(recording.time)]
     colours = [line.get_color() for line in curves]
     assert colours == [*PALETTE[:LARGEST_EFFECTS]]
@@ -135,27 +138,26 @@ def test_the_most_important_of_many_parameters_have_colours():
     ]
     matter = np.max(parts, axis=(0, 1))
     share = dict(zip(found.parameters, matter.tolist(), strict=True))
-    largest = sorted(share.values(), reverse=True)
-    told = [line.get_label().partition(" + ")[0] for line in curves]
+    largest = sorted((share[name] for name in of_value), reverse=True)
+    told = [line.get_label() for line in curves]
     assert sorted((share[name] for name in told), reverse=True) == pytest.approx(largest[:LARGEST_EFFECTS])
     (band,) = [
         collection for collection in page.axes[1].collections if collection.get_label()[:1].isdigit()
     ]  # the band of the other parameters
-    others = [k for k, parameter in enumerate(found.parameters) if parameter not in told]
+    others = [k for k, name in enumerate(found.parameters) if name in of_value and name not in told]
     grey = np.where(is_shifted(recording, found), np.nan, found.changes("point[1].y"))[:, others]
     ends = band.get_datalim(page.axes[1].transData).intervaly
     np.testing.assert_allclose(1e-3 * ends, (np.nanmin(grey), np.nanmax(grey)))  # mm
     (legend,) = page.legends
     texts = [text.get_text() for text in legend.get_texts()]
-    assert f"{count - LARGEST_EFFECTS} other parameters" in texts  # some of their changes are larger
+    assert f"{len(of_value) - LARGEST_EFFECTS} other parameters" in texts  # some of their changes are larger
     table = page.axes[3]
     assert len(table.get_yticklabels()) == MOST_TABLE_ROWS
-    assert table.get_title(loc="left").endswith(f"; {count - MOST_TABLE_ROWS} parameters without a row")
+    left_out = len(found.parameters) - MOST_TABLE_ROWS
+    assert table.get_title(loc="left").endswith(f"; {left_out} parameters without a row")
 
 
-@pytest.mark.parametrize(
-    ("names", "told"), [("abcdef", "e + 1 %, f + 1 %"), ("abcdefg", "3 other parameters")]
-)
+@pytest.mark.parametrize(("names", "told"), [("abcdef", "e, f"), ("abcdefg", "3 other parameters")])
 def test_the_legend_counts_the_other_parameters(names, told):
     found = SimpleNamespace(parameters=dict.fromkeys(names, 1.0), step_text=lambda _: "1 %")
     looks = looks_of(found, np.arange(len(names), 0.0, -1.0)[None], {}, is_brief=False)
@@ -223,7 +225,7 @@ def test_curves_go_on_to_the_time_that_the_headline_names(chaotic):
     kept = keeps_order(chaotic, found)
     assert chaotic.time[kept[:, 0]].max() == pytest.approx(onsets[5], abs=0.01)
     assert kept[:, 1].all()
-    (told,) = re.findall(r"not predictable after ([\d.]+) s", said(page)[0].replace("\n", " "))
+    (told,) = re.findall(r"not predictable after ([\d.]+) s", said(page)[2])
     for axes in page.axes[:3]:
         restitution = next(line for line in axes.lines if line.get_label().startswith("contact.restitution"))
         seen = np.flatnonzero(np.isfinite(restitution.get_ydata()))
@@ -237,10 +239,11 @@ def test_curves_go_on_to_the_time_that_the_headline_names(chaotic):
 
 
 def test_the_headline_names_the_parameter_that_matters_most(chaotic, swing, page):
-    assert "contact.restitution + 1 % changes" in said(drawn(chaotic))[0]
-    found = re.search(r"(\S+) \+ 1 % changes (\S+) by (\S+) mm at", said(page)[0])
-    parameter, output, value = found.groups()
-    changes = swing.sensitivities.changes(output)[is_outside_impacts(swing), FEW.index(parameter)]
+    assert "restitution + 1 % moves" in said(drawn(chaotic))[0]
+    found = re.search(r": (.+) \+ 1 % moves point (\d) by (\S+) mm in ([xy])", said(page)[0])
+    parameter, point, value, axis = found.groups()
+    chosen = [plain_name(name) for name in FEW].index(parameter)
+    changes = swing.sensitivities.changes(f"point[{point}].{axis}")[is_outside_impacts(swing), chosen]
     assert 1e-3 * float(value) == pytest.approx(np.abs(changes).max(), rel=0.05)
 
 
@@ -264,7 +267,7 @@ def test_a_result_draws_itself(tmp_path):
 )
 def test_a_table_with_stops_has_moments(scene, words):
     table = drawn(made(scene, ["stop.restitution"]), "link[1].angle").axes[-1]
-    assert table.get_title(loc="left") == f"change of {words} [%]"
+    assert table.get_title(loc="left") == f"change of {words} [%] by + 1 %"
 
 
 def test_a_coordinate_at_rest_and_a_shift_do_not_decide_the_headline():
@@ -273,7 +276,9 @@ def test_a_coordinate_at_rest_and_a_shift_do_not_decide_the_headline():
     for name in ("point[1].x", "point[1].y"):
         assert is_first_order_true(shares(falling, falling.sensitivities, name)).all()
     only = simulate("rod_drop", stop_time=0.3, sensitivities=["gravity.y"])
-    assert "changes point[1].y by 4.4 mm at 0.3 s" in only.plot_sensitivities().get_suptitle()
+    figure = only.plot_sensitivities()
+    assert "moves point 1 by 4.4 mm in y" in figure.get_suptitle()
+    assert "at 0.3 s" in said(figure)
 
 
 def test_many_impacts_have_colours_in_place_of_numbers():
@@ -292,10 +297,14 @@ def test_many_impacts_have_colours_in_place_of_numbers():
     draw_impact_changes(figure.subplots(), recording, recording.sensitivities, looks, every)
     ends = [label.get_text() for label in figure.axes[1].get_yticklabels()][::4]
     assert ends == ["≤−100", "≥+100"]  # larger changes have the colours of the ends
-    below, zero, above = image.to_rgba(np.array([-50.0, 0.0, 50.0]))
+    below, zero, above = image.to_rgba(image.norm.vmax * np.array([-0.5, 0.0, 0.5]))
     assert below[0] > below[2]
     assert above[2] > above[0]
-    assert zero[3] < 0.01 < MOST_OPACITY - 0.1 < above[3]
+    assert zero[3] < 0.01
+    # colours are linear, and equally strong on both sides, on white and on black
+    assert [below[3], above[3]] == pytest.approx([0.5 * MOST_OPACITY] * 2, abs=0.01)
+    for ground in (0.0, 1.0):
+        assert contrast(*(c[3] * c[:3] + (1.0 - c[3]) * ground for c in (below, above))) < 1.05
 
 
 def test_numbers_of_cells_stay_legible_on_a_dark_ground(swing):
@@ -324,7 +333,7 @@ def test_the_colours_of_the_table_are_no_colours_of_curves(page):
 def test_rigid_impacts_have_changes_of_impulses():
     rigid = load_scene("pinned_arm").with_values({"contact.model": "newton_impact"})
     page = simulate(rigid, sensitivities="gravity.y").plot_sensitivities()
-    assert page.axes[-1].get_title(loc="left") == "change of impulse [%]"
+    assert page.axes[-1].get_title(loc="left") == "change of impulse [%] by + 1 %"
 
 
 def test_a_panel_without_any_change_says_so():
@@ -339,7 +348,7 @@ def test_the_headline_says_where_derivatives_end():
     assert rock.plot_sensitivities().get_suptitle().endswith("no derivatives from 0 s on")
     slides = simulate("sliding_rod", 0.1, sensitivities=["gravity.y"])
     known = slides.time[np.isfinite(slides.sensitivities.slopes).any(axis=(1, 2))][-1]
-    assert f"known until {known:.3g} s" in slides.plot_sensitivities().get_suptitle()
+    assert f"known until {known:.3g} s" in said(slides.plot_sensitivities())[2]
 
 
 def test_the_headline_has_the_change_of_a_run_that_differs():
@@ -347,9 +356,10 @@ def test_the_headline_has_the_change_of_a_run_that_differs():
     names = ["contact.restitution", "contact.stiffness"]
     recording = simulate("four_link_box", 1.1, sensitivities=names)
     figure = recording.plot_sensitivities()
-    headline = figure.get_suptitle().replace("\n", " ")
-    pattern = r"\+ 1 % changes (\S+) by ([\d.]+) mm in a run \(([\d.]+) mm to first order\) at ([\d.]+) s"
-    output, size, there, time = re.search(pattern, headline).groups()
+    headline = f"{figure.get_suptitle()}; {said(figure)[2]}".replace("\n", " ")
+    pattern = r"moves point 4 by ([\d.]+) mm in (.); in a run, at ([\d.]+) s; to first order ([\d.]+) mm"
+    size, axis, time, there = re.search(pattern, headline).groups()
+    output = f"point[4].{axis}"
     row = recording.row_at(float(time))
     last, shift = recording.impacts["onset"][-1], recording.sensitivities.impact_changes("onset")[-1, 0]
     assert abs(float(time) - last) >= abs(shift) > 0.02
@@ -366,7 +376,7 @@ def test_the_headline_has_the_change_of_a_run_that_differs():
 
 def test_a_headline_that_no_run_can_check_tells_the_change_to_first_order(swing):
     alone = replace(swing, rerun=None)
-    assert re.search(r"changes \S+ by about", alone.plot_sensitivities().get_suptitle())
+    assert re.search(r"moves point 2 by about", alone.plot_sensitivities().get_suptitle())
     assert alone.row_of_other_run({"contact.stiffness": 2e7}, 0.1) is None
     assert swing.row_of_other_run({"contact.stiffness": -1.0}, 0.1) is None
     other = swing.row_of_other_run({"gravity.y": 0.0}, 0.1)
@@ -384,8 +394,21 @@ def test_a_step_of_a_parameter_that_is_zero_does_not_set_the_scale():
     assert axes.get_ylabel() == "Δ point[4].x [mm]"
     assert np.abs(axes.get_ylim()).max() < 2.0 * of_value < of_zero
     names = [text.get_text() for text in page.legends[0].get_texts()]
-    (part,) = (float(name[:-1].split()[-1]) for name in names if name.startswith("contact.radius + 0.01 m ("))
+    (part,) = (
+        float(name[:-1].split()[-1]) for name in names if name.startswith("contact.radius + 0.01 m (curve")
+    )
     curve = next(line for line in axes.lines if line.get_label().startswith("contact.radius"))
+    assert curve.is_dashed()
+    # the table has a row of its own for it, whose numbers have no colour
+    table = page.axes[-1]
+    assert [text.get_text() for text in table.get_yticklabels()] == [
+        "contact.restitution",
+        "contact.radius + 0.01 m",
+    ]
+    assert ADDED_HEADING in [text.get_text() for text in table.texts]
+    above, added = table.images
+    assert added.get_extent()[3] == above.get_extent()[2] + 1.0
+    assert (added.to_rgba(added.get_array())[..., 3] == 0.0).all()
     largest = np.nanmax(np.abs(curve.get_ydata()))
     assert 0.0 < largest <= MOST_OF_ZERO * of_value
     assert largest <= of_zero * part
@@ -396,6 +419,7 @@ def test_a_step_of_a_parameter_that_is_zero_does_not_set_the_scale():
         "change in a run",
         "impact",
     ]
+    assert page.axes[-1].get_title(loc="left") == "change of peak force [%]"
 
 
 @pytest.mark.parametrize("width", [84.0, 120.0])
@@ -407,12 +431,14 @@ def test_six_parameters_have_room_in_a_column_of_a_journal(width):
     title = page._suptitle.get_window_extent()
     assert title.height + legend.get_window_extent().height <= 0.15 * page.bbox.height
     # the table has the names of the grey curves; the exponent has the largest effect there
-    assert "2 other parameters" in [text.get_text() for text in legend.get_texts()]
+    assert "1 other parameter" in [text.get_text() for text in legend.get_texts()]
     table = page.axes[-1]
     names = [label.get_text() for label in table.get_yticklabels()]
     assert {"contact.stiffness", "contact.exponent"} <= {*names}
-    assert table.bbox.height / page.dpi / len(names) == pytest.approx(CELL_HEIGHT, rel=0.05)
+    rows = len(names) + 1  # the heading of the row of the radius is a row, too
+    assert table.bbox.height / page.dpi / rows == pytest.approx(CELL_HEIGHT, rel=0.05)
     assert CELL_HEIGHT * 25.4 >= 4.0
-    # cells are for the step that the command prints, and so is the label of the curve
+    # a parameter that is 0 has a curve only if others leave a colour for it; its cells are for the whole step
+    assert names[-1] == "contact.radius + 0.01 m"
     assert "+0.59" in [text.get_text() for text in table.texts]
-    assert "contact.radius + 0.01 m (× 0.2)" in [text.get_text() for text in legend.get_texts()]
+    assert not any("contact.radius" in text.get_text() for text in legend.get_texts())

@@ -30,17 +30,18 @@ from chain_impact.pictures.drawing.style import (
     drawing_style,
     give_ticks,
     is_narrow,
+    start_at_headline,
     write_foot,
     write_headline,
 )
 from chain_impact.pictures.first_order import drawn_rows, known_changes, shares, with_small_steps
 from chain_impact.pictures.over_time.time_axis import impact_handles, mark_impacts, name_time
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts
-from chain_impact.pictures.sensitivity_finding import NO_CHANGE, headline_and_check
+from chain_impact.pictures.sensitivity_finding import NO_CHANGE, finding_of
 from chain_impact.pictures.sensitivity_table import draw_impact_changes
 from chain_impact.pictures.words.headline import conditions
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.sensitivity import Sensitivities
+from chain_impact.recording.sensitivity import PART, Sensitivities
 from chain_impact.scene.words.unit_text import bracketed_unit
 from chain_impact.text import count_text, readable_unit
 
@@ -49,7 +50,6 @@ LARGEST_EFFECTS = 4
 FIRST_ORDER_CHANGES = "changes to first order"
 END_NOTE = "ends: a change reverses two impacts or exceeds a range"
 LEAST_PANELS = 0.1  # [inch] the least height of all panels above the table with which the layout is computed
-SCALE_NOTE = "(×): factor of the curve only"
 SHIFT_NOTE = "gaps: the change shifts an impact"
 # the largest height of the sentences on missing derivatives at the foot, relative to that of the figure
 MOST_LIMITS = 0.4
@@ -59,6 +59,8 @@ RUN_LOOK |= {"markeredgecolor": INK, "markeredgewidth": 0.8}
 END_LOOK: dict[str, Any] = {"marker": "|", "markersize": 9.0, "markeredgewidth": 1.5, "linestyle": ""}
 END_LOOK |= {"zorder": 3.5}
 """The mark at the end of a curve, with matplotlib's names."""
+ADDED_DASH = (0.0, (3.5, 1.2))
+"""The dashes of the curves for a value added to a parameter that is 0, as matplotlib's line style."""
 Looks = list[dict[str, Any]]
 
 
@@ -73,21 +75,25 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     names = given_sensitivities.drawn(outputs)
     parts = np.stack([shares(recording, given_sensitivities, name) for name in names])
     is_known = known_changes(recording, given_sensitivities, parts.max(axis=0))
-    message, checked = headline_and_check(recording, given_sensitivities, names, parts, is_known)
+    finding = finding_of(recording, given_sensitivities, names, parts, is_known)
+    checked = finding.checked
     remarks = [
         FIRST_ORDER_CHANGES,
         SHIFT_NOTE if len(recording.impacts) else "",
         "" if is_known.all() else END_NOTE,
     ]
     scaled_sensitivities = with_small_steps(recording, given_sensitivities, names, is_known)
-    remarks.append(SCALE_NOTE if any(part != 1.0 for part in scaled_sensitivities.parts.values()) else "")
-    write_headline(figure, message, conditions(recording, *remarks))
-    relative_changes = np.max([shares(recording, scaled_sensitivities, name) for name in names], axis=0)
-    looks = looks_of(
-        given_sensitivities, relative_changes, scaled_sensitivities.parts, is_brief=is_narrow(figure)
+    is_small = is_narrow(figure)
+    write_headline(
+        figure,
+        finding.message,
+        conditions(recording, *remarks, short=is_small),
+        *([(finding.detail, INK)] if finding.detail else []),
     )
+    relative_changes = np.max([shares(recording, scaled_sensitivities, name) for name in names], axis=0)
+    looks = looks_of(given_sensitivities, relative_changes, scaled_sensitivities.parts, is_brief=is_small)
     is_drawn = drawn_rows(recording, given_sensitivities, is_known)
-    column_count = 1 if is_narrow(figure) else 2
+    column_count = 1 if is_small else 2
     panels, table = panels_of(figure, len(names), column_count)
     for axes, name in zip(panels, names, strict=True):
         scale = draw_changes(
@@ -107,7 +113,11 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
         else:
             axes.set_xlabel(name_time(axes, float(recording.time[-1])))
     height = draw_impact_changes(table, recording, given_sensitivities, looks, is_known)
-    handles = panels[0].get_legend_handles_labels()[0]
+    handles = sorted(
+        panels[0].get_legend_handles_labels()[0], key=lambda handle: " + " in str(handle.get_label())
+    )
+    if any(given_sensitivities.parameters.values()):
+        handles.insert(0, Line2D([], [], linestyle="", label=f"+ {100.0 * PART:g} %:"))
     if checked:
         handles.append(Line2D([], [], label="change in a run", **RUN_LOOK))
     if not is_known.all():
@@ -115,6 +125,7 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     legend_at_head(figure, [*handles, *impact_handles(panels[0], recording)])
     if given_sensitivities.limits:
         write_foot(figure, "\n".join(given_sensitivities.limits), most_width=MOST_LIMITS)
+    start_at_headline(figure)
     settle(figure)
     give_height(table, height)
     settle(figure)
@@ -159,31 +170,37 @@ def looks_of(
 ) -> Looks:
     """Return the properties of each parameter's curves, with matplotlib's names.
 
-    The LARGEST_EFFECTS parameters with the largest changes have colours, unless a change is round-off; all
-    others are grey. Of the grey curves, only the last has a label, which stands for all grey curves: their
-    names or, if they are more than MOST_GREY or ``is_brief``, their number.
+    The LARGEST_EFFECTS parameters with the largest changes have colours, unless a change is round-off; those
+    with the value 0 come after all others, because changes by their steps cannot be compared with changes by
+    1 %. They have dashed curves and labels with the step. Those without a colour have no curve; all other
+    curves without a colour are grey. Of the grey curves, only the last has a label, which stands for all grey
+    curves: their names or, if they are more than MOST_GREY or ``is_brief``, their number.
     ``relative_changes`` is the largest of the ``shares`` of all drawn outputs, shape (T, P). ``factors``:
     name of a parameter → the factor of its curves, which the label has; 1 for all others.
     """
     names = list(sensitivities.parameters)
-    order = np.argsort(-relative_changes.max(axis=0), kind="stable")
-    coloured = {k for k in order[:LARGEST_EFFECTS] if relative_changes[:, k].max() > NO_CHANGE}
-    other_indices = sorted(set(order) - coloured)
+    added = {k for k, name in enumerate(names) if not sensitivities.parameters[name]}
+    sizes = relative_changes.max(axis=0)
+    order = sorted(range(len(names)), key=lambda k: (k in added, -sizes[k]))
+    coloured = {k for k in order[:LARGEST_EFFECTS] if sizes[k] > NO_CHANGE}
+    grey = sorted({*order} - coloured - added)
 
     def label(name: str) -> str:
-        factor_text = f" (× {factors[name]:g})" if factors.get(name, 1.0) != 1.0 else ""
+        factor_text = f" (curve × {factors[name]:g})" if factors.get(name, 1.0) != 1.0 else ""
         return f"{name} + {sensitivities.step_text(name)}{factor_text}"
 
-    other_words = count_text(len(other_indices), "other parameter")
-    if len(other_indices) <= MOST_GREY and not is_brief:
-        other_words = ", ".join(label(names[k]) for k in other_indices)
+    other_words = count_text(len(grey), "other parameter")
+    if len(grey) <= MOST_GREY and not is_brief:
+        other_words = ", ".join(names[k] for k in grey)
     colours, looks = iter(PALETTE), []
     for k, name in enumerate(names):
         if k in coloured:
-            looks.append({"color": next(colours), "linewidth": 1.5, "zorder": 3, "label": label(name)})
+            look = {"color": next(colours), "linewidth": 1.5, "zorder": 3, "label": name}
+            looks.append(look | ({"linestyle": ADDED_DASH, "label": label(name)} if k in added else {}))
         else:
-            label_text = other_words if k == other_indices[-1] else "_"
+            label_text = other_words if grey and k == grey[-1] else "_"
             looks.append({"color": GREY, "linewidth": 0.9, "zorder": 2, "label": label_text})
+            looks[-1] |= {"visible": False} if k in added else {}
     return looks
 
 
@@ -209,11 +226,11 @@ def draw_changes(
     low, high = scale_ends(changes[rows])
     scale, unit = readable_unit(max(-low, high), sensitivities.units[output])
     changes *= scale
-    grey = [k for k, look in enumerate(looks) if look["color"] == GREY]
+    grey = [k for k, look in enumerate(looks) if look["color"] == GREY and has_curves(look)]
     if len(grey) > MOST_GREY:
         fill_band(axes, recording.time, changes[:, grey].T, looks[grey[-1]]["label"])
     for k, (values, look) in enumerate(zip(changes.T, looks, strict=True)):
-        if len(grey) <= MOST_GREY or k not in grey:
+        if has_curves(look) and (len(grey) <= MOST_GREY or k not in grey):
             axes.plot(recording.time, values, **look)
             if not is_known[-1, k] and is_known[:, k].any():
                 end = np.flatnonzero(is_known[:, k])[-1]
@@ -229,6 +246,11 @@ def draw_changes(
         axes.set(ylim=(-1.0, 1.0), yticks=[0.0])
         axes.text(0.5, 0.6, "no change", transform=axes.transAxes, ha="center", color=INK)
     return scale
+
+
+def has_curves(look: Mapping[str, Any]) -> bool:
+    """Return whether a parameter with this look (``looks_of``) has curves."""
+    return bool(look.get("visible", True))
 
 
 def mark_run(axes: Axes, time: float, change: float, look: dict[str, Any]) -> None:

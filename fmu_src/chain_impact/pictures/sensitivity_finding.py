@@ -12,11 +12,27 @@ from chain_impact.pictures.rows_of_impacts import is_outside_impacts, is_shifted
 from chain_impact.pictures.words.headline import time_unit
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities, differs
+from chain_impact.scene.words.names import AXES
+from chain_impact.scene.words.plain_names import plain_name
 from chain_impact.scene.words.unit_text import with_unit
 from chain_impact.text import LEAST_WHOLE, number_text, readable_unit
 
 # a change up to this, relative to the range of the output, counts as round-off
 NO_CHANGE = 1e-12
+
+
+class SensitivityFinding(NamedTuple):
+    """What the picture tells first.
+
+    Attributes:
+        message: the headline.
+        detail: a text for the line below it: when the change is so large, and until when changes are known.
+        checked: the change in a run, if there is one.
+    """
+
+    message: str
+    detail: str = ""
+    checked: Checked | None = None
 
 
 class Checked(NamedTuple):
@@ -35,42 +51,42 @@ class Checked(NamedTuple):
     change: float
 
 
-def headline_and_check(
+def finding_of(
     recording: Recording,
     sensitivities: Sensitivities,
     outputs: Sequence[str],
     parts: np.ndarray,
     is_known: np.ndarray,
-) -> tuple[str, Checked | None]:
+) -> SensitivityFinding:
     """Return the headline, which tells what the most important parameter does, and the change in a run.
 
     The most important parameter is the one whose changes end first (``known_changes``). If the changes of all
     parameters hold to the end, it is the parameter with the largest change relative to an output's range. Of
     all outputs with the unit of the output that changes so, the headline names the one with the largest
-    change by this parameter, and then the time at which the changes end. The change in the headline is that
-    in a run with the changed parameter, which is returned, too; if it differs from the change to first order
-    (``differs``), the headline has both. Without such a run, the second result is None. A parameter with the
-    value 0 is named only if no other parameter has an effect, because its step cannot be compared with a
-    change by 1 %. The headline tells if no parameter has an effect, or if there are no derivatives after the
-    start.
+    change by this parameter. The detail has the time of this change, and the time at which the changes end.
+    The change in the headline is that in a run with the changed parameter; if it differs from the change to
+    first order (``differs``), the detail has the latter. Without such a run, ``checked`` is None. A parameter
+    with the value 0 is named only if no other parameter has an effect, because its step cannot be compared
+    with a change by 1 %. The headline tells if no parameter has an effect, or if there are no derivatives
+    after the start.
 
     ``parts``: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P). ``is_known`` is the
     result of ``known_changes``.
     """
     has_any = np.isfinite(sensitivities.slopes).any(axis=(1, 2))
     if not has_any[1:].any():
-        return f"{recording.name}: no derivatives from {recording.time[0]:g} s on", None
+        return SensitivityFinding(f"{recording.name}: no derivatives from {recording.time[0]:g} s on")
     factor, unit = time_unit(recording.duration)
     last_known = int(np.flatnonzero(has_any)[-1])
-    end_words = "" if has_any[-1] else f", known until {factor * recording.time[last_known]:.3g} {unit}"
+    end_words = "" if has_any[-1] else f"known until {factor * recording.time[last_known]:.3g} {unit}"
     k = most_important(sensitivities, parts.max(axis=0), is_known)
     if parts[..., k].max() <= NO_CHANGE:
-        return f"{recording.name}: no parameter changes {', '.join(outputs)}", None
+        return SensitivityFinding(f"{recording.name}: no parameter changes {', '.join(outputs)}", end_words)
     parameter = list(sensitivities.parameters)[k]
-    step = f"{parameter} + {sensitivities.step_text(parameter)}"
+    step = f"{plain_name(parameter)} + {sensitivities.step_text(parameter)}"
     if not is_known[:, k].all():
         end = factor * recording.time[is_known[:, k]].max(initial=recording.time[0])
-        end_words = f", not predictable after {end:.3g} {unit}"
+        end_words = f"not predictable after {end:.3g} {unit}"
     sizes = [_change_sizes(recording, sensitivities, name, k, is_known) for name in outputs]
     relative_sizes = [
         size.max() / span_of(recording, name) for size, name in zip(sizes, outputs, strict=True)
@@ -82,23 +98,32 @@ def headline_and_check(
     n = max(alike_outputs, key=lambda n: sizes[n].max())
     output, row, of_output = outputs[n], int(sizes[n].argmax()), sensitivities.units[outputs[n]]
     if not sizes[n][row]:
-        return f"{recording.name}: {step}{end_words.removeprefix(',')}", None
-    step_words = f"{recording.name}: {step} changes {output} by"
+        return SensitivityFinding(f"{recording.name}: {step}", end_words)
     in_run = _change_in_run(recording, sensitivities, output, parameter, row)
     largest_text, time_text = (
         _size_text(sizes[n][row], of_output),
-        f"{factor * recording.time[row]:.4g} {unit}",
+        f"at {factor * recording.time[row]:.4g} {unit}",
     )
-    if in_run is None:
-        return f"{step_words} about {largest_text} at {time_text}{end_words}", None
-    is_other = differs(sensitivities.changes(output)[row, k], in_run)
-    first_order_text = f" in a run ({largest_text} to first order)" if is_other else ""
-    size = _size_text(abs(in_run), of_output)
-    return f"{step_words} {size}{first_order_text} at {time_text}{end_words}", Checked(output, k, row, in_run)
+    size = f"about {largest_text}" if in_run is None else _size_text(abs(in_run), of_output)
+    is_other = in_run is not None and differs(sensitivities.changes(output)[row, k], in_run)
+    when_words = f"in a run, {time_text}; to first order {largest_text}" if is_other else time_text
+    return SensitivityFinding(
+        f"{recording.name}: {step} {_change_words(output, size)}",
+        "; ".join(filter(None, [when_words, end_words])),
+        None if in_run is None else Checked(output, k, row, in_run),
+    )
+
+
+def _change_words(output: str, size: str) -> str:
+    """Return words for a change of an output, such as "moves point 4 by 42 mm in y"."""
+    *owner, quantity = plain_name(output).rsplit(" ", 1)
+    if output.startswith("point[") and quantity in AXES:
+        return f"moves {owner[0]} by {size} in {quantity}"
+    return f"changes {plain_name(output)} by {size}"
 
 
 def most_important(sensitivities: Sensitivities, relative_changes: np.ndarray, is_known: np.ndarray) -> int:
-    """Return the index of the parameter that the headline names (``headline_and_check``).
+    """Return the index of the parameter that the headline names (``finding_of``).
 
     ``relative_changes``: the largest of the ``shares`` of all outputs, shape (T, P). ``is_known`` is the
     result of ``known_changes``.

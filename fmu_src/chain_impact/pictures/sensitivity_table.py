@@ -3,36 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap, SymLogNorm
+from matplotlib.colors import LinearSegmentedColormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from matplotlib.ticker import FixedFormatter, FixedLocator
-from matplotlib.transforms import ScaledTranslation
+from matplotlib.transforms import ScaledTranslation, Transform, blended_transform_factory
 
-from chain_impact.pictures.drawing.style import DECREASE, GREY, INCREASE, INK, OUTSIDE_COLOUR, is_narrow
+from chain_impact.pictures.drawing.dark_ground import lightened_colour, luminance
+from chain_impact.pictures.drawing.line_breaks import break_lines
+from chain_impact.pictures.drawing.style import DECREASE, GREY, INCREASE, INK, LEFT, OUTSIDE_COLOUR, is_narrow
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.sensitivity import Sensitivities
+from chain_impact.recording.sensitivity import PART, Sensitivities
 from chain_impact.text import count_text, signed_text
 
 # the opacity of the largest changes, from 0 to 1: so low that the text on it stays legible
-MOST_OPACITY = 0.6
+MOST_OPACITY = 0.7
+# an increase as light as a decrease, so that equal changes to both sides look equally large on any ground
+LIGHT_INCREASE = lightened_colour(INCREASE, luminance(DECREASE))
 # the colours of changes, with the opacity 0 for no change, so that they suit a light and a dark ground; blank
 # cells have a colour of their own
 SIGNED_STOPS = (
     (0.0, (DECREASE, MOST_OPACITY)),
     (0.5, (DECREASE, 0.0)),
-    (0.5, (INCREASE, 0.0)),
-    (1.0, (INCREASE, MOST_OPACITY)),
+    (0.5, (LIGHT_INCREASE, 0.0)),
+    (1.0, (LIGHT_INCREASE, MOST_OPACITY)),
 )
 SIGNED_COLOURS = LinearSegmentedColormap.from_list("signed", SIGNED_STOPS).with_extremes(bad=OUTSIDE_COLOUR)
+NO_COLOURS = ListedColormap(["none"]).with_extremes(bad=OUTSIDE_COLOUR)
 # [%] |changes| below LEAST_CHANGE are written as 0; from MOST_CHANGE on, the colour stays
 LEAST_CHANGE, MOST_CHANGE = 0.01, 100.0
-# |changes| up to FAINT_CHANGE, relative to the largest one, have no colour; the colours of larger ones are
-# logarithmic
-FAINT_CHANGE = 0.01
 # [inch] CELL_HEIGHT: the least height of a row, so that names and numbers in successive rows do not touch;
 # SCALE_HEIGHT: that of the table beside a bar with numbers
 CELL_HEIGHT, SCALE_HEIGHT = 0.17, 0.65
@@ -41,7 +44,38 @@ CELL_WIDTH, ROW_NAMES_WIDTH = 0.38, 1.7
 # [inch] the distances of the word "impact" from the left and lower edges of the cells
 WORD_DISTANCE = 3.5 / 72.0
 MOST_TABLE_ROWS = 8  # the largest number of rows of the table
-MOST_NUMBERED = 12  # the largest number of impacts that are numbered below the table
+# LONGEST_ROW_NAME: the largest number of characters of a name with its step in one line; if a name is longer,
+# the steps stand in second lines, and these rows have the height TWO_LINES, relative to a row of one line
+LONGEST_ROW_NAME, TWO_LINES = 28, 1.8
+ADDED_HEADING = "added to the value 0, not comparable:"
+# the largest number of impacts that are numbered below the table: in a wide and in a narrow figure
+MOST_NUMBERED, FEW_NUMBERED = 12, 6
+
+
+class RowBlock(NamedTuple):
+    """Rows of the table with changes that can be compared with each other.
+
+    Attributes:
+        parameters: the indices of the parameters.
+        names: the text beside each row.
+        top: the upper edge of the first row; the unit is the height of a row of the first block.
+        height: the height of each row.
+    """
+
+    parameters: list[int]
+    names: list[str]
+    top: float = 0.0
+    height: float = 1.0
+
+    @property
+    def end(self) -> float:
+        """The lower edge of the last row."""
+        return self.top + self.height * len(self.parameters)
+
+    @property
+    def middles(self) -> list[float]:
+        """The middle of each row."""
+        return [self.top + self.height * (place + 0.5) for place in range(len(self.parameters))]
 
 
 def draw_impact_changes(
@@ -53,11 +87,14 @@ def draw_impact_changes(
 ) -> float:
     """Draw the change of each impact's peak force [%] by a step of each parameter, as a table.
 
-    The table has a column for each impact, and the rows ``shown_parameters``; the title tells how many
-    parameters have no row. ``looks`` has the properties of each parameter's curves. If no change of a peak
-    force is known, as in rigid impacts, the changes are those of the impulses.
+    The table has a column for each impact, and the rows of ``blocks_of``; the title tells how many parameters
+    have no row. ``looks`` has the properties of each parameter's curves. If no change of a peak force is
+    known, as in rigid impacts, the changes are those of the impulses.
     ``is_known``, shape (T, P): whether changes to first order can hold, for each row of the recording and
     each parameter. A cell is blank if its change is not known, or cannot hold at the impact's onset.
+
+    The strength of a colour is proportional to the change. In the second block, cells with numbers have no
+    colour, which would compare them with the first block.
 
     Return the height that the table needs [inch].
     """
@@ -72,35 +109,33 @@ def draw_impact_changes(
     if not np.isfinite(sensitivities.relative(quantity)).any():
         quantity = "impulse"
     onset_rows = [recording.row_at(time) for time in onsets]
-    every_change = 100.0 * np.where(is_known[onset_rows], sensitivities.relative(quantity), np.nan).T
-    rows = shown_parameters(looks, every_change)
-    changes = every_change[rows]
-    sizes = np.abs(changes[np.isfinite(changes)])
-    largest_size = sizes.max(initial=0.0)
-    most_change = min(MOST_CHANGE, largest_size) or MOST_CHANGE
-    norm = SymLogNorm(FAINT_CHANGE * most_change, linscale=0.1, vmin=-most_change, vmax=most_change)
-    image = axes.imshow(np.ma.masked_invalid(changes), SIGNED_COLOURS, norm=norm, aspect="auto")
+    changes = 100.0 * np.where(is_known[onset_rows], sensitivities.relative(quantity), np.nan).T
+    blocks = blocks_of(sensitivities, looks, changes)
+    largest_size = max(float(np.abs(np.nan_to_num(changes[block.parameters])).max()) for block in blocks)
+    scale_end = float(np.abs(np.nan_to_num(changes[blocks[0].parameters])).max()) or largest_size
+    most_change = min(MOST_CHANGE, scale_end) or MOST_CHANGE
+    norm = Normalize(-most_change, most_change)
     figure = axes.get_figure(root=True)
     assert figure is not None
     has_texts = has_numbers(figure, len(onsets))
-    if has_texts:
-        for (row, column), change in np.ndenumerate(changes):
-            if np.isfinite(change):
-                look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "small"}
-                axes.text(column, row, cell_text(change), color="black", **look)
-    else:
-        ticks = [part * most_change for part in (-1.0, -0.1, 0.0, 0.1, 1.0)]
-        lowest, *other_texts, highest = map(cell_text, ticks)
-        # changes beyond an end of the bar have the colour of this end
-        ends = (f"≤{lowest}", f"≥{highest}") if largest_size > most_change else (lowest, highest)
-        texts = FixedFormatter([ends[0], *other_texts, ends[1]])
-        bar = figure.colorbar(image, ax=axes, ticks=FixedLocator(ticks), format=texts)
-        bar.ax.minorticks_off()
-    number_step = -(-len(onsets) // MOST_NUMBERED)
+    images = [
+        _draw_block(axes, block, changes[block.parameters], norm, has_texts=has_texts) for block in blocks
+    ]
+    axes.set_ylim(blocks[-1].end, 0.0)
+    if not has_texts:
+        _add_bar(figure, axes, images[0], largest_size)
+    if len(blocks) > 1:
+        heading: dict[str, Any] = {"va": "center", "color": INK, "fontsize": "small", "in_layout": False}
+        _start_left(axes, axes.text(0.0, 0.5 * (blocks[0].end + blocks[1].top), ADDED_HEADING, **heading))
+    number_step = -(-len(onsets) // (FEW_NUMBERED if is_narrow(figure) else MOST_NUMBERED))
     axes.set_xticks(
         range(0, len(onsets), number_step), [str(k + 1) for k in range(0, len(onsets), number_step)]
     )
-    axes.set_yticks(range(len(rows)), [list(sensitivities.parameters)[k] for k in rows], fontsize="small")
+    names, rows = (
+        [name for block in blocks for name in block.names],
+        [k for block in blocks for k in block.parameters],
+    )
+    axes.set_yticks([middle for block in blocks for middle in block.middles], names, fontsize="small")
     for label, k in zip(axes.get_yticklabels(), rows, strict=True):
         label.set_color(looks[k]["color"] if looks[k]["color"] != GREY else INK)
     # the word stands beside the numbers, below the names of the rows
@@ -108,22 +143,84 @@ def draw_impact_changes(
     offset = ScaledTranslation(-WORD_DISTANCE, -WORD_DISTANCE, figure.dpi_scale_trans)
     axes.xaxis.set_label_coords(0.0, 0.0, transform=axes.transAxes + offset)
     title = f"change of {quantity_words(quantity, recording.is_at_joint_stop)} [%]"
+    if sensitivities.parameters[list(sensitivities.parameters)[rows[0]]]:
+        title += f" by + {100.0 * PART:g} %"
     if left_out := len(looks) - len(rows):
         title += f"; {count_text(left_out, 'parameter')} without a row"
-    axes.set_title(title, fontsize="medium", loc="left")
-    return max(len(rows) * CELL_HEIGHT, 0.0 if has_texts else SCALE_HEIGHT)
+    text = axes.set_title(title, fontsize="medium", loc="left")
+    if is_narrow(figure):
+        break_lines(text, (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi, "; ")
+    offset_above: Any = axes.titleOffsetTrans  # type: ignore[attr-defined]  # matplotlib's type lacks it
+    _start_left(axes, text, upward=axes.transAxes + offset_above)
+    return max(blocks[-1].end * CELL_HEIGHT, 0.0 if has_texts else SCALE_HEIGHT)
 
 
-def shown_parameters(looks: Sequence[dict[str, Any]], changes: np.ndarray) -> list[int]:
-    """Return the indices of the parameters with rows in the table: those with coloured curves come first.
+def _draw_block(axes: Axes, block: RowBlock, changes: np.ndarray, norm: Normalize, *, has_texts: bool) -> Any:
+    """Draw a block of rows with their ``changes``; return matplotlib's image of the colours."""
+    is_coloured = not (block.top and has_texts)
+    extent = (-0.5, changes.shape[1] - 0.5, block.end, block.top)
+    colours = SIGNED_COLOURS if is_coloured else NO_COLOURS
+    image = axes.imshow(np.ma.masked_invalid(changes), colours, norm=norm, aspect="auto", extent=extent)
+    for (row, column), change in np.ndenumerate(changes):
+        if has_texts and np.isfinite(change):
+            look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "small"}
+            axes.text(column, block.middles[row], cell_text(change), color="black", **look)
+    return image
 
-    Up to MOST_TABLE_ROWS in all, those with grey curves follow that have the largest |changes| of an impact.
+
+def _start_left(axes: Axes, text: Text, upward: Transform | None = None) -> None:
+    """Let a text start at the left edge of its axes or, in a narrow figure, below the start of the headline.
+
+    ``upward``: the transform of the text's vertical position, by default that of the data.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    small = is_narrow(figure)
+    text.set_x(LEFT / figure.get_figwidth() if small else 0.0)
+    across = figure.transFigure if small else axes.transAxes
+    text.set_transform(blended_transform_factory(across, upward or axes.transData))
+
+
+def _add_bar(figure: Figure, axes: Axes, image: Any, largest_size: float) -> None:
+    """Add a bar that explains the colours; ``largest_size`` is the largest |change| of all rows."""
+    most_change = float(image.norm.vmax)
+    ticks = [part * most_change for part in (-1.0, -0.5, 0.0, 0.5, 1.0)]
+    lowest, *other_texts, highest = map(cell_text, ticks)
+    # changes beyond an end of the bar have the colour of this end
+    ends = (f"≤{lowest}", f"≥{highest}") if largest_size > most_change else (lowest, highest)
+    texts = FixedFormatter([ends[0], *other_texts, ends[1]])
+    bar = figure.colorbar(image, ax=axes, ticks=FixedLocator(ticks), format=texts)
+    bar.ax.minorticks_off()
+
+
+def blocks_of(
+    sensitivities: Sensitivities, looks: Sequence[dict[str, Any]], changes: np.ndarray
+) -> list[RowBlock]:
+    """Return the rows of the table: parameters changed by 1 %, and below them parameters that are 0.
+
+    A block without parameters is left out. In each block, the parameters with coloured curves come first, and
+    then those with the largest |changes| of an impact. There are at most MOST_TABLE_ROWS rows, of which the
+    parameters that are 0 get a quarter, or more if the others are few.
     ``changes``: the change of each impact by each parameter, shape (P, I).
     """
+    names, sizes = list(sensitivities.parameters), np.abs(np.nan_to_num(changes)).max(axis=1)
+    order = sorted(range(len(names)), key=lambda k: (looks[k]["color"] == GREY, -sizes[k]))
     coloured = [k for k, look in enumerate(looks) if look["color"] != GREY]
-    sizes = np.abs(np.nan_to_num(changes)).max(axis=1)
-    other_parameters = sorted({*range(len(looks))} - {*coloured}, key=lambda k: -sizes[k])
-    return coloured + other_parameters[: max(MOST_TABLE_ROWS - len(coloured), 0)]
+    order = coloured + order[len(coloured) :]
+    of_value, added = (
+        [k for k in order if bool(sensitivities.parameters[names[k]]) == is_value]
+        for is_value in (True, False)
+    )
+    added = added[: max(MOST_TABLE_ROWS - len(of_value), MOST_TABLE_ROWS // 4)]
+    of_value = of_value[: MOST_TABLE_ROWS - len(added)]
+    blocks = [RowBlock(of_value, [names[k] for k in of_value])] if of_value else []
+    if added:
+        texts = [f"{names[k]} + {sensitivities.step_text(names[k])}" for k in added]
+        is_long = max(map(len, texts)) > LONGEST_ROW_NAME
+        texts = [text.replace(" + ", "\n+ ") if is_long else text for text in texts]
+        top = len(of_value) + 1.0 if of_value else 0.0
+        blocks.append(RowBlock(added, texts, top, TWO_LINES if is_long else 1.0))
+    return blocks
 
 
 def has_numbers(figure: Figure, impacts: int) -> bool:

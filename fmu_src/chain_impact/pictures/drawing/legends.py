@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerLineCollection
+from matplotlib.lines import Line2D
 from matplotlib.offsetbox import HPacker, PackerBase, VPacker
 
 from chain_impact.pictures.drawing.line_breaks import HALVINGS, break_lines
@@ -164,6 +165,9 @@ def _fill_rows(legend: Any, room: float) -> None:
     """
     whole_box = legend.get_children()[0].get_children()[-1]
     figure, entries = legend.get_figure(root=True), _entries(whole_box)
+    for entry, handle in zip(entries, legend.legend_handles, strict=True):
+        if isinstance(handle, Line2D) and handle.get_linestyle() == handle.get_marker() == "None":
+            entry.get_children()[0].width = 0.0  # the entry is a heading of the next entries
     em = legend.get_texts()[0].get_fontsize()
     widths, space = [entry.get_window_extent().width for entry in entries], ENTRY_GAP * em * figure.dpi / 72.0
     room -= legend.get_window_extent().width - whole_box.get_window_extent().width

@@ -302,6 +302,15 @@ def reserve_margins(figure: Figure, top: float, bottom: float) -> None:
         engine.set(rect=(left, bottom_edge, width, top_edge - bottom_edge))
 
 
+def start_at_headline(figure: Figure) -> None:
+    """Let nothing beside the axes of a figure start farther left than the headline."""
+    engine = figure.get_layout_engine()
+    if isinstance(engine, ConstrainedLayoutEngine):
+        left, low, width, height = engine.get()["rect"]
+        shift = (LEFT - mpl.rcParams["figure.constrained_layout.w_pad"]) / figure.get_figwidth() - left
+        engine.set(rect=(left + shift, low, width - shift, height))
+
+
 def words_of(figure: Figure) -> dict[str, str]:
     """Return the metadata of a picture's file: the headline as title; other texts as description.
 
