@@ -454,3 +454,22 @@ def test_the_chart_of_a_force_has_the_number_of_its_peak(show, result):
             go_to(page, onset + later)
             box, line = text.bounding_box(), present.bounding_box()
             assert line is None or not box["x"] < line["x"] < box["x"] + box["width"]
+
+
+def test_a_contact_that_lasts_is_the_present_one_until_the_next_impact_and_after_it(show):
+    """The card shows its force around the present time, with the force of the arrow in the drawing."""
+    page = show("pinned_arm", {"initial.angle[1]": np.pi / 3})
+    name, row = page.locator("#contact-name"), page.locator("#impacts [aria-current] td")
+    go_to(page, 0.438)
+    assert name.text_content() == "impact 7: point 1 at the right wall, 1.6\u202fs, its beginning"
+    for time in (1.2, 2.0):
+        assert go_to(page, time) == time
+        assert name.text_content() == "impact 7: point 1 at the right wall, 1.6\u202fs, around now"
+        assert page.inner_text("#caption").startswith("Impact 7 of 10, in contact since 0.433\u202fs: ")
+        assert row.first.inner_text() == "7"
+        assert page.inner_text("#force .peak") == page.text_content("#scene .force-text")
+    now = page.locator("#force .now").bounding_box()
+    dot = page.locator("#force .loop-now").bounding_box()
+    assert dot["x"] + dot["width"] / 2 == pytest.approx(now["x"] + now["width"] / 2, abs=0.6)
+    go_to(page, 1.867)
+    assert name.text_content().startswith("impact 10: ")

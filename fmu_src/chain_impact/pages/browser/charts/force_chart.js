@@ -7,9 +7,14 @@ import { partnerOf } from "../recording/partners.js";
 import { hasImpulseOnly, lastBefore, placeIn, valueAtPlace } from "../recording/recording.js";
 import {
   axisOptions, Chart, contactTitle, drawCompared, drawCurve, labelledWidth, LETTER_DOT, MOMENT, styleColour, ticksText, ticksUpwards,
+  timeTexts, timeTicks,
 } from "./chart.js";
 
 const SHOWN_SHARE = 0.35; // time that the chart shows before and after a contact, relative to the contact's duration
+// a contact that is longer than its impact by this factor is shown in parts: its impact, then the time around the present one
+const LONG = 3;
+const PART_SHARE = 0.25; // length of a part around the present time, relative to the duration of the recording
+const PART_MARGIN = 0.03; // time that the chart shows before and after such a part, relative to its length
 const MARGIN = 1.08; // ends of the axis of forces, relative to the extremes of the curves; above a contact's curves, PEAK_ROOM replaces it
 // [pixels] height above all curves for the text of the peak force, radius of the dot at the peak, and size of the letters of the text
 const [PEAK_ROOM, PEAK_DOT, PEAK_TEXT] = [22, 2.5, 11];
@@ -44,9 +49,9 @@ function noteAbove(forces, high, unit) {
 }
 
 /**
- * Return the course of a contact: `times` since its onset [s], the values of `force`, `depth` and `friction` at these times, and `margin`
- * [s]. The times are those of the recording's rows from about `margin` before the contact to `margin` after it. Before and after the
- * contact, force, depth and friction are 0. An unknown depth or friction is undefined; an unknown force is 0.
+ * Return the course of a contact: `times` since its onset [s], and the values of `force`, `depth` and `friction` at these times. The times
+ * are those of the recording's rows from a short time before the contact to a short time after it. Before and after the contact, force,
+ * depth and friction are 0. An unknown depth or friction is undefined; an unknown force is 0.
  */
 function courseAround(recording, contact) {
   const { onset, end } = contact;
@@ -58,7 +63,7 @@ function courseAround(recording, contact) {
   const times = Array.from(time.slice(first, last), (now) => now - onset);
   const during = (all) => all && times.map((now, index) => (now >= 0 && now <= end - onset ? all[first + index] : 0));
   const [force, depth, friction] = [columns.force, columns.penetration, columns.friction].map(during);
-  return { times, margin, force: force ?? times.map(() => 0), depth, friction };
+  return { times, force: force ?? times.map(() => 0), depth, friction };
 }
 
 /**
@@ -70,6 +75,21 @@ function impulsesLike({ impacts }, contact) {
   const alike = impacts.filter((impact) => hasImpulseOnly(impact) && Boolean(impact.atStop) === Boolean(contact.atStop) &&
     (impact === contact || Number.isFinite(impact.rebound ?? NaN)));
   return [alike.flatMap(({ onset }) => [onset, onset, onset]), alike.flatMap(({ impulse }) => [0, impulse, 0])];
+}
+
+/**
+ * Return the part of a contact that the chart shows at the time `now` [s]: {from, to, isAroundNow}, with times [s] since the onset. It is
+ * the whole contact or, of a long one (LONG), up to the end of its impact the impact, and then a part around `now`, at most `longest` [s]
+ * long. This part moves by half of its length at once, so that the axis rests meanwhile.
+ */
+export function shownPartOf({ onset, end, impactEnd }, now, longest) {
+  const [duration, impact, since] = [end - onset, impactEnd - onset, now - onset];
+  if (!(duration > LONG * impact)) return { from: 0, to: duration, isAroundNow: false };
+  if (since <= impact && impact > 0) return { from: 0, to: impact, isAroundNow: false };
+  const length = Math.min(duration, longest);
+  const steps = Math.max(0, Math.floor((2 * since) / length - 0.5));
+  const from = Math.min((steps * length) / 2, duration - length);
+  return { from, to: from + length, isAroundNow: true };
 }
 
 /** Return the label of a tick of an axis of penetrations [m]: all of `ticks` are in metres, in millimetres or in micrometres. */
@@ -104,7 +124,10 @@ export class ForceChart extends Chart {
           }],
         },
         axes: [
-          axisOptions({ values: (_, ticks) => ticks.map((tick) => (this.loop ? depthText : ticksText)(tick, ticks)) }),
+          axisOptions({
+            splits: (_, axis, low, high, step) => timeTicks(low, high, step, this.isAroundNow ? -this.shown.onset : 0),
+            values: (_, ticks) => this.#alongTexts(ticks),
+          }),
           axisOptions({
             size: labelledWidth,
             splits: (plot, axis, low, high) => ticksUpwards(plot, low, high),
@@ -124,6 +147,12 @@ export class ForceChart extends Chart {
     });
   }
 
+  /** Return the labels of the horizontal axis: penetrations, or times since the onset or, in a part around the present time, times. */
+  #alongTexts(ticks) {
+    if (this.isAroundNow) return timeTexts(ticks.map((tick) => tick + this.shown.onset));
+    return ticks.map((tick) => (this.loop ? depthText : ticksText)(tick, ticks));
+  }
+
   fit() {
     const { height } = this;
     super.fit();
@@ -132,53 +161,69 @@ export class ForceChart extends Chart {
 
   rescale() {
     const { frame, shown } = this;
-    this.shown = null;
+    this.part = null;
     this.draw(frame, shown);
   }
 
-  /** Draw the curves of compared motions, and a dot at the largest force of the shown contact; write the peak force beside the dot. */
+  /**
+   * Draw the curves of compared motions, and a dot at the largest force of the shown contact; write the peak force beside the dot. In a
+   * part around the present time, the dot at this time has the force (`mark`).
+   */
   #drawPeak({ ctx, bbox, valToPos, data }) {
-    const [along, up] = this.loop ?? this.impulses ?? data;
+    const { shown, impulses, isAroundNow } = this;
+    const [along, up] = this.loop ?? impulses ?? data;
     const toCanvas = ([x, y]) => [valToPos(x, "x", true), valToPos(y, "y", true)];
-    const { shown } = this;
-    const top = this.impulses ? along.indexOf(shown.onset) + 1 : shown?.peak ? up.indexOf(highest(up)) : -1;
-    const taken = top < 0 ? [] : [toCanvas([along[top], up[top]])];
-    this.curves?.forEach((curve) => drawCompared(this.plot, curve, taken));
     const toPlot = ([x, y]) => [(x - bbox.left) / devicePixelRatio, (y - bbox.top) / devicePixelRatio];
-    this.taken = taken.map(toPlot); // first the peak, then the letters
-    this.peakText.hidden = top < 0;
-    if (top < 0) return;
-    const curves = [[along, up], ...this.curves.map(({ points }) => points)];
+    const top = impulses ? along.indexOf(shown.onset) + 1 : isAroundNow ? -1 : this.top;
+    const peak = top < 0 ? [] : [toCanvas([along[top], up[top]])];
+    const taken = [...peak];
+    this.curves?.forEach((curve) => drawCompared(this.plot, curve, taken));
+    this.letters = taken.slice(peak.length).map(toPlot);
+    this.peakAt = peak.map(toPlot)[0];
+    this.peakText.hidden = !peak.length;
+    const curves = [[along, up], ...(this.curves ?? []).map(({ points }) => points)];
     this.courses = curves.map(([xs, ys]) => Array.from(xs, (x, k) => toPlot(toCanvas([x, ys[k]]))));
+    if (isAroundNow) this.mark();
+    if (!peak.length) return;
     ctx.save();
     ctx.beginPath();
-    ctx.arc(...taken[0], PEAK_DOT * devicePixelRatio, 0, 2 * Math.PI);
+    ctx.arc(...peak[0], PEAK_DOT * devicePixelRatio, 0, 2 * Math.PI);
     ctx.fillStyle = styleColour("force");
     ctx.fill();
     ctx.restore();
-    this.peakText.textContent = this.impulses ? impulseText(shown) : forceText(shown.peak, 3, this.unit.force);
+    this.peakText.textContent = impulses ? impulseText(shown) : forceText(this.peak, 3, this.unit.force);
     this.#placePeak();
   }
 
-  /** Place the text of the peak force where it covers no curve, no letter, and not the line at the present time. */
+  /** Place the text of the force where it covers no curve, no letter, and not the line at the present time. */
   #placePeak() {
     const { clientWidth: width, clientHeight: height } = this.plot.over;
     const space = new LabelSpace(width, height, 0);
-    this.courses.forEach((course) => space.reserveLine(course));
-    this.taken.forEach((at, k) => space.reserveAround(at, k ? LETTER_DOT + 1 : PEAK_DOT + 1));
+    const isNear = ([x]) => x > -width && x < 2 * width;
+    this.courses.forEach((course) => space.reserveLine(course.filter(isNear)));
+    space.reserveAround(this.peakAt, PEAK_DOT + 1);
+    this.letters.forEach((at) => space.reserveAround(at, LETTER_DOT + 1));
     const line = this.line.hidden || this.at === undefined ? NaN : this.plot.valToPos(this.at, "x");
     if (!this.line.hidden) space.reserveLine([[line, 0], [line, height]]);
-    const candidates = positionsAround(this.taken[0], [0, -1], PEAK_AWAY, PEAK_MULTIPLES);
+    const candidates = positionsAround(this.peakAt, [0, -1], PEAK_AWAY, PEAK_MULTIPLES);
     const { at: [x, y], anchor } = space.findPosition(this.peakText.textContent, PEAK_TEXT, candidates) ?? candidates[0];
     const across = { start: 0, middle: -50, end: -100 }[anchor];
     Object.assign(this.peakText.style, { left: `${x}px`, top: `${y}px`, translate: `${across}% -50%` });
-    this.isNearLine = Math.abs(line - this.taken[0][0]) < NEAR_LINE;
+    this.isNearLine = Math.abs(line - this.peakAt[0]) < NEAR_LINE;
   }
 
+  /** Move the line at the present time; in a part around this time, a dot on the curve, with the force beside it, moves with the line. */
   mark(x = this.at) {
     super.mark(x);
-    if (this.peakText.hidden || !this.courses || x === undefined) return;
-    const isNear = Math.abs(this.plot.valToPos(x, "x") - this.taken[0][0]) < NEAR_LINE;
+    if (!this.courses || x === undefined) return;
+    if (this.isAroundNow) {
+      this.peakAt = [this.plot.valToPos(x, "x"), this.plot.valToPos(this.forceNow, "y")];
+      this.dot.style.transform = `translate(${this.peakAt[0]}px, ${this.peakAt[1]}px)`;
+      this.peakText.textContent = forceText(this.forceNow, 3, this.unit.force);
+      this.dot.hidden = this.peakText.hidden = this.line.hidden;
+    }
+    if (this.peakText.hidden) return;
+    const isNear = Math.abs(this.plot.valToPos(x, "x") - this.peakAt[0]) < NEAR_LINE;
     if (isNear || this.isNearLine) this.#placePeak();
   }
 
@@ -187,7 +232,8 @@ export class ForceChart extends Chart {
     if (this.loop) return "";
     if (this.impulses) return `${withMinus(fixed(time, 4))} s`;
     const [times, force] = this.plot.data;
-    return `${withMinus(durationText(time))}: ${forceText(valueAtPlace(force, placeIn(times, time)), 3, this.unit.force)}`;
+    const text = this.isAroundNow ? `${fixed(time + this.shown.onset, 4)} s` : withMinus(durationText(time));
+    return `${text}: ${forceText(valueAtPlace(force, placeIn(times, time)), 3, this.unit.force)}`;
   }
 
   goTo(time) {
@@ -225,32 +271,33 @@ export class ForceChart extends Chart {
     if (!contact) return;
     this.frame = frame;
     if (this.shown && contact !== this.shown && this.zoomed) this.zoom(); // another contact has its own times
-    if (contact !== this.shown) this.#show(contact);
+    const { recording } = this;
+    const now = recording.timeAt(frame);
+    const course = recording.courseOf(contact);
+    const [depth, force] = [course.penetration, course.force].map((values) => values && recording.betweenRows(values, frame));
+    this.forceNow = force;
+    const part = shownPartOf(contact, now, PART_SHARE * (recording.end - recording.start));
+    if (contact !== this.shown || part.from !== this.part?.from || part.to !== this.part.to) this.#show(contact, part);
     this.line.hidden = this.dot.hidden = true;
     if (!this.loop) {
-      this.mark(this.placeOf(this.recording.timeAt(frame)));
+      this.mark(this.placeOf(now));
       return;
     }
-    const course = this.recording.courseOf(contact);
-    const [depth, force] = [course.penetration, course.force].map((values) => this.recording.betweenRows(values, frame));
     this.at = undefined;
     this.dot.hidden = !(depth > 0);
     const [left, top] = [this.plot.valToPos(depth, "x"), this.plot.valToPos(force, "y")];
     this.dot.style.transform = `translate(${left}px, ${top}px)`;
   }
 
-  #show(contact) {
+  #show(contact, part) {
     const { recording } = this;
-    const { onset, end } = contact;
-    this.shown = contact;
-    this.read(undefined);
+    if (contact !== this.shown) this.read(undefined);
+    Object.assign(this, { shown: contact, part });
     Object.assign(this.unit, unitsOf(contact));
-    const { times, margin, force: inside, friction: along, depth } = courseAround(recording, contact);
-    const rubs = along?.some((force) => force !== 0);
-    const friction = rubs ? along : times.map(() => null);
-    const hasCurve = inside.some((force) => force > 0);
-    this.loopButton.hidden = !depth;
-    this.loop = depth && this.loopButton.getAttribute("aria-pressed") === "true" ? [depth, inside, times] : null;
+    const own = courseAround(recording, contact);
+    const hasCurve = own.force.some((force) => force > 0);
+    this.loopButton.hidden = !own.depth;
+    this.loop = own.depth && this.loopButton.getAttribute("aria-pressed") === "true" ? [own.depth, own.force, own.times] : null;
     const lines = this.compared.map((line) => ({ ...line, ...this.#courseIn(line.recording, contact) }));
     this.curves = lines.filter(({ points }) => points);
     this.impulses = !hasCurve && !this.curves.length && hasImpulseOnly(contact) ? impulsesLike(recording, contact) : null;
@@ -260,26 +307,54 @@ export class ForceChart extends Chart {
         .filter(({ points: [onsets] }) => onsets.length);
       this.unit.force = this.unit.impulse;
     }
-    const all = (axis) => this.curves.map(({ points }) => points[axis]);
-    const most = extentOf(this.loop ? [depth] : [], all(0));
-    const ownForces = this.impulses ? this.impulses[1] : contact.peak === null ? inside : [contact.peak];
-    const high = extentOf([ownForces, friction], all(1));
-    this.plot.setData(this.loop || this.impulses ? [[0, most], [null, null], [null, null]] : [times, inside, friction], false);
-    this.plot.batch(() => {
-      if (this.zoomed) this.plot.setScale("x", { min: this.zoomed[0], max: this.zoomed[1] });
-      else if (this.impulses) this.plot.setScale("x", { min: recording.start, max: recording.end });
-      else if (this.loop) this.plot.setScale("x", { min: 0, max: 1.05 * most });
-      else if (end > onset) this.plot.setScale("x", { min: -margin, max: end - onset + margin });
-      else this.plot.setScale("x", { min: -MOMENT, max: MOMENT });
-      const room = PEAK_ROOM / this.plot.over.clientHeight;
-      // the limits contain the margin, because uPlot applies the function `range` of an axis only to limits that it finds itself
-      this.plot.setScale("y", { min: MARGIN * Math.min(0, ...friction), max: (high > NO_FORCE ? high : 1) / (1 - room) });
-    });
+    this.isAroundNow = part.isAroundNow && !this.loop && !this.impulses;
+    const rubs = own.friction?.some((force) => force !== 0);
+    const high = this.#setAxes(own, rubs ? own.friction : own.times.map(() => null));
     // A contact between two rows of the recording has no curve, and neither has an impulse of a rigid wall: the chart then shows the curves
     // of compared motions or else the impulses; without them, it is hidden.
     const isKnown = hasCurve || this.impulses || this.curves.length > 0;
     this.element.hidden = !isKnown;
     this.loopButton.hidden ||= !isKnown;
+    this.#tell(lines, hasCurve, high, rubs);
+  }
+
+  /** Return the ends of the horizontal axis: of penetrations, of the run if the chart has impulses, or of times since the onset. */
+  #alongRange(depth) {
+    const { recording, zoomed, curves, part: { from, to, isAroundNow } } = this;
+    if (zoomed) return zoomed;
+    if (this.impulses) return [recording.start, recording.end];
+    const extent = (own, axis) => extentOf([own], curves.map(({ points }) => points[axis]));
+    if (this.loop) return [0, 1.05 * extent(depth, 0)];
+    if (!(to > from)) return [-MOMENT, MOMENT];
+    const margin = (isAroundNow ? PART_MARGIN : SHOWN_SHARE) * (to - from);
+    return [from - margin, to + margin];
+  }
+
+  /** Set the data and the axes of the plot; return the end of the axis of forces. `friction` has null for each time without friction. */
+  #setAxes({ times, force, depth }, friction) {
+    const { shown, impulses, loop, curves } = this;
+    const [low, high] = this.#alongRange(depth);
+    const isIn = (x) => loop !== null || (x >= low && x <= high);
+    const inRange = ([along, up]) => up.filter((_, k) => isIn(along[k]));
+    this.top = shown.peak ? force.reduce((best, value, k) => (isIn(times[k]) && value > (force[best] ?? 0) ? k : best), -1) : -1;
+    const hasPeak = shown.peak && isIn(shown.peakTime - shown.onset);
+    this.peak = hasPeak ? shown.peak : force[this.top]; // the peak may lie between two rows
+    const ownForces = impulses ? impulses[1] : hasPeak ? [shown.peak] : inRange([times, force]);
+    const most = extentOf([ownForces, inRange([times, friction])], curves.map(({ points }) => inRange(points)));
+    this.plot.setData(loop || impulses ? [[0, high], [null, null], [null, null]] : [times, force, friction], false);
+    this.plot.batch(() => {
+      this.plot.setScale("x", { min: low, max: high });
+      const room = PEAK_ROOM / this.plot.over.clientHeight;
+      // the limits contain the margin, because uPlot applies the function `range` of an axis only to limits that it finds itself
+      this.plot.setScale("y", { min: MARGIN * Math.min(0, ...friction), max: (most > NO_FORCE ? most : 1) / (1 - room) });
+    });
+    return most;
+  }
+
+  /** Write the quantity and the title. `lines`: the compared motions, `high`: the end of the axis of forces. */
+  #tell(lines, hasCurve, high, rubs) {
+    const { shown: contact, part: { from, to, isAroundNow } } = this;
+    const { onset, end } = contact;
     const isRigid = hasImpulseOnly(contact);
     const isHeld = isRigid && hasCurve;
     const [force, moment] = isHeld ? ["Holding force", "Holding moment"] : ["Contact force", "Moment of the stop"];
@@ -288,7 +363,9 @@ export class ForceChart extends Chart {
     const impulses = contact.atStop ? "Angular impulses" : "Impulses";
     this.quantity.textContent = this.impulses ? impulses : this.loop ? `${quantity} over penetration` : quantity;
     const without = this.impulses ? "rigid" : letters ? `present: ${isRigid ? ONLY_IMPULSE : NO_COURSE}` : "no force over time is known";
-    const own = hasCurve ? durationText(end - onset, 2) : without;
+    const isPart = !this.loop && !isHeld && to - from < end - onset;
+    const shownPart = isPart ? `, ${isAroundNow ? "around now" : "its beginning"}` : "";
+    const own = hasCurve ? durationText(end - onset, 2) + shownPart : without;
     const whyOf = ({ points, why = "" }) => (this.impulses ? "" : (points && noteAbove(points[1], high, this.unit.force)) || why);
     const lettersWith = (why) => lines.filter((line) => whyOf(line) === why).map(({ letter }) => letter).join(", ");
     const notes = [...new Set(lines.map(whyOf))].filter(Boolean).map((why) => `; ${lettersWith(why)}: ${why}`).join("");

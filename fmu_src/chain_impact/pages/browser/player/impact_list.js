@@ -214,13 +214,15 @@ export class ImpactList {
 
 /**
  * Return words for a contact of a recording; `time`: the present time [s]. The force comes first, because a narrow screen cuts the end; for
- * the same reason the speed is left out before the onset. The result is "" for a contact that is not in the list of impacts.
+ * the same reason the speed is left out before the onset. The onset of a contact is told while it lasts after its impact. The result is ""
+ * for a contact that is not in the list of impacts.
  */
 export function impactText({ impacts }, contact, time) {
   if (!contact?.number) return "";
-  const { number, onset } = contact;
+  const { number, onset, end, impactEnd } = contact;
   const isNext = onset > time;
   const [force, speed] = [peakText(contact), approachText(contact)];
   const parts = [force === "–" ? "" : `${force}, `, isNext ? "" : `${speed}, `, placeText(contact)];
-  return `${isNext ? "Next is impact" : "Impact"} ${number} of ${impacts.length}: ${parts.join("")}`;
+  const since = time > impactEnd && time <= end ? `, in contact since ${fixed(onset, 3)}\u202fs` : "";
+  return `${isNext ? "Next is impact" : "Impact"} ${number} of ${impacts.length}${since}: ${parts.join("")}`;
 }

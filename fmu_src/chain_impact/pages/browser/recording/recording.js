@@ -186,10 +186,11 @@ export class Recording {
   }
 
   /**
-   * Return the present contact at a time [s], which list, chart and caption describe: the latest contact or, if the time is nearer to the
-   * next onset than to the end of the latest contact, the next contact. Before all impacts it is the first one; undefined without impacts.
+   * Return the present contact at a time [s], which list, chart and caption describe: the latest contact that is in force at this time.
+   * If none is, it is the latest contact or, if the time is nearer to the next onset than to the end of the latest contact, the next one.
+   * Before all impacts it is the first one; undefined without impacts.
    */
   contactAt(time) {
-    return this.impacts[lastBefore(this.turns, time)];
+    return this.impacts.findLast(({ onset, end }) => onset <= time && time <= end) ?? this.impacts[lastBefore(this.turns, time)];
   }
 }
