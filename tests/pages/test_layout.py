@@ -193,6 +193,8 @@ def test_no_combination_of_pins_outputs_and_messages_cuts_a_card(show, size, has
             until_told(page, "1 impact in" if stiffness > 1e8 else impacts_of(values))
             assert [page.evaluate(fault) for fault in faults] == [[], [], []], (pins, values)
         column = page.locator("aside")
+        column.evaluate("one => one.scrollTo(0, 0)")
+        until(page, "!document.querySelector('aside').matches('.more-above')")
         more = column.evaluate("one => [one.scrollHeight > one.clientHeight, one.matches('.more-below')]")
         assert more[0] == more[1]
         if more[0]:

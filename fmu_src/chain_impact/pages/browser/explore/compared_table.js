@@ -2,8 +2,9 @@
 
 import { make } from "../base/dom.js";
 import { digits, durationText, forceText, impulseText, unitsOf, withMinus } from "../base/format.js";
+import { writerOf } from "../charts/chart.js";
 import { partnerOf } from "../recording/partners.js";
-import { placeText } from "../scene/words.js";
+import { capitalized, placeText } from "../scene/words.js";
 
 const TO_PRESENT = "From this motion to the present one";
 const SAME_TIME = 1e-9; // [s] times that differ by less count as equal
@@ -18,21 +19,22 @@ const LEAST_DIFFERENCE = 0.01; // least relative difference of a time since the 
  * unknown, and dashes replace the changes to it.
  */
 export function summaryTable(motions, first, isPresent) {
-  const heads = ["impacts", "largest", "energy at the end", `first difference of more than ${100 * LEAST_DIFFERENCE}\u202f%`];
-  const head = make("tr", {}, ...[first, ...heads].map((part) => make("th", { scope: "col" }, part)));
+  const direction = make("small", { textContent: "Δ: from pin to present" });
+  const heads = [["impacts", "Δ"], ["largest", "Δ peak"], ["end energy", "Δ"], [`first difference > ${100 * LEAST_DIFFERENCE}\u202f%`]]
+    .map(([name, change]) => make("th", { scope: "col" }, name, ...(change ? [make("small", { textContent: change })] : [])));
+  const ofFirst = ["Δ time", "Δ peak"].map((textContent) => make("th", { scope: "col", textContent }));
+  const head = make("tr", {}, make("th", { scope: "col" }, first, direction), ...heads, ...ofFirst);
   const present = motions[0].recording;
+  const written = writerOf(motions.flatMap(({ recording: { energies } }) => Object.values(energies)));
   const body = motions.map(({ title, recording, letter }) => {
-    const told = [String(recording.impacts.length), largestText(recording), energyText(endEnergy(recording)), ""];
-    const changes = [countChange(recording, present), changeText(present, recording), energyChange(recording, present)];
-    const cells = told.map((text, k) => {
-      const cell = make("td", { textContent: text });
-      const change = letter && (isPresent ? changes[k] : "–");
-      const direction = make("span", { className: "wide", textContent: `${letter} → now ` });
-      if (change && k < changes.length) cell.append(make("small", { title: TO_PRESENT }, direction, change));
-      return cell;
-    });
-    if (letter) cells.at(-1).textContent = isPresent ? firstDifference(recording, present, letter) : "–";
-    return make("tr", {}, title, ...cells);
+    const told = [String(recording.impacts.length), largestText(recording), energyText(endEnergy(recording), written)];
+    const changes = [countChange(recording, present), changeText(present, recording), energyChange(recording, present, written)];
+    const changeOf = (text) => (!letter ? "" : isPresent ? text : "–");
+    const cells = told.map((text, k) => make("td", {}, text, make("small", { textContent: changeOf(changes[k]), title: TO_PRESENT })));
+    const { text = "–", title: place = "", change = [] } = letter && isPresent ? firstDifference(recording, present, letter) : {};
+    const ofImpact = [make("td", { textContent: letter ? text : "", title: place })];
+    ofImpact.push(...[0, 1].map((k) => make("td", { textContent: change[k] ?? "", title: TO_PRESENT })));
+    return make("tr", {}, title, ...cells, ...ofImpact);
   });
   return [make("thead", {}, head), make("tbody", {}, ...body)];
 }
@@ -64,25 +66,27 @@ function endEnergy({ energies: { total, ...parts } }) {
   return Math.abs(end) < ENERGY_ROUND_OFF * largest ? 0 : end;
 }
 
-function energyText(joules) {
-  return joules === undefined ? "–" : `${withMinus(digits(joules, 4))}\u202fJ`;
+/** Return an energy [J] as text; `written` is a function that writes values with as many decimals as the energies of the motions need. */
+function energyText(joules, written) {
+  return joules === undefined ? "–" : `${joules === 0 ? "0" : written(joules)}\u202fJ`;
 }
 
 /** Return the change of the energy at the end from one recording to another as text; "" if an energy is unknown. */
-function energyChange(from, to) {
+function energyChange(from, to, written) {
   const change = endEnergy(to) - endEnergy(from);
-  const text = change ? withMinus(digits(change, 2)) : ""; // no text for an unknown energy, which makes the change NaN
-  return text && `${change > 0 ? "+" : ""}${text}\u202fJ`;
+  if (Number.isNaN(change)) return "";
+  const text = written(change);
+  return /[1-9]/.test(text) ? `${change > 0 ? "+" : ""}${text}\u202fJ` : "0";
 }
 
-/** Return the change of the number of impacts from one recording to another as text; "" without a change. */
+/** Return the change of the number of impacts from one recording to another as text. */
 function countChange({ impacts: { length: from } }, { impacts: { length: to } }) {
-  return from === to ? "" : `${to > from ? "+" : "−"}${Math.abs(to - from)}`;
+  return from === to ? "0" : `${to > from ? "+" : "−"}${Math.abs(to - from)}`;
 }
 
 /**
- * Return words for the first impact that differs clearly (LEAST_DIFFERENCE) between a pinned recording with a `letter` and the present one,
- * or that only one of them has; "none" without one.
+ * Return {text, title, change} for the first impact that differs clearly (LEAST_DIFFERENCE) between a pinned recording with a `letter` and
+ * the present one, or that only one of them has: words, a tooltip, and the result of `differenceOf`. Without one, the text is "none".
  */
 function firstDifference(pinned, present, letter) {
   const isClear = ([now, then]) => {
@@ -93,13 +97,14 @@ function firstDifference(pinned, present, letter) {
     return Math.abs(gap) > LEAST_DIFFERENCE * since + SAME_TIME || isForceClear;
   };
   const row = alignedImpacts([present, pinned]).find(isClear);
-  if (!row) return "none";
+  if (!row) return { text: "none" };
   const [now, then] = row;
   const { number, onset } = now ?? then;
-  const place = placeText(now ?? then);
-  if (now && then) return `impact ${number}, ${place}: ${differenceOf(then, now)}`;
-  return now ? `impact ${number}, ${place} (${onset.toFixed(4)}\u202fs): not in ${letter}`
-    : `${letter}'s impact ${number}, ${place} (${onset.toFixed(4)}\u202fs): only in ${letter}`;
+  const title = capitalized(placeText(now ?? then));
+  if (now && then) return { text: `impact ${number}`, title, change: differenceOf(then, now) };
+  const text = now ? `impact ${number} (${onset.toFixed(4)}\u202fs): not in ${letter}`
+    : `${letter}'s impact ${number} (${onset.toFixed(4)}\u202fs): only in ${letter}`;
+  return { text, title };
 }
 
 /**
@@ -188,7 +193,7 @@ function cellOf(impact, present, isDoubtful, number) {
   const cell = make("td", { title, className: isDoubtful ? "doubtful" : "" });
   if (impact.number !== number) cell.append(make("small", { className: "own-number", textContent: `#${impact.number}` }), " ");
   cell.append(`${impact.onset.toFixed(4)}\u202fs`, make("small", { textContent: force }));
-  if (present) cell.append(make("small", { textContent: differenceOf(impact, present), title: `${title}. ${TO_PRESENT}` }));
+  if (present) cell.append(make("small", { textContent: `→ now ${differenceOf(impact, present).filter(Boolean).join(", ")}`, title: `${title}. ${TO_PRESENT}` }));
   return cell;
 }
 
@@ -198,11 +203,10 @@ function forceKeyOf(one, other) {
   return ["peak", "", "impulse"][hasNone];
 }
 
-/** Return words for the changes of time and of peak force (or impulse, if no peak is known) from an impact to its partner `present`. */
+/** Return the changes of time and of peak force (or impulse, if no peak is known) from an impact to its partner `present` as texts. */
 function differenceOf(impact, present) {
   const time = present.onset - impact.onset;
   const gap = Math.abs(time) < SAME_TIME ? `0\u202fs` : (time > 0 ? "+" : "") + withMinus(durationText(time));
   const key = forceKeyOf(impact, present);
-  const change = key && ratioText(present[key], impact[key]);
-  return `→ now ${[gap, change].filter(Boolean).join(", ")}`;
+  return [gap, key && ratioText(present[key], impact[key])];
 }

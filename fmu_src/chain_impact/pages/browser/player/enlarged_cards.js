@@ -50,7 +50,9 @@ export function enlargeable(cards) {
 function placeOf() {
   const parts = [find("stage"), ...document.querySelectorAll("aside, body > footer")];
   const [stage, column, footer] = parts.map((part) => part.getBoundingClientRect());
-  const bottom = column.bottom > stage.bottom && column.bottom < footer.top ? column.bottom : footer.top - AROUND_CARD;
+  const pins = find("pins")?.checkVisibility() ? find("pins").getBoundingClientRect().top : Infinity;
+  const isInColumn = column.bottom > stage.bottom && column.bottom < footer.top && pins > column.bottom;
+  const bottom = isInColumn ? column.bottom : Math.min(footer.top, pins > stage.bottom ? pins : Infinity) - AROUND_CARD;
   const below = Math.max(stage.bottom, 0) + AROUND_CARD;
   const isCovering = bottom - below < LEAST_BELOW;
   const [left, top, width] = isCovering ? [AROUND_CARD, AROUND_CARD, innerWidth - 2 * AROUND_CARD] : [stage.left, below, stage.width];
