@@ -456,7 +456,7 @@ def test_the_chart_of_a_force_has_the_number_of_its_peak(show, result):
             assert line is None or not box["x"] < line["x"] < box["x"] + box["width"]
 
 
-def test_a_contact_that_lasts_is_the_present_one_until_the_next_impact_and_after_it(show):
+def test_a_contact_that_lasts_is_the_present_one(show):
     """The card shows its force around the present time, with the force of the arrow in the drawing."""
     page = show("pinned_arm", {"initial.angle[1]": np.pi / 3})
     name, row = page.locator("#contact-name"), page.locator("#impacts [aria-current] td")

@@ -193,7 +193,8 @@ function cellOf(impact, present, isDoubtful, number) {
   const cell = make("td", { title, className: isDoubtful ? "doubtful" : "" });
   if (impact.number !== number) cell.append(make("small", { className: "own-number", textContent: `#${impact.number}` }), " ");
   cell.append(`${impact.onset.toFixed(4)}\u202fs`, make("small", { textContent: force }));
-  if (present) cell.append(make("small", { textContent: `→ now ${differenceOf(impact, present).filter(Boolean).join(", ")}`, title: `${title}. ${TO_PRESENT}` }));
+  const change = present && `→ now ${differenceOf(impact, present).filter(Boolean).join(", ")}`;
+  if (present) cell.append(make("small", { textContent: change, title: `${title}. ${TO_PRESENT}` }));
   return cell;
 }
 
