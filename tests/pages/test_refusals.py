@@ -17,7 +17,7 @@ import pytest
 
 from chain_impact import SceneError, load_scene, model_names
 from chain_impact.scene.files.models import scene_file_path
-from chain_impact.scene.rules.refusals import REFUSALS, SENTENCES, SIGNAL_REFUSALS
+from chain_impact.scene.rules.refusals import ENTRY_REFUSALS, REFUSALS, SENTENCES, SIGNAL_REFUSALS
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.simulation.kernels import kernel_for
 from chain_impact.variables.prepared import PreparedScene
@@ -66,7 +66,19 @@ def driven(base, quantity, **signal):
     return {"base": base, "inputs": {"base_motion": True}, "signals": {"s": {"input": quantity} | signal}}
 
 
+def wall(name, angle=0.0):
+    return {"name": name, "point": [0.0, -4.0], "angle": angle}
+
+
 RULED = {
+    "points": {"contact": {"points": [1, 1]}},
+    "out_of_reach": {
+        "base": "slider",
+        "contact": {"points": [0]},
+        "walls": [wall("end", 1.5), wall("side")],
+    },
+    "wall_name": {"walls": [wall("floor"), wall("floor")]},
+    "point_names": {"link": {"points": [{"x": 0.5, "y": 0.0, "name": "heel"}] * 2}},
     "velocity_pinned": {"base": "pinned", "initial": {"velocity": [0.0, 1.0]}},
     "velocity_slider": {"base": "slider", "initial": {"velocity": [1, 0]}},
     "no_slider": {"base": "free", "slider": {"mass": 1.0}},
@@ -99,7 +111,7 @@ RULED = {
 
 
 def test_each_rule_has_a_case():
-    assert set(RULED) == {rule.fault for rule in (*REFUSALS, *SIGNAL_REFUSALS)}
+    assert set(RULED) == {rule.fault for rule in (*ENTRY_REFUSALS, *REFUSALS, *SIGNAL_REFUSALS)}
 
 
 @pytest.mark.parametrize("fault", RULED)

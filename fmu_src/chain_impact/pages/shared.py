@@ -37,7 +37,14 @@ from chain_impact.scene.display import bodies
 from chain_impact.scene.keys import chain_tables
 from chain_impact.scene.keys.signal_tables import FORMS, NUMBERS, SHAPES
 from chain_impact.scene.keys.tables import STEP_ROUND_OFF
-from chain_impact.scene.rules.refusals import LAW_FACTS, REFUSALS, SENTENCES, SIGNAL_REFUSALS, RefusalRule
+from chain_impact.scene.rules.refusals import (
+    ENTRY_REFUSALS,
+    LAW_FACTS,
+    REFUSALS,
+    SENTENCES,
+    SIGNAL_REFUSALS,
+    RefusalRule,
+)
 from chain_impact.scene.rules.rule_language import tree
 from chain_impact.scene.signal_inputs import TARGET_RATE
 from chain_impact.scene.words import angles, names, similar_names, unit_text
@@ -97,6 +104,7 @@ def shared() -> dict[str, Any]:
         "refusals": SENTENCES,
         "refusalRules": {
             "FILE": [*map(_rule_data, REFUSALS)],
+            "ENTRY": [*map(_rule_data, ENTRY_REFUSALS)],
             "SIGNAL": [*map(_rule_data, SIGNAL_REFUSALS)],
         },
         "laws": {

@@ -5,8 +5,9 @@ The twin in JavaScript is pages/browser/scene/scene_file.js.
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -24,7 +25,7 @@ from chain_impact.scene.files.table_file import gap_hints
 from chain_impact.scene.kernel_view import chain_view
 from chain_impact.scene.keys.chain_tables import ChainTable
 from chain_impact.scene.keys.tables import Contact, Material, Stops
-from chain_impact.scene.rules.refusals import LAW_FACTS, REFUSALS
+from chain_impact.scene.rules.refusals import ENTRY_REFUSALS, LAW_FACTS, REFUSALS
 from chain_impact.scene.rules.rule_language import ValueOf, holds, member_lookups, number_in, value_at
 from chain_impact.scene.words.angles import radians_hint, turns_hint
 from chain_impact.scene.words.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
@@ -82,24 +83,52 @@ def check_masses(chain: ChainTable) -> None:
 def check_together(scene: Contents) -> None:
     """Refuse keys whose values are valid alone, but contradict each other, except signals and the start."""
     check_masses(scene.chain)
-    contact, movable = scene.contact, scene.chain.movable_points
-    for point in contact.points:
-        if point not in movable or contact.points.count(point) > 1:
-            words = {"first": movable[0], "last": movable[-1], "base": scene.chain.base}
-            raise refusal(("contact", "points"), "points", point=value_text(point), **words)
+    check_entry_rules(scene)
     check_refusal_rules(scene)
     check_moved_walls(scene)
-    check_reach(scene)
+
+
+def check_entry_rules(scene: Contents) -> None:
+    """Raise the error of the first rule of ``ENTRY_REFUSALS`` whose condition is true for an entry."""
+    movable, entries = scene.chain.movable_points, _entries(scene)
     stops = (*STOPS * bool(scene.chain.stops), *SLIDER_STOPS * (scene.chain.slider is not None))
-    for i, wall in enumerate(scene.walls):
-        others = (*WALLS, *stops, *(other.name for other in scene.walls[:i]))
-        if wall.name in others:
-            words = {"value": value_text(wall.name), "others": ", ".join(others)}
-            raise refusal(("walls", i, "name"), "wall_name", **words)
-    for i, link in enumerate(scene.chain.links):
-        names = [point.name for point in link.points if point.name]
-        if twice := [name for name in names if names.count(name) > 1]:
-            raise refusal(("chain", "links", i, "points"), "point_names", name=value_text(twice[0]))
+    facts = {"movable": movable, "walls": len(scene.walls), "reserved": (*WALLS, *stops)}
+    words = {"first": movable[0], "last": movable[-1], "base": scene.chain.base}
+    for rule in ENTRY_REFUSALS:
+        if "reached" in rule.condition:  # known only if the points are right, which an earlier rule checks
+            facts["reached"] = reached_walls(scene)
+        for path, entry, before in entries[rule.of]:
+            if holds(rule.condition, {**facts, "entry": entry, "before": before}.get):
+                others = ", ".join(map(str, (*WALLS, *stops, *before)))
+                raise refusal(path, rule.fault, value=value_text(entry), others=others, **words)
+
+
+def _entries(scene: Contents) -> dict[str, list[tuple[DataPath, Any, Sequence[Any]]]]:
+    """Return name of a list → for each entry its path in an error, the entry, and the entries before it."""
+    points, walls = scene.contact.points, [wall.name for wall in scene.walls]
+    labels = {
+        ("chain", "links", i, "points"): [point.name for point in link.points]
+        for i, link in enumerate(scene.chain.links)
+    }
+    return {
+        "contact.points": [(("contact", "points"), point, points[:k]) for k, point in enumerate(points)],
+        "walls.name": [(("walls", k, "name"), name, walls[:k]) for k, name in enumerate(walls)],
+        "chain.links.points.name": [
+            (path, name, names[:k]) for path, names in labels.items() for k, name in enumerate(names)
+        ],
+    }
+
+
+def reached_walls(scene: Contents) -> list[str]:
+    """Return a wall's name for each pair of a point and a wall that can touch, if the base is on a slider.
+
+    Only a wall that is parallel to the line of a slider may be out of reach; without a slider, the list is
+    empty.
+    """
+    if scene.chain.slider is None:
+        return []
+    pairs = itertools.product(scene.touching_points, scene.half_planes.items())
+    return [name for k, (name, plane) in pairs if not scene.keeps_distance(k, plane)]
 
 
 def check_refusal_rules(scene: Contents) -> None:
@@ -152,25 +181,6 @@ def _law_values(
     known = {"friction": friction, "static_friction": static_friction, "exponent": exponent}
     known |= {f"law.{key}": getattr(law, key, None) for key in LAW_FACTS}
     return known | {"restitution": table.restitution}
-
-
-def check_reach(scene: Contents) -> None:
-    """Refuse an entry of ``walls`` that no point can reach, if the kernel's record has no room for it.
-
-    The record has room for as many entries of ``walls`` as there are pairs of a point and a wall, of
-    ``walls`` or of the box, that can touch. A wall is out of reach only if it is parallel to the line of a
-    slider, and all points that may touch are at the base.
-    """
-    if scene.chain.slider is None or not scene.may_touch:
-        return
-    points, planes = scene.touching_points, scene.half_planes
-    out_of_reach = [
-        wall.name for wall in scene.walls if all(scene.keeps_distance(k, planes[wall.name]) for k in points)
-    ]
-    pairs = sum(not scene.keeps_distance(k, plane) for k in points for plane in planes.values())
-    if out_of_reach and len(scene.walls) > pairs:
-        i = [wall.name for wall in scene.walls].index(out_of_reach[0])
-        raise refusal(("walls", i, "name"), "out_of_reach", value=value_text(out_of_reach[0]))
 
 
 def check_moved_walls(scene: Contents) -> None:

@@ -40,9 +40,9 @@ SENTENCES = {
     "law_exponent": "= {value} must be {least} for the contact model {law}",
     "rigid_friction": "= {value} must be 0 for the contact model {law}: "
     f"{WITHOUT_FRICTION}; choose a law with a force",
-    "points": "holds {point}, must hold only {first} to {last} with a {base} base, each at most once; "
+    "points": "holds {value}, must hold only {first} to {last} with a {base} base, each at most once; "
     "points of chain.links[].points always touch",
-    "point_names": "has two points with the name {name}",
+    "point_names": "has two points with the name {value}",
     "no_stops": "= {value} must be left out: no link has a joint_min or joint_max",
     "no_joint": "= {value} must be left out: a free base has no joint 1"
     "; if link 1 comes from a `count`, write it as an entry of its own",
@@ -162,6 +162,22 @@ REFUSALS = (
     ),
 )
 """Rules of a file, in the order in which they are checked."""
+ENTRY_REFUSALS = (
+    RefusalRule("points", "", "not (entry in movable) or entry in before", of="contact.points"),
+    RefusalRule(
+        "out_of_reach", "", "reached and walls > reached and not (entry in reached)", of="walls.name"
+    ),
+    RefusalRule("wall_name", "", "entry in reserved or entry in before", of="walls.name"),
+    RefusalRule("point_names", "", "entry and entry in before", of="chain.links.points.name"),
+)
+"""Rules for each entry of a list, in the order in which they are checked before ``REFUSALS``.
+
+``of`` is the list; the key is "", because the path of the list or of the entry is that of the error. The
+names in the rules are these facts. ``entry``: the value of the entry; ``before``: the entries before it in
+the list; ``movable``: the points that can move; ``walls``: the number of entries of ``walls``; ``reached``: a
+wall's name for each pair of a point and a wall that can touch, of which the kernel's record has room for as
+many entries of ``walls``; ``reserved``: the names that no entry of ``walls`` may have.
+"""
 LAW_FACTS = ("id", "allows_zero", "exponent", "impulsive")
 """The properties of a contact law that rules may name."""
 SIGNAL_REFUSALS = (

@@ -59,6 +59,24 @@ export function keepFileRules(file, { textAt = pathText, rules = SHARED.refusalR
   }
 }
 
+/** Refuse the first entry of a list of a scene file that a rule of ENTRY_REFUSALS in refusals.py forbids; `facts`: those of the scene. */
+export function keepEntryRules({ chain: { base, links }, contact: { points = [] }, walls }, facts, textAt) {
+  const entries = (values, pathOf) => values.map((entry, k) => ({ path: pathOf(k), known: { entry, before: values.slice(0, k) } }));
+  const lists = {
+    "contact.points": entries(points, () => ["contact", "points"]),
+    "walls.name": entries(walls.map(({ name }) => name), (k) => ["walls", k, "name"]),
+    "chain.links.points.name": links.flatMap((link, i) =>
+      entries(link.points.map(({ name }) => name), () => ["chain", "links", i, "points"])),
+  };
+  const words = { base, first: facts.movable[0], last: facts.movable.at(-1) };
+  for (const { fault, condition, of } of SHARED.refusalRules.ENTRY) {
+    const wrong = lists[of].find(({ known }) => holds(condition, (name) => known[name] ?? facts[name]));
+    if (!wrong) continue;
+    const { path, known: { entry, before } } = wrong;
+    refuse(textAt(path), fault, { ...words, value: shown(entry), others: [...facts.reserved, ...before].join(", ") });
+  }
+}
+
 /** Return for each table of a contact law its path, and a function from a key to the table's value, or to a property of its law (law.…). */
 function tablesOfLaws({ chain, contact, stops }, valueAt) {
   const hasStops = chain.links.some(({ joint_min: least, joint_max: most }) => least !== undefined || most !== undefined);

@@ -6,7 +6,7 @@ import { unitText } from "../base/format.js";
 import { pathText } from "../base/paths.js";
 import { inRadians, orDegrees } from "./angles.js";
 import { BOX_WALLS, cornerOf, CORNERS, normalOf, SLIDER_STOPS, STOPS } from "./geometry.js";
-import { keepFileRules, refuse, refuseWall, shown } from "./refusals.js";
+import { keepEntryRules, keepFileRules, refuse, refuseWall, shown } from "./refusals.js";
 import { completeSignals, signalsAsWritten } from "./signals.js";
 
 const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
@@ -276,36 +276,18 @@ function checkMaterials(file) {
 /** Refuse contents that break a rule between several values, as Python does; sort the points of contact.points. */
 function checkContents(file, textAt) {
   const { contact, inputs, chain, walls } = file;
-  const movable = movablePoints(file);
   contact.points?.sort((a, b) => a - b); // sorted, because the order of points has no meaning
-  const point = contact.points?.find((number, k) => !movable.includes(number) || contact.points.indexOf(number) !== k);
-  if (point !== undefined) refuse("contact.points", "points", { point, first: movable[0], last: movable.at(-1), base: chain.base });
+  keepEntryRules(file, {
+    movable: movablePoints(file),
+    walls: walls.length,
+    reserved: [...BOX_WALLS, ...(stopsOf(file).length ? STOPS : []), ...(chain.slider ? Object.keys(SLIDER_STOPS) : [])],
+    get reached() { // known only if the points are right, which an earlier rule checks
+      return chain.slider ? pairsOf(file).map(([, name]) => name) : [];
+    },
+  }, textAt);
   keepFileRules(file, { textAt });
   const existingWalls = wallsOf(file);
   inputs.wall_motion.forEach((name, k) => {
     if (name !== "*" && !existingWalls.includes(name)) refuseWall(`inputs.wall_motion[${k + 1}]`, existingWalls, `= ${shown(name)} `);
   });
-  checkReach(file);
-  const stops = [...(stopsOf(file).length ? STOPS : []), ...(chain.slider ? Object.keys(SLIDER_STOPS) : [])];
-  walls.forEach(({ name }, k) => {
-    const others = [...BOX_WALLS, ...stops, ...walls.slice(0, k).map((wall) => wall.name)];
-    if (others.includes(name)) refuse(`walls[${k + 1}].name`, "wall_name", { value: shown(name), others: others.join(", ") });
-  });
-  chain.links.forEach(({ points }, i) => {
-    const names = points.map(({ name }) => name);
-    const twice = names.find((name, k) => name && names.indexOf(name, k + 1) > k);
-    if (twice) refuse(textAt(["chain", "links", i, "points"]), "point_names", { name: shown(twice) });
-  });
-}
-
-/**
- * Refuse a wall in [[walls]] that no point can touch, if the record has no room for all walls in [[walls]]: it has room for as many walls
- * as there are pairs of a point and a wall that can touch. If there is no such pair, refuse nothing.
- */
-function checkReach(file) {
-  const { walls } = file;
-  const reached = pairsOf(file).map(([, name]) => name);
-  if (!reached.length || walls.length <= reached.length) return;
-  const k = walls.findIndex(({ name }) => !reached.includes(name));
-  refuse(`walls[${k + 1}].name`, "out_of_reach", { value: shown(walls[k].name) });
 }
