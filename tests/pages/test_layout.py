@@ -93,6 +93,17 @@ def test_the_labels_of_sliders_have_one_line_on_a_desk(show):
     assert [label for label in heights if label[1] > 1.5 * heights[0][1]] == []
 
 
+def test_a_large_screen_leaves_no_card_empty_and_no_unit_alone(show):
+    page = show("controlled_arm", viewport={"width": 1920, "height": 1080})
+    until(page, "document.querySelector('#energies dd')")
+    card, legend = (page.locator(name).bounding_box() for name in ("#energy-card", "#energies"))
+    assert card["y"] + card["height"] - legend["y"] - legend["height"] < 20.0
+    heights = page.locator(".main-parameter-label, .parameter small").evaluate_all(
+        "all => all.map(({ offsetHeight }) => offsetHeight)"
+    )
+    assert max(heights) < 28
+
+
 @pytest.mark.parametrize(("size", "is_open"), [((1920, 1080), True), ((1366, 768), False)])
 def test_all_parameters_are_shown_at_once_where_they_have_room(show, size, is_open):
     page = show(viewport=dict(zip(("width", "height"), size, strict=True)))

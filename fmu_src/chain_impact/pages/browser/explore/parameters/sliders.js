@@ -41,7 +41,8 @@ function labelOf(changes, entry) {
   const [words, element] = [make("span"), make("small")];
   const label = make("label", { className: "main-parameter-label", title: name }, words);
   const { items } = changes.parameters.get(name);
-  if (shown().text || items.length) label.append(" ", element);
+  // a short unit stands in the line of the last word
+  if (shown().text || items.length) label.append(!items.length && shown().text.length < 3 ? "\u00a0" : " ", element);
   const relabel = () => {
     words.textContent = (entry.short ?? entry.label).replace(/ (?=\d)/g, "\u00a0"); // the line is not broken before a number
     element.textContent = items.length ? items[changes.valueOf(name) - 1][0] : shown().text; // a choice has its name in scene files
