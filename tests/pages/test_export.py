@@ -16,6 +16,8 @@ from PIL import Image
 from chain_impact import cli, load_scene, simulate
 from tests.pages.in_pages import (
     LOCAL_LINK,
+    MAP,
+    draw_map,
     enter,
     go_to,
     impacts_of,
@@ -122,6 +124,25 @@ def test_a_link_and_a_saved_page_bring_back_pins_and_time(show, open_page, tmp_p
     until(other, "location.hash.startsWith('#pins=A~contact.restitution%3D0.4&')")
     press(other, "Home")
     until(other, "!location.hash.includes('time')")
+
+
+def test_a_saved_page_has_the_runs_of_its_map(show, open_page, tmp_path):
+    page = show("rod_drop", MAP)
+    page.get_by_role("button", name="Map…").click()
+    draw_map(page)
+    parts = ("#map-text", "#map-scales", "#map-y-unit")
+    seen = [page.text_content(part) for part in parts]
+    page.keyboard.press("Escape")
+    page.get_by_role("button", name="Export…").click()
+    copy = tmp_path / "copy.html"
+    copy.write_bytes(saved(page, "This page").read_bytes())
+    alone = open_page(copy.as_uri())
+    alone.evaluate("void (window.begun.startEngine = () => { throw new Error('the map simulates again'); })")
+    alone.get_by_role("button", name="Map…").click()
+    assert [alone.text_content(part) for part in parts] == seen
+    alone.locator("#map-output").select_option("impact.count")
+    alone.locator("#map-canvas").press("ArrowRight")
+    assert "Number of impacts = " in alone.text_content("#map-text")
 
 
 def test_a_long_link_and_pins_of_another_scene_are_told(show):

@@ -4,6 +4,7 @@
 # Tests: pages/browser/explore/map/map_rows.js, pages/browser/explore/map/map_outputs.js
 # Tests: pages/browser/explore/map/map_files.js, pages/browser/explore/map/ranking.js
 # Tests: pages/browser/explore/map/map_contour.js, pages/browser/explore/map/map_limit.js
+# Tests: pages/browser/explore/map/map_text.js
 
 import io
 import math
@@ -186,8 +187,13 @@ def share_by_step(ranking, *, exactly=False):
 def test_a_ranking_has_the_effects_of_the_ranking_of_a_result(show):
     page = show()
     page.get_by_role("button", name="Map…").click()
-    page.get_by_role("button", name="What drives it?").click()
+    page.get_by_role("tab", name="Effects").click()
     page.locator("#map-ranking-text").get_by_text("Largest force at a wall = 19.10\u202fkN.").wait_for()
+    assert page.inner_text("#map-title") == "Effects of single parameters"
+    fields = page.locator("#map :is(select, input, button):visible").evaluate_all(
+        "all => all.map((one) => one.id)"
+    )
+    assert not {"map-x-name", "map-scale", "map-limit", "map-run"} & {*fields}, "nothing is shown in vain"
     told = page.evaluate(RANKED)
     result = simulate("four_link_box", sensitivities=["*"])
     ranking = result.ranking("peak_force")
@@ -226,12 +232,14 @@ def test_a_ranking_has_the_effects_of_the_ranking_of_a_result(show):
     assert page.locator("#map-x-name").input_value() == deeper[0]
     assert page.locator("#map-canvas").is_visible()
     assert not page.locator("#map-ranking").is_visible()
+    page.get_by_role("tab", name="Map").press("ArrowRight")
+    page.get_by_role("tab", name="Effects", selected=True).wait_for()
 
 
 def test_a_ranking_of_a_count_has_whole_numbers(show):
     page = show("kneed_leg")
     page.get_by_role("button", name="Map…").click()
-    page.get_by_role("button", name="What drives it?").click()
+    page.get_by_role("tab", name="Effects").click()
     page.locator("#map-ranking-text").get_by_text("Number of impacts = 1. ").wait_for()
     changes = page.locator(".effect > :nth-child(4)").all_inner_texts()
     assert changes
@@ -241,12 +249,12 @@ def test_a_ranking_of_a_count_has_whole_numbers(show):
 def test_a_ranking_of_impulses_knows_numbers_but_no_force(show):
     page = show("bouncing_table", {"simulation.stop_time": 0.5})
     page.get_by_role("button", name="Map…").click()
-    page.get_by_role("button", name="What drives it?").click()
+    page.get_by_role("tab", name="Effects").click()
     page.locator("#map-ranking-text").get_by_text("Number of impacts = 5.").wait_for()
     page.locator("#map-output").select_option("peak_force")
     page.locator("#map-ranking-text").get_by_text("Largest force at a wall is not known").wait_for()
     assert page.evaluate(RANKED) == []
-    assert page.locator("#map-canvas").is_visible(), "the map stays where there is no list"
+    assert page.locator("#map-canvas").is_hidden(), "the map has a tab of its own"
 
 
 def test_a_map_of_rigid_stops_counts_impacts_and_has_no_force_of_0(show):
@@ -306,7 +314,7 @@ def test_a_closed_map_stops_and_a_new_one_replaces_an_incomplete_one(show):
     page.evaluate("chainImpact.show({ 'simulation.stop_time': 0.2 })")
     page.get_by_role("button", name="Map…").click()
     for output in ("impact.last_time", "impact.count"):
-        page.get_by_label("Colour").select_option(output)
+        page.get_by_label("Output", exact=True).select_option(output)
         page.get_by_role("button", name="Simulate 41 × 41 runs").click()
     page.locator("#map-text").get_by_text("1681 runs in").wait_for()
     page.locator("#map-canvas").hover()

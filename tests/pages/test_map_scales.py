@@ -122,7 +122,8 @@ def test_a_map_tells_numbers_of_runs_the_present_run_and_the_pointers(show):
     page.locator("#map-text").get_by_text("The ring is the present run.").wait_for()
     shown = {float(text) for text in page.locator(".map-value").all_text_contents()}
     low, high = (float(page.locator(f"#map-y-{end}").input_value()) for end in ("from", "to"))
-    second = {"contact.restitution": 0.05, "initial.angle[1]": np.deg2rad(low + (high - low) / 8)}
+    left = float(page.locator("#map-x-from").input_value())
+    second = {"contact.restitution": left, "initial.angle[1]": np.deg2rad(low + (high - low) / 8)}
     corner = simulate(load_scene("rod_drop").with_values(MAP | second)).impacts["peak_force"].max() / 1e3
     assert min(abs(value / corner - 1.0) for value in shown) < 5e-3, "a run at the left is told"
     present = simulate(load_scene("rod_drop").with_values(MAP)).impacts["peak_force"].max()
@@ -149,6 +150,10 @@ def test_the_first_map_and_its_colours_contain_the_present_run(show):
         count = len(simulate(model).impacts)
         assert page.text_content(".map-value.of-present") == str(count)
         if model == "bouncing_ball":
+            page.locator("#map-x-from").fill("0.05")
+            page.locator("#map-x-from").press("Tab")
+            page.locator("#map-scales").get_by_text("0.2", exact=True).wait_for()
+            page.locator("#map-text").get_by_text("The ring is the present run.").wait_for()
             assert page.locator(".of-present").get_attribute("fill") == "#ffffff", (
                 "runs with few impacts are dark"
             )
@@ -170,8 +175,10 @@ def test_the_colours_of_crowded_values_have_equally_many_runs(script):
     assert (shares[0], shares[-1]) == (0.0, 1.0)
     assert shares[50] == pytest.approx(0.5, abs=0.03)
     assert len(knots) == 9
-    usual = script.evaluate("(all) => all.map(colourScale(all, false).shareOf)", values)
-    assert np.ptp(np.diff(usual) / np.diff(values)) < 1e-9, "the usual scale is linear"
+    usual = "(all) => all.map(colourScale(all, false).shareOf)"
+    assert script.evaluate(usual, values) == shares, "crowded values take such colours by themselves"
+    even = [1 + 0.01 * k for k in range(100)]
+    assert np.ptp(np.diff(script.evaluate(usual, even)) / np.diff(even)) < 1e-9, "others are linear"
 
 
 def test_the_line_of_a_limit_goes_along_cells(script):

@@ -286,7 +286,7 @@ def test_a_finger_reads_a_run_of_a_map_and_then_opens_it(show):
     assert page.locator("#map").is_visible()
     page.locator("#map-canvas").tap()
     page.locator("#map").wait_for(state="hidden")
-    assert page.evaluate("chainImpact.parameters['contact.restitution']") == "0.5"
+    assert page.evaluate("chainImpact.parameters['contact.restitution']") == "0.675", "the middle of the map"
 
 
 @pytest.mark.parametrize("size", [(1100, 640), (900, 640), (1366, 640), (1000, 1000)])

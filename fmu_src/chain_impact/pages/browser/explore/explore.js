@@ -119,14 +119,17 @@ choice.onChange(() => {
   simulation.soon();
 });
 
+let map; // made when the reader opens it; it has engines of its own, so that it does not delay the motion
 const ask = (...request) => simulation.engine.ask(...request);
 window.chainImpact = consoleInterface(changes, ask);
-connectExport(changes, { keys: kit.keys, ask, address, openScene, faultOf: (...end) => simulation.faultOf(...end) });
-// a map has engines of its own, so that it does not delay the motion
+connectExport(changes, { keys: kit.keys, ask, address, openScene, mapNow: () => map, faultOf: (...end) => simulation.faultOf(...end) });
 find("map-open").addEventListener("click", () => {
-  new GridMap(beginEngine, changes).open();
-  fillMap();
-}, { once: true });
+  if (!map) {
+    map = new GridMap(beginEngine, changes);
+    fillMap(map);
+  }
+  map.open();
+});
 find("reset-all").addEventListener("click", () => (changes.count ? changes.replace({}, {}) : openScene.undoEdits()));
 find("pin").addEventListener("click", () => player.recording && comparedMotions.pin());
 find("by-hand").addEventListener("click", ({ detail }) => {

@@ -13,9 +13,9 @@ const LONG_ADDRESS = 2000; // number of characters from which on some programs c
  *
  * @param keys the rules of the keys of a scene file. @param ask the function that sends a request to the worker. @param address the address
  * of the page, with the changes. @param openScene the open scene; the command names its file, unless it is the page's own scene. @param
- * faultOf function that returns a sentence on the fault of a run.
+ * mapNow function that returns the map, once it is made. @param faultOf function that returns a sentence on the fault of a run.
  */
-export function connectExport(changes, { keys, ask, address, openScene, faultOf }) {
+export function connectExport(changes, { keys, ask, address, openScene, mapNow, faultOf }) {
   find("export-open").addEventListener("click", async () => {
     find("command").value = commandOf(changes);
     find("export").showModal();
@@ -54,7 +54,7 @@ export function connectExport(changes, { keys, ask, address, openScene, faultOf 
     return "";
   });
   connectFile("save-page", async () => {
-    savePage(new URL(address.text).hash, `${changes.scene.name}.html`);
+    savePage(new URL(address.text).hash, `${changes.scene.name}.html`, mapNow());
     return "";
   });
   connectFile("png", async () => {

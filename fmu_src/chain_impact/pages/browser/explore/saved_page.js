@@ -7,14 +7,14 @@ const ID = "saved"; // the element of a saved page that has its state
 const SOURCE = document.documentElement.cloneNode(true); // the page before its program changes it
 SOURCE.querySelectorAll(":scope > iframe").forEach((frame) => frame.remove()); // of begin.js
 
-/** Return the state with which the page was saved: `hash`, the end of its address, and `map`, the result of `mapFields`. */
+/** Return the state with which the page was saved: `hash`, the end of its address, and `map`, the result of `stateOf`. */
 export function savedState() {
   return JSON.parse(find(ID)?.textContent ?? "{}");
 }
 
-/** Save the page as one file with a `name`; `hash`: the end of its present address, from the "#" on. */
-export function savePage(hash, name) {
-  const textContent = JSON.stringify({ hash, map: mapFields() }).replaceAll("<", "\\u003c");
+/** Save the page as one file with a `name`; `hash`: the end of its present address, from the "#" on; `map`: the map, once it is made. */
+export function savePage(hash, name, map) {
+  const textContent = JSON.stringify({ hash, map: map ? stateOf(map) : savedState().map }).replaceAll("<", "\\u003c");
   SOURCE.querySelector(`#${ID}`)?.remove();
   SOURCE.querySelector("body").append(make("script", { id: ID, type: "application/json", textContent }));
   save(new Blob([`<!doctype html>\n${SOURCE.outerHTML}`], { type: "text/html" }), name);
@@ -22,21 +22,19 @@ export function savePage(hash, name) {
 
 const partOf = ({ type }) => (type === "checkbox" ? "checked" : "value");
 
-/** Return the fields of the map, pairs [id, value], and whether it has all its runs; undefined before the reader has opened the map. */
-function mapFields() {
-  if (!find("map-x-name").options.length) return undefined;
+/** Return the file of the map's scene, the fields of the map, pairs [id, value], and the runs of a map that is no preview. */
+function stateOf(map) {
   const fields = [...find("map").querySelectorAll(":is(select, input)[id]")].map((field) => [field.id, field[partOf(field)]]);
-  return { fields, isComplete: !find("map-files").hidden };
+  return { file: map.changes.scene.file, fields, shown: map.saved };
 }
 
-/** Fill the fields of the map as they were when the page was saved, and simulate its runs again. */
-export function fillMap() {
-  const { map } = savedState();
-  if (!map) return;
-  const write = () => map.fields.forEach(([id, value]) => find(id) && Object.assign(find(id), { [partOf(find(id))]: value }));
+/** Fill the fields of the map as they were when the page was saved, and show the saved runs or, without them, a preview. */
+export function fillMap(map) {
+  const saved = savedState().map;
+  if (!saved || JSON.stringify(saved.file) !== JSON.stringify(map.changes.scene.file)) return; // the reader has opened another scene
+  const write = () => saved.fields.forEach(([id, value]) => find(id) && Object.assign(find(id), { [partOf(find(id))]: value }));
   write();
+  if (saved.shown) return map.restore(saved.shown);
   ["map-x-name", "map-y-name"].forEach((id) => find(id).dispatchEvent(new Event("change"))); // which chooses other ranges
   write();
-  if (map.isComplete) find("map-run").click();
-  else find("map-x-from").dispatchEvent(new Event("change"));
 }

@@ -1,23 +1,20 @@
 // The map: an output at the end of each run, shown as a colour over a grid of the values of two parameters.
 
 import { find } from "../../base/dom.js";
-import { numberText, readable, textWithUnit } from "../../base/format.js";
-import { lawText } from "../../scene/words.js";
+import { numberText, readable } from "../../base/format.js";
 import { presentlyShown } from "../parameters/parameter_fields.js";
 import { mainParametersOf, withControls, wordsFor } from "../parameters/main_parameters.js";
 import { colourScale } from "./map_colours.js";
 import { MapDrawing } from "./map_drawing.js";
 import { connectFiles } from "./map_files.js";
-import { limitIn, withinText } from "./map_limit.js";
-import { failureOf, mainOutput, outputIn, outputsOf, presentOutputs, runIn, takeOutput, wordsOfRun } from "./map_outputs.js";
-import { completed, hasAreaOf, rowOrder, valuesAt } from "./map_rows.js";
-import { areaOf, axisScale, isLogarithmic, limitOf, quantityOf, rangeOf, refused, scaledTo, titleOf } from "./map_scales.js";
+import { limitIn } from "./map_limit.js";
+import { mainOutput, outputIn, outputsOf, presentOutputs, runIn, takeOutput, wordsOfRun } from "./map_outputs.js";
+import { completed, hasAreaOf, packedMap, rowOrder, unpackedMap, valuesAt } from "./map_rows.js";
+import { areaOf, axisScale, isLogarithmic, limitOf, quantityOf, rangeOf, refused, titleOf } from "./map_scales.js";
+import { doneText, POINTS, runText } from "./map_text.js";
 import { Ranking } from "./ranking.js";
 
-const POINTS = 41; // number of values of each parameter in the map
 const COARSE_POINTS = 9; // number of values of each parameter in the preview
-const BY_FINGER = "Tap a run to read it, and once more to open it.";
-const BY_MOUSE = "Point at a run to read it, and click to open it; or use the arrow keys and Enter.";
 const WORKERS = 8; // largest number of workers that compute a map
 
 export class GridMap {
@@ -37,7 +34,6 @@ export class GridMap {
     this.inputs = ["x", "y"].map((axis) => ["name", "from", "to"].map((part) => find(`map-${axis}-${part}`)));
     [this.output, this.scaleKind, this.limitField] = ["map-output", "map-scale", "map-limit"].map(find);
     this.inputs.forEach(([name], k) => name.addEventListener("change", () => this.#range(k)));
-    find("map-open").addEventListener("click", () => this.open());
     this.#fill();
     changes.onOpen(() => this.#fill());
     find("map-run").addEventListener("click", () => (this.#isRunning ? this.#stop() : this.run()));
@@ -137,12 +133,31 @@ export class GridMap {
     this.output.value = mainOutput(this.changes, outputs).name;
   }
 
+  /** Return the map with all its points as data of a saved page; undefined for any other map. */
+  get saved() {
+    return this.shown?.points === POINTS ? packedMap(this.shown) : undefined;
+  }
+
+  /** Show the map of a saved page, of which the fields tell the axes, without simulating its runs. */
+  restore(saved) {
+    this.shown = unpackedMap(saved);
+    this.inputs.forEach((_, k) => this.#tellUnit(k));
+    Object.assign(this.canvas, { width: 2 * (POINTS - 1), height: 2 * (POINTS - 1) });
+    this.#draw();
+  }
+
+  /** Tell the unit of an axis; return the factor from the SI unit to it. */
+  #tellUnit(k) {
+    const { factor, text } = presentlyShown(this.changes, this.inputs[k][0].value);
+    find(`map-${"xy"[k]}-unit`).textContent = text;
+    return factor;
+  }
+
   #range(k) {
     const [name, from, to] = this.inputs[k];
     const parameter = this.changes.parameters.get(name.value);
     const range = rangeOf(parameter, this.changes.valueOf(name.value));
-    const { factor, text } = presentlyShown(this.changes, name.value);
-    find(`map-${"xy"[k]}-unit`).textContent = text;
+    const factor = this.#tellUnit(k);
     [from, to].forEach((field, end) => {
       const round = Number((factor * range[end]).toPrecision(2));
       const isAllowed = round >= factor * parameter.low && round <= factor * parameter.high;
@@ -189,19 +204,8 @@ export class GridMap {
   #tell() {
     const { shown } = this;
     if (this.#refuses || shown.seconds === undefined) return;
-    const { points, rows, faults, results, seconds } = shown;
-    const grey = faults.size ? "; grey runs fail" : !results.includes(null) ? ""
-      : `; grey runs have ${shown.output.rigid ? "only impulses" : "no such impact"}`;
-    const summary = points === POINTS
-      ? `${points * points} runs in ${seconds.toPrecision(2)} s${grey}.`
-      : `A preview of ${points}\u00a0×\u00a0${points} runs. Press Simulate for ${POINTS}\u00a0×\u00a0${POINTS}.`;
-    const ring = this.#hasRing ? " The ring is the present run." : "";
-    const inputs = Object.keys(this.changes.inputSteps).length ? " Inputs keep their start values." : "";
-    const others = Object.keys(this.changes.inputSteps).length || this.#isOfPresent() ? ring : " Other parameters have changed since then.";
-    const within = withinText(this.limitField, shown);
-    const done = `${summary}${within}${inputs}${others} ${matchMedia("(hover: none)").matches ? BY_FINGER : BY_MOUSE}`;
-    const stopped = `Stopped after ${rows} of ${points} rows. A pale run is not simulated: it has the colour of the nearest run.`;
-    this.#say(shown.fault || (rows === points ? failureOf(shown) || done : stopped));
+    const hasSteps = Object.keys(this.changes.inputSteps).length > 0;
+    this.#say(doneText(shown, this.limitField, { hasRing: this.#hasRing, hasSteps, isOfPresent: this.#isOfPresent() }));
   }
 
   /** Show the same runs with the chosen output as their colour. */
@@ -362,15 +366,7 @@ export class GridMap {
 
   #describe(index) {
     if (this.shown?.results[index] === undefined) return;
-    const { faults, output, scale, results: { [index]: value } } = this.shown;
-    const at = valuesAt(this.shown, index);
-    const shownOf = (name) => presentlyShown(this.changes, name, { ...this.shown.values, ...at });
-    const textOf = ([name, given]) => `${this.wordsOf(name)} = ${textWithUnit(given, shownOf(name))}`;
-    const unknown = output.rigid ? `only impulses with ${lawText(output.rigid)}` : "no such impact";
-    const reason = faults.has(index) ? `the run fails: ${faults.get(index)}` : unknown;
-    const number = textWithUnit(value, scaledTo(output, scale));
-    const told = value === null ? reason : `${quantityOf(output.name)} = ${output.places?.[value] ?? number}`;
-    this.#say(`${Object.entries(at).map(textOf).join(", ")}: ${told}`);
+    this.#say(runText(this.shown, index, this.changes, this.wordsOf));
   }
 
   /** Open a run, that is take over its values; a finger's first touch of a run only shows the values. */

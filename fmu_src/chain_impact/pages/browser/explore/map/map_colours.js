@@ -16,6 +16,8 @@ const { QUANTILE_MARGIN, LARGE_QUANTILE, MOST_COLOURS, WIDE_COLOURS } = SHARED.m
 
 const [KNOTS, LEAST_KNOTS] = [9, 4]; // number of values between which colours have equally many runs, and the least number of them
 
+const [MOST_RUNS, CROWDED] = [0.75, 1 / 3]; // see `areCrowded`, which only the page uses
+
 /** Return the colour for a fraction of the scale, limited to 0 to 1, as [red, green, blue], each from 0 to 255. */
 export function colourAt(share) {
   const position = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1);
@@ -74,6 +76,12 @@ function shareBetween(knots) {
   };
 }
 
+/** Return whether most (MOST_RUNS) of the increasing `values` lie in a part (CROWDED) of the scale of colours at one of its ends. */
+function areCrowded(values, shareOf) {
+  const [low, high] = [1 - MOST_RUNS, MOST_RUNS].map((share) => shareOf(values[Math.round(share * (values.length - 1))]));
+  return high < CROWDED || low > 1 - CROWDED;
+}
+
 /** Return the limits of at most MOST_COLOURS colours for counts from `least` to `most`: one limit more than colours, 0.5 below counts. */
 function countBins(least, most) {
   const numbersOf = (size) => [least, most].map((value) => Math.floor(value / size));
@@ -88,7 +96,8 @@ function countBins(least, most) {
  * Return the scale of the colours for the outputs of a map; null without finite outputs. It has the `extremes` of the outputs, the values
  * at the `ends` of the colours, `shareOf`, a function from a value to a fraction of the scale, and either `bins` (for different counts: the
  * limits of the colours) or `isLogarithmic`. The `asked` scale is "linear", "logarithmic", "equal" (with `knots`: values between which
- * about equally many runs lie) or "": linear or, for a wide range, logarithmic. Only positive outputs have a logarithmic scale.
+ * about equally many runs lie) or "": linear or, for a wide range, logarithmic; if most runs would then look alike (`areCrowded`), equal.
+ * Only positive outputs have a logarithmic scale.
  */
 export function colourScale(outputs, areCounts, asked = "") {
   const values = outputs.filter(Number.isFinite).sort((a, b) => a - b);
@@ -103,6 +112,8 @@ export function colourScale(outputs, areCounts, asked = "") {
   const isWide = asked === "logarithmic" || (asked === "" && extremes[1] / extremes[0] >= WIDE_COLOURS);
   const isLogarithmic = extremes[0] > 0 && isWide;
   const ends = colourEnds(values, isLogarithmic);
-  const knots = asked === "equal" ? knotsOf(values, ends) : undefined;
-  return { extremes, ends, isLogarithmic, knots, shareOf: knots ? shareBetween(knots) : axisScale(...ends, isLogarithmic).shareOf };
+  const { shareOf } = axisScale(...ends, isLogarithmic);
+  const isEqual = asked === "equal" || (asked === "" && areCrowded(values, shareOf));
+  const knots = isEqual ? knotsOf(values, ends) : undefined;
+  return { extremes, ends, isLogarithmic: isLogarithmic && !knots, knots, shareOf: knots ? shareBetween(knots) : shareOf };
 }

@@ -7,7 +7,7 @@ import { contourOf } from "./map_contour.js";
 import { markRuns } from "./map_marks.js";
 import { axisScale, decadesBetween, quantityOf, scaledTo, titleOf } from "./map_scales.js";
 
-const DIGIT = 7; // [pixels] width of a digit of the numbers at the scale of the colours
+const DIGIT = 7.6; // [pixels] width of a digit of the numbers at the scale of the colours
 const GAP = 8; // [pixels] least distance between two numbers at the scale of the colours
 const LINE = 13; // [pixels] distance of two lines of the title of the colours
 const PENDING_OPACITY = 150; // opacity (0 to 255) of runs that are not simulated yet, whose outputs are those of near runs
@@ -160,7 +160,7 @@ export class MapDrawing {
     labels.filter((_, k) => k % every === 0).forEach(([label, share]) => {
       const at = left + width * share;
       if (!scale.bins) this.scales.line([[at, top + 1], [at, top + 5]]).addClass("map-tick");
-      this.#write(label, at, top + 17, "middle");
+      this.#write(label, Math.min(at, this.frame.clientWidth - (label.length * DIGIT) / 2), top + 17, "middle");
     });
     const beyond = scale ? beyondEnds(scale, factor) : "";
     const kind = scale?.knots ? " (an equal number of runs for each colour)" : scale?.isLogarithmic ? " (logarithmic scale)" : "";

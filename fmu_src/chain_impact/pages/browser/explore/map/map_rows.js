@@ -48,3 +48,27 @@ export function hasAreaOf(map, request) {
 export function valuesAt({ names, axes, points }, index) {
   return { [names[0]]: axes[0][index % points], [names[1]]: axes[1][Math.floor(index / points)] };
 }
+
+/**
+ * Return a map as data for JSON, which `unpackedMap` reads: a run is a list of its outputs, null if it has failed, 0 without a simulation.
+ */
+export function packedMap({ names, axes, values, outputs, points, runs, rows, faults, known, seconds = 0 }) {
+  const listOf = (all) => all && outputs.map(({ name }) => all[name] ?? null);
+  return {
+    names, axes, values, outputs, points, rows, seconds,
+    runs: Array.from(runs, (all) => (all === undefined ? 0 : listOf(all))),
+    faults: [...faults],
+    known: [...known].map(([at, run]) => [at, { ...run, values: listOf(run.values) }]),
+  };
+}
+
+/** Return the map of the data that `packedMap` has made. */
+export function unpackedMap({ runs, faults, known, ...map }) {
+  const valuesOf = (list) => list && Object.fromEntries(map.outputs.map(({ name }, k) => [name, list[k]]));
+  return {
+    ...map,
+    runs: runs.map((list) => (list === 0 ? undefined : valuesOf(list))),
+    faults: new Map(faults),
+    known: new Map(known.map(([at, run]) => [at, { ...run, values: valuesOf(run.values) }])),
+  };
+}

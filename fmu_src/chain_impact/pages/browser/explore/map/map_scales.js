@@ -4,6 +4,8 @@ import { ticksBetween } from "../../base/ticks.js";
 import { inShownUnit, shownUpTo, typed } from "../../scene/angles.js";
 import { MAIN_PARAMETERS } from "../parameters/main_parameters.js";
 
+const SHARE_REACH = 0.3; // reach of the first axis of a parameter from 0 to 1, such as a restitution, on each side of its present value
+
 /** Return whether the axis of a parameter is logarithmic, as the parameter's entry in MAIN_PARAMETERS says. */
 export function isLogarithmic(name) {
   return MAIN_PARAMETERS.some((entry) => entry.name === name && entry.logarithmic);
@@ -11,12 +13,16 @@ export function isLogarithmic(name) {
 
 /**
  * Return the first and the last value of a map's axis, within the allowed values. For a logarithmic axis they are a tenth of the present
- * value and ten times it; for a parameter whose allowed values lie from 0 to 1, 0.05 and 0.95, or the present value if it is beyond these;
- * for any other parameter, the present value minus and plus half of its absolute value, or −1 and 1 for a value of 0.
+ * value and ten times it; for a parameter whose allowed values lie from 0 to 1, SHARE_REACH below and above the present value, and within
+ * 0.05 and 0.95, if the present value is; for any other parameter, the present value minus and plus half of its absolute value, or −1 and 1
+ * for a value of 0.
  */
 export function rangeOf({ name, low, high }, value) {
   if (isLogarithmic(name)) return [Math.max(value / 10, low), Math.min(10 * value, high)];
-  if (high <= 1 && low >= 0) return [Math.max(low, Math.min(value, 0.05)), Math.min(high, Math.max(value, 0.95))];
+  if (high <= 1 && low >= 0) {
+    const ends = [Math.max(value - SHARE_REACH, 0.05), Math.min(value + SHARE_REACH, 0.95)];
+    return [Math.max(Math.min(ends[0], value), low), Math.min(Math.max(ends[1], value), high)];
+  }
   const reach = value === 0 ? 1 : Math.abs(value) / 2;
   return [Math.max(value - reach, low), Math.min(value + reach, high)];
 }

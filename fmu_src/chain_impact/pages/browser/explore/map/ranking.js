@@ -56,34 +56,46 @@ export class Ranking {
   #engines = []; // the workers that are in use
 
   /**
-   * Connect the button that shows the list in place of the map. `startEngines`: a function that starts workers; `wordsOf`: a function from
-   * the name of a parameter to its words; `choose`: a function that lets the map vary a parameter.
+   * Connect the tabs, one of which shows the list, not the map. `startEngines`: a function that starts workers; `wordsOf`: a function
+   * from the name of a parameter to its words; `choose`: a function that lets the map vary a parameter.
    */
   constructor(changes, { startEngines, wordsOf, choose }) {
     Object.assign(this, { changes, startEngines, wordsOf, choose });
-    [this.button, this.list, this.text] = ["map-rank", "map-ranking", "map-ranking-text"].map(find);
-    this.button.addEventListener("click", () => this.#show(this.text.hidden));
+    [this.list, this.text] = ["map-ranking", "map-ranking-text"].map(find);
+    this.tabs = [find("map-tab"), find("map-rank")];
+    this.tabs.forEach((tab, k) => {
+      tab.addEventListener("click", () => this.#show(k === 1));
+      tab.addEventListener("keydown", ({ key }) => {
+        if (!["ArrowLeft", "ArrowRight"].includes(key)) return;
+        this.#show(k === 0);
+        this.tabs[1 - k].focus();
+      });
+    });
     find("map-output").addEventListener("change", () => this.#draw());
     find("map").addEventListener("close", () => this.#show(false));
     find("map-rank-csv").addEventListener("click", () =>
       save(new Blob([this.csv], { type: "text/csv" }), `${changes.scene.name}-ranking.csv`));
   }
 
-  /** Begin the list, which takes the place of the map when the list has entries; if `isShown` is false, show the map again. */
+  /** Begin the list in place of the map and of the fields that act on it only; if `isShown` is false, show the map again. */
   #show(isShown) {
     this.isWhole = false;
     this.text.hidden = !isShown;
     this.#fill([]);
-    this.button.setAttribute("aria-pressed", isShown);
+    this.tabs.forEach((tab, k) => {
+      tab.setAttribute("aria-selected", isShown === (k === 1));
+      tab.tabIndex = isShown === (k === 1) ? 0 : -1;
+    });
+    find("map").classList.toggle("with-effects", isShown);
+    find("map-title").textContent = isShown ? "Effects of single parameters" : "Map of two parameters";
     this.#stop();
     if (isShown) this.#rank();
   }
 
-  /** Fill the list, which is shown in place of the map if it has entries. */
+  /** Fill the list, which is shown if it has entries. */
   #fill(rows) {
     this.list.replaceChildren(...rows);
     this.list.hidden = find("map-rank-csv").hidden = !rows.length;
-    ["map-frame", "map-text"].forEach((part) => (find(part).hidden = rows.length > 0));
   }
 
   #stop() {
