@@ -61,17 +61,22 @@ def request_hint(scene: Contents, name: str) -> str:
     The end tells why the scene cannot have the input, or how to add the input; else it names the input with
     the most similar name or, if no name is similar, all inputs that the scene has.
     """
-    key, there = input_key(name), list(inputs_of(scene))
-    possible = [*there, *(other for other in inputs_of(scene, asked=False) if other not in there)]
+    key, possible_inputs = input_key(name), list(inputs_of(scene))
+    possible = [
+        *possible_inputs,
+        *(asked_name for asked_name in inputs_of(scene, asked=False) if asked_name not in possible_inputs),
+    ]
     if lacking := _lacking_owner(scene, name):
         return lacking
     if key == "wall_motion" or name in possible:
         return f"set {input_request(name)}"
     if key and (base := {"slider": "slider", "base": "pinned"}.get(name.partition(".")[0])):
         return f'only a chain with chain.base = "{base}" has it'
-    if near := nearest_name(name, possible):
-        return f"the nearest is {near}" + ("" if near in there else f"; set {input_request(near)}")
-    return f"it has {', '.join(there)}" if there else "it has none"
+    if near_name := nearest_name(name, possible):
+        return f"the nearest is {near_name}" + (
+            "" if near_name in possible_inputs else f"; set {input_request(near_name)}"
+        )
+    return f"it has {', '.join(possible_inputs)}" if possible_inputs else "it has none"
 
 
 def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any:
@@ -89,19 +94,21 @@ def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any
         MissingExtraError: for Parquet, when pyarrow is not installed.
     """
     _, columns = samples_of(read_table(file), scene.simulation.stop_time)
-    numbered = (f"inputs_{k}" for k in count(2))
-    name = next(free for free in chain(("inputs",), numbered) if free not in scene.signals)
+    numbered_names = (f"inputs_{k}" for k in count(2))
+    name = next(
+        free_name for free_name in chain(("inputs",), numbered_names) if free_name not in scene.signals
+    )
     owners = {
-        driven: owner
+        quantity: owner
         for owner, signal in scene.signals.items()
         for column in signal.input
-        for driven in driven_alone(column)
+        for quantity in driven_alone(column)
     }
     for column in columns:
-        for driven in driven_alone(column):
-            if driven in owners:
-                by = f"signals.{owners[driven]} of {scene.name} drives {driven}"
-                raise SceneError(f"{file}: column {column} must be left out: {by}")
+        for quantity in driven_alone(column):
+            if quantity in owners:
+                driver_text = f"signals.{owners[quantity]} of {scene.name} drives {quantity}"
+                raise SceneError(f"{file}: column {column} must be left out: {driver_text}")
         if column not in inputs_of(scene):
             raise SceneError(
                 f"{file}: column {column} is not an input of {scene.name}; {request_hint(scene, column)}"

@@ -29,7 +29,9 @@ def parts_in_words(scene: Contents) -> list[str]:
     """
     names, points = scene.wall_names, len(point_wall_pairs(scene))
     pairs = candidates(scene)
-    touching = [f"{scene.point_label(point)} at the wall {names[wall]}" for point, wall in pairs[:points]]
+    candidate_texts = [
+        f"{scene.point_label(point)} at the wall {names[wall]}" for point, wall in pairs[:points]
+    ]
     stops = [
         f"joint {joint} at its {names[wall]}" if joint else f"the slider at its {names[wall]}"
         for joint, wall in pairs[points:]
@@ -38,7 +40,7 @@ def parts_in_words(scene: Contents) -> list[str]:
     owners = [form.format(i) for form in ("link[{}]", "joint {}") for i in numbers]
     owners += ["the slider"] * (scene.chain.slider is not None)
     bases = [f"the base at the wall {names[wall]}" for _, wall in pairs[:points]]
-    return [*touching, *stops, *owners, *bases]
+    return [*candidate_texts, *stops, *owners, *bases]
 
 
 def stop_pairs(scene: Contents) -> list[tuple[int, int]]:

@@ -83,13 +83,13 @@ def with_absolute_angles(scene: AnyScene) -> AnyScene:
     If the file gives joint angles, the absolute angles that follow from them count as given. A file that
     gives both is refused.
     """
-    initial, paths = scene.initial, scene.derived_paths
-    if initial.joint_angles is None:
+    start, paths = scene.initial, scene.derived_paths
+    if start.joint_angles is None:
         return scene
     if ANGLES not in paths:
         raise refusal(("initial",), "angles")
     paths = tuple(path for path in paths if path != ANGLES)
-    absolute = replace(initial, joint_angles=None)
+    absolute = replace(start, joint_angles=None)
     return replace(scene, initial=absolute, derived_paths=paths, has_joint_angles=True)
 
 
@@ -99,8 +99,8 @@ def with_materials(scene: AnyScene) -> AnyScene:
     If the file does not give a key of this table, the key is None in the material; ``Material`` tells which
     value applies then. A material for a wall that does not exist is refused.
     """
-    given = dict(scene.contact.wall)
-    materials = {name: given.pop(name, Material()) for name in scene.half_planes}
-    if given:
-        raise no_wall_error(("contact", "wall", next(iter(given))), materials)
+    given_materials = dict(scene.contact.wall)
+    materials = {name: given_materials.pop(name, Material()) for name in scene.half_planes}
+    if given_materials:
+        raise no_wall_error(("contact", "wall", next(iter(given_materials))), materials)
     return replace(scene, contact=replace(scene.contact, wall=materials))

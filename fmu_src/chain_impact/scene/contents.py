@@ -116,8 +116,8 @@ class Contents:
         """
         first, pinned = len(self.chain.links) + 1, self.chain.base == "pinned"
         sites = enumerate(self.chain.sites, first)
-        moving = (k for k, (link, site) in sites if not (pinned and link == 0 and site.is_at_joint))
-        return *self.contact.points, *moving
+        moving_points = (k for k, (link, site) in sites if not (pinned and link == 0 and site.is_at_joint))
+        return *self.contact.points, *moving_points
 
     def keeps_distance(self, point: int, plane: HalfPlane) -> bool:
         """Return whether the point with number ``point`` is at a base that slides parallel to a wall.
@@ -127,12 +127,14 @@ class Contents:
         slider = self.chain.slider
         if slider is None:
             return False
-        sites, behind = self.chain.sites, point - len(self.chain.links) - 1
-        at_base = point == 0 or (behind >= 0 and sites[behind][0] == 0 and sites[behind][1].is_at_joint)
+        sites, site_index = self.chain.sites, point - len(self.chain.links) - 1
+        at_base = point == 0 or (
+            site_index >= 0 and sites[site_index][0] == 0 and sites[site_index][1].is_at_joint
+        )
         if not at_base:
             return False
-        along = plane.normal[0] * math.cos(slider.angle) + plane.normal[1] * math.sin(slider.angle)
-        return abs(along) < PARALLEL_COSINE
+        normal_speed = plane.normal[0] * math.cos(slider.angle) + plane.normal[1] * math.sin(slider.angle)
+        return abs(normal_speed) < PARALLEL_COSINE
 
     @property
     def law_names(self) -> tuple[str, ...]:
@@ -172,12 +174,12 @@ class Contents:
             for name, plane in self.half_planes.items()
         }
 
-    def _start_value(self, name: str, otherwise: float) -> float:
-        """Return the value of the input ``name`` at t = 0; ``otherwise`` if no signal drives the input."""
+    def _start_value(self, name: str, default: float) -> float:
+        """Return the value of the input ``name`` at t = 0; ``default`` if no signal drives the input."""
         for signal in self.signals.values():
             if name in signal.input:
                 return value_at_start(signal, name, self.simulation.stop_time)
-        return otherwise
+        return default
 
     @property
     def point_names(self) -> dict[int, str]:
@@ -197,25 +199,27 @@ class Contents:
     @property
     def half_planes(self) -> dict[str, HalfPlane]:
         """Name of each existing wall → its free side, without the displacement by an input or a signal."""
-        box = {name: at for name in WALLS if (at := getattr(self.box, name)) is not None}
+        box = {name: coordinate for name in WALLS if (coordinate := getattr(self.box, name)) is not None}
         return half_planes(box, {wall.name: (*wall.point, wall.angle or 0.0) for wall in self.walls})
 
 
-def named_point_hint(scene: Contents, name: str, known: Collection[str]) -> str | None:
+def named_point_hint(scene: Contents, name: str, known_names: Collection[str]) -> str | None:
     """Return a hint for the name of a value that has a point's name in place of the point's number.
 
     The hint for ``toe.x`` or ``point[toe].x`` is "toe is the name of a point: point[4].x". The result is None
-    if no point's name is in ``name``, or if the name with the number is not in ``known``.
+    if no point's name is in ``name``, or if the name with the number is not in ``known_names``.
     """
     entries = Counter[int]()
     for number, (link, site) in enumerate(scene.chain.sites, len(scene.chain.links) + 1):
         entries[link] += 1
         if not site.name or site.name not in name:
             continue
-        typed = rf"(?:(?:link\[\d+\]\.)?points?\[{re.escape(site.name)}\]|{re.escape(site.name)})(?=\.)"
+        typed_pattern = (
+            rf"(?:(?:link\[\d+\]\.)?points?\[{re.escape(site.name)}\]|{re.escape(site.name)})(?=\.)"
+        )
         for owner in (f"point[{number}]", f"link[{link + 1}].point[{entries[link]}]"):
-            right = re.sub(typed, owner, name, count=1)
-            if right in known:
+            right = re.sub(typed_pattern, owner, name, count=1)
+            if right in known_names:
                 return f"{site.name} is the name of a point: {right}"
     return None
 

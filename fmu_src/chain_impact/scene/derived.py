@@ -47,11 +47,11 @@ def path_in_file(path: DataPath, data: Mapping[str, Any]) -> DataPath:
     return path
 
 
-def without_derived(data: Any, derived: Iterable[DataPath], kept: Container[DataPath] = ()) -> None:
-    """Remove the values at the paths ``derived``, except those ``kept``, from the plain data of a scene."""
+def without_derived(data: Any, derived: Iterable[DataPath], kept_paths: Container[DataPath] = ()) -> None:
+    """Remove the values at the paths ``derived``, except ``kept_paths``, from the plain data of a scene."""
     # long paths come first: a derived table is removed after the derived values in it
     for path in sorted(derived, key=len, reverse=True):
-        if path not in kept:
+        if path not in kept_paths:
             *parents, key = path
             del functools.reduce(operator.getitem, parents, data)[key]
 

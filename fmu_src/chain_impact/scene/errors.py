@@ -42,11 +42,11 @@ class SceneError(ValueError):
 
     def __str__(self) -> str:
         """Return the message as one line, also if names or values in the message have line breaks."""
-        before = f"{self.source}: " * bool(self.source) + self.name
-        between = " " * (bool(self.name) and not self.fault.startswith(":"))
-        at = "" if self.line is None else f" (at line {self.line})"
-        more = f"; {len(self.others)} more: {'; '.join(map(str, self.others))}" if self.others else ""
-        return " ".join(f"{before}{between}{self.fault}{at}{more}".splitlines())
+        place = f"{self.source}: " * bool(self.source) + self.name
+        separator = " " * (bool(self.name) and not self.fault.startswith(":"))
+        line_text = "" if self.line is None else f" (at line {self.line})"
+        other_faults = f"; {len(self.others)} more: {'; '.join(map(str, self.others))}" if self.others else ""
+        return " ".join(f"{place}{separator}{self.fault}{line_text}{other_faults}".splitlines())
 
     def __repr__(self) -> str:
         """Return the class with the whole message."""
@@ -127,10 +127,10 @@ def _names_of_owner(name: object, names: Collection[str]) -> str:
     The result is also "" for a pattern such as ``*.stop``, in which ``*`` stands for all owners.
     """
     owner = str(name).rpartition(".")[0]
-    alike = find_names(f"{owner}.*", names) if owner.strip("*") else []
-    parts = list(dict.fromkeys(one.rpartition(".")[2] for one in alike))
-    more = ", …" * (len(parts) > NAMED_PARTS)
-    return f"{owner} has {', '.join(parts[:NAMED_PARTS])}{more}" if parts else ""
+    owner_names = find_names(f"{owner}.*", names) if owner.strip("*") else []
+    parts = list(dict.fromkeys(full_name.rpartition(".")[2] for full_name in owner_names))
+    ellipsis = ", …" * (len(parts) > NAMED_PARTS)
+    return f"{owner} has {', '.join(parts[:NAMED_PARTS])}{ellipsis}" if parts else ""
 
 
 def names_matching(
@@ -166,8 +166,8 @@ def find_names(name: str, names: Iterable[str]) -> list[str]:
     first, *parts, last = map(re.escape, name.split("*"))
     # Of each part of ``name`` between two ``*``, only the first occurrence is tried (an atomic group),
     # because to try all combinations of occurrences would take very long for some names.
-    like = re.compile("".join([first, *(f"(?>.*?{part})" for part in parts), ".*", last]))
-    return [spelling for spelling in names if like.fullmatch(spelling)]
+    name_pattern = re.compile("".join([first, *(f"(?>.*?{part})" for part in parts), ".*", last]))
+    return [spelling for spelling in names if name_pattern.fullmatch(spelling)]
 
 
 def value_text(value: Any) -> str:

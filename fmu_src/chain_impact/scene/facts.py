@@ -207,13 +207,13 @@ class SceneFacts(dict[str, Any]):
     @cached_property
     def _links(self) -> tuple[Link, ...]:
         """The links as rules see them: a key in ``_DEFAULT_KEYS`` that the file does not give is None."""
-        missing: dict[int, dict[str, Any]] = {}
+        missing_links: dict[int, dict[str, Any]] = {}
         for path in self._unused_paths:
             match path:
                 case "chain", "links", int(i), str(key):
-                    missing.setdefault(i, {})[key] = None
+                    missing_links.setdefault(i, {})[key] = None
         links = self.scene.chain.links
-        return tuple(replace(link, **missing.get(i, {})) for i, link in enumerate(links))
+        return tuple(replace(link, **missing_links.get(i, {})) for i, link in enumerate(links))
 
     def _members(self, row: Members) -> list[dict[str, Any]]:
         """Return the members of the list ``row``, each as a table from the names in ``row.values`` to values.
@@ -221,14 +221,14 @@ class SceneFacts(dict[str, Any]):
         The members are those of the list ``row.over`` for which the rule ``row.where`` is true. Each value is
         computed by its rule in ``row.values``.
         """
-        found = list[dict[str, Any]]()
+        members = list[dict[str, Any]]()
         for order, of_member in enumerate(member_lookups(members_in(row.over, self.value_of), self.value_of)):
             if holds(row.where, of_member):
                 values = dict[str, Any]()
                 for key, rule in row.values.items():
                     values[key] = number_in(rule, partial(value_within, values, order, of_member))
-                found.append(values)
-        return found
+                members.append(values)
+        return members
 
 
 def friction_joints(scene: Contents) -> tuple[int, ...]:
@@ -248,20 +248,20 @@ def _sites(facts: SceneFacts) -> list[dict[str, Any]]:
 
 
 def _candidates(facts: SceneFacts) -> list[dict[str, Any]]:
-    names, found = facts.scene.wall_names, list[dict[str, Any]]()
+    names, members = facts.scene.wall_names, list[dict[str, Any]]()
     stops = [STOP_CODES.get(facts.scene.stop_name(wall), AT_WALL) for wall in range(len(names))]
     for n, wall in candidates(facts.scene):
         at_joint = stops[wall] != AT_WALL and n > 0
         label = {} if at_joint else {"name": names[wall]}
-        found.append({"n": n, "wall": wall, "stop": stops[wall], "at_joint": at_joint, **label})
-    return found
+        members.append({"n": n, "wall": wall, "stop": stops[wall], "at_joint": at_joint, **label})
+    return members
 
 
 def _walls(facts: SceneFacts) -> list[dict[str, Any]]:
     scene, existing = facts.scene, facts.scene.half_planes
-    touched = {candidate["wall"] for candidate in facts["candidates"] if candidate["stop"] == AT_WALL}
+    touched_walls = {candidate["wall"] for candidate in facts["candidates"] if candidate["stop"] == AT_WALL}
     return [
-        {"name": name, "exists": name in existing, "touched": w in touched}
+        {"name": name, "exists": name in existing, "touched": w in touched_walls}
         for w, name in enumerate(scene.wall_names)
     ]
 

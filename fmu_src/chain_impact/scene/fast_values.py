@@ -48,8 +48,8 @@ def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
     for name, metadata in _keys_checked_alone(Initial).items():
         length = FAST_LINKS if metadata["per_link"] else len(AXES)
         metadata_of |= {("initial", name, k): metadata for k in range(length)}
-    named = {name_of(path): (path, metadata) for path, metadata in metadata_of.items()}
-    return named | {path: (path, metadata) for path, metadata in metadata_of.items()}
+    paths_by_name = {name_of(path): (path, metadata) for path, metadata in metadata_of.items()}
+    return paths_by_name | {path: (path, metadata) for path, metadata in metadata_of.items()}
 
 
 def _keys_checked_alone(table: Any) -> dict[str, Mapping[str, Any]]:
@@ -65,23 +65,30 @@ def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[DataPath,
     the changes; if the new start fails a check or needs a warning; or if the communication step is longer
     than the run.
     """
-    start, changed = scene.initial, None if scene.contact.law_file else scene
-    for name, given in changes.items():
-        changed = changed and _with_number(changed, *_numbers().get(name, ((), {})), given)
-    if changed is None or changed.simulation.step_size > changed.simulation.stop_time:
+    start, changed_scene = scene.initial, None if scene.contact.law_file else scene
+    for name, given_value in changes.items():
+        changed_scene = changed_scene and _with_number(
+            changed_scene, *_numbers().get(name, ((), {})), given_value
+        )
+    if changed_scene is None or changed_scene.simulation.step_size > changed_scene.simulation.stop_time:
         return None
-    moved = (changed.initial.position, changed.initial.angles) != (start.position, start.angles)
-    return changed if not moved or _is_valid_start(changed) else None
+    has_moved = (changed_scene.initial.position, changed_scene.initial.angles) != (
+        start.position,
+        start.angles,
+    )
+    return changed_scene if not has_moved or _is_valid_start(changed_scene) else None
 
 
-def _with_number(scene: AnyScene, path: DataPath, metadata: Mapping[str, Any], given: Any) -> AnyScene | None:
-    """Return the scene with the value ``given`` at a path; ``metadata`` is the metadata of the key.
+def _with_number(
+    scene: AnyScene, path: DataPath, metadata: Mapping[str, Any], given_value: Any
+) -> AnyScene | None:
+    """Return the scene with the value ``given_value`` at a path; ``metadata`` is the metadata of the key.
 
     The result is None if ``with_values`` must read the whole scene again: if the path is empty (``_numbers``
     lacks the name) or leads nowhere; if the new value is not allowed; if the present value is derived; or if
     values other than the derived inertia of a link must change or be checked, too.
     """
-    value = _value(given, metadata) if path else None
+    value = _value(given_value, metadata) if path else None
     if value is None or not keeps(value, metadata):
         return None
     # if one entry of a derived list changes, all entries become given values: only ``with_values`` does this
@@ -89,13 +96,17 @@ def _with_number(scene: AnyScene, path: DataPath, metadata: Mapping[str, Any], g
     return None if is_derived else _with_value(scene, path, value)
 
 
-def _value(given: Any, metadata: Mapping[str, Any]) -> Any:
-    """Return ``given`` as a finite float or, if the key has choices, as a text; None if it is neither."""
+def _value(given_value: Any, metadata: Mapping[str, Any]) -> Any:
+    """Return a value as a finite float or, if the key has choices, as a text; None if it is neither."""
     if metadata["choices"]:
-        return given if isinstance(given, str) else None
-    if isinstance(given, bool) or not isinstance(given, int | float) or not abs(given) <= LARGEST_NUMBER:
+        return given_value if isinstance(given_value, str) else None
+    if (
+        isinstance(given_value, bool)
+        or not isinstance(given_value, int | float)
+        or not abs(given_value) <= LARGEST_NUMBER
+    ):
         return None
-    return float(given)
+    return float(given_value)
 
 
 def _with_value(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
@@ -110,13 +121,15 @@ def _with_value(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
             numbers = getattr(scene.initial, key)
             if k >= len(numbers) or (key == "velocity" and scene.chain.base != "free"):
                 return None
-            changed: dict[str, Any] = {key: (*numbers[:k], value, *numbers[k + 1 :])}
-            return _replace_fields(scene, initial=_replace_fields(scene.initial, **changed))
+            changed_fields: dict[str, Any] = {key: (*numbers[:k], value, *numbers[k + 1 :])}
+            return _replace_fields(scene, initial=_replace_fields(scene.initial, **changed_fields))
         case str(table), str(key) if not _matters_elsewhere(scene, path, value):
-            before = getattr(scene, table)
-            same = getattr(before, key) == value
+            table_before = getattr(scene, table)
+            same = getattr(table_before, key) == value
             return (
-                scene if same else _replace_fields(scene, **{table: _replace_fields(before, **{key: value})})
+                scene
+                if same
+                else _replace_fields(scene, **{table: _replace_fields(table_before, **{key: value})})
             )
     return None
 
@@ -159,10 +172,10 @@ def _replace_fields(table: SceneTable, **changes: Any) -> SceneTable:
     ``dataclasses.replace`` would take twice the time.
     """
     kind: Any = type(table)
-    fresh: SceneTable = object.__new__(kind)
-    for name, read, write in _slots(kind):
-        write(fresh, changes[name] if name in changes else read(table))
-    return fresh
+    new_table: SceneTable = object.__new__(kind)
+    for name, read_slot, write_slot in _slots(kind):
+        write_slot(new_table, changes[name] if name in changes else read_slot(table))
+    return new_table
 
 
 @functools.cache

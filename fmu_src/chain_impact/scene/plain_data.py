@@ -40,8 +40,8 @@ def without_empty(data: dict[str, Any]) -> dict[str, Any]:
 
 def _without_no_points(link: Any) -> Any:
     """Return the data of a link without the key ``points`` if its list is empty."""
-    empty = isinstance(link, Mapping) and isinstance(link.get("points"), list) and not link["points"]
-    return {key: value for key, value in link.items() if key != "points"} if empty else link
+    has_no_points = isinstance(link, Mapping) and isinstance(link.get("points"), list) and not link["points"]
+    return {key: value for key, value in link.items() if key != "points"} if has_no_points else link
 
 
 def _has_values(table: Any) -> bool:

@@ -43,16 +43,16 @@ def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
     for entry in keys(table):
         key = prefix + entry.name
         yield key, entry
-        if is_dataclass(inner := entry_type(entry.type)):
+        if is_dataclass(inner_type := entry_type(entry.type)):
             marks: dict[Any, str] = {tuple: "[]", Mapping: ".<name>"}
             mark = marks.get(get_origin(entry.type), "")
-            yield from keys_of(inner, f"{key}{mark}.")
+            yield from keys_of(inner_type, f"{key}{mark}.")
 
 
 def entry_type(kind: Any) -> Any:
     """Return the type of a tuple's entries or a mapping's values, or a union's first type; else ``kind``."""
-    item, *others = get_args(kind) or (kind,)
-    return others[0] if get_origin(kind) is Mapping else item
+    item, *other_types = get_args(kind) or (kind,)
+    return other_types[0] if get_origin(kind) is Mapping else item
 
 
 class Reader:
@@ -84,7 +84,7 @@ class Reader:
         values: dict[str, Any] = {}
         scope = dict(tables)
         for entry in entries.values():
-            where = (*path, entry.name)
+            key_path = (*path, entry.name)
             metadata = extended_metadata(entry.metadata, scope)
             value = data.get(entry.name)
             if value is None:
@@ -93,13 +93,13 @@ class Reader:
             if isinstance(value, Derived):
                 value = value.value(scope)
                 if value not in (None, MISSING):
-                    self.derived.append(where)
+                    self.derived.append(key_path)
             if value is MISSING:
                 meaning = "" if metadata["description"] == entry.name else f" ({metadata['description']})"
-                raise refusal(where, "missing", meaning=meaning)
+                raise refusal(key_path, "missing", meaning=meaning)
             # None is the value of a key that this scene does not have, such as the position of a missing wall
-            read = None if value is None else self._value(entry.type, metadata, value, where, scope)
-            values[entry.name] = scope[entry.name] = read
+            read_value = None if value is None else self._value(entry.type, metadata, value, key_path, scope)
+            values[entry.name] = scope[entry.name] = read_value
         return table(**values)
 
     def _value(
@@ -117,39 +117,47 @@ class Reader:
         result = _convert(kind, radians_of(value, metadata["unit"]))
         if result is None or not keeps(result, metadata):
             choices, unit = metadata["choices"], metadata["unit"]
-            needed = allowed_words(kind, metadata) + or_degrees(unit)
-            meant = nearest_choice(value, choices) if kind is str else meant_number(value, unit)
-            raise refusal(path, "not_allowed", value=value_text(value), allowed=needed + meant)
+            needed_text = allowed_words(kind, metadata) + or_degrees(unit)
+            meant_text = nearest_choice(value, choices) if kind is str else meant_number(value, unit)
+            raise refusal(path, "not_allowed", value=value_text(value), allowed=needed_text + meant_text)
         return result
 
     def _list(
         self, kind: Any, metadata: Mapping[str, Any], value: Any, path: DataPath, tables: Mapping[str, Any]
     ) -> Any:
-        item, *others = get_args(kind)
+        item, *other_types = get_args(kind)
         if metadata["or_true"] and isinstance(value, bool):
             return ("*",) if value else ()
         if metadata["or_one"] and isinstance(value, str):
             value = [value]
         length = (
-            len(tables["chain"].links) if metadata["per_link"] else None if ... in others else 1 + len(others)
+            len(tables["chain"].links)
+            if metadata["per_link"]
+            else None
+            if ... in other_types
+            else 1 + len(other_types)
         )
         if isinstance(value, Mapping) and is_dataclass(item):
             raise refusal(
                 path, "one_table", name=path_text(path), others=self._misplaced_key_hint(item, value)
             )
         if isinstance(value, list | tuple) and length not in (None, len(value)):
-            found = f"{len(value)} value{'s' * (len(value) != 1)}"
-            each = ", one for each link" if metadata["per_link"] else ""
-            raise refusal(path, "length", found=found, needed=f"{length}{each} ({metadata['description']})")
+            found_text = f"{len(value)} value{'s' * (len(value) != 1)}"
+            link_hint = ", one for each link" if metadata["per_link"] else ""
+            raise refusal(
+                path, "length", found=found_text, needed=f"{length}{link_hint} ({metadata['description']})"
+            )
         if not isinstance(value, list | tuple):
-            expected = "" if length is None else f", expected length {length} ({metadata['description']})"
+            expected_text = (
+                "" if length is None else f", expected length {length} ({metadata['description']})"
+            )
             names = " of names, or true for all" if metadata["or_true"] else ""
-            listed = isinstance(value, str) and length is not None and _VALUES_TYPED.fullmatch(value)
-            expected += f"; write [{value}]" if listed and ":" not in value else ""
-            raise refusal(path, "no_list", value=value_text(value), names=names, expected=expected)
-        least, most = metadata["entries"] or (0, math.inf)
-        if not least <= len(value) <= most:
-            raise refusal(path, "entries", count=len(value), least=least, most=most)
+            is_list_text = isinstance(value, str) and length is not None and _VALUES_TYPED.fullmatch(value)
+            expected_text += f"; write [{value}]" if is_list_text and ":" not in value else ""
+            raise refusal(path, "no_list", value=value_text(value), names=names, expected=expected_text)
+        least_count, most_count = metadata["entries"] or (0, math.inf)
+        if not least_count <= len(value) <= most_count:
+            raise refusal(path, "entries", count=len(value), least=least_count, most=most_count)
         return tuple(self._value(item, metadata, entry, (*path, i), tables) for i, entry in enumerate(value))
 
     def _tables(self, kind: Any, value: Any, path: DataPath, tables: Mapping[str, Any]) -> dict[str, Any]:
@@ -168,16 +176,20 @@ class Reader:
 
         If no key is similar, the error lists the keys of `table`.
         """
-        where, name = (*path, name), value_text(name).strip("'")
-        here = [entry.name for entry in keys(table)]
+        key_path, name = (*path, name), value_text(name).strip("'")
+        known_keys = [entry.name for entry in keys(table)]
         prefix = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
-        if near := nearest_name(name, here, at_least=SIMILAR_KEY) or name_with_one_typo(name, here):
-            error = error_at(where, f"is unknown; the nearest key is {prefix}{'.' * bool(prefix)}{near}")
-            error.meant = near
+        if near_key := nearest_name(name, known_keys, at_least=SIMILAR_KEY) or name_with_one_typo(
+            name, known_keys
+        ):
+            error = error_at(
+                key_path, f"is unknown; the nearest key is {prefix}{'.' * bool(prefix)}{near_key}"
+            )
+            error.meant = near_key
             return error
-        if near := name if name in self._keys() else name_with_one_typo(name, self._keys()):
-            return error_at(where, f"is unknown; the nearest key is {self._keys()[near]}")
-        return refusal(where, "unknown", keys=", ".join(here))
+        if near_key := name if name in self._keys() else name_with_one_typo(name, self._keys()):
+            return error_at(key_path, f"is unknown; the nearest key is {self._keys()[near_key]}")
+        return refusal(key_path, "unknown", keys=", ".join(known_keys))
 
     def _misplaced_key_hint(self, item: Any, value: Mapping[Any, Any]) -> str:
         """Return advice on ``value``, one table in place of a list of tables: where its wrong keys belong.
@@ -185,12 +197,14 @@ class Reader:
         A wrong key is one that the dataclass ``item`` of these tables lacks, but another table of the file
         has. The result is "" without such keys.
         """
-        moved = [
+        moved_keys = [
             self._keys()[key]
             for key in value
             if key in self._keys() and key not in {entry.name for entry in keys(item)}
         ]
-        return "".join(f"; {key.rpartition('.')[2]} belongs in [{key.rpartition('.')[0]}]" for key in moved)
+        return "".join(
+            f"; {key.rpartition('.')[2]} belongs in [{key.rpartition('.')[0]}]" for key in moved_keys
+        )
 
     def _keys(self) -> dict[str, str]:
         """Return last part of a key, such as "length" → the whole key, such as "chain.links[].length".
@@ -219,18 +233,18 @@ def tell_all_faults(
         line_of: function from the path of a key to the number of its line.
     """
     data, last, attempt = deepcopy(data), error, 0
-    found = {error.path: error}
-    while len(found) < MOST_FAULTS and _correct(data, last, attempt):
+    errors_by_path = {error.path: error}
+    while len(errors_by_path) < MOST_FAULTS and _correct(data, last, attempt):
         try:
             Reader(root).read(data)
         except SceneError as fault:
-            last, attempt = fault, attempt + 1 if fault.path in found else 0
-            found.setdefault(fault.path, fault)
+            last, attempt = fault, attempt + 1 if fault.path in errors_by_path else 0
+            errors_by_path.setdefault(fault.path, fault)
         else:
             break
-    error.others = [other for other in found.values() if other is not error]
-    for one in (error, *error.others):
-        one.line = line_of(one.path)
+    error.others = [other_error for other_error in errors_by_path.values() if other_error is not error]
+    for single_error in (error, *error.others):
+        single_error.line = line_of(single_error.path)
 
 
 def _correct(data: Any, error: SceneError, attempt: int) -> bool:
@@ -284,10 +298,10 @@ def meant_number(value: Any, unit: str) -> str:
     """
     if not isinstance(value, str):
         return ""
-    several = (
+    has_several = (
         "; one run has one value: `sweep --vary` takes several" if _VALUES_TYPED.fullmatch(value) else ""
     )
-    return number_hint(value, [unit]) or power_hint(value) or decimal_comma(value) or several
+    return number_hint(value, [unit]) or power_hint(value) or decimal_comma(value) or has_several
 
 
 def decimal_comma(value: Any) -> str:
@@ -298,5 +312,5 @@ def decimal_comma(value: Any) -> str:
 
 def nearest_choice(value: Any, choices: Collection[str] | None) -> str:
     """Return a hint with the choice that is most similar to the wrong text ``value``; "" if none is."""
-    near = proposed_name(value, choices) if choices and isinstance(value, str) else None
-    return f"; the nearest is {near}" if near else ""
+    near_choice = proposed_name(value, choices) if choices and isinstance(value, str) else None
+    return f"; the nearest is {near_choice}" if near_choice else ""

@@ -165,8 +165,8 @@ def _validated_scene(data: Mapping[str, Any], source: str, in_file: bool) -> Sce
     """
     walls = data.get("walls") if isinstance(data, Mapping) else None
     tables = walls if isinstance(walls, list | tuple) else []
-    given = [table.get("name") if isinstance(table, Mapping) else None for table in tables]
-    names = [name if isinstance(name, str) and name.isidentifier() else None for name in given]
+    given_names = [table.get("name") if isinstance(table, Mapping) else None for table in tables]
+    names = [name if isinstance(name, str) and name.isidentifier() else None for name in given_names]
 
     # if an entry of the links stands for several links, a name such as link[2].mass does not tell the entry
     by_path = in_file or _has_counts(data)
@@ -209,7 +209,7 @@ def scene_to_dict(scene: Scene, *, derived: bool = False) -> dict[str, Any]:
     data = plain(scene)
     if not derived:
         without_derived(data, scene.derived_paths)
-    shapes.set_corners_apart(data, given=derived)
+    shapes.set_corners_apart(data, are_given=derived)
     return without_empty(shapes.without_corners(data))
 
 
@@ -228,19 +228,19 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[A
     """
     scene = scene_of(scene)
     warn(scene.name, checks.turning_hints(scene, changes))
-    if (quick := with_numbers(scene, changes)) is not None:
-        return quick
+    if (quick_scene := with_numbers(scene, changes)) is not None:
+        return quick_scene
     # To make the table of all names takes longer than most changes: it is made once, and only if needed.
     names = functools.cache(lambda: paths_by_name(scene))
     values = [path_and_value(scene, names, *change) for change in changes.items()]
     try:
-        changed = _with_any(scene, values)
+        changed_scene = _with_any(scene, values)
     except SceneError as error:
         error.name = as_typed(error.name, changes)
         raise
     hints_before = checks.hints(scene)
-    warn(scene.name, [hint for hint in checks.hints(changed) if hint not in hints_before])
-    return changed
+    warn(scene.name, [hint for hint in checks.hints(changed_scene) if hint not in hints_before])
+    return changed_scene
 
 
 def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
@@ -249,7 +249,7 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     if JOINT_ANGLES_PATH in paths and complete_scene.ANGLES not in tables(paths):
         del data["initial"]["angles"]
     # if one entry of a derived list is given, all entries of the list become given values
-    without_derived(data, scene.derived_paths, kept=tables(paths))
+    without_derived(data, scene.derived_paths, kept_paths=tables(paths))
     shapes.set_corners_apart(data)
     for path, value in values:
         shapes.refuse_corner(scene, path)
@@ -260,9 +260,9 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
             raise SceneError(
                 f"{scene.name}: {value_text(path)} is not a path to a value of the scene"
             ) from None
-    changed = _validated_scene(without_empty(shapes.without_corners(data)), scene.name, in_file=False)
-    kept = scene.has_joint_angles and complete_scene.ANGLES not in paths
-    return replace(changed, has_joint_angles=kept or changed.has_joint_angles)
+    changed_scene = _validated_scene(without_empty(shapes.without_corners(data)), scene.name, in_file=False)
+    keeps_angles = scene.has_joint_angles and complete_scene.ANGLES not in paths
+    return replace(changed_scene, has_joint_angles=keeps_angles or changed_scene.has_joint_angles)
 
 
 JOINT_ANGLES_PATH = ("initial", "joint_angles")  # this key may be given in place of ``initial.angles``
@@ -273,5 +273,5 @@ def fixed_hint(scene: Scene, name: str) -> str | None:
 
     The result is None if the scene has no such value.
     """
-    there = scene.values.get(name) is not None
-    return "change it in the scene file, with --set or with_values" if there else None
+    is_given = scene.values.get(name) is not None
+    return "change it in the scene file, with --set or with_values" if is_given else None

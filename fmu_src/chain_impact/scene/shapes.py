@@ -29,8 +29,8 @@ def with_shapes(scene: AnyScene) -> AnyScene:
     links = []
     for i, link in enumerate(scene.chain.links):
         if (link.shape is None) != (link.height is None):
-            has, lacks = ("height", "shape") if link.shape is None else ("shape", "height")
-            raise refusal(("chain", "links", i), "shape", has=has, lacks=lacks)
+            given_keys, missing_keys = ("height", "shape") if link.shape is None else ("shape", "height")
+            raise refusal(("chain", "links", i), "shape", has=given_keys, lacks=missing_keys)
         if link.height is None:
             links.append(link)
             continue
@@ -40,16 +40,16 @@ def with_shapes(scene: AnyScene) -> AnyScene:
     return replace(scene, chain=replace(scene.chain, links=tuple(links)))
 
 
-def set_corners_apart(data: Any, *, given: bool = False) -> None:
+def set_corners_apart(data: Any, *, are_given: bool = False) -> None:
     """Replace the corners or the shape of each box in ``data``, the plain data of a scene.
 
-    The mark ``_APART`` replaces each corner. If ``given`` is true, the corners stay instead, as ordinary
+    The mark ``_APART`` replaces each corner. If ``are_given`` is true, the corners stay instead, as ordinary
     points, and the keys ``shape`` and ``height`` of the box are removed.
     """
     for link in data["chain"]["links"]:
         if "shape" not in link:
             continue
-        if given:
+        if are_given:
             del link["shape"], link["height"]
         else:
             link["points"][:BOX_CORNERS] = [_APART] * BOX_CORNERS
@@ -82,6 +82,6 @@ def refuse_corner(scene: Contents, path: DataPath) -> None:
     links = scene.chain.links
     match path:
         case "chain", "links", int(i), "points", int(j), *_ if i < len(links) and j < links[i].corners:
-            of, needed = f"link[{i + 1}]", "to move it alone, give points in place of the shape"
-            reason = f"is a corner of a box, which follows from {of}.length and {of}.height: {needed}"
-            raise SceneError(f"{scene.name}: {of}.point[{j + 1}] {reason}")
+            link, remedy = f"link[{i + 1}]", "to move it alone, give points in place of the shape"
+            reason = f"is a corner of a box, which follows from {link}.length and {link}.height: {remedy}"
+            raise SceneError(f"{scene.name}: {link}.point[{j + 1}] {reason}")

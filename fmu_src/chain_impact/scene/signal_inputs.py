@@ -55,7 +55,7 @@ def driven_by(scene: Contents) -> tuple[Driven, ...]:
     """Return all driven inputs in the order of signals, but target velocities last, as in the record."""
     if not scene.signals:
         return ()
-    driven = [
+    driven_inputs = [
         Driven(
             name,
             input_name,
@@ -66,7 +66,7 @@ def driven_by(scene: Contents) -> tuple[Driven, ...]:
         for name, signal in scene.signals.items()
         for input_name in signal.input
     ]
-    return tuple(sorted(driven, key=lambda each: each.input.endswith(TARGET_RATE)))
+    return tuple(sorted(driven_inputs, key=lambda driven_input: driven_input.input.endswith(TARGET_RATE)))
 
 
 def quantities_driven_by(name: str) -> tuple[str, ...]:
@@ -129,8 +129,8 @@ def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signa
         raise error_at(key, f": {error}") from None
     for input_name in signal.input:
         if input_name not in columns:
-            near = nearest_name(input_name, columns)
-            hint = f"; the nearest is {near}" if near else f"; it has {', '.join(columns)}"
+            near_name = nearest_name(input_name, columns)
+            hint = f"; the nearest is {near_name}" if near_name else f"; it has {', '.join(columns)}"
             raise error_at(key, f"= {signal.file!r} has no column {input_name}{hint}")
     return replace(
         signal,
@@ -156,16 +156,18 @@ def _with_defaults(name: str, signal: Signal) -> Signal:
     Refuse a ``name`` that is no identifier, a signal without a required key, and one with a key that its form
     does not have.
     """
-    own = FORMS[signal.form]
+    signal_form = FORMS[signal.form]
     if not name.isidentifier():
         raise refusal(("signals", name), "signal_name")
     for form in FORMS.values():
         for key in form.keys:
-            if key not in own.keys and getattr(signal, key) is not None:
-                words = {"form": signal.form, "keys": ", ".join(own.keys)}
+            if key not in signal_form.keys and getattr(signal, key) is not None:
+                words = {"form": signal.form, "keys": ", ".join(signal_form.keys)}
                 raise refusal(("signals", name, key), "other_form", **words)
-    for key in own.required:
+    for key in signal_form.required:
         if getattr(signal, key) is None:
             raise refusal(("signals", name, key), "needs_key", form=signal.form)
-    missing = {key: value for key, value in own.optional.items() if getattr(signal, key) is None}
-    return replace(signal, **missing)
+    default_values = {
+        key: value for key, value in signal_form.optional.items() if getattr(signal, key) is None
+    }
+    return replace(signal, **default_values)

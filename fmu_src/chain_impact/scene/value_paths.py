@@ -29,16 +29,16 @@ def paths_by_name(scene: Contents) -> dict[str, DataPath]:
 
 
 def path_and_value(
-    scene: Contents, all_names: Callable[[], dict[str, DataPath]], change: str | DataPath, given: Any
+    scene: Contents, all_names: Callable[[], dict[str, DataPath]], change: str | DataPath, given_value: Any
 ) -> tuple[DataPath, Any]:
     """Return the path and the new value of a change; ``change`` is the path or the name of the value.
 
     Refuse an unknown name, but no path. ``all_names`` is a function that returns name → path for all names of
-    the scene; it is called only if the name is not in ``_keys``. ``given`` is the new value.
+    the scene; it is called only if the name is not in ``_keys``. ``given_value`` is the new value.
     """
-    given = given.tolist() if hasattr(given, "tolist") else given
+    given_value = given_value.tolist() if hasattr(given_value, "tolist") else given_value
     if not isinstance(change, str):
-        return change, given
+        return change, given_value
     names = _keys() if change in _keys() else all_names()
     spellings = (change, *other_names(change))
     name_as_typed, change = change, next((name for name in spellings if name in names), fmu_name(change))
@@ -46,7 +46,7 @@ def path_and_value(
         hint = hint or parameter_hint(change, len(scene.chain.links), scene.signals)
         hint = hint or named_point_hint(scene, change, names)
         raise UnknownNameError(scene.name, name_as_typed, names, "not a parameter", hint)
-    return names[change], _chosen_value(scene, change, given)
+    return names[change], _chosen_value(scene, change, given_value)
 
 
 @functools.cache
@@ -65,27 +65,27 @@ def _names(scene: Contents) -> dict[str, DataPath]:
 
 
 def single_values(
-    value: Any, path: DataPath = (), unit: str = "", skipped: int = 0
+    value: Any, path: DataPath = (), unit: str = "", skipped_depth: int = 0
 ) -> Iterator[tuple[DataPath, Any]]:
     """Yield path and value of every single value in ``value``, which has the path ``path`` in the scene.
 
     In a list of numbers with a ``unit``, each entry is a single value; in a list of tables, each value of
-    each table is one. Any other list is a single value as a whole. The first ``skipped`` entries of a list
-    are left out: these are the corners of a box, which follow from its size.
+    each table is one. Any other list is a single value as a whole. The first ``skipped_depth`` entries of a
+    list are left out: these are the corners of a box, which follow from its size.
     """
     if is_dataclass(value):
         for entry in (entry for entry in keys(value.__class__) if not entry.metadata.get("file_only")):
-            inner, unit = getattr(value, entry.name), entry.metadata.get("unit", "")
-            skipped = value.corners if entry.name == "points" and isinstance(value, Link) else 0
-            yield from single_values(inner, (*path, entry.name), unit, skipped)
+            inner_value, unit = getattr(value, entry.name), entry.metadata.get("unit", "")
+            skipped_depth = value.corners if entry.name == "points" and isinstance(value, Link) else 0
+            yield from single_values(inner_value, (*path, entry.name), unit, skipped_depth)
     elif isinstance(value, Mapping):
         for name, child in value.items():
             yield from single_values(child, (*path, name))
-    elif isinstance(value, tuple) and value[skipped:] and (unit or is_dataclass(value[0])):
-        for i, child in enumerate(value[skipped:], skipped):
+    elif isinstance(value, tuple) and value[skipped_depth:] and (unit or is_dataclass(value[0])):
+        for i, child in enumerate(value[skipped_depth:], skipped_depth):
             yield from single_values(child, (*path, i))
     else:
-        yield path, value[skipped:] if skipped else value
+        yield path, value[skipped_depth:] if skipped_depth else value
 
 
 def _chosen_value(scene: Contents, name: str, value: Any) -> Any:

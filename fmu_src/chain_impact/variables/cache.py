@@ -84,66 +84,69 @@ it decides which walls the points can reach."""
 
 def shared_data_of(scene: Scene) -> SharedData:
     """Return the entry of the cache for a scene; add an entry if the cache has none for this scene."""
-    for shared in tuple(_cache):
-        if changed_numbers(shared.scene, scene) is not None:
-            return shared
+    for shared_data in tuple(_cache):
+        if changed_numbers(shared_data.scene, scene) is not None:
+            return shared_data
     # if another thread adds an entry for this scene at the same time, the cache has both, which does no harm
-    new = SharedData(scene)
-    _cache.insert(0, new)
+    new_data = SharedData(scene)
+    _cache.insert(0, new_data)
     del _cache[MOST_CACHED:]
-    return new
+    return new_data
 
 
 def shared_by_structure(part: Callable[[Any], Part]) -> cached_property[Part]:
     """Return the cached property for a method of ``PreparedScene`` whose result does not depend on numbers.
 
-    All scenes with the same ``shared`` share the result, which is in ``SharedData.parts`` under the name of
-    the method.
+    All scenes with the same ``shared_value`` share the result, which is in ``SharedData.parts`` under the
+    name of the method.
     """
 
     @wraps(part)
-    def found(prepared: Any) -> Part:
-        parts = prepared.shared.parts
+    def stored_value(prepared_scene: Any) -> Part:
+        parts = prepared_scene.shared.parts
         if part.__name__ not in parts:
-            parts[part.__name__] = part(prepared)
-        shared: Part = parts[part.__name__]
-        return shared
+            parts[part.__name__] = part(prepared_scene)
+        shared_value: Part = parts[part.__name__]
+        return shared_value
 
-    return cached_property(found)
+    return cached_property(stored_value)
 
 
-def changed_numbers(before: Scene, scene: Scene) -> list[str] | None:
-    """Return the names in ``_NUMBERS`` that must be written again in a copy of the record of ``before``.
+def changed_numbers(earlier_scene: Scene, scene: Scene) -> list[str] | None:
+    """Return the names in ``_NUMBERS`` that must be written again in a copy of the record of a scene.
 
-    The copy is then the record of ``scene``. The names are those of which both scenes have different objects.
-    The result is None if the whole record must be written, because the scenes differ in more than numbers, or
-    in numbers that may decide the layout of the record or which variables exist.
+    The copy of the record of ``earlier_scene`` is then the record of ``scene``. The names are those of which
+    both scenes have different objects. The result is None if the whole record must be written, because the
+    scenes differ in more than numbers, or in numbers that may decide the layout of the record or which
+    variables exist.
     """
-    if before is scene:
+    if earlier_scene is scene:
         return []
-    if not all(map(is_, _other_fields(before), _other_fields(scene))):
+    if not all(map(is_, _other_fields(earlier_scene), _other_fields(scene))):
         return None
-    if scene.signals and before.simulation is not scene.simulation:
+    if scene.signals and earlier_scene.simulation is not scene.simulation:
         return None
-    if _differ(before.contact, scene.contact, _contact_values) or _chains_differ(before.chain, scene.chain):
+    if _differ(earlier_scene.contact, scene.contact, _contact_values) or _chains_differ(
+        earlier_scene.chain, scene.chain
+    ):
         return None
-    return [name for name in _NUMBERS if getattr(before, name) is not getattr(scene, name)]
+    return [name for name in _NUMBERS if getattr(earlier_scene, name) is not getattr(scene, name)]
 
 
-def _chains_differ(first: ChainTable, second: ChainTable) -> bool:
+def _chains_differ(first_chain: ChainTable, second_chain: ChainTable) -> bool:
     """Return whether two chains differ in the base, the number of links or a value of ``_decisive_keys``."""
-    if first is second:
+    if first_chain is second_chain:
         return False
-    if first.base != second.base or len(first.links) != len(second.links):
+    if first_chain.base != second_chain.base or len(first_chain.links) != len(second_chain.links):
         return True
-    pairs = zip(first.links, second.links, strict=True)
+    pairs = zip(first_chain.links, second_chain.links, strict=True)
     return any(_differ(*pair, _link_values) for pair in pairs) or _differ(
-        first.slider, second.slider, _slider_values
+        first_chain.slider, second_chain.slider, _slider_values
     )
 
 
-def _differ(first: Any, second: Any, decisive: Callable[[Any], tuple[Any, ...]]) -> bool:
+def _differ(first_table: Any, second_table: Any, decisive: Callable[[Any], tuple[Any, ...]]) -> bool:
     """Return whether two tables differ in the values that ``decisive`` reads, or only one of them is None."""
-    if first is second:
+    if first_table is second_table:
         return False
-    return first is None or second is None or decisive(first) != decisive(second)
+    return first_table is None or second_table is None or decisive(first_table) != decisive(second_table)

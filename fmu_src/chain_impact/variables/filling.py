@@ -46,29 +46,29 @@ scene does, the record has two fields for a parameter with this condition: one f
 the given value."""
 
 
-def new_record(scene: Scene, structure: Structure, shared: SharedData) -> np.ndarray:
+def new_record(scene: Scene, structure: Structure, shared_data: SharedData) -> np.ndarray:
     """Return an array with one record: an instance with the parameters of a scene, before initialization.
 
     Args:
         scene: the scene.
         structure: the structure of the scene.
-        shared: the entry of the cache for the scene; it gets a copy of each record that is written as a
+        shared_data: the entry of the cache for the scene; it gets a copy of each record that is written as a
             whole.
     """
-    counts, last = structure.counts, shared.record
-    layout, changed = layout_of(*counts), changed_numbers(last[0], scene) if last else None
-    if last is None or changed is None:
+    counts, last = structure.counts, shared_data.record
+    layout, changed_names = layout_of(*counts), changed_numbers(last[0], scene) if last else None
+    if last is None or changed_names is None:
         words = np.zeros(layout.itemsize // WORD)
         # ``words.view(layout)`` would first compare the types, which takes longer than all other lines here
         memory = np.ndarray(1, layout, words)
         _fill(memory[0], scene, structure)
         for table in _tables():
             _write(table, words, scene, counts)
-        shared.record = scene, words.copy()
+        shared_data.record = scene, words.copy()
     else:
         words = last[1].copy()
         memory = np.ndarray(1, layout, words)
-        for table in changed:
+        for table in changed_names:
             _write(table, words, scene, counts)
     return memory
 
@@ -79,15 +79,17 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
     These are counts and other numbers that are no parameters, the signals, and the materials of single walls.
     """
     value_of = values_of(structure.numbers, structure.lists, scene)
-    for path, rule, over, at in RECORD_NUMBERS.values():
+    for path, rule, counted, index_name in RECORD_NUMBERS.values():
         *parts, key = (step for step in path if step != INDEX_PLACE)
         part = d
         for name in parts:
             part = part[name]
         if INDEX_PLACE not in path:
             part[key] = number_in(rule, value_of)
-        elif members := members_in(over, value_of):
-            entries = slice(len(members)) if at == "order" else numbers_of(at, members, value_of)
+        elif members := members_in(counted, value_of):
+            entries = (
+                slice(len(members)) if index_name == "order" else numbers_of(index_name, members, value_of)
+            )
             part[key][entries] = numbers_of(rule, members, value_of)
     fill_signals(d, scene, structure)
     _fill_materials(d, scene)
@@ -119,7 +121,7 @@ def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
     members, part, paths = _members(path)
     has_given = attrgetter(kind.stores_given_if)
 
-    def read(scene: Scene) -> list[Any]:
+    def read_values(scene: Scene) -> list[Any]:
         parts = [part(member) for member in members(scene)]
         values = [kind.number_for_none if value is None else value for value in parts]
         if kind.choices:
@@ -128,7 +130,7 @@ def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
             return values
         return values + (_with_derived_marks(scene, paths(scene), values) if scene.derived_paths else values)
 
-    return read
+    return read_values
 
 
 def _reader_of_one(kind: Kind, path: DataPath) -> Callable[[Scene], list[Any]]:
@@ -138,7 +140,7 @@ def _reader_of_one(kind: Kind, path: DataPath) -> Callable[[Scene], list[Any]]:
     """
     part, has_given = _getter(path), attrgetter(kind.stores_given_if)
 
-    def read(scene: Scene) -> list[Any]:
+    def read_values(scene: Scene) -> list[Any]:
         value = part(scene)
         if kind.choices:
             value = _choice_number(kind, value)
@@ -148,7 +150,7 @@ def _reader_of_one(kind: Kind, path: DataPath) -> Callable[[Scene], list[Any]]:
             return [value]
         return [value, DERIVED if path in scene.derived_paths else value]
 
-    return read
+    return read_values
 
 
 def _members(
@@ -170,9 +172,16 @@ def _members(
                 for j in range(len(link.points))
             ],
         )
-    split = path.index(INDEX_PLACE)
-    list_of, (before, after) = _getter(path[:split]), (path[:split], path[split + 1 :])
-    return list_of, _getter(after), lambda scene: [(*before, i, *after) for i in range(len(list_of(scene)))]
+    index_place = path.index(INDEX_PLACE)
+    list_of, (path_to_list, path_in_member) = (
+        _getter(path[:index_place]),
+        (path[:index_place], path[index_place + 1 :]),
+    )
+    return (
+        list_of,
+        _getter(path_in_member),
+        lambda scene: [(*path_to_list, i, *path_in_member) for i in range(len(list_of(scene)))],
+    )
 
 
 def _with_derived_marks(scene: Scene, paths: Sequence[DataPath], values: Sequence[Any]) -> list[Any]:
@@ -212,35 +221,35 @@ def _write(table: str, words: np.ndarray, scene: Scene, counts: Counts) -> None:
     """
     # the record has room for the entries of ``walls`` only if points may touch walls
     sloped_walls = len(scene.walls) if scene.may_touch else 0
-    slides = scene.chain.slider is not None
-    met_conditions = tuple(name for name, holds in _STORES_GIVEN.items() if holds(scene))
-    indices, readers = _words_of(table, counts, sloped_walls, slides, met_conditions)
-    words[indices] = [number for read in readers for number in read(scene)]
+    has_slider = scene.chain.slider is not None
+    met_conditions = tuple(name for name, is_met in _STORES_GIVEN.items() if is_met(scene))
+    indices, readers = _words_of(table, counts, sloped_walls, has_slider, met_conditions)
+    words[indices] = [number for reader in readers for number in reader(scene)]
 
 
 @lru_cache(MOST_CACHED * len(keys(Scene)))
 def _words_of(
-    table: str, counts: Counts, sloped_walls: int, slides: bool, met_conditions: tuple[str, ...]
+    table: str, counts: Counts, sloped_walls: int, has_slider: bool, met_conditions: tuple[str, ...]
 ) -> tuple[np.ndarray, list[Callable[[Scene], list[Any]]]]:
     """Return the indices of the words for a table's numbers, and the functions that read the numbers.
 
     The functions, one after the other, return the numbers in the order of the indices. ``sloped_walls``
-    is the number of entries of ``walls`` in the record, ``slides`` says whether there is a slider, and
+    is the number of entries of ``walls`` in the record, ``has_slider`` says whether there is a slider, and
     ``met_conditions`` are the conditions of ``_STORES_GIVEN`` that the scene meets.
     """
-    numbers = {**counts._asdict(), "sloped_walls": sloped_walls, "slider": slides}
-    layout, kinds, words, there = layout_of(*counts), _tables()[table], [], []
+    numbers = {**counts._asdict(), "sloped_walls": sloped_walls, "slider": has_slider}
+    layout, kinds, words, index_list = layout_of(*counts), _tables()[table], [], []
     indices_of = {name: _indices(name, numbers) for name in {kind.owner_kind for kind, _ in kinds}}
     for kind, reader in kinds:
-        given = (
+        given_paths = (
             kind.given_path if not kind.stores_given_if or kind.stores_given_if in met_conditions else None
         )
         indices = indices_of[kind.owner_kind]
-        for path in filter(None, (kind.record_path, given)):
+        for path in filter(None, (kind.record_path, given_paths)):
             words += [word_index(layout, fill_path(path, index)) for index in indices]
         if indices:
-            there.append(reader)
-    return np.array(words, int), there
+            index_list.append(reader)
+    return np.array(words, int), index_list
 
 
 def _indices(owner_kind: str, numbers: Mapping[str, int]) -> list[dict[str, int]]:

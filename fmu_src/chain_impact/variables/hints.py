@@ -10,14 +10,16 @@ Hint = Callable[[str], str | None]
 """A function from an unknown name to a hint for the error; None if no hint is known."""
 
 
-def output_hint(name: str, inputs: Collection[str], parameters: Collection[str], how: str = "") -> str | None:
+def output_hint(
+    name: str, inputs: Collection[str], parameters: Collection[str], advice: str = ""
+) -> str | None:
     """Return a hint for the name or pattern of inputs or parameters, which are no outputs; else None.
 
-    ``inputs`` and ``parameters``: the names of all inputs and parameters. ``how``: what makes an input an
+    ``inputs`` and ``parameters``: the names of all inputs and parameters. ``advice``: what makes an input an
     output, in words, such as "a signal"; "" if nothing does.
     """
     if find_names(name, inputs):
-        return f"it is an input{how and f'; {how} makes it an output'}"
+        return f"it is an input{advice and f'; {advice} makes it an output'}"
     if find_names(name, parameters):
         return "parameters are no outputs: they stay constant during a run"
     return None
@@ -39,9 +41,9 @@ def series_hint(hint: Hint) -> Hint:
     and ``result.statistics``. For any other name, the hint is that of the function ``hint``.
     """
 
-    def found(name: str) -> str | None:
+    def hint_of(name: str) -> str | None:
         if name.startswith(("impact.", "impact[", "solver.")):
             return "impacts are in result.impacts, counts of the solver in result.statistics"
         return hint(name)
 
-    return found
+    return hint_of

@@ -33,10 +33,10 @@ def word_index(dtype: np.dtype, path: DataPath) -> int:
         if isinstance(step, str):
             dtype, start = dtype[step], dtype.fields[step][1]  # type: ignore[index]
         else:
-            item, (length, *following) = dtype.base, dtype.shape
+            item, (length, *inner_shape) = dtype.base, dtype.shape
             if not 0 <= step < length:
                 raise IndexError(f"{path}: {step} is not below {length}")
-            dtype = np.dtype((item, tuple(following)))
+            dtype = np.dtype((item, tuple(inner_shape)))
             start = step * dtype.itemsize
         offset += start
     if dtype.fields or dtype.itemsize != WORD:

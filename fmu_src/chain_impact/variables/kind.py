@@ -157,9 +157,14 @@ class Kind:
 
         The result has no unit; ``listing.derivatives`` gives a unit to each variable of this kind.
         """
-        of, by = self.pattern, parameter.pattern
-        text = f"derivative of {of} with respect to {by}"
-        return Kind(name=sensitivity_name(of, by), text=text, record_path=(), feedthrough=self.feedthrough)
+        output_pattern, parameter_pattern = self.pattern, parameter.pattern
+        text = f"derivative of {output_pattern} with respect to {parameter_pattern}"
+        return Kind(
+            name=sensitivity_name(output_pattern, parameter_pattern),
+            text=text,
+            record_path=(),
+            feedthrough=self.feedthrough,
+        )
 
     def with_limit_words(self, text: str) -> str:
         """Return ``text`` with the limit ``above`` in words at its end, if there is one.
@@ -188,7 +193,7 @@ def block(
     prefix: str = "",
     is_terminal: bool = False,
     when: tuple[str, ...] = (),
-    **common: Any,
+    **common_fields: Any,
 ) -> Block:
     """Return the block of the kinds ``rows``, completed with what they have in common.
 
@@ -198,13 +203,13 @@ def block(
         prefix: the first part of all names, without the dot; "" for none.
         is_terminal: whether the variables of an owner form a terminal in FMI 3.0.
         when: names of conditions for all kinds, in addition to the conditions of each kind.
-        common: other attributes of ``Kind`` that all kinds have.
+        common_fields: other attributes of ``Kind`` that all kinds have.
     """
-    common = {"owner_kind": owner_kind, "terminal": prefix if is_terminal else "", **common}
+    common_fields = {"owner_kind": owner_kind, "terminal": prefix if is_terminal else "", **common_fields}
     start = f"{prefix}." if prefix else ""
     return Block(
         owner_kind,
-        tuple(replace(kind, name=start + kind.name, when=(*when, *kind.when), **common) for kind in rows),
+        tuple(replace(kind, name=start + kind.name, when=(*when, *kind.when), **common_fields) for kind in rows),
     )
 
 

@@ -47,7 +47,7 @@ def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
             rule = (
                 rule_at(kind.derived, path, scene.chain.links) if kind.derived and path in derived else None
             )
-            given = (
+            given_numbers = (
                 kind.given_path
                 if not kind.stores_given_if or owner.conditions[kind.stores_given_if]
                 else None
@@ -58,7 +58,7 @@ def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
                 words,
                 variability="tunable" if kind.tunable and owner.conditions[kind.tunable] else "fixed",
                 scene_path=path,
-                given_path=given and fill_path(given, owner.values),
+                given_path=given_numbers and fill_path(given_numbers, owner.values),
                 rule=rule,
                 items=choices.get(kind.choices, ()),
             )
@@ -66,8 +66,8 @@ def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
 
 def inputs(structure: Structure) -> Iterator[Variable]:
     """Return the inputs that scenes with this structure ask for, without those that signals determine."""
-    driven = structure.driven_quantities
-    return (variable for variable in requested_inputs(structure) if variable.name not in driven)
+    driven_names = structure.driven_quantities
+    return (variable for variable in requested_inputs(structure) if variable.name not in driven_names)
 
 
 def requested_inputs(structure: Structure) -> Iterator[Variable]:
@@ -101,22 +101,22 @@ def _driven_outputs(structure: Structure) -> Iterator[Variable]:
     """
     rows = structure.driven_quantities
     for kind, owner, words in _owned_kinds(INPUTS, structure) if rows else ():
-        driven = rows.get(kind.name.format_map(words))
-        if driven is not None:
-            row, order = driven
+        driven_row = rows.get(kind.name.format_map(words))
+        if driven_row is not None:
+            row, order = driven_row
             rate_of = "signal" if order > 0 and structure.signals[row].outputs[order - 1] else ""
             output = replace(
-                kind, causality="output", record_path=("output", "signal", *driven), rate_of=rate_of
+                kind, causality="output", record_path=("output", "signal", *driven_row), rate_of=rate_of
             )
             yield Variable.from_kind(output, owner, words)
 
 
-def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iterator[Variable]:
-    """Yield the derivatives of all ``outputs`` with respect to the first of ``varied``, then to the next.
+def derivatives(outputs: Sequence[Variable], variables: Sequence[Variable]) -> Iterator[Variable]:
+    """Yield the derivatives of all ``outputs`` with respect to the first of ``variables``, then to the next.
 
-    ``varied`` are parameters and inputs; the one with index k has direction k of the tangent instances.
+    ``variables`` are parameters and inputs; the one with index k has direction k of the tangent instances.
     """
-    for number, parameter in enumerate(varied):
+    for number, parameter in enumerate(variables):
         tangent, direction = divmod(number, DIRECTIONS)
         kinds: dict[str, Kind] = {}
         for output in outputs:

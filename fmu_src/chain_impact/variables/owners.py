@@ -225,13 +225,13 @@ def owners_of(
 
     ``scene_numbers`` and ``lists`` have the values of the names in the rules (``values_of``).
     """
-    row, found = OWNER_KINDS[kind], dict[Any, Owner]()
+    row, found_owners = OWNER_KINDS[kind], dict[Any, Owner]()
     for order, member in enumerate(members_in(row.over, values_of(scene_numbers, lists))):
-        here = {**scene_numbers, **member, "order": order}
-        if holds(row.where, here.__getitem__):
-            numbers = {name: number_in(rule, here.__getitem__) for name, rule in row.numbers.items()}
+        member_names = {**scene_numbers, **member, "order": order}
+        if holds(row.where, member_names.__getitem__):
+            numbers = {name: number_in(rule, member_names.__getitem__) for name, rule in row.numbers.items()}
             values = {**member, **numbers}
             for name, rule in row.conditions.items():
-                here[name] = holds(rule, here.__getitem__)
-            found.setdefault(tuple(map(values.get, ("n", "of", "name"))), Owner(values, here))
-    return list(found.values())
+                member_names[name] = holds(rule, member_names.__getitem__)
+            found_owners.setdefault(tuple(map(values.get, ("n", "of", "name"))), Owner(values, member_names))
+    return list(found_owners.values())

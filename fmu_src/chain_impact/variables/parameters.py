@@ -48,12 +48,12 @@ def _parameter(
     scene_path: DataPath,
     record_path: DataPath,
     text: str = "{}",
-    **other: Any,
+    **other_fields: Any,
 ) -> Kind:
     """Return the kind of parameters for the values at ``scene_path`` in the scene, a template.
 
     Unit and range are those in ``metadata`` of the key. In ``text``, ``{}`` stands for the
-    description in ``metadata``. ``other`` are further attributes of ``Kind``.
+    description in ``metadata``. ``other_fields`` are further attributes of ``Kind``.
     """
     default, limits = (
         metadata["default"],
@@ -66,9 +66,9 @@ def _parameter(
         causality="parameter",
         record_path=record_path,
         scene_path=scene_path,
-        derived=default if isinstance(default, Derived) and "given_path" in other else None,
+        derived=default if isinstance(default, Derived) and "given_path" in other_fields else None,
         **limits,
-        **other,
+        **other_fields,
     )
 
 
@@ -91,13 +91,13 @@ def _table_kinds(
         in_scene, in_record = (
             tuple(key if step == KEY else step for step in steps) for steps in (scene_path, record_path)
         )
-        more = {"record_path": in_record, **special.get(key, {})}
-        kinds.append(_parameter(_metadata(table)[key], scene_path=in_scene, text=text, **more))
+        extra_fields = {"record_path": in_record, **special.get(key, {})}
+        kinds.append(_parameter(_metadata(table)[key], scene_path=in_scene, text=text, **extra_fields))
     return kinds
 
 
 def _vector(
-    table: type, *, scene_path: DataPath, record_path: DataPath, text: str, **other: Any
+    table: type, *, scene_path: DataPath, record_path: DataPath, text: str, **other_fields: Any
 ) -> list[Kind]:
     """Return the kinds of parameters for the components x and y of a vector.
 
@@ -109,7 +109,12 @@ def _vector(
         in_record = tuple(steps.get(step, step) for step in record_path)
         kinds.append(
             _parameter(
-                metadata, scene_path=(*scene_path, j), record_path=in_record, text=text, axis=axis, **other
+                metadata,
+                scene_path=(*scene_path, j),
+                record_path=in_record,
+                text=text,
+                axis=axis,
+                **other_fields,
             )
         )
     return kinds

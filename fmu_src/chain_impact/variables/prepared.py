@@ -104,7 +104,12 @@ class PreparedScene:
     @cached_property
     def signals_by_input(self) -> dict[str, str]:
         """Name of a quantity that a signal determines (``Driven.outputs``) → name of this signal."""
-        return {name: driven.signal for driven in driven_by(self.scene) for name in driven.outputs if name}
+        return {
+            name: driven_input.signal
+            for driven_input in driven_by(self.scene)
+            for name in driven_input.outputs
+            if name
+        }
 
     @shared_by_structure
     def outputs(self) -> list[Variable]:
@@ -207,22 +212,24 @@ class PreparedScene:
         """The indices in the record of all outputs of the scene, without derivatives."""
         return output_indices(self.structure, self.counts)
 
-    def indices_named(self, wanted: str | Iterable[str]) -> OutputIndices:
-        """Return the record's indices of the outputs with the names or patterns ``wanted``, in this order.
+    def indices_named(self, wanted_names: str | Iterable[str]) -> OutputIndices:
+        """Return the record's indices of the outputs with the names or patterns ``wanted_names``, in order.
 
         An output that several names or patterns match is returned once.
 
         Raises:
             UnknownNameError: when a name is not that of an output, or a pattern matches no output.
         """
-        by_names, kept = self._indices_by_names, self._indices_by_text
-        if not isinstance(wanted, str):
-            return by_names(*(variable.name for variable in outputs_named(self, wanted)))
-        if wanted not in kept:
-            if len(kept) >= KEPT_SELECTIONS:
-                kept.clear()
-            kept[wanted] = by_names(*(variable.name for variable in outputs_named(self, wanted)))
-        return kept[wanted]
+        by_names, kept_indices = self._indices_by_names, self._indices_by_text
+        if not isinstance(wanted_names, str):
+            return by_names(*(variable.name for variable in outputs_named(self, wanted_names)))
+        if wanted_names not in kept_indices:
+            if len(kept_indices) >= KEPT_SELECTIONS:
+                kept_indices.clear()
+            kept_indices[wanted_names] = by_names(
+                *(variable.name for variable in outputs_named(self, wanted_names))
+            )
+        return kept_indices[wanted_names]
 
     @shared_by_structure
     def _indices_by_text(self) -> dict[str, OutputIndices]:
@@ -232,8 +239,10 @@ class PreparedScene:
     @shared_by_structure
     def _indices_by_names(self) -> Callable[..., OutputIndices]:
         """The function from names of outputs to their indices, which keeps the results of its last calls."""
-        outputs, every = self.outputs_without_derivatives, self.output_indices
-        return lru_cache(KEPT_SELECTIONS)(lambda *names: indices_of([outputs[name] for name in names], every))
+        outputs, all_indices = self.outputs_without_derivatives, self.output_indices
+        return lru_cache(KEPT_SELECTIONS)(
+            lambda *names: indices_of([outputs[name] for name in names], all_indices)
+        )
 
     def series(self, outputs: np.ndarray) -> dict[str, np.ndarray]:
         """Return name of an output → its values over time, shape (T,).
@@ -246,18 +255,18 @@ class PreparedScene:
             for variable in self.motion
         }
 
-    def new_instance(self, varied: Sequence[Variable] | None = None) -> np.ndarray:
+    def new_instance(self, variables: Sequence[Variable] | None = None) -> np.ndarray:
         """Return an array with one record: an instance with the scene's parameters, before initialization.
 
         If the kernel computes derivatives, the last field of this record has the tangent instances.
 
         Args:
-            varied: the parameters and inputs with respect to which the kernel computes derivatives; by
+            variables: the parameters and inputs with respect to which the kernel computes derivatives; by
                 default those with respect to which the FMU has derivatives.
         """
-        varied = self.varied if varied is None else varied
+        variables = self.varied if variables is None else variables
         memory = new_record(self.scene, self.structure, self.shared)
-        return with_tangents(memory, [variable.set_path for variable in varied]) if varied else memory
+        return with_tangents(memory, [variable.set_path for variable in variables]) if variables else memory
 
 
 def field_at(outputs: Any, path: DataPath) -> Any:

@@ -39,7 +39,7 @@ class Available(Protocol):
     def output_index(self) -> dict[str, int]: ...  # noqa: D102
 
 
-def varied_by(prepared: Available, names: str | Iterable[str]) -> list[Variable]:
+def varied_by(prepared_scene: Available, names: str | Iterable[str]) -> list[Variable]:
     """Return the parameters and inputs with the names or patterns ``names``, each once, for derivatives.
 
     They are in the order of ``names``. In a pattern, ``*`` stands for any text.
@@ -48,102 +48,110 @@ def varied_by(prepared: Available, names: str | Iterable[str]) -> list[Variable]
         UnknownNameError: when a name is not that of a variable with respect to which there are derivatives,
             or a pattern matches none.
     """
-    scene = prepared.scene
+    scene = prepared_scene.scene
 
     def hint(name: str) -> str | None:
-        if name in prepared.output_index:
+        if name in prepared_scene.output_index:
             return "it is an output: derivatives of it are with respect to parameters and inputs"
-        if name in prepared.parameter_paths:
+        if name in prepared_scene.parameter_paths:
             return "it is a choice, or a setting of the solver, of which the motion is not a smooth function"
         if input_key(name):
             return request_hint(scene, name)
         hint = parameter_hint(name, len(scene.chain.links), scene.signals)
         return absent_hint(name) or hint or fixed_hint(scene, name)
 
-    wanted = (names,) if isinstance(names, str) else tuple(names)
-    if not wanted:
+    wanted_names = (names,) if isinstance(names, str) else tuple(names)
+    if not wanted_names:
         return []
-    variables = prepared.differentiable
-    found = _matching_names(scene.name, wanted, variables, "not a parameter with derivatives", hint)
-    return [variables[name] for name in found]
+    variables = prepared_scene.differentiable
+    found_names = _matching_names(
+        scene.name, wanted_names, variables, "not a parameter with derivatives", hint
+    )
+    return [variables[name] for name in found_names]
 
 
-def outputs_named(prepared: Available, wanted: str | Iterable[str]) -> list[Variable]:
-    """Return the outputs with the names or patterns ``wanted``, each once, in the order of ``wanted``.
+def outputs_named(prepared_scene: Available, wanted_names: str | Iterable[str]) -> list[Variable]:
+    """Return the outputs with the names or patterns ``wanted_names``, each once, in this order.
 
     Raises:
         UnknownNameError: when a name is not that of an output, or a pattern matches no output.
     """
-    if not wanted:
+    if not wanted_names:
         return []
-    outputs, hint = prepared.outputs_without_derivatives, _hint_on_outputs(prepared)
+    outputs, hint = prepared_scene.outputs_without_derivatives, _hint_on_outputs(prepared_scene)
     return [
-        outputs[name] for name in _matching_names(prepared.scene.name, wanted, outputs, "not an output", hint)
+        outputs[name]
+        for name in _matching_names(prepared_scene.scene.name, wanted_names, outputs, "not an output", hint)
     ]
 
 
-def columns_named(prepared: Available, wanted: str | Iterable[str]) -> dict[str, int]:
-    """Return the entries of ``PreparedScene.output_index`` for ``wanted``, names or patterns, in this order.
+def columns_named(prepared_scene: Available, wanted_names: str | Iterable[str]) -> dict[str, int]:
+    """Return the entries of ``PreparedScene.output_index`` for names or patterns, in this order.
 
     Raises:
         UnknownNameError: when a name is not that of a column, or a pattern matches no column.
     """
-    columns, hint = prepared.output_index, series_hint(_hint_on_outputs(prepared))
-    names = _matching_names(prepared.scene.name, wanted, columns, "not an output", hint)
+    columns, hint = prepared_scene.output_index, series_hint(_hint_on_outputs(prepared_scene))
+    names = _matching_names(prepared_scene.scene.name, wanted_names, columns, "not an output", hint)
     return {name: columns[name] for name in names}
 
 
-def missing_output_hint(prepared: Available, name: str) -> str | None:
+def missing_output_hint(prepared_scene: Available, name: str) -> str | None:
     """Return a hint why ``name`` matches no wanted output; None without a hint."""
-    inputs, outputs = [variable.name for variable in prepared.inputs], prepared.outputs_without_derivatives
-    how = "a signal in the scene, inputs={…} in Python or --inputs FILE on the command line"
-    if hint := output_hint(name, inputs, prepared.parameter_paths, how):
+    inputs, outputs = (
+        [variable.name for variable in prepared_scene.inputs],
+        prepared_scene.outputs_without_derivatives,
+    )
+    advice = "a signal in the scene, inputs={…} in Python or --inputs FILE on the command line"
+    if hint := output_hint(name, inputs, prepared_scene.parameter_paths, advice):
         return hint
     if input_key(name):
-        return request_hint(prepared.scene, name)
+        return request_hint(prepared_scene.scene, name)
     if find_names(name, outputs):
         return None
-    scene = prepared.scene
+    scene = prepared_scene.scene
     if name == JOINT_FORCE and not scene.outputs.loads:
         return "it needs outputs.loads = true"
     if name in (JOINT_FORCE, *PEAKS):
         return "it is one value of a whole run: a column of each sweep, and a quantity of a ranking"
     hint = named_point_hint(scene, name, outputs) or parts_hint(name, outputs) or _hint_on_more(scene, name)
-    return hint or _hint_on_joint(prepared, name)
+    return hint or _hint_on_joint(prepared_scene, name)
 
 
-def _hint_on_joint(prepared: Available, name: str) -> str | None:
+def _hint_on_joint(prepared_scene: Available, name: str) -> str | None:
     """Return the hint for the output of a joint if ``name`` is that of the link behind it; else None."""
     # forces and moments on a link are those of its joint
     of_joint = name.replace("link[", "joint[", 1)
-    hint = missing_output_hint(prepared, of_joint) if of_joint != name else None
+    hint = missing_output_hint(prepared_scene, of_joint) if of_joint != name else None
     return hint and (hint if of_joint in hint else f"take {of_joint}: {hint}")
 
 
-def _hint_on_outputs(prepared: Available) -> Hint:
-    return lambda name: missing_output_hint(prepared, name)
+def _hint_on_outputs(prepared_scene: Available) -> Hint:
+    return lambda name: missing_output_hint(prepared_scene, name)
 
 
 def _hint_on_more(scene: Scene, name: str) -> str | None:
     """Return a hint if the scene would have the output ``name`` with another key of [outputs]; else None."""
     for key in keys(Outputs):
         if getattr(scene.outputs, key.name) is False:
-            asked = f"outputs.{key.name} = true"
-            more = all_outputs(scene.with_values({f"outputs.{key.name}": True}))
-            if find_names(name, more):
-                return f"it needs {asked}"
-            if parts := parts_hint(name, more):
-                return f"with {asked} {parts}"
+            asked_text = f"outputs.{key.name} = true"
+            more_names = all_outputs(scene.with_values({f"outputs.{key.name}": True}))
+            if find_names(name, more_names):
+                return f"it needs {asked_text}"
+            if parts := parts_hint(name, more_names):
+                return f"with {asked_text} {parts}"
     return None
 
 
 def _matching_names(
-    source: str, wanted: str | Iterable[str], available: Mapping[str, Any], what: str, hint: Hint
+    source: str, wanted_names: str | Iterable[str], available_names: Mapping[str, Any], fault: str, hint: Hint
 ) -> dict[str, None]:
-    """Return a dict whose keys are the names in ``available`` that the names or patterns ``wanted`` match.
+    """Return a dict whose keys are the ``available_names`` that the names or patterns ``wanted_names`` match.
 
-    The keys are in the order of ``wanted``. ``source``, ``what`` and ``hint`` are for the error if a name or
-    pattern matches none (``names_matching``).
+    The keys are in the order of ``wanted_names``. ``source``, ``fault`` and ``hint`` are for the error if a
+    name or pattern matches none (``names_matching``).
     """
-    names = (wanted,) if isinstance(wanted, str) else wanted
-    return {match: None for name in names for match in names_matching(source, name, available, what, hint)}
+    names = (wanted_names,) if isinstance(wanted_names, str) else wanted_names
+    return {
+        match: None for name in names for match in names_matching(source, name, available_names, fault, hint)
+    }

@@ -60,13 +60,15 @@ def unit_of(name: str) -> Unit:
     numerator, _, denominator = name.removesuffix(")").partition("/(")
     if not {numerator, denominator} <= UNITS.keys():
         raise ValueError(f"unit {name}: must be a key of UNITS in variables/units.py, or a quotient of two")
-    above, below = UNITS[numerator], UNITS[denominator]
+    numerator_unit, denominator_unit = UNITS[numerator], UNITS[denominator]
     powers = None
-    if above.powers is not None and below.powers is not None:
-        bases = dict.fromkeys((*above.powers, *below.powers))
-        powers = {base: above.powers.get(base, 0) - below.powers.get(base, 0) for base in bases}
+    if numerator_unit.powers is not None and denominator_unit.powers is not None:
+        bases = dict.fromkeys((*numerator_unit.powers, *denominator_unit.powers))
+        powers = {
+            base: numerator_unit.powers.get(base, 0) - denominator_unit.powers.get(base, 0) for base in bases
+        }
         powers = {base: power for base, power in powers.items() if power}
-    return Unit(f"{above.quantity}Per{below.quantity}", powers)
+    return Unit(f"{numerator_unit.quantity}Per{denominator_unit.quantity}", powers)
 
 
 def sorted_units(names: set[str]) -> list[str]:

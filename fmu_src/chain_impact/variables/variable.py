@@ -69,14 +69,14 @@ class Variable:
     words: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @classmethod
-    def from_kind(cls, kind: Kind, owner: Owner, words: Mapping[Any, Any], **other: Any) -> Variable:
+    def from_kind(cls, kind: Kind, owner: Owner, words: Mapping[Any, Any], **other_fields: Any) -> Variable:
         """Return the variable of a kind that an owner has.
 
         ``words`` has the texts for words in braces in templates, and the numbers that ``minimum`` and
-        ``maximum`` name. ``other`` are further attributes, which replace those from the kind.
+        ``maximum`` name. ``other_fields`` are further attributes, which replace those from the kind.
         """
         changing = kind.record_path[:1] in OBSERVED and kind.unit
-        text, rule = kind.description.format_map(words), other.get("rule")
+        text, rule = kind.description.format_map(words), other_fields.get("rule")
         return cls(
             kind=kind,
             name=kind.name.format_map(words),
@@ -89,7 +89,7 @@ class Variable:
             base_at_rest=owner.conditions.get("base_at_rest", False),
             terminal=kind.terminal and kind.terminal.format_map(words),
             words=words,
-            **{"variability": "continuous" if changing else "discrete"} | other,
+            **{"variability": "continuous" if changing else "discrete"} | other_fields,
         )
 
     @property

@@ -41,8 +41,8 @@ def scene_words(structure: Structure) -> dict[str, Any]:
     form, with texts that hold for every owner.
     """
     numbers, names = structure.numbers, [wall["name"] for wall in structure.lists["walls"]]
-    without = () if numbers["contact_friction"] else (FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING)
-    statuses = {code: text for code, text in STATUS_TEXT.items() if code not in without}
+    absent_words = () if numbers["contact_friction"] else (FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING)
+    statuses = {code: text for code, text in STATUS_TEXT.items() if code not in absent_words}
     walls = ", ".join(f"{w} {wall}" for w, wall in enumerate(names, 1))
     return {
         "points": numbers["links"] + numbers["sites"],

@@ -34,11 +34,15 @@ def check_signals(scene: Contents) -> None:
         _check_inputs(scene, name, signal)
         _check_numbers(name, signal)
         for input_name in signal.input:
-            for driven in driven_alone(input_name):
-                if driven in owners:
-                    other = owners[driven]
-                    by = f"signals.{other} drives {driven}" if other != name else "it is listed twice"
-                    raise refusal(_input(name), "driven_twice", value=value_text(input_name), by=by)
+            for quantity in driven_alone(input_name):
+                if quantity in owners:
+                    other_owner = owners[quantity]
+                    driver_text = (
+                        f"signals.{other_owner} drives {quantity}"
+                        if other_owner != name
+                        else "it is listed twice"
+                    )
+                    raise refusal(_input(name), "driven_twice", value=value_text(input_name), by=driver_text)
             owners |= dict.fromkeys(driven_alone(input_name), name)
             _check_motion(name, signal, input_name)
 
@@ -52,19 +56,19 @@ def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
 
     Only a table may drive inputs in several units, because a table has a column for each input.
     """
-    there = list(inputs_of(scene))
+    possible_inputs = list(inputs_of(scene))
     if not signal.input:
         raise refusal(_input(name), "no_input")
     for input_name in signal.input:
-        if input_name in there:
+        if input_name in possible_inputs:
             continue
-        how = request_hint(scene, input_name)
-        raise refusal(_input(name), "strange_input", value=value_text(input_name), how=how)
+        hint = request_hint(scene, input_name)
+        raise refusal(_input(name), "strange_input", value=value_text(input_name), how=hint)
     units = {unit_of(input_name): input_name for input_name in signal.input}
     if len(units) > 1 and signal.form != "table":
-        (unit, first), (other_unit, other) = list(units.items())[:2]
+        (unit, first), (other_unit, other_input) = list(units.items())[:2]
         words = {"unit": unit_text(unit), "other_unit": unit_text(other_unit)}
-        raise refusal(_input(name), "units", first=first, other=other, **words)
+        raise refusal(_input(name), "units", first=first, other=other_input, **words)
 
 
 def _check_numbers(name: str, signal: Signal) -> None:
@@ -79,9 +83,9 @@ def _check_numbers(name: str, signal: Signal) -> None:
         return
     if not times or len(times) != len(values):
         raise refusal(("signals", name, "times"), "times", times=len(times), values=len(values))
-    for k, (before, after) in enumerate(pairwise(times), 1):
-        if not after > before:
-            raise refusal(("signals", name, "times", k), "late", value=after, before=before)
+    for k, (earlier_time, later_time) in enumerate(pairwise(times), 1):
+        if not later_time > earlier_time:
+            raise refusal(("signals", name, "times", k), "late", value=later_time, before=earlier_time)
 
 
 def _check_period(name: str, signal: Signal, samples: Samples) -> None:
@@ -105,7 +109,7 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
             )
 
 
-def check_table(name: str, signal: Signal, driven: str, order: int) -> None:
+def check_table(name: str, signal: Signal, quantity: str, order: int) -> None:
     """Refuse an interpolation or rows with which a position or velocity of the base or a wall would jump.
 
     A jump would be an impact of unknown strength. Refuse a period, too, if accelerations are driven, because
@@ -114,21 +118,21 @@ def check_table(name: str, signal: Signal, driven: str, order: int) -> None:
     Args:
         name: the name of the signal.
         signal: the signal with the table.
-        driven: the input, a motion of the base or a wall.
+        quantity: the input, a motion of the base or a wall.
         order: how often the input is integrated over time to give a position.
     """
-    needed = {0: ("spline",), 1: ("spline", "linear")}.get(order)
-    if signal.interpolation and needed and signal.interpolation not in needed:
+    forms = {0: ("spline",), 1: ("spline", "linear")}.get(order)
+    if signal.interpolation and forms and signal.interpolation not in forms:
         raise error_at(
             ("signals", name, "interpolation"),
-            f'= "{signal.interpolation}" must be {" or ".join(map(_quoted, needed))} where {driven} is '
+            f'= "{signal.interpolation}" must be {" or ".join(map(_quoted, forms))} where {quantity} is '
             "driven: its velocity would jump, which would be an impact of unknown strength",
         )
     times = np.array(signal.samples.times if signal.samples else ())
-    for jump in times[jumps_of(times)] if needed else ():
+    for jump in times[jumps_of(times)] if forms else ():
         raise error_at(
             ("signals", name, "file"),
-            f": two rows at {jump:g} s make {driven} jump, which would be an impact of unknown strength",
+            f": two rows at {jump:g} s make {quantity} jump, which would be an impact of unknown strength",
         )
     if signal.period and order == 2:  # noqa: PLR2004
         raise error_at(
@@ -142,23 +146,23 @@ def _quoted(text: str) -> str:
     return f'"{text}"'
 
 
-def _check_motion(name: str, signal: Signal, driven: str) -> None:
+def _check_motion(name: str, signal: Signal, quantity: str) -> None:
     """Refuse a signal with which a position or velocity of the base or a wall would jump (SIGNAL_REFUSALS).
 
     A periodic table of accelerations is refused, too (``check_table``), and so is a sine whose frequency is 0
     and stays 0 if the input is integrated over time: the integral of the sine would divide by zero.
     """
-    order, moves = quantities_driven_by(driven).index(driven), is_motion(driven)
+    order, is_moving = quantities_driven_by(quantity).index(quantity), is_motion(quantity)
     speed = abs((signal.amplitude or 0.0) * (signal.frequency or 0.0))
     facts = {
         "order": order,
-        "moves": moves,
+        "moves": is_moving,
         "steps_differ": len(set(signal.values or ())) > 1,
         "starts_fast": abs(speed * math.cos(signal.phase or 0.0)) > REST_TOLERANCE * speed,
     }
     for rule in SIGNAL_REFUSALS:
         if holds(rule.condition, lambda key: facts[key] if key in facts else getattr(signal, key)):
             value = getattr(signal, rule.key)
-            raise refusal(("signals", name, rule.key), rule.fault, input=driven, value=value)
-    if moves:
-        check_table(name, signal, driven, order)
+            raise refusal(("signals", name, rule.key), rule.fault, input=quantity, value=value)
+    if is_moving:
+        check_table(name, signal, quantity, order)

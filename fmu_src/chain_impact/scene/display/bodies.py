@@ -58,8 +58,8 @@ def _half_hull(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
     hull: list[tuple[float, float]] = []
     for x, y in corners:
         while len(hull) > 1:
-            (ax, ay), (bx, by) = hull[-2:]
-            if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
+            (a_x, a_y), (b_x, b_y) = hull[-2:]
+            if (b_x - a_x) * (y - a_y) - (b_y - a_y) * (x - a_x) > 0.0:
                 break
             hull.pop()
         hull.append((x, y))
@@ -80,15 +80,15 @@ def discs_of_links(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
             corners = (corner_of_box(n, length, height) for n in range(1, BOX_CORNERS + 1))
             discs = [(x, y, values.get("contact.radius", 0.0)) for x, y in corners]
         names = (f"link[{link}].point[{n}]" for n in count(len(discs) + 1))
-        for of in takewhile(lambda site: f"{site}.x" in values, names):
-            x, y, radius = (float(values[f"{of}.{key}"]) for key in ("x", "y", "radius"))
+        for point_name in takewhile(lambda site: f"{site}.x" in values, names):
+            x, y, radius = (float(values[f"{point_name}.{key}"]) for key in ("x", "y", "radius"))
             discs.append((x, y, radius))
         if discs:
             discs_of[link] = discs
     return discs_of
 
 
-def outlines_from(values: Mapping[str, Any], touching: Container[int]) -> dict[int, np.ndarray]:
+def outlines_from(values: Mapping[str, Any], contact_points: Container[int]) -> dict[int, np.ndarray]:
     """Return number of a link → outline of the link, for each link that has points beside its ends.
 
     An outline has the corners of a polygon, shape (C, 2) [m]: x along the link from its proximal end, y to
@@ -96,13 +96,15 @@ def outlines_from(values: Mapping[str, Any], touching: Container[int]) -> dict[i
 
     Args:
         values: name of a parameter → value.
-        touching: the numbers of the points that can touch a wall. An end of a link has the radius
+        contact_points: the numbers of the points that can touch a wall. An end of a link has the radius
             ``contact.radius`` if its number is one of these, else 0.
     """
     radius, outlines = values.get("contact.radius", 0.0), {}
     for n, discs in discs_of_links(values).items():
-        near, far = (radius if end in touching else 0.0 for end in (n - 1, n))
-        outlines[n] = outline([(0.0, 0.0, near), (float(values[f"link[{n}].length"]), 0.0, far), *discs])
+        near_radius, far_radius = (radius if end in contact_points else 0.0 for end in (n - 1, n))
+        outlines[n] = outline(
+            [(0.0, 0.0, near_radius), (float(values[f"link[{n}].length"]), 0.0, far_radius), *discs]
+        )
     return outlines
 
 
@@ -114,8 +116,8 @@ def placed_corners(corners: np.ndarray, start: np.ndarray, end: np.ndarray) -> n
         start: position of the proximal end of the link, shape (2,) [m].
         end: position of the far end of the link, shape (2,) [m].
     """
-    along = (end - start) / np.hypot(*(end - start))
-    return np.asarray(start + corners @ [along, [-along[1], along[0]]])
+    axis = (end - start) / np.hypot(*(end - start))
+    return np.asarray(start + corners @ [axis, [-axis[1], axis[0]]])
 
 
 def size_of_motion(points: np.ndarray) -> float:
@@ -185,13 +187,18 @@ class Rail:
             bases: the positions of the base at T times, shape (T, 2) [m]. On a side without a stop, the line
                 ends FREE_END · ``size`` beyond the outermost of these positions.
         """
-        along, across = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
-        reached = (bases - self.origin) @ along
-        free = FREE_END * self.size
-        ends = [(self.low - self.half, reached.min() - free), (self.high + self.half, reached.max() + free)]
-        positions = [self.origin + (stop if math.isfinite(stop) else free) * along for stop, free in ends]
+        axis, normal = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
+        base_places = (bases - self.origin) @ axis
+        free_length = FREE_END * self.size
+        ends = [
+            (self.low - self.half, base_places.min() - free_length),
+            (self.high + self.half, base_places.max() + free_length),
+        ]
+        positions = [
+            self.origin + (stop if math.isfinite(stop) else free_length) * axis for stop, free_length in ends
+        ]
         ticks = [
-            end + self.half * np.array([-across, across])
+            end + self.half * np.array([-normal, normal])
             for end, (stop, _) in zip(positions, ends, strict=True)
             if math.isfinite(stop)
         ]
@@ -199,8 +206,8 @@ class Rail:
 
     def carriage(self, base: np.ndarray) -> np.ndarray:
         """Return the corners of the drawn carriage, shape (4, 2) [m], for a position of the base [m]."""
-        along, across = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
-        return np.asarray(base + self.half * CARRIAGE @ [along, across])
+        axis, normal = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
+        return np.asarray(base + self.half * CARRIAGE @ [axis, normal])
 
 
 def rail_from(points: np.ndarray, positions: np.ndarray | None, values: Mapping[str, Any]) -> Rail | None:
@@ -225,7 +232,7 @@ def rail_from(points: np.ndarray, positions: np.ndarray | None, values: Mapping[
         angle = math.atan2(y, x)
     else:
         return None
-    along = np.array([math.cos(angle), math.sin(angle)])
+    axis = np.array([math.cos(angle), math.sin(angle)])
     first = 0.0 if positions is None else float(positions[0])
     stops = values.get("slider.min"), values.get("slider.max")
-    return Rail.with_stops(bases[0] - first * along, angle, *stops, size_of_motion(points))
+    return Rail.with_stops(bases[0] - first * axis, angle, *stops, size_of_motion(points))

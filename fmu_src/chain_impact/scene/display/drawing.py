@@ -33,28 +33,35 @@ def svg(scene: Contents, values: Mapping[str, Any]) -> str:
     outlines = outlines_from(values, scene.contact.points)
     bodies = [placed_corners(corners, points[n - 1], points[n]) for n, corners in outlines.items()]
     bodies += [rail.carriage(points[0])] if rail else []
-    nearest = [
+    nearest_points = [
         (wall, positions - np.outer(positions @ wall.normal - wall.offset, wall.normal))
         for wall in scene.walls_at_start.values()
     ]
-    near = [
-        (wall, feet) for wall, feet in nearest if np.hypot(*(positions - feet).T).min() <= DRAWN_WITHIN * size
+    near_walls = [
+        (wall, feet)
+        for wall, feet in nearest_points
+        if np.hypot(*(positions - feet).T).min() <= DRAWN_WITHIN * size
     ]
-    shown = np.concatenate([positions, *bodies, *(feet for _, feet in near)])
-    low, high = shown.min(axis=0) - SCENE_MARGIN * size, shown.max(axis=0) + SCENE_MARGIN * size
+    shown_points = np.concatenate([positions, *bodies, *(feet for _, feet in near_walls)])
+    low, high = shown_points.min(axis=0) - SCENE_MARGIN * size, shown_points.max(axis=0) + SCENE_MARGIN * size
     width, height = high - low
     reach, scale = width + height, LONGER_SIDE / max(width, height)
     line, dot = (f"{part * max(width, height):.6g}" for part in (LINK_WIDTH, POINT_RADIUS))
     parts = []
-    for wall, feet in near:
-        normal, at = np.array(wall.normal), feet[0]
-        along = reach * np.array([normal[1], -normal[0]])
-        corners = [at - along, at + along, at + along - reach * normal, at - along - reach * normal]
+    for wall, feet in near_walls:
+        normal, foot = np.array(wall.normal), feet[0]
+        half_line = reach * np.array([normal[1], -normal[0]])
+        corners = [
+            foot - half_line,
+            foot + half_line,
+            foot + half_line - reach * normal,
+            foot - half_line - reach * normal,
+        ]
         parts.append(f'<polygon points="{_points_text(corners)}" fill="currentColor" fill-opacity="0.2"/>')
     look = f'fill="none" stroke="currentColor" stroke-width="{line}"'
-    thin = f'stroke="currentColor" stroke-width="{THIN_WIDTH * max(width, height):.6g}"'
-    parts += [f'<polyline points="{_points_text(polyline)}" fill="none" {thin}/>' for polyline in lines]
-    parts += [f'<polygon points="{_points_text(body)}" fill-opacity="0.2" {thin}/>' for body in bodies]
+    thin_style = f'stroke="currentColor" stroke-width="{THIN_WIDTH * max(width, height):.6g}"'
+    parts += [f'<polyline points="{_points_text(polyline)}" fill="none" {thin_style}/>' for polyline in lines]
+    parts += [f'<polygon points="{_points_text(body)}" fill-opacity="0.2" {thin_style}/>' for body in bodies]
     parts.append(f'<polyline points="{_points_text(points)}" {look}/>')
     parts += [f'<circle cx="{x:.6g}" cy="{-y:.6g}" r="{dot}"/>' for x, y in positions]
     view = f"{low[0]:.6g} {-high[1]:.6g} {width:.6g} {height:.6g}"

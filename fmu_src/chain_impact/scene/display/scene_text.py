@@ -31,7 +31,9 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
     rubbing = friction_joints(scene)
     dry = f"; dry friction in joints {_values_text(rubbing)}" if rubbing else ""
     yield "chain", f"{count}, {length:g} m, {mass:g} kg; base {scene.chain.base}{dry}"
-    box = [f"{wall} = {at:g} m" for wall in WALLS if (at := getattr(scene.box, wall)) is not None]
+    box = [
+        f"{wall} = {coordinate:g} m" for wall in WALLS if (coordinate := getattr(scene.box, wall)) is not None
+    ]
     yield "walls", ", ".join([*box, *(wall.name for wall in scene.walls)]) or "none"
     law = f"{contact.model}, e = {contact.restitution:g}"
     stiffness = f"K = {contact.stiffness:g} {stiffness_unit('N/m', contact.exponent)}"
@@ -48,8 +50,8 @@ def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
         ranges = ranges if len(ranges) <= SHOWN_ENTRIES else [*ranges[: SHOWN_ENTRIES - 2], "…", ranges[-1]]
         yield "stops", f"{law}, e = {stops.restitution:g}, {stiffness}; {', '.join(ranges)}"
     if scene.signals:
-        driven = (f"{', '.join(signal.input)} by a {signal.form}" for signal in scene.signals.values())
-        yield "signals", "; ".join(driven)
+        signal_texts = (f"{', '.join(signal.input)} by a {signal.form}" for signal in scene.signals.values())
+        yield "signals", "; ".join(signal_texts)
     yield "start", f"base at {_values_text(start.position)} m, angles {_values_text(start.angles)} rad"
     solver = f"method {scene.solver.method}, tolerance {scene.solver.tolerance:g}"
     yield "run", f"{run.stop_time:g} s in steps of {run.step_size:g} s; {solver}"
@@ -63,10 +65,10 @@ def _material(name: str, material: Material) -> str:
     return f"at {name} {', '.join(parts)}" if parts else ""
 
 
-def _friction(sliding: float | None, static: float | None) -> list[str]:
+def _friction(sliding_coefficient: float | None, static_coefficient: float | None) -> list[str]:
     """Return a text for each coefficient that is not None, such as "µ = 0.3" for sliding friction."""
-    given = {"µ": sliding, "static µ": static}
-    return [f"{name} = {value:g}" for name, value in given.items() if value is not None]
+    given_coefficients = {"µ": sliding_coefficient, "static µ": static_coefficient}
+    return [f"{name} = {value:g}" for name, value in given_coefficients.items() if value is not None]
 
 
 def _range(low: float, high: float) -> str:

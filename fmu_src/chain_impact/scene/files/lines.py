@@ -36,23 +36,23 @@ def line_of(text: str, path: DataPath) -> int | None:
     table: DataPath = ()
     counts: dict[DataPath, int] = {}
     # the quotes that began a text over several lines; "" outside of such a text, in which no keys are sought
-    inside = ""
+    table_name = ""
     for number, line in enumerate(text.splitlines(), 1):
-        if not inside and (head := _HEAD.match(line)):
+        if not table_name and (head := _HEAD.match(line)):
             table = _table_path(counts, _key_parts(head[2]))
             if head[1] == "[[":
                 counts[table] = counts.get(table, -1) + 1
                 table = (*table, counts[table])
-            here = table
-        elif not inside and (key := _KEY.match(line)):
-            here = (*table, *_key_parts(key[1]))
+            current_table = table
+        elif not table_name and (key := _KEY.match(line)):
+            current_table = (*table, *_key_parts(key[1]))
         else:
-            here = ()
-        if len(here) > best[0] and path[: len(here)] == here:
-            best = len(here), number
+            current_table = ()
+        if len(current_table) > best[0] and path[: len(current_table)] == current_table:
+            best = len(current_table), number
         for quotes in ('"""', "'''"):
-            if inside in ("", quotes) and line.count(quotes) % 2:
-                inside = "" if inside else quotes
+            if table_name in ("", quotes) and line.count(quotes) % 2:
+                table_name = "" if table_name else quotes
     return best[1]
 
 
@@ -100,15 +100,19 @@ def fault_hint(text: str, fault: str) -> str:
 
     The result is "" if no hint is known.
     """
-    named = re.search(r"at line (\d+)", fault)
+    line_match = re.search(r"at line (\d+)", fault)
     lines = text.splitlines()
-    line = lines[int(named[1]) - 1] if named and int(named[1]) <= len(lines) else ""
+    line = lines[int(line_match[1]) - 1] if line_match and int(line_match[1]) <= len(lines) else ""
     key, head = _KEY.match(line), _HEAD.match(line)
-    if named and int(named[1]) == 1 and (hint := _other_file_hint(line)):
+    if line_match and int(line_match[1]) == 1 and (hint := _other_file_hint(line)):
         return hint
-    if "overwrite" in fault and key and named:
-        steps, before = _key_parts(key[1]), lines[: int(named[1]) - 1]
-        return f"; {'.'.join(map(str, steps))} is given twice" if steps in _keys_of_last_table(before) else ""
+    if "overwrite" in fault and key and line_match:
+        steps, earlier_lines = _key_parts(key[1]), lines[: int(line_match[1]) - 1]
+        return (
+            f"; {'.'.join(map(str, steps))} is given twice"
+            if steps in _keys_of_last_table(earlier_lines)
+            else ""
+        )
     if head:
         name = ".".join(map(str, _key_parts(head[2])))
         if name in LISTS_OF_TABLES and head[1] == "[":
@@ -117,6 +121,6 @@ def fault_hint(text: str, fault: str) -> str:
     if degrees := _DEGREES.search(line):
         return f'; an angle in degrees is text: "{degrees[1] or degrees[2]} deg"'
     value = line.partition("#")[0].partition("=")[2].strip()
-    quoted = f'; a text has quotes: "{value}"' if "Invalid value" in fault and value[:1].isalpha() else ""
-    quoted = f"; write {value.lower()}" if value.lower() in ("true", "false") else quoted
-    return number_hint(value) or comma_in(text, fault) or quoted
+    quote_hint = f'; a text has quotes: "{value}"' if "Invalid value" in fault and value[:1].isalpha() else ""
+    quote_hint = f"; write {value.lower()}" if value.lower() in ("true", "false") else quote_hint
+    return number_hint(value) or comma_in(text, fault) or quote_hint

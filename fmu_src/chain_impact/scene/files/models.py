@@ -48,11 +48,11 @@ def unreadable_message(source: object, error: Exception) -> str:
     reason = error.strerror if isinstance(error, OSError) else error
     reason = f"the folder has no {SCENE_FILE}" if isinstance(error, IsADirectoryError) else reason
     name = path.stem if path.suffix == ".toml" else path.name
-    near = (
+    near_names = (
         None
         if "." in name
         else nearest_file(path.parent, name, ".toml") or proposed_name(name, model_names())
     )
-    models = f"the nearest is {near}" if near else "`chain-impact info --list models` lists them"
-    wanted = f"a scene file, a folder with {SCENE_FILE}, or a model; {models}"
-    return f"{source}: cannot be read ({reason}); must be {wanted}"
+    models = f"the nearest is {near_names}" if near_names else "`chain-impact info --list models` lists them"
+    wanted_text = f"a scene file, a folder with {SCENE_FILE}, or a model; {models}"
+    return f"{source}: cannot be read ({reason}); must be {wanted_text}"

@@ -120,22 +120,24 @@ def read_table(source: TableSource) -> Table:
     if path.suffix == ".parquet":
         arrow, parquet = require("pyarrow", "sweep"), require("pyarrow.parquet", "sweep")
         try:
-            whole = parquet.read_table(path)
+            whole_table = parquet.read_table(path)
         except arrow.ArrowInvalid as error:
             raise SceneError(f"{path}: not a Parquet table: {error}") from None
-        cells = [column.to_pylist() for column in whole.columns]
+        cells = [column.to_pylist() for column in whole_table.columns]
         rows = [list(row) for row in zip(*cells, strict=True)]
         return _checked_table(
-            str(path), tuple(whole.column_names), rows, [f"row {k}" for k in range(len(rows))]
+            str(path), tuple(whole_table.column_names), rows, [f"row {k}" for k in range(len(rows))]
         )
     try:
         text = comma_separated_text(text_of(path))
         reader = csv.reader(io.StringIO(text, newline=""))
         names = tuple(name.strip() for name in next(reader, []))
-        numbered = [(f"line {reader.line_num}", row) for row in reader if any(map(str.strip, row))]
+        numbered_rows = [(f"line {reader.line_num}", row) for row in reader if any(map(str.strip, row))]
     except (ValueError, csv.Error) as error:
         raise SceneError(f"{path}: not a CSV table: {error}") from None
-    return _checked_table(str(path), names, [row for _, row in numbered], [line for line, _ in numbered])
+    return _checked_table(
+        str(path), names, [row for _, row in numbered_rows], [line for line, _ in numbered_rows]
+    )
 
 
 def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
@@ -158,8 +160,10 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
     columns = {name: _column(table, name) for name in table.names}
     times = columns.pop(TIME)
     if (row := first_early(times)) is not None:
-        later = f"{times[row - 1]:g} [s], the value of the row before; only two rows may be equal, for a jump"
-        raise SceneError(f"{table.where(row, TIME)} = {times[row]:g} must be > {later}")
+        order_text = (
+            f"{times[row - 1]:g} [s], the value of the row before; only two rows may be equal, for a jump"
+        )
+        raise SceneError(f"{table.where(row, TIME)} = {times[row]:g} must be > {order_text}")
     if times[-1] - times[0] > TOO_LONG * stop:
         lasts = f"lasts {times[-1] - times[0]:g} s, and the run {stop:g} s"
         raise SceneError(f"{table.source}: {TIME} {lasts}: is it in seconds?")
@@ -169,9 +173,9 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
 def first_early(times: np.ndarray) -> int | None:
     """Return the index of the first time that is before the last one, or a third equal one; else None."""
     steps = np.diff(times)
-    early = steps < 0.0
-    early[1:] |= (steps[1:] == 0.0) & (steps[:-1] == 0.0)
-    return int(early.argmax()) + 1 if early.any() else None
+    is_early = steps < 0.0
+    is_early[1:] |= (steps[1:] == 0.0) & (steps[:-1] == 0.0)
+    return int(is_early.argmax()) + 1 if is_early.any() else None
 
 
 def jumps_of(times: np.ndarray | Sequence[float]) -> np.ndarray:
@@ -188,13 +192,13 @@ def gap_hints(times: np.ndarray | Sequence[float]) -> list[str]:
     steps = np.diff(times)
     if len(steps) < ROWS:
         return []
-    usual, longest = float(np.median(steps)), int(steps.argmax())
-    is_regular = np.median(np.abs(steps - usual)) <= EQUAL_STEPS * usual
-    if not is_regular or steps[longest] <= MISSING * usual:
+    usual_step, k = float(np.median(steps)), int(steps.argmax())
+    is_regular = np.median(np.abs(steps - usual_step)) <= EQUAL_STEPS * usual_step
+    if not is_regular or steps[k] <= MISSING * usual_step:
         return []
     return [
-        f"no row between {TIME} = {times[longest]:g} and {times[longest + 1]:g} s, while other rows are "
-        f"{usual:.3g} s apart: are rows missing?"
+        f"no row between {TIME} = {times[k]:g} and {times[k + 1]:g} s, while other rows are "
+        f"{usual_step:.3g} s apart: are rows missing?"
     ]
 
 
@@ -215,8 +219,8 @@ def _checked_table(source: str, names: tuple[str, ...], rows: list[list[Any]], l
     """
     for k, name in enumerate(names):
         if not name or name in names[:k]:
-            what = "has no name" if not name else f"has the name {name} again"
-            raise SceneError(f"{source}: column {k + 1} of the head line {what}")
+            fault = "has no name" if not name else f"has the name {name} again"
+            raise SceneError(f"{source}: column {k + 1} of the head line {fault}")
     if not names or not rows:
         raise SceneError(f"{source}: must be a table with a head line and at least one row")
     for line, row in zip(lines, rows, strict=True):

@@ -83,8 +83,10 @@ def comma_separated_text(text: str) -> str:
     """
     # in the head line, a separator inside quotes does not separate cells, nor does a tab beside a comma
     head = re.sub(r"\s*,\s*", ",", re.sub(r'"[^"]*"', "", text.partition("\n")[0]))
-    alone = SEPARATORS[0] if head.strip() and "," not in head else None  # table of one column
-    mark = next((mark for mark in SEPARATORS if mark in head and head.count(mark) >= head.count(",")), alone)
+    lone_separator = SEPARATORS[0] if head.strip() and "," not in head else None  # table of one column
+    mark = next(
+        (mark for mark in SEPARATORS if mark in head and head.count(mark) >= head.count(",")), lone_separator
+    )
     if mark is None:
         return text
     try:
@@ -92,13 +94,13 @@ def comma_separated_text(text: str) -> str:
     except csv.Error as error:
         raise ValueError(str(error)) from None
     cells = [[cell.strip() for cell in row] for row in rows]
-    marks = {found[1] for cell in itertools.chain(*cells) if (found := DECIMALS.fullmatch(cell))}
+    marks = {mark_match[1] for cell in itertools.chain(*cells) if (mark_match := DECIMALS.fullmatch(cell))}
     if len(marks) > 1:
         raise ValueError("its numbers have decimal points and decimal commas; must have one of them")
     rewritten = io.StringIO()
-    written = [
+    written_cells = [
         [cell.replace(",", ".") if DECIMALS.fullmatch(cell) else cell for cell in row] if any(row) else []
         for row in cells
     ]
-    csv.writer(rewritten, lineterminator="\n").writerows([names, *written])
+    csv.writer(rewritten, lineterminator="\n").writerows([names, *written_cells])
     return rewritten.getvalue()

@@ -176,11 +176,11 @@ class ChainTable:
     def joint_ranges(self) -> dict[int, tuple[float, float]]:
         """Number of each joint with a stop → joint_min and joint_max [rad]; a missing stop is −∞ or ∞."""
         links = {joint: self.links[joint - 1] for joint, _ in self.stops}
-        none = (-math.inf, math.inf)
+        free_range = (-math.inf, math.inf)
         return {
             joint: (
-                none[0] if link.joint_min is None else link.joint_min,
-                none[1] if link.joint_max is None else link.joint_max,
+                free_range[0] if link.joint_min is None else link.joint_min,
+                free_range[1] if link.joint_max is None else link.joint_max,
             )
             for joint, link in links.items()
         }

@@ -65,7 +65,9 @@ def unit_of(name: str) -> str:
     A name that is no input is refused only after reading. Until then, it has the unit of the input with the
     most similar name, or "1" if no name is similar.
     """
-    template = next((known for known in _UNITS if is_like(name, known)), nearest_name(name, _UNITS))
+    template = next(
+        (known_name for known_name in _UNITS if is_like(name, known_name)), nearest_name(name, _UNITS)
+    )
     return _UNITS[template] if template else "1"
 
 

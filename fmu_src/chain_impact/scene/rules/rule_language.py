@@ -94,8 +94,8 @@ def _tree(node: ast.AST) -> Tree:
             return {"constant": -constant}
         case ast.Name(id=name):
             return {"name": name}
-        case ast.Attribute(value=table, attr=key) if "name" in (whole := _tree(table)):
-            return {"name": f"{whole['name']}.{key}"}
+        case ast.Attribute(value=table, attr=key) if "name" in (table_tree := _tree(table)):
+            return {"name": f"{table_tree['name']}.{key}"}
     sign, parts = _operation(node)
     if not sign:
         raise ValueError(f"there is no {ast.unparse(node)}")
@@ -126,8 +126,8 @@ def names_in(part: Tree) -> Iterator[str]:
     if "name" in part:
         yield part["name"]
     has_members = part.get("operator") in ("any", "sum")
-    for inner in part.get("parts", ()):
-        yield from (name for name in names_in(inner) if not (has_members and name == "order"))
+    for inner_part in part.get("parts", ()):
+        yield from (name for name in names_in(inner_part) if not (has_members and name == "order"))
 
 
 def holds(rule: str, value_of: ValueOf) -> bool:
@@ -176,15 +176,15 @@ def _function_of(part: Tree) -> Callable[[ValueOf], Any]:
     if "parts" not in part:
         name, constant = part.get("name"), part.get("constant")
         return (lambda value_of: value_of(name)) if name else (lambda _: constant)
-    sign, operands = part["operator"], [_function_of(inner) for inner in part["parts"]]
+    sign, operands = part["operator"], [_function_of(inner_part) for inner_part in part["parts"]]
     if sign in ("any", "sum"):
         return partial(_member_function, sign, operands[0], operands[1], tuple(names_in(part["parts"][1])))
     if sign in _BOOLEAN_OPERATORS:
         of_all = _BOOLEAN_OPERATORS[sign]
-        return lambda value_of: of_all(_is_true(each(value_of)) for each in operands)
+        return lambda value_of: of_all(_is_true(operand_function(value_of)) for operand_function in operands)
     if sign in _UNARY_OPERATORS:
-        of_one, only = _UNARY_OPERATORS[sign], operands[0]
-        return lambda value_of: of_one(only(value_of))
+        of_one, single_operand = _UNARY_OPERATORS[sign], operands[0]
+        return lambda value_of: of_one(single_operand(value_of))
     return partial(_binary_function, sign, operands[0], operands[1])
 
 
@@ -220,25 +220,28 @@ def _member_values(
 
     The part is evaluated once for all members that have equal values of ``names``, the names in the part.
     """
-    found, values = dict[tuple[Any, ...], Any](), []
+    values_by_index, values = dict[tuple[Any, ...], Any](), []
     for order, member in enumerate(members):
-        own = member.get if isinstance(member, dict) else partial(getattr, member)
-        key = tuple([order if name == "order" else own(name, None) for name in names])
-        if key not in found:
-            found[key] = rule(partial(value_within, member, order, value_of))
-        values.append(found[key])
+        member_value = member.get if isinstance(member, dict) else partial(getattr, member)
+        key = tuple([order if name == "order" else member_value(name, None) for name in names])
+        if key not in values_by_index:
+            values_by_index[key] = rule(partial(value_within, member, order, value_of))
+        values.append(values_by_index[key])
     return values
 
 
 def _binary_function(
-    sign: str, left: Callable[[ValueOf], Any], right: Callable[[ValueOf], Any], value_of: ValueOf
+    sign: str,
+    left_function: Callable[[ValueOf], Any],
+    right_function: Callable[[ValueOf], Any],
+    value_of: ValueOf,
 ) -> Any:
-    first, second = left(value_of), right(value_of)
-    if first is None or second is None:
+    first_value, second_value = left_function(value_of), right_function(value_of)
+    if first_value is None or second_value is None:
         return None if sign in ("+", "*") else False
     if sign != "in":
-        first, second = _length_or_value(first), _length_or_value(second)
-    return _BINARY_OPERATORS[sign](first, second)
+        first_value, second_value = _length_or_value(first_value), _length_or_value(second_value)
+    return _BINARY_OPERATORS[sign](first_value, second_value)
 
 
 def member_lookups(members: Iterable[Any], value_of: ValueOf) -> list[ValueOf]:

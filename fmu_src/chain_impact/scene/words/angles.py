@@ -49,8 +49,8 @@ def radians_hint(name: str, value: float, unit: str) -> str | None:
     """
     if unit != "rad" or not abs(value) > 2.0 * math.pi:
         return None
-    turns = f"{name} = {value:g} rad is {abs(value) / (2.0 * math.pi):.3g} turns"
-    return f'{turns}: if degrees are meant, write "{value:g} deg"'
+    turn_text = f"{name} = {value:g} rad is {abs(value) / (2.0 * math.pi):.3g} turns"
+    return f'{turn_text}: if degrees are meant, write "{value:g} deg"'
 
 
 def turns_hint(joint: float, low: float, high: float) -> str:
@@ -59,8 +59,8 @@ def turns_hint(joint: float, low: float, high: float) -> str:
     Of the angles between the stops that differ from ``joint`` by whole turns, the hint names the nearest one.
     The hint is "" if there is no such angle.
     """
-    turns = math.ceil((low - joint) / math.tau) if joint < low else math.floor((high - joint) / math.tau)
-    same = joint + turns * math.tau
+    turn_count = math.ceil((low - joint) / math.tau) if joint < low else math.floor((high - joint) / math.tau)
+    same = joint + turn_count * math.tau
     return (
         f"; angles are not reduced to one turn, and {same:.6g} rad is the same direction"
         if low <= same <= high

@@ -117,17 +117,17 @@ def other_names(name: str) -> set[str]:
     return {of_fmu, in_file} - {name}
 
 
-def as_typed(name: str, typed: Iterable[Any]) -> str:
+def as_typed(name: str, typed_names: Iterable[Any]) -> str:
     """Return the name of a value, or of an entry of a list, as the user typed it.
 
     Args:
         name: the name in the FMU or the key in the file, for an entry with its index.
-        typed: the typed names; entries that are not texts are ignored.
+        typed_names: the typed names; entries that are not texts are ignored.
     """
-    for text in (candidate for candidate in typed if isinstance(candidate, str)):
-        for other in other_names(text):
-            if name == other or name.startswith(f"{other}["):
-                return text + name.removeprefix(other)
+    for text in (candidate for candidate in typed_names if isinstance(candidate, str)):
+        for other_name in other_names(text):
+            if name == other_name or name.startswith(f"{other_name}["):
+                return text + name.removeprefix(other_name)
     return name
 
 
@@ -161,11 +161,13 @@ _PARTS = re.compile(
 
 def name_parts(name: str) -> NameParts:
     """Return the parts of a variable's name; if it has no owner, the whole name is ``quantity``."""
-    at = _PARTS.fullmatch(name)
-    if not at:
+    match = _PARTS.fullmatch(name)
+    if not match:
         return NameParts("", 0, "", name)
-    contact, point, wall, named, label, other, number, quantity = at.groups("")
-    return NameParts(contact or named or other, int(point or number or 0), wall or label, quantity)
+    contact, point, wall, named_point, label, other_owner, number, quantity = match.groups("")
+    return NameParts(
+        contact or named_point or other_owner, int(point or number or 0), wall or label, quantity
+    )
 
 
 def grouped_by_owner(values: Mapping[str, Any]) -> dict[tuple[str, int, str], dict[str, Any]]:
@@ -174,8 +176,8 @@ def grouped_by_owner(values: Mapping[str, Any]) -> dict[tuple[str, int, str], di
     ``values`` has value by whole name of a variable.
     """
     owned: dict[tuple[str, int, str], dict[str, Any]] = {}
-    for whole, value in values.items():
-        owner, n, name, quantity = name_parts(whole)
+    for whole_name, value in values.items():
+        owner, n, name, quantity = name_parts(whole_name)
         owned.setdefault((owner, n, name), {})[quantity] = value
     return owned
 
@@ -267,12 +269,12 @@ def value_at_start(values: Mapping[str, Any], name: str) -> float:
     return float(values.get(name, values.get(without_drive(name) or "", 0.0)))
 
 
-def input_hint(name: str, how: str) -> str:
+def input_hint(name: str, advice: str) -> str:
     """Return a hint for the input ``name``, which the user sets like a parameter.
 
-    ``how`` are the words for how to give the input.
+    ``advice`` are the words for how to give the input.
     """
-    hint = f"it is an input: give it over time {how}"
+    hint = f"it is an input: give it over time {advice}"
     if start := start_hint(name):
         return f"{hint}; {start}"
     parameter = without_drive(name)
@@ -319,8 +321,8 @@ def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | Non
         signals: the names of the scene's signals.
     """
     owner, _, key = name.partition(".")
-    numbered = key and any(_fits(owner, form) for form in ("link[{n}]", "joint[{n}]"))
-    if numbered and not 1 <= int(re.sub("[^0-9]", "", owner)) <= links:
+    has_number = key and any(_fits(owner, form) for form in ("link[{n}]", "joint[{n}]"))
+    if has_number and not 1 <= int(re.sub("[^0-9]", "", owner)) <= links:
         return f"{owner.partition('[')[0]}s count from 1 to {links}"
     if input_key(name):
         python = f'simulate(scene, inputs={{"{name}": 1.0}})'

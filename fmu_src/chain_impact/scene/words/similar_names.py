@@ -40,33 +40,50 @@ def nearest_name(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -
       ``contact[1].y_min.force`` for ``joint[1].force``
     - all names with at least the similarity ``at_least``, from 0 to 1
     """
-    every, (owner, _, last) = list(names), name.rpartition(".")
-    meant = f"{owner}{'.' * bool(owner)}{SYNONYMS.get(last, last)}"
-    if meant != name and meant in every:
-        return meant
-    bare = NUMBER.sub("", name)
-    numbered = [other for other in every if other != name and NUMBER.sub("", other) == bare]
-    if numbered:
+    all_names, (owner, _, last) = list(names), name.rpartition(".")
+    meant_name = f"{owner}{'.' * bool(owner)}{SYNONYMS.get(last, last)}"
+    if meant_name != name and meant_name in all_names:
+        return meant_name
+    bare_name = NUMBER.sub("", name)
+    numbered_names = [
+        other_name
+        for other_name in all_names
+        if other_name != name and NUMBER.sub("", other_name) == bare_name
+    ]
+    if numbered_names:
         numbers = _numbers(name)
-        alike = [other for other in numbered if len(_numbers(other)) == len(numbers)]
-        if not alike:
-            return numbered[0]
+        alike_names = [
+            other_name for other_name in numbered_names if len(_numbers(other_name)) == len(numbers)
+        ]
+        if not alike_names:
+            return numbered_names[0]
         return min(
-            alike, key=lambda one: sum(abs(a - b) for a, b in zip(_numbers(one), numbers, strict=True))
+            alike_names,
+            key=lambda candidate: sum(abs(a - b) for a, b in zip(_numbers(candidate), numbers, strict=True)),
         )
-    same = [other for other in every if owner and len(last) > 1 and other.rpartition(".")[2] == last]
-    own = [other.removeprefix(f"{owner}.") for other in every if owner and other.startswith(f"{owner}.")]
-    if owned := longer_name(last, own):
+    same = [
+        other_name
+        for other_name in all_names
+        if owner and len(last) > 1 and other_name.rpartition(".")[2] == last
+    ]
+    owner_names = [
+        other_name.removeprefix(f"{owner}.")
+        for other_name in all_names
+        if owner and other_name.startswith(f"{owner}.")
+    ]
+    if owned := longer_name(last, owner_names):
         return f"{owner}.{owned}"
     if not owner:
-        first = sorted(every, key=lambda one: (not one.startswith("contact."), len(one)))
-        by_last = {other.rpartition(".")[2]: other for other in reversed(first)}
-        if alike := get_close_matches(name, by_last, n=1, cutoff=LIKE_LAST):
-            return by_last[alike[0]]
-    found = get_close_matches(name, every, n=1, cutoff=at_least)
-    if not found or found[0] not in same:
-        found = get_close_matches(name, same, n=1, cutoff=SAME_LAST) or found
-    return next(iter(found), None)
+        first = sorted(
+            all_names, key=lambda candidate: (not candidate.startswith("contact."), len(candidate))
+        )
+        by_last = {other_name.rpartition(".")[2]: other_name for other_name in reversed(first)}
+        if alike_names := get_close_matches(name, by_last, n=1, cutoff=LIKE_LAST):
+            return by_last[alike_names[0]]
+    close_names = get_close_matches(name, all_names, n=1, cutoff=at_least)
+    if not close_names or close_names[0] not in same:
+        close_names = get_close_matches(name, same, n=1, cutoff=SAME_LAST) or close_names
+    return next(iter(close_names), None)
 
 
 def nearest_file(folder: Path, stem: str, suffix: str) -> Path | None:
@@ -75,11 +92,11 @@ def nearest_file(folder: Path, stem: str, suffix: str) -> Path | None:
     The result is None if no name is similar.
     """
     try:
-        beside = {file.stem: file for file in folder.glob(f"*{suffix}")}
+        stems = {file.stem: file for file in folder.glob(f"*{suffix}")}
     except (OSError, ValueError):  # the path is too long, or no path at all
         return None
-    near = nearest_name(stem, beside)
-    return beside[near] if near else None
+    near_stem = nearest_name(stem, stems)
+    return stems[near_stem] if near_stem else None
 
 
 def longer_name(name: str, names: Iterable[str]) -> str | None:
@@ -88,7 +105,9 @@ def longer_name(name: str, names: Iterable[str]) -> str | None:
     The result is None if no name contains it, or ``name`` is "".
     """
     words = re.compile(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])")
-    return min((known for known in names if name and words.search(known)), key=len, default=None)
+    return min(
+        (known_name for known_name in names if name and words.search(known_name)), key=len, default=None
+    )
 
 
 def proposed_name(name: str, names: Iterable[str]) -> str | None:
@@ -107,15 +126,26 @@ def name_with_one_typo(name: str, names: Iterable[str]) -> str | None:
     In ``name``, one character is too many, missing or wrong, or two neighbouring characters are swapped.
     Names of less than SHORTEST_NAME characters are left out.
     """
-    return next((other for other in names if len(other) >= SHORTEST_NAME and _is_one_typo(name, other)), None)
+    return next(
+        (
+            other_name
+            for other_name in names
+            if len(other_name) >= SHORTEST_NAME and _is_one_typo(name, other_name)
+        ),
+        None,
+    )
 
 
-def _is_one_typo(one: str, other: str) -> bool:
-    pairs = enumerate(zip(one, other, strict=False))
-    at = next((k for k, (a, b) in pairs if a != b), min(len(one), len(other)))
-    left, right = one[at:], other[at:]
-    swapped = left[1::-1] + left[2:]
-    return right in (left[1:], swapped) or left == right[1:] or left[1:] == right[1:]
+def _is_one_typo(first_name: str, second_name: str) -> bool:
+    pairs = enumerate(zip(first_name, second_name, strict=False))
+    difference_index = next((k for k, (a, b) in pairs if a != b), min(len(first_name), len(second_name)))
+    first_rest, second_rest = first_name[difference_index:], second_name[difference_index:]
+    swapped = first_rest[1::-1] + first_rest[2:]
+    return (
+        second_rest in (first_rest[1:], swapped)
+        or first_rest == second_rest[1:]
+        or first_rest[1:] == second_rest[1:]
+    )
 
 
 def _numbers(name: str) -> list[int]:

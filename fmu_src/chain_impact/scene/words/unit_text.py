@@ -36,9 +36,9 @@ def number_hint(text: str, units: Iterable[str] = USUAL_UNITS) -> str:
         # a unit in kg is split into the base unit g with the factor 0.001, because prefixes stand before g
         base, scale = (unit[1:], 1e-3) if unit.startswith("kg") else (unit, 1.0)
         base, exponent, _ = base.partition("^exponent")
-        typed = word.rstrip("0123456789") if exponent else word
+        typed_word = word.rstrip("0123456789") if exponent else word
         for prefix, factor in PREFIXES.items():
-            if typed == prefix + _plain_unit(base):
+            if typed_word == prefix + _plain_unit(base):
                 return f"; write {number * (factor * scale):.12g}, a number in {unit_text(unit)}"
     return ""
 
