@@ -227,7 +227,7 @@ def test_the_page_shows_what_an_animation_shows(motions, scene):
     assert found["peakForce"] == pytest.approx(peak, rel=1e-3, abs=1e-200)
     assert (found["time"][0], found["time"][-1]) == (known.time[0], known.time[-1])
     assert (np.diff(found["time"]) > 0).all()
-    times, _ = frame_times(known.time[0], known.time[-1], slow_spans(known), usual=frame_rate(known))
+    times, _ = frame_times(known.time[0], known.time[-1], slow_spans(known), usual_rate=frame_rate(known))
     np.testing.assert_allclose(found["time"], times, atol=1e-6)
 
 

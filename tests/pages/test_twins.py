@@ -105,7 +105,7 @@ def test_the_times_of_the_frames(script, seed):
     spans[::3] = [(onset, onset) for onset, _ in spans[::3]]
     impact_time, rate = chance.choice([0.0, 0.2, 0.6]), chance.choice([60.0, 640.0])
     most = int(chance.choice([300, 20_000]))
-    times, per_second = frame_times(start, stop, spans, impact_time, most, usual=rate)
+    times, per_second = frame_times(start, stop, spans, impact_time, most, usual_rate=rate)
     found, found_rate = script.evaluate(FRAMES, [start, stop, spans, impact_time, most, rate])
     close(found, times)
     close(found_rate, per_second)
@@ -223,7 +223,7 @@ def test_the_page_of_a_recording_shows_the_frames_and_the_view_of_a_film(script,
     result = recorded(model)
     found = script.evaluate(SHOWN, [data(result), 0.6])
     start, stop = float(result.time[0]), float(result.time[-1])
-    times, _ = frame_times(start, stop, slow_spans(result), 0.6, usual=frame_rate(result))
+    times, _ = frame_times(start, stop, slow_spans(result), 0.6, usual_rate=frame_rate(result))
     close(found["time"], times)
     points = np.stack([found["x"], found["y"]], axis=-1).reshape(len(times), -1, 2)
     known = [[np.interp(times, result.time, column) for column in rows] for rows in result.all_points.T]

@@ -66,7 +66,7 @@ def test_an_impact_without_a_duration_is_a_short_stop():
 
 def test_frames_increase_and_are_no_more_than_allowed():
     spans = [(0.1 * k, 0.1 * k + 1e-3) for k in range(1, 90)]
-    times, per_second = frame_times(0.0, 10.0, spans, most=500)
+    times, per_second = frame_times(0.0, 10.0, spans, most_frames=500)
     assert len(times) == 500
     assert per_second < FRAME_RATE
     assert (np.diff(times) > 0.0).all()

@@ -168,9 +168,9 @@ def read_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recor
             return read_csv(path)
         except NeedsSceneError as error:
             raise UsageError(f"{error}: --scene SCENE") from None
-    known = with_settings(load_scene(scene), settings)
-    recording = read_csv(path, known)
-    links, wanted = recording.points.shape[1] - 1, len(known.chain.links)
-    if links != wanted:
-        raise UsageError(f"{path} has {count_text(links, 'link')}, and --scene {scene} has {wanted}")
+    known_scene = with_settings(load_scene(scene), settings)
+    recording = read_csv(path, known_scene)
+    links, wanted_count = recording.points.shape[1] - 1, len(known_scene.chain.links)
+    if links != wanted_count:
+        raise UsageError(f"{path} has {count_text(links, 'link')}, and --scene {scene} has {wanted_count}")
     return recording

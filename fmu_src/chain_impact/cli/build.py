@@ -74,8 +74,8 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.fmu.build import TARGET, TARGETS, build_fmu
 
     if is_fmu(str(options.output)):
-        named = "it is a folder, and the FMU in it has the name of the scene"
-        raise UsageError(f"-o {options.output} must not end in .fmu: {named}")
+        folder_text = "it is a folder, and the FMU in it has the name of the scene"
+        raise UsageError(f"-o {options.output} must not end in .fmu: {folder_text}")
     if options.output.is_file():
         raise UsageError(f"-o {options.output} is a file, must be a folder")
     # without --target, an FMU of FMI 3.0 is native, because no other target has this version
@@ -99,6 +99,8 @@ def _platforms(text: str) -> tuple[str, ...]:
     names = tuple(text.split(","))
     for name in names:
         if name not in PLATFORMS and text != "all":
-            known = ", ".join(PLATFORMS)
-            raise argparse.ArgumentTypeError(f"{name!r} is not a platform; must be of {known}, or all")
+            known_platforms = ", ".join(PLATFORMS)
+            raise argparse.ArgumentTypeError(
+                f"{name!r} is not a platform; must be of {known_platforms}, or all"
+            )
     return names

@@ -33,11 +33,11 @@ def contents() -> Iterator[str]:
 
     The folder with the kernels of the present sources and compilers is marked "in use".
     """
-    kernels, entries, present = ready.ready_kernels(), cache.entries(), cache.present_kernel_folder()
+    kernels, entries, present_folder = ready.ready_kernels(), cache.entries(), cache.present_kernel_folder()
     yield "ready    " + (f"{len(kernels)} kernels in {kernels[0].parent}" if kernels else "–")
-    yield f"cache    {present.parent}, {sum(entry.size for entry in entries) / 1e6:.1f} MB"
+    yield f"cache    {present_folder.parent}, {sum(entry.size for entry in entries) / 1e6:.1f} MB"
     for entry in entries:
-        what = "of the linker" if entry.path.name.startswith(cache.LINKER) else ", ".join(entry.files)
-        used = datetime.fromtimestamp(entry.used).strftime("%Y-%m-%d")
-        mark = " (in use)" if entry.path.name == present.name else ""
-        yield f"  {entry.path.name}  {entry.size / 1e6:5.1f} MB  last used {used}{mark}: {what}"
+        content_text = "of the linker" if entry.path.name.startswith(cache.LINKER) else ", ".join(entry.files)
+        used_date = datetime.fromtimestamp(entry.used).strftime("%Y-%m-%d")
+        mark = " (in use)" if entry.path.name == present_folder.name else ""
+        yield f"  {entry.path.name}  {entry.size / 1e6:5.1f} MB  last used {used_date}{mark}: {content_text}"

@@ -69,23 +69,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
         say(FIRST_STEPS)
         return 2
     out.quiet = options.quiet and not options.only_prints
-    typed = typed_options(sys.argv[1:] if arguments is None else arguments, options.valued)
+    typed_names = typed_options(sys.argv[1:] if arguments is None else arguments, options.valued)
     try:
         with show_hints(), drawing_in_style(options):
             code: int = options.run(options)
     except (AnimationError, SceneError, UsageError, BuildError, RunError) as error:
-        complain(with_option(str(error), typed))
+        complain(with_option(str(error), typed_names))
         return 3 if isinstance(error, BuildError | RunError) else 2
     except ImportError as error:
         damaged = not isinstance(error, MissingExtraError)
         complain(f"a package is damaged, install it anew: {error}" if damaged else error)
         return 2
     except OSError as error:
-        what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+        fault = f"{error.filename}: {error.strerror}" if error.filename else str(error)
         remedy = (
             similar_file_hint(error.filename) if error.errno == ENOENT else REMEDIES.get(error.errno or 0)
         )
-        complain(with_option(f"{what}; {remedy}" if remedy else what, typed))
+        complain(with_option(f"{fault}; {remedy}" if remedy else fault, typed_names))
         return 2
     except KeyboardInterrupt:
         complain("interrupted")
@@ -100,11 +100,11 @@ def show_hints() -> Iterator[None]:
     Python's own print of a warning would add the file, the line number and the line of code. With
     ``--quiet``, no warning is printed.
     """
-    shown = set()
+    shown_hints = set()
 
     def show(message: Warning | str, *_: Any, **__: Any) -> None:
-        if not out.quiet and str(message) not in shown:
-            shown.add(str(message))
+        if not out.quiet and str(message) not in shown_hints:
+            shown_hints.add(str(message))
             complain(f"warning: {message}")
 
     with warnings.catch_warnings():
@@ -123,8 +123,8 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print the error ``message`` as one line, without the usage of the command, and exit with code 2."""
-        for kind, needed in (("int", "a whole number"), ("float", "a number")):
-            message = re.sub(rf"invalid {kind} value: '(.*)'$", rf"\1 must be {needed}", message)
+        for kind, needed_text in (("int", "a whole number"), ("float", "a number")):
+            message = re.sub(rf"invalid {kind} value: '(.*)'$", rf"\1 must be {needed_text}", message)
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
@@ -133,10 +133,10 @@ class Parser(argparse.ArgumentParser):
         The parser of a verb refuses them itself, because it can name the most similar option of the verb.
         argparse would leave this to the main parser, which does not know the options of verbs.
         """
-        options, others = super().parse_known_args(args, namespace)
-        if others:
-            self.error(self._fault_of(others[0]))
-        return options, others
+        options, other_arguments = super().parse_known_args(args, namespace)
+        if other_arguments:
+            self.error(self._fault_of(other_arguments[0]))
+        return options, other_arguments
 
     def _fault_of(self, argument: str) -> str:
         """Return the message on an argument that the verb does not have, with a hint if there is one."""
@@ -145,14 +145,22 @@ class Parser(argparse.ArgumentParser):
             return f"{argument} is one argument too many" + (f"; write --set {argument}" if sets else "")
         option = argument.partition("=")[0]
         files = [action for action in self._actions if action.metavar == "FILE"]
-        written = [file.option_strings[0] for file in files if str(file.help).startswith(("write", "draw"))]
-        if option.startswith("-o") and written:
-            return f"{option} is not an option; files are written by {', '.join(written)}"
+        output_options = [
+            file.option_strings[0] for file in files if str(file.help).startswith(("write", "draw"))
+        ]
+        if option.startswith("-o") and output_options:
+            return f"{option} is not an option; files are written by {', '.join(output_options)}"
         # names are compared without dashes, because dashes would make all short names similar
-        long = [name[2:] for name in self._option_string_actions if name.startswith("--")]
-        near = nearest_name(option.strip("-"), long)
+        long_names = [name[2:] for name in self._option_string_actions if name.startswith("--")]
+        near_option = nearest_name(option.strip("-"), long_names)
         verbs = ", ".join(self.elsewhere.get(option, ()))
-        hint = f"; it belongs to {verbs}" if verbs else f"; the nearest is --{near}" if near else ""
+        hint = (
+            f"; it belongs to {verbs}"
+            if verbs
+            else f"; the nearest is --{near_option}"
+            if near_option
+            else ""
+        )
         return f"{option} is not an option{hint}"
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
@@ -163,10 +171,12 @@ class Parser(argparse.ArgumentParser):
         """
         if action.choices is None or value in action.choices:
             return
-        near = nearest_name(str(value), map(str, action.choices))
-        few = f"must be one of {', '.join(map(str, action.choices))}"
-        what = "is not a command" if isinstance(action.choices, dict) else few
-        raise argparse.ArgumentError(action, f"{value} {what}" + (f"; the nearest is {near}" if near else ""))
+        near_choice = nearest_name(str(value), map(str, action.choices))
+        choices_text = f"must be one of {', '.join(map(str, action.choices))}"
+        fault = "is not a command" if isinstance(action.choices, dict) else choices_text
+        raise argparse.ArgumentError(
+            action, f"{value} {fault}" + (f"; the nearest is {near_choice}" if near_choice else "")
+        )
 
 
 def parser() -> argparse.ArgumentParser:
@@ -180,12 +190,14 @@ def parser() -> argparse.ArgumentParser:
         verb.add(verbs)
     for command in verbs.choices.values():
         quiet_help = argparse.SUPPRESS if command.get_default("only_prints") else "print nothing but errors"
-        free = (action for action in command._actions if action.nargs is None and action.choices is None)
-        command.set_defaults(valued=[name for action in free for name in action.option_strings])
+        free_actions = (
+            action for action in command._actions if action.nargs is None and action.choices is None
+        )
+        command.set_defaults(valued=[name for action in free_actions for name in action.option_strings])
         command.add_argument("-q", "--quiet", action="store_true", help=quiet_help)
-    elsewhere: dict[str, list[str]] = {}
+    verbs_of_options: dict[str, list[str]] = {}
     for name, command in verbs.choices.items():
-        command.elsewhere = elsewhere
+        command.elsewhere = verbs_of_options
         for option in command._option_string_actions:
-            elsewhere.setdefault(option, []).append(name)
+            verbs_of_options.setdefault(option, []).append(name)
     return main_parser

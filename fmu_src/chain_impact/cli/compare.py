@@ -35,8 +35,8 @@ def add(verbs: Verbs) -> None:
     add_scene(compare, "scene")
     add_set(compare)
     add_inputs(compare)
-    what = "compare only these laws, such as hertz,flores; default: all"
-    complete(add_repeated(compare, "--laws", "NAMES", what), laws, listed=True)
+    law_text = "compare only these laws, such as hertz,flores; default: all"
+    complete(add_repeated(compare, "--laws", "NAMES", law_text), laws, is_listed=True)
     add_plot(compare, "first impact and energy")
     add_csv(compare, "the table")
     compare.set_defaults(run=run)

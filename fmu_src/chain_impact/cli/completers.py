@@ -28,15 +28,15 @@ Offers = Callable[[str], Offer]
 
 
 def complete(
-    argument: argparse.Action, offers: Offers, *, listed: bool = False, valued: bool = False
+    argument: argparse.Action, offers: Offers, *, is_listed: bool = False, is_valued: bool = False
 ) -> None:
     """Let a shell offer names for an option (see cli/completion.py).
 
     Args:
         argument: the option.
         offers: function that returns names and choices for the source of the command.
-        listed: whether the option takes several names, separated by commas.
-        valued: whether the option takes a name, ``=``, and values with commas between them.
+        is_listed: whether the option takes several names, separated by commas.
+        is_valued: whether the option takes a name, ``=``, and values with commas between them.
     """
 
     def completer(prefix: str, parsed_args: Any = None, **_: object) -> list[str]:
@@ -46,11 +46,11 @@ def complete(
         except (ValueError, OSError):  # the words typed so far do not name a scene or FMU that can be read
             return []
         name, equals, value = prefix.partition("=")
-        if valued and equals:
+        if is_valued and equals:
             done = value[: value.rfind(",") + 1]
             return [f"{name}={done}{choice}" for choice in choices.get(name, [])]
-        done = prefix[: prefix.rfind(",") + 1] if listed else ""
-        return [f"{done}{name}{'=' if valued else ''}" for name in names]
+        done = prefix[: prefix.rfind(",") + 1] if is_listed else ""
+        return [f"{done}{name}{'=' if is_valued else ''}" for name in names]
 
     # argcomplete looks for the completer of an option in this attribute
     vars(argument)["completer"] = completer

@@ -39,8 +39,8 @@ def add(verbs: Verbs) -> None:
     )
     verb.add_argument("source", metavar="FILE", help="a planar chain in URDF or MJCF; or a scene, for MuJoCo")
     add_repeated(verb, "--joints", "NAMES", "only these joints move: elbow,wrist; default: all")
-    for option, (metavar, what) in ONCE.items():
-        verb.add_argument(option, action=Once, metavar=metavar, help=what)
+    for option, (metavar, help_text) in ONCE.items():
+        verb.add_argument(option, action=Once, metavar=metavar, help=help_text)
     verb.add_argument(
         "-o",
         dest="output",
@@ -59,12 +59,12 @@ def run(options: argparse.Namespace) -> int:
 
     choices = ConversionChoices(names_in(*options.joints), options.plane, options.tip, options.keyframe)
     to_mjcf = options.output.suffix.lower() == ".xml"
-    for option, chosen in zip(("--joints", *ONCE), choices, strict=True):
-        if chosen and to_mjcf:
+    for option, chosen_names in zip(("--joints", *ONCE), choices, strict=True):
+        if chosen_names and to_mjcf:
             raise UsageError(f"{option}: a scene has nothing to choose; it is for URDF and MJCF")
     check_outputs(options.output, inputs=[options.source])
-    done = convert(options.source, options.output, choices)
+    converted = convert(options.source, options.output, choices)
     say(f"{'MJCF' if to_mjcf else 'scene':9}{options.output}")
-    for title, line in remark_lines(done):
+    for title, line in remark_lines(converted):
         say(f"{title:9}{line}")
     return 0

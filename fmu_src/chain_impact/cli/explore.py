@@ -57,8 +57,8 @@ def run(options: argparse.Namespace) -> int:
     scene = load_scene_with(options.source, options.set, inputs)
     command = [options.source, *(word for setting in options.set for word in ("--set", setting))]
     if inputs:
-        given = {"--inputs": str(inputs.file), "--interpolation": inputs.interpolation}
-        command += [word for option, value in given.items() if value for word in (option, value)]
+        given_options = {"--inputs": str(inputs.file), "--interpolation": inputs.interpolation}
+        command += [word for option, value in given_options.items() if value for word in (option, value)]
     with progress("writing") as advance:
         explore(scene, file, command=command)
         advance(1.0)

@@ -65,9 +65,9 @@ def add(verbs: Verbs) -> None:
         help="a CSV file for each data set, or several of the same run: motion.csv,impacts.csv",
     )
     for option in REPEATED:
-        named = add_repeated(fit, *option)
+        named_options = add_repeated(fit, *option)
         if "=" not in option[1]:
-            complete(named, differentiable_names, listed=True)
+            complete(named_options, differentiable_names, is_listed=True)
     fit.add_argument(
         "--columns", metavar="NAMES", help="use these columns only, * for any text: point[4].*; default: all"
     )

@@ -50,25 +50,29 @@ def run(options: argparse.Namespace) -> int:
     if options.list:
         names = LISTS[options.list]()
         width = max(map(len, names))
-        for name, what in names.items():
-            say(f"{name:{width}}  {what}")
+        for name, text in names.items():
+            say(f"{name:{width}}  {text}")
         return 0
     facts: list[tuple[str, object]] = []
     if is_fmu(options.source):
-        held = read_fmu(Path(options.source))
+        fmu_data = read_fmu(Path(options.source))
         rules = read_scene_data(Path(options.source)).rules
-        name, description, variables = held.modelName, held.description or "", held.modelVariables
-        facts += [("FMI version", held.fmiVersion), ("made by", held.generationTool), ("guid", held.guid)]
+        name, description, variables = fmu_data.modelName, fmu_data.description or "", fmu_data.modelVariables
+        facts += [
+            ("FMI version", fmu_data.fmiVersion),
+            ("made by", fmu_data.generationTool),
+            ("guid", fmu_data.guid),
+        ]
         facts += [("platforms", ", ".join(platforms_of(options.source)))]
-        if held.defaultExperiment:
-            times = (held.defaultExperiment.stopTime, held.defaultExperiment.stepSize)
+        if fmu_data.defaultExperiment:
+            times = (fmu_data.defaultExperiment.stopTime, fmu_data.defaultExperiment.stepSize)
             facts += zip(TIMES, times, strict=True)
         facts += [(v.name, _start_and_rule(v, rules)) for v in variables if v.causality == "parameter"]
     else:
         scene = load_scene(options.source)
         name, description, variables = scene.name, scene.description, PreparedScene(scene).variables
         # values that the list leaves out, because the headline shows them
-        shown = {"name", "description"}
+        shown_fields = {"name", "description"}
         derived = scene.derived
         facts += [
             (
@@ -76,7 +80,7 @@ def run(options: argparse.Namespace) -> int:
                 f"{_rounded_value(value)}  # derived: {derived[name]}" if name in derived else _as_set(value),
             )
             for name, value in scene.values.items()
-            if name not in shown and value not in (None, "", ())
+            if name not in shown_fields and value not in (None, "", ())
         ]
     out.print(Text.assemble((name, "bold"), f"  {description}"), soft_wrap=True)
     for key, value in facts:

@@ -15,15 +15,15 @@ Change = tuple[int, int, str]
 
 def typed_options(words: Sequence[str], options: Iterable[str]) -> list[tuple[str, str]]:
     """Return (option, value) for each of the ``options`` in a command: ``--size 84`` or ``--size=84``."""
-    known, found = {*options}, []
-    for word, following in zip(words, [*words[1:], ""], strict=True):
-        option, equals, value = word.partition("=")
-        if option in known:
-            found.append((option, value if equals else following))
-    return found
+    known_options, typed_pairs = {*options}, []
+    for word, next_word in zip(words, [*words[1:], ""], strict=True):
+        option, equals_sign, value = word.partition("=")
+        if option in known_options:
+            typed_pairs.append((option, value if equals_sign else next_word))
+    return typed_pairs
 
 
-def with_option(message: str, typed: Iterable[tuple[str, str]]) -> str:
+def with_option(message: str, typed_pairs: Iterable[tuple[str, str]]) -> str:
     """Return the text of an error with the option whose value the error refuses.
 
     The option replaces the name of the value in the text, or is put before this name. The text is returned
@@ -32,12 +32,12 @@ def with_option(message: str, typed: Iterable[tuple[str, str]]) -> str:
 
     Args:
         message: the text of the error. After the first semicolon follows a hint, which is not changed.
-        typed: the options of the command, with their values.
+        typed_pairs: the options of the command, with their values.
     """
     fault = message.partition("; ")[0]
     if fault.startswith("-") or "(at line " in message:
         return message
-    unnamed = (pair for pair in typed if not re.search(rf"(?<!\S){pair[0]}(?![\w-])", fault))
+    unnamed = (pair for pair in typed_pairs if not re.search(rf"(?<!\S){pair[0]}(?![\w-])", fault))
     changes = [change for option, value in unnamed for change in _changes(fault, option, value)]
     if not changes:
         return message
@@ -50,22 +50,22 @@ def _changes(fault: str, option: str, value: str) -> Iterator[Change]:
 
     ``value`` is the value of the option, as the user typed it.
     """
-    word, (name, equals, given) = option.lstrip("-").replace("-", "_"), value.partition("=")
+    word, (name, equals_sign, given_text) = option.lstrip("-").replace("-", "_"), value.partition("=")
     if option == "--stop-time":
-        name, equals, given = "simulation.stop_time", "=", value
-    if not equals:
+        name, equals_sign, given_text = "simulation.stop_time", "=", value
+    if not equals_sign:
         for pattern, part in ((rf"{word}(?: =)? {re.escape(value)}", value), *_names(value)):
-            if found := re.search(rf"{START}{pattern}(?![\w*/\[]|\.\w)", fault):
-                yield found.start(), found.end(), f"{option} {part}"
+            if name_match := re.search(rf"{START}{pattern}(?![\w*/\[]|\.\w)", fault):
+                yield name_match.start(), name_match.end(), f"{option} {part}"
         return
-    values = "|".join(map(re.escape, sorted(_texts_of_value(given), key=len, reverse=True)))
+    values = "|".join(map(re.escape, sorted(_texts_of_value(given_text), key=len, reverse=True)))
     setting = rf"(?<![\w.\[*])(?:{word} of )?{re.escape(name)} = (?:{values})(?![\w.])"
-    if found := re.search(setting, fault):
-        yield found.start(), found.end(), f"{option} {value}"
-    elif found := re.search(rf"{START}{re.escape(name)}(?:\[\d+\])* = ", fault):
-        yield found.start(), found.start(), f"{option} {value}: "
-    elif found := re.search(rf"{START}(?:{word} of )?{re.escape(name)}(?![\w*\[]|\.\w)", fault):
-        yield found.start(), found.end(), f"{option} {value}"
+    if name_match := re.search(setting, fault):
+        yield name_match.start(), name_match.end(), f"{option} {value}"
+    elif name_match := re.search(rf"{START}{re.escape(name)}(?:\[\d+\])* = ", fault):
+        yield name_match.start(), name_match.start(), f"{option} {value}: "
+    elif name_match := re.search(rf"{START}(?:{word} of )?{re.escape(name)}(?![\w*\[]|\.\w)", fault):
+        yield name_match.start(), name_match.end(), f"{option} {value}"
 
 
 def _names(value: str) -> Iterator[tuple[str, str]]:
@@ -78,8 +78,8 @@ def _names(value: str) -> Iterator[tuple[str, str]]:
     )
 
 
-def _texts_of_value(given: str) -> set[str]:
-    """Return the texts by which an error may show the value ``given``: as typed, as read, and as a number."""
-    value = value_of(given)
-    shown = {given, value_text(given), str(value), value_text(value)}
-    return shown | {f"{value:g}", str(float(value))} if isinstance(value, int | float) else shown
+def _texts_of_value(given_text: str) -> set[str]:
+    """Return the texts by which an error may show a value: as typed, as read, and as a number."""
+    value = value_of(given_text)
+    shown_texts = {given_text, value_text(given_text), str(value), value_text(value)}
+    return shown_texts | {f"{value:g}", str(float(value))} if isinstance(value, int | float) else shown_texts

@@ -36,34 +36,34 @@ class UsageError(ValueError):
     """Raised for an argument of the command that cannot be used; the message is one line."""
 
 
-def add_verb(verbs: Verbs, name: str, what: str, example: str) -> argparse.ArgumentParser:
+def add_verb(verbs: Verbs, name: str, help_text: str, example: str) -> argparse.ArgumentParser:
     """Add a verb to the parser of the command line, and return the verb's own parser.
 
     Args:
         verbs: the verbs of the command line.
         name: the verb.
-        what: the help of the verb, which begins in lower case: "build the FMU of a scene".
+        help_text: the help of the verb, which begins in lower case: "build the FMU of a scene".
         example: the arguments of an example after the verb, for the help.
     """
     return verbs.add_parser(
         name,
-        help=what,
-        description=f"{what[0].upper()}{what[1:]}.",
+        help=help_text,
+        description=f"{help_text[0].upper()}{help_text[1:]}.",
         epilog=f"example: chain-impact {name} {example}",
     )
 
 
-def add_scene(command: argparse.ArgumentParser, what: str) -> None:
+def add_scene(command: argparse.ArgumentParser, help_text: str) -> None:
     """Add the argument ``source``, by default DEFAULT_SCENE: the scene, or another file that the verb takes.
 
-    ``what`` are the words for this argument in the help, such as "scene or FMU".
+    ``help_text`` are the words for this argument in the help, such as "scene or FMU".
     """
     source = command.add_argument(
         "source",
         nargs="?",
         default=DEFAULT_SCENE,
-        metavar=what.upper().replace(" OR ", "|"),
-        help=f"{what}: a file, a folder with scene.toml, or a model's name; default: {DEFAULT_SCENE}",
+        metavar=help_text.upper().replace(" OR ", "|"),
+        help=f"{help_text}: a file, a folder with scene.toml, or a model's name; default: {DEFAULT_SCENE}",
     )
     complete_scenes(source)
 
@@ -83,8 +83,8 @@ def complete_scenes(argument: argparse.Action) -> None:
 
 def add_set(command: argparse.ArgumentParser) -> None:
     """Add ``--set``, and ``--stop-time`` as a short form of ``--set simulation.stop_time``."""
-    what = "set a value by a name that `info` lists"
-    complete(add_repeated(command, "--set", "NAME=VALUE", what, type=setting), settings, valued=True)
+    help_text = "set a value by a name that `info` lists"
+    complete(add_repeated(command, "--set", "NAME=VALUE", help_text, type=setting), settings, is_valued=True)
     command.add_argument(
         "--stop-time",
         action="append",
@@ -135,14 +135,14 @@ def inputs_of(options: argparse.Namespace) -> InputTable | None:
     return None if options.inputs is None else InputTable(options.inputs, options.interpolation)
 
 
-def similar_file_hint(missing: Any) -> str:
-    """Return a hint with the file that is most similar to ``missing``, a file that does not exist.
+def similar_file_hint(missing_path: Any) -> str:
+    """Return a hint with the file that is most similar to ``missing_path``, a file that does not exist.
 
     The file is in the same folder and has the same suffix. The result is "" if no name is similar.
     """
-    path = Path(str(missing))
-    near = nearest_file(path.parent, path.stem, path.suffix)
-    return f"the nearest is {near}" if near else ""
+    path = Path(str(missing_path))
+    near_file = nearest_file(path.parent, path.stem, path.suffix)
+    return f"the nearest is {near_file}" if near_file else ""
 
 
 def load_scene_with(source: str, settings: Sequence[str], inputs: InputTable | None) -> Scene:
@@ -155,7 +155,7 @@ def add_repeated(
     command: argparse.ArgumentParser,
     option: str,
     metavar: str,
-    what: str,
+    help_text: str,
     *,
     alias: str | None = None,
     type: Callable[[str], str] = str,
@@ -166,13 +166,13 @@ def add_repeated(
         command: the parser of the verb.
         option: the name of the option.
         metavar: the word for a value of the option in the help.
-        what: the help, without the words "can be repeated".
+        help_text: the help, without the words "can be repeated".
         alias: a second name of the option; None for none.
         type: function that returns the text of a value unchanged, or refuses the text.
     """
     names = [option, *([alias] if alias else [])]
     return command.add_argument(
-        *names, action="append", default=[], metavar=metavar, type=type, help=f"{what}; can be repeated"
+        *names, action="append", default=[], metavar=metavar, type=type, help=f"{help_text}; can be repeated"
     )
 
 
@@ -186,17 +186,17 @@ class Once(argparse.Action):
         setattr(options, self.dest, value)
 
 
-def add_plot(command: argparse.ArgumentParser, what: str) -> None:
+def add_plot(command: argparse.ArgumentParser, help_text: str) -> None:
     """Add the options for a picture: its file, its size and its style.
 
-    ``what`` are the words for the contents of the picture in the help.
+    ``help_text`` are the words for the contents of the picture in the help.
     """
     command.add_argument(
         "--plot",
         action=Once,
         metavar="FILE",
         type=path_with_suffix(*PICTURES),
-        help=f"draw {what} (png, svg, pdf)",
+        help=f"draw {help_text} (png, svg, pdf)",
     )
     command.add_argument(
         "--size",
@@ -224,8 +224,10 @@ def style_name(text: str) -> str:
     from matplotlib import style  # imported here, because the import takes long
 
     if text not in style.available:
-        near = nearest_name(text, style.available)
-        hint = f"the nearest is {near}" if near else f"must be one of {', '.join(style.available)}"
+        near_style = nearest_name(text, style.available)
+        hint = (
+            f"the nearest is {near_style}" if near_style else f"must be one of {', '.join(style.available)}"
+        )
         raise argparse.ArgumentTypeError(f"{text} is not a style of matplotlib; {hint}")
     return text
 
@@ -250,15 +252,15 @@ def figure_size(text: str) -> Size:
     Other texts, and lengths out of the range MILLIMETRES, are refused.
     """
     width, cross, height = text.lower().partition("x")
-    least, most = MILLIMETRES
+    least_width, most_width = MILLIMETRES
     try:
         sides = [float(side) for side in ([width, height] if cross else [width])]
     except ValueError:
         sides = [math.nan]
-    if not all(least <= side <= most for side in sides):
+    if not all(least_width <= side <= most_width for side in sides):
         raise argparse.ArgumentTypeError(
             f"{text} must be a width in millimetres, or WIDTHxHEIGHT, for example 120x150; each must be "
-            f"{least} … {most}"
+            f"{least_width} … {most_width}"
         )
     from chain_impact.pictures import MM
 
@@ -295,13 +297,13 @@ def write_picture(path: Path | None, size: Size | None, plot: Callable[..., obje
     say(f"picture  {path}")
 
 
-def add_csv(command: argparse.ArgumentParser, what: str) -> None:
+def add_csv(command: argparse.ArgumentParser, help_text: str) -> None:
     """Add ``--csv``, the file of a table, with the suffix .csv or without suffix, such as ``/dev/stdout``.
 
-    ``what`` are the words for the contents of the table in the help.
+    ``help_text`` are the words for the contents of the table in the help.
     """
     command.add_argument(
-        "--csv", action=Once, metavar="FILE", type=path_with_suffix("", ".csv"), help=f"write {what}"
+        "--csv", action=Once, metavar="FILE", type=path_with_suffix("", ".csv"), help=f"write {help_text}"
     )
 
 
@@ -340,8 +342,8 @@ def name_and_value(option: str, text: str, example: str) -> tuple[str, str]:
 
     ``example`` is an example of such a text, for the error.
     """
-    name, equals, value = (part.strip() for part in text.partition("="))
-    if not (name and equals and value):
+    name, equals_sign, value = (part.strip() for part in text.partition("="))
+    if not (name and equals_sign and value):
         raise UsageError(f"{option} {text}: must be NAME=VALUE without spaces, for example {example}")
     return name, value
 
@@ -372,9 +374,9 @@ def check_outputs(*outputs: Path | None, inputs: Iterable[str | Path]) -> None:
     names of models, scenes and other files; None among ``outputs`` is no output.
     """
     # `scene_file_path` returns the file of a scene, and any other path, such as that of an FMU, unchanged
-    read = [path for path in map(scene_file_path, inputs) if path.is_file()]
+    read_files = [path for path in map(scene_file_path, inputs) if path.is_file()]
     for path in filter(None, outputs):
         if not path.parent.is_dir():
             raise FileNotFoundError(ENOENT, "No such folder", str(path))
-        if path.exists() and any(map(path.samefile, read)):
+        if path.exists() and any(map(path.samefile, read_files)):
             raise UsageError(f"{path} is read by this command, and would be replaced; must be another file")

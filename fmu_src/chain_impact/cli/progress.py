@@ -60,25 +60,25 @@ def _listen(level: int, receive: Callable[[logging.LogRecord], None]) -> Iterato
             receive(record)
         return True
 
-    before = log.level
+    earlier_level = log.level
     log.addFilter(receive_at_level)
     log.setLevel(level)
     try:
         yield
     finally:
         log.removeFilter(receive_at_level)
-        log.setLevel(before)
+        log.setLevel(earlier_level)
 
 
 def _limit_rate(work: str) -> Progress:
     """Return a function (fraction) that prints ``work`` and the fraction, at most once in LINE_INTERVAL."""
-    written = monotonic()
+    written_time = monotonic()
 
     def advance(fraction: float) -> None:
-        nonlocal written
-        if monotonic() >= written + LINE_INTERVAL:
+        nonlocal written_time
+        if monotonic() >= written_time + LINE_INTERVAL:
             complain(_work_text(work, fraction))
-            written = monotonic()
+            written_time = monotonic()
 
     return advance
 
@@ -100,7 +100,7 @@ def _bar(work: str) -> Iterator[Progress]:
     words = rich_progress.TextColumn("{task.description}", markup=False)
     columns = words, rich_progress.BarColumn(pulse_style="cyan")
     bar = rich_progress.Progress(*columns, rich_progress.TimeElapsedColumn(), console=err, transient=True)
-    started, shown = monotonic(), 0.0
+    start_time, shown_fraction = monotonic(), 0.0
 
     def begin(sentence: str, total: float | None) -> None:
         for task in bar.task_ids:
@@ -115,12 +115,12 @@ def _bar(work: str) -> Iterator[Progress]:
             complain(record.getMessage())
 
     def advance(fraction: float) -> None:
-        nonlocal shown
-        if fraction > shown + 0.01 and monotonic() > started + BAR_DELAY:
+        nonlocal shown_fraction
+        if fraction > shown_fraction + 0.01 and monotonic() > start_time + BAR_DELAY:
             if not any(task.total for task in bar.tasks):
                 begin(work, 1.0)
             bar.update(bar.task_ids[0], completed=fraction, description=_work_text(work, fraction))
-            shown = fraction
+            shown_fraction = fraction
 
     try:
         with _listen(logging.DEBUG, receive):

@@ -80,15 +80,15 @@ def show(parts: Iterable[RenderableType]) -> None:
 
 def plain_lines(table: Table) -> Iterator[str]:
     """Yield the lines of a table in the width that its cells need, without colours."""
-    wide = plain_console(file=StringIO(), width=10_000, color_system=None)
-    with wide.capture() as captured:
-        wide.print(table)
+    wide_console = plain_console(file=StringIO(), width=10_000, color_system=None)
+    with wide_console.capture() as captured:
+        wide_console.print(table)
     yield from (line.rstrip() for line in captured.get().splitlines())
 
 
-def headline(bold: str, others: str = "") -> Text:
-    """Return an empty line, and a line with the text ``bold`` in bold, then ``others``."""
-    return Text.assemble("\n", (bold, "bold"), others)
+def headline(bold_text: str, other_text: str = "") -> Text:
+    """Return an empty line, and a line with the text ``bold_text`` in bold, then ``other_text``."""
+    return Text.assemble("\n", (bold_text, "bold"), other_text)
 
 
 def variable_lines(variables: Iterable[Any], width: int) -> Iterator[str]:
@@ -114,22 +114,22 @@ def variable_lines(variables: Iterable[Any], width: int) -> Iterator[str]:
             yield from indented_lines(code, width, 6, hanging=3)
 
 
-def indented_lines(text: str, width: int, by: int, hanging: int = 0) -> list[str]:
-    """Return the lines into which a text is broken, indented by ``by`` characters.
+def indented_lines(text: str, width: int, indent: int, hanging: int = 0) -> list[str]:
+    """Return the lines into which a text is broken, indented by ``indent`` characters.
 
     Lines after the first one are indented by ``hanging`` characters more. A line has at most ``width``
     characters with its indentation, unless a single word is longer.
     """
-    start, later = " " * by, " " * (by + hanging)
-    return wrap(text, width, initial_indent=start, subsequent_indent=later, break_long_words=False)
+    start, later_indent = " " * indent, " " * (indent + hanging)
+    return wrap(text, width, initial_indent=start, subsequent_indent=later_indent, break_long_words=False)
 
 
 def summary(recording: Recording) -> Iterator[RenderableType]:
     """Yield lines and tables of the summary of a run: impacts, dry friction, rest, loads, energies."""
-    count, listed = recording.impact_count, len(recording.impacts)
+    count, listed_count = recording.impact_count, len(recording.impacts)
     impacts = count_text(count, "impact")
-    if listed < count:
-        impacts += f", {listed} listed: an FMU shows only the latest in a communication step"
+    if listed_count < count:
+        impacts += f", {listed_count} listed: an FMU shows only the latest in a communication step"
     yield headline(recording.name, f"  0 … {recording.time[-1]:g} s, {impacts}")
     for part in with_screen_tables(impact_list(recording, LISTED_IMPACTS)):
         yield f"{part}; --impacts FILE writes all" if isinstance(part, str) else part
@@ -176,9 +176,9 @@ def meanings(recording: Recording) -> Iterator[str]:
             sides.append(f"{name} has the angle {math.degrees(math.atan2(0.0 - x, y)):.4g} deg")
     if sides:
         yield f"wall     {', '.join(sides)}"
-    cut = np.isnan(recording.impacts["peak_force"])
-    if cut.any() and not cut.all():
-        yield f"note     {cut_sentence(int(cut.sum()))}"
+    is_cut = np.isnan(recording.impacts["peak_force"])
+    if is_cut.any() and not is_cut.all():
+        yield f"note     {cut_sentence(int(is_cut.sum()))}"
 
 
 def site_numbers(recording: Recording) -> str:
@@ -207,11 +207,11 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
         table.add_row(*phase_cells(phase, recording.wall_names, recording.point_names))
     yield table
     if len(phases) > PHASES:
-        more, sticking = phases[PHASES:], int((phases[PHASES:]["mode"] == STICKS).sum())
+        more_phases, sticking = phases[PHASES:], int((phases[PHASES:]["mode"] == STICKS).sum())
         remedy = "; Result.stick_slip in Python has all" if isinstance(recording, Result) else ""
         yield (
-            f"and {count_text(len(more), 'more phase')} of dry friction, {sticking} of sticking, "
-            f"the last from {more['start'][-1]:.6f} s on{remedy}"
+            f"and {count_text(len(more_phases), 'more phase')} of dry friction, {sticking} of sticking, "
+            f"the last from {more_phases['start'][-1]:.6f} s on{remedy}"
         )
     if (phases["mode"] != STICKS).any():
         yield "mode     slip + along +x at a floor, or with a positive rate in a joint; slip - the other way"

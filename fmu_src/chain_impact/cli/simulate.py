@@ -143,15 +143,15 @@ def add(verbs: Verbs) -> None:
 
 def _add_derivatives(verb: argparse.ArgumentParser) -> None:
     """Add the options for derivatives, and for the ranking of parameters."""
-    named = add_repeated(
+    named_options = add_repeated(
         verb,
         "--sensitivity",
         "NAMES",
         "also find the derivatives with respect to these parameters and inputs, and draw them in place of "
         "the motion: contact.stiffness,link[*].mass",
     )
-    complete(named, differentiable_names, listed=True)
-    ranked = verb.add_argument(
+    complete(named_options, differentiable_names, is_listed=True)
+    ranking_option = verb.add_argument(
         "--rank",
         action=Once,
         metavar="WHAT",
@@ -159,21 +159,21 @@ def _add_derivatives(verb: argparse.ArgumentParser) -> None:
         "joint_force, impact[2].peak_force or an output at the end, and draw the effects; --sensitivity "
         "limits the list",
     )
-    complete(ranked, rankable_names)
+    complete(ranking_option, rankable_names)
 
 
 def _add_picture(verb: argparse.ArgumentParser) -> None:
     """Add the options for the picture: its file, its window, and curves in place of the motion."""
     verb.add_argument("--show", action="store_true", help="open a window with the picture")
     add_plot(verb, "motion, energy and impacts")
-    named = add_repeated(
+    named_options = add_repeated(
         verb,
         "--curves",
         "NAMES",
         "draw these outputs over time in place of the motion, with a panel for each unit: "
         "contact[*].y_min.force,point[4].x",
     )
-    complete(named, outputs, listed=True)
+    complete(named_options, outputs, is_listed=True)
     verb.add_argument(
         "--around", action=Once, metavar="N", type=int, help="draw the curves around impact N of the list"
     )
@@ -182,14 +182,14 @@ def _add_picture(verb: argparse.ArgumentParser) -> None:
 def _add_tables(verb: argparse.ArgumentParser) -> None:
     """Add the options for the tables of outputs and of impacts."""
     add_csv(verb, "the outputs over time")
-    named = add_repeated(
+    named_options = add_repeated(
         verb,
         "--columns",
         "NAMES",
         "columns of the table: point[*].x,energy.total; default: all",
         alias="--output",
     )
-    complete(named, outputs, listed=True)
+    complete(named_options, outputs, is_listed=True)
     verb.add_argument(
         "--impacts",
         action=Once,
@@ -267,7 +267,7 @@ def simulate_and_tell(
     if columns and not csv:
         raise UsageError("--columns (--output): they are columns of a table: give --csv FILE too")
     choice.check(is_drawn=bool(canvas))
-    tighter = source.tighter() if check else None
+    tighter_source = source.tighter() if check else None
     sensitivities = choice.sensitivities
     fault, ranking = None, source.ranking(choice.rank, sensitivities) if choice.rank else None
     try:
@@ -287,11 +287,11 @@ def simulate_and_tell(
     elif choice.curves:
         draw_curves(canvas, recording, curves_in(recording, source, choice))
     elif canvas:
-        shown = recording if sensitivities or fault else source.with_enough_rows(recording)
-        draw(canvas, shown, has_derivatives=bool(sensitivities))
+        shown_recording = recording if sensitivities or fault else source.with_enough_rows(recording)
+        draw(canvas, shown_recording, has_derivatives=bool(sensitivities))
     show(with_screen_tables(ranking.parts()) if ranking else summary(recording))
-    if tighter:
-        say(f"check    {difference_text(tighter.differences(recording))}")
+    if tighter_source:
+        say(f"check    {difference_text(tighter_source.differences(recording))}")
     if sensitivities and not ranking:
         show(sensitivity_tables(recording))
     if fault:
@@ -303,8 +303,8 @@ def draw(canvas: Canvas, recording: Recording, *, has_derivatives: bool) -> None
     from chain_impact.pictures import FIGURE_SIZE, draw_figure, fill, fill_sensitivities, usual_size
 
     fill_page = partial(fill_sensitivities if has_derivatives else fill, recording=recording)
-    usual = FIGURE_SIZE if has_derivatives else usual_size(recording, size=canvas.size)
-    canvas.draw(partial(draw_figure, fill_page, usual_size=usual), fill_page)
+    usual_figure_size = FIGURE_SIZE if has_derivatives else usual_size(recording, size=canvas.size)
+    canvas.draw(partial(draw_figure, fill_page, usual_size=usual_figure_size), fill_page)
 
 
 def curves_in(recording: Recording, source: Source, choice: PictureChoice) -> Curves:

@@ -97,16 +97,16 @@ class Source:
                 scene, output_step=scene.simulation.stop_time / LEAST_MOTION_ROWS, progress=advance
             )
 
-    def ranking(self, what: str, parameters: Sequence[str]) -> Ranking:
-        """Return the ranking of ``parameters``, by default of all, by the change of the quantity ``what``.
+    def ranking(self, quantity: str, parameters: Sequence[str]) -> Ranking:
+        """Return the ranking of ``parameters``, by default of all, by the change of ``quantity``.
 
         The scene is simulated with rows at the start and the end only, because the ranking needs no rows
-        between, and with the forces in joints if ``what`` is the largest of these. An FMU is refused.
+        between, and with the forces in joints if ``quantity`` is the largest of these. An FMU is refused.
         """
         if self.is_fmu:
             raise UsageError(f"--rank: {self.name} is an FMU; must be a scene")
         scene = self.scene()
-        scene = scene.with_values({"outputs.loads": True}) if what == JOINT_FORCE else scene
+        scene = scene.with_values({"outputs.loads": True}) if quantity == JOINT_FORCE else scene
         with progress() as advance:
             result = simulate(
                 scene,
@@ -114,7 +114,7 @@ class Source:
                 sensitivities=parameters or ["*"],
                 progress=advance,
             )
-        return result.ranking(what, parameters or "*").checked(partial(_changed_run, scene))
+        return result.ranking(quantity, parameters or "*").checked(partial(_changed_run, scene))
 
     def units(self) -> Mapping[str, str]:
         """Return name → unit of each variable of the FMU that is the source; "" for no unit."""
@@ -127,11 +127,11 @@ class Source:
             UsageError: when the tenth is below the least tolerance, or an FMU has no such parameter.
         """
         tolerance, key = self._tolerance(), TOLERANCE.partition(".")[2]
-        least = next(field.metadata["minimum"] for field in fields(Solver) if field.name == key)
-        if TOLERANCE_RATIO * tolerance < least:
+        least_tolerance = next(field.metadata["minimum"] for field in fields(Solver) if field.name == key)
+        if TOLERANCE_RATIO * tolerance < least_tolerance:
             raise UsageError(
                 f"--check: {TOLERANCE} = {tolerance:g} leaves no tighter one; must be at least "
-                f"{least / TOLERANCE_RATIO:g}"
+                f"{least_tolerance / TOLERANCE_RATIO:g}"
             )
         return Source(
             self.name, [*self.settings, f"{TOLERANCE}={TOLERANCE_RATIO * tolerance!r}"], self.inputs

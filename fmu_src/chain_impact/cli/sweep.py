@@ -38,7 +38,7 @@ def add(verbs: Verbs) -> None:
         "pinned_arm --vary contact.restitution=0.1:0.9:9 -o runs.csv",
     )
     add_scene(sweep, "scene")
-    varied = sweep.add_argument(
+    vary_option = sweep.add_argument(
         "--vary",
         action="append",
         default=[],
@@ -46,7 +46,7 @@ def add(verbs: Verbs) -> None:
         help="vary a parameter: 0.1,0.5 or 0.1:0.9:9 (nine values) or 1e6:1e9:4:log, with --samples also "
         "0.1:0.9 or 1e6:1e9:log; can be repeated, to run all combinations",
     )
-    complete(varied, parameters, valued=True)
+    complete(vary_option, parameters, is_valued=True)
     sweep.add_argument("--samples", type=int, metavar="N", help="run N samples in place of all combinations")
     sweep.add_argument(
         "--sampling",
@@ -59,8 +59,8 @@ def add(verbs: Verbs) -> None:
     )
     add_set(sweep)
     add_inputs(sweep)
-    what = "add the values of these outputs at the end of each run: point[4].x,impact.last_wall"
-    complete(add_repeated(sweep, "--columns", "NAMES", what, alias="--output"), outputs, listed=True)
+    help_text = "add the values of these outputs at the end of each run: point[4].x,impact.last_wall"
+    complete(add_repeated(sweep, "--columns", "NAMES", help_text, alias="--output"), outputs, is_listed=True)
     sweep.add_argument(
         "--scheduler",
         metavar="ADDRESS",
@@ -77,8 +77,8 @@ def add(verbs: Verbs) -> None:
         help="write the table (csv, parquet), or Parquet files to a folder, such as runs/",
     )
     add_plot(sweep, "the main results over the parameters that vary")
-    what = "draw these columns or outputs: peak_force,point[4].x"
-    complete(add_repeated(sweep, "--panels", "NAMES", what), outputs, listed=True)
+    help_text = "draw these columns or outputs: peak_force,point[4].x"
+    complete(add_repeated(sweep, "--panels", "NAMES", help_text), outputs, is_listed=True)
     sweep.set_defaults(run=run)
 
 
@@ -96,17 +96,17 @@ def run(options: argparse.Namespace) -> int:
     check_outputs(table, options.plot, inputs=filter(None, (options.source, options.inputs)))
     scene = load_scene_of(options)
     vary = variations(options.vary, settings_of(options.set))
-    panels, wanted = names_in(*options.panels), names_in(*options.columns)
+    panels, wanted_columns = names_in(*options.panels), names_in(*options.columns)
     if panels and not options.plot:
         raise UsageError("--panels: they are panels of a picture: give --plot FILE too")
     if options.plot:
         from chain_impact.studies.sweep.plot import check_picture
         from chain_impact.studies.sweep.quantities import outputs_for
 
-        varied = variations_of(prepared := PreparedScene(scene), vary)
-        runs = options.samples or math.prod(len(variation.values) for variation in varied)
-        check_picture(varied, options.samples, runs, scene.name)
-        wanted += outputs_for(job_of(prepared, varied, wanted), panels)
+        varied_parameters = variations_of(prepared_scene := PreparedScene(scene), vary)
+        runs = options.samples or math.prod(len(variation.values) for variation in varied_parameters)
+        check_picture(varied_parameters, options.samples, runs, scene.name)
+        wanted_columns += outputs_for(job_of(prepared_scene, varied_parameters, wanted_columns), panels)
     try:
         with progress("sweeping") as advance:
             result = sweep(
@@ -115,7 +115,7 @@ def run(options: argparse.Namespace) -> int:
                 samples=options.samples,
                 sampling=options.sampling,
                 seed=options.seed,
-                outputs=wanted,
+                outputs=wanted_columns,
                 path=options.table,
                 threads=options.threads,
                 scheduler=options.scheduler,
@@ -124,8 +124,8 @@ def run(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         target = table if is_folder(options.table) else partial_path(table)
         if target.exists():
-            kept = target if is_folder(options.table) or is_complete(table) else table
-            complain(f"{kept} has the finished runs; the same command continues")
+            kept_target = target if is_folder(options.table) or is_complete(table) else table
+            complain(f"{kept_target} has the finished runs; the same command continues")
         raise
     say(f"table    {options.table}")
     # the result is printed first, because drawing the picture fails if --size is too small

@@ -79,18 +79,18 @@ def joined_script(*names: str) -> str:
 
 def module_files(*names: str) -> list[str]:
     """Return the files ``names`` and all files that these import, imported ones first, from pages/browser."""
-    found: list[str] = []
+    found_files: list[str] = []
 
     def add(name: str) -> None:
-        if name in found:
+        if name in found_files:
             return
         for path in IMPORT.findall(text_of(name)):
             add(posixpath.normpath(posixpath.join(posixpath.dirname(name), path)))
-        found.append(name)
+        found_files.append(name)
 
     for name in names:
         add(name)
-    return found
+    return found_files
 
 
 def script_data(content: Any) -> str:

@@ -59,8 +59,8 @@ def drawn_entries(columns: Mapping[str, np.ndarray]) -> dict[str, list[dict[str,
     for (owner, n, name), quantities in grouped_by_owner(columns).items():
         for quantity, values in quantities.items():
             if (owner, quantity) in DRAWN:
-                group, drawn = DRAWN[owner, quantity]
-                groups[group].setdefault((n, name), {})[drawn] = values
+                group, drawn_name = DRAWN[owner, quantity]
+                groups[group].setdefault((n, name), {})[drawn_name] = values
     return {
         group: [
             {"n": n, "name": name, "columns": columns}

@@ -61,8 +61,8 @@ def explore(
     text = page(scene_of(scene), words)
     if path is None:
         return InlinePage(text)
-    with written_atomically(Path(path)) as fresh:
-        fresh.write_text(text, encoding="utf-8")
+    with written_atomically(Path(path)) as new_file:
+        new_file.write_text(text, encoding="utf-8")
     return None
 
 

@@ -135,19 +135,19 @@ def _key(kind: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
     The key stands for a table, a list of tables, tables by name, a list of values, or a value; ``kind`` in
     the result tells which.
     """
-    inner = entry_type(kind := without_none(kind))
-    if is_dataclass(inner):
+    inner_type = entry_type(kind := without_none(kind))
+    if is_dataclass(inner_type):
         kinds = {tuple: "tables", Mapping: "named"}
         return {
             "kind": kinds.get(get_origin(kind), "table"),
-            "keys": _keys(inner),
+            "keys": _keys(inner_type),
             **({"entries": metadata["entries"], "isNeeded": True} if metadata.get("entries") else {}),
             "meaning": metadata.get("description", ""),
         }
-    item, *others = get_args(kind) or (kind,)
+    item, *other_types = get_args(kind) or (kind,)
     value = _value(item, metadata)
-    if others:
-        length = "links" if metadata["per_link"] else None if ... in others else 1 + len(others)
+    if other_types:
+        length = "links" if metadata["per_link"] else None if ... in other_types else 1 + len(other_types)
         value = {
             "kind": "list",
             "meaning": metadata["description"],
@@ -260,8 +260,8 @@ def _rule(rule: Derived, table: str) -> dict[str, Any]:
 
     A key without a dot belongs to the table ``table``.
     """
-    terms = [[key if "." in key else f"{table}.{key}" for key in term] for term in rule.terms]
-    return {"terms": terms, "divisor": rule.divisor, "text": UNLESS_SET + rule.text}
+    term_keys = [[key if "." in key else f"{table}.{key}" for key in term] for term in rule.terms]
+    return {"terms": term_keys, "divisor": rule.divisor, "text": UNLESS_SET + rule.text}
 
 
 def _sentence(item: Item) -> str:

@@ -34,10 +34,10 @@ def page(recording: Recording, speed: float, impact_time: float) -> str:
         speed: the speed at which the recording plays at first; 1 is real time.
         impact_time: the time [s] that an impact takes on the screen; 0 for no slow motion.
     """
-    shown = data(thin_rows(recording, impact_time)) | {"speed": speed, "impactTime": impact_time}
+    shown_data = data(thin_rows(recording, impact_time)) | {"speed": speed, "impactTime": impact_time}
     template = text_of("player/recorded_page.html")
     return assemble_page(
-        template, recording.name, styles(), program(RECORDED_PROGRAM), data=script_data(shown)
+        template, recording.name, styles(), program(RECORDED_PROGRAM), data=script_data(shown_data)
     )
 
 
@@ -51,12 +51,14 @@ def thin_rows(recording: Recording, impact_time: float) -> Recording:
     time, impacts = recording.time, recording.impacts
     if len(time) <= MOST_PAGE_ROWS:
         return recording
-    start, stop, usual = float(time[0]), float(time[-1]), frame_rate(recording)
-    frames, _ = frame_times(start, stop, slow_spans(recording), impact_time, usual=usual)
-    shown = np.concatenate([frames, impacts["onset"], impacts["end"]])
-    after = np.searchsorted(time, shown[np.isfinite(shown)])
+    start, stop, usual_rate = float(time[0]), float(time[-1]), frame_rate(recording)
+    frames, _ = frame_times(start, stop, slow_spans(recording), impact_time, usual_rate=usual_rate)
+    shown_times = np.concatenate([frames, impacts["onset"], impacts["end"]])
+    later_rows = np.searchsorted(time, shown_times[np.isfinite(shown_times)])
     even = np.linspace(0, len(time) - 1, MOST_PAGE_ROWS).astype(int)
-    return recording.with_rows(np.unique(np.concatenate([even, after - 1, after]).clip(0, len(time) - 1)))
+    return recording.with_rows(
+        np.unique(np.concatenate([even, later_rows - 1, later_rows]).clip(0, len(time) - 1))
+    )
 
 
 def data(recording: Recording) -> dict[str, Any]:
@@ -70,13 +72,15 @@ def data(recording: Recording) -> dict[str, Any]:
         "x": _packed_numbers(points[:, :, 0]),
         "y": _packed_numbers(points[:, :, 1]),
         "drawn": {
-            group: [entry | found for entry in entries if (found := _column_data(entry["columns"]))]
+            group: [
+                entry | packed_entry for entry in entries if (packed_entry := _column_data(entry["columns"]))
+            ]
             for group, entries in drawn_entries(recording.columns).items()
         },
         "impacts": impacts(recording),
         "walls": free_sides(recording.walls),
         "gravity": {name: recording.parameters.get(name) for name in ("gravity.x", "gravity.y")},
-        "moved": {name: _packed_numbers(moved) for name, moved in recording.moved_walls.items()},
+        "moved": {name: _packed_numbers(wall_motion) for name, wall_motion in recording.moved_walls.items()},
         "stops": [_range(joint, limits) for joint, limits in recording.stops.items()],
         "radius": radius_of(recording),
         "ball": ball_of(recording),
@@ -91,7 +95,7 @@ def data(recording: Recording) -> dict[str, Any]:
 
 def impacts(recording: Recording) -> list[dict[str, Any]]:
     """Return the impacts of a recording in the form of the page; unknown values are None."""
-    at = zip(
+    places = zip(
         recording.impacts,
         recording.linear_impact_speeds.tolist(),
         recording.is_at_joint_stop.tolist(),
@@ -109,7 +113,7 @@ def impacts(recording: Recording) -> list[dict[str, Any]]:
             **{name: _number_or_none(impact[column]) for name, column in COLUMN_OF_QUANTITY.items()},
             "atStop": at_stop,
         }
-        for impact, linear_speed, at_stop in at
+        for impact, linear_speed, at_stop in places
     ]
 
 
@@ -161,8 +165,8 @@ def _column_data(columns: Mapping[str, np.ndarray]) -> dict[str, Any] | None:
     rows = np.flatnonzero(np.any([*columns.values()], axis=0))
     if not len(rows):
         return None
-    packed = {name: _packed_numbers(column[rows]) for name, column in columns.items()}
-    return {"rows": base64_text(rows.astype("<u4").tobytes()), "columns": packed}
+    packed_columns = {name: _packed_numbers(column[rows]) for name, column in columns.items()}
+    return {"rows": base64_text(rows.astype("<u4").tobytes()), "columns": packed_columns}
 
 
 def _packed_numbers(values: np.ndarray) -> dict[str, Any]:

@@ -157,8 +157,8 @@ def declaration() -> str:
 
 def _rule_data(rule: RefusalRule) -> dict[str, Any]:
     """Return the data of a rule that refuses a value, with its condition and least value as syntax trees."""
-    least = tree(rule.least) if rule.least else None
-    return {**rule._asdict(), "condition": tree(rule.condition), "least": least, "bound": rule.least}
+    least_tree = tree(rule.least) if rule.least else None
+    return {**rule._asdict(), "condition": tree(rule.condition), "least": least_tree, "bound": rule.least}
 
 
 def _constants(module: ModuleType, constants: Iterable[str]) -> dict[str, Any]:

@@ -25,10 +25,12 @@ def _table(scene: Scene, name: str) -> dict[str, Any]:
     of the pieces, and the gain, the change of the input from one period to the next.
     """
     signal, columns = scene.signals[name], {}
-    for driven in driven_by(scene):
-        if driven.signal == name:
-            times, powers, gain = table_of(signal, driven.input, driven.order, scene.simulation.stop_time)
-            columns[driven.input] = {
+    for driven_input in driven_by(scene):
+        if driven_input.signal == name:
+            times, powers, gain = table_of(
+                signal, driven_input.input, driven_input.order, scene.simulation.stop_time
+            )
+            columns[driven_input.input] = {
                 "knots": len(times),
                 "times": _number_text(times),
                 "powers": [_number_text(column) for column in powers.T],

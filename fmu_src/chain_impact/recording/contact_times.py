@@ -51,13 +51,17 @@ def impacts_at_peaks(recording: Recording) -> np.ndarray:
     the peak force (ALMOST_PEAK), if the force is mostly constant (STEADY_SHARE), if the recording lacks the
     force, and under a law that acts by impulses.
     """
-    impacts, time, least = recording.impacts.copy(), recording.time, SEEN_CONTACT * recording.duration
+    impacts, time, least_duration = (
+        recording.impacts.copy(),
+        recording.time,
+        SEEN_CONTACT * recording.duration,
+    )
     forces, ends = recording.contact_forces, contact_ends(recording)
     for impact, end in zip(impacts, ends, strict=True):
         force = forces.get((int(impact["point"]), recording.wall_names[impact["wall"]]))
         first, last = np.searchsorted(time, [impact["onset"], end])
         law = law_at(recording, is_stop=recording.is_joint_stop(impact["wall"]))
-        is_short = end - impact["onset"] <= least or first == last
+        is_short = end - impact["onset"] <= least_duration or first == last
         if force is None or is_short or has_impulses(law):
             continue
         during = force[first:last]
@@ -65,7 +69,7 @@ def impacts_at_peaks(recording: Recording) -> np.ndarray:
         row = first + is_largest.argmax()
         if len(during) > 1 and is_largest.mean() > STEADY_SHARE:
             continue
-        if force[row] >= ALMOST_PEAK * impact["peak_force"] and time[row] - impact["onset"] > least:
+        if force[row] >= ALMOST_PEAK * impact["peak_force"] and time[row] - impact["onset"] > least_duration:
             impact["onset"] = time[row]
     return impacts
 

@@ -91,11 +91,11 @@ class HasCourses(Protocol):
 
 
 def course_of(
-    prepared: PreparedScene,
+    prepared_scene: PreparedScene,
     rerun: Repeatable | None,
     impact: np.void,
     *,
-    until: float = math.nan,
+    end_time: float = math.nan,
 ) -> Course:
     """Return the course of one impact.
 
@@ -104,53 +104,55 @@ def course_of(
     the end that ``impact_ends`` gives, more samples lie just after the onset, and from the onset to that end.
 
     Args:
-        prepared: the prepared scene.
+        prepared_scene: the prepared scene.
         rerun: ``Result.rerun``.
         impact: the impact, a row of ``Result.impacts``.
-        until: the end of the course [s] for a contact whose end is NaN.
+        end_time: the end of the course [s] for a contact whose end is NaN.
 
     Raises:
         ValueError: when the run of the result cannot be repeated.
     """
     if rerun is None:
-        raise ValueError(f"{prepared.scene.name}: only a result of simulate() has the course of an impact")
+        raise ValueError(
+            f"{prepared_scene.scene.name}: only a result of simulate() has the course of an impact"
+        )
     onset, end = float(impact["onset"]), float(impact["end"])
-    end = until if math.isnan(end) else end
-    inside = np.linspace(onset, end, COURSE_SAMPLES if end > onset else 0)
-    near = float(impact_ends(np.array([impact], impact.dtype), end)[0]) - onset
-    if 0.0 < near < end - onset:
+    end = end_time if math.isnan(end) else end
+    contact_times = np.linspace(onset, end, COURSE_SAMPLES if end > onset else 0)
+    duration = float(impact_ends(np.array([impact], impact.dtype), end)[0]) - onset
+    if 0.0 < duration < end - onset:
         shares = np.union1d(
             np.geomspace(FIRST_SAMPLE, 1.0, COURSE_SAMPLES), np.linspace(0.0, 1.0, LASTING_SAMPLES)
         )
-        times = np.union1d((end - onset) * shares, np.linspace(0.0, near, COURSE_SAMPLES))
-        inside = np.unique((onset + times).clip(onset, end))
-    before, after = max(0.0, math.nextafter(onset, 0.0)), math.nextafter(end, math.inf)
-    outputs = rerun(np.concatenate([[before], inside, [after]]))
-    at, sign = contact_output(prepared, impact)
-    within = outputs[1 : 1 + len(inside)]
-    speed = within["penetration_rate"][:, at].copy()
+        times = np.union1d((end - onset) * shares, np.linspace(0.0, duration, COURSE_SAMPLES))
+        contact_times = np.unique((onset + times).clip(onset, end))
+    start_limit, end_limit = max(0.0, math.nextafter(onset, 0.0)), math.nextafter(end, math.inf)
+    outputs = rerun(np.concatenate([[start_limit], contact_times, [end_limit]]))
+    output_index, sign = contact_output(prepared_scene, impact)
+    contact_values = outputs[1 : 1 + len(contact_times)]
+    speed = contact_values["penetration_rate"][:, output_index].copy()
     # The output ``penetration_rate`` is 0 at onset and end, because the penetration is 0 there. The impact
     # speed and, if the contact has ended, the separation speed in the list of impacts replace these values.
     if len(speed):
         speed[0] = impact["impact_speed"]
-    if len(speed) == len(inside) > 1 and not math.isnan(impact["end"]):
+    if len(speed) == len(contact_times) > 1 and not math.isnan(impact["end"]):
         speed[-1] = -impact["separation_speed"]
     return Course(
-        time=inside[: len(within)],
-        force=(sign * within["force"][:, at]).clip(0.0),
-        penetration=within["penetration"][:, at].clip(0.0),
+        time=contact_times[: len(contact_values)],
+        force=(sign * contact_values["force"][:, output_index]).clip(0.0),
+        penetration=contact_values["penetration"][:, output_index].clip(0.0),
         speed=speed,
         energy_lost=float(outputs["dissipated"][-1] - outputs["dissipated"][0]),
     )
 
 
-def contact_output(prepared: PreparedScene, impact: np.void) -> tuple[int, float]:
+def contact_output(prepared_scene: PreparedScene, impact: np.void) -> tuple[int, float]:
     """Return the index of an impact's contact among the outputs of contacts, and the sign of its force there.
 
     The sign is −1 at ``joint_max``, and 1 otherwise. Both stops of a joint share one output: their moment,
     which is positive at ``joint_min`` and negative at ``joint_max``.
     """
-    pairs, scene = prepared.candidates, prepared.scene
+    pairs, scene = prepared_scene.candidates, prepared_scene.scene
     if not is_scene_joint_stop(scene, impact["wall"]):
         return pairs.index((impact["point"], impact["wall"])), 1.0
     first = len(point_wall_pairs(scene))

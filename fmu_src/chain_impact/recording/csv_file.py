@@ -51,7 +51,7 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
         )
     walls, names = (scene.half_planes, scene.wall_names) if scene else ({}, ())
     values = scene.values if scene else {}
-    bare = StoredRecording(
+    bare_recording = StoredRecording(
         path.stem,
         time,
         columns,
@@ -61,7 +61,7 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
         stops=ranges_of(values),
         point_names=scene.point_names if scene else {},
     )
-    for contact in bare.interactions:
+    for contact in bare_recording.interactions:
         # without a scene, a wall with the name of a slider's stop counts as the stop
         if contact.kind != WALL or (scene is None and contact.wall in SLIDER_STOPS):
             continue
@@ -75,9 +75,11 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
                 f"{path}: contact[{contact.point}].{contact.wall}.force: the scene has no wall "
                 f"{contact.wall}; it has {', '.join(walls) or 'none'}"
             )
-    listed = "impact.count" in columns and scene is not None
-    impacts = shown_impacts({"time": time, **columns}, names) if listed else NO_IMPACTS
-    return replace(bare, impacts=impacts, stick_slip=phases_from(time, bare.interactions, names))
+    has_impact_list = "impact.count" in columns and scene is not None
+    impacts = shown_impacts({"time": time, **columns}, names) if has_impact_list else NO_IMPACTS
+    return replace(
+        bare_recording, impacts=impacts, stick_slip=phases_from(time, bare_recording.interactions, names)
+    )
 
 
 def _columns(path: Path) -> dict[str, np.ndarray]:
@@ -92,11 +94,11 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
     # has a wrong encoding
     except ValueError as error:
         raise SceneError(f"{path}: not a table of numbers: {error}") from None
-    missing = [name for name in NEEDED_COLUMNS if name not in names]
-    if missing:
-        likely = likely_time(names) if missing[0] == "time" else ""
+    missing_names = [name for name in NEEDED_COLUMNS if name not in names]
+    if missing_names:
+        likely = likely_time(names) if missing_names[0] == "time" else ""
         raise SceneError(
-            f"{path}: the column {missing[0]} is missing{likely or '; `simulate --csv` writes it'}"
+            f"{path}: the column {missing_names[0]} is missing{likely or '; `simulate --csv` writes it'}"
         )
     if rows.shape[0] <= 1 or rows.shape[1] != len(names):
         raise SceneError(
@@ -128,7 +130,7 @@ def _numbers(names: list[str], text: list[str]) -> np.ndarray:
         raise
 
 
-def _check_line(where: str, names: list[str], cells: list[str]) -> None:
+def _check_line(line_text: str, names: list[str], cells: list[str]) -> None:
     """Refuse a line with a cell that is not a number, or with too few or too many cells."""
     for name, cell in zip(names, cells, strict=False):
         try:
@@ -136,6 +138,6 @@ def _check_line(where: str, names: list[str], cells: list[str]) -> None:
         except ValueError:
             cell_text = f"= {cell!r}" if cell else "is empty;"
             hint = "; a number has no quotes, and a decimal point" if '"' in cell else ""
-            raise ValueError(f"{where}: {name} {cell_text} must be a number{hint}") from None
+            raise ValueError(f"{line_text}: {name} {cell_text} must be a number{hint}") from None
     if len(cells) != len(names):
-        raise ValueError(f"{where} has {len(cells)} cells, must have {len(names)} as the head line")
+        raise ValueError(f"{line_text} has {len(cells)} cells, must have {len(names)} as the head line")

@@ -88,27 +88,28 @@ def curves_of(
         ValueError: when no impact has the number.
     """
     hint = series_hint(recording.output_hint)
-    like = (
+    matching_names = (
         names_matching(recording.name, pattern, recording.columns, "not an output", hint) for pattern in names
     )
-    chosen = list(dict.fromkeys(name for matches in like for name in matches))
+    chosen_names = list(dict.fromkeys(name for matches in matching_names for name in matches))
     onset, low, high = window(recording, around)
     time = recording.time
     if rerun:
-        seen = time[(time >= low) & (time <= high)]
+        window_times = time[(time >= low) & (time <= high)]
         time = np.unique(
-            np.concatenate([seen, times_between(recording, low, high, close=around is not None)])
+            np.concatenate([window_times, times_between(recording, low, high, is_close=around is not None)])
         )
-        time, moving = refine_times(time, rerun.series, chosen)
+        time, curve_values = refine_times(time, rerun.series, chosen_names)
     else:
         rows = (time >= low) & (time <= high)
-        time, moving = time[rows], {name: values[rows] for name, values in recording.columns.items()}
+        time, curve_values = time[rows], {name: values[rows] for name, values in recording.columns.items()}
     # an output that changes only at events and steps keeps the value of a row until the next row
     row = np.searchsorted(recording.time, time, side="right") - 1
     values = {
-        name: moving[name] if name in moving else recording.columns[name][row.clip(0)] for name in chosen
+        name: curve_values[name] if name in curve_values else recording.columns[name][row.clip(0)]
+        for name in chosen_names
     }
-    return Curves(time, values, {name: units.get(name, "") for name in chosen}, onset, around or 0)
+    return Curves(time, values, {name: units.get(name, "") for name in chosen_names}, onset, around or 0)
 
 
 def refine_times(
@@ -124,19 +125,19 @@ def refine_times(
             which ``series_at`` has no values counts as constant.
     """
 
-    def computed(at: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-        values = series_at(at)
-        return at[: min(map(len, values.values()), default=0)], values
+    def compute_curves(times_of_run: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        values = series_at(times_of_run)
+        return times_of_run[: min(map(len, values.values()), default=0)], values
 
-    time, moving = computed(time)
+    time, curve_values = compute_curves(time)
     for _ in range(ROUNDS):
-        bent = bends(time, [moving[name] for name in names if name in moving])
-        inside = np.linspace(time[:-1][bent], time[1:][bent], PARTS + 1)[1:-1]
-        more = np.unique(np.concatenate([time, inside.ravel()]))
-        if len(more) == len(time) or len(more) > MOST_TIMES:
+        bent = bends(time, [curve_values[name] for name in names if name in curve_values])
+        inner_times = np.linspace(time[:-1][bent], time[1:][bent], PARTS + 1)[1:-1]
+        more_times = np.unique(np.concatenate([time, inner_times.ravel()]))
+        if len(more_times) == len(time) or len(more_times) > MOST_TIMES:
             break
-        time, moving = computed(more)
-    return time, moving
+        time, curve_values = compute_curves(more_times)
+    return time, curve_values
 
 
 def bends(time: np.ndarray, curves: Iterable[np.ndarray]) -> np.ndarray:
@@ -152,9 +153,9 @@ def bends(time: np.ndarray, curves: Iterable[np.ndarray]) -> np.ndarray:
             continue
         share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
         straight = values[:-2] + share * (values[2:] - values[:-2])
-        at = np.abs(values[1:-1] - straight) > BEND * np.ptp(values)
-        bent[:-1] |= at
-        bent[1:] |= at
+        is_bent = np.abs(values[1:-1] - straight) > BEND * np.ptp(values)
+        bent[:-1] |= is_bent
+        bent[1:] |= is_bent
     return bent
 
 
@@ -172,10 +173,14 @@ def window(recording: Recording, around: int | None) -> tuple[float | None, floa
         raise ValueError(f"{recording.name}: around = {around!r} must be {impact_numbers(count)}")
     impact = recording.impacts[around - 1]
     onset, run = float(impact["onset"]), end - start
-    lasting = LASTING_SHARE * run if lasts(impact) else float(impact["end"]) - onset
-    if not lasting > 0.0:
-        lasting = IMPULSE_SHOWN * run
-    return onset, max(start, onset - CLOSE_BEFORE * lasting), min(end, onset + (1.0 + CLOSE_AFTER) * lasting)
+    duration = LASTING_SHARE * run if lasts(impact) else float(impact["end"]) - onset
+    if not duration > 0.0:
+        duration = IMPULSE_SHOWN * run
+    return (
+        onset,
+        max(start, onset - CLOSE_BEFORE * duration),
+        min(end, onset + (1.0 + CLOSE_AFTER) * duration),
+    )
 
 
 def impact_numbers(count: int) -> str:
@@ -185,17 +190,17 @@ def impact_numbers(count: int) -> str:
     return f"from 1 to {count}: the run has {count} impacts"
 
 
-def times_between(recording: Recording, low: float, high: float, *, close: bool) -> np.ndarray:
+def times_between(recording: Recording, low: float, high: float, *, is_close: bool) -> np.ndarray:
     """Return the times [s] between ``low`` and ``high`` at which curves are computed besides the rows.
 
-    If ``close``, the view shows one impact, and the times are equally spaced. Otherwise it shows the whole
+    If ``is_close``, the view shows one impact, and the times are equally spaced. Otherwise it shows the whole
     run, and TIMES_WITHIN_IMPACT times lie in each of the first MOST_REFINED_IMPACTS impacts, except in
     impulses, which have no duration, and in contacts that last to the end of the run.
     """
-    if close:
+    if is_close:
         return np.linspace(low, high, CLOSE_TIMES)
     impacts = recording.impacts[:MOST_REFINED_IMPACTS]
     # the end of a contact that lasts is NaN
-    ended = impacts[np.nan_to_num(impacts["end"]) > impacts["onset"]]
-    inside = np.linspace(ended["onset"], ended["end"], TIMES_WITHIN_IMPACT).ravel()
-    return np.asarray(inside[(inside >= low) & (inside <= high)])
+    ended_impacts = impacts[np.nan_to_num(impacts["end"]) > impacts["onset"]]
+    inner_times = np.linspace(ended_impacts["onset"], ended_impacts["end"], TIMES_WITHIN_IMPACT).ravel()
+    return np.asarray(inner_times[(inner_times >= low) & (inner_times <= high)])

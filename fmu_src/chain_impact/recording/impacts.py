@@ -96,11 +96,11 @@ def sorted_impacts(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[n
 
     The order is by onset; at the same onset, by point and then wall.
     """
-    filled = [_numbers(part) for part in parts if len(part)] or [_numbers(parts[0])]
+    filled_parts = [_numbers(part) for part in parts if len(part)] or [_numbers(parts[0])]
     # most runs have one log with contacts, which needs no copy
-    numbers = filled[0] if len(filled) == 1 else np.concatenate(filled)
-    ordered = np.ndarray(len(numbers), LOG_DTYPE, numbers)
-    order = np.lexsort((ordered["wall"], ordered["point"], ordered["onset"]))
+    numbers = filled_parts[0] if len(filled_parts) == 1 else np.concatenate(filled_parts)
+    ordered_impacts = np.ndarray(len(numbers), LOG_DTYPE, numbers)
+    order = np.lexsort((ordered_impacts["wall"], ordered_impacts["point"], ordered_impacts["onset"]))
     return order, impact_table_of_log(np.ndarray(len(numbers), LOG_DTYPE, numbers.take(order, 0)), walls)
 
 
@@ -109,11 +109,15 @@ def _numbers(table: np.ndarray) -> np.ndarray:
     return np.ndarray((len(table), table.itemsize // 8), np.float64, table)
 
 
-def common_count(first: np.ndarray, second: np.ndarray) -> int:
+def common_count(first_impacts: np.ndarray, second_impacts: np.ndarray) -> int:
     """Return for how many rows, from the first one on, two tables of impacts have equal points and walls."""
-    pairs = [[(row["point"], row["wall"]) for row in table] for table in (first, second)]
-    different = (k for k, (one, other) in enumerate(zip(*pairs, strict=False)) if one != other)
-    return next(different, min(map(len, pairs)))
+    pairs = [[(row["point"], row["wall"]) for row in table] for table in (first_impacts, second_impacts)]
+    different_rows = (
+        k
+        for k, (first_value, second_value) in enumerate(zip(*pairs, strict=False))
+        if first_value != second_value
+    )
+    return next(different_rows, min(map(len, pairs)))
 
 
 def lasts(impacts: np.ndarray | np.void) -> Any:
@@ -150,30 +154,30 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
     Raises:
         ValueError: when a column is missing, or the record has no rows.
     """
-    stored = getattr(record, "impacts", None)
-    if isinstance(stored, np.ndarray) and stored.dtype == IMPACT_DTYPE:
-        return stored
+    stored_impacts = getattr(record, "impacts", None)
+    if isinstance(stored_impacts, np.ndarray) and stored_impacts.dtype == IMPACT_DTYPE:
+        return stored_impacts
     table = _table(record, walls)
-    count, cut = int(_column(record, "impact.count")[-1]), int(np.isnan(table["peak_force"]).sum())
+    count, cut_count = int(_column(record, "impact.count")[-1]), int(np.isnan(table["peak_force"]).sum())
     sentences = []
     if len(table) < count:
         sentences.append(
             f"{count - len(table)} of {count} impacts are missing, as a communication step has more than the "
             "FMU shows: give the scene a larger outputs.impacts, or take shorter steps"
         )
-    warn("impacts_of", [*sentences, *([cut_sentence(cut)] if cut else [])])
+    warn("impacts_of", [*sentences, *([cut_sentence(cut_count)] if cut_count else [])])
     return table
 
 
 def cut_sentence(count: int) -> str:
     """Return the warning for ``count`` contacts that newer impacts have pushed out of an FMU's list."""
-    what = (
+    what_is_cut = (
         "contact is known in part only: it was"
         if count == 1
         else "contacts are known in part only: they were"
     )
     return (
-        f"{count} {what} still going on when newer impacts filled the FMU's list, so peak force, "
+        f"{count} {what_is_cut} still going on when newer impacts filled the FMU's list, so peak force, "
         "penetration and impulse are NaN; give the scene a larger outputs.impacts"
     )
 
@@ -181,30 +185,30 @@ def cut_sentence(count: int) -> str:
 def _table(record: Any, walls: Sequence[str]) -> np.ndarray:
     """Return the table of those impacts that the columns `impact[j].*` of an FMU's outputs over time show."""
     time, counts = _column(record, "time"), _column(record, "impact.count").astype(np.int64)
-    shown = next(j for j in naturals(1) if f"impact[{j}].time" not in names_of(record)) - 1
+    shown_count = next(j for j in naturals(1) if f"impact[{j}].time" not in names_of(record)) - 1
     if len(time) == 0:
         raise ValueError("the record has no rows")
-    if shown == 0:
+    if shown_count == 0:
         raise ValueError("there is no column impact[1].time: the scene has outputs.impacts = 0")
     number = np.arange(1, counts[-1] + 1)
     # ``number`` is k for impact k of the run. An FMU that has counted ``count`` impacts shows impact k as
     # impact[j], j = count − k + 1. ``row`` is the last row in which it shows impact k.
-    row = np.searchsorted(counts, number + shown - 1, side="right") - 1
-    seen = counts[row] >= number
-    number, row = number[seen], row[seen]
+    row = np.searchsorted(counts, number + shown_count - 1, side="right") - 1
+    is_seen = counts[row] >= number
+    number, row = number[is_seen], row[is_seen]
     table = np.zeros(len(number), LOG_DTYPE)
     for field in UNSHOWN_COLUMNS:
         table[field] = np.nan
     for field, name in COLUMNS.items():
-        columns = np.array([_column(record, f"impact[{j}].{name}") for j in range(1, shown + 1)])
+        columns = np.array([_column(record, f"impact[{j}].{name}") for j in range(1, shown_count + 1)])
         table[field] = columns[counts[row] - number, row]
     table["wall"] -= 1
-    lasting = (table["end"] == time[row]) & (table["end"] > table["onset"])
+    is_lasting = (table["end"] == time[row]) & (table["end"] > table["onset"])
     for field in ("end", "separation_speed"):
-        table[field][lasting] = np.nan
+        table[field][is_lasting] = np.nan
     # the final values of a contact that newer impacts have pushed out of the FMU's list are unknown
     for field in ("peak_force", "max_penetration", "impulse"):
-        table[field][lasting & (row < len(time) - 1)] = np.nan
+        table[field][is_lasting & (row < len(time) - 1)] = np.nan
     return impact_table_of_log(
         np.sort(table, order=["onset", "point", "wall"]), walls or wall_names_of(record)
     )
@@ -213,11 +217,11 @@ def _table(record: Any, walls: Sequence[str]) -> np.ndarray:
 def wall_names_of(record: Any) -> list[str]:
     """Return the names of the walls by their numbers: those of the box, and those that columns name."""
     names = [name_parts(str(name)) for name in names_of(record)]
-    touched = [of.name for of in names if of.owner == "contact" and of.quantity == "force"]
-    ends = [stop for stop in SLIDER_STOPS if stop in touched]
-    touched = [name for name in touched if name not in ends]
-    stops = STOPS if touched and any(of.quantity == "stop_moment" for of in names) else ()
-    return [*dict.fromkeys((*WALLS, *touched)), *stops, *ends]
+    touched_names = [parts.name for parts in names if parts.owner == "contact" and parts.quantity == "force"]
+    ends = [stop for stop in SLIDER_STOPS if stop in touched_names]
+    touched_names = [name for name in touched_names if name not in ends]
+    stops = STOPS if touched_names and any(parts.quantity == "stop_moment" for parts in names) else ()
+    return [*dict.fromkeys((*WALLS, *touched_names)), *stops, *ends]
 
 
 def shown_impacts(record: Any, walls: Sequence[str] = ()) -> np.ndarray:

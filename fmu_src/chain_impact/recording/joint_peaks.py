@@ -36,15 +36,15 @@ def joint_peaks(recording: Recording) -> list[JointPeak]:
 
     Force and time are those of ``joint[i].peak_force`` and ``joint[i].peak_time``, or of a row without these.
     """
-    found = []
+    found_peaks = []
     for (joint, _), values in recording.columns_of("joint").items() if len(recording.time) else ():
         if "peak_force" in values:
             peaks, times = values["peak_force"], values.get("peak_time")
             first = recording.time[(peaks >= (1.0 - EQUAL_FORCES) * peaks[-1]).argmax()]
             time, kind = (first, LARGEST_OF_ROWS) if times is None else (times[-1], EXACT)
-            found.append(JointPeak(joint, float(peaks[-1]), float(time), kind))
+            found_peaks.append(JointPeak(joint, float(peaks[-1]), float(time), kind))
         elif joint in recording.loads:
             sizes = np.hypot(*recording.loads[joint].T)
             row = sizes.argmax()
-            found.append(JointPeak(joint, float(sizes[row]), float(recording.time[row]), SAMPLED))
-    return sorted(found, key=lambda peak: -peak.force)
+            found_peaks.append(JointPeak(joint, float(sizes[row]), float(recording.time[row]), SAMPLED))
+    return sorted(found_peaks, key=lambda peak: -peak.force)

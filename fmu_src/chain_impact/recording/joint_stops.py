@@ -76,12 +76,12 @@ def range_lines(points: np.ndarray, ranges: Mapping[int, JointRange]) -> Iterato
     for joint, limits in ranges.items():
         centre = points[joint - 1]
         x, y = centre - points[joint - 2] if joint > 1 else (1.0, 0.0)
-        before, radius = math.atan2(y, x), RANGE_RADIUS * limits.length
-        yield centre + radius * _directions(np.linspace(*limits.arc, RANGE_POINTS) + before)
+        link_angle, radius = math.atan2(y, x), RANGE_RADIUS * limits.length
+        yield centre + radius * _directions(np.linspace(*limits.arc, RANGE_POINTS) + link_angle)
         for stop in (limits.low, limits.high):
             if math.isfinite(stop):
                 ends = radius * np.array([[1.0 - 0.5 * RANGE_TICK], [1.0 + 0.5 * RANGE_TICK]])
-                yield centre + ends * _directions(np.array([stop + before]))
+                yield centre + ends * _directions(np.array([stop + link_angle]))
 
 
 def _directions(angles: np.ndarray) -> np.ndarray:

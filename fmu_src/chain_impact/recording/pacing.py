@@ -58,17 +58,17 @@ def impact_ends(impacts: np.ndarray, stop: float) -> np.ndarray:
     law, π δ/v with a linear spring, and longer with losses.
     """
     speeds = np.maximum(impacts["impact_speed"], SLOWEST)
-    lasting = LONGEST_IMPACT * np.nan_to_num(impacts["max_penetration"]) / speeds
-    return np.asarray(np.fmin(impacts["end"], np.minimum(impacts["onset"] + lasting, stop)))
+    longest_durations = LONGEST_IMPACT * np.nan_to_num(impacts["max_penetration"]) / speeds
+    return np.asarray(np.fmin(impacts["end"], np.minimum(impacts["onset"] + longest_durations, stop)))
 
 
 def slow_spans(recording: Recording) -> list[Span]:
     """Return onset and end [s] (``impact_ends``) of each impact that is shown in slow motion."""
     impacts, speeds = recording.impacts, recording.linear_impact_speeds
     ends = impact_ends(impacts, float(recording.time[-1]))
-    fastest = np.argsort(-speeds, kind="stable")[:SLOW_COUNT]
-    fastest = fastest[speeds[fastest] >= SLOW_SPEED * speeds.max(initial=0.0)]
-    return sorted(zip(impacts["onset"][fastest].tolist(), ends[fastest].tolist(), strict=True))
+    fastest_rows = np.argsort(-speeds, kind="stable")[:SLOW_COUNT]
+    fastest_rows = fastest_rows[speeds[fastest_rows] >= SLOW_SPEED * speeds.max(initial=0.0)]
+    return sorted(zip(impacts["onset"][fastest_rows].tolist(), ends[fastest_rows].tolist(), strict=True))
 
 
 def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndarray:
@@ -85,18 +85,18 @@ def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndar
         spans: onset and end of each impact that is shown in slow motion [s].
         impact_time: the time [s] that each of these impacts takes on the screen.
     """
-    slowest = np.ones_like(time)
+    slowest_speeds = np.ones_like(time)
     for onset, end in spans:
         share, last = 1.0 if end > onset else INSTANT, max(end, onset + LEAST_DURATION)
-        within = min(1.0, (last - onset) / (share * impact_time))
+        speed_limit = min(1.0, (last - onset) / (share * impact_time))
         distance = np.maximum(0.0, np.maximum(onset - time, time - last))
-        slowest = np.minimum(slowest, within + distance / (share * SPEED_RAMP))
-    return slowest
+        slowest_speeds = np.minimum(slowest_speeds, speed_limit + distance / (share * SPEED_RAMP))
+    return slowest_speeds
 
 
 def fastest_sine(recording: Recording) -> float:
     """Return the largest frequency [Hz] of the sines that drive inputs during the run; 0 without a sine."""
-    stop, fastest = float(recording.time[-1]), 0.0
+    stop, highest_frequency = float(recording.time[-1]), 0.0
     for (owner, _, _), signal in grouped_by_owner(recording.parameters).items():
         if owner == "signal" and "frequency" in signal:
             begin, value = float(signal.get("start", 0.0)), float(signal["frequency"])
@@ -105,8 +105,8 @@ def fastest_sine(recording: Recording) -> float:
             # f + ḟ s is the frequency at the time s after the signal's start: |f + ḟ s| is largest at s = 0
             # or at the end
             change = float(signal.get("frequency_rate", 0.0)) * (stop - begin)
-            fastest = max(fastest, abs(value), abs(value + change))
-    return fastest
+            highest_frequency = max(highest_frequency, abs(value), abs(value + change))
+    return highest_frequency
 
 
 def frame_rate(recording: Recording) -> float:
@@ -119,9 +119,9 @@ def frame_times(
     stop: float,
     spans: Sequence[Span],
     impact_time: float = IMPACT_TIME,
-    most: int = MOST_FRAMES,
+    most_frames: int = MOST_FRAMES,
     *,
-    usual: float = FRAME_RATE,
+    usual_rate: float = FRAME_RATE,
 ) -> tuple[np.ndarray, float]:
     """Return the simulated times of a film's frames, and the frames per second on the screen.
 
@@ -133,24 +133,25 @@ def frame_times(
         spans: onset and end of each impact that is shown in slow motion [s].
         impact_time: the time [s] that each of these impacts takes on the screen; 0 if no impact is shown in
             slow motion.
-        most: the largest number of frames; a film that would have more has fewer frames per second than
-            ``usual``.
-        usual: the frames per second, except for rounding up, of a film with fewer frames than ``most``.
+        most_frames: the largest number of frames; a film that would have more has fewer frames per second
+            than ``usual_rate``.
+        usual_rate: the frames per second, except for rounding up, of a film with fewer frames than
+        ``most_frames``.
 
     Returns:
         The times, shape (F,) [s], from ``start`` to ``stop``, and the frames per second on the screen.
     """
     spans = spans if impact_time > 0.0 else []
-    shown = [(a, min(b, a + LONGEST_SLOW)) for a, b in spans]
-    parts = [np.linspace(start, stop, 2 + min(int((stop - start) / FLIGHT_STEP), 2 * most))]
-    far = SPEED_RAMP * RAMP_DISTANCES
-    for onset, end in ((a, max(b, a + LEAST_DURATION)) for a, b in shown):
-        parts += [onset - far, onset + (end - onset) * CONTACT_SHARES, end + far]
+    shown_spans = [(a, min(b, a + LONGEST_SLOW)) for a, b in spans]
+    parts = [np.linspace(start, stop, 2 + min(int((stop - start) / FLIGHT_STEP), 2 * most_frames))]
+    ramp_length = SPEED_RAMP * RAMP_DISTANCES
+    for onset, end in ((a, max(b, a + LEAST_DURATION)) for a, b in shown_spans):
+        parts += [onset - ramp_length, onset + (end - onset) * CONTACT_SHARES, end + ramp_length]
     grid = np.unique(np.concatenate(parts).clip(start, stop))
-    slowness = 1.0 / rate(grid, shown, impact_time)
+    slowness = 1.0 / rate(grid, shown_spans, impact_time)
     # the time on the screen is the integral of 1/rate over the simulated time, by the trapezoidal rule
     screen = np.concatenate([[0.0], np.cumsum(np.diff(grid) * (slowness[1:] + slowness[:-1]) / 2)])
-    frames = min(most, 2 + int(screen[-1] * usual))
+    frames = min(most_frames, 2 + int(screen[-1] * usual_rate))
     return np.interp(np.linspace(0.0, screen[-1], frames), screen, grid), (frames - 1) / screen[-1]
 
 

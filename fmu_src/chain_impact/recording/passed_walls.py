@@ -30,16 +30,20 @@ def points_through_walls(
         pairs: the pairs (number of a point, number of a wall) that can touch.
     """
     sentences = []
-    for number, (name, plane, moved) in walls.items():
-        free = [k for k in range(positions.shape[1]) if (k, number) not in pairs]
-        if not free or not len(positions):
+    for number, (name, plane, wall_motion) in walls.items():
+        free_points = [k for k in range(positions.shape[1]) if (k, number) not in pairs]
+        if not free_points or not len(positions):
             continue
         # [m] distances from the wall of the points that cannot touch the wall, negative beyond the wall
-        gaps = positions[:, free] @ np.array(plane.normal) - (plane.offset + np.reshape(moved, (-1, 1)))
-        least = LEAST_PASSAGE * size_of_motion(positions)
-        through = np.array(free)[(gaps.min(axis=0) < -least) & (gaps.max(axis=0) > least)]
+        clearances = positions[:, free_points] @ np.array(plane.normal) - (
+            plane.offset + np.reshape(wall_motion, (-1, 1))
+        )
+        least_passage = LEAST_PASSAGE * size_of_motion(positions)
+        through = np.array(free_points)[
+            (clearances.min(axis=0) < -least_passage) & (clearances.max(axis=0) > least_passage)
+        ]
         if len(through):
             points = names_text([str(k) for k in through.tolist()], NAMED_POINTS)
-            which = f"point {points} passes" if len(through) == 1 else f"points {points} pass"
-            sentences.append(f"{which} through {name} without touching it: see contact.points")
+            points_text = f"point {points} passes" if len(through) == 1 else f"points {points} pass"
+            sentences.append(f"{points_text} through {name} without touching it: see contact.points")
     return sentences

@@ -132,9 +132,13 @@ class Recording(OlderNames):
     def all_points(self) -> np.ndarray:
         """Positions of the points by their numbers, up to the first unknown one, shape (T, N+1+P, 2) [m]."""
         points = self.columns_of("point")
-        complete = takewhile(lambda at: points.get(at, {}).keys() >= {"x", "y"}, ((k, "") for k in count()))
-        each = [np.stack([points[at][axis] for axis in "xy"], axis=-1) for at in complete]
-        return np.stack(each, axis=1) if each else np.zeros((len(self.time), 0, 2))
+        complete_points = takewhile(
+            lambda number: points.get(number, {}).keys() >= {"x", "y"}, ((k, "") for k in count())
+        )
+        point_arrays = [
+            np.stack([points[number][axis] for axis in "xy"], axis=-1) for number in complete_points
+        ]
+        return np.stack(point_arrays, axis=1) if point_arrays else np.zeros((len(self.time), 0, 2))
 
     def output_hint(self, name: str) -> str | None:
         """Return a hint if ``name``, which no column has, is an input or a parameter; else None."""
@@ -152,9 +156,9 @@ class Recording(OlderNames):
     def walls_at(self, time: float) -> dict[str, HalfPlane]:
         """Return name → free side of each wall, in its position at a time [s]."""
         walls = dict(self.walls)
-        for name, moved in self.moved_walls.items():
+        for name, wall_motion in self.moved_walls.items():
             wall = walls[name]
-            walls[name] = replace(wall, offset=wall.offset + float(np.interp(time, self.time, moved)))
+            walls[name] = replace(wall, offset=wall.offset + float(np.interp(time, self.time, wall_motion)))
         return walls
 
     def sides_at(self, time: float) -> dict[str, HalfPlane]:
@@ -165,7 +169,7 @@ class Recording(OlderNames):
     def moved_walls(self) -> dict[str, np.ndarray]:
         """Name → displacement along the normal, shape (T,) [m], for each wall with a column of it."""
         columns = {name: self.columns.get(f"wall.{name}.position") for name in self.walls}
-        return {name: moved for name, moved in columns.items() if moved is not None}
+        return {name: wall_motion for name, wall_motion in columns.items() if wall_motion is not None}
 
     @cached_property
     def pinned(self) -> bool:
@@ -243,7 +247,7 @@ class Recording(OlderNames):
     @property
     def contact_forces(self) -> dict[tuple[int, str], np.ndarray | None]:
         """(Point or joint, name of the wall or stop) → the force [N] or moment [N·m] there, shape (T,)."""
-        return {(each.point, each.wall): each.force for each in self.interactions}
+        return {(interaction.point, interaction.wall): interaction.force for interaction in self.interactions}
 
     def __repr__(self) -> str:
         """Return the name, the end time [s], and the numbers of impacts, rows and columns."""
@@ -256,8 +260,8 @@ class Recording(OlderNames):
     @property
     def impact_count(self) -> int:
         """The number of impacts, also of impacts that an FMU did not list."""
-        counted = self.columns.get("impact.count", np.zeros(1))
-        return max(len(self.impacts), int(counted[-1]))
+        counts = self.columns.get("impact.count", np.zeros(1))
+        return max(len(self.impacts), int(counts[-1]))
 
     def is_joint_stop(self, wall: int) -> bool:
         """Return whether ``wall_names[wall]`` is a stop of joints: joint_min or joint_max."""
@@ -287,8 +291,8 @@ class Recording(OlderNames):
     def linear_impact_speeds(self) -> np.ndarray:
         """The impact speeds, shape (I,) [m/s]; at a joint's stop the angular speed times the link length."""
         arms = [
-            self.stops[point].length if stopped else 1.0
-            for point, stopped in zip(self.impacts["point"].tolist(), self.is_at_joint_stop, strict=True)
+            self.stops[point].length if is_at_stop else 1.0
+            for point, is_at_stop in zip(self.impacts["point"].tolist(), self.is_at_joint_stop, strict=True)
         ]
         speeds: np.ndarray = self.impacts["impact_speed"] * np.array(arms)
         return speeds

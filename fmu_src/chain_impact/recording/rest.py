@@ -34,8 +34,8 @@ def _held_since(recording: Recording) -> np.ndarray:
 
 def ends_at_rest(recording: Recording) -> bool:
     """Return whether the motion ends with a rest."""
-    found = rests(recording)
-    return bool(found) and found[-1][1] == recording.time[-1]
+    found_rests = rests(recording)
+    return bool(found_rests) and found_rests[-1][1] == recording.time[-1]
 
 
 def rests(recording: Recording) -> list[tuple[float, float]]:
@@ -52,17 +52,20 @@ def rests(recording: Recording) -> list[tuple[float, float]]:
     if len(time) < FEWEST_REST_ROWS or not span > 0.0:
         return []
     size = max(_extent(positions, 0), SMALLEST_PATH * _extent(positions[0], 0))
-    walls = [np.stack([moved, 0.0 * moved], axis=-1)[:, None] for moved in recording.moved_walls.values()]
+    walls = [
+        np.stack([wall_motion, 0.0 * wall_motion], axis=-1)[:, None]
+        for wall_motion in recording.moved_walls.values()
+    ]
     positions = np.concatenate([positions, *walls], axis=1)
-    still = _largest_lengths(np.diff(positions, axis=0)) * span <= REST_WAY * size * np.diff(time)
+    is_still = _largest_lengths(np.diff(positions, axis=0)) * span <= REST_WAY * size * np.diff(time)
     hit = np.searchsorted(time, recording.impacts["onset"], side="right") - 1
-    still[hit.clip(0, len(still) - 1)] = False
+    is_still[hit.clip(0, len(is_still) - 1)] = False
     reach = max(1, int(len(time) * SHORTEST_REST / 2))
-    for low, high in _runs(still):
+    for low, high in _runs(is_still):
         steady = _accelerations(time[low : high + 1], positions[low : high + 1], reach) * span**2
-        still[low:high] = steady <= 2.0 * REST_WAY * size
-    found = [(float(time[low]), float(time[high])) for low, high in _runs(still)]
-    return [(low, high) for low, high in found if high - low >= SHORTEST_REST * span]
+        is_still[low:high] = steady <= 2.0 * REST_WAY * size
+    found_rests = [(float(time[low]), float(time[high])) for low, high in _runs(is_still)]
+    return [(low, high) for low, high in found_rests if high - low >= SHORTEST_REST * span]
 
 
 def _extent(positions: np.ndarray, axis: int) -> float:
@@ -83,9 +86,9 @@ def _largest_lengths(vectors: np.ndarray) -> np.ndarray:
     return lengths
 
 
-def _runs(chosen: np.ndarray) -> list[tuple[int, int]]:
+def _runs(is_chosen: np.ndarray) -> list[tuple[int, int]]:
     """Return start and end of each series of True, as indices; the end is the index after the last True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], is_chosen.astype(int), [0]])))
     return [(int(low), int(high)) for low, high in edges.reshape(-1, 2)]
 
 
@@ -101,8 +104,8 @@ def _accelerations(time: np.ndarray, positions: np.ndarray, reach: int) -> np.nd
         return np.full(len(time) - 1, np.inf)
     speeds = (positions[reach:] - positions[:-reach]) / (time[reach:] - time[:-reach])[:, None, None]
     changes = _largest_lengths(speeds[reach:] - speeds[:-reach]) / (time[2 * reach :] - time[: -2 * reach])
-    around: np.ndarray = 2.0 * changes[(np.arange(len(time) - 1) - reach).clip(0, len(changes) - 1)]
-    return around
+    nearby_changes: np.ndarray = 2.0 * changes[(np.arange(len(time) - 1) - reach).clip(0, len(changes) - 1)]
+    return nearby_changes
 
 
 def rest_lines(recording: Recording) -> Iterator[str]:

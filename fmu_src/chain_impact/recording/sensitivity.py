@@ -89,10 +89,10 @@ class Sensitivities:
     @cached_property
     def units(self) -> dict[str, str]:
         """Name of a parameter, an output, or a derivative of an output → its unit."""
-        prepared = self.prepared
-        added = derivatives(prepared.motion, self.varied)
-        variables = (*prepared.parameters, *prepared.inputs, *prepared.outputs, *added)
-        return {variable.name: scene_unit(variable.unit, prepared.scene) for variable in variables}
+        prepared_scene = self.prepared
+        added = derivatives(prepared_scene.motion, self.varied)
+        variables = (*prepared_scene.parameters, *prepared_scene.inputs, *prepared_scene.outputs, *added)
+        return {variable.name: scene_unit(variable.unit, prepared_scene.scene) for variable in variables}
 
     @cached_property
     def columns(self) -> dict[str, int]:
@@ -143,9 +143,9 @@ class Sensitivities:
     def impact_derivatives(self, quantity: str, parameter: str) -> np.ndarray:
         """Return the derivative of a quantity of impacts with respect to a parameter, shape (I,)."""
         if quantity not in self.impact_slopes:
-            what = "not a quantity of impacts with derivatives"
+            fault = "not a quantity of impacts with derivatives"
             hint = f"must be one of {', '.join(self.impact_slopes)}"
-            raise UnknownNameError(self.source, quantity, self.impact_slopes, what, hint)
+            raise UnknownNameError(self.source, quantity, self.impact_slopes, fault, hint)
         return self.impact_slopes[quantity][:, self._number(parameter)]
 
     def drawn(self, outputs: Sequence[str]) -> list[str]:
@@ -163,17 +163,17 @@ class Sensitivities:
     def _output(self, name: str) -> str:
         if name not in self.columns:
             outputs = {output.name for output in self.prepared.outputs}
-            stepwise = name in outputs - {output.name for output in self.prepared.motion}
-            what = "an output without derivatives" if stepwise else "not an output of this result"
+            is_stepwise = name in outputs - {output.name for output in self.prepared.motion}
+            fault = "an output without derivatives" if is_stepwise else "not an output of this result"
             hint = "impact_sensitivity(…) has those of impacts" if name.startswith("impact[") else None
-            raise UnknownNameError(self.source, name, self.columns, what, hint)
+            raise UnknownNameError(self.source, name, self.columns, fault, hint)
         return name
 
     def _number(self, parameter: str) -> int:
         if parameter not in self.parameters:
-            what = "not among simulate(sensitivities=[…])"
+            fault = "not among simulate(sensitivities=[…])"
             hint = f"must be one of {', '.join(self.parameters)}"
-            raise UnknownNameError(self.source, parameter, self.parameters, what, hint)
+            raise UnknownNameError(self.source, parameter, self.parameters, fault, hint)
         return list(self.parameters).index(parameter)
 
     @property

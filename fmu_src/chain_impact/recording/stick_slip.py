@@ -54,8 +54,8 @@ def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]
 
     No phase has the duration 0. Times in which no friction acts are not phases.
     """
-    lasting = np.append(np.diff(changes["time"]) > 0.0, True)
-    changes = changes[lasting]  # of several changes at the same time, only the last one counts
+    is_lasting = np.append(np.diff(changes["time"]) > 0.0, True)
+    changes = changes[is_lasting]  # of several changes at the same time, only the last one counts
     changes = changes[np.append(True, np.diff(changes["mode"]) != 0)]
     ends = np.append(changes["time"][1:], np.nan)
     for change, end in zip(changes, ends, strict=True):
@@ -99,8 +99,8 @@ def phases_from(time: np.ndarray, interactions: Iterable[Interaction], walls: Se
         ):
             continue
         wall = walls.index(interaction.wall) if interaction.wall else NO_WALL
-        sliding = np.where(interaction.friction == 0.0, NO_FRICTION, -np.sign(interaction.friction))
-        mode = np.where(interaction.sticking > 0.0, STICKS, sliding).astype(int)
+        sliding_modes = np.where(interaction.friction == 0.0, NO_FRICTION, -np.sign(interaction.friction))
+        mode = np.where(interaction.sticking > 0.0, STICKS, sliding_modes).astype(int)
         starts = np.flatnonzero(np.append([True], np.diff(mode) != 0)[: len(mode)])
         changes.extend((float(time[row]), interaction.point, wall, int(mode[row])) for row in starts)
     return phases_of(np.array(changes, CHANGE_DTYPE))

@@ -58,24 +58,26 @@ def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
     supplied = energies.get("supplied", 0.0 * total)
     balance = total + dissipated - supplied
     sign = "-" if supplied[-1] < 0.0 else "+"
-    given = f" {sign} {abs(supplied[-1]):.6g} J supplied" if supplied.any() else ""
+    supplied_text = f" {sign} {abs(supplied[-1]):.6g} J supplied" if supplied.any() else ""
     final = f"{total[-1]:.6g} J left + {dissipated[-1]:.6g} J dissipated"
-    yield f"energy   {total[0]:.6g} J at the start{given} = {final}"
-    off = abs(balance - balance[0]).max()
-    yield f"balance  off by at most {off:.1e} J: an energy check, no bound on positions or times"
+    yield f"energy   {total[0]:.6g} J at the start{supplied_text} = {final}"
+    energy_error = abs(balance - balance[0]).max()
+    yield f"balance  off by at most {energy_error:.1e} J: an energy check, no bound on positions or times"
 
 
-def summary_lines(result: Recording, outputs: int, facts: list[str], most: int) -> Iterator[str | TextTable]:
+def summary_lines(
+    result: Recording, outputs: int, facts: list[str], most_impacts: int
+) -> Iterator[str | TextTable]:
     """Yield the summary of a run: lines, and the list of the first impacts.
 
     Args:
         result: the result of the run.
         outputs: the number of outputs of the result.
         facts: lines on energies, scene and solver, which come last.
-        most: the largest number of impacts in the list.
+        most_impacts: the largest number of impacts in the list.
     """
     yield _headline(result, outputs)
-    yield from impact_list(result, most)
+    yield from impact_list(result, most_impacts)
     yield from passed_wall_lines(result)
     yield from _friction_lines(result)
     yield from rest_lines(result)
@@ -83,14 +85,14 @@ def summary_lines(result: Recording, outputs: int, facts: list[str], most: int) 
     yield from facts
 
 
-def impact_list(result: Recording, most: int) -> Iterator[str | TextTable]:
-    """Yield the first ``most`` impacts as a table, and a line with the number of the others, if any."""
-    impacts = enumerate(result.impacts[:most], start=1)
+def impact_list(result: Recording, most_impacts: int) -> Iterator[str | TextTable]:
+    """Yield the first ``most_impacts`` impacts as a table, and a line with the number of the others."""
+    impacts = enumerate(result.impacts[:most_impacts], start=1)
     rows = [(str(number), *impact_cells(result, impact)) for number, impact in impacts]
     if rows:
         yield TextTable(("#", *impact_heads(result)), rows)
-    if (more := len(result.impacts) - most) > 0:
-        yield f"… and {count_text(more, 'more impact')}"
+    if (omitted_count := len(result.impacts) - most_impacts) > 0:
+        yield f"… and {count_text(omitted_count, 'more impact')}"
 
 
 def passed_wall_lines(result: Recording) -> Iterator[str]:
@@ -110,10 +112,13 @@ def impact_heads(result: Recording) -> tuple[str, ...]:
     Impacts at stops of joints have other units. If the list has impacts with both kinds of units, or has the
     two columns of loads, the heads have several lines, so that a row fits into 80 characters.
     """
-    stopped = result.is_at_joint_stop
-    at_walls, at_stops = not stopped.all(), bool(stopped.any())
+    is_at_stop = result.is_at_joint_stop
+    at_walls, at_stops = not is_at_stop.all(), bool(is_at_stop.any())
     kinds = [COLUMN_UNITS] * at_walls + [STOP_COLUMN_UNITS] * at_stops
-    units = [" or ".join(dict.fromkeys(several)) for several in zip(*(kinds or [COLUMN_UNITS]), strict=True)]
+    units = [
+        " or ".join(dict.fromkeys(column_units))
+        for column_units in zip(*(kinds or [COLUMN_UNITS]), strict=True)
+    ]
     value_heads = (f"{name}, {unit}" for name, unit in zip(VALUE_COLUMNS, units, strict=True))
     heads = ("time, s", "point", "wall", *value_heads)
     loads = ("joint force, N", "joint") if result.knows_joint_forces else ()
@@ -131,9 +136,9 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
     If forces in joints are known, two more cells have the largest force in any joint, and this joint.
     """
     point = result.touching_part(impact).removeprefix("point ")
-    speed, lasting = f"{impact['impact_speed']:.4f}", _peak_text(1e3 * impact["duration"])
-    lasting = LASTING_TEXT if lasts(impact) else lasting
-    values = (speed, lasting, _peak_text(impact["peak_force"]), digits(impact["impulse"]))
+    speed, duration_text = f"{impact['impact_speed']:.4f}", _peak_text(1e3 * impact["duration"])
+    duration_text = LASTING_TEXT if lasts(impact) else duration_text
+    values = (speed, duration_text, _peak_text(impact["peak_force"]), digits(impact["impulse"]))
     joint = (_peak_text(impact["joint_force"]), str(impact["joint"] or NO_NUMBER))
     loads = joint if result.knows_joint_forces else ()
     return (f"{impact['onset']:.6f}", point, result.wall_names[impact["wall"]], *values, *loads)
@@ -190,8 +195,8 @@ def _friction_lines(result: Recording) -> Iterator[str]:
         for phase in last
     ]
     if elements:
-        more = [f"{len(elements) - NAMED_STICKING} more"] if len(elements) > NAMED_STICKING else []
-        yield f"{'':9}sticks at the end: {', '.join([*elements[:NAMED_STICKING], *more])}"
+        more_texts = [f"{len(elements) - NAMED_STICKING} more"] if len(elements) > NAMED_STICKING else []
+        yield f"{'':9}sticks at the end: {', '.join([*elements[:NAMED_STICKING], *more_texts])}"
 
 
 def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
@@ -215,8 +220,10 @@ def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
         return []
     wall = scene.wall_names[impacts["wall"][depths.argmax()]]
     material = scene.contact.wall.get(wall)
-    given = material.stiffness if material else None
-    name, stiffness = ("contact", scene.contact.stiffness) if given is None else (f"wall.{wall}", given)
+    given_stiffness = material.stiffness if material else None
+    name, stiffness = (
+        ("contact", scene.contact.stiffness) if given_stiffness is None else (f"wall.{wall}", given_stiffness)
+    )
     unit = stiffness_unit("N/m", scene.contact.exponent)
     return [
         f"a point goes {depths.max():.3g} m beyond {wall}, and {body.words} is {body.size:g} m: "

@@ -27,14 +27,14 @@ _DIMENSIONS = {"point": ("point", "axis"), "link": ("link",), "contact": ("conta
 """Kind of owner of an output → the dimensions, after the time, of an array in a dataset of xarray."""
 
 
-def dataframe(prepared: PreparedScene, time: np.ndarray, columns: Mapping[str, np.ndarray]) -> Any:
+def dataframe(prepared_scene: PreparedScene, time: np.ndarray, columns: Mapping[str, np.ndarray]) -> Any:
     """Return outputs as a table of pandas: the times [s] are its index, ``columns`` its columns.
 
     ``attrs["units"]`` of the table has the unit of each column.
     """
     pandas = require("pandas", "pandas")
     table = pandas.DataFrame(columns, index=pandas.Index(time, name="time"))
-    units = {variable.name: variable.unit for variable in (*prepared.inputs, *prepared.outputs)}
+    units = {variable.name: variable.unit for variable in (*prepared_scene.inputs, *prepared_scene.outputs)}
     table.attrs["units"] = {name: units[name] for name in columns}
     return table
 
@@ -66,21 +66,21 @@ def stick_slip_table(phases: np.ndarray, walls: Sequence[str]) -> Any:
     return table
 
 
-def dataset(prepared: PreparedScene, time: np.ndarray, motion: Mapping[str, np.ndarray]) -> Any:
+def dataset(prepared_scene: PreparedScene, time: np.ndarray, motion: Mapping[str, np.ndarray]) -> Any:
     """Return outputs as a dataset of xarray: a quantity of points, links or contacts is one array for all.
 
     Any other output has an array of its own. ``motion``: name → values, shape (T,), of outputs of the list
     ``prepared.motion``; other outputs are not in the dataset.
     """
     xarray = require("xarray", "xarray")
-    scene = prepared.scene
+    scene = prepared_scene.scene
     pairs = [(point, scene.wall_names[wall]) for point, wall in point_wall_pairs(scene)]
     pairs += [(0, stop) for stop in scene.slider_stops]
     contacts = [f"contact[{point}].{wall}" for point, wall in pairs]
     links, points = len(scene.chain.links), len(scene.start)
     sizes = {"point": points, "axis": len(AXES), "link": links, "contact": len(pairs)}
     data: dict[str, Any] = {}
-    for variable in prepared.motion:
+    for variable in prepared_scene.motion:
         if variable.name not in motion:
             continue
         owner, _, label = variable.kind.array.partition(".")
@@ -132,7 +132,7 @@ def save_columns(path: Path, columns: Mapping[str, np.ndarray]) -> None:
         OSError: when the file cannot be written.
     """
     count = max(len(column) for column in columns.values())
-    with written_atomically(path) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
+    with written_atomically(path) as new_file, new_file.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(columns)
         # converting all rows to lists at once would take four times the memory of the arrays
@@ -155,17 +155,17 @@ def save_impacts(path: Path, impacts: np.ndarray, walls: Sequence[str]) -> None:
     if suffix not in SUFFIXES:
         raise ValueError(f"{path}: the list of impacts must end in {', '.join(SUFFIXES)}")
     rows = zip(*columns.values(), strict=True)
-    with written_atomically(path) as fresh:
+    with written_atomically(path) as new_file:
         if suffix == ".parquet":
             arrow = require("pyarrow", "sweep")
             kinds = {"wall": arrow.string(), "point": arrow.int64(), "joint": arrow.int64()}
             schema = arrow.schema([(name, kinds.get(name, arrow.float64())) for name in columns])
-            require("pyarrow.parquet", "sweep").write_table(arrow.table(columns, schema), fresh)
+            require("pyarrow.parquet", "sweep").write_table(arrow.table(columns, schema), new_file)
         elif suffix == ".json":
             records = [dict(zip(columns, row, strict=True)) for row in rows]
-            fresh.write_text(json.dumps(records, indent=1) + "\n", encoding="utf-8")
+            new_file.write_text(json.dumps(records, indent=1) + "\n", encoding="utf-8")
         else:
-            with fresh.open("w", newline="", encoding="utf-8") as file:
+            with new_file.open("w", newline="", encoding="utf-8") as file:
                 writer = csv.writer(file)
                 writer.writerow(columns)
                 writer.writerows(rows)

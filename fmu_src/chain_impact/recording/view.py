@@ -67,7 +67,7 @@ def view_corners(
     walls: Mapping[Key, HalfPlane],
     radius: float = 0.0,
     *,
-    near: float = WALL_DISTANCE,
+    near_distance: float = WALL_DISTANCE,
     room: float = 0.0,
     pinned: bool = False,
 ) -> tuple[np.ndarray, dict[Key, HalfPlane]]:
@@ -81,7 +81,8 @@ def view_corners(
         walls: name → free side of a wall; a moving wall has one entry, with a name of its own, for each of
             several positions.
         radius: the radius of each point [m].
-        near: the largest distance of a near wall from the motion, relative to the size of the motion.
+        near_distance: the largest distance of a near wall from the motion, relative to the size of the
+        motion.
         room: a distance, relative to the size of the motion. If the walls enclose a room that ends within
             this distance of the motion, the rectangle contains the whole room, and all walls are near. If
             ``room`` is 0, no room is looked for.
@@ -92,23 +93,26 @@ def view_corners(
     """
     reach = np.array([points.min(axis=(0, 1)) - radius, points.max(axis=(0, 1)) + radius])
     width = np.ptp(reach, axis=0).max()
-    shown = np.concatenate(reach[:, None])
+    shown_points = np.concatenate(reach[:, None])
     if pinned:
         ways = points[:, 0] - points[0, 0]
         lines = [line + way for line in pin_mark(points) for way in (ways.min(axis=0), ways.max(axis=0))]
-        shown = np.concatenate([shown, *lines])
+        shown_points = np.concatenate([shown_points, *lines])
     if corners := closed_room(walls, reach + room * width * np.array([[-1.0], [1.0]])) if room else []:
-        shown = np.concatenate([shown, corners])
-    view, visible = np.array([shown.min(axis=0), shown.max(axis=0)]), dict(walls) if corners else {}
+        shown_points = np.concatenate([shown_points, corners])
+    view, visible_walls = (
+        np.array([shown_points.min(axis=0), shown_points.max(axis=0)]),
+        dict(walls) if corners else {},
+    )
     for name, wall in () if corners else walls.items():
         # the corner of the rectangle around the motion that has the least clearance from the wall
         corner = np.where(np.array(wall.normal) > 0.0, *reach)
         gap = wall.clearance(*corner)
-        if -width <= gap <= near * width:
-            met = corner - max(0.0, gap) * np.array(wall.normal)
-            view = np.array([np.minimum(view[0], met), np.maximum(view[1], met)])
-            visible[name] = wall
-    return view, visible
+        if -width <= gap <= near_distance * width:
+            met_point = corner - max(0.0, gap) * np.array(wall.normal)
+            view = np.array([np.minimum(view[0], met_point), np.maximum(view[1], met_point)])
+            visible_walls[name] = wall
+    return view, visible_walls
 
 
 def film_view(
@@ -120,9 +124,9 @@ def film_view(
         The lower left and the upper right corner of the view with its margin, shape (2, 2) [m], and the first
             result of ``open_shares`` for the near walls.
     """
-    view, near = view_corners(points, walls, radius, room=ROOM_DISTANCE, pinned=pinned)
+    view, near_walls = view_corners(points, walls, radius, room=ROOM_DISTANCE, pinned=pinned)
     margin = FILM_MARGIN * max(np.ptp(view, axis=0).max(), LEAST_VIEW)
-    return view + margin * np.array([[-1.0], [1.0]]), open_shares(near.values())[0]
+    return view + margin * np.array([[-1.0], [1.0]]), open_shares(near_walls.values())[0]
 
 
 def open_shares(walls: Iterable[HalfPlane]) -> tuple[np.ndarray, np.ndarray]:
@@ -162,24 +166,24 @@ def radius_of(recording: Recording) -> float:
     return radius if radius > LEAST_SEEN_RADIUS * size_of(recording) else 0.0
 
 
-def closed_room(walls: Mapping[Key, HalfPlane], around: np.ndarray) -> list[np.ndarray]:
+def closed_room(walls: Mapping[Key, HalfPlane], view: np.ndarray) -> list[np.ndarray]:
     """Return the corners of the room that walls enclose, if all of it lies inside a rectangle; else [].
 
     Args:
         walls: name → free side.
-        around: the lower left and the upper right corner of the rectangle, shape (2, 2) [m].
+        view: the lower left and the upper right corner of the rectangle, shape (2, 2) [m].
     """
-    corners = free_room(walls.values(), around)
-    inside = all(((around[0] < corner) & (corner < around[1])).all() for corner in corners)
-    return corners if inside else []
+    corners = free_room(walls.values(), view)
+    is_inside = all(((view[0] < corner) & (corner < view[1])).all() for corner in corners)
+    return corners if is_inside else []
 
 
-def free_room(walls: Iterable[HalfPlane], around: np.ndarray) -> list[np.ndarray]:
+def free_room(walls: Iterable[HalfPlane], view: np.ndarray) -> list[np.ndarray]:
     """Return the corners of that part of a rectangle that lies on the free sides of all walls; [] if none.
 
-    ``around``: the lower left and the upper right corner of the rectangle, shape (2, 2) [m].
+    ``view``: the lower left and the upper right corner of the rectangle, shape (2, 2) [m].
     """
-    corners = [around[[i, j], [0, 1]] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    corners = [view[[i, j], [0, 1]] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
     for wall in walls:
         corners = list(_clipped(corners, wall))
     return corners
@@ -187,13 +191,15 @@ def free_room(walls: Iterable[HalfPlane], around: np.ndarray) -> list[np.ndarray
 
 def _clipped(corners: list[np.ndarray], wall: HalfPlane) -> Iterator[np.ndarray]:
     """Yield the corners of the part of a polygon on a wall's free side (Sutherland & Hodgman, 1974)."""
-    gaps = [wall.clearance(*corner) for corner in corners]
-    for k, (here, gap) in enumerate(zip(corners, gaps, strict=True)):
-        before = gaps[k - 1]
-        if before * gap < 0.0:
-            yield corners[k - 1] + before / (before - gap) * (here - corners[k - 1])
+    clearances = [wall.clearance(*corner) for corner in corners]
+    for k, (polygon_corner, gap) in enumerate(zip(corners, clearances, strict=True)):
+        clearance_before = clearances[k - 1]
+        if clearance_before * gap < 0.0:
+            yield corners[k - 1] + clearance_before / (clearance_before - gap) * (
+                polygon_corner - corners[k - 1]
+            )
         if gap >= 0.0:
-            yield here
+            yield polygon_corner
 
 
 def ball_of(recording: Recording) -> int | None:

@@ -142,9 +142,9 @@ def _joint_force(recording: Recording, sensitivities: Sensitivities) -> RankedQu
     """Return the largest force in any joint during the run, with its derivatives."""
     names = [name for name in sensitivities.columns if _is_joint_force(name)]
     if not names:
-        prepared_data = sensitivities.prepared
-        if prepared_data.scene.outputs.loads and not any(
-            _is_joint_force(name_part.name) for name_part in prepared_data.outputs
+        prepared_scene = sensitivities.prepared
+        if prepared_scene.scene.outputs.loads and not any(
+            _is_joint_force(name_part.name) for name_part in prepared_scene.outputs
         ):
             raise SceneError(f"{recording.name}: joint_force: the chain has no joint")
         raise SceneError(

@@ -210,7 +210,7 @@ class SceneRecording(Recording):
             raise ValueError(f"{self.name}: number = {number!r} must be {impact_numbers(len(self.impacts))}")
         if number not in self._courses:
             impact, stop = self.impacts[number - 1], float(self.time[-1])
-            self._courses[number] = course_of(self.prepared, self.rerun, impact, until=stop)
+            self._courses[number] = course_of(self.prepared, self.rerun, impact, end_time=stop)
         return self._courses[number]
 
     @cached_property

@@ -104,7 +104,7 @@ def record_slowly(
     )
     stop, onsets = float(result.time[-1]), result.impacts["onset"]
     spans, usual_speed = slow_spans(result), frame_rate(result)
-    shown_times, _ = frame_times(0.0, stop, spans, impact_time, MOST_FILM_ROWS, usual=usual_speed)
+    shown_times, _ = frame_times(0.0, stop, spans, impact_time, MOST_FILM_ROWS, usual_rate=usual_speed)
     # an impact that is too weak for slow motion gets dense rows, too, because the usual rows could miss the
     # peak force of this impact
     durations = (impact_ends(result.impacts, stop) - onsets)[:, None]

@@ -92,7 +92,9 @@ def view_of(
     if recording.moved_walls:
         names = {name for name, _ in near_walls}
         places = {wall_key: wall for wall_key, wall in places.items() if wall_key[0] in names}
-        view, near_walls = view_corners(visible_places, places, near=FARTHEST_WALL, pinned=recording.pinned)
+        view, near_walls = view_corners(
+            visible_places, places, near_distance=FARTHEST_WALL, pinned=recording.pinned
+        )
     width = np.ptp(view, axis=0).max()
     margin = np.full((2, 2), VIEW_MARGIN * width)
     for wall in near_walls.values():

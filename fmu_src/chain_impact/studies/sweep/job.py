@@ -123,23 +123,23 @@ def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outpu
         UnknownNameError: when an output does not exist.
         SceneError: when the scene does not have the solver's status as an output.
     """
-    prepared_data = prepared_scene(source)
-    available_outputs = prepared_data.outputs_by_name
+    source_scene = prepared_scene(source)
+    available_outputs = source_scene.outputs_by_name
     for name in outputs:
         if not (isinstance(name, str) and name in available_outputs):
             raise UnknownNameError(
-                prepared_data.scene.name,
+                source_scene.scene.name,
                 name,
                 available_outputs,
                 "not an output",
-                missing_output_hint(prepared_data, str(name)),
+                missing_output_hint(source_scene, str(name)),
             )
     if STATUS not in available_outputs:
-        name = prepared_data.scene.name
+        name = source_scene.scene.name
         raise SceneError(f"{name}: outputs.solver = false must be true: each run has its status")
     variables = [variation.variable for variation in variations]
     return Job(
-        prepared_data,
+        source_scene,
         tuple(variable.set_path for variable in variables),
         tuple(variable.type for variable in variables),
         tuple(dict.fromkeys(outputs)),

@@ -183,12 +183,12 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
         SceneError: when there are too many panels.
     """
     main = {quantity.column: quantity for quantity in QUANTITIES}
-    prepared_data = PreparedScene(runs.scene)
+    prepared_scene = PreparedScene(runs.scene)
     if panels:
         fields = list(runs.rows.dtype.names or ())
-        chosen_columns = columns_named(prepared_data, panels, fields)
+        chosen_columns = columns_named(prepared_scene, panels, fields)
         all_quantities = _with_prefixes(
-            runs, [main.get(name) or _final_quantity(name, prepared_data) for name in chosen_columns]
+            runs, [main.get(name) or _final_quantity(name, prepared_scene) for name in chosen_columns]
         )
         return Results(all_quantities, all_quantities)
     scene = runs.scene
@@ -201,7 +201,7 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
     without_force = {name: np.isnan(runs[name])[~runs.failed] for name in runs.names if name in LOADS}
     absent_columns |= {name for name, rows in without_force.items() if rows.all()}
     shown_quantities = [quantity for name, quantity in main.items() if name in {*runs.names} - absent_columns]
-    additional = [_final_quantity(name, prepared_data) for name in runs.outputs if name not in main]
+    additional = [_final_quantity(name, prepared_scene) for name in runs.outputs if name not in main]
     all_quantities = _with_prefixes(runs, shown_quantities + additional[:MOST_ASKED])
     partly = {name for name, rows in without_force.items() if rows.any()}
     drawn_quantities = [
@@ -216,7 +216,7 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
 
 
 def columns_named(
-    prepared_data: PreparedScene, panels: Sequence[str], available_columns: Sequence[str]
+    prepared_scene: PreparedScene, panels: Sequence[str], available_columns: Sequence[str]
 ) -> list[str]:
     """Return the ``available_columns`` that match a pattern in ``panels``; ``*`` stands for any text.
 
@@ -224,8 +224,8 @@ def columns_named(
         UnknownNameError: when a pattern matches no name.
         SceneError: when more than MOST_NAMED_PANELS names match.
     """
-    source = prepared_data.scene.name
-    hint = partial(missing_output_hint, prepared_data)
+    source = prepared_scene.scene.name
+    hint = partial(missing_output_hint, prepared_scene)
     matching_columns = (
         names_matching(source, panel, available_columns, "not a column", hint) for panel in panels
     )
@@ -262,12 +262,12 @@ def constant_quantities_words(runs: Runs, results: Results) -> str:
     return f"the same in all runs: {', '.join(parts)}" if parts else ""
 
 
-def _final_quantity(name: str, prepared_data: PreparedScene) -> Quantity:
+def _final_quantity(name: str, prepared_scene: PreparedScene) -> Quantity:
     """Return the quantity for the column ``name``, an output or ``time``, at the end of each run.
 
     An output with the peak or the time of a peak is not called "at the end", because it holds for the run.
     """
-    unit = "s" if name == END_COLUMN else prepared_data.units[name]
+    unit = "s" if name == END_COLUMN else prepared_scene.units[name]
     is_peak = name.rpartition(".")[2].startswith(("peak_", "max_"))
     return Quantity(name, name if is_peak else f"{name} at the end", unit_text(unit))
 

@@ -94,9 +94,9 @@ def sweep(
     """
     scene, progress = scene_of(scene), progress or no_progress
     threads = cores() if threads is None else checked_integer(scene.name, "threads", threads)
-    prepared_data = PreparedScene(scene)
-    variations = variations_of(prepared_data, vary)
-    job = job_of(prepared_data, variations, (outputs,) if isinstance(outputs, str) else outputs)
+    prepared_scene = PreparedScene(scene)
+    variations = variations_of(prepared_scene, vary)
+    job = job_of(prepared_scene, variations, (outputs,) if isinstance(outputs, str) else outputs)
     if samples is None:
         design = grid_design(variations, scene.name)
     else:

@@ -89,11 +89,11 @@ def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> 
         UnknownNameError: when a name is unknown.
         SceneError: when ``vary`` is empty, or a value is not allowed.
     """
-    prepared_data = prepared_scene(source)
-    scene = prepared_data.scene
+    source_scene = prepared_scene(source)
+    scene = source_scene.scene
     if not vary:
         raise SceneError(f"{scene.name}: nothing is varied; give at least one parameter")
-    parameters = sweepable_variables(prepared_data)
+    parameters = sweepable_variables(source_scene)
     variations = []
     for typed_name, values in vary.items():
         name = fmu_name(typed_name)
