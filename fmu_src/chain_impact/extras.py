@@ -32,8 +32,8 @@ def require(package: str, extra: str) -> Any:
         # if the package is installed, but lacks another package, the error is raised unchanged
         if error.name != package.partition(".")[0]:
             raise
-        how = how_to_install(extra)
-        raise MissingExtraError(f"{package} is not installed: {how}", name=package) from None
+        advice = how_to_install(extra)
+        raise MissingExtraError(f"{package} is not installed: {advice}", name=package) from None
 
 
 def how_to_install(extra: str) -> str:
@@ -41,8 +41,8 @@ def how_to_install(extra: str) -> str:
     origin = json.loads(distribution("chain-impact").read_text("direct_url.json") or "{}")
     url = origin.get("url", "")
     if url.startswith("file:"):
-        wanted = f"{url2pathname(urlsplit(url).path)}[{extra}]"
+        wanted_package = f"{url2pathname(urlsplit(url).path)}[{extra}]"
     else:
         prefix = f"{origin['vcs_info']['vcs']}+" if "vcs_info" in origin else ""
-        wanted = f"chain-impact[{extra}]" + (f" @ {prefix}{url}" if url else "")
-    return f"{quoted_word(sys.executable)} -m pip install {quoted_word(wanted)}"
+        wanted_package = f"chain-impact[{extra}]" + (f" @ {prefix}{url}" if url else "")
+    return f"{quoted_word(sys.executable)} -m pip install {quoted_word(wanted_package)}"

@@ -86,8 +86,8 @@ def removing_files() -> Iterator[None]:
     except PermissionError as error:
         if SYSTEM != WINDOWS:
             raise
-        why = "in use: end the programs that simulate, and try again"
-        raise PermissionError(0, why, error.filename) from None
+        advice = "in use: end the programs that simulate, and try again"
+        raise PermissionError(0, advice, error.filename) from None
 
 
 @contextmanager
@@ -102,10 +102,10 @@ def written_atomically(path: Path) -> Iterator[Path]:
             # a device such as /dev/stdout cannot be replaced by a file
             yield path
             return
-        with tempfile.TemporaryDirectory(prefix=f".{path.name}-", dir=path.parent) as scratch:
-            fresh = Path(scratch, path.name)
-            yield fresh
-            fresh.replace(path)
+        with tempfile.TemporaryDirectory(prefix=f".{path.name}-", dir=path.parent) as scratch_folder:
+            new_file = Path(scratch_folder, path.name)
+            yield new_file
+            new_file.replace(path)
     except OSError as error:
         if error.filename and f".{path.name}-" not in str(error.filename):
             raise

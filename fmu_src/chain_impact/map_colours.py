@@ -38,20 +38,20 @@ def colour_ends(values: np.ndarray, *, logarithmic: bool = False) -> tuple[float
     (QUANTILE_MARGIN), the quantile 1 − LARGE_QUANTILE replaces it; for the largest, LARGE_QUANTILE does. A
     value beyond an end of the scale has the colour of this end. If ``logarithmic``, logarithms are compared.
     """
-    scaled = np.log(values) if logarithmic else values
-    whole, extremes = ([part.min(), part.max()] for part in (values, scaled))
-    ends = np.quantile(scaled, [1.0 - LARGE_QUANTILE, LARGE_QUANTILE])
+    scaled_values = np.log(values) if logarithmic else values
+    whole_ends, extremes = ([part.min(), part.max()] for part in (values, scaled_values))
+    ends = np.quantile(scaled_values, [1.0 - LARGE_QUANTILE, LARGE_QUANTILE])
     is_far = (np.ptp(ends) > 0.0) & (np.abs(extremes - ends) > QUANTILE_MARGIN * np.ptp(ends))
-    low, high = np.where(is_far, np.exp(ends) if logarithmic else ends, whole).tolist()
+    low, high = np.where(is_far, np.exp(ends) if logarithmic else ends, whole_ends).tolist()
     return low, high
 
 
-def count_bins(least: float, most: float) -> list[float]:
-    """Return the limits of the colours of counts from ``least`` to ``most``, at most MOST_COLOURS colours.
+def count_bins(least_count: float, largest_count: float) -> list[float]:
+    """Return the limits of the colours of counts between two counts, at most MOST_COLOURS colours.
 
     A limit is 0.5 below a count, so that each count has one colour.
     """
     sizes = (round(step * 10**power) for power in count() for step in (1, 2, 5))
-    size = next(width for width in sizes if most // width - least // width < MOST_COLOURS)
-    first, last = least // size, most // size
+    size = next(width for width in sizes if largest_count // width - least_count // width < MOST_COLOURS)
+    first, last = least_count // size, largest_count // size
     return [float(size * number) - 0.5 for number in np.arange(first, last + 2)]

@@ -20,5 +20,5 @@ def log_once(sentence: str, seconds: float) -> None:
     log.info("%s (about %.0f s, then kept)", sentence, seconds, extra={"seconds": seconds})
 
 
-def no_progress(_done: float) -> None:
+def no_progress(_share: float) -> None:
     """Do nothing; this is the ``Progress`` of work that shows none."""

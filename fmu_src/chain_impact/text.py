@@ -11,16 +11,16 @@ from itertools import groupby, zip_longest
 from typing import NamedTuple
 
 
-def count_text(count: int, what: str) -> str:
+def count_text(count: int, noun: str) -> str:
     """Return a count with its noun, for example 1 impact, 2 impacts, 3 boxes."""
-    ending = "es" if what.endswith(("sh", "ch", "x")) else "s"
-    return f"{count} {what}{ending if count != 1 else ''}"
+    ending = "es" if noun.endswith(("sh", "ch", "x")) else "s"
+    return f"{count} {noun}{ending if count != 1 else ''}"
 
 
-def names_text(names: Sequence[str], shown: int) -> str:
-    """Return the first ``shown`` names and, if there are others, their number: "a, b and 3 more"."""
-    more = f" and {len(names) - shown} more" if len(names) > shown else ""
-    return f"{', '.join(names[:shown])}{more}"
+def names_text(names: Sequence[str], shown_count: int) -> str:
+    """Return the first ``shown_count`` names and, if there are others, their number: "a, b and 3 more"."""
+    more_text = f" and {len(names) - shown_count} more" if len(names) > shown_count else ""
+    return f"{', '.join(names[:shown_count])}{more_text}"
 
 
 def number_text(value: float, digits: int = 4) -> str:
@@ -59,12 +59,12 @@ An example is kN. With a prefix these values have few digits.
 """
 
 
-def prefixed_unit(largest: float, unit: str) -> tuple[float, str]:
+def prefixed_unit(largest_value: float, unit: str) -> tuple[float, str]:
     """Return a factor and a unit with a prefix, such as 0.001 and kN: values times the factor have this unit.
 
-    In this unit the ``largest`` value is between 1 and 1000, if a prefix for this exists.
+    In this unit the ``largest_value`` value is between 1 and 1000, if a prefix for this exists.
     """
-    power = 3 * math.floor(math.log10(largest) / 3.0) if 0.0 < largest < math.inf else 0
+    power = 3 * math.floor(math.log10(largest_value) / 3.0) if 0.0 < largest_value < math.inf else 0
     power = min(max(power, min(PREFIXES)), max(PREFIXES))
     return 10.0**-power, f"{PREFIXES[power]}{unit}"
 
@@ -73,12 +73,12 @@ def prefixed_unit(largest: float, unit: str) -> tuple[float, str]:
 PREFIXED_UNITS = (*LOAD_UNITS, "m", "m/s", "m/s2", "s", "rad", "rad/s")
 
 
-def readable_unit(largest: float, unit: str) -> tuple[float, str]:
+def readable_unit(largest_value: float, unit: str) -> tuple[float, str]:
     """Return ``prefixed_unit`` for a unit in PREFIXED_UNITS; any other unit stays, with the factor 1.
 
-    ``largest`` is the largest |value| that is shown in the unit.
+    ``largest_value`` is the largest |value| that is shown in the unit.
     """
-    return prefixed_unit(largest, unit) if unit in PREFIXED_UNITS else (1.0, unit)
+    return prefixed_unit(largest_value, unit) if unit in PREFIXED_UNITS else (1.0, unit)
 
 
 def aligned_lines(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
@@ -104,9 +104,9 @@ def as_text(parts: Iterable[str | TextTable]) -> str:
 
 def as_html(parts: Iterable[str | TextTable]) -> str:
     """Return lines and tables as HTML for a notebook; the first line is a title in bold letters."""
-    title, *following = parts
+    title, *table_rows = parts
     blocks = [f"<b>{escape(str(title))}</b>"]
-    for is_table, group in groupby(following, lambda part: isinstance(part, TextTable)):
+    for is_table, group in groupby(table_rows, lambda part: isinstance(part, TextTable)):
         for part in group if is_table else ["\n".join(map(str, group)).strip("\n")]:
             blocks.append(html_table(*part) if isinstance(part, TextTable) else f"<pre>{escape(part)}</pre>")
     return f"<div>{''.join(blocks)}</div>"

@@ -45,14 +45,19 @@ def scene_of_robot(path: Path, choices: ConversionChoices = ALL) -> tuple[Scene,
             data = robot.embedded
             return None if data is None else read_embedded_scene(data, robot.name, str(path))
 
-        def with_embedded(found: ConversionResult) -> ConversionResult:
+        def with_embedded(chain_result: ConversionResult) -> ConversionResult:
             ours = read_embedded()
-            return found if ours is None else merge_embedded_scene(found, ours, choices)
+            return chain_result if ours is None else merge_embedded_scene(chain_result, ours, choices)
 
-        done = with_embedded(
-            chain_of(robot, choices, str(path), lambda found: _converted_scene(with_embedded(found), path))
+        result = with_embedded(
+            chain_of(
+                robot,
+                choices,
+                str(path),
+                lambda chain_result: _converted_scene(with_embedded(chain_result), path),
+            )
         )
-        return _converted_scene(done, path), done
+        return _converted_scene(result, path), result
 
 
 def read_robot(path: Path, keyframe: str | None = None) -> Robot:
@@ -72,9 +77,9 @@ def read_robot(path: Path, keyframe: str | None = None) -> Robot:
     return read_urdf(path)
 
 
-def _converted_scene(done: ConversionResult, path: Path) -> Scene:
-    done.data["name"] = identifier(done.data["name"], "model")
-    return scene_from_dict(done.data, str(path))
+def _converted_scene(result: ConversionResult, path: Path) -> Scene:
+    result.data["name"] = identifier(result.data["name"], "model")
+    return scene_from_dict(result.data, str(path))
 
 
 def convert(source: str | Path, output: Path, choices: ConversionChoices = ALL) -> ConversionResult:
@@ -85,19 +90,22 @@ def convert(source: str | Path, output: Path, choices: ConversionChoices = ALL) 
     """
     if output.suffix.lower() == ".xml":
         scene = scene_of(source)
-        text, differs, left_out = mjcf_of(scene)
-        done = ConversionResult(scene_to_dict(scene), [], differs, left_out, [])
+        text, differing_texts, left_out = mjcf_of(scene)
+        result = ConversionResult(scene_to_dict(scene), [], differing_texts, left_out, [])
     else:
-        _, done = scene_of_robot(Path(source), choices)
-        remarks = [f"From {Path(source).name}.", *(f"{title}: {line}" for title, line in remark_lines(done))]
-        text = "".join(f"# {line}\n" for line in remarks) + f"\n{tomlkit.dumps(done.data)}"
-    with written_atomically(output) as fresh:
-        fresh.write_text(text, encoding="utf-8")
-    return done
+        _, result = scene_of_robot(Path(source), choices)
+        remarks = [
+            f"From {Path(source).name}.",
+            *(f"{title}: {line}" for title, line in remark_lines(result)),
+        ]
+        text = "".join(f"# {line}\n" for line in remarks) + f"\n{tomlkit.dumps(result.data)}"
+    with written_atomically(output) as new_file:
+        new_file.write_text(text, encoding="utf-8")
+    return result
 
 
-def remark_lines(done: ConversionResult) -> list[tuple[str, str]]:
+def remark_lines(result: ConversionResult) -> list[tuple[str, str]]:
     """Return the remarks of a conversion as pairs (title, sentence), warnings first and notes last."""
     titles = (WARNING, DIFFERS, LEFT_OUT, "note")
-    remarks = (done.warnings, done.differs, done.left_out, done.notes)
+    remarks = (result.warnings, result.differs, result.left_out, result.notes)
     return [(title, line) for title, lines in zip(titles, remarks, strict=True) for line in lines]

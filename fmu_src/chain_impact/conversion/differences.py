@@ -64,24 +64,24 @@ class Difference:
             return WARNING
         return DIFFERS if self.differs else LEFT_OUT
 
-    def matters(self, held: Collection[str], link_of: dict[int, int]) -> bool:
+    def matters(self, held_joints: Collection[str], link_of: dict[int, int]) -> bool:
         """Return whether the difference has an effect on the scene, and so must be reported.
 
         See ``joints`` and ``bodies``.
 
         Args:
-            held: names of the joints that are held.
+            held_joints: names of the joints that are held.
             link_of: index of a body → index of its link, −1 for no link. The body −1 is the world.
         """
-        if self.joints and self.joints <= set(held):
+        if self.joints and self.joints <= set(held_joints):
             return False
         return not self.bodies or len({link_of[b] for b in self.bodies}) > 1
 
 
 def joint_difference(name: str, text: str, effect: SceneAspect, *, differs: bool = False) -> Difference:
     """Return a difference of the joint ``name``, which is not reported if this joint is held."""
-    about = frozenset([name])
-    return Difference(kind="joint", name=name, text=text, effect=effect, differs=differs, joints=about)
+    joint_names = frozenset([name])
+    return Difference(kind="joint", name=name, text=text, effect=effect, differs=differs, joints=joint_names)
 
 
 @contextmanager
@@ -96,8 +96,12 @@ def collect_warnings(package: str) -> Iterator[list[str]]:
         warnings.simplefilter("always")
         yield notes
     texts = dict.fromkeys(" ".join(str(warning.message).split()) for warning in caught)
-    whole = [text for text in texts if not any(other.startswith(text) for other in texts if other != text)]
-    notes.extend(f"{package} warns: {text}" for text in whole)
+    whole_texts = [
+        text
+        for text in texts
+        if not any(longer_text.startswith(text) for longer_text in texts if longer_text != text)
+    ]
+    notes.extend(f"{package} warns: {text}" for text in whole_texts)
 
 
 def difference_lines(differences: Iterable[Difference], title: str) -> list[str]:
@@ -105,9 +109,9 @@ def difference_lines(differences: Iterable[Difference], title: str) -> list[str]
 
     The sentences are in the order of ``SceneAspect``; of the same effect, the largest is first.
     """
-    ordered = sorted(differences, key=lambda difference: (difference.effect, -difference.size))
+    ordered_differences = sorted(differences, key=lambda difference: (difference.effect, -difference.size))
     names: dict[tuple[str, str], list[str]] = {}
-    for difference in ordered:
+    for difference in ordered_differences:
         if difference.title == title:
             names.setdefault((difference.kind, difference.text), []).append(difference.name)
     return [
@@ -115,8 +119,8 @@ def difference_lines(differences: Iterable[Difference], title: str) -> list[str]
     ]
 
 
-def difference_line(kind: str, names: Sequence[str], text: str, shown: int = LINE_NAMES) -> str:
-    """Return the line "<kind> <names>: <text>", with up to ``shown`` names and a count of further names."""
+def difference_line(kind: str, names: Sequence[str], text: str, shown_count: int = LINE_NAMES) -> str:
+    """Return the line "<kind> <names>: <text>", with ``shown_count`` names and the number of the others."""
     if len(names) > 1:
         kind = PLURALS.get(kind, f"{kind}s")
-    return f"{' '.join(filter(None, (kind, names_text(names, shown))))}: {text}"
+    return f"{' '.join(filter(None, (kind, names_text(names, shown_count))))}: {text}"

@@ -58,18 +58,19 @@ def read_embedded_scene(data: Mapping[str, Any], name: str, source: str) -> Embe
 
 
 def merge_embedded_scene(
-    found: ConversionResult, embedded: EmbeddedScene, choices: ConversionChoices
+    robot_result: ConversionResult, embedded_scene: EmbeddedScene, choices: ConversionChoices
 ) -> ConversionResult:
-    """Return the conversion ``found`` of a file's elements, merged with the scene in the file.
+    """Return the conversion ``robot_result`` of a file's elements, merged with the scene in the file.
 
-    The docstring of this module tells which values hold. ``choices`` are the user's choices for ``found``.
+    The docstring of this module tells which values hold. ``choices`` are the user's choices for
+    ``robot_result``.
     """
-    scene, written = embedded
-    merger = _Merger(scene, written.data, found.data, choices)
+    scene, written_result = embedded_scene
+    merger = _Merger(scene, written_result.data, robot_result.data, choices)
     data = merger.data()
-    warnings, differs, left_out, notes = (
-        [remark for remark in remarks if remark not in known]
-        for remarks, known in zip(found[1:], written[1:], strict=True)
+    warnings, differing_texts, left_out, notes = (
+        [remark for remark in remarks if remark not in known_texts]
+        for remarks, known_texts in zip(robot_result[1:], written_result[1:], strict=True)
     )
     if merger.changed:
         text = names_text(list(dict.fromkeys(merger.changed)), LINE_NAMES)
@@ -80,7 +81,7 @@ def merge_embedded_scene(
     if merger.missing:
         text = f"{', '.join(merger.missing)}: left out or shortened, as the file lacks their wall or motor"
         warnings.append(text)
-    return ConversionResult(data, warnings, differs, left_out, notes)
+    return ConversionResult(data, warnings, differing_texts, left_out, notes)
 
 
 class _Merger:
@@ -101,31 +102,39 @@ class _Merger:
     """
 
     def __init__(
-        self, scene: Scene, written: Mapping[str, Any], found: Mapping[str, Any], choices: ConversionChoices
+        self,
+        scene: Scene,
+        written_data: Mapping[str, Any],
+        found_data: Mapping[str, Any],
+        choices: ConversionChoices,
     ) -> None:
-        self.scene, self.written, self.found = scene, written, found
+        self.scene, self.written, self.found = scene, written_data, found_data
         self.changed: list[str] = []
         self.lost: list[str] = []
         self.missing: list[str] = []
-        one, other = written["chain"], found["chain"]
-        self.alike = one["base"] == other["base"] and len(one["links"]) == len(other["links"])
-        chosen = bool(choices.joints or choices.plane or choices.tip)
-        angles = (data["initial"]["angles"] for data in (written, found))
-        self.turned = not self.alike or (chosen and not _are_equal(*angles))
+        written_chain, found_chain = written_data["chain"], found_data["chain"]
+        self.alike = written_chain["base"] == found_chain["base"] and len(written_chain["links"]) == len(
+            found_chain["links"]
+        )
+        has_choices = bool(choices.joints or choices.plane or choices.tip)
+        angles = (data["initial"]["angles"] for data in (written_data, found_data))
+        self.turned = not self.alike or (has_choices and not _are_equal(*angles))
         count = len(scene.chain.links) + len(scene.chain.sites)
         self.numbers = {identifier(point_name(k), "geom"): k for k in range(count + 1)}
 
     def data(self) -> dict[str, Any]:
         """Return the data of the merged scene, and fill ``changed``, ``lost`` and ``missing``."""
-        ours = scene_to_dict(self.scene)
-        data: dict[str, Any] = self._merge_value("", *map(_mergeable_data, (ours, self.written, self.found)))
+        own_data = scene_to_dict(self.scene)
+        data: dict[str, Any] = self._merge_value(
+            "", *map(_mergeable_data, (own_data, self.written, self.found))
+        )
         if self.found["chain"]["base"] != "slider":
             data["chain"].pop("slider", None)
         data["walls"] = list(data["walls"].values())
-        data["contact"] = self._contact(ours["contact"])
-        data["chain"]["links"], touching = self._links(ours["chain"]["links"])
-        if touching is not None:
-            data["contact"]["points"] = touching
+        data["contact"] = self._contact(own_data["contact"])
+        data["chain"]["links"], contact_links = self._links(own_data["chain"]["links"])
+        if contact_links is not None:
+            data["contact"]["points"] = contact_links
         if self.turned and data.pop("signals", None):
             self.lost.append("signals")
         if not self.alike and data["outputs"].pop("sensitivities", None):
@@ -151,34 +160,38 @@ class _Merger:
         self.missing += [f"inputs.wall_motion {name}" for name in gone]
         signals = data.get("signals", {})
         for name, signal in list(signals.items()):
-            driven, signal["input"] = signal["input"], list(filter(exists, signal["input"]))
-            if signal["input"] != driven:
+            driven_inputs, signal["input"] = signal["input"], list(filter(exists, signal["input"]))
+            if signal["input"] != driven_inputs:
                 self.missing.append(f"signals.{name}")
             if not signal["input"]:
                 del signals[name]
-        asked = data["outputs"].get("sensitivities", [])
-        known = [name for name in asked if exists(name) and not self._is_of_lost_signal(name, signals)]
-        if known != list(asked):
-            data["outputs"]["sensitivities"] = known
+        asked_names = data["outputs"].get("sensitivities", [])
+        known_names = [
+            name for name in asked_names if exists(name) and not self._is_of_lost_signal(name, signals)
+        ]
+        if known_names != list(asked_names):
+            data["outputs"]["sensitivities"] = known_names
             self.missing.append("outputs.sensitivities")
 
     def _is_of_lost_signal(self, name: str, signals: Mapping[str, Any]) -> bool:
         """Return whether ``name`` is a parameter of a signal that is in the scene, but not in ``signals``."""
-        of, _, rest = name.partition(".")
-        return of == "signal" and rest.partition(".")[0] in set(self.scene.signals) - set(signals)
+        owner, _, name_rest = name.partition(".")
+        return owner == "signal" and name_rest.partition(".")[0] in set(self.scene.signals) - set(signals)
 
-    def _merge_value(self, key: str, ours: Any, written: Any, found: Any) -> Any:
-        """Return the scene's value ``ours`` if ``written`` and ``found`` are the same, else ``found``.
+    def _merge_value(self, key: str, own_value: Any, written_value: Any, found_value: Any) -> Any:
+        """Return the scene's ``own_value`` if ``written_value`` equals ``found_value``, else ``found_value``.
 
         Tables, and three lists of equal length, are merged entry by entry. An entry of ``walls`` that is in
-        ``written``, but not in ``found``, is left out: the result is then ABSENT. ``key`` is the name of the
-        value for messages.
+        ``written_value``, but not in ``found_value``, is left out: the result is then ABSENT. ``key`` is the
+        name of the value for messages.
         """
-        if key.startswith("walls.") and found is ABSENT and isinstance(written, dict):
+        if key.startswith("walls.") and found_value is ABSENT and isinstance(written_value, dict):
             self.changed.append(key)
             return ABSENT
-        if isinstance(found, dict) or isinstance(written, dict):
-            tables = [table if isinstance(table, dict) else {} for table in (ours, written, found)]
+        if isinstance(found_value, dict) or isinstance(written_value, dict):
+            tables = [
+                table if isinstance(table, dict) else {} for table in (own_value, written_value, found_value)
+            ]
             values = {
                 name: self._merge_value(
                     f"{key}.{name}".strip("."), *(table.get(name, ABSENT) for table in tables)
@@ -186,62 +199,72 @@ class _Merger:
                 for name in dict.fromkeys(name for table in tables for name in table)
             }
             return {name: value for name, value in values.items() if value is not ABSENT}
-        lists = [value for value in (ours, written, found) if isinstance(value, list)]
+        lists = [value for value in (own_value, written_value, found_value) if isinstance(value, list)]
         if len({len(value) for value in lists}) == 1 and len(lists) == 3:  # noqa: PLR2004
-            numbered = isinstance(next(iter(found), None), dict)
-            keys = [f"{key}[{n}]" if numbered else key for n in range(1, len(found) + 1)]
+            has_numbers = isinstance(next(iter(found_value), None), dict)
+            keys = [f"{key}[{n}]" if has_numbers else key for n in range(1, len(found_value) + 1)]
             return [self._merge_value(*parts) for parts in zip(keys, *lists, strict=True)]
-        if _are_equal(written, found):
-            return ours
+        if _are_equal(written_value, found_value):
+            return own_value
         self.changed.append(key)
-        return found
+        return found_value
 
-    def _contact(self, ours: dict[str, Any]) -> dict[str, Any]:
-        """Return the table [contact] of the scene, ``ours``, with the changed coefficients of friction.
+    def _contact(self, own_data: dict[str, Any]) -> dict[str, Any]:
+        """Return the table [contact] of the scene, ``own_data``, with the changed coefficients of friction.
 
         A coefficient that the file's elements change is written to the wall's table in ``contact.wall``. The
         table of a wall that the file lacks is left out.
         """
-        before, now = _frictions(self.written), _frictions(self.found)
-        removed = before.keys() - now.keys()
-        walls = {name: dict(table) for name, table in ours.get("wall", {}).items() if name not in removed}
-        for name, friction in now.items():
-            if not _are_equal(before.get(name), friction):
+        written_frictions, found_frictions = _frictions(self.written), _frictions(self.found)
+        removed_names = written_frictions.keys() - found_frictions.keys()
+        walls = {
+            name: dict(table) for name, table in own_data.get("wall", {}).items() if name not in removed_names
+        }
+        for name, friction in found_frictions.items():
+            if not _are_equal(written_frictions.get(name), friction):
                 self.changed.append(f"contact.wall.{name}.friction")
                 walls.setdefault(name, {})["friction"] = friction
                 # MJCF has only one coefficient of friction, which replaces both coefficients of the scene
                 if "static_friction" in walls[name]:
                     walls[name]["static_friction"] = friction
-        return {**ours, "wall": walls}
+        return {**own_data, "wall": walls}
 
-    def _links(self, ours: Sequence[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[int] | None]:
+    def _links(self, own_links: Sequence[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[int] | None]:
         """Return the tables of the links, and the numbers of the link ends (points 0 to N) that touch walls.
 
         The second result is None if the file's elements have the same lengths and points as those written for
-        the scene: then ``contact.points`` of the scene holds. ``ours`` are the scene's tables of links.
+        the scene: then ``contact.points`` of the scene holds. ``own_links`` are the scene's tables of links.
         """
-        written, found = (data["chain"]["links"] for data in (self.written, self.found))
-        points = [link.get("points", []) for link in found]
+        written_links, found_links = (data["chain"]["links"] for data in (self.written, self.found))
+        points = [link.get("points", []) for link in found_links]
         if self.alike:
-            bare = [[_without_keys(link, BODY) for link in tables] for tables in (ours, written, found)]
-            links: list[dict[str, Any]] = self._merge_value("link", *bare)
+            links_without_points = [
+                [_without_keys(link, BODY) for link in tables]
+                for tables in (own_links, written_links, found_links)
+            ]
+            links: list[dict[str, Any]] = self._merge_value("link", *links_without_points)
             same = [
-                _are_equal([one["length"], one.get("points", [])], [other["length"], of])
-                for one, other, of in zip(written, found, points, strict=True)
+                _are_equal(
+                    [written_link["length"], written_link.get("points", [])],
+                    [found_link["length"], point_pairs],
+                )
+                for written_link, found_link, point_pairs in zip(
+                    written_links, found_links, points, strict=True
+                )
             ]
         else:
             self.changed.append("chain.links")
-            links, same = [_without_keys(link, BODY) for link in found], [False] * len(found)
-        touching = set[int]()
+            links, same = [_without_keys(link, BODY) for link in found_links], [False] * len(found_links)
+        contact_links = set[int]()
         for i, (link, tables) in enumerate(zip(links, points, strict=True)):
-            own, ends = self._points(i, tables, link["length"])
-            touching |= ends
+            own_points, ends = self._points(i, tables, link["length"])
+            contact_links |= ends
             if same[i]:
-                link |= {key: ours[i][key] for key in BODY if key in ours[i]}
-            elif own or self.alike:
-                link |= {"points": own}
+                link |= {key: own_links[i][key] for key in BODY if key in own_links[i]}
+            elif own_points or self.alike:
+                link |= {"points": own_points}
                 self.changed.append(f"link[{i + 1}].points")
-        return links, None if all(same) else sorted(touching)
+        return links, None if all(same) else sorted(contact_links)
 
     def _points(
         self, i: int, tables: Sequence[dict[str, Any]], length: float
@@ -257,38 +280,44 @@ class _Merger:
         """
         points, ends = list[dict[str, Any]](), set[int]()
         first = len(self.scene.chain.links) + 1
-        before = {
+        points_before = {
             self.numbers.get(table.get("name", ""), -1): table
             for link in self.written["chain"]["links"]
             for table in link.get("points", [])
         }
         for table in tables:
             number = self.numbers.get(table.get("name", ""), -1)
-            if number not in before:
+            if number not in points_before:
                 points.append(table)
                 continue
-            known = before[number]
+            known_point = points_before[number]
             place = [table["x"], table["y"]]
             at_end = [i + end for end in (0, 1) if _are_equal(place, [end * length, 0.0])]
-            if number < first and at_end and _are_equal(table["radius"], known["radius"]):
+            if number < first and at_end and _are_equal(table["radius"], known_point["radius"]):
                 ends |= {*at_end}
             elif number < first:
                 points.append(table | {"name": f"point_{number}"})
             else:
-                points.append(self._keep_point(table, known, number - first))
+                points.append(self._keep_point(table, known_point, number - first))
         return points, ends
 
-    def _keep_point(self, table: dict[str, Any], known: Mapping[str, Any], index: int) -> dict[str, Any]:
+    def _keep_point(
+        self, table: dict[str, Any], known_point: Mapping[str, Any], index: int
+    ) -> dict[str, Any]:
         """Return ``table`` with name and numbers of the scene's point; numbers changed in the file stay.
 
         Args:
             table: a point of the scene, in the conversion of the file's elements.
-            known: the same point in the conversion of the elements that are written for the scene.
+            known_point: the same point in the conversion of the elements that are written for the scene.
             index: index of the point in ``scene.chain.sites``.
         """
         site = self.scene.chain.sites[index][1]
-        kept = {key: getattr(site, key) for key in ("x", "y", "radius") if _are_equal(table[key], known[key])}
-        return {**table, **kept, "name": site.name}
+        kept_values = {
+            key: getattr(site, key)
+            for key in ("x", "y", "radius")
+            if _are_equal(table[key], known_point[key])
+        }
+        return {**table, **kept_values, "name": site.name}
 
 
 def _mergeable_data(data: Mapping[str, Any]) -> dict[str, Any]:
@@ -315,12 +344,14 @@ def _without_keys(table: Mapping[str, Any], keys: Sequence[str]) -> dict[str, An
     return {key: value for key, value in table.items() if key not in keys}
 
 
-def _are_equal(one: Any, other: Any) -> bool:
+def _are_equal(first_value: Any, second_value: Any) -> bool:
     """Return whether two values are equal; numbers in them may differ by round-off (SAME_NUMBER)."""
-    if isinstance(one, dict) and isinstance(other, dict):
-        return one.keys() == other.keys() and all(_are_equal(one[key], other[key]) for key in one)
-    if isinstance(one, list) and isinstance(other, list):
-        return len(one) == len(other) and all(map(_are_equal, one, other))
-    if isinstance(one, float | int) and isinstance(other, float | int):
-        return math.isclose(one, other, rel_tol=SAME_NUMBER, abs_tol=SAME_NUMBER)
-    return bool(one == other)
+    if isinstance(first_value, dict) and isinstance(second_value, dict):
+        return first_value.keys() == second_value.keys() and all(
+            _are_equal(first_value[key], second_value[key]) for key in first_value
+        )
+    if isinstance(first_value, list) and isinstance(second_value, list):
+        return len(first_value) == len(second_value) and all(map(_are_equal, first_value, second_value))
+    if isinstance(first_value, float | int) and isinstance(second_value, float | int):
+        return math.isclose(first_value, second_value, rel_tol=SAME_NUMBER, abs_tol=SAME_NUMBER)
+    return bool(first_value == second_value)

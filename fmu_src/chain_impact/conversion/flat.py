@@ -55,8 +55,8 @@ def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
     if directions is not None:
         x, y = _chosen_axes(axis, directions, source)
     else:
-        up = _component_across(Z, axis)
-        y = up if np.linalg.norm(up) > PARALLEL_ANGLE else _component_across(Y, axis)
+        up_direction = _component_across(Z, axis)
+        y = up_direction if np.linalg.norm(up_direction) > PARALLEL_ANGLE else _component_across(Y, axis)
         y = y / np.linalg.norm(y)
         x = np.cross(y, axis)
         x = x * (_sign(x[0]) or _sign(x[1]))
@@ -80,9 +80,9 @@ def _chosen_axes(axis: np.ndarray, directions: str, source: str) -> tuple[np.nda
         for name, direction in zip("xyz", (X, Y, Z), strict=True)
     }
     names = [part.strip() for part in directions.split(",")]
-    allowed = f"must be two of {', '.join(axes)}, for example x,z"
+    allowed_text = f"must be two of {', '.join(axes)}, for example x,z"
     if len(names) != 2 or any(name not in axes for name in names):  # noqa: PLR2004
-        raise SceneError(f"--plane {directions}: {allowed}")
+        raise SceneError(f"--plane {directions}: {allowed_text}")
     x, y = (axes[name] for name in names)
     if abs(np.dot(x, y)) > PARALLEL_ANGLE or max(abs(np.dot(x, axis)), abs(np.dot(y, axis))) > PARALLEL_ANGLE:
         turning = " ".join(f"{part:.4g}" for part in _without_round_off(axis))
@@ -100,5 +100,5 @@ def rounded_to_zero(value: float) -> float:
 
 def _without_round_off(axis: np.ndarray) -> np.ndarray:
     """Return a unit vector in which each component near 0 or ±1, up to round-off, is exactly 0 or ±1."""
-    whole = np.rint(axis)
-    return np.where(np.abs(axis - whole) < NUMBER_ROUND_OFF, whole, axis) + 0.0
+    whole_numbers = np.rint(axis)
+    return np.where(np.abs(axis - whole_numbers) < NUMBER_ROUND_OFF, whole_numbers, axis) + 0.0

@@ -69,22 +69,26 @@ class ChosenJoints(NamedTuple):
         return ("pinned", "slider", "free")[len(self.slides)]
 
 
-def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> ChosenJoints:
+def chosen_joints(robot: Robot, wanted_names: Sequence[str], source: str) -> ChosenJoints:
     """Return the joints that form the chain.
 
-    ``wanted`` are the names of the joints that move, while all others are held at their start; without names
-    all joints move. ``source`` is the file's name for messages.
+    ``wanted_names`` are the names of the joints that move, while all others are held at their start; without
+    names all joints move. ``source`` is the file's name for messages.
 
     Raises:
         NoChainError: when the moving joints form no planar chain.
         UnknownNameError: when the robot has no joint with a wanted name.
     """
-    held = _held_joints(robot, wanted, source)
-    poses, moving = moving_joints(robot, held)
-    slides = [moved for moved in moving if moved.joint.kind == "slide"]
-    hinges = [moved for moved in moving if moved.joint.kind == "hinge"]
-    others = [moved.joint for moved in moving if moved.joint.kind not in ("slide", "hinge")]
-    for joint in others:
+    held_names = _held_joints(robot, wanted_names, source)
+    poses, joints_that_move = moving_joints(robot, held_names)
+    sliders = [moving_joint for moving_joint in joints_that_move if moving_joint.joint.kind == "slide"]
+    hinges = [moving_joint for moving_joint in joints_that_move if moving_joint.joint.kind == "hinge"]
+    other_joints = [
+        moving_joint.joint
+        for moving_joint in joints_that_move
+        if moving_joint.joint.kind not in ("slide", "hinge")
+    ]
+    for joint in other_joints:
         raise NoChainError(
             f"{source}: joint {joint.name} is of the kind {joint.kind}: a scene has hinges and slides only",
             [joint.name],
@@ -93,21 +97,25 @@ def chosen_joints(robot: Robot, wanted: Sequence[str], source: str) -> ChosenJoi
         raise NoChainError(f"{source}: no hinge moves: a scene needs at least one hinge")
     _check_limits(hinges, source)
     _check_parallel(hinges, source)
-    _check_slides(robot, slides, moving, source)
+    _check_slides(robot, sliders, joints_that_move, source)
     _check_serial(robot, hinges, source)
-    return ChosenJoints(poses, hinges, slides, held)
+    return ChosenJoints(poses, hinges, sliders, held_names)
 
 
 def moving_joints(
-    robot: Robot, held: set[str]
+    robot: Robot, held_names: set[str]
 ) -> tuple[list[tuple[np.ndarray, np.ndarray]], list[MovingJoint]]:
-    """Return the pose of each body, and the joints that are not in ``held``, in the order of their bodies.
+    """Return the pose of each body, and the joints not in ``held_names``, in the order of their bodies.
 
-    A pose is a rotation matrix and a position [m] in space. The joints ``held``, by name, are at their start,
-    all others at zero.
+    A pose is a rotation matrix and a position [m] in space. The joints ``held_names``, by name, are at their
+    start, all others at zero.
     """
-    poses = _poses(robot, held)
-    return poses, [moved for moved in _place_joints(robot, poses) if moved.joint.name not in held]
+    poses = _poses(robot, held_names)
+    return poses, [
+        moving_joint
+        for moving_joint in _place_joints(robot, poses)
+        if moving_joint.joint.name not in held_names
+    ]
 
 
 def joints_at_start(robot: Robot) -> list[MovingJoint]:
@@ -127,35 +135,35 @@ def joint_names(robot: Robot) -> list[str]:
     return [joint.name for body in robot.bodies for joint in body.joints]
 
 
-def _held_joints(robot: Robot, wanted: Sequence[str], source: str) -> set[str]:
+def _held_joints(robot: Robot, wanted_names: Sequence[str], source: str) -> set[str]:
     names = joint_names(robot)
-    for name in wanted:
+    for name in wanted_names:
         if name not in names:
             raise UnknownNameError(
                 source, name, names, "not a joint", otherwise=f"joints: {', '.join(names)}"
             )
-    return {name for name in names if name not in wanted} if wanted else set()
+    return {name for name in names if name not in wanted_names} if wanted_names else set()
 
 
-def _poses(robot: Robot, held: set[str]) -> list[tuple[np.ndarray, np.ndarray]]:
+def _poses(robot: Robot, held_names: set[str]) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return the rotation matrix and the position [m] of each body in space.
 
-    The joints ``held``, by name, are at their start, all others at zero.
+    The joints ``held_names``, by name, are at their start, all others at zero.
     """
     poses: list[tuple[np.ndarray, np.ndarray]] = []
     for body in robot.bodies:
-        before, origin = poses[body.parent] if body.parent >= 0 else (np.eye(3), np.zeros(3))
-        rotation, position = before @ body.rotation, origin + before @ body.position
+        parent_rotation, origin = poses[body.parent] if body.parent >= 0 else (np.eye(3), np.zeros(3))
+        rotation, position = parent_rotation @ body.rotation, origin + parent_rotation @ body.position
         for joint in body.joints:
-            if joint.name not in held:
+            if joint.name not in held_names:
                 continue
             if joint.kind == "slide":
                 position = position + rotation @ joint.axis * joint.start
             elif joint.kind == "hinge" or joint.turn is not None:
                 turn = _rotation(joint.axis, joint.start) if joint.turn is None else joint.turn
-                turned = rotation @ turn
-                position = position + (rotation - turned) @ joint.anchor
-                rotation = turned
+                joint_rotation = rotation @ turn
+                position = position + (rotation - joint_rotation) @ joint.anchor
+                rotation = joint_rotation
         poses.append((rotation, position))
     return poses
 
@@ -167,16 +175,16 @@ def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
     return np.asarray(np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross)
 
 
-def _check_limits(moving: list[MovingJoint], source: str) -> None:
-    for joint in (moved.joint for moved in moving):
+def _check_limits(moving_ones: list[MovingJoint], source: str) -> None:
+    for joint in (moving_joint.joint for moving_joint in moving_ones):
         if joint.low >= joint.high:
-            unit, other = ("m", "") if joint.kind == "slide" else ("rad", " (a `continuous` one can)")
-            what = (
-                f"limits are equal, {joint.low:.6g} {unit}, so it cannot move{other}"
+            unit, hint = ("m", "") if joint.kind == "slide" else ("rad", " (a `continuous` one can)")
+            limit_text = (
+                f"limits are equal, {joint.low:.6g} {unit}, so it cannot move{hint}"
                 if joint.low == joint.high
                 else f"lower limit, {joint.low:.6g} {unit}, is above its upper limit, {joint.high:.6g} {unit}"
             )
-            raise NoChainError(f"{source}: joint {joint.name}: its {what}", [joint.name])
+            raise NoChainError(f"{source}: joint {joint.name}: its {limit_text}", [joint.name])
 
 
 def _check_parallel(hinges: list[MovingJoint], source: str) -> None:
@@ -190,44 +198,48 @@ def _check_parallel(hinges: list[MovingJoint], source: str) -> None:
 def parallel_groups(hinges: Sequence[MovingJoint]) -> list[list[MovingJoint]]:
     """Return all ``hinges`` in groups; the axes in a group are parallel to that of its first hinge."""
     groups: list[list[MovingJoint]] = []
-    left = list(hinges)
-    while left:
-        sines = np.linalg.norm(np.cross([hinge.axis for hinge in left], left[0].axis), axis=1)
-        near = sines < PARALLEL_ANGLE
-        groups.append(list(compress(left, near)))
-        left = list(compress(left, ~near))
+    joints_left = list(hinges)
+    while joints_left:
+        sines = np.linalg.norm(np.cross([hinge.axis for hinge in joints_left], joints_left[0].axis), axis=1)
+        is_parallel = sines < PARALLEL_ANGLE
+        groups.append(list(compress(joints_left, is_parallel)))
+        joints_left = list(compress(joints_left, ~is_parallel))
     return groups
 
 
-def _check_slides(robot: Robot, slides: list[MovingJoint], order: list[MovingJoint], source: str) -> None:
+def _check_slides(robot: Robot, sliders: list[MovingJoint], order: list[MovingJoint], source: str) -> None:
     """Refuse sliding joints that a scene cannot have.
 
     A scene can have one slide in the plane of the motion, or two in this plane at right angles to each other,
     in both cases before the first hinge. ``order`` are all moving joints, in the order of the bodies.
     """
-    first = next(moved for moved in order if moved.joint.kind == "hinge")
-    before = [moved for moved in order[: order.index(first)] if moved.body in ancestors(robot, first.body)]
-    along = [abs(float(np.dot(slide.axis, first.axis))) for slide in slides]
-    square = len(slides) == 2 and abs(float(np.dot(slides[0].axis, slides[1].axis))) < PARALLEL_ANGLE  # noqa: PLR2004
-    if slides and (
-        not (square or len(slides) == 1)
-        or max(along) > PARALLEL_ANGLE
-        or any(slide not in before for slide in slides)
+    first = next(moving_joint for moving_joint in order if moving_joint.joint.kind == "hinge")
+    joints_before = [
+        moving_joint
+        for moving_joint in order[: order.index(first)]
+        if moving_joint.body in ancestors(robot, first.body)
+    ]
+    cosines = [abs(float(np.dot(slide.axis, first.axis))) for slide in sliders]
+    square = len(sliders) == 2 and abs(float(np.dot(sliders[0].axis, sliders[1].axis))) < PARALLEL_ANGLE  # noqa: PLR2004
+    if sliders and (
+        not (square or len(sliders) == 1)
+        or max(cosines) > PARALLEL_ANGLE
+        or any(slide not in joints_before for slide in sliders)
     ):
-        names = [slide.joint.name for slide in slides]
+        names = [slide.joint.name for slide in sliders]
         raise NoChainError(
             f"{source}: joint {names[0]} slides: a scene can have only one slide in the plane of the motion, "
             "before the first hinge, or two at right angles, as for a free base",
             names,
         )
-    if len(slides) == 1:
-        _check_limits(slides, source)
+    if len(sliders) == 1:
+        _check_limits(sliders, source)
 
 
 def _check_serial(robot: Robot, hinges: list[MovingJoint], source: str) -> None:
-    for before, hinge in pairwise(hinges):
-        if before.body == hinge.body or before.body not in ancestors(robot, hinge.body):
-            names = [before.joint.name, hinge.joint.name]
+    for hinge_before, hinge in pairwise(hinges):
+        if hinge_before.body == hinge.body or hinge_before.body not in ancestors(robot, hinge.body):
+            names = [hinge_before.joint.name, hinge.joint.name]
             raise NoChainError(
                 f"{source}: joints {names[0]} and {names[1]} do not follow one another: a scene has one "
                 "chain without branches",

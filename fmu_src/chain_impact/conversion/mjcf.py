@@ -56,11 +56,11 @@ def read_mjcf(path: Path, keyframe: str | None = None) -> Robot:
         MissingExtraError: when mujoco is not installed.
     """
     mujoco = require("mujoco", "convert")
-    with collect_mujoco_warnings(mujoco) as warned:
+    with collect_mujoco_warnings(mujoco) as warnings:
         file = compile_model(mujoco, path)
         start, note = _start(mujoco, file.model, keyframe, str(path))
         robot = _Reader(mujoco, file, start, str(path)).robot(path.stem, note)
-    return replace(robot, notes=[*robot.notes, *warned])
+    return replace(robot, notes=[*robot.notes, *warnings])
 
 
 def read_mjcf_text(text: str) -> Robot:
@@ -79,17 +79,17 @@ def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[
     not have it, or NO_KEYFRAME. None stands for the first keyframe, if any.
     """
     names = [model.key(k).name or f"{k}" for k in range(model.nkey)]
-    wanted = (names[0] if names else NO_KEYFRAME) if keyframe is None else keyframe
-    if wanted != NO_KEYFRAME and wanted not in names:
-        otherwise = f"keyframes: {', '.join([*names, NO_KEYFRAME])}"
-        raise UnknownNameError(source, wanted, names, "not a keyframe", otherwise=otherwise)
+    wanted_name = (names[0] if names else NO_KEYFRAME) if keyframe is None else keyframe
+    if wanted_name != NO_KEYFRAME and wanted_name not in names:
+        keyframe_list = f"keyframes: {', '.join([*names, NO_KEYFRAME])}"
+        raise UnknownNameError(source, wanted_name, names, "not a keyframe", otherwise=keyframe_list)
     data = mujoco.MjData(model)
-    if wanted in names:
-        mujoco.mj_resetDataKeyframe(model, data, names.index(wanted))
+    if wanted_name in names:
+        mujoco.mj_resetDataKeyframe(model, data, names.index(wanted_name))
     state = (data.qpos, data.qvel, data.ctrl, data.act, data.mocap_pos, data.mocap_quat)
-    others = [name for name in names if name != wanted]
-    more = f"; --keyframe can take {', '.join([*others[:4], NO_KEYFRAME])}" if names else ""
-    note = [f"start: keyframe {wanted}{more}"] if names else []
+    other_names = [name for name in names if name != wanted_name]
+    more_text = f"; --keyframe can take {', '.join([*other_names[:4], NO_KEYFRAME])}" if names else ""
+    note = [f"start: keyframe {wanted_name}{more_text}"] if names else []
     return Start(*map(np.array, state)), note
 
 
@@ -120,7 +120,7 @@ class _Reader:
         """Return the robot, whose notes begin with ``notes``; ``name`` is used if the file gives no name."""
         model = self.model
         bodies = [self.body(b) for b in range(1, model.nbody)]
-        weightless = self._disables("GRAVITY")
+        has_no_gravity = self._disables("GRAVITY")
         self.differences += [
             *self.drives.differences,
             *couplings(self.mujoco, model),
@@ -131,7 +131,7 @@ class _Reader:
         return Robot(
             name=self.spec.modelname or name,
             bodies=bodies,
-            gravity=np.zeros(3) if weightless else np.array(model.opt.gravity),
+            gravity=np.zeros(3) if has_no_gravity else np.array(model.opt.gravity),
             planes=[] if not self.contacts.works else list(self.contacts.planes()),
             embedded=self.embedded,
             notes=[*notes, *flag_notes(self.mujoco, model)],
@@ -176,8 +176,10 @@ class _Reader:
             m = model.body_mocapid[b]
             return self.start.mocap_positions[m], self.start.mocap_rotations[m]
         if model.body_jntnum[b] and model.jnt_type[j] == self.mujoco.mjtJoint.mjJNT_FREE:
-            at = model.jnt_qposadr[j]
-            return self.start.positions[at : at + 3], self.start.positions[at + 3 : at + 7]
+            address = model.jnt_qposadr[j]
+            return self.start.positions[address : address + 3], self.start.positions[
+                address + 3 : address + 7
+            ]
         return model.body_pos[b], model.body_quat[b]
 
     def joint(self, j: int) -> Joint:
@@ -186,42 +188,42 @@ class _Reader:
         The joint has the values of the actuators that drive it.
         """
         model, kinds = self.model, self.mujoco.mjtJoint
-        at, dof = int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])
+        address, dof = int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])
         kind = {kinds.mjJNT_HINGE: "hinge", kinds.mjJNT_SLIDE: "slide", kinds.mjJNT_BALL: "ball"}.get(
             kinds(model.jnt_type[j]), "free"
         )
         name = model.joint(j).name or f"{j}"
-        zero, constrained = float(model.qpos0[at]), not self._disables("CONSTRAINT")
+        zero_position, constrained = float(model.qpos0[address]), not self._disables("CONSTRAINT")
         low, high = -math.inf, math.inf
         if model.jnt_limited[j] and constrained and not self._disables("LIMIT"):
             low, high = (float(limit) for limit in model.jnt_range[j])
             self._tell_soft(name, "limits are", "[contact]" if kind == "slide" else "[stops]")
         friction = float(model.dof_frictionloss[dof]) * (constrained and not self._disables("FRICTIONLOSS"))
         if friction:
-            where = "[chain.slider]" if kind == "slide" else "[[chain.links]]"
-            self._tell_soft(name, "dry friction is", where)
+            table_name = "[chain.slider]" if kind == "slide" else "[[chain.links]]"
+            self._tell_soft(name, "dry friction is", table_name)
         force = float(np.abs(model.jnt_actfrcrange[j]).max()) if model.jnt_actfrclimited[j] else None
-        one = Joint(
+        single_joint = Joint(
             name=name,
             kind=kind,
             axis=np.array(model.jnt_axis[j]),
             anchor=np.array(model.jnt_pos[j]),
-            low=low - zero if low > -NO_LIMIT else -math.inf,
-            high=high - zero if high < NO_LIMIT else math.inf,
+            low=low - zero_position if low > -NO_LIMIT else -math.inf,
+            high=high - zero_position if high < NO_LIMIT else math.inf,
             damping=0.0 if self._disables("DAMPER") else float(model.dof_damping[dof]),
             stiffness=0.0 if self._disables("SPRING") else float(model.jnt_stiffness[j]),
-            rest=float(model.qpos_spring[at]) - zero,
+            rest=float(model.qpos_spring[address]) - zero_position,
             friction=friction,
             armature=float(model.dof_armature[dof]),
             torque_limit=force,
-            start=float(self.start.positions[at]) - zero,
+            start=float(self.start.positions[address]) - zero_position,
             speed=float(self.start.speeds[dof]),
-            turn=self._axes(self.start.positions[at : at + 4]) if kind == "ball" else None,
+            turn=self._axes(self.start.positions[address : address + 4]) if kind == "ball" else None,
         )
-        return self.drives.with_actuators(one, j, zero)
+        return self.drives.with_actuators(single_joint, j, zero_position)
 
-    def _tell_soft(self, joint: str, what: str, where: str) -> None:
-        text = f"{what} soft in MuJoCo; a scene has its own, in {where}"
+    def _tell_soft(self, joint: str, subject: str, table_name: str) -> None:
+        text = f"{subject} soft in MuJoCo; a scene has its own, in {table_name}"
         self.differences.append(joint_difference(joint, text, SceneAspect.CONTACT, differs=True))
 
     def _other_elements(self) -> Iterator[Difference]:
@@ -230,8 +232,8 @@ class _Reader:
         kinds = {"sensor": model.nsensor, "camera": model.ncam, "light": model.nlight, "skin": model.nskin}
         counts = Counter({kind: count for kind, count in kinds.items() if count})
         if counts:
-            what = ", ".join(count_text(count, kind) for kind, count in counts.items())
-            yield Difference(kind=what, text="not in the scene", effect=SceneAspect.NONE)
+            element_counts = ", ".join(count_text(count, kind) for kind, count in counts.items())
+            yield Difference(kind=element_counts, text="not in the scene", effect=SceneAspect.NONE)
 
     def _axes(self, quaternion: np.ndarray) -> np.ndarray:
         """Return the rotation matrix of a quaternion, shape (3, 3)."""

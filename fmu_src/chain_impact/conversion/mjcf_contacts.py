@@ -26,16 +26,16 @@ class Contacts:
     The method ``differences`` yields the contacts that a scene cannot have, or has in another form.
     """
 
-    def __init__(self, mujoco: Any, model: Any, stand_ins: set[str], ours: bool) -> None:
+    def __init__(self, mujoco: Any, model: Any, stand_ins: set[str], is_own: bool) -> None:
         """Divide the shapes of a model into those that can move, and those that are fixed to the world.
 
         Args:
             mujoco: the package.
             model: the compiled model.
             stand_ins: names of meshes that replace missing files; their corners have no meaning.
-            ours: whether this package wrote the file.
+            is_own: whether this package wrote the file.
         """
-        self.mujoco, self.model, self.ours = mujoco, model, ours
+        self.mujoco, self.model, self.ours = mujoco, model, is_own
         self.stand_ins = {m for m in range(model.nmesh) if model.mesh(m).name in stand_ins}
         flags, bits = model.opt.disableflags, mujoco.mjtDisableBit
         self.works = not flags & (bits.mjDSBL_CONTACT | bits.mjDSBL_CONSTRAINT)
@@ -52,7 +52,7 @@ class Contacts:
     def _is_still(self, g: int) -> bool:
         return bool(self.model.body_weldid[self.model.geom_bodyid[g]] == 0)
 
-    def _can_touch(self, geom: int, other: int) -> bool:
+    def _can_touch(self, geom: int, other_geom: int) -> bool:
         """Return whether two shapes, given by their indices, can touch each other, by rules of MuJoCo.
 
         The result is False if the file disables contacts, else True if the file lists the shapes as a pair.
@@ -62,15 +62,17 @@ class Contacts:
         model = self.model
         if not self.works:
             return False
-        if frozenset((geom, other)) in self.pairs:
+        if frozenset((geom, other_geom)) in self.pairs:
             return True
-        first, second = sorted((int(model.geom_bodyid[geom]), int(model.geom_bodyid[other])))
-        if (first << BITS) + second in self.excluded or model.body_weldid[first] == model.body_weldid[second]:
+        first_body, second_body = sorted((int(model.geom_bodyid[geom]), int(model.geom_bodyid[other_geom])))
+        if (first_body << BITS) + second_body in self.excluded or model.body_weldid[
+            first_body
+        ] == model.body_weldid[second_body]:
             return False
         types, affinities = model.geom_contype, model.geom_conaffinity
-        return bool(types[geom] & affinities[other] or types[other] & affinities[geom])
+        return bool(types[geom] & affinities[other_geom] or types[other_geom] & affinities[geom])
 
-    def _sliding_friction(self, geom: int, other: int) -> float:
+    def _sliding_friction(self, geom: int, other_geom: int) -> float:
         """Return the coefficient of sliding friction between two shapes, by MuJoCo's rules.
 
         A listed pair has its own coefficient. Otherwise the coefficient is that of the shape with the higher
@@ -78,32 +80,32 @@ class Contacts:
         in the file replaces these. A contact with ``condim`` 1 has no friction: the result is 0.
         """
         model = self.model
-        if frozenset((geom, other)) in self.pairs:
-            p = self.pairs[frozenset((geom, other))]
-            rubs, friction = model.pair_dim[p] > 1, float(model.pair_friction[p, 0])
+        if frozenset((geom, other_geom)) in self.pairs:
+            p = self.pairs[frozenset((geom, other_geom))]
+            has_friction, friction = model.pair_dim[p] > 1, float(model.pair_friction[p, 0])
         else:
-            most = max(model.geom_priority[geom], model.geom_priority[other])
-            ruling = [g for g in (geom, other) if model.geom_priority[g] == most]
-            rubs = max(model.geom_condim[g] for g in ruling) > 1
+            highest_priority = max(model.geom_priority[geom], model.geom_priority[other_geom])
+            ruling = [g for g in (geom, other_geom) if model.geom_priority[g] == highest_priority]
+            has_friction = max(model.geom_condim[g] for g in ruling) > 1
             friction = max(float(model.geom_friction[g, 0]) for g in ruling)
         friction = friction if self.friction is None else self.friction
-        return friction if rubs else 0.0
+        return friction if has_friction else 0.0
 
     def planes(self) -> Iterator[Plane]:
         """Yield the planes fixed to the world, each with the bodies that can touch it, and their friction."""
         model, data = self.model, self.mujoco.MjData(self.model)
         self.mujoco.mj_kinematics(model, data)
         for g in self.walls:
-            touching = [
-                (int(model.geom_bodyid[other]) - 1, self._sliding_friction(g, other))
-                for other in self.moving
-                if self._can_touch(g, other)
+            touching_geoms = [
+                (int(model.geom_bodyid[other_geom]) - 1, self._sliding_friction(g, other_geom))
+                for other_geom in self.moving
+                if self._can_touch(g, other_geom)
             ]
             yield Plane(
                 name=model.geom(g).name or f"{g}",
                 point=np.array(data.geom_xpos[g]),
                 normal=np.array(data.geom_xmat[g].reshape(3, 3)[:, 2]),
-                touching=touching,
+                touching=touching_geoms,
             )
 
     def shapes(self, b: int) -> list[LinkShape]:
@@ -128,13 +130,14 @@ class Contacts:
         else:  # for a kind that ``outline`` does not know, such as an ellipsoid, it returns a box
             corners, radius, disc = outline(word, model.geom_size[g])
         axes, name = rotation.reshape(3, 3), model.geom(g).name
-        others = self.moving if self._is_still(g) else range(model.ngeom)
+        other_geoms = self.moving if self._is_still(g) else range(model.ngeom)
         # if a scene of this package has no walls, its points touch nothing, but must be kept
         is_point = self.ours and bool(POINT.fullmatch(name))
-        alone = is_point and not self.walls and self.works
+        is_alone = is_point and not self.walls and self.works
         return LinkShape(
             kind=word,
-            touches=alone or any(self._can_touch(g, other) for other in others if other != g),
+            touches=is_alone
+            or any(self._can_touch(g, other_geom) for other_geom in other_geoms if other_geom != g),
             name=identifier(name, "geom") if name else "",
             walls=any(self._can_touch(g, wall) for wall in self.walls),
             is_point=is_point,
@@ -157,13 +160,13 @@ class Contacts:
             if bodies and g not in self.walls:
                 kind = self.mujoco.mjtGeom(model.geom_type[g]).name.removeprefix("mjGEOM_").lower()
                 text = "does not move, and touches moving bodies: only planes become walls of a scene"
-                about = bodies | {-1}
+                part_numbers = bodies | {-1}
                 yield Difference(
                     kind=kind,
                     name=model.geom(g).name or f"{g}",
                     text=text,
                     effect=SceneAspect.CONTACT,
-                    bodies=about,
+                    bodies=part_numbers,
                 )
         if walls:
             text = "is soft in MuJoCo (solref, solimp); a wall of a scene has the law in [contact]"

@@ -27,12 +27,14 @@ FORCES = {
 def couplings(mujoco: Any, model: Any) -> Iterator[Difference]:
     """Yield a difference for each active equality, each tendon with an effect, and each flex of a model."""
     flags, bits = model.opt.disableflags, mujoco.mjtDisableBit
-    off = {name for name in dir(bits) if name.startswith("mjDSBL_") and flags & int(getattr(bits, name))}
-    if "mjDSBL_EQUALITY" not in off and "mjDSBL_CONSTRAINT" not in off:
+    disabled_names = {
+        name for name in dir(bits) if name.startswith("mjDSBL_") and flags & int(getattr(bits, name))
+    }
+    if "mjDSBL_EQUALITY" not in disabled_names and "mjDSBL_CONSTRAINT" not in disabled_names:
         for e in np.flatnonzero(model.eq_active0):
             yield _equality(mujoco, model, int(e))
     for t in range(model.ntendon):
-        yield from _tendon(mujoco, model, t, off)
+        yield from _tendon(mujoco, model, t, disabled_names)
     for f in range(model.nflex):
         yield Difference(kind="flex", name=f"{f}", text="is not in the scene", effect=SceneAspect.MOTION)
 
@@ -58,16 +60,16 @@ def _equality(mujoco: Any, model: Any, e: int) -> Difference:
     )
 
 
-def _tendon(mujoco: Any, model: Any, t: int, off: set[str]) -> Iterator[Difference]:
+def _tendon(mujoco: Any, model: Any, t: int, disabled_names: set[str]) -> Iterator[Difference]:
     """Yield a difference for the tendon with index ``t`` if the tendon has an effect on the motion.
 
     The tendon has an effect if a field in FORCES is not 0 for it, and the file does not disable this effect.
-    ``off`` has the names (mjDSBL_…) of all flags by which the file disables features.
+    ``disabled_names`` has the names (mjDSBL_…) of all flags by which the file disables features.
     """
     acting = [
         field.removeprefix("tendon_")
         for field, flag in FORCES.items()
-        if np.any(getattr(model, field)[t]) and f"mjDSBL_{flag}" not in off
+        if np.any(getattr(model, field)[t]) and f"mjDSBL_{flag}" not in disabled_names
     ]
     if not acting:
         return

@@ -76,8 +76,8 @@ class Drives:
     def _is_active(self, a: int) -> bool:
         """Return whether actuator ``a`` can act: the file disables neither all actuators nor its group."""
         group = int(self.model.actuator_group[a])
-        off = 0 <= group < 31 and self.model.opt.disableactuator >> group & 1  # noqa: PLR2004
-        return self.works and not off
+        is_off = 0 <= group < 31 and self.model.opt.disableactuator >> group & 1  # noqa: PLR2004
+        return self.works and not is_off
 
     def _name(self, a: int) -> str:
         start = self.model.name_actuatoradr[a]
@@ -92,18 +92,20 @@ class Drives:
     def _tell_other(self, a: int) -> None:
         """Report actuator ``a``, which acts on no joint."""
         kind = self.mujoco.mjtTrn(self.model.actuator_trntype[a]).name.removeprefix("mjTRN_").lower()
-        sticks = kind == "body"  # an actuator on a body makes this body adhere to the bodies that it touches
+        is_adhesion = (
+            kind == "body"
+        )  # an actuator on a body makes this body adhere to the bodies that it touches
         self._tell(
             a,
             f"acts on no joint, but on a {kind}: is not in the scene",
-            SceneAspect.CONTACT if sticks else SceneAspect.MOTION,
+            SceneAspect.CONTACT if is_adhesion else SceneAspect.MOTION,
         )
 
-    def with_actuators(self, joint: Joint, j: int, zero: float) -> Joint:
+    def with_actuators(self, joint: Joint, j: int, zero_position: float) -> Joint:
         """Return ``joint``, MuJoCo's joint ``j``, with damping, rotor inertia and drives of its actuators.
 
-        Active actuators that a scene cannot have are reported. ``zero`` is MuJoCo's angle [rad] or position
-        [m] of the joint in the pose of the file, in which the angle or position of ``joint`` is 0.
+        Active actuators that a scene cannot have are reported. ``zero_position`` is MuJoCo's angle [rad] or
+        position [m] of the joint in the pose of the file, in which the angle or position of ``joint`` is 0.
         """
         for a in self.at.get(j, []):
             joint = self._with_gear(joint, a)
@@ -114,7 +116,7 @@ class Drives:
         actuators = [self._drive(joint, a) for a in self.at.get(j, []) if self._is_active(a)]
         drives = [drive for drive in actuators if drive is not None]
         if drives:
-            joint = self._with_drives(joint, j, drives, zero)
+            joint = self._with_drives(joint, j, drives, zero_position)
         return joint
 
     def _with_gear(self, joint: Joint, a: int) -> Joint:
@@ -221,16 +223,16 @@ class Drives:
         low, high = sorted((gear * low, gear * high)) if gear else (0.0, 0.0)
         return low, high
 
-    def _with_drives(self, joint: Joint, j: int, drives: list[Drive], zero: float) -> Joint:
+    def _with_drives(self, joint: Joint, j: int, drives: list[Drive], zero_position: float) -> Joint:
         """Return ``joint``, MuJoCo's joint ``j``, with its drives: one spring, one damper and one limit.
 
-        ``zero`` is MuJoCo's angle or position in the pose of the file. Differences are reported.
+        ``zero_position`` is MuJoCo's angle or position in the pose of the file. Differences are reported.
         """
         stiffness = joint.stiffness + sum(drive.stiffness for drive in drives)
         damping = joint.damping + sum(drive.damping for drive in drives)
         # Springs with stiffnesses kᵢ and rest angles rᵢ, and a torque τ, act like one spring with the
         # stiffness k = Σ kᵢ and the rest angle r = (Σ kᵢ rᵢ + τ) / k, because Σ kᵢ (rᵢ − q) + τ = k (r − q).
-        torque = sum(drive.torque - drive.stiffness * zero for drive in drives)
+        torque = sum(drive.torque - drive.stiffness * zero_position for drive in drives)
         rest_angle = joint.rest if stiffness == 0.0 else (joint.stiffness * joint.rest + torque) / stiffness
         servo = any(drive.is_servo for drive in drives)
         inputs = {"joint_targets" if drive.is_servo else "joint_torques" for drive in drives}
@@ -269,20 +271,20 @@ class Drives:
             stiffness: stiffness of all springs of the joint together [N·m/rad or N/m].
             torque: torque of all drives at rest, in the pose of the file [N·m or N].
         """
-        about = frozenset([joint.name])
+        joint_names = frozenset([joint.name])
         if stiffness == 0.0 and torque:
             text = f"its drives act with {torque:.6g} at the start; in the scene this is an input"
             yield joint_difference(joint.name, text, SceneAspect.MOTION)
         for drive in drives:
             if drive.stiffness and abs(drive.gain / drive.stiffness - 1.0) > EQUAL_GAINS:
                 text = f"the target angle is {drive.gain / drive.stiffness:.6g} times its control"
-                yield _servo_difference(drive.name, text, about)
+                yield _servo_difference(drive.name, text, joint_names)
         servos = {drive.name for drive in drives if drive.is_servo}
         for a in self.at[j]:
             if self._clamps(a) and self._name(a) in servos:
                 low, high = self.model.actuator_ctrlrange[self.model.actuator_ctrladr[a]]
                 text = f"its control is from {low:.6g} to {high:.6g}; targets of a scene have no limits"
-                yield _servo_difference(self._name(a), text, about)
+                yield _servo_difference(self._name(a), text, joint_names)
 
     def _tell_joint(self, joint: Joint, text: str, effect: SceneAspect) -> None:
         self.differences.append(joint_difference(joint.name, text, effect, differs=True))

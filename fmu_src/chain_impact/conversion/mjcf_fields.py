@@ -236,18 +236,18 @@ def _difference_of_field(model: Any, row: FieldRemark, i: int) -> Difference:
     For a joint, the difference is not reported if the joint is held. For a body or a shape that can move in
     the file, it is not reported if the body is in no link of the scene. Any other difference is reported.
     """
-    common: dict[str, Any] = {"text": row.text, "effect": row.effect, "differs": row.differs}
+    common_values: dict[str, Any] = {"text": row.text, "effect": row.effect, "differs": row.differs}
     if row.kind == "option":
-        return Difference(kind="option", name=row.field[4:], **common)
+        return Difference(kind="option", name=row.field[4:], **common_values)
     if row.kind in ("joint", "dof"):
         j = i if row.kind == "joint" else int(model.dof_jntid[i])
-        return joint_difference(model.joint(j).name or f"{j}", **common)
+        return joint_difference(model.joint(j).name or f"{j}", **common_values)
     element = {"body": model.body, "geom": model.geom, "pair": model.pair, "keyframe": model.key}[row.kind](i)
     bodies = frozenset[int]()
     if row.kind in ("body", "geom"):
         b = i if row.kind == "body" else int(model.geom_bodyid[i])
         bodies = frozenset([b - 1, -1]) if model.body_weldid[b] else bodies
-    return Difference(kind=row.kind, name=element.name or f"{i}", bodies=bodies, **common)
+    return Difference(kind=row.kind, name=element.name or f"{i}", bodies=bodies, **common_values)
 
 
 def treatments(field: str) -> list[str]:
@@ -256,15 +256,15 @@ def treatments(field: str) -> list[str]:
     The reasons are the keys of IGNORED_FIELDS with a pattern that matches the field. The list is empty for an
     unknown field. ``field`` is the name of a field of the model, or ``opt.<name>`` for an option.
     """
-    named = ["used"] * (field in USED_FIELDS.split()) + ["remarked"] * any(
+    field_uses = ["used"] * (field in USED_FIELDS.split()) + ["remarked"] * any(
         row.field == field for row in FIELD_REMARKS
     )
     patterns = (
-        why
-        for why, names in IGNORED_FIELDS.items()
+        reason
+        for reason, names in IGNORED_FIELDS.items()
         if any(fnmatchcase(field, pattern) for pattern in names.split())
     )
-    return named or list(patterns)
+    return field_uses or list(patterns)
 
 
 def fields(model: Any) -> Iterator[tuple[str, Any]]:

@@ -42,13 +42,13 @@ def collect_mujoco_warnings(mujoco: Any) -> Iterator[list[str]]:
 
     By itself MuJoCo writes a warning to the screen, and to a file in the current folder.
     """
-    previous = mujoco.get_mju_user_warning()
+    previous_handler = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda text: warnings.warn(text, stacklevel=2))
     try:
         with collect_warnings("MuJoCo") as notes:
             yield notes
     finally:
-        mujoco.set_mju_user_warning(previous)
+        mujoco.set_mju_user_warning(previous_handler)
 
 
 def compile_model(mujoco: Any, path: Path) -> CompiledModel:
@@ -61,25 +61,25 @@ def compile_model(mujoco: Any, path: Path) -> CompiledModel:
     try:
         spec = mujoco.MjSpec.from_file(str(path))
         try:
-            model, absent, weightless = spec.compile(), dict[str, str](), list[tuple[Any, str]]()
+            model, absent_files, massless_parts = spec.compile(), dict[str, str](), list[tuple[Any, str]]()
         except ValueError:
             spec = mujoco.MjSpec.from_file(str(path))
-            absent = _stand_in(mujoco, spec, path)
-            weightless = _clear_masses(mujoco, spec, absent)
-            model = _compile_without(spec, weightless)
+            absent_files = _stand_in(mujoco, spec, path)
+            massless_parts = _clear_masses(mujoco, spec, absent_files)
+            model = _compile_without(spec, massless_parts)
     except (ValueError, mujoco.FatalError) as error:
         raise SceneError(f"{path}: MuJoCo cannot read it: {error}") from None
     differences = [
         Difference(kind="file", name=name, text="cannot be read", effect=SceneAspect.NONE)
-        for name in dict.fromkeys(absent.values())
+        for name in dict.fromkeys(absent_files.values())
     ]
-    for body, mesh in weightless:
-        text = f"without the mass of mesh {mesh}, of which the file {absent[mesh]} cannot be read"
+    for body, mesh in massless_parts:
+        text = f"without the mass of mesh {mesh}, of which the file {absent_files[mesh]} cannot be read"
         bodies, name = frozenset([body.id - 1, -1]), body.name or f"{body.id}"
         differences.append(
             Difference(kind="body", name=name, text=text, effect=SceneAspect.MASS, size=1.0, bodies=bodies)
         )
-    return CompiledModel(spec, model, set(absent), differences)
+    return CompiledModel(spec, model, set(absent_files), differences)
 
 
 def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
@@ -89,9 +89,9 @@ def _stand_in(mujoco: Any, spec: Any, path: Path) -> dict[str, str]:
     fault; then all parts with files are replaced or deleted. Return the name of each such part → its file.
     """
     assets = [*spec.meshes, *spec.textures, *spec.hfields, *spec.skins]
-    absent = [asset for asset in assets if _file(asset) and not _file_exists(spec, path, _file(asset))]
+    absent_assets = [asset for asset in assets if _file(asset) and not _file_exists(spec, path, _file(asset))]
     replaced: dict[str, str] = {}
-    for asset in absent or list(filter(_file, assets)):
+    for asset in absent_assets or list(filter(_file, assets)):
         file = _file(asset)
         replaced[asset.name or Path(file).stem] = file
         asset.name = asset.name or Path(file).stem
@@ -119,34 +119,34 @@ def _file_exists(spec: Any, path: Path, file: str) -> bool:
     return any((path.parent / folder / file).is_file() for folder in folders)
 
 
-def _clear_masses(mujoco: Any, spec: Any, absent: dict[str, str]) -> list[tuple[Any, str]]:
+def _clear_masses(mujoco: Any, spec: Any, absent_files: dict[str, str]) -> list[tuple[Any, str]]:
     """Set the mass of each shape with an absent mesh to 0 if the body's mass follows from the body's shapes.
 
     The stand-in would give the body a wrong mass. Return a pair (body, name of the mesh) for each shape that
-    loses its mass by this. ``absent`` has the names of the meshes that have stand-ins.
+    loses its mass by this. ``absent_files`` has the names of the meshes that have stand-ins.
     """
     by_geometry = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     low, high = spec.compiler.inertiagrouprange
     bodies = []
     for geom in spec.geoms:
-        given = bool(geom.parent.explicitinertial) and not by_geometry
-        weighs = geom.mass != 0.0 and geom.density != 0.0 and low <= geom.group <= high
-        if geom.meshname in absent and weighs and not given:
+        is_given = bool(geom.parent.explicitinertial) and not by_geometry
+        has_mass = geom.mass != 0.0 and geom.density != 0.0 and low <= geom.group <= high
+        if geom.meshname in absent_files and has_mass and not is_given:
             geom.mass = 0.0
             bodies.append((geom.parent, geom.meshname))
     return bodies
 
 
-def _compile_without(spec: Any, weightless: list[tuple[Any, str]]) -> Any:
+def _compile_without(spec: Any, massless_parts: list[tuple[Any, str]]) -> Any:
     """Return the compiled model.
 
-    If MuJoCo refuses a body because of its mass, the error names the meshes in ``weightless``, pairs (body,
-    name of an absent mesh), which would give bodies their mass.
+    If MuJoCo refuses a body because of its mass, the error names the meshes in ``massless_parts``, pairs
+    (body, name of an absent mesh), which would give bodies their mass.
     """
     try:
         return spec.compile()
     except ValueError as error:
-        if not weightless or "mass" not in str(error):
+        if not massless_parts or "mass" not in str(error):
             raise
-        meshes = ", ".join(dict.fromkeys(mesh for _, mesh in weightless))
+        meshes = ", ".join(dict.fromkeys(mesh for _, mesh in massless_parts))
         raise ValueError(f"a body has no mass but that of absent meshes: {meshes}") from None

@@ -42,15 +42,15 @@ def mjcf_of(scene: Scene) -> tuple[str, list[str], list[str]]:
         integrator="RK4",
         timestep=repr(min(scene.simulation.step_size, LARGEST_STEP)),
     )
-    free, links = scene.chain.base == "free", scene.chain.links
-    embedded = scene_to_dict(scene)
-    for table, link in zip(embedded["chain"]["links"], links, strict=True):
+    is_free, links = scene.chain.base == "free", scene.chain.links
+    embedded_data = scene_to_dict(scene)
+    for table, link in zip(embedded_data["chain"]["links"], links, strict=True):
         table |= {"center_of_mass": link.center_of_mass, "inertia": link.inertia}
-    SubElement(SubElement(root, "custom"), "text", name=TEXT_NAME, data=json.dumps(embedded))
+    SubElement(SubElement(root, "custom"), "text", name=TEXT_NAME, data=json.dumps(embedded_data))
     world = SubElement(root, "worldbody")
     _add_walls(world, scene)
     _add_chain(world, scene)
-    joints = range(2 if free else 1, len(links) + 1) if scene.inputs.joint_torques else ()
+    joints = range(2 if is_free else 1, len(links) + 1) if scene.inputs.joint_torques else ()
     motors = {f"joint[{i}].torque": f"joint[{i}]" for i in joints}
     motors |= {"slider.force": "slider"} if scene.inputs.slider_force else {}
     actuators = SubElement(root, "actuator") if motors else root
@@ -70,8 +70,8 @@ def _add_walls(world: Element, scene: Scene) -> None:
         normal = plane.normal
         x, y = points.get(name, (normal[0] * plane.offset, normal[1] * plane.offset))
         material = scene.contact.wall.get(name)
-        given = None if material is None else material.friction
-        friction = scene.contact.friction if given is None else given
+        given_friction = None if material is None else material.friction
+        friction = scene.contact.friction if given_friction is None else given_friction
         SubElement(
             world,
             "geom",
@@ -93,10 +93,10 @@ def _add_chain(world: Element, scene: Scene) -> None:
 
     The origin of a link's body is at the proximal joint of the link, the x axis of the body along the link.
     """
-    free, links = scene.chain.base == "free", scene.chain.links
+    is_free, links = scene.chain.base == "free", scene.chain.links
     base, radius = scene.initial.position, LEAST_RADIUS * max(link.length for link in links)
     width = repr(0.02 * sum(link.length for link in links) / len(links) ** 0.5)
-    parent, position = world, _numbers(0.0, 0.0, 0.0) if free else _numbers(base[0], 0.0, base[1])
+    parent, position = world, _numbers(0.0, 0.0, 0.0) if is_free else _numbers(base[0], 0.0, base[1])
     slider, number = scene.chain.slider, len(links)
     if slider is not None and slider.mass > 0.0:
         parent, position = SubElement(parent, "body", name="slider", pos=position), _numbers(0.0, 0.0, 0.0)
@@ -108,16 +108,16 @@ def _add_chain(world: Element, scene: Scene) -> None:
         # MuJoCo accepts no moving body without mass, so if the carriage has none, the body of link 1 slides
         if slider is not None and slider.mass == 0.0 and i == 1:
             _add_slide(body, slider)
-        if free and i == 1:
+        if is_free and i == 1:
             SubElement(body, "joint", name="base.x", type="slide", axis="1 0 0")
             SubElement(body, "joint", name="base.y", type="slide", axis="0 0 1")
-        keys = {} if free and i == 1 else _joint(link)
+        keys = {} if is_free and i == 1 else _joint(link)
         SubElement(body, "joint", {"name": f"joint[{i}]", "type": "hinge", "axis": HINGE, **keys})
         line = {"type": "capsule", "size": width, "fromto": _numbers(0.0, 0.0, 0.0, link.length, 0.0, 0.0)}
         SubElement(body, "geom", line, name=f"link[{i}]", mass="0", contype="0", conaffinity="0")
-        for point, at in ((i - 1, 0.0), (i, link.length)) if i == 1 else ((i, link.length),):
+        for point, place in ((i - 1, 0.0), (i, link.length)) if i == 1 else ((i, link.length),):
             if point in scene.contact.points:
-                _add_ball(body, point, (at, 0.0), max(scene.contact.radius, radius))
+                _add_ball(body, point, (place, 0.0), max(scene.contact.radius, radius))
         for site in link.points:
             number += 1
             _add_ball(body, number, (site.x, site.y), max(site.radius or 0.0, radius))
@@ -131,16 +131,16 @@ def _add_inertial(body: Element, mass: float, center: tuple[float, float], inert
     The moment is about the centre; the two moments that the planar motion does not need get the same value.
     """
     x, y = center
-    about = _numbers(*[max(inertia, LEAST_INERTIA)] * 3)
-    SubElement(body, "inertial", pos=_numbers(x, 0.0, y), mass=repr(mass), diaginertia=about)
+    inertia_text = _numbers(*[max(inertia, LEAST_INERTIA)] * 3)
+    SubElement(body, "inertial", pos=_numbers(x, 0.0, y), mass=repr(mass), diaginertia=inertia_text)
 
 
-def _add_ball(body: Element, number: int, at: tuple[float, float], radius: float) -> None:
+def _add_ball(body: Element, number: int, position: tuple[float, float], radius: float) -> None:
     """Add a sphere to a body for point ``number`` of the scene; the sphere touches walls only.
 
-    ``at`` is the sphere's centre along the link and to the left of it [m], ``radius`` the radius [m].
+    ``position`` is the sphere's centre along the link and to the left of it [m], ``radius`` the radius [m].
     """
-    x, y = at
+    x, y = position
     ball = {"type": "sphere", "size": repr(radius), "pos": _numbers(x, 0.0, y), "condim": "1"}
     ball |= {"friction": "0 0 0", "mass": "0", "contype": "2", "conaffinity": "1"}
     SubElement(body, "geom", ball, name=point_name(number))
@@ -201,7 +201,7 @@ def _add_start(root: Element, scene: Scene) -> None:
 
 
 def _steps(values: tuple[float, ...]) -> Iterator[float]:
-    return (after - before for before, after in pairwise(values))
+    return (later_value - earlier_value for earlier_value, later_value in pairwise(values))
 
 
 def _differences(scene: Scene) -> Iterator[str]:

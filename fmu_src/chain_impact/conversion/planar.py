@@ -123,31 +123,31 @@ class _Conversion:
         }
         if self.held:
             self.notes.append(difference_line("joint", sorted(self.held), "held at the start"))
-        relevant = [found for found in self.robot.differences if found.matters(self.held, self.link_of)]
+        findings = [finding for finding in self.robot.differences if finding.matters(self.held, self.link_of)]
         unheld = self._unheld_joints()
-        relevant = [found for found in relevant if not (found.differs and found.joints & unheld)]
-        relevant += [*self.differences, *differences]
-        remarks = [difference_lines(relevant, title) for title in (WARNING, DIFFERS, LEFT_OUT)]
+        findings = [finding for finding in findings if not (finding.differs and finding.joints & unheld)]
+        findings += [*self.differences, *differences]
+        remarks = [difference_lines(findings, title) for title in (WARNING, DIFFERS, LEFT_OUT)]
         return ConversionResult(_round_numbers(data), remarks[0], remarks[1], remarks[2], self.notes)
 
     def _inputs(self) -> dict[str, dict[str, bool]]:
         """Return ``{"inputs": {key: True, …}}`` for the inputs that drives of the scene need; {} for none."""
-        free, slides = self.chosen.base == "free", self.chosen.base == "slider"
-        inputs = {name for hinge in self.hinges[free:] for name in hinge.joint.inputs}
-        for name in self.slides[0].joint.inputs if slides else ():
+        is_free, has_slider = self.chosen.base == "free", self.chosen.base == "slider"
+        inputs = {name for hinge in self.hinges[is_free:] for name in hinge.joint.inputs}
+        for name in self.slides[0].joint.inputs if has_slider else ():
             inputs.add("slider_force" if name == "joint_torques" else name)
         return {"inputs": dict.fromkeys(sorted(inputs), True)} if inputs else {}
 
     def _unheld_joints(self) -> set[str]:
         """Return the names of the joints that move a free base: the scene lacks these; else no names."""
-        free = self.chosen.base == "free"
-        return {moved.joint.name for moved in (*self.slides, self.hinges[0])} if free else set()
+        is_free = self.chosen.base == "free"
+        return {mover.joint.name for mover in (*self.slides, self.hinges[0])} if is_free else set()
 
     def _carriage(self) -> list[int]:
         """Return the indices of the bodies that move with a slide of the base, and belong to no link."""
-        before = {slide.body for slide in self.slides}
+        bodies_before = {slide.body for slide in self.slides}
         bodies = range(len(self.robot.bodies))
-        return [b for b in bodies if self.link_of[b] < 0 and before & {*ancestors(self.robot, b)}]
+        return [b for b in bodies if self.link_of[b] < 0 and bodies_before & {*ancestors(self.robot, b)}]
 
     def _parts(self) -> tuple[dict[int, int], list[list[int]]]:
         """Return index of a body → index of its link, −1 for no link; and the bodies of each link.
@@ -169,7 +169,7 @@ class _Conversion:
         If the share is not the same for all moving bodies with mass, each share above 0 is reported, and the
         whole gravity is returned. Bodies with mass in no link and on no slider are reported.
         """
-        still = []
+        still_names = []
         for b, body in enumerate(self.robot.bodies):
             if self.link_of[b] >= 0 or body.mass == 0.0:
                 continue
@@ -181,17 +181,17 @@ class _Conversion:
                 )
                 self._tell("body", body.name, text, SceneAspect.MOTION)
             else:
-                still.append(body.name)
-        if still:
-            self.notes.append(difference_line("body", still, "no motion, so no effect of the mass"))
+                still_names.append(body.name)
+        if still_names:
+            self.notes.append(difference_line("body", still_names, "no motion, so no effect of the mass"))
         gravity = self.robot.gravity
-        along = float(np.dot(gravity, self.plan.axis))
-        if abs(along) > ZERO_LENGTH:
+        axis_part = float(np.dot(gravity, self.plan.axis))
+        if abs(axis_part) > ZERO_LENGTH:
             self.notes.append(
-                f"gravity: its part along the axes, {abs(along):.6g} m/s², is borne by the joints"
+                f"gravity: its part along the axes, {abs(axis_part):.6g} m/s², is borne by the joints"
             )
-        moving = [*(self.carriage if self.chosen.base == "slider" else ()), *chain(*self.parts)]
-        bodies = [self.robot.bodies[b] for b in moving if self.robot.bodies[b].mass > 0.0]
+        moving_bodies = [*(self.carriage if self.chosen.base == "slider" else ()), *chain(*self.parts)]
+        bodies = [self.robot.bodies[b] for b in moving_bodies if self.robot.bodies[b].mass > 0.0]
         shares = {body.gravity_compensation for body in bodies} if np.any(gravity) else {0.0}
         if len(shares) == 1:
             (share,) = shares
@@ -221,17 +221,17 @@ class _Conversion:
             body = self.robot.bodies[b]
             for name, point in (*body.frames, (body.name, np.zeros(3))):
                 ends.setdefault(name, self._relative_to_hinge(hinge, b, point))
-        chosen = self.choices.tip
-        if chosen is not None and chosen not in ends:
+        tip = self.choices.tip
+        if tip is not None and tip not in ends:
             names = f"its frames: {', '.join(ends)}"
-            raise UnknownNameError(self.source, chosen, ends, "not a frame of the last link", otherwise=names)
-        far = {name: float(np.linalg.norm(at)) for name, at in ends.items()}
-        name = max(ends, key=far.__getitem__) if chosen is None else chosen
-        if chosen is not None or far[name] > ZERO_LENGTH:
-            others = [end for end in far if far[end] > ZERO_LENGTH and end != name]
-            others.sort(key=lambda each: -far[each])
-            more = f"; --tip can take {names_text(others, LINE_NAMES)}" if others and chosen is None else ""
-            self.notes.append(f"tip: the last link ends at {name}, {far[name]:.6g} m from its joint{more}")
+            raise UnknownNameError(self.source, tip, ends, "not a frame of the last link", otherwise=names)
+        reach = {name: float(np.linalg.norm(position)) for name, position in ends.items()}
+        name = max(ends, key=reach.__getitem__) if tip is None else tip
+        if tip is not None or reach[name] > ZERO_LENGTH:
+            rivals = [end for end in reach if reach[end] > ZERO_LENGTH and end != name]
+            rivals.sort(key=lambda end_name: -reach[end_name])
+            hint = f"; --tip can take {names_text(rivals, LINE_NAMES)}" if rivals and tip is None else ""
+            self.notes.append(f"tip: the last link ends at {name}, {reach[name]:.6g} m from its joint{hint}")
             return ends[name]
         self.notes.append(
             "tip: the file does not say where the last link ends; this link is taken to be twice as long as "
@@ -242,8 +242,8 @@ class _Conversion:
     def _refuse_length(self, i: int) -> None:
         name = self.hinges[i].joint.name
         if i + 1 < len(self.hinges):
-            after = self.hinges[i + 1].joint.name
-            raise NoChainError(f"{self.source}: joints {name} and {after} have the same axis", [name, after])
+            outer = self.hinges[i + 1].joint.name
+            raise NoChainError(f"{self.source}: joints {name} and {outer} have the same axis", [name, outer])
         bodies = [self.robot.bodies[b] for b in self.parts[i]]
         massless = "" if any(body.mass for body in bodies) else f"; {bodies[0].name} has no mass in the file"
         reason = f"its centre of mass and its frames are on the axis of joint {name}{massless}"
@@ -268,25 +268,25 @@ class _Conversion:
         centers = np.array([self._relative_to_hinge(hinge, b, self.robot.bodies[b].center) for b in part])
         mass = float(masses.sum())
         center = masses @ centers / mass if mass > 0.0 else centers[0]
-        about = 0.0
-        for b, body, at in zip(part, bodies, centers, strict=True):
+        inertia = 0.0
+        for b, body, point in zip(part, bodies, centers, strict=True):
             axis = self.poses[b][0].T @ self.plan.axis
-            about += float(axis @ body.inertia @ axis) + body.mass * float(np.sum((at - center) ** 2))
-        return mass, center, about
+            inertia += float(axis @ body.inertia @ axis) + body.mass * float(np.sum((point - center) ** 2))
+        return mass, center, inertia
 
-    def _mass(self, part: list[int], hinge: MovingJoint, along: np.ndarray) -> dict[str, float]:
+    def _mass(self, part: list[int], hinge: MovingJoint, axis: np.ndarray) -> dict[str, float]:
         """Return a link's mass, centre of mass (from ``hinge``) and inertia about it by their keys.
 
-        A link without mass is refused. ``part``: indices of the link's bodies; ``along``: its unit vector.
+        A link without mass is refused. ``part``: indices of the link's bodies; ``axis``: its unit vector.
         """
         name = hinge.joint.name
         mass, center, inertia = self._inertia(part, hinge)
         if mass <= 0.0:
             raise NoChainError(f"{self.source}: the bodies that joint {name} moves have no mass", [name])
-        ahead = float(np.dot(center, along))
-        beside = float(along[0] * center[1] - along[1] * center[0])
-        values = {"mass": mass, "center_of_mass": ahead, "inertia": inertia}
-        return values | ({"center_of_mass_offset": beside} if abs(beside) > ZERO_LENGTH else {})
+        axial_part = float(np.dot(center, axis))
+        lateral_part = float(axis[0] * center[1] - axis[1] * center[0])
+        values = {"mass": mass, "center_of_mass": axial_part, "inertia": inertia}
+        return values | ({"center_of_mass_offset": lateral_part} if abs(lateral_part) > ZERO_LENGTH else {})
 
     def _state(self, links: list[dict[str, Any]], directions: list[float]) -> tuple[list[float], list[float]]:
         """Write each joint's values (``_joint``) into its link's table; return angles and rates of the links.
@@ -294,20 +294,20 @@ class _Conversion:
         The angles [rad] and angular velocities [rad/s] are absolute, at the start. ``directions`` are the
         absolute angles of the links with the joints of the chain at zero [rad].
         """
-        angle, speed, before = 0.0, 0.0, 0.0
-        angles, speeds, turned = [], [], []
+        angle, speed, angle_before = 0.0, 0.0, 0.0
+        angles, speeds, turns = [], [], []
         for i, (link, hinge, direction) in enumerate(zip(links, self.hinges, directions, strict=True)):
             sign = 1.0 if np.dot(hinge.axis, self.plan.axis) > 0.0 else -1.0
             if sign < 0.0:
-                turned.append(hinge.joint.name)
-            offset = rounded_to_zero(math.remainder(direction - before, 2.0 * math.pi))
+                turns.append(hinge.joint.name)
+            offset = rounded_to_zero(math.remainder(direction - angle_before, 2.0 * math.pi))
             start = self._joint(link, hinge.joint, offset, sign, grounded=i > 0 or self.chosen.base != "free")
-            angle, speed, before = angle + start, speed + sign * hinge.joint.speed, direction
+            angle, speed, angle_before = angle + start, speed + sign * hinge.joint.speed, direction
             angles.append(angle)
             speeds.append(speed)
-        if turned:
+        if turns:
             text = "angles and torques have the other sign in the scene"
-            self.notes.insert(1, difference_line("joint", turned, text, shown=len(turned)))
+            self.notes.insert(1, difference_line("joint", turns, text, shown_count=len(turns)))
         return angles, speeds
 
     def _joint(self, link: dict[str, Any], joint: Joint, offset: float, sign: float, grounded: bool) -> float:
@@ -333,17 +333,17 @@ class _Conversion:
         """Return ``start`` [rad or m], or the stop beyond which ``start`` lies; this change is reported."""
         stop = min(max(start, low), high)
         if stop != start:
-            away = f"{abs(start - stop):.6g} {unit}"
-            text = f"starts at its stop; in the file it starts {away} beyond this stop"
+            distance_text = f"{abs(start - stop):.6g} {unit}"
+            text = f"starts at its stop; in the file it starts {distance_text} beyond this stop"
             self._tell("joint", joint.name, text, SceneAspect.MOTION)
         return stop
 
     def _tell_unheld(self, joint: Joint) -> None:
         """Report values and drives of a joint that moves a free base, because the scene lacks the joint."""
         values = {key.replace("_", " "): getattr(joint, key) for key in JOINT_KEYS if key != "rest"}
-        lost = [f"{key} {value:.6g}" for key, value in values.items() if value and math.isfinite(value)]
-        if lost:
-            text = f"{', '.join(lost)}: the base of the scene is free, and has none of these"
+        extras = [f"{key} {value:.6g}" for key, value in values.items() if value and math.isfinite(value)]
+        if extras:
+            text = f"{', '.join(extras)}: the base of the scene is free, and has none of these"
             self._tell("joint", joint.name, text, SceneAspect.MOTION)
         for name in joint.drives:
             text = f"actuator {name} drives it: nothing drives a free base"
@@ -357,9 +357,9 @@ class _Conversion:
         ways = [self.plan.project(slide.axis) for slide in self.slides]
         if self.chosen.base == "slider":
             (way,), joint = ways, self.slides[0].joint
-            at = self._start_within_stops(joint, joint.low, joint.start, joint.high, "m")
-            start = {"position": (anchor + way * at).tolist(), "slider_velocity": joint.speed}
-            return {"slider": self._slider(joint, way, at, gravity)}, start
+            slider_position = self._start_within_stops(joint, joint.low, joint.start, joint.high, "m")
+            start = {"position": (anchor + way * slider_position).tolist(), "slider_velocity": joint.speed}
+            return {"slider": self._slider(joint, way, slider_position, gravity)}, start
         position, velocity = anchor.copy(), np.zeros(2)
         for slide, way in zip(self.slides, ways, strict=True):
             self._tell_unheld(slide.joint)
@@ -379,8 +379,8 @@ class _Conversion:
         if joint.armature:
             amount = f"{joint.armature:.6g} kg"
             text = f"its armature, {amount}, is part of the mass of the carriage, which has weight"
-            weighs = abs(float(np.dot(gravity, way))) > ZERO_LENGTH
-            effect = SceneAspect.MOTION if weighs else SceneAspect.NONE
+            gravity_part = abs(float(np.dot(gravity, way))) > ZERO_LENGTH
+            effect = SceneAspect.MOTION if gravity_part else SceneAspect.NONE
             self._tell("joint", joint.name, text, effect, differs=True)
         values = scene_values(joint, joint.rest - start, joint.low - start, joint.high - start)
         return {

@@ -56,21 +56,21 @@ def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) 
     size = max(np.linalg.norm(shape.corners - shape.corners[:1], axis=1), default=0.0)
     blur = max(ZERO_LENGTH, 2.0 * PARALLEL_ANGLE * float(size))
     if shape.disc is not None:
-        # the vector `disc` is along the axis of the disc, and as long as the radius; `along` is its
+        # the vector `disc` is along the axis of the disc, and as long as the radius; `disc_axis` is its
         # projection onto the plane
-        along = plan.project(rotation @ shape.disc)
-        size, seen = float(np.linalg.norm(shape.disc)), float(np.linalg.norm(along))
-        if seen < PARALLEL_ANGLE * size:
+        disc_axis = plan.project(rotation @ shape.disc)
+        size, seen_size = float(np.linalg.norm(shape.disc)), float(np.linalg.norm(disc_axis))
+        if seen_size < PARALLEL_ANGLE * size:
             radius += size
         else:
-            across = np.array([-along[1], along[0]]) * size / seen
-            slant = math.sqrt(max(1.0 - (seen / size) ** 2, 0.0))
-            aside = along / seen * size * slant
+            rim_vector = np.array([-disc_axis[1], disc_axis[0]]) * size / seen_size
+            slant = math.sqrt(max(1.0 - (seen_size / size) ** 2, 0.0))
+            aside = disc_axis / seen_size * size * slant
             rim = [0.0, math.pi] if slant < PARALLEL_ANGLE else RIM
-            edge = np.outer(np.cos(rim), across) + np.outer(np.sin(rim), aside)
+            edge = np.outer(np.cos(rim), rim_vector) + np.outer(np.sin(rim), aside)
             centers = (centers[:, np.newaxis] + edge).reshape(-1, 2)
-    for at in centers:
-        yield Ball(at, radius, shape.name, blur, shape.is_point)
+    for center in centers:
+        yield Ball(center, radius, shape.name, blur, shape.is_point)
 
 
 def reach_of_oblique(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> np.ndarray | None:
@@ -83,12 +83,12 @@ def reach_of_oblique(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan
     if shape.disc is None:
         return None
     rotation, position = pose
-    along, size = plan.project(rotation @ shape.disc), float(np.linalg.norm(shape.disc))
-    if not PARALLEL_ANGLE < float(np.linalg.norm(along)) / size < math.sqrt(1.0 - PARALLEL_ANGLE**2):
+    disc_axis, size = plan.project(rotation @ shape.disc), float(np.linalg.norm(shape.disc))
+    if not PARALLEL_ANGLE < float(np.linalg.norm(disc_axis)) / size < math.sqrt(1.0 - PARALLEL_ANGLE**2):
         return None
     centers = plan.project(position + shape.corners @ rotation.T)
-    beside = np.sqrt(np.maximum(size**2 - (DIRECTIONS @ along) ** 2, 0.0))
-    return np.asarray((DIRECTIONS @ centers.T).max(axis=1) + beside + shape.radius)
+    rim_reach = np.sqrt(np.maximum(size**2 - (DIRECTIONS @ disc_axis) ** 2, 0.0))
+    return np.asarray((DIRECTIONS @ centers.T).max(axis=1) + rim_reach + shape.radius)
 
 
 def reach(balls: Sequence[Ball]) -> np.ndarray:
@@ -105,23 +105,23 @@ def outermost_balls(balls: Sequence[Ball]) -> list[Ball]:
     """
     if not balls:
         return []
-    far = reach(balls)
-    first = far >= far.max(axis=1, keepdims=True) - max(ball.blur for ball in balls)
-    needed = np.array([ball.is_point for ball in balls])
+    reach_of_balls = reach(balls)
+    first = reach_of_balls >= reach_of_balls.max(axis=1, keepdims=True) - max(ball.blur for ball in balls)
+    is_needed = np.array([ball.is_point for ball in balls])
     for row in first[np.argsort(first.sum(axis=1), kind="stable")]:
-        if not needed[row].any():
-            needed[row.argmax()] = True
-    return [ball for ball, need in zip(balls, needed, strict=True) if need]
+        if not is_needed[row].any():
+            is_needed[row.argmax()] = True
+    return [ball for ball, need in zip(balls, is_needed, strict=True) if need]
 
 
-def is_within(inner: Ball, outer: Ball, joint: np.ndarray) -> bool:
-    """Return whether the ball ``inner`` of a link lies in the ball ``outer`` of a neighbour, for all angles.
+def is_within(inner_ball: Ball, outer_ball: Ball, joint: np.ndarray) -> bool:
+    """Return whether a link's ``inner_ball`` lies in a neighbour's ``outer_ball`` for all angles.
 
-    The angles are those of the joint between both links, at the position ``joint`` [m]. ``inner`` may reach
-    beyond ``outer`` by the larger ``blur`` of both balls.
+    The angles are those of the joint between both links, at the position ``joint`` [m]. ``inner_ball`` may
+    reach beyond ``outer_ball`` by the larger ``blur`` of both balls.
     """
-    away = float(np.linalg.norm(inner.at - joint) + np.linalg.norm(outer.at - joint))
-    return away + inner.radius <= outer.radius + max(inner.blur, outer.blur)
+    distance = float(np.linalg.norm(inner_ball.at - joint) + np.linalg.norm(outer_ball.at - joint))
+    return distance + inner_ball.radius <= outer_ball.radius + max(inner_ball.blur, outer_ball.blur)
 
 
 def without_repeated_balls(balls: Sequence[list[Ball]], places: Sequence[np.ndarray]) -> list[list[Ball]]:
@@ -133,35 +133,36 @@ def without_repeated_balls(balls: Sequence[list[Ball]], places: Sequence[np.ndar
         balls: the balls of each link, from the base to the tip.
         places: positions of the joints, then of the tip, with the joints of the chain at zero [m].
     """
-    kept = [list(found) for found in balls]
-    for i in range(1, len(kept)):
+    kept_balls = [list(link_balls) for link_balls in balls]
+    for i in range(1, len(kept_balls)):
         joint = places[i]
-        for this, other in ((i, i - 1), (i - 1, i)):
-            around = kept[other]
-            kept[this] = [
+        for link, neighbour in ((i, i - 1), (i - 1, i)):
+            neighbour_balls = kept_balls[neighbour]
+            kept_balls[link] = [
                 ball
-                for ball in kept[this]
-                if ball.is_point or not any(is_within(ball, by, joint) for by in around)
+                for ball in kept_balls[link]
+                if ball.is_point
+                or not any(is_within(ball, neighbour_ball, joint) for neighbour_ball in neighbour_balls)
             ]
-    return kept
+    return kept_balls
 
 
-def tables_of(balls: Sequence[Ball], joint: np.ndarray, along: np.ndarray) -> list[dict[str, Any]]:
+def tables_of(balls: Sequence[Ball], joint: np.ndarray, axis: np.ndarray) -> list[dict[str, Any]]:
     """Return for each ball the table of a link's point: ``x``, ``y``, ``radius`` [m] and, if any, ``name``.
 
-    ``joint`` is the position of the link's proximal joint [m], ``along`` the unit vector along the link, both
+    ``joint`` is the position of the link's proximal joint [m], ``axis`` the unit vector along the link, both
     with the joints of the chain at zero. Of several equal names, each gets a number at its end.
     """
-    counts, seen = Counter(ball.name for ball in balls), Counter[str]()
+    counts, name_counts = Counter(ball.name for ball in balls), Counter[str]()
     tables: list[dict[str, Any]] = []
     for ball in balls:
         name = ball.name
-        seen[name] += 1
+        name_counts[name] += 1
         x, y = ball.at - joint
         table = {
-            "x": rounded_to_zero(float(along @ (x, y))),
-            "y": rounded_to_zero(float(along[0] * y - along[1] * x)),
+            "x": rounded_to_zero(float(axis @ (x, y))),
+            "y": rounded_to_zero(float(axis[0] * y - axis[1] * x)),
         }
-        label = {"name": name if counts[name] == 1 else f"{name}_{seen[name]}"} if name else {}
+        label = {"name": name if counts[name] == 1 else f"{name}_{name_counts[name]}"} if name else {}
         tables.append({**table, "radius": ball.radius, **label})
     return tables

@@ -22,7 +22,7 @@ def chain_of(
     robot: Robot,
     choices: ConversionChoices,
     source: str,
-    check: Callable[[ConversionResult], object] = lambda done: done,
+    check: Callable[[ConversionResult], object] = lambda result: result,
 ) -> ConversionResult:
     """Return the scene of a robot; if the robot is not a planar chain, the error proposes joints to move.
 
@@ -35,15 +35,15 @@ def chain_of(
         SceneError: when the choices do not fit the robot, or from ``check``.
     """
     try:
-        done = planar_chain(robot, choices, source)
+        result = planar_chain(robot, choices, source)
     except NoChainError as error:
         names = _propose_joints(robot, choices, source, check)
         if names is None:
             raise
-        how = f"--joints {','.join(names)} takes joints that make a chain, and holds the others"
-        raise NoChainError(f"{error}; {how}", names) from None
-    check(done)
-    return done
+        proposal = f"--joints {','.join(names)} takes joints that make a chain, and holds the others"
+        raise NoChainError(f"{error}; {proposal}", names) from None
+    check(result)
+    return result
 
 
 def _propose_joints(
@@ -57,16 +57,16 @@ def _propose_joints(
     best: list[str] = []
     trials = 0
     for start in _candidates(robot, choices.joints):
-        waiting = [start]
-        while waiting and trials < TRIALS and len(waiting[0]) > len(best):
-            names, trials = waiting.pop(0), trials + 1
+        waiting_lists = [start]
+        while waiting_lists and trials < TRIALS and len(waiting_lists[0]) > len(best):
+            names, trials = waiting_lists.pop(0), trials + 1
             try:
                 check(planar_chain(robot, choices._replace(joints=names), source))
             except NoChainError as error:
                 for name in error.joints:
-                    fewer = [other for other in names if other != name]
-                    if fewer and len(fewer) < len(names) and fewer not in waiting:
-                        waiting.append(fewer)
+                    fewer_names = [other_name for other_name in names if other_name != name]
+                    if fewer_names and len(fewer_names) < len(names) and fewer_names not in waiting_lists:
+                        waiting_lists.append(fewer_names)
             except SceneError:
                 continue
             else:
@@ -74,22 +74,32 @@ def _propose_joints(
     return best or None
 
 
-def _candidates(robot: Robot, wanted: Sequence[str]) -> Iterator[list[str]]:
+def _candidates(robot: Robot, wanted_names: Sequence[str]) -> Iterator[list[str]]:
     """Yield lists of the names of joints to try, those with the most hinges first.
 
     The hinges of a list have parallel axes and follow one another from the base outwards. If slides come
-    before the first hinge, a list with these slides is yielded before the list without them. ``wanted`` are
-    the names of the joints that may be in a list; without names, all may be.
+    before the first hinge, a list with these slides is yielded before the list without them. ``wanted_names``
+    are the names of the joints that may be in a list; without names, all may be.
     """
-    pool = [moved for moved in joints_at_start(robot) if not wanted or moved.joint.name in wanted]
+    pool = [
+        moving_joint
+        for moving_joint in joints_at_start(robot)
+        if not wanted_names or moving_joint.joint.name in wanted_names
+    ]
     paths: list[list[MovingJoint]] = []
-    for group in parallel_groups([moved for moved in pool if moved.joint.kind == "hinge"]):
+    for group in parallel_groups(
+        [moving_joint for moving_joint in pool if moving_joint.joint.kind == "hinge"]
+    ):
         paths += _paths(robot, group)
     for path in sorted(paths, key=len, reverse=True):
-        before = set(ancestors(robot, path[0].body))
-        slides = [moved for moved in pool if moved.joint.kind == "slide" and moved.body in before]
-        if slides:
-            yield [moved.joint.name for moved in (*slides, *path)]
+        bodies_before = set(ancestors(robot, path[0].body))
+        sliders = [
+            moving_joint
+            for moving_joint in pool
+            if moving_joint.joint.kind == "slide" and moving_joint.body in bodies_before
+        ]
+        if sliders:
+            yield [moving_joint.joint.name for moving_joint in (*sliders, *path)]
         yield [hinge.joint.name for hinge in path]
 
 
@@ -100,6 +110,9 @@ def _paths(robot: Robot, group: Sequence[MovingJoint]) -> Iterator[list[MovingJo
     order from the base outwards.
     """
     for last in group:
-        before = set(ancestors(robot, last.body))
-        if not any(last.body in set(ancestors(robot, moved.body)) - {moved.body} for moved in group):
-            yield [moved for moved in group if moved.body in before]
+        bodies_before = set(ancestors(robot, last.body))
+        if not any(
+            last.body in set(ancestors(robot, moving_joint.body)) - {moving_joint.body}
+            for moving_joint in group
+        ):
+            yield [moving_joint for moving_joint in group if moving_joint.body in bodies_before]

@@ -96,7 +96,7 @@ JOINT_KEYS = {
 includes it."""
 
 
-def scene_values(joint: Joint, rest: float, low: float, high: float) -> dict[str, float]:
+def scene_values(joint: Joint, rest_position: float, low: float, high: float) -> dict[str, float]:
     """Return those values of a joint that a scene must give: attribute of ``Joint`` → value.
 
     Values that a scene has without a key are left out: a missing spring, stop or limit, and a value of 0
@@ -104,13 +104,14 @@ def scene_values(joint: Joint, rest: float, low: float, high: float) -> dict[str
 
     Args:
         joint: the joint.
-        rest: angle or position in the scene at which the joint's spring has no moment or force [rad or m].
+        rest_position: angle or position in the scene at which the joint's spring has no moment or force [rad
+        or m].
         low: least angle or position of the joint in the scene [rad or m]; −∞ without a stop.
         high: largest angle or position of the joint in the scene [rad or m]; ∞ without a stop.
     """
     # values that are None, −∞ or ∞ are left out
     values = {key: getattr(joint, key) or None for key in JOINT_KEYS}
-    values |= {"rest": rest if joint.stiffness else None, "torque_limit": joint.torque_limit}
+    values |= {"rest": rest_position if joint.stiffness else None, "torque_limit": joint.torque_limit}
     values |= {"low": low, "high": high}
     return {key: value for key, value in values.items() if value is not None and math.isfinite(value)}
 

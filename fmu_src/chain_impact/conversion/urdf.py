@@ -52,7 +52,7 @@ def read_urdf(path: Path) -> Robot:
     shapes = {link.get("name", ""): list(_shapes(link)) for link in root.iter("link")}
     _check_parts(root, path)
     check_elements(root, path)
-    with collect_warnings("yourdfpy") as warned:
+    with collect_warnings("yourdfpy") as warnings:
         robot = _load_robot(yourdfpy, root, path)
     links = {link.name: link for link in robot.links}
     by_parent: dict[str, list[Any]] = {}
@@ -61,14 +61,14 @@ def read_urdf(path: Path) -> Robot:
         if joint.type != "fixed" and joint.axis is not None and not np.linalg.norm(joint.axis):
             raise SceneError(f"{path}: joint {joint.name}: its axis is 0 0 0, must have a direction")
     # the parent of a joint is a body even if it has no element <link>, as "world" often has none
-    named = dict.fromkeys([*links, *(joint.parent for joint in robot.joints)])
-    roots = [name for name in named if name not in {joint.child for joint in robot.joints}]
+    link_names = dict.fromkeys([*links, *(joint.parent for joint in robot.joints)])
+    roots = [name for name in link_names if name not in {joint.child for joint in robot.joints}]
     if len(roots) != 1:
         roots_text = (
             f"has {names_text(roots, LINE_NAMES)}"
             if roots
             else "has none"
-            if named
+            if link_names
             else "it has no link at all"
         )
         raise SceneError(f"{path}: must have exactly one root link; {roots_text}")
@@ -78,15 +78,15 @@ def read_urdf(path: Path) -> Robot:
         places[name] = len(bodies)
         body = _body(name, links.get(name), joint, places[joint.parent] if joint else -1)
         bodies.append(replace(body, shapes=shapes.get(name, [])))
-    if lost := [name for name in named if name not in places]:
+    if lost_names := [name for name in link_names if name not in places]:
         raise SceneError(
-            f"{path}: joints make a ring of {names_text(lost, LINE_NAMES)}; "
+            f"{path}: joints make a ring of {names_text(lost_names, LINE_NAMES)}; "
             f"each link must lead back to {roots[0]}"
         )
     differences = [*other_elements(root), *_odd_inertias(bodies)]
     for joint in robot.joints:
         differences += _limits(joint)
-    return Robot(name=robot.name, bodies=bodies, gravity=GRAVITY, notes=warned, differences=differences)
+    return Robot(name=robot.name, bodies=bodies, gravity=GRAVITY, notes=warnings, differences=differences)
 
 
 def _load_robot(yourdfpy: Any, root: Element, path: Path) -> Any:
@@ -100,13 +100,13 @@ def _load_robot(yourdfpy: Any, root: Element, path: Path) -> Any:
         return yourdfpy.URDF.load(io.BytesIO(moving_parts(root)), **options).robot
     except Exception:  # lxml and yourdfpy raise errors of many classes
         for part in root:
-            alone = Element("robot", name="alone")
-            alone.append(part)
+            lone_robot = Element("robot", name="alone")
+            lone_robot.append(part)
             try:
-                yourdfpy.URDF.load(io.BytesIO(moving_parts(alone)), **options)
+                yourdfpy.URDF.load(io.BytesIO(moving_parts(lone_robot)), **options)
             except Exception as error:
-                what = f"attribute {error} is missing" if isinstance(error, KeyError) else error
-                raise SceneError(f"{path}: {part.tag} {part.get('name')} cannot be read: {what}") from None
+                reason = f"attribute {error} is missing" if isinstance(error, KeyError) else error
+                raise SceneError(f"{path}: {part.tag} {part.get('name')} cannot be read: {reason}") from None
         raise
 
 
@@ -120,8 +120,8 @@ def _check_parts(root: Element, path: Path) -> None:
         for name in names:
             if not name or names.count(name) > 1:
                 count = names.count(name)
-                what = f"{count} {kind}s have the name {name}" if name else f"a {kind} has no name"
-                raise SceneError(f"{path}: {what}; each must have a name of its own")
+                fault = f"{count} {kind}s have the name {name}" if name else f"a {kind} has no name"
+                raise SceneError(f"{path}: {fault}; each must have a name of its own")
     children: set[str] = set()
     for joint in root.findall("joint"):
         name = f"{path}: joint {joint.get('name')}"
@@ -153,8 +153,10 @@ def xml_of(path: Path) -> Element:
             names = sorted(
                 {*re.findall(r"</?([\w.-]+):", text), *re.findall(r"\s([\w.-]+):[\w.-]+\s*=", text)}
             )
-            declared = " ".join(f'xmlns:{name}="{name}"' for name in names if f"xmlns:{name}" not in text)
-            return ElementTree.fromstring(re.sub(r"<([A-Za-z][\w.-]*)", rf"<\1 {declared}", text, count=1))
+            declarations = " ".join(f'xmlns:{name}="{name}"' for name in names if f"xmlns:{name}" not in text)
+            return ElementTree.fromstring(
+                re.sub(r"<([A-Za-z][\w.-]*)", rf"<\1 {declarations}", text, count=1)
+            )
         except ElementTree.ParseError as error:
             raise SceneError(f"{path}: is no XML: {error}") from None
 
@@ -176,9 +178,9 @@ def urdf_of(path: Path) -> Element:
             continue
         texts = [value for value in element.attrib.values() if "${" in value or "$(" in value]
         if texts or XACRO in element.tag.partition("}")[0]:
-            what = f"the text {texts[0]!r}" if texts else f"the element {XACRO}:{local_name(element.tag)}"
+            cause = f"the text {texts[0]!r}" if texts else f"the element {XACRO}:{local_name(element.tag)}"
             raise SceneError(
-                f"{path}: is a xacro file, it has {what}: run xacro first, `xacro {path.name} > robot.urdf`"
+                f"{path}: is a xacro file, it has {cause}: run xacro first, `xacro {path.name} > robot.urdf`"
             )
         element.tag = local_name(element.tag)
         for key in list(element.attrib):
@@ -188,21 +190,21 @@ def urdf_of(path: Path) -> Element:
 
 def moving_parts(root: Element) -> bytes:
     """Return XML with only the links and joints in ``root``, without shapes and colours, for yourdfpy."""
-    bare = Element("robot", name=root.get("name") or "robot")
+    bare_robot = Element("robot", name=root.get("name") or "robot")
     for part in root:
         if part.tag in ("link", "joint"):
-            kept = Element(part.tag, part.attrib)
-            kept.extend(element for element in part if element.tag not in (*GEOMETRIES, "material"))
-            bare.append(kept)
-    return ElementTree.tostring(bare)
+            kept_part = Element(part.tag, part.attrib)
+            kept_part.extend(element for element in part if element.tag not in (*GEOMETRIES, "material"))
+            bare_robot.append(kept_part)
+    return ElementTree.tostring(bare_robot)
 
 
 def _shapes(link: Element) -> Iterator[LinkShape]:
     """Yield the visual and collision shapes of a link; visual shapes and meshes have no ``corners``."""
-    for what in GEOMETRIES:
-        for part in link.iter(what):
+    for geometry_name in GEOMETRIES:
+        for part in link.iter(geometry_name):
             geometry = next(iter(part.findall("geometry/*")), None)
-            kind, touches = "shape" if geometry is None else geometry.tag, what == "collision"
+            kind, touches = "shape" if geometry is None else geometry.tag, geometry_name == "collision"
             outline = _outline(geometry, part.find("origin")) if touches and geometry is not None else {}
             name = part.get("name")
             yield LinkShape(
@@ -245,21 +247,21 @@ def _links_in_order(name: str, joint: Any, by_parent: dict[str, list[Any]]) -> I
     A link comes before all links after it. ``joint`` is the joint before the link ``name``, or None;
     ``by_parent`` is name of a link → the joints after this link.
     """
-    waiting = [(name, joint)]
-    while waiting:
-        link, before = waiting.pop()
-        yield link, before
-        waiting += [(after.child, after) for after in reversed(by_parent.get(link, []))]
+    waiting_links = [(name, joint)]
+    while waiting_links:
+        link, joint_before = waiting_links.pop()
+        yield link, joint_before
+        waiting_links += [(next_joint.child, next_joint) for next_joint in reversed(by_parent.get(link, []))]
 
 
 def _body(name: str, link: Any, joint: Any, parent: int) -> Body:
     pose = np.eye(4) if joint is None or joint.origin is None else np.asarray(joint.origin, float)
     mass, center, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
     if link is not None and link.inertial is not None:
-        at = np.eye(4) if link.inertial.origin is None else np.asarray(link.inertial.origin, float)
-        mass, center = float(link.inertial.mass or 0.0), at[:3, 3]
+        origin_pose = np.eye(4) if link.inertial.origin is None else np.asarray(link.inertial.origin, float)
+        mass, center = float(link.inertial.mass or 0.0), origin_pose[:3, 3]
         if link.inertial.inertia is not None:
-            inertia = at[:3, :3] @ np.asarray(link.inertial.inertia, float) @ at[:3, :3].T
+            inertia = origin_pose[:3, :3] @ np.asarray(link.inertial.inertia, float) @ origin_pose[:3, :3].T
     joints = [] if joint is None or joint.type == "fixed" else [_joint(joint)]
     return Body(
         name=name,
@@ -283,9 +285,14 @@ def _odd_inertias(bodies: list[Body]) -> Iterator[Difference]:
         if low + middle < high * (1.0 - INERTIA_ROUND_OFF) or low < -INERTIA_ROUND_OFF * high:
             moments = f"{low:.4g}, {middle:.4g} and {high:.4g} kg·m²"
             text = f"no rigid body can have the moments of inertia {moments}"
-            around = frozenset([b, -1])
+            part_numbers = frozenset([b, -1])
             yield Difference(
-                kind="link", name=body.name, text=text, effect=SceneAspect.MASS, differs=True, bodies=around
+                kind="link",
+                name=body.name,
+                text=text,
+                effect=SceneAspect.MASS,
+                differs=True,
+                bodies=part_numbers,
             )
 
 
@@ -294,7 +301,7 @@ def _joint(joint: Any) -> Joint:
     limit, dynamics = joint.limit, joint.dynamics
     low, high = _range(joint)
     damping, friction = (float(getattr(dynamics, key, 0.0) or 0.0) for key in ("damping", "friction"))
-    driven = limit is not None and bool(limit.effort)
+    is_driven = limit is not None and bool(limit.effort)
     return Joint(
         name=joint.name,
         kind=KINDS.get(joint.type, joint.type),
@@ -303,10 +310,10 @@ def _joint(joint: Any) -> Joint:
         low=low,
         high=high,
         start=min(max(0.0, low), high) if low <= high else 0.0,
-        inputs=frozenset(["joint_torques"] if driven else []),
+        inputs=frozenset(["joint_torques"] if is_driven else []),
         damping=damping,
         friction=friction,
-        torque_limit=float(limit.effort) if driven and not damping else None,
+        torque_limit=float(limit.effort) if is_driven and not damping else None,
     )
 
 
@@ -326,8 +333,8 @@ def _limits(joint: Any) -> Iterator[Difference]:
     limit = joint.limit
     if limit is None or joint.type not in KINDS:
         return
-    turns = KINDS[joint.type] == "hinge"
-    rate, force = ("rad/s", "N·m") if turns else ("m/s", "N")
+    is_hinge = KINDS[joint.type] == "hinge"
+    rate, force = ("rad/s", "N·m") if is_hinge else ("m/s", "N")
     damped = joint.dynamics is not None and bool(joint.dynamics.damping)
     left_out: dict[str, Any] = {
         f"limit of the velocity, {limit.velocity or 0.0:.6g} {rate}: is not in the scene": limit.velocity,
@@ -336,7 +343,7 @@ def _limits(joint: Any) -> Iterator[Difference]:
         "limit of the effort 0: is taken as none": limit.effort == 0.0,
     }
     low, high = _range(joint)
-    differing: dict[str, Any] = {
+    differing_values: dict[str, Any] = {
         "has no limits of its position: is taken as free": (
             joint.type != "continuous" and limit.lower is None and limit.upper is None
         ),
@@ -344,6 +351,6 @@ def _limits(joint: Any) -> Iterator[Difference]:
             low <= high and not low <= 0.0 <= high
         ),
     }
-    for texts in (left_out, differing):
-        for text in (text for text, true in texts.items() if true):
-            yield joint_difference(joint.name, text, SceneAspect.NONE, differs=texts is differing)
+    for texts in (left_out, differing_values):
+        for text in (text for text, is_true in texts.items() if is_true):
+            yield joint_difference(joint.name, text, SceneAspect.NONE, differs=texts is differing_values)

@@ -44,15 +44,21 @@ def check_elements(root: Element, path: Path) -> None:
     """
     for part in (*root.findall("link"), *root.findall("joint")):
         name = f"{path}: {part.tag} {part.get('name')}"
-        known = [found for found in _inner_elements(part, f"robot/{part.tag}") if found[0] in USED_ATTRIBUTES]
-        for where, count in Counter(where for where, _ in known).items():
+        known_elements = [
+            inner_element
+            for inner_element in _inner_elements(part, f"robot/{part.tag}")
+            if inner_element[0] in USED_ATTRIBUTES
+        ]
+        for element_path, count in Counter(element_path for element_path, _ in known_elements).items():
             if count > 1:
-                raise SceneError(f"{name}: has {count} elements {where.rpartition('/')[2]}, must have one")
-        for where, element in known:
-            for key in USED_ATTRIBUTES[where].split():
+                raise SceneError(
+                    f"{name}: has {count} elements {element_path.rpartition('/')[2]}, must have one"
+                )
+        for element_path, element in known_elements:
+            for key in USED_ATTRIBUTES[element_path].split():
                 value = element.get(key, "")
-                if key != "link" and (allowed := _allowed_instead(element.tag, value)):
-                    raise SceneError(f"{name}: {element.tag} {key} = {value} must be {allowed}")
+                if key != "link" and (allowed_text := _allowed_instead(element.tag, value)):
+                    raise SceneError(f"{name}: {element.tag} {key} = {value} must be {allowed_text}")
 
 
 def _allowed_instead(tag: str, value: str) -> str:
@@ -100,16 +106,16 @@ def _inner_elements(part: Element, path: str) -> Iterator[tuple[str, Element]]:
     """
     for element in part:
         if isinstance(element.tag, str):
-            inside = f"{path}/{element.tag}"
-            yield inside, element
-            if inside in USED_ATTRIBUTES:
-                yield from _inner_elements(element, inside)
+            inner_path = f"{path}/{element.tag}"
+            yield inner_path, element
+            if inner_path in USED_ATTRIBUTES:
+                yield from _inner_elements(element, inner_path)
 
 
 def _attributes(element: Element, path: str, part: Element) -> Iterator[Difference]:
-    used = {*USED_ATTRIBUTES.get(path, "").split(), *NO_EFFECT}
+    used_names = {*USED_ATTRIBUTES.get(path, "").split(), *NO_EFFECT}
     for key, value in element.attrib.items():
-        if path in USED_ATTRIBUTES and key not in used:
+        if path in USED_ATTRIBUTES and key not in used_names:
             yield _difference(part, f"{element.tag} {key}", "", value)
 
 
@@ -117,9 +123,9 @@ def _values(element: Element) -> str:
     return " ".join(f"{key} {value}" for key, value in element.attrib.items())
 
 
-def _difference(part: Element, what: str, why: str, values: str) -> Difference:
+def _difference(part: Element, subject: str, reason: str, values: str) -> Difference:
     name = part.get("name") or ""
-    text = f"{what}{f' {values}' if values else ''}: {why or 'is not in the scene'}"
+    text = f"{subject}{f' {values}' if values else ''}: {reason or 'is not in the scene'}"
     joints = frozenset([name]) if part.tag == "joint" else frozenset[str]()
-    effect = SceneAspect.MOTION if why else SceneAspect.NONE
+    effect = SceneAspect.MOTION if reason else SceneAspect.NONE
     return Difference(kind=part.tag, name=name, text=text, effect=effect, joints=joints)

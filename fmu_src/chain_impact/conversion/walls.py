@@ -70,7 +70,7 @@ class Walls:
         box: dict[str, float] = {}
         walls: list[dict[str, Any]] = []
         materials: dict[str, dict[str, float]] = {}
-        touching: set[int] = set()
+        contact_links: set[int] = set()
         for number, plane in enumerate(self.robot.planes, 1):
             if abs(float(np.dot(plane.normal, self.plan.axis))) > PARALLEL_ANGLE:
                 self._tell(
@@ -81,14 +81,16 @@ class Walls:
             if not links:
                 self._tell("plane", plane.name, "nothing that moves touches it: it is not a wall")
                 continue
-            touching |= links
+            contact_links |= links
             point, normal = self.plan.project(plane.point), self.plan.project(plane.normal)
             self.walls.append((plane.name, point, normal))
-            name, boxed = plane.name, plane.name in WALLS
-            boxed = boxed and np.allclose(normal, BOX_NORMALS[WALLS.index(name)], 0.0, PARALLEL_ANGLE)
-            if not boxed and (name in WALLS or not name.isidentifier()):
+            name, is_box_wall = plane.name, plane.name in WALLS
+            is_box_wall = is_box_wall and np.allclose(
+                normal, BOX_NORMALS[WALLS.index(name)], 0.0, PARALLEL_ANGLE
+            )
+            if not is_box_wall and (name in WALLS or not name.isidentifier()):
                 name = f"wall_{number}"
-            if boxed:
+            if is_box_wall:
                 box[name] = float(point[0] if name.startswith("x") else point[1])
             else:
                 angle = math.atan2(-normal[0], normal[1]) + 0.0  # 0.0 is added, because a file would show −0
@@ -96,13 +98,13 @@ class Walls:
             friction = self._friction(plane)
             if friction > 0.0:
                 materials[name] = {"friction": friction}
-        balls = [outermost_balls(self._touching_balls(i, touching)) for i in range(len(self.parts))]
+        balls = [outermost_balls(self._touching_balls(i, contact_links)) for i in range(len(self.parts))]
         points = self._points_at_start(without_repeated_balls(balls, self.places))
         contact = {
-            **self._points(touching, balls),
+            **self._points(contact_links, balls),
             **({"wall": materials} if materials else {}),
         }
-        self._tell_shapes(touching, balls)
+        self._tell_shapes(contact_links, balls)
         tables = {"box": box, "walls": walls, "contact": contact}
         return {key: table for key, table in tables.items() if table}, points, self.differences
 
@@ -130,7 +132,7 @@ class Walls:
             self._tell("plane", plane.name, text, differs=True)
         return coefficients[-1]
 
-    def _points(self, touching: set[int], balls: Sequence[list[Ball]]) -> dict[str, Any]:
+    def _points(self, contact_links: set[int], balls: Sequence[list[Ball]]) -> dict[str, Any]:
         """Return ``{"points": numbers}`` for [contact]: the numbers of those ends of links that touch walls.
 
         These are both ends of each link that can touch walls and has no balls, without the pinned base and
@@ -138,21 +140,23 @@ class Walls:
         ``contact.points`` suffices: if no link has balls, and either all links can touch walls or none can.
 
         Args:
-            touching: the indices of the links that can touch walls.
+            contact_links: the indices of the links that can touch walls.
             balls: the balls of each link.
         """
-        if not any(balls) and len(touching) in (0, len(self.parts)):
+        if not any(balls) and len(contact_links) in (0, len(self.parts)):
             return {}
-        able = touching if self.robot.planes else {i for i in range(len(self.parts)) if self._can_touch(i)}
-        ends = {end for i in able if not balls[i] for end in (i, i + 1)}
+        able_links = (
+            contact_links if self.robot.planes else {i for i in range(len(self.parts)) if self._can_touch(i)}
+        )
+        ends = {end for i in able_links if not balls[i] for end in (i, i + 1)}
         ends -= {0} if self.chosen.base == "pinned" else set()
         return {"points": [end for end in sorted(ends) if not self._is_covered(end, balls)]}
 
     def _is_covered(self, end: int, balls: Sequence[list[Ball]]) -> bool:
         """Return whether point ``end`` of the chain lies in a ball of a link that begins or ends there."""
         point = Ball(self.places[end], 0.0, "")
-        around = chain(*balls[max(end - 1, 0) : end + 1])
-        return any(is_within(point, ball, point.at) for ball in around)
+        nearby_balls = chain(*balls[max(end - 1, 0) : end + 1])
+        return any(is_within(point, ball, point.at) for ball in nearby_balls)
 
     def _can_touch(self, i: int) -> bool:
         """Return whether the link with index ``i`` has a shape that can touch another shape in the file."""
@@ -171,13 +175,13 @@ class Walls:
         has_corners = shape.kind in OUTLINED_SHAPES and len(shape.corners) > 0
         return has_corners and (shape.walls if self.robot.planes else shape.touches)
 
-    def _touching_balls(self, i: int, touching: set[int]) -> list[Ball]:
+    def _touching_balls(self, i: int, contact_links: set[int]) -> list[Ball]:
         """Return the balls of the link with index ``i`` that can touch walls.
 
         A ball of link 1 with its centre at a pinned base is left out, because walls do not act on this base.
-        ``touching`` are the indices of the links that can touch walls.
+        ``contact_links`` are the indices of the links that can touch walls.
         """
-        if self.robot.planes and i not in touching:
+        if self.robot.planes and i not in contact_links:
             return []
         fixed = i == 0 and self.chosen.base == "pinned"
         balls = [
@@ -194,18 +198,20 @@ class Walls:
         A point that would reach into a wall gets a smaller radius; a point whose centre would be in a wall is
         left out.
         """
-        at, points = np.array(self.start[0]), []
-        for i, (found, angle) in enumerate(zip(balls, self.start[1], strict=True)):
+        position, points = np.array(self.start[0]), []
+        for i, (link_balls, angle) in enumerate(zip(balls, self.start[1], strict=True)):
             span = self.places[i + 1] - self.places[i]
             length = float(np.linalg.norm(span))
-            along = np.array([math.cos(angle), math.sin(angle)])
-            tables = tables_of(found, self.places[i], span / length)
-            points.append([table for table in tables if self._starts_outside(i, table, at, along, length)])
-            at = at + length * along
+            axis = np.array([math.cos(angle), math.sin(angle)])
+            tables = tables_of(link_balls, self.places[i], span / length)
+            points.append(
+                [table for table in tables if self._starts_outside(i, table, position, axis, length)]
+            )
+            position = position + length * axis
         return points
 
     def _starts_outside(
-        self, i: int, table: dict[str, Any], joint: np.ndarray, along: np.ndarray, length: float
+        self, i: int, table: dict[str, Any], joint: np.ndarray, axis: np.ndarray, length: float
     ) -> bool:
         """Return whether the centre of a point starts outside of all walls; otherwise report the point.
 
@@ -216,37 +222,39 @@ class Walls:
             i: index of the link.
             table: the table of the point.
             joint: position of the joint where the link begins, at the start [m].
-            along: unit vector along the link at the start.
+            axis: unit vector along the link at the start.
             length: length of the link [m].
         """
-        at = joint + table["x"] * along + table["y"] * np.array([-along[1], along[0]])
+        position = joint + table["x"] * axis + table["y"] * np.array([-axis[1], axis[0]])
         for name, point, normal in self.walls:
-            free = float(normal @ (at - point))
-            deep = table["radius"] - free
-            if deep <= ALLOWED_OVERLAP:
+            clearance = float(normal @ (position - point))
+            depth = table["radius"] - clearance
+            if depth <= ALLOWED_OVERLAP:
                 continue
-            what = f"point {table.get('name', '')} starts {deep:.4g} m deep in {name}".replace("  ", " ")
+            start_text = f"point {table.get('name', '')} starts {depth:.4g} m deep in {name}".replace(
+                "  ", " "
+            )
             hinge = self.chosen.hinges[i].joint.name
-            if free < 0.0:
-                text, effect = f"{what}: it is left out", SceneAspect.MOTION
+            if clearance < 0.0:
+                text, effect = f"{start_text}: it is left out", SceneAspect.MOTION
             else:
-                text, effect = f"{what}: its radius is smaller by that", SceneAspect.CONTACT
+                text, effect = f"{start_text}: its radius is smaller by that", SceneAspect.CONTACT
             self.differences.append(
                 Difference(
                     kind="link of joint",
                     name=hinge,
                     text=text,
                     effect=effect,
-                    differs=free >= 0.0,
-                    size=deep / length,
+                    differs=clearance >= 0.0,
+                    size=depth / length,
                 )
             )
-            if free < 0.0:
+            if clearance < 0.0:
                 return False
-            table["radius"] = free
+            table["radius"] = clearance
         return True
 
-    def _tell_shapes(self, touching: set[int], balls: Sequence[list[Ball]]) -> None:
+    def _tell_shapes(self, contact_links: set[int], balls: Sequence[list[Ball]]) -> None:
         """Report shapes that points do not replace, and how far shapes reach beyond the points of the scene.
 
         Bodies that slide with the base, but belong to no link, are reported if they can touch walls in the
@@ -263,12 +271,14 @@ class Walls:
                 if shape.touches is touches and not (self._is_point(shape) or _has_unknown_outline(shape))
             )
             if counts:
-                what = ", ".join(count_text(count, kind) for kind, count in counts.items())
-                effect = SceneAspect.CONTACT if touches and touching else SceneAspect.NONE
-                self.differences.append(Difference(kind="shapes", name=what, text=text, effect=effect))
+                shape_counts = ", ".join(count_text(count, kind) for kind, count in counts.items())
+                effect = SceneAspect.CONTACT if touches and contact_links else SceneAspect.NONE
+                self.differences.append(
+                    Difference(kind="shapes", name=shape_counts, text=text, effect=effect)
+                )
         for i in range(len(self.parts)):
             self._tell_unknown(i, "points" if balls[i] else "two ends")
-        for i in sorted(touching):
+        for i in sorted(contact_links):
             self._tell_reach(i, balls[i])
         for b, body in enumerate(self.robot.bodies):
             slid = {slide.body for slide in self.chosen.slides} & {*ancestors(self.robot, b)}
@@ -279,15 +289,15 @@ class Walls:
                     "touches walls in the file; in the scene it is on no link, and touches nothing",
                 )
 
-    def _tell_unknown(self, i: int, touching: str) -> None:
+    def _tell_unknown(self, i: int, contact_text: str) -> None:
         """Report shapes of link ``i`` (from 0) that can touch and have unknown outlines, such as meshes.
 
-        ``touching`` says what touches walls in their place.
+        ``contact_text`` says what touches walls in their place.
         """
         kinds = dict.fromkeys(shape.kind for shape in self._shapes(i) if _has_unknown_outline(shape))
         if kinds:
-            what = f"outlines of shapes ({', '.join(kinds)})"
-            text = f"{what} are not known: the {touching} of the link touch walls in their place"
+            shape_text = f"outlines of shapes ({', '.join(kinds)})"
+            text = f"{shape_text} are not known: the {contact_text} of the link touch walls in their place"
             self._tell("link of joint", self.chosen.hinges[i].joint.name, text, differs=True)
 
     def _tell_reach(self, i: int, balls: Sequence[Ball]) -> None:
@@ -297,24 +307,32 @@ class Walls:
         count that no points replace, and oblique cylinders, which reach beyond the points on their rims.
         """
         ends = self.places[i : i + 2]
-        touching = balls or [Ball(end, 0.0, "") for end in ends]
-        others = []
+        contact_balls = balls or [Ball(end, 0.0, "") for end in ends]
+        other_shapes = []
         for b in self.parts[i]:
             for shape in self.robot.bodies[b].shapes:
-                where = shape, self.chosen.poses[b], self.plan
+                shape_place = shape, self.chosen.poses[b], self.plan
                 if shape.touches and not self._is_point(shape):
-                    others += [reach(outline).max(axis=1)] if (outline := list(balls_of(*where))) else []
-                elif shape.touches and (far := reach_of_oblique(*where)) is not None:
-                    others.append(far)
-        beyond = max((float((far - reach(touching).max(axis=1)).max()) for far in others), default=0.0)
-        if beyond > ZERO_LENGTH:
+                    other_shapes += (
+                        [reach(outline).max(axis=1)] if (outline := list(balls_of(*shape_place))) else []
+                    )
+                elif shape.touches and (reach_of_shape := reach_of_oblique(*shape_place)) is not None:
+                    other_shapes.append(reach_of_shape)
+        excess = max(
+            (
+                float((reach_of_shape - reach(contact_balls).max(axis=1)).max())
+                for reach_of_shape in other_shapes
+            ),
+            default=0.0,
+        )
+        if excess > ZERO_LENGTH:
             length = float(np.linalg.norm(ends[1] - ends[0]))
-            name, what = self.chosen.hinges[i].joint.name, "points" if balls else "two ends"
+            name, points_text = self.chosen.hinges[i].joint.name, "points" if balls else "two ends"
             text = (
-                f"its shapes reach {beyond:.4g} m, {100 * beyond / length:.3g} % of the length, beyond its "
-                f"{what}, which alone touch walls"
+                f"its shapes reach {excess:.4g} m, {100 * excess / length:.3g} % of the length, beyond its "
+                f"{points_text}, which alone touch walls"
             )
-            self._tell("link of joint", name, text, beyond / length, differs=True)
+            self._tell("link of joint", name, text, excess / length, differs=True)
 
 
 def _has_unknown_outline(shape: LinkShape) -> bool:

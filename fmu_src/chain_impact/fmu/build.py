@@ -79,20 +79,31 @@ def build_fmu(
         raise BuildError(no_kernel_sentence())
     platforms = supported if list(platforms) == ["all"] else platforms
     if not platforms or set(platforms) - set(supported):
-        other = "" if target == "native" or set(platforms) - set(PLATFORMS) else "; target = 'native' has all"
-        raise BuildError(f"platforms = {list(platforms)} must be some of {', '.join(supported)}{other}")
+        target_hint = (
+            "" if target == "native" or set(platforms) - set(PLATFORMS) else "; target = 'native' has all"
+        )
+        raise BuildError(f"platforms = {list(platforms)} must be some of {', '.join(supported)}{target_hint}")
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
-    scope, law, varied = kernel_scope(scene), scene.contact.law_file, bool(scene.outputs.sensitivities)
+    scope, law, has_sensitivities = (
+        kernel_scope(scene),
+        scene.contact.law_file,
+        bool(scene.outputs.sensitivities),
+    )
     kernels = {
-        platform: kernel_library(scope, platform, law_file=law, derivatives=varied) for platform in platforms
+        platform: kernel_library(scope, platform, law_file=law, derivatives=has_sensitivities)
+        for platform in platforms
     }
-    fmu, prepared = directory / f"{scene.name}.fmu", PreparedScene(scene)
+    fmu, prepared_scene = directory / f"{scene.name}.fmu", PreparedScene(scene)
     with written_atomically(fmu) as path:
         log.debug("packaging the FMU")
         native = target == "native"
-        files = native_files(prepared, kernels, fmi) if native else pythonfmu_files(prepared, kernels)
-        files |= scene_data_file(prepared) | documents(prepared, fmi) | reference_files(prepared)
+        files = (
+            native_files(prepared_scene, kernels, fmi) if native else pythonfmu_files(prepared_scene, kernels)
+        )
+        files |= (
+            scene_data_file(prepared_scene) | documents(prepared_scene, fmi) | reference_files(prepared_scene)
+        )
         _pack(files, path)
         log.debug("validating the FMU")
         problems = validate_fmu(path)

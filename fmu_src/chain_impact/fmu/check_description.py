@@ -88,19 +88,19 @@ def description_findings(path: Path) -> list[Finding]:
         faults += terminal_findings(content, names, file)
     structure = ModelStructure(root, variables)
     # fmpy (in ``_fmpy_faults``) would raise IndexError or KeyError for a reference to a missing variable
-    if not (lost := list(structure.missing_variable_faults())):
+    if not (lost_faults := list(structure.missing_variable_faults())):
         faults += structure.findings()
         # a fault that the XML schema refuses causes other faults, so it is listed first
-        faults = _fmpy_faults(path, known=bool(faults)) + faults
+        faults = _fmpy_faults(path, is_known=bool(faults)) + faults
     # two references to the same variable may give the same finding, which is listed once
-    return list(dict.fromkeys(lost + faults))
+    return list(dict.fromkeys(lost_faults + faults))
 
 
-def _fmpy_faults(path: Path, *, known: bool) -> list[Finding]:
+def _fmpy_faults(path: Path, *, is_known: bool) -> list[Finding]:
     """Return the faults that fmpy finds in the model description.
 
-    ``known`` tells whether a fault of the FMU is already known. If fmpy then fails with an unexpected error,
-    the known fault is probably the cause, and the error of fmpy is not reported.
+    ``is_known`` tells whether a fault of the FMU is already known. If fmpy then fails with an unexpected
+    error, the known fault is probably the cause, and the error of fmpy is not reported.
     """
     # imported here, because the import takes a second
     from fmpy.model_description import ValidationError, read_model_description
@@ -113,16 +113,16 @@ def _fmpy_faults(path: Path, *, known: bool) -> list[Finding]:
         # fmpy raises Exception itself for a fault that it looks for. Another class, such as KeyError, means
         # that fmpy has failed at a fault for which it does not look.
         plain = type(error) is Exception
-        if known and not plain:
+        if is_known and not plain:
             return []
         problems = [str(error) if plain else f"fmpy cannot read it: {type(error).__name__}: {error}"]
     else:
         return []
     problems = [_SCHEMA_ERROR.sub(r"line \1: ", " ".join(problem.split())) for problem in problems]
-    named = [_NAMED.search(problem) for problem in problems]
+    name_matches = [_NAMED.search(problem) for problem in problems]
     return [
         Finding(problem, variable=name[1] if name else "")
-        for problem, name in zip(problems, named, strict=True)
+        for problem, name in zip(problems, name_matches, strict=True)
     ]
 
 
@@ -131,7 +131,7 @@ def list_findings(root: Element, variables: Sequence[DescribedVariable]) -> list
 
     The FMI modes are co-simulation, model exchange and scheduled execution.
     """
-    repeated = (
+    repeated_names = (
         finding
         for path in LISTS
         for parent in root.iterfind(path)
@@ -140,8 +140,14 @@ def list_findings(root: Element, variables: Sequence[DescribedVariable]) -> list
             (child.attrib[key] for child in parent if key in child.attrib), key, path
         )
     )
-    named = _name_faults(root.get("variableNamingConvention", "flat"), variables)
-    return [*repeated, *_mode_faults(root), *_type_faults(root, variables), *named, *_experiment_faults(root)]
+    name_findings = _name_faults(root.get("variableNamingConvention", "flat"), variables)
+    return [
+        *repeated_names,
+        *_mode_faults(root),
+        *_type_faults(root, variables),
+        *name_findings,
+        *_experiment_faults(root),
+    ]
 
 
 def _mode_faults(root: Element) -> Iterator[Finding]:
@@ -181,9 +187,9 @@ def _name_faults(convention: str, variables: Sequence[DescribedVariable]) -> Ite
     if len(times) > 1:
         fault = f"{', '.join(times)} are independent variables: only one is allowed"
         yield Finding(fault, attribute="ModelVariables")
-    allowed = NAME_PATTERNS.get(convention, NAME_PATTERNS["flat"])
+    allowed_pattern = NAME_PATTERNS.get(convention, NAME_PATTERNS["flat"])
     for variable in variables:
-        if not allowed.fullmatch(variable.name):
+        if not allowed_pattern.fullmatch(variable.name):
             fault = f"{variable.name!r} is not a name of the naming convention {convention!r}"
             yield Finding(fault, variable=variable.name, attribute="name")
 
@@ -206,10 +212,10 @@ def _unit_faults(
 
 def _experiment_faults(root: Element) -> Iterator[Finding]:
     node, attribute = root.find("DefaultExperiment"), "DefaultExperiment"
-    given = {"startTime": "0"} | (dict(node.items()) if node is not None else {})
+    given_values = {"startTime": "0"} | (dict(node.items()) if node is not None else {})
     try:
         start, stop, step, tolerance = (
-            float(given.get(key, "nan")) for key in ("startTime", "stopTime", "stepSize", "tolerance")
+            float(given_values.get(key, "nan")) for key in ("startTime", "stopTime", "stepSize", "tolerance")
         )
     except ValueError:  # fmpy's check by the XML schema reports an attribute that is not a number
         return
@@ -231,10 +237,10 @@ def terminal_findings(root: Element, names: set[str], file: str) -> Iterator[Fin
     """
     for parent in root.iter():
         for tag, key in (("Terminal", "name"), ("TerminalMemberVariable", "memberName")):
-            for repeated in repeated_findings(
+            for repeated_finding in repeated_findings(
                 filter(None, (node.get(key) for node in parent.findall(tag))), key, tag
             ):
-                yield Finding(repeated.text, file, attribute=parent.get("name", parent.tag))
+                yield Finding(repeated_finding.text, file, attribute=parent.get("name", parent.tag))
         for key, name in parent.items():
             if key.lower().endswith("variablename") and name not in names:
                 yield Finding(f"{key} = {name!r} must be the name of a variable", file, attribute=parent.tag)

@@ -40,7 +40,7 @@ class ModelStructure:
         for node in root.findall("ModelStructure/*"):
             unknowns = node.findall("Unknown") if self.is_fmi_2 else [node]
             self.lists.setdefault(node.tag, []).extend(
-                unknown for unknown in unknowns if unknown.get(self.key)
+                unknown_node for unknown_node in unknowns if unknown_node.get(self.key)
             )
 
     def references_in(self, name: str) -> list[str]:
@@ -54,7 +54,7 @@ class ModelStructure:
     def missing_variable_faults(self) -> Iterator[Finding]:
         """Yield a fault for each reference to a variable that does not exist."""
         count = f"an index from 1 to {len(self.by_reference)}"
-        what = count if self.is_fmi_2 else "the value reference of a variable"
+        reference_words = count if self.is_fmi_2 else "the value reference of a variable"
         for variable in self.variables:
             targets = [("Dimension", "valueReference", size) for size in _sizes(variable)]
             if "derivative" in variable.attributes:
@@ -62,14 +62,16 @@ class ModelStructure:
             for path, key, target in targets:
                 if target not in self.by_reference:
                     yield Finding(
-                        f"{key} = {target!r} must be {what}", variable=variable.name, attribute=path
+                        f"{key} = {target!r} must be {reference_words}",
+                        variable=variable.name,
+                        attribute=path,
                     )
         for path, node in self._nodes():
             if node.attrib[self.key] not in self.by_reference:
-                fault = f"{self.key} = {node.attrib[self.key]!r} must be {what}"
+                fault = f"{self.key} = {node.attrib[self.key]!r} must be {reference_words}"
                 yield Finding(fault, attribute=path.partition(",")[0])
             for target in sorted(set(_dependency_texts(node)) - self.by_reference.keys()):
-                yield Finding(f"{target!r} must be {what}", attribute=path)
+                yield Finding(f"{target!r} must be {reference_words}", attribute=path)
 
     def findings(self) -> Iterator[Finding]:
         """Yield the faults of the model structure, if it has no ``missing_variable_faults``.
@@ -90,8 +92,12 @@ class ModelStructure:
         yield from self._completeness_faults(
             DERIVATIVE_LIST, (), rates, "variables with the attribute derivative"
         )
-        which = "each output, state and derivative that is calculated at the start, each calculatedParameter"
-        yield from self._completeness_faults(INITIAL_LIST, start - clocked, start | clocked, which)
+        required_unknowns = (
+            "each output, state and derivative that is calculated at the start, each calculatedParameter"
+        )
+        yield from self._completeness_faults(
+            INITIAL_LIST, start - clocked, start | clocked, required_unknowns
+        )
         for name, nodes in self.lists.items():
             path = f"ModelStructure/{name}"
             yield from repeated_findings((node.attrib[self.key] for node in nodes), self.key, path)
@@ -108,35 +114,38 @@ class ModelStructure:
                     yield Finding(text, variable=variable.name, attribute="Dimension")
 
     def _completeness_faults(
-        self, name: str, needed: Collection[str], allowed: set[str], what: str
+        self, name: str, needed_names: Collection[str], allowed_names: set[str], requirement: str
     ) -> Iterator[Finding]:
         """Yield a fault for all variables that a list lacks, and one for all that the list must not have.
 
         Args:
             name: the name of the list in FMI 2.0.
-            needed: references that must be listed.
-            allowed: references that may be listed.
-            what: words for the variables that belong into the list.
+            needed_names: references that must be listed.
+            allowed_names: references that may be listed.
+            requirement: words for the variables that belong into the list.
         """
-        listed = set(self.references_in(name))
-        for verb, wrong in (("lacks", set(needed) - listed), ("must not have", listed - allowed)):
-            if wrong:
+        listed_names = set(self.references_in(name))
+        for verb, wrong_names in (
+            ("lacks", set(needed_names) - listed_names),
+            ("must not have", listed_names - allowed_names),
+        ):
+            if wrong_names:
                 names = names_text(
                     [
                         self.by_reference[reference].name
                         for reference in self.by_reference
-                        if reference in wrong
+                        if reference in wrong_names
                     ],
                     NAMED_VARIABLES,
                 )
-                text = f"{verb} {names}: it lists {what}, and nothing else"
+                text = f"{verb} {names}: it lists {requirement}, and nothing else"
                 yield Finding(text, attribute=f"ModelStructure/{name if self.is_fmi_2 else _THIRD[name]}")
 
     def _dependency_faults(self, path: str, node: Element, states: Collection[str]) -> Iterator[Finding]:
         # The dependencies of event indicators are for debugging only, and FMI 3.0 (table 23) does not say on
         # which variables they may depend. So any variable is allowed, also outputs.
         debugging = node.tag == "EventIndicator"
-        depends, initial = _dependency_texts(node), INITIAL_LIST[:-1] in path
+        depends, is_initial = _dependency_texts(node), INITIAL_LIST[:-1] in path
         yield from repeated_findings(depends, self.key, path)
         if self.is_fmi_2:
             yield from _order_faults(depends, path)
@@ -145,16 +154,16 @@ class ModelStructure:
             state = not states or name in states or variable.attributes.get("variability") == "discrete"
             if not (
                 variable.causality in _OUTSIDE_CAUSALITIES
-                or (variable.exact if initial else state)
+                or (variable.exact if is_initial else state)
                 or debugging
             ):
-                what = "known at the start" if initial else "an input, a parameter or a state"
-                yield Finding(f"{name} is {variable.name}, which is not {what}", attribute=path)
+                known_words = "known at the start" if is_initial else "an input, a parameter or a state"
+                yield Finding(f"{name} is {variable.name}, which is not {known_words}", attribute=path)
         kinds = node.get("dependenciesKind")
         if kinds is not None and len(kinds.split()) != len(depends):
             text = f"there are {len(depends)} dependencies, and {len(kinds.split())} in dependenciesKind"
             yield Finding(text, attribute=path)
-        for kind in sorted(set((kinds or "").split()) - {"dependent", "constant"}) if initial else ():
+        for kind in sorted(set((kinds or "").split()) - {"dependent", "constant"}) if is_initial else ():
             yield Finding(f"dependenciesKind = {kind!r} is not allowed at the start", attribute=path)
 
     def _nodes(self) -> Iterator[tuple[str, Element]]:
@@ -182,16 +191,16 @@ def _dependency_texts(node: Element) -> list[str]:
 
 def _order_faults(numbers: Sequence[str], path: str) -> Iterator[Finding]:
     """Yield a fault for the first of the ``numbers`` that is smaller than the number before it, if any."""
-    for before, after in pairwise(numbers):
-        if int(after) < int(before):
-            yield Finding(f"{after} must stand before {before}", attribute=path)
+    for earlier_number, later_number in pairwise(numbers):
+        if int(later_number) < int(earlier_number):
+            yield Finding(f"{later_number} must stand before {earlier_number}", attribute=path)
             return
 
 
-def repeated_findings(texts: Iterable[str], what: str, path: str) -> list[Finding]:
+def repeated_findings(texts: Iterable[str], text_kind: str, path: str) -> list[Finding]:
     """Return a finding for each text that occurs more than once in ``texts``."""
     return [
-        Finding(f"{what} = {text!r} is listed {count} times", attribute=path)
+        Finding(f"{text_kind} = {text!r} is listed {count} times", attribute=path)
         for text, count in Counter(texts).items()
         if count > 1
     ]

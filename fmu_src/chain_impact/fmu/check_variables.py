@@ -47,8 +47,8 @@ class DescribedVariable:
     @property
     def start(self) -> list[str]:
         """The texts of the start values: one, or one for each element of an array; empty without any."""
-        if given := [entry.get("value", "") for entry in self.node.iter("Start")]:
-            return given
+        if given_values := [entry.get("value", "") for entry in self.node.iter("Start")]:
+            return given_values
         text = self.attributes.get("start")
         if text is None:
             return []
@@ -57,10 +57,10 @@ class DescribedVariable:
     @property
     def exact(self) -> bool:
         """Whether the start value holds at the start of a run, and is not only a guess for a computation."""
-        initial = self.attributes.get("initial", "")
-        given = self.causality in ("parameter", "structuralParameter", "input")
-        return initial == "exact" or (
-            not initial and (given or self.attributes.get("variability") == "constant")
+        initial_text = self.attributes.get("initial", "")
+        is_given = self.causality in ("parameter", "structuralParameter", "input")
+        return initial_text == "exact" or (
+            not initial_text and (is_given or self.attributes.get("variability") == "constant")
         )
 
     def value(self, text: str) -> Value:
@@ -111,17 +111,21 @@ def _variable(node: Element, types: Mapping[str, DescribedVariable], size: int |
     ``types`` has the declared types by name; ``size``: number of the variable's values, None if unknown.
     """
     nested = node.tag in ("ScalarVariable", "SimpleType")
-    inner = next((child for child in node if nested and child.tag != "Annotations"), node)
-    declared = types.get(inner.get("declaredType", ""))
-    values = [item.get("value", "") for item in inner.iter("Item")]
+    inner_node = next((child for child in node if nested and child.tag != "Annotations"), node)
+    declared_type = types.get(inner_node.get("declaredType", ""))
+    values = [item.get("value", "") for item in inner_node.iter("Item")]
     choices = [int(value) for value in values if re.fullmatch(r"-?[0-9]+", value)]
     return DescribedVariable(
         name=node.get("name", ""),
         reference=node.get("valueReference", ""),
-        type=inner.tag.removesuffix("Type"),
-        attributes={**(declared.attributes if declared else {}), **node.attrib, **inner.attrib},
-        choices=declared.choices if declared else choices,
-        node=inner,
+        type=inner_node.tag.removesuffix("Type"),
+        attributes={
+            **(declared_type.attributes if declared_type else {}),
+            **node.attrib,
+            **inner_node.attrib,
+        },
+        choices=declared_type.choices if declared_type else choices,
+        node=inner_node,
         size=size,
     )
 
@@ -166,10 +170,10 @@ def limit_findings(variable: DescribedVariable) -> Iterator[tuple[str, str]]:
 
 
 def _type_pairs(variable: DescribedVariable, types: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    declared = variable.attributes.get("declaredType", "")
-    if types.get(declared, variable.type) != variable.type:
-        fault = f"is a type of {types[declared]}, and the variable is of {variable.type}"
-        yield "declaredType", f"declaredType = {declared!r} {fault}"
+    declared_type = variable.attributes.get("declaredType", "")
+    if types.get(declared_type, variable.type) != variable.type:
+        fault = f"is a type of {types[declared_type]}, and the variable is of {variable.type}"
+        yield "declaredType", f"declaredType = {declared_type!r} {fault}"
 
 
 def _attribute_pairs(variable: DescribedVariable, root: Element) -> Iterator[tuple[str, str]]:
@@ -180,10 +184,10 @@ def _attribute_pairs(variable: DescribedVariable, root: Element) -> Iterator[tup
     of_fmi_2, causality = is_fmi_2(root.get("fmiVersion")), variable.causality
     if of_fmi_2 and causality in ("input", "independent") and "initial" in variable.attributes:
         yield "initial", f"initial must not be given where causality = {causality!r}"
-    several = "canHandleMultipleSetPerTimeInstant"
-    if several in variable.attributes and causality != "input":
-        yield several, f"{several} is for inputs only"
-    for name in (several, "reinit"):
+    capability = "canHandleMultipleSetPerTimeInstant"
+    if capability in variable.attributes and causality != "input":
+        yield capability, f"{capability} is for inputs only"
+    for name in (capability, "reinit"):
         if of_fmi_2 and name in variable.attributes and root.find("ModelExchange") is None:
             yield name, f"{name} is for model exchange only"
 
@@ -215,11 +219,11 @@ def _aliases(variables: Sequence[DescribedVariable]) -> list[Finding]:
     findings = []
     for variable in variables:
         base = "Integer" if variable.type == "Enumeration" else variable.type
-        other = first.setdefault((base, variable.reference), variable)
-        if other is variable:
+        alias = first.setdefault((base, variable.reference), variable)
+        if alias is variable:
             continue
         causality, unit, start, variability = [
-            (variable.attributes.get(key), other.attributes.get(key))
+            (variable.attributes.get(key), alias.attributes.get(key))
             for key in ("causality", "unit", "start", "variability")
         ]
         reason = ""
@@ -232,11 +236,11 @@ def _aliases(variables: Sequence[DescribedVariable]) -> list[Finding]:
             reason = "one is constant, and one is not"
         elif None not in start and variability[0] != "constant":
             reason = "both have a start value"
-        elif None not in start and variable.value(str(start[0])) != other.value(str(start[1])):
+        elif None not in start and variable.value(str(start[0])) != alias.value(str(start[1])):
             reason = f"their start values differ, {start[0]} and {start[1]}"
         if reason:
             fault = (
-                f"valueReference = {variable.reference} is also the reference of {other.name}, and {reason}"
+                f"valueReference = {variable.reference} is also the reference of {alias.name}, and {reason}"
             )
             findings.append(Finding(fault, variable=variable.name, attribute="valueReference"))
     return findings

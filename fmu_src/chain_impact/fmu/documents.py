@@ -52,7 +52,7 @@ EDGES = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
 """The corners of the icon in FMI's coordinate system of icons, from −100 to 100 in both directions."""
 
 
-def documents(prepared: PreparedScene, fmi: int) -> dict[str, bytes]:
+def documents(prepared_scene: PreparedScene, fmi: int) -> dict[str, bytes]:
     """Return the documents by their paths in an FMU of version 2 or 3 of FMI."""
     # imported here, because the import takes a second
     from chain_impact.pictures.chain_at_start import icon
@@ -61,27 +61,27 @@ def documents(prepared: PreparedScene, fmi: int) -> dict[str, bytes]:
     if license_text is None:
         raise BuildError("chain-impact is installed without its license: install the package again")
     return {
-        "documentation/index.html": page(prepared, fmi).encode(),
+        "documentation/index.html": page(prepared_scene, fmi).encode(),
         "documentation/licenses/license.txt": license_text.encode(),
-        ICONS[fmi]: icon(prepared.scene),
-        **({TERMINALS_FILE: terminals_and_icons(prepared.variables)} if fmi == FMI_3 else {}),
+        ICONS[fmi]: icon(prepared_scene.scene),
+        **({TERMINALS_FILE: terminals_and_icons(prepared_scene.variables)} if fmi == FMI_3 else {}),
     }
 
 
 # --- the page --------------------------------------------------------------------------------------------
 
 
-def page(prepared: PreparedScene, fmi: int) -> str:
+def page(prepared_scene: PreparedScene, fmi: int) -> str:
     """Return the documentation of an FMU as a page of HTML."""
     from chain_impact.pictures.chain_at_start import SIGNS, drawing
 
-    scene, variables = prepared.scene, prepared.variables
+    scene, variables = prepared_scene.scene, prepared_scene.variables
 
     def variables_with(causality: str) -> list[Variable]:
         return [variable for variable in variables if variable.causality == causality]
 
     settable = [
-        (v.name, prepared.start_text(v), unit_text(v.unit), v.variability, v.allowed, v.description)
+        (v.name, prepared_scene.start_text(v), unit_text(v.unit), v.variability, v.allowed, v.description)
         for v in variables_with("parameter")
     ]
     inputs = [(v.name, unit_text(v.unit), v.description) for v in variables_with("input")]
@@ -129,8 +129,14 @@ def kinds(variables: Sequence[Variable]) -> list[Sequence[str]]:
     for variable in variables:
         variables_of_kind.setdefault(variable.kind.pattern, []).append(variable)
     return [
-        (kind, str(len(some)), some[0].causality, unit_text(some[0].unit), some[0].kind_description)
-        for kind, some in variables_of_kind.items()
+        (
+            kind,
+            str(len(variables_of_kind_listed)),
+            variables_of_kind_listed[0].causality,
+            unit_text(variables_of_kind_listed[0].unit),
+            variables_of_kind_listed[0].kind_description,
+        )
+        for kind, variables_of_kind_listed in variables_of_kind.items()
     ]
 
 
@@ -160,8 +166,8 @@ def terminals_and_icons(variables: Iterable[Variable]) -> bytes:
 
     def terminal(path: str) -> Element:
         if path not in elements:
-            above, _, name = path.rpartition(".")
-            parent = terminal(above) if above else terminals
+            parent_path, _, name = path.rpartition(".")
+            parent = terminal(parent_path) if parent_path else terminals
             elements[path] = SubElement(parent, "Terminal", name=name, matchingRule="bus")
         return elements[path]
 

@@ -57,18 +57,18 @@ def finding_lines(findings: Iterable[Finding]) -> list[str]:
 
     They share a line if they are more than MOST_ALIKE_FINDINGS.
     """
-    alike: dict[Finding, list[Finding]] = {}
+    alike_findings: dict[Finding, list[Finding]] = {}
     for finding in findings:
         # fmpy writes the variable's name and line into the text; without them, the texts of equal faults are
         # equal
         text = re.sub(rf'"{re.escape(finding.variable)}" \(line \d+\)', "", finding.text)
-        alike.setdefault(replace(finding, text=text, variable=""), []).append(finding)
+        alike_findings.setdefault(replace(finding, text=text, variable=""), []).append(finding)
     lines = []
-    for first, *others in alike.values():
-        if len(others) < MOST_ALIKE_FINDINGS:
-            lines += [str(first), *map(str, others)]
+    for first, *other_findings in alike_findings.values():
+        if len(other_findings) < MOST_ALIKE_FINDINGS:
+            lines += [str(first), *map(str, other_findings)]
         else:
-            names = names_text([finding.variable for finding in (first, *others)], NAMED_VARIABLES)
+            names = names_text([finding.variable for finding in (first, *other_findings)], NAMED_VARIABLES)
             lines.append(str(replace(first, variable=names)))
     return lines
 
@@ -87,12 +87,12 @@ def archive_findings(path: Path) -> list[Finding]:
     findings = [finding for entry in entries for finding in _entry_findings(entry)]
     size = sum(entry.file_size for entry in entries)
     if size > LARGEST_SUM:
-        largest = max(entries, key=lambda entry: entry.file_size)
+        entry = max(entries, key=lambda entry: entry.file_size)
         findings.append(
             Finding(
-                f"has {largest.file_size / 1e9:.3g} GB, and the whole FMU {size / 1e9:.3g} GB: an FMU of "
+                f"has {entry.file_size / 1e9:.3g} GB, and the whole FMU {size / 1e9:.3g} GB: an FMU of "
                 f"more than {LARGEST_SUM / 1e9:.3g} GB is not unpacked",
-                largest.filename,
+                entry.filename,
             )
         )
     contents = {(entry.filename, entry.file_size, entry.CRC) for entry in entries}

@@ -74,9 +74,9 @@ def run_with_fmpy(path: Path, description: Any, **options: Any) -> np.ndarray:
     mode = description.coSimulation or description.modelExchange
     with zipfile.ZipFile(path) as fmu:
         names = fmu.namelist()
-    _, missing = binary_of(mode.modelIdentifier, names, is_fmi_2=is_fmi_2(description.fmiVersion))
-    if missing:
-        raise RunError(f"{path}: {missing}")
+    _, missing_text = binary_of(mode.modelIdentifier, names, is_fmi_2=is_fmi_2(description.fmiVersion))
+    if missing_text:
+        raise RunError(f"{path}: {missing_text}")
     with collect_messages() as reasons:
         try:
             # unpacked here, so that the files are removed in any case: fmpy leaves its own files behind after
@@ -140,11 +140,15 @@ def load_fmu(description: Any, folder: str) -> Any:
 
     _place_binaries(Path(folder, "binaries"), platform)
     modes = description.coSimulation or description.modelExchange
-    named = {"guid": description.guid, "modelIdentifier": modes.modelIdentifier, "unzipDirectory": folder}
-    stepped = modes is description.coSimulation
+    instance_names = {
+        "guid": description.guid,
+        "modelIdentifier": modes.modelIdentifier,
+        "unzipDirectory": folder,
+    }
+    is_stepped = modes is description.coSimulation
     if not is_fmi_2(description.fmiVersion):
-        return _keep_working_folder(fmi3.FMU3Slave if stepped else fmi3.FMU3Model)(**named)
-    return _keep_working_folder(fmi2.FMU2Slave if stepped else fmi2.FMU2Model)(**named)
+        return _keep_working_folder(fmi3.FMU3Slave if is_stepped else fmi3.FMU3Model)(**instance_names)
+    return _keep_working_folder(fmi2.FMU2Slave if is_stepped else fmi2.FMU2Model)(**instance_names)
 
 
 def instantiate(fmu: Any) -> None:
@@ -196,8 +200,8 @@ def _keep_working_folder(kind: type) -> type:
     """
     base = kind.__mro__[-2]  # the class from which all of fmpy's classes of instances inherit
     fmpys: Any = base.__init__  # type: ignore[misc]
-    still = SimpleNamespace(**{**vars(os), "chdir": lambda _folder: None})
-    load = FunctionType(fmpys.__code__, {**fmpys.__globals__, "os": still}, "__init__", fmpys.__defaults__)
+    still_os = SimpleNamespace(**{**vars(os), "chdir": lambda _folder: None})
+    load = FunctionType(fmpys.__code__, {**fmpys.__globals__, "os": still_os}, "__init__", fmpys.__defaults__)
     return type(kind.__name__, (kind, type("InPlace", (base,), {"__init__": load})), {})
 
 

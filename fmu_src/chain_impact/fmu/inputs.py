@@ -90,31 +90,33 @@ def driven_rows(
             tuple(times.tolist()), tuple((name, tuple(column)) for name, column in columns.items())
         ),
     )
-    begins = {f"base.{axis}": parameters.get(f"initial.{axis}", 0.0) for axis in AXES}
+    start_values = {f"base.{axis}": parameters.get(f"initial.{axis}", 0.0) for axis in AXES}
     points = np.arange(math.ceil(stop / step) + 1) * step
     points = np.union1d(points, times[(times > 0.0) & (times < stop)])
-    before, after = np.zeros((2, len(points)), [(TIME, float), *((name, float) for name in input_names)])
-    before[TIME] = after[TIME] = points
-    driven = {
+    left_rows, right_rows = np.zeros(
+        (2, len(points)), [(TIME, float), *((name, float) for name in input_names)]
+    )
+    left_rows[TIME] = right_rows[TIME] = points
+    driven_inputs = {
         member: quantities_driven_by(name)
         for name in columns
         for member in quantities_driven_by(name)
         if member in input_names
     }
     jumps = np.zeros(len(points), bool)
-    for name, members in driven.items():
-        at, powers = _course(signal, members, members.index(name), stop)
-        begin = begins.get(name, 0.0) if name not in columns else 0.0
-        for rows, side in ((before, "left"), (after, "right")):
-            rows[name] = begin + values_of(at, powers, points, side)
-        jumps |= np.abs(after[name] - before[name]) > LEAST_JUMP * np.abs(after[name]).max()
+    for name, members in driven_inputs.items():
+        knot_times, powers = _course(signal, members, members.index(name), stop)
+        begin = start_values.get(name, 0.0) if name not in columns else 0.0
+        for rows, side in ((left_rows, "left"), (right_rows, "right")):
+            rows[name] = begin + values_of(knot_times, powers, points, side)
+        jumps |= np.abs(right_rows[name] - left_rows[name]) > LEAST_JUMP * np.abs(right_rows[name]).max()
     jumps[0] = False
-    rows = np.concatenate([before[jumps], after])[[TIME, *driven]]
+    rows = np.concatenate([left_rows[jumps], right_rows])[[TIME, *driven_inputs]]
     short = copy(description)
     short.modelVariables = [
         variable
         for variable in description.modelVariables
-        if variable.causality != "input" or variable.name in driven
+        if variable.causality != "input" or variable.name in driven_inputs
     ]
     return short, rows[np.argsort(rows[TIME], kind="stable")]
 
@@ -126,15 +128,15 @@ def _course(signal: Signal, members: Sequence[str], k: int, stop: float) -> tupl
     ``members`` are the names of a quantity and of the derivatives after it (``quantities_driven_by``). If the
     table does not have member ``k``, the result is computed from a member that the table has.
     """
-    given = [j for j, member in enumerate(members) if member in signal.input]
-    source = max((j for j in given if j <= k), default=given[0])
-    if is_motion(members[source]) and len(given) == 1:
+    given_orders = [j for j, member in enumerate(members) if member in signal.input]
+    source = max((j for j in given_orders if j <= k), default=given_orders[0])
+    if is_motion(members[source]) and len(given_orders) == 1:
         try:
             check_table("inputs", signal, members[source], source)
         except SceneError as error:
             error.source = str(signal.file)
             raise
-    at, powers, _ = table_of(signal, members[source], max(source - k, 0), stop)
+    knot_times, powers, _ = table_of(signal, members[source], max(source - k, 0), stop)
     for _ in range(k - source):
         powers = powers[:, 1:] * np.arange(1.0, powers.shape[1])
-    return at, powers
+    return knot_times, powers

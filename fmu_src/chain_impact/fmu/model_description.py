@@ -52,29 +52,29 @@ LOG_CATEGORIES = {
 }
 
 
-def model_description(prepared: PreparedScene, tool: str, fmi: int, **capabilities: str) -> Element:
+def model_description(prepared_scene: PreparedScene, tool: str, fmi: int, **capabilities: str) -> Element:
     """Return the model description, with the start values of a new instance, and an empty GUID.
 
     The value reference of a variable is its position in ``prepared.variables``. In FMI 3.0, the references of
     the time and of ``array_variables(prepared)`` follow.
 
     Args:
-        prepared: the scene.
+        prepared_scene: the scene.
         tool: name and version of the program that makes the FMU.
         fmi: the version of FMI.
         capabilities: attributes of the element CoSimulation that replace or add to CAPABILITIES.
     """
     root = Element(
         "fmiModelDescription",
-        {"fmiVersion": f"{fmi}.0", TOKEN[fmi]: "", **root_attributes(prepared.scene, tool)},
+        {"fmiVersion": f"{fmi}.0", TOKEN[fmi]: "", **root_attributes(prepared_scene.scene, tool)},
     )
-    name = {"modelIdentifier": prepared.scene.name}
+    name = {"modelIdentifier": prepared_scene.scene.name}
     SubElement(root, "CoSimulation", {**name, **CAPABILITIES[fmi], **capabilities})
-    add_units(root, prepared.variables)
-    _add_types(root, prepared.variables, fmi)
-    add_categories_and_experiment(root, prepared.scene)
+    add_units(root, prepared_scene.variables)
+    _add_types(root, prepared_scene.variables, fmi)
+    add_categories_and_experiment(root, prepared_scene.scene)
     add_variables = _add_variables_2 if fmi == FMI_2 else _add_variables_3
-    add_variables(root, prepared)
+    add_variables(root, prepared_scene)
     return root
 
 
@@ -98,14 +98,14 @@ def _add_types(root: Element, variables: Sequence[Variable], fmi: int) -> None:
                 SubElement(choice, "Item", name=item.name, value=str(number), description=item.description)
 
 
-def _add_variables_2(root: Element, prepared: PreparedScene) -> None:
+def _add_variables_2(root: Element, prepared_scene: PreparedScene) -> None:
     """Add the variables of FMI 2.0, and the outputs with the inputs on which they depend directly.
 
     FMI 2.0 refers to variables by index, which counts from 1.
     """
-    variables, nodes = prepared.variables, SubElement(root, "ModelVariables")
+    variables, nodes = prepared_scene.variables, SubElement(root, "ModelVariables")
     indices = {variable.record_path: str(index) for index, variable in enumerate(variables, 1)}
-    for reference, (variable, value) in enumerate(zip(variables, values_of(prepared), strict=True)):
+    for reference, (variable, value) in enumerate(zip(variables, values_of(prepared_scene), strict=True)):
         node = SubElement(nodes, "ScalarVariable", attributes_of(variable, reference))
         rate = rate_of(variable)
         derivative = {"derivative": indices[rate]} if rate in indices else {}
@@ -117,16 +117,22 @@ def _add_variables_2(root: Element, prepared: PreparedScene) -> None:
         SubElement(unknowns, "Unknown", index=index)
 
 
-def _add_variables_3(root: Element, prepared: PreparedScene) -> None:
+def _add_variables_3(root: Element, prepared_scene: PreparedScene) -> None:
     """Add the variables of FMI 3.0, the time, the arrays, and the structure: outputs with dependencies."""
-    variables, arrays, values = prepared.variables, array_variables(prepared), values_of(prepared)
+    variables, arrays, values = (
+        prepared_scene.variables,
+        array_variables(prepared_scene),
+        values_of(prepared_scene),
+    )
     nodes, first = SubElement(root, "ModelVariables"), len(variables) + 1
     references = {variable.record_path: reference for reference, variable in enumerate(variables)}
     of_arrays = {array.variable.record_path: reference for reference, array in enumerate(arrays, first)}
 
-    def add(variable: Variable, reference: int, value: dict[str, str], known: dict[DataPath, int]) -> Element:
+    def add(
+        variable: Variable, reference: int, value: dict[str, str], known_references: dict[DataPath, int]
+    ) -> Element:
         rate = rate_of(variable)
-        derivative = {"derivative": str(known[rate])} if rate in known else {}
+        derivative = {"derivative": str(known_references[rate])} if rate in known_references else {}
         attributes = attributes_of(variable, reference) | value | derivative
         return SubElement(nodes, TYPES[variable.type], attributes)
 
@@ -152,17 +158,17 @@ def _add_structure_3(structure: Element, variables: Sequence[Variable], arrays: 
         SubElement(structure, "InitialUnknown", valueReference=reference)
 
 
-def _dependencies(numbered: Sequence[tuple[int, Variable]]) -> list[tuple[str, str]]:
+def _dependencies(numbered_outputs: Sequence[tuple[int, Variable]]) -> list[tuple[str, str]]:
     """Return for each output a pair of texts: its number; the numbers of the inputs that it depends on.
 
     The numbers of inputs have spaces between them; only direct dependencies count. The number of a variable
     is its index in FMI 2.0, and its value reference in FMI 3.0. The dependencies hold after the start. For
     the start none are given: FMI then assumes that an output may depend on all known values.
     """
-    inputs = " ".join(str(number) for number, variable in numbered if variable.causality == "input")
+    inputs = " ".join(str(number) for number, variable in numbered_outputs if variable.causality == "input")
     return [
         (str(number), inputs if variable.feedthrough else "")
-        for number, variable in numbered
+        for number, variable in numbered_outputs
         if variable.causality == "output"
     ]
 
@@ -175,11 +181,11 @@ def root_attributes(scene: Scene, tool: str) -> dict[str, str]:
 
     ``tool`` is the program that makes the FMU. Author, version, copyright and license are those of the scene.
     """
-    given = {name: getattr(scene, name) for name in ("author", "version", "copyright", "license")}
+    given_attributes = {name: getattr(scene, name) for name in ("author", "version", "copyright", "license")}
     return {
         "modelName": scene.name,
         "description": scene.description,
-        **{name: text for name, text in given.items() if text},
+        **{name: text for name, text in given_attributes.items() if text},
         "generationTool": tool,
         "generationDateAndTime": DATE,
         "variableNamingConvention": "structured",
@@ -188,8 +194,8 @@ def root_attributes(scene: Scene, tool: str) -> dict[str, str]:
 
 def add_units(root: Element, variables: Sequence[Variable]) -> None:
     """Add the definition of each unit that a variable has."""
-    used, units = {variable.unit for variable in variables}, SubElement(root, "UnitDefinitions")
-    for name in sorted_units(used):
+    used_units, units = {variable.unit for variable in variables}, SubElement(root, "UnitDefinitions")
+    for name in sorted_units(used_units):
         powers, definition = unit_of(name).powers, SubElement(units, "Unit", name=name)
         if powers is not None:
             SubElement(definition, "BaseUnit", {base: str(power) for base, power in powers.items()})
@@ -199,8 +205,8 @@ def add_units(root: Element, variables: Sequence[Variable]) -> None:
 
 def quantities(variables: Sequence[Variable]) -> dict[str, dict[str, str]]:
     """Return the declared types of real numbers, one for each unit: name of the quantity → attributes."""
-    used, types = {variable.unit for variable in variables}, {}
-    for name in sorted_units(used):
+    used_units, types = {variable.unit for variable in variables}, {}
+    for name in sorted_units(used_units):
         quantity = unit_of(name).quantity
         types[quantity] = {"quantity": quantity, "unit": name}
         if name in DEGREES:
@@ -233,10 +239,10 @@ def attributes_of(variable: Variable, reference: int) -> dict[str, str]:
     return attributes
 
 
-def values_of(prepared: PreparedScene) -> list[dict[str, str]]:
+def values_of(prepared_scene: PreparedScene) -> list[dict[str, str]]:
     """Return for each variable the attributes of its value: type, unit, limits, start and nominal value."""
-    nominal, values = nominal_values(prepared.scene), []
-    for variable in prepared.variables:
+    nominal, values = nominal_values(prepared_scene.scene), []
+    for variable in prepared_scene.variables:
         value = {}
         if variable.type == "real":
             value = {"declaredType": unit_of(variable.unit).quantity, "unit": variable.unit}
@@ -250,7 +256,7 @@ def values_of(prepared: PreparedScene) -> list[dict[str, str]]:
         limits = {"min": low, "max": variable.maximum}
         value |= {name: repr(limit) for name, limit in limits.items() if limit is not None}
         if variable.causality != "output":
-            value["start"] = prepared.start_text(variable)
+            value["start"] = prepared_scene.start_text(variable)
         values.append(value)
     return values
 
@@ -318,10 +324,10 @@ class Array(NamedTuple):
         return math.prod(self.shape)
 
 
-def array_variables(prepared: PreparedScene) -> list[Array]:
+def array_variables(prepared_scene: PreparedScene) -> list[Array]:
     """Return the arrays of a scene's outputs, in the order of their value references."""
     groups: dict[str, list[Variable]] = {}
-    for variable in prepared.outputs:
+    for variable in prepared_scene.outputs:
         if variable.kind.array:
             groups.setdefault(variable.kind.array, []).append(variable)
     return [_array(name, elements) for name, elements in groups.items()]

@@ -16,22 +16,22 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import TableRow
 
 
-def native_files(prepared: PreparedScene, kernels: Mapping[str, Path], fmi: int) -> dict[str, bytes]:
+def native_files(prepared_scene: PreparedScene, kernels: Mapping[str, Path], fmi: int) -> dict[str, bytes]:
     """Return the files with which a native FMU runs, as path in the FMU → content; build.py adds more files.
 
     Args:
-        prepared: the scene that the FMU simulates.
+        prepared_scene: the scene that the FMU simulates.
         kernels: platform → library of the kernel.
         fmi: the version of FMI, 2 or 3.
     """
     # the version is read here, not at import, because the package has no version while its wheel is built
-    tool, further = f"chain-impact {version('chain-impact')}", list[tuple[TableRow, int]]()
+    tool, further_rows = f"chain-impact {version('chain-impact')}", list[tuple[TableRow, int]]()
     if fmi == FMI_2:
-        description = model_description(prepared, tool, fmi, canNotUseMemoryManagementFunctions="false")
+        description = model_description(prepared_scene, tool, fmi, canNotUseMemoryManagementFunctions="false")
     else:
-        description = model_description(prepared, tool, fmi)
+        description = model_description(prepared_scene, tool, fmi)
         kernels = {PLATFORMS[platform].fmi3: library for platform, library in kernels.items()}
-        time_index = word_index(prepared.start.dtype, ("step", "communication_point"))
+        time_index = word_index(prepared_scene.start.dtype, ("step", "communication_point"))
         time = TableRow(
             name="time",
             type="real",
@@ -42,10 +42,13 @@ def native_files(prepared: PreparedScene, kernels: Mapping[str, Path], fmi: int)
             allowed="",
             set_word=time_index,
         )
-        further = [(time, 1)]
-        further += [(prepared.table_row(array.variable), array.length) for array in array_variables(prepared)]
+        further_rows = [(time, 1)]
+        further_rows += [
+            (prepared_scene.table_row(array.variable), array.length)
+            for array in array_variables(prepared_scene)
+        ]
     files = {
-        f"binaries/{platform}/{prepared.scene.name}{library.suffix}": library.read_bytes()
+        f"binaries/{platform}/{prepared_scene.scene.name}{library.suffix}": library.read_bytes()
         for platform, library in sorted(kernels.items())
     }
-    return files_with_description(files, prepared, description, fmi, further)
+    return files_with_description(files, prepared_scene, description, fmi, further_rows)

@@ -17,9 +17,9 @@ def platforms_of(path: str | Path) -> list[str]:
     A platform that this package knows has its name as in ``--platform``, any other the name of its folder in
     the FMU.
     """
-    ours = {platform.fmi3: name for name, platform in PLATFORMS.items()}
+    platform_names = {platform.fmi3: name for name, platform in PLATFORMS.items()}
     with zipfile.ZipFile(path) as fmu:
-        return [ours.get(folder, folder) for folder in _folders(fmu.namelist())]
+        return [platform_names.get(folder, folder) for folder in _folders(fmu.namelist())]
 
 
 def binary_of(identifier: str, names: Collection[str], *, is_fmi_2: bool) -> tuple[str, Finding | None]:
@@ -40,17 +40,17 @@ def binary_of(identifier: str, names: Collection[str], *, is_fmi_2: bool) -> tup
     for path in paths:
         if path in names:
             return path, None
-    if others := _folders(names):
-        there = f"it has folders for {', '.join(others)}"
+    if other_folders := _folders(names):
+        folder_text = f"it has folders for {', '.join(other_folders)}"
     elif any(name.startswith("binaries/") for name in names):
-        there = "its folder binaries is empty"
+        folder_text = "its folder binaries is empty"
     else:
-        there = "it has no folder binaries"
-    fault = f"is not in the FMU, so there is no binary for {HOST or 'this platform'}: {there}"
+        folder_text = "it has no folder binaries"
+    fault = f"is not in the FMU, so there is no binary for {HOST or 'this platform'}: {folder_text}"
     return "", Finding(fault, paths[0] if paths else "binaries")
 
 
 def _folders(names: Collection[str]) -> list[str]:
     """Return the sorted names of the folders in ``binaries`` that directly contain a file."""
-    matches = (re.fullmatch(r"binaries/([^/]+)/[^/]+", name) for name in names)
-    return sorted({file[1] for file in matches if file})
+    folder_matches = (re.fullmatch(r"binaries/([^/]+)/[^/]+", name) for name in names)
+    return sorted({file[1] for file in folder_matches if file})

@@ -28,20 +28,20 @@ Python loads only once in a process, and takes the reference to the script's nam
 """
 
 
-def pythonfmu_files(prepared: PreparedScene, kernels: Mapping[str, Path]) -> dict[str, bytes]:
+def pythonfmu_files(prepared_scene: PreparedScene, kernels: Mapping[str, Path]) -> dict[str, bytes]:
     """Return the files with which the FMU runs, as path in the FMU → content; build.py adds others.
 
     Args:
-        prepared: the scene that the FMU simulates.
+        prepared_scene: the scene that the FMU simulates.
         kernels: platform → library of the kernel.
     """
     tool = f"chain-impact {version('chain-impact')} with PythonFMU {version('pythonfmu')}"
     sources = {"script": SCRIPT.encode(), "slave": slave_source()}
-    files = sources | _pythonfmu_files(prepared.scene.name, kernels)
+    files = sources | _pythonfmu_files(prepared_scene.scene.name, kernels)
     for platform, library in sorted(kernels.items()):
         files[f"resources/kernel-{platform}{library.suffix}"] = library.read_bytes()
-    description = model_description(prepared, tool, FMI_2)
-    files = files_with_description(files, prepared, description, FMI_2)
+    description = model_description(prepared_scene, tool, FMI_2)
+    files = files_with_description(files, prepared_scene, description, FMI_2)
     # The names of script and slave contain a part of the GUID, because a process may load several FMUs, and
     # Python imports only one module of a name.
     guid = description.attrib["guid"]
@@ -51,7 +51,7 @@ def pythonfmu_files(prepared: PreparedScene, kernels: Mapping[str, Path]) -> dic
         f"resources/{script}_slave.py": sources["slave"],
         # the wrapper reads the name of the script from this file, and the slave the name of the model and the
         # GUID, as some importers do not unpack modelDescription.xml
-        "resources/slavemodule.txt": "\n".join((script, prepared.scene.name, guid)).encode(),
+        "resources/slavemodule.txt": "\n".join((script, prepared_scene.scene.name, guid)).encode(),
     }
     return {name: content for name, content in files.items() if name not in sources} | modules
 

@@ -79,13 +79,13 @@ class Reference(NamedTuple):
     values: np.ndarray
 
 
-def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
+def reference_files(prepared_scene: PreparedScene) -> dict[str, bytes]:
     """Return the file with the reference results, as path in the FMU → content.
 
     The result is empty if no results are reliable, or if the chain cannot start or take its first step.
     """
     try:
-        solution = reference(prepared)
+        solution = reference(prepared_scene)
     except SimulationError as error:
         log.info("no reference results in the FMU: %s", error)
         return {}
@@ -104,7 +104,7 @@ def reference_files(prepared: PreparedScene) -> dict[str, bytes]:
     return {REFERENCE_FILE: text.getvalue().encode()}
 
 
-def reference(prepared: PreparedScene) -> Reference:
+def reference(prepared_scene: PreparedScene) -> Reference:
     """Return some outputs of a scene at REFERENCE_TOLERANCE, up to the time until which they are reliable.
 
     Outputs are reliable until a run at the scene's own tolerance deviates from them (LARGEST_DEVIATION). If
@@ -115,56 +115,70 @@ def reference(prepared: PreparedScene) -> Reference:
     Raises:
         SimulationError: when the chain cannot start, or cannot take the first step.
     """
-    stop, shortest = prepared.scene.simulation.stop_time, prepared.scene.simulation.step_size
+    stop, shortest = prepared_scene.scene.simulation.stop_time, prepared_scene.scene.simulation.step_size
     while True:
         step = shortest * max(1, round(stop / shortest / REFERENCE_ROWS))
         count = max(1, math.floor(stop / step * (1 + STEP_ROUND_OFF)))
-        solution = _reference_results(prepared, np.minimum(np.arange(count + 1) * min(step, stop), stop))
+        solution = _reference_results(
+            prepared_scene, np.minimum(np.arange(count + 1) * min(step, stop), stop)
+        )
         if np.isfinite(solution.values[:, 0]).sum() > REFERENCE_ROWS / SHORTENING or step == shortest:
             return solution
         stop /= SHORTENING
 
 
-def _reference_results(prepared: PreparedScene, times: np.ndarray) -> Reference:
+def _reference_results(prepared_scene: PreparedScene, times: np.ndarray) -> Reference:
     """Return the reference results at ``times``, equally spaced from 0 [s]; NaN near onsets and ends.
 
     The results end where runs with two tolerances begin to differ.
     """
-    ends = {f"point[{k}].{axis}" for k in (0, prepared.counts.links) for axis in "xy"}
-    ends |= {f"link[{i}].angle" for i in (1, prepared.counts.links)}
+    ends = {f"point[{k}].{axis}" for k in (0, prepared_scene.counts.links) for axis in "xy"}
+    ends |= {f"link[{i}].angle" for i in (1, prepared_scene.counts.links)}
     # outputs of the whole chain: the energies, the number of impacts, and the data of the last impact
-    whole_chain = [v for v in prepared.outputs if v.kind.owner_kind == "one"]
+    whole_chain = [v for v in prepared_scene.outputs if v.kind.owner_kind == "one"]
     ends |= {v.name for v in whole_chain if v.kind.parts.owner in ("energy", "impact")}
-    chosen = [v for v in prepared.outputs if v.name in ends]
-    names, whole = [v.name for v in chosen], np.array([v.type != "real" for v in chosen])
-    units = np.array([v.unit for v in chosen])
-    inputs, tolerance = _inputs(prepared, times), prepared.scene.solver.tolerance
-    (exact, contacts), (usual, others) = (
+    chosen_outputs = [v for v in prepared_scene.outputs if v.name in ends]
+    names, is_discrete = (
+        [v.name for v in chosen_outputs],
+        np.array([v.type != "real" for v in chosen_outputs]),
+    )
+    units = np.array([v.unit for v in chosen_outputs])
+    inputs, tolerance = _inputs(prepared_scene, times), prepared_scene.scene.solver.tolerance
+    (exact_rows, exact_contacts), (usual_rows, usual_contacts) = (
         _run(
-            prepared.scene.with_values({"solver.tolerance": t, "outputs.solver": True}), times, inputs, names
+            prepared_scene.scene.with_values({"solver.tolerance": t, "outputs.solver": True}),
+            times,
+            inputs,
+            names,
         )
         for t in (REFERENCE_TOLERANCE, tolerance)
     )
-    count = min(len(exact), len(usual))
+    count = min(len(exact_rows), len(usual_rows))
     # a contact that lasts at the end of the run has NaN as its end, which is left out here
-    edges = np.concatenate([table[end] for table in (contacts, others) for end in ("onset", "end")])
+    edges = np.concatenate(
+        [table[end] for table in (exact_contacts, usual_contacts) for end in ("onset", "end")]
+    )
     edges = np.append(edges[~np.isnan(edges)], math.inf)
-    apart = np.abs(times[:count, None] - edges).min(axis=1) > EVENT_DISTANCE * times[1]
-    until = _agreed_until(contacts["onset"], others["onset"], EVENT_DISTANCE * times[1] / TOLERANCE_FACTOR)
-    rows = np.flatnonzero(apart & (times[:count] < until))
-    largest = np.abs(exact[rows]).max(axis=0, initial=0.0)
-    scale = np.array([largest[units == unit].max() for unit in units]) + REFERENCE_TOLERANCE
-    deviation = np.abs(usual[rows] - exact[rows])
-    astray = (deviation > np.where(whole, 0.0, max(LARGEST_DEVIATION, tolerance) * scale)).any(axis=1)
-    rows = rows[: np.argmax(astray)] if astray.any() else rows
+    is_far = np.abs(times[:count, None] - edges).min(axis=1) > EVENT_DISTANCE * times[1]
+    agreed_time = _agreed_until(
+        exact_contacts["onset"], usual_contacts["onset"], EVENT_DISTANCE * times[1] / TOLERANCE_FACTOR
+    )
+    rows = np.flatnonzero(is_far & (times[:count] < agreed_time))
+    largest_values = np.abs(exact_rows[rows]).max(axis=0, initial=0.0)
+    scale = np.array([largest_values[units == unit].max() for unit in units]) + REFERENCE_TOLERANCE
+    deviation = np.abs(usual_rows[rows] - exact_rows[rows])
+    is_astray = (deviation > np.where(is_discrete, 0.0, max(LARGEST_DEVIATION, tolerance) * scale)).any(
+        axis=1
+    )
+    rows = rows[: np.argmax(is_astray)] if is_astray.any() else rows
     worst = deviation[: len(rows)].max(axis=0, initial=0.0)
     length = rows[-1] + 1 if len(rows) else 1
     values = np.full((length, len(names)), np.nan)
-    values[rows] = exact[rows]
+    values[rows] = exact_rows[rows]
     return Reference(
         inputs={name: column[:length] for name, column in inputs.items()},
         outputs=names,
-        tolerances=np.where(whole, 0.0, np.maximum(TOLERANCE_FACTOR * worst, LEAST_TOLERANCE * scale)),
+        tolerances=np.where(is_discrete, 0.0, np.maximum(TOLERANCE_FACTOR * worst, LEAST_TOLERANCE * scale)),
         times=times[:length],
         values=values,
     )
@@ -195,7 +209,7 @@ def _run(
     return np.array(rows), chain.impacts
 
 
-def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]:
+def _inputs(prepared_scene: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]:
     """Return the values of each input at ``times``: sines and cosines of different frequencies.
 
     Any two forces, torques or targets have different frequencies, and so have any two prescribed motions: an
@@ -203,18 +217,18 @@ def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]
     of the motion's position. Values are rounded as in the file, so that the reference run gets exactly the
     values that an importer will read.
     """
-    nominal, count = nominal_values(prepared.scene), len(times)
+    nominal, count = nominal_values(prepared_scene.scene), len(times)
     turn = 2.0 * math.pi * np.arange(count) / count
     rate = turn[1] / times[1]
     # The amplitude of a torque is divided by the number of links, so that all torques together move chains of
     # few and of many links about equally.
-    torque = TORQUE_AMPLITUDE * nominal["inertial_moment"] / prepared.counts.links
+    torque = TORQUE_AMPLITUDE * nominal["inertial_moment"] / prepared_scene.counts.links
     size = {"joint": torque, "tip": torque / nominal["size"]}
     signals = {}
-    for i, variable in enumerate(prepared.inputs):
+    for i, variable in enumerate(prepared_scene.inputs):
         if variable.record_path[0] == MOTION:
             _, field, channel = variable.record_path
-            k, start = 1 + int(channel), float(prepared.start[0][MOTION]["position"][channel])
+            k, start = 1 + int(channel), float(prepared_scene.start[0][MOTION]["position"][channel])
             move = MOTION_AMPLITUDE * nominal["size"]
             signals[variable.name] = {
                 "position": start + move * (1.0 - np.cos(k * turn)),
@@ -231,15 +245,17 @@ def _inputs(prepared: PreparedScene, times: np.ndarray) -> dict[str, np.ndarray]
     }
 
 
-def _agreed_until(exact: np.ndarray, usual: np.ndarray, close: float) -> float:
-    """Return the time [s] of the first onset that differs by more than ``close`` [s] between two runs.
+def _agreed_until(exact_onsets: np.ndarray, usual_onsets: np.ndarray, time_tolerance: float) -> float:
+    """Return the time [s] of the first onset that differs by more than ``time_tolerance`` [s] in two runs.
 
-    ``exact`` and ``usual`` are the runs' onsets [s] in order of time; an onset that one run lacks differs,
-    too. The result is ∞ if no onset differs.
+    ``exact_onsets`` and ``usual_onsets`` are the runs' onsets [s] in order of time; an onset that one run
+    lacks differs, too. The result is ∞ if no onset differs.
     """
-    count = min(len(exact), len(usual))
-    first = int(np.argmax(np.append(np.abs(exact[:count] - usual[:count]) > close, True)))
-    return float(min([math.inf, *exact[first:], *usual[first:]]))
+    count = min(len(exact_onsets), len(usual_onsets))
+    first = int(
+        np.argmax(np.append(np.abs(exact_onsets[:count] - usual_onsets[:count]) > time_tolerance, True))
+    )
+    return float(min([math.inf, *exact_onsets[first:], *usual_onsets[first:]]))
 
 
 # --- the check -------------------------------------------------------------------------------------------
@@ -274,13 +290,13 @@ def check_references(path: Path) -> tuple[bool, str] | None:
         return (False, f"must be a table of numbers with a row of tolerances: {error}")
     description = read_fmu(path)
     kinds = {variable.name: variable.causality for variable in description.modelVariables}
-    unknown = [name for name in table.columns if name not in kinds]
-    if unknown:
-        return (False, f"the FMU has no variable {unknown[0]}")
+    unknown_names = [name for name in table.columns if name not in kinds]
+    if unknown_names:
+        return (False, f"the FMU has no variable {unknown_names[0]}")
     inputs = [name for name in table.columns if kinds[name] == "input"]
     outputs = [name for name in table.columns if kinds[name] != "input"]
-    given = {"time": table.time, **{name: table.columns[name] for name in inputs}}
-    rows = np.rec.fromarrays([*given.values()], dtype=[(name, float) for name in given])
+    given_inputs = {"time": table.time, **{name: table.columns[name] for name in inputs}}
+    rows = np.rec.fromarrays([*given_inputs.values()], dtype=[(name, float) for name in given_inputs])
     try:
         results = run_with_fmpy(
             path,
@@ -306,11 +322,11 @@ def _table_in(text: str) -> _Table:
     if head[0] != "time":
         raise ValueError("its first column must be time")
     numbers = np.array([[cell or "nan" for cell in row] for row in rows[1:]], float)
-    allowed = dict(zip(head, [float(cell or "nan") for cell in ["nan", *rows[0][1:]]], strict=True))
+    tolerances = dict(zip(head, [float(cell or "nan") for cell in ["nan", *rows[0][1:]]], strict=True))
     time, columns = numbers[:, 0], dict(zip(head[1:], numbers.T[1:], strict=True))
     if len(time) < FEWEST_REFERENCE_ROWS or not (np.diff(time) > 0.0).all():
         raise ValueError("it must have two times or more, and the times must increase")
-    return _Table(time, columns, allowed)
+    return _Table(time, columns, tolerances)
 
 
 def _verdict(table: _Table, results: dict[str, np.ndarray]) -> tuple[bool, str]:
@@ -320,14 +336,14 @@ def _verdict(table: _Table, results: dict[str, np.ndarray]) -> tuple[bool, str]:
     """
     errors = {name: np.abs(values - table.columns[name]) for name, values in results.items()}
     # written with `~(... <= ...)`, so that a NaN of the FMU counts as a deviation
-    astray = {
+    deviations = {
         name: np.flatnonzero(~(error <= table.allowed[name]) & ~np.isnan(table.columns[name]))
         for name, error in errors.items()
     }
-    deviating = {name: rows[0] for name, rows in astray.items() if rows.size}
+    deviating = {name: rows[0] for name, rows in deviations.items() if rows.size}
     if not deviating:
-        until = f"until {table.time[-1]:.9g} s"
-        return (True, f"passed, outputs: {len(results)}, times: {len(table.time)}, {until}")
+        end_words = f"until {table.time[-1]:.9g} s"
+        return (True, f"passed, outputs: {len(results)}, times: {len(table.time)}, {end_words}")
     name = min(deviating, key=lambda name: deviating[name])
     row = deviating[name]
     return (

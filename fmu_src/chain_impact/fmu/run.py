@@ -77,9 +77,9 @@ def record_fmu(
     stop_time, step_size = experiment
     check_result_size(str(path), stop_time, step_size, len(outputs))
     values = {name: float(start_values.get(name, variable.start)) for name, variable in parameters.items()}
-    driven, rows_given = description, None
+    driven_description, rows_given = description, None
     if inputs:
-        driven, rows_given = driven_rows(description, *inputs, experiment, values)
+        driven_description, rows_given = driven_rows(description, *inputs, experiment, values)
     recording = partial(_recording, description, data, variables=parameters, outputs=outputs, values=values)
     # holds fmpy's recorder after the first step, so that the rows up to a fault can be returned
     recorders: list[Any] = []
@@ -92,7 +92,7 @@ def record_fmu(
     try:
         rows = run_with_fmpy(
             path,
-            driven,
+            driven_description,
             start_values=start_values,
             output=[*outputs, *data.rules],
             stop_time=stop_time,
@@ -138,10 +138,10 @@ def _settings(
     path: Path, default: Any, parameters: Mapping[str, Any], settings: Mapping[str, Any]
 ) -> tuple[tuple[float, float], dict[str, float]]:
     """Return stop time and step size [s], and name → start value of each parameter that is set."""
-    given = dict(zip(TIMES, (default.stopTime, default.stepSize), strict=True)) | dict(settings)
+    given_settings = dict(zip(TIMES, (default.stopTime, default.stepSize), strict=True)) | dict(settings)
     values: dict[str, float] = {}
-    for typed, text in given.items():
-        name, value = fmu_name(typed), value_of(text)
+    for typed_name, text in given_settings.items():
+        name, value = fmu_name(typed_name), value_of(text)
         try:
             is_time = name in TIMES
             values[name] = (
@@ -150,7 +150,7 @@ def _settings(
                 else _start_value(_known_parameter(name, parameters), value)
             )
         except SceneError as error:
-            error.source, error.name = str(path), typed
+            error.source, error.name = str(path), typed_name
             raise
     stop_time, step_size = (values.pop(name) for name in TIMES)
     return (stop_time, step_size), values
@@ -179,7 +179,7 @@ def _recording(
     ends = [stop for stop in SLIDER_STOPS if stop.replace("_", ".") in values]
     names = (*dict.fromkeys((*WALLS, *walls)), *(STOPS if stops else ()), *ends)
     parameters = {name: _named_value(variable, values[name]) for name, variable in variables.items()}
-    recorded = StoredRecording(
+    stored_recording = StoredRecording(
         name=description.modelName,
         time=np.asarray(rows["time"]),
         columns={name: rows[name] for name in outputs},
@@ -191,7 +191,9 @@ def _recording(
         point_names=data.point_names,
         inputs=tuple(v.name for v in description.modelVariables if v.causality == "input"),
     )
-    return replace(recorded, stick_slip=phases_from(recorded.time, recorded.interactions, names))
+    return replace(
+        stored_recording, stick_slip=phases_from(stored_recording.time, stored_recording.interactions, names)
+    )
 
 
 def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:
@@ -217,9 +219,9 @@ def _named_value(variable: Any, value: float) -> float | str:
 
 def _known_parameter(name: str, parameters: Mapping[str, Any]) -> Any:
     if name not in parameters:
-        given = input_hint(name, "in a table, --inputs FILE")
+        advice = input_hint(name, "in a table, --inputs FILE")
         signals = {label for owner, _, label in grouped_by_owner(parameters) if owner == "signal"}
-        hint = given if input_key(name) else start_hint(name) or signal_hint(name, signals)
+        hint = advice if input_key(name) else start_hint(name) or signal_hint(name, signals)
         raise UnknownNameError("", name, [*parameters, *TIMES], "not a parameter", hint)
     return parameters[name]
 
@@ -244,10 +246,10 @@ def _start_value(variable: Any, value: Any) -> float | int:
         number = numbers.get(value) if isinstance(value, str) else value
         if isinstance(number, Integral) and number in numbers.values() and not isinstance(number, bool):
             return int(number)
-        meant = nearest_choice(value, numbers)
-        raise SceneError(f"= {value} must be one of {', '.join(numbers)}{meant}")
+        meant_text = nearest_choice(value, numbers)
+        raise SceneError(f"= {value} must be one of {', '.join(numbers)}{meant_text}")
     number = radians_of(value, variable.unit or "")
     if not _is_number(number):
-        needed = f"a number{or_degrees(variable.unit or '')}"
-        raise SceneError(f"= {value} must be {needed}")
+        needed_text = f"a number{or_degrees(variable.unit or '')}"
+        raise SceneError(f"= {value} must be {needed_text}")
     return float(number)

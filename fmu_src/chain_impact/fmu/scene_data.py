@@ -28,10 +28,10 @@ class SceneData(NamedTuple):
     rules: dict[str, str]
 
 
-def scene_data_file(prepared: PreparedScene) -> dict[str, bytes]:
+def scene_data_file(prepared_scene: PreparedScene) -> dict[str, bytes]:
     """Return the file with the ``SceneData`` of a scene, as path in the FMU → content."""
-    rules = {variable.name: variable.rule.text for variable in prepared.parameters if variable.rule}
-    data = SceneData(prepared.scene.point_names, rules)
+    rules = {variable.name: variable.rule.text for variable in prepared_scene.parameters if variable.rule}
+    data = SceneData(prepared_scene.scene.point_names, rules)
     return {SCENE_DATA_FILE: json.dumps(data._asdict(), ensure_ascii=False).encode()}
 
 

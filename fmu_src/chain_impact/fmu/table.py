@@ -60,21 +60,29 @@ Rows = Sequence[tuple[TableRow, int]]
 
 
 def files_with_description(
-    files: Mapping[str, bytes], prepared: PreparedScene, description: Element, fmi: int, further: Rows = ()
+    files: Mapping[str, bytes],
+    prepared_scene: PreparedScene,
+    description: Element,
+    fmi: int,
+    further_rows: Rows = (),
 ) -> dict[str, bytes]:
     """Return the files of an FMU, with the model description and the table added.
 
     Args:
         files: the other files of the FMU on which its results depend, as path → content.
-        prepared: the scene that the FMU simulates.
+        prepared_scene: the scene that the FMU simulates.
         description: the model description; its GUID, computed from the description, the table and ``files``,
             is added here.
         fmi: the version of FMI.
-        further: variables that only FMI 3.0 has.
+        further_rows: variables that only FMI 3.0 has.
     """
-    contents = (table_bytes(prepared, "", further), ElementTree.tostring(description), *files.values())
+    contents = (
+        table_bytes(prepared_scene, "", further_rows),
+        ElementTree.tostring(description),
+        *files.values(),
+    )
     description.set(TOKEN[fmi], _guid_of(contents))
-    table = table_bytes(prepared, description.attrib[TOKEN[fmi]], further)
+    table = table_bytes(prepared_scene, description.attrib[TOKEN[fmi]], further_rows)
     ElementTree.indent(description)
     text = ElementTree.tostring(description, encoding="UTF-8", xml_declaration=True)
     return {**files, "modelDescription.xml": text, "resources/model.bin": table}
@@ -88,14 +96,17 @@ def _guid_of(contents: Iterable[bytes]) -> str:
     return str(uuid.UUID(bytes=digest.digest()[:16]))
 
 
-def table_bytes(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
+def table_bytes(prepared_scene: PreparedScene, guid: str, further_rows: Rows) -> bytes:
     """Return the table's bytes, with ``guid`` in its head.
 
     In the file, these parts follow each other: the head, the variables, the offsets of the texts of statuses
     and of parts of the scene, the record with the start values, and the texts.
     """
-    texts, record = bytearray(), prepared.start.tobytes()
-    variables = [*((prepared.table_row(variable), 1) for variable in prepared.variables), *further]
+    texts, record = bytearray(), prepared_scene.start.tobytes()
+    variables = [
+        *((prepared_scene.table_row(variable), 1) for variable in prepared_scene.variables),
+        *further_rows,
+    ]
 
     def text(content: str) -> int:
         texts.extend(content.encode() + b"\0")
@@ -106,7 +117,7 @@ def table_bytes(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
         numbers |= {"type": TABLE_TYPES.index(variable.type), "kind": TABLE_ROLES.index(variable.role)}
         return numbers | {"length": length, "name": text(variable.name), "allowed": text(variable.allowed)}
 
-    parts_of_scene = parts_in_words(prepared.scene)
+    parts_of_scene = parts_in_words(prepared_scene.scene)
     codes = range(max(STATUS_TEXT) + 1)
     parts = {
         "variables_at": b"".join(_structure(VARIABLE, row(*variable)) for variable in variables),
@@ -119,7 +130,7 @@ def table_bytes(prepared: PreparedScene, guid: str, further: Rows) -> bytes:
     starts = accumulate(
         map(len, parts.values()), initial=struct.calcsize("<" + "".join(HEAD_FORMATS.values()))
     )
-    head = dict(zip(parts, starts, strict=False)) | _words(prepared)
+    head = dict(zip(parts, starts, strict=False)) | _words(prepared_scene)
     head |= {"variable_count": len(variables), "status_count": len(codes), "part_count": len(parts_of_scene)}
     head |= {"size": head["texts_at"] + len(texts), "checksum": 0, "record_size": len(record)}
     packed_head = _structure(HEAD_FORMATS, {**head, "magic": MAGIC, "guid": guid.encode()})
@@ -139,7 +150,7 @@ def _numbers(numbers: Iterable[int]) -> bytes:
     return b"".join(struct.pack("<q", number) for number in numbers)
 
 
-def _words(prepared: PreparedScene) -> dict[str, int]:
+def _words(prepared_scene: PreparedScene) -> dict[str, int]:
     """Return the words of the record that the C interface reads or writes, as field of HEAD_FORMATS → word.
 
     Words of prescribed motions are 0 if the scene has none.
@@ -150,12 +161,13 @@ def _words(prepared: PreparedScene) -> dict[str, int]:
         "tolerance_word": ("solver", "tolerance"),
         "part_word": ("fault", "part"),
     }
-    moving: dict[str, DataPath] = {
+    moving_words: dict[str, DataPath] = {
         "contradiction_word": ("channel", "contradiction"),
         "position_word": (MOTION, "position", 0),
     }
-    moves = prepared.counts.channels > 0
-    words = {name: word_index(prepared.start.dtype, path) for name, path in paths.items()}
+    has_signals = prepared_scene.counts.channels > 0
+    words = {name: word_index(prepared_scene.start.dtype, path) for name, path in paths.items()}
     return words | {
-        name: word_index(prepared.start.dtype, path) if moves else 0 for name, path in moving.items()
+        name: word_index(prepared_scene.start.dtype, path) if has_signals else 0
+        for name, path in moving_words.items()
     }

@@ -93,21 +93,21 @@ class Trial:
             self.values()
         self.call("FreeInstance", "", self.fmu.freeInstance)
 
-    def call(self, name: str, without: str, function: Callable[..., T], *arguments: Any) -> T:
+    def call(self, name: str, missing_function: str, function: Callable[..., T], *arguments: Any) -> T:
         """Call a function of the FMU and return its result; the report names the call before it begins.
 
         If the call fails, the error's sentence begins with "<name> gives <without>", such as "fmi2Instantiate
-        gives no instance", or with "<name> fails" if ``without`` is "".
+        gives no instance", or with "<name> fails" if ``missing_function`` is "".
         """
         name = name if " " in name else f"fmi{FMI_2 if self.is_fmi_2 else FMI_3}{name}"
         self.tell(call=name)
-        before = len(self.reasons())
+        reason_count = len(self.reasons())
         try:
             return function(*arguments)
         except Exception as error:  # fmpy's errors have no common class
-            otherwise = SILENT_REASON if without else str(error).replace(self.folder + os.sep, "")
-            reasons = self.reasons()[before:] or [otherwise]
-            result = f"gives {without}" if without else "fails"
+            reason = SILENT_REASON if missing_function else str(error).replace(self.folder + os.sep, "")
+            reasons = self.reasons()[reason_count:] or [reason]
+            result = f"gives {missing_function}" if missing_function else "fails"
             raise CallError(f"{name} {result}: {' '.join(reasons[0].split())[:LONGEST_MESSAGE]}") from None
 
     def step_size(self) -> float:
@@ -141,8 +141,8 @@ class Trial:
             size = variable.size
             if variable.type in ("Clock", "Binary") or "clocks" in variable.attributes or size is None:
                 continue
-            whole = "Integer" if self.is_fmi_2 else "Int64"
-            kind = whole if variable.type == "Enumeration" else variable.type
+            integer_name = "Integer" if self.is_fmi_2 else "Int64"
+            kind = integer_name if variable.type == "Enumeration" else variable.type
             get, arguments = getattr(self.fmu, f"get{kind}"), [[int(variable.reference)]]
             try:
                 values = self.call(f"Get{kind}", "", get, *arguments, *([] if self.is_fmi_2 else [size]))
@@ -164,15 +164,21 @@ class Trial:
         for variable in self.variables:
             if variable.exact and variable.start and variable.name in values:
                 start_values = values[variable.name]
-                expected = [variable.value(text) for text in variable.start]
-                expected = expected * len(start_values) if len(expected) == 1 else expected
-                if len(expected) == len(start_values) and not _are_close(expected, start_values):
+                expected_values = [variable.value(text) for text in variable.start]
+                expected_values = (
+                    expected_values * len(start_values) if len(expected_values) == 1 else expected_values
+                )
+                if len(expected_values) == len(start_values) and not _are_close(
+                    expected_values, start_values
+                ):
                     first = next(
-                        i for i in range(len(start_values)) if not _is_close(expected[i], start_values[i])
+                        i
+                        for i in range(len(start_values))
+                        if not _is_close(expected_values[i], start_values[i])
                     )
                     entry = f"[{first}]" if len(start_values) > 1 else ""
                     self.report_finding(
-                        f"start{entry} = {_text(expected[first])}, and the FMU itself starts with "
+                        f"start{entry} = {_text(expected_values[first])}, and the FMU itself starts with "
                         f"{_text(start_values[first])}",
                         variable,
                         "start",
@@ -199,31 +205,34 @@ class Trial:
         if self.description.coSimulation.canSerializeFMUstate:
             self.call("SetFMUState", "", self.fmu.setFMUState, state)
             content = self.call("SerializeFMUState", "", self.fmu.serializeFMUState, state)
-            again = self.call("DeserializeFMUState", "", self.fmu.deserializeFMUState, content)
+            second_state = self.call("DeserializeFMUState", "", self.fmu.deserializeFMUState, content)
             self.call("SetFMUState", "", self.fmu.setFMUState, state)
-            self.check_restored_state("DeserializeFMUState", again, start + step, step)
-            self.call("FreeFMUState", "", self.fmu.freeFMUState, again)
+            self.check_restored_state("DeserializeFMUState", second_state, start + step, step)
+            self.call("FreeFMUState", "", self.fmu.freeFMUState, second_state)
         self.call("FreeFMUState", "", self.fmu.freeFMUState, state)
 
-    def check_restored_state(self, how: str, state: Any, time: float, step: float) -> None:
+    def check_restored_state(self, method: str, state: Any, time: float, step: float) -> None:
         """Take a step, restore the state, repeat the step; report the first variable that differs then.
 
-        ``state`` is the state before the step, at ``time`` [s]; ``step`` is the step size [s]. ``how`` is the
-        name of the call that is tested, for the finding: SetFMUState, or DeserializeFMUState if this call
-        made the ``state``.
+        ``state`` is the state before the step, at ``time`` [s]; ``step`` is the step size [s].
+        ``method`` is the name of the call that is tested, for the finding: SetFMUState, or
+        DeserializeFMUState if this call made the ``state``.
         """
         self.step(time, step)
         first = self.values()
         self.call("SetFMUState", "", self.fmu.setFMUState, state)
         self.step(time, step)
-        again = self.values()
+        values_again = self.values()
         for variable in self.variables:
-            known = first.get(variable.name, [])
-            pairs = zip(known, again.get(variable.name, [math.nan] * len(known)), strict=True)
-            if differing := next((pair for pair in pairs if not _is_close(*pair)), None):
-                one, other = map(_text, differing)
+            known_values = first.get(variable.name, [])
+            pairs = zip(
+                known_values, values_again.get(variable.name, [math.nan] * len(known_values)), strict=True
+            )
+            if differing_pair := next((pair for pair in pairs if not _is_close(*pair)), None):
+                first_text, second_text = map(_text, differing_pair)
                 self.report_finding(
-                    f"is {one} after a step, and {other} after the same step from the restored state ({how})",
+                    f"is {first_text} after a step, and {second_text} after the same step from the restored "
+                    f"state ({method})",
                     variable,
                 )
                 return  # one finding is enough: others probably differ for the same reason
@@ -233,24 +242,24 @@ class Trial:
         self.call("DoStep", "", self.fmu.doStep, time, step, False)
 
 
-def _number(holder: Any, name: str, otherwise: float) -> float:
-    """Return the attribute ``name`` as a number; ``otherwise`` if it is missing, 0 or no finite number."""
+def _number(holder: Any, name: str, default: float) -> float:
+    """Return the attribute ``name`` as a number; ``default`` if it is missing, 0 or no finite number."""
     try:
-        number = float(getattr(holder, name, None) or otherwise)
+        number = float(getattr(holder, name, None) or default)
     except ValueError:
-        return otherwise
-    return number if math.isfinite(number) else otherwise
+        return default
+    return number if math.isfinite(number) else default
 
 
-def _is_close(value: Value, other: Value) -> bool:
-    if isinstance(value, str) or isinstance(other, str):
-        return value == other
-    both = math.isnan(value) and math.isnan(other)
-    return both or math.isclose(value, other, rel_tol=START_ROUND_OFF, abs_tol=ABSOLUTE_TOLERANCE)
+def _is_close(value: Value, other_value: Value) -> bool:
+    if isinstance(value, str) or isinstance(other_value, str):
+        return value == other_value
+    are_nan = math.isnan(value) and math.isnan(other_value)
+    return are_nan or math.isclose(value, other_value, rel_tol=START_ROUND_OFF, abs_tol=ABSOLUTE_TOLERANCE)
 
 
-def _are_close(some: Sequence[Value], others: Sequence[Value]) -> bool:
-    return len(some) == len(others) and all(map(_is_close, some, others))
+def _are_close(first_values: Sequence[Value], second_values: Sequence[Value]) -> bool:
+    return len(first_values) == len(second_values) and all(map(_is_close, first_values, second_values))
 
 
 def _text(value: Value) -> str:
@@ -279,8 +288,8 @@ def main() -> None:
         # skipped
         if not findings and "--references" in sys.argv:
             tell(call="the run with the reference results")
-            passed, text = check_references(path) or (None, "")
-            if passed:
+            result, text = check_references(path) or (None, "")
+            if result:
                 tell(passed=f"reference results: {text}")
             elif text:
                 tell(finding=asdict(Finding(text, REFERENCE_FILE)))

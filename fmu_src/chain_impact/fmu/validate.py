@@ -61,11 +61,11 @@ def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Valida
         reason = f"not run: it has no CoSimulation or ModelExchange, only {_UNTRIED}"
         return Validation(findings, [reason] if root.find(_UNTRIED) is not None else [])
     identifier = modes[0].get("modelIdentifier", "")
-    binary, missing = binary_of(identifier, names, is_fmi_2=is_fmi_2(root.get("fmiVersion")))
-    if missing:
-        return Validation([*findings, missing], [])
-    tried = _try_binary(path, binary, timeout, references=not findings)
-    return Validation([*findings, *tried.findings], tried.notes)
+    binary, missing_text = binary_of(identifier, names, is_fmi_2=is_fmi_2(root.get("fmiVersion")))
+    if missing_text:
+        return Validation([*findings, missing_text], [])
+    trial_result = _try_binary(path, binary, timeout, references=not findings)
+    return Validation([*findings, *trial_result.findings], trial_result.notes)
 
 
 def _try_binary(path: Path, binary: str, timeout: float, *, references: bool) -> Validation:
@@ -97,8 +97,8 @@ def _try_binary(path: Path, binary: str, timeout: float, *, references: bool) ->
         if report.is_file():
             # what follows the last end of a line is incomplete, as the process may have been killed while it
             # wrote
-            whole = report.read_text(encoding="utf-8").rpartition("\n")[0]
-            lines = [json.loads(line) for line in whole.splitlines()]
+            whole_lines = report.read_text(encoding="utf-8").rpartition("\n")[0]
+            lines = [json.loads(line) for line in whole_lines.splitlines()]
     # a fault that occurs in several calls is listed once
     findings = list(dict.fromkeys(Finding(**line["finding"]) for line in lines if "finding" in line))
     calls = [line["call"] for line in lines if "call" in line]
@@ -115,5 +115,5 @@ def _end(code: int, output: str) -> str:
     if code < 0:
         return f"crashes the process: {signal.Signals(-code).name}"
     last = output.strip().splitlines()[-1:]
-    how = f"0x{code:X}" if code > 2**16 else str(code)
-    return f"ends the process, exit code {how}" + "".join(f": {line}" for line in last)
+    exit_text = f"0x{code:X}" if code > 2**16 else str(code)
+    return f"ends the process, exit code {exit_text}" + "".join(f": {line}" for line in last)
