@@ -193,7 +193,7 @@ def block(
     prefix: str = "",
     is_terminal: bool = False,
     when: tuple[str, ...] = (),
-    **common_fields: Any,
+    **extras: Any,
 ) -> Block:
     """Return the block of the kinds ``rows``, completed with what they have in common.
 
@@ -203,13 +203,13 @@ def block(
         prefix: the first part of all names, without the dot; "" for none.
         is_terminal: whether the variables of an owner form a terminal in FMI 3.0.
         when: names of conditions for all kinds, in addition to the conditions of each kind.
-        common_fields: other attributes of ``Kind`` that all kinds have.
+        extras: other attributes of ``Kind`` that all kinds have.
     """
-    common_fields = {"owner_kind": owner_kind, "terminal": prefix if is_terminal else "", **common_fields}
+    extras = {"owner_kind": owner_kind, "terminal": prefix if is_terminal else "", **extras}
     start = f"{prefix}." if prefix else ""
     return Block(
         owner_kind,
-        tuple(replace(kind, name=start + kind.name, when=(*when, *kind.when), **common_fields) for kind in rows),
+        tuple(replace(kind, name=start + kind.name, when=(*when, *kind.when), **extras) for kind in rows),
     )
 
 
@@ -267,7 +267,7 @@ def record_block(
     *rows: tuple[Kind, ...],
     names: Mapping[str, str] = MappingProxyType({}),
     array: bool = False,
-    **common: Any,
+    **extras: Any,
 ) -> Block:
     """Return a block of kinds whose values are in one part of the record.
 
@@ -279,7 +279,7 @@ def record_block(
             nor {next}, unless ``owner_kind`` is "one" or "slider".
         names: whole name → unit of inputs: kind k has the k-th name that begins with ``prefix``.
         array: whether the values of all owners form an array with the name <owner_kind>.<name in the row>.
-        common: attributes that all kinds have, and further arguments of ``block``.
+        extras: attributes that all kinds have, and further arguments of ``block``.
     """
     kinds = [kind for of_row in rows for kind in of_row]
     if names:
@@ -290,9 +290,9 @@ def record_block(
     for k, kind in enumerate(kinds):
         steps = (part, *kind.record_path)
         index = () if has_no_index or INDEX_PLACE in steps or NEXT in steps else (INDEX_PLACE,)
-        joined = f"{owner_kind}.{kind.name}" if array else kind.array
-        kinds[k] = replace(kind, record_path=(*steps, *index), array=joined)
-    return block(owner_kind, *kinds, prefix=prefix, **{"is_terminal": True} | common)
+        array_name = f"{owner_kind}.{kind.name}" if array else kind.array
+        kinds[k] = replace(kind, record_path=(*steps, *index), array=array_name)
+    return block(owner_kind, *kinds, prefix=prefix, **{"is_terminal": True} | extras)
 
 
 def fill_path(path: DataPath, owner: Mapping[str, Any]) -> DataPath:
