@@ -62,22 +62,22 @@ def check_masses(chain: ChainTable) -> None:
     kernel/chain/inertia.py finds them. The carriage of a slider counts as movable mass only if its own mass
     is > 0.
     """
-    (first, last), other = find_loose_links(chain_view(chain), False), ""
+    (first, last), other_text = find_loose_links(chain_view(chain), False), ""
     if first < 0 and chain.slider is not None and chain.slider.mass == 0.0:
-        (first, last), other = find_loose_links(chain_view(chain), True), ", or slider.mass,"
+        (first, last), other_text = find_loose_links(chain_view(chain), True), ", or slider.mass,"
     if first < 0:
         return
     if first == last:
         link = chain.links[first]
-        where = (
+        link_text = (
             f"its centre of mass is {link.center_of_mass:g} m of {link.length:g} m from the proximal joint"
         )
-        reason = f"the link could turn about its centre of mass without moving any mass ({where})"
+        reason = f"the link could turn about its centre of mass without moving any mass ({link_text})"
         path = ("chain", "links", first, "inertia")
-        raise error_at(path, f"= {link.inertia}{other} must be > 0: {reason}")
+        raise error_at(path, f"= {link.inertia}{other_text} must be > 0: {reason}")
     path, end = (("chain", "links", i, "inertia") for i in (first, last))
     reason = "on one line, these links could turn about their centres of mass without moving any mass"
-    raise error_at(path, f"to {path_text(end)} = 0.0; one of them{other} must be > 0: {reason}")
+    raise error_at(path, f"to {path_text(end)} = 0.0; one of them{other_text} must be > 0: {reason}")
 
 
 def check_together(scene: Contents) -> None:
@@ -97,10 +97,10 @@ def check_entry_rules(scene: Contents) -> None:
     for rule in ENTRY_REFUSALS:
         if "reached" in rule.condition:  # known only if the points are right, which an earlier rule checks
             facts["reached"] = reached_walls(scene)
-        for path, entry, before in entries[rule.of]:
-            if holds(rule.condition, {**facts, "entry": entry, "before": before}.get):
-                others = ", ".join(map(str, (*WALLS, *stops, *before)))
-                raise refusal(path, rule.fault, value=value_text(entry), others=others, **words)
+        for path, entry, earlier_names in entries[rule.of]:
+            if holds(rule.condition, {**facts, "entry": entry, "before": earlier_names}.get):
+                reserved_names = ", ".join(map(str, (*WALLS, *stops, *earlier_names)))
+                raise refusal(path, rule.fault, value=value_text(entry), others=reserved_names, **words)
 
 
 def _entries(scene: Contents) -> dict[str, list[tuple[DataPath, Any, Sequence[Any]]]]:
@@ -133,12 +133,12 @@ def reached_walls(scene: Contents) -> list[str]:
 
 def check_refusal_rules(scene: Contents) -> None:
     """Raise the error of the first rule of ``REFUSALS`` whose condition is true in the scene."""
-    whole = partial(value_at, scene)
+    scene_value = partial(value_at, scene)
     tables: dict[str, list[tuple[DataPath, ValueOf]]] = {
-        "": [((), whole)],
+        "": [((), scene_value)],
         "link": [
             (("chain", "links", i), of_link)
-            for i, of_link in enumerate(member_lookups(scene.chain.links, whole))
+            for i, of_link in enumerate(member_lookups(scene.chain.links, scene_value))
         ],
         "law": [(path, table.get) for path, table in _law_tables(scene).items()],
     }
@@ -163,12 +163,13 @@ def _law_tables(scene: Contents) -> dict[DataPath, dict[str, Any]]:
     contact = scene.contact
     tables: dict[DataPath, Contact | Material] = {("contact",): contact}
     tables |= {("contact", "wall", name): material for name, material in contact.wall.items()}
-    found = {
-        path: _law_values(contact.model, own, *coefficients(contact, own)) for path, own in tables.items()
+    tables_by_path = {
+        path: _law_values(contact.model, wall_material, *coefficients(contact, wall_material))
+        for path, wall_material in tables.items()
     }
     if scene.chain.stops:
-        found["stops",] = _law_values(scene.stops.model or contact.model, scene.stops)
-    return found
+        tables_by_path["stops",] = _law_values(scene.stops.model or contact.model, scene.stops)
+    return tables_by_path
 
 
 def _law_values(
@@ -178,9 +179,9 @@ def _law_values(
     static_friction: float | None = None,
 ) -> dict[str, Any]:
     law, exponent = CONTACT_LAWS.get(model), getattr(table, "exponent", None)
-    known = {"friction": friction, "static_friction": static_friction, "exponent": exponent}
-    known |= {f"law.{key}": getattr(law, key, None) for key in LAW_FACTS}
-    return known | {"restitution": table.restitution}
+    law_values = {"friction": friction, "static_friction": static_friction, "exponent": exponent}
+    law_values |= {f"law.{key}": getattr(law, key, None) for key in LAW_FACTS}
+    return law_values | {"restitution": table.restitution}
 
 
 def check_moved_walls(scene: Contents) -> None:
@@ -196,9 +197,13 @@ def coefficients(contact: Contact, material: Material | Contact) -> tuple[float,
 
     A coefficient that is None in ``material`` follows by the rule of the kernel's ``choose_wall_friction``.
     """
-    own = (-1.0 if value is None else value for value in (material.friction, material.static_friction))
-    sliding, static = choose_wall_friction(contact.friction, contact.static_friction, *own)
-    return sliding, static
+    wall_values = (
+        -1.0 if value is None else value for value in (material.friction, material.static_friction)
+    )
+    sliding_coefficient, static_coefficient = choose_wall_friction(
+        contact.friction, contact.static_friction, *wall_values
+    )
+    return sliding_coefficient, static_coefficient
 
 
 def check_start(scene: Contents) -> None:
@@ -212,14 +217,16 @@ def check_start(scene: Contents) -> None:
         for name, wall in walls.items():
             depth = radius - wall.clearance(x, y)
             if depth > ALLOWED_OVERLAP:
-                where = scene.point_label(point)
-                subject = f"{where} at {_position(x, y)} is {depth:.6g} m deep in"
-                beyond = name not in WALLS and all(
-                    wall.clearance(*at) < 0.0 for *at, _ in candidates.values()
+                point_text = scene.point_label(point)
+                subject = f"{point_text} at {_position(x, y)} is {depth:.6g} m deep in"
+                is_beyond = name not in WALLS and all(
+                    wall.clearance(*place) < 0.0 for *place, _ in candidates.values()
                 )
-                turned = ["all points are inside: turn its normal?"] * (beyond and not angle_hints(scene))
-                asked = "".join(f"; {question}" for question in [*turned, *length_hints(scene)])
-                raise SceneError(f"initial: {subject} the wall {name}; must be outside{asked}")
+                questions = ["all points are inside: turn its normal?"] * (
+                    is_beyond and not angle_hints(scene)
+                )
+                question_text = "".join(f"; {question}" for question in [*questions, *length_hints(scene)])
+                raise SceneError(f"initial: {subject} the wall {name}; must be outside{question_text}")
 
 
 def _position(x: float, y: float) -> str:
@@ -233,11 +240,11 @@ def check_joint_angles(scene: Contents) -> None:
     angles = (0.0, *scene.initial.angles)
     for i, (low, high) in scene.chain.joint_ranges.items():
         joint = angles[i] - angles[i - 1]
-        beyond = max(low - joint, joint - high)
-        if beyond > ALLOWED_OVERLAP:
+        excess = max(low - joint, joint - high)
+        if excess > ALLOWED_OVERLAP:
             stop = f"joint_min = {low:.6g}" if joint < low else f"joint_max = {high:.6g}"
-            where = f"joint {i} at {joint:.6g} rad is {beyond:.6g} rad beyond its {stop} rad"
-            raise SceneError(f"initial: {where}; must be within{turns_hint(joint, low, high)}")
+            joint_text = f"joint {i} at {joint:.6g} rad is {excess:.6g} rad beyond its {stop} rad"
+            raise SceneError(f"initial: {joint_text}; must be within{turns_hint(joint, low, high)}")
 
 
 def angle_hints(scene: Contents) -> list[str]:
@@ -248,14 +255,16 @@ def angle_hints(scene: Contents) -> list[str]:
     links, name, angles = enumerate(scene.chain.links, 1), "angle", scene.initial.angles
     if scene.has_joint_angles:
         name = "joint_angles"
-        angles = tuple(after - before for before, after in pairwise((0.0, *angles)))
-    suspicious = {f"initial.{name}[{i}]": angle for i, angle in enumerate(angles, 1)}
-    suspicious |= {f"link[{i}].joint_rest_angle": link.joint_rest_angle for i, link in links}
-    suspicious |= {f"link[{i}].{key}": getattr(scene.chain.links[i - 1], key) for i, key in scene.chain.stops}
+        angles = tuple(second_angle - first_angle for first_angle, second_angle in pairwise((0.0, *angles)))
+    suspicious_angles = {f"initial.{name}[{i}]": angle for i, angle in enumerate(angles, 1)}
+    suspicious_angles |= {f"link[{i}].joint_rest_angle": link.joint_rest_angle for i, link in links}
+    suspicious_angles |= {
+        f"link[{i}].{key}": getattr(scene.chain.links[i - 1], key) for i, key in scene.chain.stops
+    }
     if scene.chain.slider:
-        suspicious["slider.angle"] = scene.chain.slider.angle
-    suspicious |= {f"wall.{wall.name}.angle": wall.angle or 0.0 for wall in scene.walls}
-    return [hint for name, angle in suspicious.items() if (hint := radians_hint(name, angle, "rad"))]
+        suspicious_angles["slider.angle"] = scene.chain.slider.angle
+    suspicious_angles |= {f"wall.{wall.name}.angle": wall.angle or 0.0 for wall in scene.walls}
+    return [hint for name, angle in suspicious_angles.items() if (hint := radians_hint(name, angle, "rad"))]
 
 
 def hints(scene: Contents) -> list[str]:
@@ -263,16 +272,16 @@ def hints(scene: Contents) -> list[str]:
     texts = angle_hints(scene)
     for i, link in enumerate(scene.chain.links, 1):
         if link.center_of_mass > link.length:
-            where = f"link[{i}].center_of_mass = {link.center_of_mass:g} m"
-            texts.append(f"{where} lies beyond the end of the link, which is {link.length:g} m long")
+            center_text = f"link[{i}].center_of_mass = {link.center_of_mass:g} m"
+            texts.append(f"{center_text} lies beyond the end of the link, which is {link.length:g} m long")
     stop, step = scene.simulation.stop_time, scene.simulation.step_size
     if step > stop:
         longer = f"simulation.step_size = {step:g} s is longer than simulation.stop_time = {stop:g} s"
         texts.append(f"{longer}: there are two rows only, the start and the end")
     for name, signal in scene.signals.items():
         if signal.samples:
-            where = f"signal.{name}: {signal.file}"
-            texts += [f"{where}: {hint}" for hint in gap_hints(signal.samples.times)]
+            center_text = f"signal.{name}: {signal.file}"
+            texts += [f"{center_text}: {hint}" for hint in gap_hints(signal.samples.times)]
     return [*texts, *size_hints(scene), *base_hints(scene), *start_hints(scene)]
 
 
@@ -280,8 +289,8 @@ def size_hints(scene: Contents) -> list[str]:
     """Return the questions of ``length_hints``, and a question on gravity if it is probably in mm/s²."""
     texts, pull = length_hints(scene), math.hypot(*scene.gravity)
     if GRAVITY_IN_MM[0] < pull < GRAVITY_IN_MM[1]:
-        strong = f"gravity = {list(scene.gravity)} m/s² is a thousand times as strong as on earth"
-        texts.append(f"{strong}: is it in mm/s²?")
+        gravity_text = f"gravity = {list(scene.gravity)} m/s² is a thousand times as strong as on earth"
+        texts.append(f"{gravity_text}: is it in mm/s²?")
     return texts
 
 
@@ -291,19 +300,19 @@ def length_hints(scene: Contents) -> list[str]:
     One is on the first link that is long for its mass (LONG_LINK, LIGHT_LINK), one on the first point of a
     link that is far from the proximal joint of the link (FAR_POINT).
     """
-    links, whole = scene.chain.links, sum(link.length for link in scene.chain.links)
-    long = [
+    links, total = scene.chain.links, sum(link.length for link in scene.chain.links)
+    long_links = [
         f"link[{i}].length = {link.length:g} m is long for link[{i}].mass = {link.mass:g} kg: is it in mm?"
         for i, link in enumerate(links, 1)
         if link.length > LONG_LINK and link.mass < LIGHT_LINK * link.length
     ]
-    far = [
-        f"point {number} is {distance:g} m from the joint of its link, far for a chain of {whole:g} m: "
+    far_points = [
+        f"point {number} is {distance:g} m from the joint of its link, far for a chain of {total:g} m: "
         "are x and y in mm?"
         for number, (_, site) in enumerate(scene.chain.sites, len(links) + 1)
-        if (distance := math.hypot(site.x, site.y)) > FAR_POINT * whole
+        if (distance := math.hypot(site.x, site.y)) > FAR_POINT * total
     ]
-    return long[:1] + far[:1]
+    return long_links[:1] + far_points[:1]
 
 
 def start_hints(scene: Contents) -> list[str]:
@@ -316,18 +325,18 @@ def start_hints(scene: Contents) -> list[str]:
         return []
     starts = zip(AXES, scene.base_at_start, scene.initial.position, strict=True)
     return [
-        start_hint(axis, start, given)
-        for axis, start, given in starts
-        if abs(start - given) > ALLOWED_OVERLAP
+        start_hint(axis, start, given_value)
+        for axis, start, given_value in starts
+        if abs(start - given_value) > ALLOWED_OVERLAP
     ]
 
 
-def start_hint(axis: str, start: float, given: float) -> str:
+def start_hint(axis: str, start: float, given_value: float) -> str:
     """Return the sentence of ``start_hints`` on the coordinate ``axis``, "x" or "y".
 
-    ``start`` [m] is the coordinate at which the base starts, ``given`` [m] that in initial.position.
+    ``start`` [m] is the coordinate at which the base starts, ``given_value`` [m] that in initial.position.
     """
-    return f"base.{axis} starts at {start:.6g} m, and initial.{axis} = {given:.6g} m is not used"
+    return f"base.{axis} starts at {start:.6g} m, and initial.{axis} = {given_value:.6g} m is not used"
 
 
 def base_hints(scene: Contents) -> list[str]:
@@ -338,11 +347,11 @@ def base_hints(scene: Contents) -> list[str]:
     if scene.chain.base != "pinned":
         return []
     x, y = scene.base_at_start
-    deep = {name: -wall.clearance(x, y) for name, wall in scene.walls_at_start.items()}
-    where = f"initial: the pinned base at {_position(x, y)} is"
+    depths = {name: -wall.clearance(x, y) for name, wall in scene.walls_at_start.items()}
+    base_text = f"initial: the pinned base at {_position(x, y)} is"
     return [
-        f"{where} {depth:.6g} m beyond the wall {name}, which it cannot touch: is the wall misplaced?"
-        for name, depth in deep.items()
+        f"{base_text} {depth:.6g} m beyond the wall {name}, which it cannot touch: is the wall misplaced?"
+        for name, depth in depths.items()
         if depth > ALLOWED_OVERLAP
     ]
 
@@ -356,10 +365,12 @@ def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
     """
     if not scene.has_joint_angles:
         return []
-    names, given = [f"initial.angle[{i}]" for i in range(1, len(scene.chain.links) + 1)], {*changes}
-    alone = [name for name, behind in pairwise(names) if name in given and behind not in given]
+    names, given_names = [f"initial.angle[{i}]" for i in range(1, len(scene.chain.links) + 1)], {*changes}
+    lone_names = [
+        name for name, next_name in pairwise(names) if name in given_names and next_name not in given_names
+    ]
     stay = "is set, and the absolute angles of the links behind it stay"
-    return [f"{alone[0]} {stay}; initial.joint_angles turns these, too"] if alone else []
+    return [f"{lone_names[0]} {stay}; initial.joint_angles turns these, too"] if lone_names else []
 
 
 def law_hints(scene: Contents) -> list[str]:

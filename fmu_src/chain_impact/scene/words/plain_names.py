@@ -23,6 +23,6 @@ def plain_name(name: str) -> str:
     A name without plain words is returned unchanged.
     """
     for pattern, words in PLAIN_WORDS:
-        if (found := pattern.fullmatch(name)) is not None:
-            return found.expand(words).replace("_", " ")
+        if (name_match := pattern.fullmatch(name)) is not None:
+            return name_match.expand(words).replace("_", " ")
     return LETTER.sub(r"\1 \2", name)
