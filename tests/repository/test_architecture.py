@@ -181,6 +181,20 @@ def test_no_files_need_each_other_not_even_for_types():
     graphlib.TopologicalSorter(found).prepare()  # raises an error with the cycle
 
 
+def test_no_parts_of_a_folder_need_each_other():
+    """The parts are modules and inner folders, so each folder has an order in which imports go down only."""
+    folders = defaultdict(lambda: defaultdict(set))
+    for name, other in ((name, other) for name, file in FILES.items() for other in needs(file)):
+        steps = zip(name.split("."), other.split("."), strict=False)
+        common = [*itertools.takewhile(lambda pair: pair[0] == pair[1], steps)]
+        if len(common) < min(name.count("."), other.count(".")) + 1:
+            parts = (module.split(".")[len(common)] for module in (name, other))
+            folders[tuple(common)][next(parts)].add(next(parts))
+    assert len(folders) > 30
+    for needed in folders.values():
+        graphlib.TopologicalSorter(needed).prepare()  # raises an error with the cycle
+
+
 def test_folders_of_pages_have_no_cycle_and_scripts_a_heading():
     """oxlint finds circles of files."""
     found = {}
