@@ -11,12 +11,14 @@ import math
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from types import CodeType, FrameType
 from typing import Any
 
 import fmpy
 
+import chain_impact
 from benchmarks import common
 from chain_impact import build_fmu, load_scene, simulate, sweep
 
@@ -82,6 +84,33 @@ def steps(folder: Path) -> dict[str, Callable[[], object]]:
     return run
 
 
+def lengths(names: Sequence[str] | None) -> tuple[int, int]:
+    """Return how many functions of the package a call of ``simulate()`` calls, and its changes of file.
+
+    ``names`` are the parameters of the derivatives. Few of both mean a short way for a reader of the code.
+    """
+    scene, root = load_scene("four_link_box"), str(Path(chain_impact.__file__).parent)
+    simulate(scene, sensitivities=names)
+    functions, files, changes = set[CodeType](), [""], 0
+
+    def note(frame: FrameType, event: str, _: object) -> None:
+        nonlocal changes
+        code, caller = frame.f_code, frame.f_back and frame.f_back.f_code.co_filename
+        if event == "call" and code.co_filename.startswith(root):
+            functions.add(code)
+            changes += code.co_filename != files[-1]
+            files.append(code.co_filename)
+        elif event == "return" and code.co_filename.startswith(root) and caller:
+            files.append(caller)
+
+    sys.setprofile(note)
+    try:
+        simulate(scene, sensitivities=names)
+    finally:
+        sys.setprofile(None)
+    return len(functions), changes
+
+
 def main() -> None:
     """Time all calls and steps, print the results and save them."""
     rounds, started, results = common.rounds(__doc__, ROUNDS), common.environment(), {}
@@ -98,6 +127,8 @@ def main() -> None:
     }
     for name, value in results.items():
         print(f"{name}: {value}")
+    for names in (None, [NAME]):
+        print("functions and changes of file of a call, with derivatives by", names, lengths(names))
     common.save("calls", started, {"stop [s]": STOP, "row [s]": ROW, "rounds": rounds, "runs": RUNS}, results)
 
 

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import chain_impact
 from chain_impact import load_scene, simulate
 from chain_impact.kernel import status
 from chain_impact.kernel.record.constants import SOLVER_METHODS
@@ -311,31 +310,3 @@ def test_a_kernel_that_is_loaded_is_not_looked_for_again(monkeypatch):
     before = simulate("rod_drop").outputs
     monkeypatch.setattr(kernels, "kernel_library", None)
     assert simulate("rod_drop").outputs.tobytes() == before.tobytes()
-
-
-@pytest.mark.parametrize(("names", "most", "returns"), [(None, 58, 33), (("contact.stiffness",), 97, 171)])
-def test_the_way_from_a_scene_to_its_result_is_short(names, most, returns):
-    """The measures are the called functions of the package, and the changes of file between calls."""
-    scene, root = load_scene("four_link_box"), str(Path(chain_impact.__file__).parent)
-    simulate(scene, sensitivities=names)
-    called, files = set(), [root]
-
-    def note(frame, event, _):
-        code, caller = frame.f_code, frame.f_back.f_code.co_filename
-        if event == "call" and code.co_filename.startswith(root):
-            called.add(code)
-            files.append(code.co_filename)
-        elif event == "return" and code.co_filename.startswith(root) and caller.startswith(root):
-            files.append(f"back in {caller}")
-
-    sys.setprofile(note)
-    try:
-        simulate(scene, sensitivities=names)
-    finally:
-        sys.setprofile(None)
-    places = [file.removeprefix("back in ") for file in files]
-    changes = sum(
-        file == place != before for file, place, before in zip(files[1:], places[1:], places, strict=False)
-    )
-    assert len(called) <= most
-    assert changes <= returns
