@@ -1,4 +1,7 @@
-"""The arrangement of the panels of a picture: the motion is beside or above the panels over time."""
+"""The arrangement of the panels of a picture: the motion is beside or above the panels over time.
+
+In arguments, ``ratio`` is the motion's width over its height, and ``width`` that of the figure [inches].
+"""
 
 from __future__ import annotations
 
@@ -68,20 +71,14 @@ def broadness(recording: Recording) -> float:
 
 
 def motion_share(ratio: float, width: float) -> float:
-    """Return the width of the panel of motion beside other panels, relative to the width of the figure.
-
-    ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
-    """
+    """Return the width of the panel of motion beside other panels, relative to the width of the figure."""
     height = NARROW_HEIGHT if width < WIDE else WIDE_HEIGHT
     # with a ratio from SLIM to BROAD, the panel has the shape of the motion and its walls
     return height * min(max(ratio, SLIM), BROAD)
 
 
 def is_beside(ratio: float, width: float) -> bool:
-    """Return whether the motion stands beside the panels over time, in a figure of a ``width`` [inches].
-
-    ``ratio`` is the motion's width over its height.
-    """
+    """Return whether the motion stands beside the panels over time, in a figure of a ``width`` [inches]."""
     return ratio <= BROADEST_BESIDE and (1.0 - motion_share(ratio, width)) * width >= LEAST_BESIDE
 
 
@@ -173,19 +170,13 @@ def _timed_axes(figure: Figure, grid: Any, names: Sequence[str]) -> dict[str, Ax
 
 
 def _height_above(ratio: float, width: float) -> float:
-    """Return the height of the panel of motion above other panels, relative to that of a panel of energies.
-
-    ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
-    """
+    """Return the height of the panel of motion above other panels, relative to the panel of energies."""
     if width <= COLUMN:
         return MOTION_ABOVE_HEIGHT * min(1.0, BROADEST_HIGH / ratio)
     return _whole_height(ratio, width) / ENERGY_HEIGHT
 
 
 def _whole_height(ratio: float, width: float) -> float:
-    """Return the height [inches] of a panel of motion as wide as the figure, at most HIGHEST × ``width``.
-
-    ``ratio`` is the motion's width over its height, ``width`` the width of the figure [inches].
-    """
+    """Return the height [inches] of a panel of motion as wide as the figure, at most HIGHEST × ``width``."""
     highest = NARROW_HIGHEST if width < WIDE else HIGHEST
     return min((width - MARGINS) / ratio, highest * width)

@@ -1,5 +1,7 @@
 """The view, a rectangle, that a picture of a motion shows, and the walls near the motion.
 
+A rectangle is given by its lower left and its upper right corner, shape (2, 2) [m].
+
 The twins in JavaScript are pages/browser/recording/view.js, pages/browser/recording/free_region.js.
 """
 
@@ -89,7 +91,7 @@ def view_corners(
         pinned: whether the base has a ground mark, which moves with the base.
 
     Returns:
-        The lower left and the upper right corner of the rectangle, shape (2, 2) [m], and the near walls.
+        The rectangle, and the near walls.
     """
     reach = np.array([points.min(axis=(0, 1)) - radius, points.max(axis=(0, 1)) + radius])
     width = np.ptp(reach, axis=0).max()
@@ -121,8 +123,7 @@ def film_view(
     """Return the view of a film: the rectangle of ``view_corners`` with ROOM_DISTANCE, and a margin.
 
     Returns:
-        The lower left and the upper right corner of the view with its margin, shape (2, 2) [m], and the first
-            result of ``open_shares`` for the near walls.
+        The view with its margin, and the first result of ``open_shares`` for the near walls.
     """
     view, near_walls = view_corners(points, walls, radius, room=ROOM_DISTANCE, pinned=pinned)
     margin = FILM_MARGIN * max(np.ptp(view, axis=0).max(), LEAST_VIEW)
@@ -171,7 +172,7 @@ def closed_room(walls: Mapping[Key, HalfPlane], view: np.ndarray) -> list[np.nda
 
     Args:
         walls: name → free side.
-        view: the lower left and the upper right corner of the rectangle, shape (2, 2) [m].
+        view: the rectangle.
     """
     corners = free_room(walls.values(), view)
     is_inside = all(((view[0] < corner) & (corner < view[1])).all() for corner in corners)
@@ -179,10 +180,7 @@ def closed_room(walls: Mapping[Key, HalfPlane], view: np.ndarray) -> list[np.nda
 
 
 def free_room(walls: Iterable[HalfPlane], view: np.ndarray) -> list[np.ndarray]:
-    """Return the corners of that part of a rectangle that lies on the free sides of all walls; [] if none.
-
-    ``view``: the lower left and the upper right corner of the rectangle, shape (2, 2) [m].
-    """
+    """Return the corners of the part of the rectangle ``view`` on the free sides of all walls; [] if none."""
     corners = [view[[i, j], [0, 1]] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
     for wall in walls:
         corners = list(_clipped(corners, wall))

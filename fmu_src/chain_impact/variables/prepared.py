@@ -1,7 +1,8 @@
 """A scene prepared for simulation: the scene, with data that are computed from the scene once and then kept.
 
 A prepared scene has the candidates, and the variables of the FMU with their paths in the record of an
-instance (kernel/record/). It makes new instances, whose records have the parameters of the scene.
+instance (kernel/record/); lists of variables are in the order of their value references. It makes new
+instances, whose records have the parameters of the scene.
 """
 
 from __future__ import annotations
@@ -93,12 +94,12 @@ class PreparedScene:
 
     @shared_by_structure
     def parameters(self) -> list[Variable]:
-        """The parameters of the FMU, in the order of their value references."""
+        """The parameters of the FMU."""
         return list(parameters(self.scene, self.structure))
 
     @shared_by_structure
     def inputs(self) -> list[Variable]:
-        """The inputs of the FMU, in the order of their value references."""
+        """The inputs of the FMU."""
         return list(inputs(self.structure))
 
     @cached_property
@@ -113,7 +114,7 @@ class PreparedScene:
 
     @shared_by_structure
     def outputs(self) -> list[Variable]:
-        """The outputs of the FMU, without derivatives, in the order of their value references."""
+        """The outputs of the FMU, without derivatives."""
         return list(self.outputs_without_derivatives.values())
 
     @shared_by_structure
@@ -133,7 +134,7 @@ class PreparedScene:
 
     @shared_by_structure
     def motion(self) -> list[Variable]:
-        """The outputs that change continuously, in the order of their value references."""
+        """The outputs that change continuously."""
         return [variable for variable in self.outputs if variable.record_path[0] == "output"]
 
     @cached_property
@@ -148,7 +149,7 @@ class PreparedScene:
 
     @cached_property
     def variables(self) -> list[Variable]:
-        """All variables of the FMU, in the order of their value references; outputs come last."""
+        """All variables of the FMU; outputs come last."""
         return [*self.parameters, *self.inputs, *self.outputs, *derivatives(self.motion, self.varied)]
 
     @shared_by_structure
