@@ -24,6 +24,7 @@ RECORDING = (
     "drawing/label_positions.js",
     "drawing/rings.js",
     "drawing/trace.js",
+    "charts/contact_course.js",
     "charts/curve_charts.js",
     "charts/energy_zero.js",
     "base/similar_names.js",

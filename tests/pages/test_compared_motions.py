@@ -1,7 +1,8 @@
 """Motions beside the present motion: the motion before a change, and pinned motions with their impacts."""
 
 # Tests: pages/browser/explore/compared_motions.js, pages/browser/explore/compared_table.js
-# Tests: pages/browser/recording/partners.js
+# Tests: pages/browser/recording/partners.js, pages/browser/charts/letters.js
+# Tests: pages/browser/charts/contact_course.js
 
 import itertools
 import operator
@@ -395,6 +396,36 @@ def test_a_stiff_pin_does_not_flatten_the_curve_of_the_present_contact(show):
         page.get_by_role("button", name="F(δ)").click()
         assert page.text_content("#contact-name").endswith(told) is is_cut
         page.get_by_role("button", name="F(δ)").click()
+
+
+def test_an_axis_of_square_roots_holds_a_far_higher_pin(show, script):
+    page = show("rod_drop", hash_="#contact.stiffness=1e8")
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.stiffness': 1e6})")
+    until_told(page, impacts_of({"contact.stiffness": 1e6}, "rod_drop"))
+    assert page.inner_text("#contact-quantity") == "Contact force (square roots)"
+    rows = [page.evaluate(ROWS, ["force", name]) for name in ("pin-1", "force")]
+    top, peak = (min(row for row in some if row > BELOW_PEAK - 10) for some in rows)
+    bottom = max(rows[1])
+    scenes = [load_scene("rod_drop").with_values({"contact.stiffness": k}) for k in (1e8, 1e6)]
+    peaks = [simulate(scene).impacts["peak_force"][0] for scene in scenes]
+    assert (bottom - top) / (bottom - peak) == pytest.approx(np.sqrt(peaks[0] / peaks[1]), rel=0.1)
+    ticks = script.evaluate("([...of]) => rootTicks(...of)", [{"height": 140}, 2100.0])
+    assert ticks == [0, 100, 500, 1000, 2000]
+
+
+def test_letters_stand_where_their_curve_is_far_from_others(script):
+    """A leaves the present curve at the right, and B is far from it; C is nowhere."""
+    box = {"left": 0, "top": 0, "width": 300, "height": 100}
+    own = [[[0, 90], [300, 90]]]
+    courses = {"A": [[0, 90], [200, 90], [300, 60]], "B": [[0, 50], [300, 50]], "C": [[0, 90], [300, 90]]}
+    compared = [{"letter": letter, "course": course} for letter, course in courses.items()]
+    find = "([...of]) => letterPositions(...of, [], {box}, 1)".replace("{box}", str(box))
+    a, b, c = script.evaluate(find, [compared, own])
+    assert a[0] > 250
+    assert b[1] == 50
+    assert abs(b[0] - 0.29 * 300) < 30, "equally good places are at different times for different letters"
+    assert abs(c[0] - a[0]) > 15
 
 
 def test_a_chart_of_inputs_tells_why_it_has_no_curve_of_a_pin(show):

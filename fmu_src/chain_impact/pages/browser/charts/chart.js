@@ -3,6 +3,7 @@
 import { fixed, impulseText, ticksOf, withMinus } from "../base/format.js";
 import { ticksBetween } from "../base/ticks.js";
 import { placeText, pointName } from "../scene/words.js";
+import { LETTER_DOT, letterPositions } from "./letters.js";
 
 /** [s] time that a chart shows before and after an impact without a duration. */
 export const MOMENT = 1e-3;
@@ -11,12 +12,8 @@ const [FEWEST_TICKS, FEWEST_IF_LOW] = [3, 2];
 const TICKS_APART = 17; // [pixels] least distance between two ticks of a vertical axis
 const [ABOVE_PLOT, BELOW_PLOT] = [8, 21]; // [pixels] height of the space above the plot, and height of the axis below it
 const LEAST_AXIS_WIDTH = 48; // [pixels] least width of a vertical axis, enough for most labels
-// horizontal positions of the letters at curves of compared motions, relative to the width of the chart: of A, and from each letter to the
-// next
-const [LETTERS_FROM, LETTERS_APART] = [0.1, 0.19];
 const READ_STEPS = 100; // number of steps of the arrow keys along the horizontal axis of a chart
-export const LETTER_DOT = 6; // [pixels] radius of the dot around a curve's letter
-const LETTERS_FREE = 2.4; // least distance between two such dots, relative to LETTER_DOT
+const DASHES_OF_PINS = [6, 3]; // lengths [pixels] that are drawn and left out in turn
 const LEAST_DRAG = 6; // [pixels] a shorter drag in an enlarged chart is a click
 const LABEL_MARGIN = 4; // [pixels] free space to the left of a label of an axis
 const DECIMALS_OF_LARGEST = 3; // number of decimals with which values are written if the largest of them lies between 1 and 10
@@ -298,44 +295,45 @@ export class Chart {
 }
 
 /**
- * Draw the curve of a compared recording, {points: [horizontal values, vertical values], stroke (name of a colour), letter}: dashed, with
- * its letter in a dot. The dot lies away from the positions `taken` on the canvas, to which its position is added.
+ * Draw the curves of compared recordings, each {points: [horizontal values, vertical values], stroke (name of a colour), letter, dash (by
+ * default DASHES_OF_PINS)}, and above them their letters in dots, away from the curves `own`, points like those, and from the positions
+ * `taken` on the canvas. Return the positions of the letters on the canvas.
  */
-export function drawCompared(plot, { points: [along, up], stroke, letter }, taken) {
-  drawCurve(plot, [along, up], stroke);
+export function drawCompared(plot, curves, own, taken = []) {
   const { ctx, bbox, valToPos } = plot;
-  const goal = bbox.left + (LETTERS_FROM + LETTERS_APART * (letter.codePointAt(0) - "A".codePointAt(0))) * bbox.width;
-  const seen = Array.from(along, (x, k) => [valToPos(x, "x", true), valToPos(up[k], "y", true)])
-    .filter(([x, y]) => x >= bbox.left && x <= bbox.left + bbox.width && y >= bbox.top && y <= bbox.top + bbox.height);
-  if (!seen.length) return;
-  const apart = LETTERS_FREE * LETTER_DOT * devicePixelRatio;
-  const free = seen.filter(([x, y]) => taken.every(([tx, ty]) => Math.hypot(x - tx, y - ty) > apart));
-  const [x, y] = (free.length ? free : seen).reduce((best, at) => (Math.abs(at[0] - goal) < Math.abs(best[0] - goal) ? at : best));
-  taken.push([x, y]);
+  curves.forEach(({ points, stroke, dash }) => drawCurve(plot, points, stroke, undefined, dash));
+  const courseOf = ([along, up]) => Array.from(along, (x, k) => [valToPos(x, "x", true), valToPos(up[k], "y", true)]);
+  const named = curves.map(({ points, letter }) => ({ course: courseOf(points), letter }));
+  const positions = letterPositions(named, own.map(courseOf), taken, bbox, devicePixelRatio);
   ctx.save();
-  ctx.beginPath();
-  ctx.arc(x, y, LETTER_DOT * devicePixelRatio, 0, 2 * Math.PI);
-  ctx.fillStyle = styleColour(stroke);
-  ctx.fill();
-  ctx.fillStyle = styleColour("panel");
   ctx.font = `700 ${1.5 * LETTER_DOT * devicePixelRatio}px system-ui, sans-serif`;
   Object.assign(ctx, { textAlign: "center", textBaseline: "middle" });
-  ctx.fillText(letter, x, y);
+  positions.forEach((at, k) => {
+    if (!at) return;
+    ctx.beginPath();
+    ctx.arc(...at, LETTER_DOT * devicePixelRatio, 0, 2 * Math.PI);
+    ctx.fillStyle = styleColour(curves[k].stroke);
+    ctx.fill();
+    ctx.fillStyle = styleColour("panel");
+    ctx.fillText(curves[k].letter, ...at);
+  });
   ctx.restore();
+  return positions.filter(Boolean);
 }
 
 /**
  * Draw a curve, [horizontal values, vertical values], on a plot of uPlot. `stroke` is the name of its colour. If `fill` is the name of a
- * colour, the curve is solid, and the area that it encloses has this colour. Without `fill`, the curve is dashed, and no area is filled.
+ * colour, the curve is solid, and the area that it encloses has this colour. Without `fill`, the curve has the dashes `dash`, and no area
+ * is filled.
  */
-export function drawCurve({ ctx, bbox, valToPos }, [along, up], stroke, fill) {
+export function drawCurve({ ctx, bbox, valToPos }, [along, up], stroke, fill, dash = DASHES_OF_PINS) {
   ctx.save();
   ctx.beginPath();
   ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
   ctx.clip();
   ctx.beginPath();
   along.forEach((x, k) => ctx.lineTo(valToPos(x, "x", true), valToPos(up[k], "y", true)));
-  ctx.setLineDash(fill ? [] : [6, 3].map((length) => length * devicePixelRatio));
+  ctx.setLineDash(fill ? [] : dash.map((length) => length * devicePixelRatio));
   if (fill) {
     ctx.fillStyle = styleColour(fill);
     ctx.fill();

@@ -44,8 +44,10 @@ class UnitChart extends TimeChart {
   get comparedCurves() {
     return this.shownMotions.flatMap(({ recording, ...line }) => {
       const { time, curves } = this.curvesOf(recording) ?? { curves: [] };
-      return curves.filter(({ name }) => this.names.includes(name) && !this.hidden.has(name)).map(({ values }) =>
-        ({ points: [time, values.map((value) => this.factor * value)], ...line }));
+      // a curve has the colour of its pin and, beside those of other outputs, the dashes of its output
+      const dashOf = (name) => (this.names.length > 1 ? this.curves.find((own) => own.name === name).dash ?? [] : undefined);
+      return curves.filter(({ name }) => this.names.includes(name) && !this.hidden.has(name)).map(({ name, values }) =>
+        ({ points: [time, values.map((value) => this.factor * value)], dash: dashOf(name), ...line }));
     });
   }
 

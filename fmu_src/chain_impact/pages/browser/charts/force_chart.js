@@ -4,15 +4,16 @@ import { make } from "../base/dom.js";
 import { durationText, fixed, forceText, forceTicks, impulseText, unitsOf, withMinus } from "../base/format.js";
 import { LabelSpace, positionsAround } from "../drawing/label_positions.js";
 import { partnerOf } from "../recording/partners.js";
-import { hasImpulseOnly, lastBefore, placeIn, valueAtPlace } from "../recording/recording.js";
+import { hasImpulseOnly, placeIn, valueAtPlace } from "../recording/recording.js";
 import {
-  axisOptions, Chart, contactTitle, drawCompared, drawCurve, labelledWidth, LETTER_DOT, MOMENT, styleColour, ticksText, ticksUpwards,
-  timeTexts, timeTicks,
+  axisOptions, Chart, contactTitle, drawCompared, drawCurve, labelledWidth, MOMENT, styleColour, ticksText, ticksUpwards, timeTexts,
+  timeTicks,
 } from "./chart.js";
+import {
+  courseAround, extentOf, highest, impulsesLike, MOST_BESIDE, MOST_OF_ROOTS, rootTicks, SHOWN_SHARE, shownPartOf,
+} from "./contact_course.js";
+import { LETTER_DOT } from "./letters.js";
 
-const SHOWN_SHARE = 0.35; // time that the chart shows before and after a contact, relative to the contact's duration
-// a contact that is longer than its impact by this factor is shown in parts: its impact, then the time around the present one
-const LONG = 3;
 const PART_SHARE = 0.25; // length of a part around the present time, relative to the duration of the recording
 const PART_MARGIN = 0.03; // time that the chart shows before and after such a part, relative to its length
 const MARGIN = 1.08; // ends of the axis of forces, relative to the extremes of the curves; above a contact's curves, PEAK_ROOM replaces it
@@ -21,75 +22,15 @@ const [PEAK_ROOM, PEAK_DOT, PEAK_TEXT] = [22, 2.5, 11];
 // distance of the middle of this text from the peak [pixels], and its multiples that are tried in this order
 const [PEAK_AWAY, PEAK_MULTIPLES] = [12, [1, 1.6, 2.4, 3.4, 4.6]];
 const NEAR_LINE = 70; // [pixels] the text may give way to the line at the present time if the line is nearer to the peak
-// largest extent of both axes, relative to the curves of the contact itself: parts of compared curves beyond it are cut off
-const MOST_BESIDE = 2.2;
 const [ONLY_IMPULSE, NO_COURSE] = ["an impulse only", "no known force over time"]; // why a contact has no curve
 const DOUBTFUL_PAIR = "doubtful pair"; // the note on a curve of a doubtful partner
 const LEAST_IN = { m: 1, mm: 1e-4, µm: 0 }; // [m] least value of the last tick with which an axis of penetrations is in a unit
 const NO_FORCE = 1e-9; // [N], or [N·m] at a stop of a joint: if no force is larger, the axis goes up to about 1
 
-/** Return the largest of the numbers in some arrays, but at least a tiny positive number, so that an axis up to it has a length. */
-function highest(...all) {
-  return Math.max(1e-12, ...all.map((numbers) => numbers.reduce((most, value) => Math.max(most, value), 0)));
-}
-
-/**
- * Return the end of an axis that begins at 0: the largest of the contact's own values or of the values of compared curves, but at most
- * MOST_BESIDE times the largest of the contact's own values, if one of these is above 0. Both arguments are lists of lists of numbers.
- */
-function extentOf(own, others) {
-  const [most, all] = [highest(...own), highest(...own, ...others)];
-  return most > highest() ? Math.min(all, MOST_BESIDE * most) : all;
-}
-
-/** Return words for the largest force of a compared curve if the chart, which ends at `high`, cuts it off; else "". */
+/** Return words for the largest force of a compared curve if it is above `high`; else "". */
 function noteAbove(forces, high, unit) {
   const peak = highest(forces);
   return peak > high ? `up to ${forceText(peak, 3, unit)}` : "";
-}
-
-/**
- * Return the course of a contact: `times` since its onset [s], and the values of `force`, `depth` and `friction` at these times. The times
- * are those of the recording's rows from a short time before the contact to a short time after it. Before and after the contact, force,
- * depth and friction are 0. An unknown depth or friction is undefined; an unknown force is 0.
- */
-function courseAround(recording, contact) {
-  const { onset, end } = contact;
-  const margin = SHOWN_SHARE * Math.max(end - onset, 1e-6);
-  const { rowTime: time } = recording;
-  const columns = recording.courseOf(contact);
-  const first = lastBefore(time, onset - margin);
-  const last = lastBefore(time, end + margin) + 2;
-  const times = Array.from(time.slice(first, last), (now) => now - onset);
-  const during = (all) => all && times.map((now, index) => (now >= 0 && now <= end - onset ? all[first + index] : 0));
-  const [force, depth, friction] = [columns.force, columns.penetration, columns.friction].map(during);
-  return { times, force: force ?? times.map(() => 0), depth, friction };
-}
-
-/**
- * Return the impulses of the impacts of a recording at rigid walls or, if `contact` is at a rigid stop of a joint, at such stops, as
- * points of a curve [times, impulses] that rises from 0 to each impulse and falls to 0 again. A rest, whose impulse grows with time, is
- * left out, except for the `contact` itself.
- */
-function impulsesLike({ impacts }, contact) {
-  const alike = impacts.filter((impact) => hasImpulseOnly(impact) && Boolean(impact.atStop) === Boolean(contact.atStop) &&
-    (impact === contact || Number.isFinite(impact.rebound ?? NaN)));
-  return [alike.flatMap(({ onset }) => [onset, onset, onset]), alike.flatMap(({ impulse }) => [0, impulse, 0])];
-}
-
-/**
- * Return the part of a contact that the chart shows at the time `now` [s]: {from, to, isAroundNow}, with times [s] since the onset. It is
- * the whole contact or, of a long one (LONG), up to the end of its impact the impact, and then a part around `now`, at most `longest` [s]
- * long. This part moves by half of its length at once, so that the axis rests meanwhile.
- */
-export function shownPartOf({ onset, end, impactEnd }, now, longest) {
-  const [duration, impact, since] = [end - onset, impactEnd - onset, now - onset];
-  if (!(duration > LONG * impact)) return { from: 0, to: duration, isAroundNow: false };
-  if (since <= impact && impact > 0) return { from: 0, to: impact, isAroundNow: false };
-  const length = Math.min(duration, longest);
-  const steps = Math.max(0, Math.floor((2 * since) / length - 0.5));
-  const from = Math.min((steps * length) / 2, duration - length);
-  return { from, to: from + length, isAroundNow: true };
 }
 
 /** Return the label of a tick of an axis of penetrations [m]: all of `ticks` are in metres, in millimetres or in micrometres. */
@@ -115,7 +56,7 @@ export class ForceChart extends Chart {
           },
           { stroke: () => styleColour("friction"), width: 1.6, dash: [2, 3], points: { show: false } },
         ],
-        scales: { x: { time: false }, y: { range: (_, least, most) => [MARGIN * Math.min(least, 0), MARGIN * Math.max(most, 1e-9)] } },
+        scales: { x: { time: false }, y: this.#forceScale },
         hooks: {
           draw: [(plot) => {
             const own = this.loop ?? this.impulses;
@@ -130,7 +71,8 @@ export class ForceChart extends Chart {
           }),
           axisOptions({
             size: labelledWidth,
-            splits: (plot, axis, low, high) => ticksUpwards(plot, low, high),
+            filter: (_, ticks) => ticks, // else uPlot leaves out ticks, because the scale is not linear
+            splits: (plot, axis, low, high) => (this.isOfRoots ? rootTicks(plot, high) : ticksUpwards(plot, low, high)),
             values: (_, ticks) => forceTicks(ticks, this.unit.force).map(withMinus),
           }),
         ],
@@ -145,6 +87,16 @@ export class ForceChart extends Chart {
       loopButton.setAttribute("aria-pressed", loopButton.getAttribute("aria-pressed") !== "true");
       this.zoom();
     });
+  }
+
+  /** Return the scale of forces: linear or, with `isOfRoots`, of square roots. */
+  get #forceScale() {
+    return {
+      range: (_, least, most) => [MARGIN * Math.min(least, 0), MARGIN * Math.max(most, 1e-9)],
+      distr: 100,
+      fwd: (force) => (this.isOfRoots ? Math.sign(force) * Math.sqrt(Math.abs(force)) : force),
+      bwd: (place) => (this.isOfRoots ? place * Math.abs(place) : place),
+    };
   }
 
   /** Return the labels of the horizontal axis: penetrations, or times since the onset or, in a part around the present time, times. */
@@ -176,9 +128,7 @@ export class ForceChart extends Chart {
     const toPlot = ([x, y]) => [(x - bbox.left) / devicePixelRatio, (y - bbox.top) / devicePixelRatio];
     const top = impulses ? along.indexOf(shown.onset) + 1 : isAroundNow ? -1 : this.top;
     const peak = top < 0 ? [] : [toCanvas([along[top], up[top]])];
-    const taken = [...peak];
-    this.curves?.forEach((curve) => drawCompared(this.plot, curve, taken));
-    this.letters = taken.slice(peak.length).map(toPlot);
+    this.letters = drawCompared(this.plot, this.curves ?? [], [[along, up]], [...peak]).map(toPlot);
     this.peakAt = peak.map(toPlot)[0];
     this.peakText.hidden = !peak.length;
     const curves = [[along, up], ...(this.curves ?? []).map(({ points }) => points)];
@@ -327,10 +277,12 @@ export class ForceChart extends Chart {
     if (this.loop) return [0, 1.05 * extent(depth, 0)];
     if (!(to > from)) return [-MOMENT, MOMENT];
     const margin = (isAroundNow ? PART_MARGIN : SHOWN_SHARE) * (to - from);
-    return [from - margin, to + margin];
+    // with the ends of compared contacts that last somewhat longer
+    const ends = isAroundNow ? [] : curves.map(({ end }) => end).filter((end) => end < MOST_BESIDE * to);
+    return [from - margin, Math.max(to, ...ends) + margin];
   }
 
-  /** Set the data and the axes of the plot; return the end of the axis of forces. `friction` has null for each time without friction. */
+  /** Set the data and the axes of the plot; return the end of a linear axis of forces. `friction` may have null values. */
   #setAxes({ times, force, depth }, friction) {
     const { shown, impulses, loop, curves } = this;
     const [low, high] = this.#alongRange(depth);
@@ -340,18 +292,23 @@ export class ForceChart extends Chart {
     const hasPeak = shown.peak && isIn(shown.peakTime - shown.onset);
     this.peak = hasPeak ? shown.peak : force[this.top]; // the peak may lie between two rows
     const ownForces = impulses ? impulses[1] : hasPeak ? [shown.peak] : inRange([times, force]);
-    const most = extentOf([ownForces, inRange([times, friction])], curves.map(({ points }) => inRange(points)));
+    const forces = [[ownForces, inRange([times, friction])], curves.map(({ points }) => inRange(points))];
+    const linear = extentOf(...forces);
+    const most = extentOf(...forces, MOST_OF_ROOTS);
+    this.isOfRoots = most > linear;
+    this.plot.scales.y.min = null; // else uPlot keeps the places of equal ends
     this.plot.setData(loop || impulses ? [[0, high], [null, null], [null, null]] : [times, force, friction], false);
     this.plot.batch(() => {
       this.plot.setScale("x", { min: low, max: high });
       const room = PEAK_ROOM / this.plot.over.clientHeight;
       // the limits contain the margin, because uPlot applies the function `range` of an axis only to limits that it finds itself
-      this.plot.setScale("y", { min: MARGIN * Math.min(0, ...friction), max: (most > NO_FORCE ? most : 1) / (1 - room) });
+      const max = (most > NO_FORCE ? most : 1) / (1 - room) ** (this.isOfRoots ? 2 : 1);
+      this.plot.setScale("y", { min: MARGIN * Math.min(0, ...friction), max });
     });
-    return most;
+    return linear;
   }
 
-  /** Write the quantity and the title. `lines`: the compared motions, `high`: the end of the axis of forces. */
+  /** Write the quantity and the title. `lines`: the compared motions, `high`: the end of a linear axis of forces. */
   #tell(lines, hasCurve, high, rubs) {
     const { shown: contact, part: { from, to, isAroundNow } } = this;
     const { onset, end } = contact;
@@ -361,7 +318,8 @@ export class ForceChart extends Chart {
     const letters = hasCurve || this.impulses ? "" : this.curves.map(({ letter }) => letter).join(", ");
     const quantity = (unitsOf(contact).force === "N" ? force : moment) + (isHeld ? " after the impulse" : letters && ` of ${letters}`);
     const impulses = contact.atStop ? "Angular impulses" : "Impulses";
-    this.quantity.textContent = this.impulses ? impulses : this.loop ? `${quantity} over penetration` : quantity;
+    const axis = this.isOfRoots ? " (square roots)" : "";
+    this.quantity.textContent = this.impulses ? impulses : (this.loop ? `${quantity} over penetration` : quantity) + axis;
     const without = this.impulses ? "rigid" : letters ? `present: ${isRigid ? ONLY_IMPULSE : NO_COURSE}` : "no force over time is known";
     const isPart = !this.loop && !isHeld && to - from < end - onset;
     const shownPart = isPart ? `, ${isAroundNow ? "around now" : "its beginning"}` : "";
@@ -381,6 +339,6 @@ export class ForceChart extends Chart {
     const { times, depth, force } = courseAround(other, partner);
     if (this.loop && !depth) return { why: "no known penetration" };
     if (!force.some((value) => value > 0)) return { why: hasImpulseOnly(partner) ? ONLY_IMPULSE : NO_COURSE };
-    return { points: [this.loop ? depth : times, force], ...(isDoubtful && { why: DOUBTFUL_PAIR }) };
+    return { points: [this.loop ? depth : times, force], end: partner.end - partner.onset, ...(isDoubtful && { why: DOUBTFUL_PAIR }) };
   }
 }

@@ -105,8 +105,8 @@ export class TimeChart extends Chart {
         hooks: {
           drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts)],
           draw: [(plot) => {
-            const letters = [];
-            this.comparedCurves.forEach((curve) => drawCompared(plot, curve, letters));
+            const shown = plot.data.slice(1).filter((_, k) => plot.series[k + 1].show);
+            drawCompared(plot, this.comparedCurves, shown.map((values) => [plot.data[0], values]));
             if (plot === this.plot) this.mark(); // the horizontal axis may have changed, so the line at the present time is drawn again
           }],
         },
@@ -209,6 +209,17 @@ export class EnergyChart extends TimeChart {
     super(element, 180, energies, find("energy-time"), pointer);
   }
 
+  compare(recordings) {
+    super.compare(recordings);
+    this.#tellShown();
+  }
+
+  /** Tell the offset of the chart, and which curves of pins it has. */
+  #tellShown() {
+    const texts = [offsetText(this.offset), this.compared.length > 0 && "of pins: the total"];
+    find("energy-offset").textContent = texts.filter(Boolean).join("; ");
+  }
+
   get comparedCurves() {
     return this.shownMotions.map(({ recording: { rowTime: time, energies }, ...line }) =>
       ({ points: [time, movedBy(energies, this.offset).total ?? []], ...line }));
@@ -225,7 +236,7 @@ export class EnergyChart extends TimeChart {
     // the supplied energy has dots: where the motion repeats, its curve lies on that of the dissipated energy
     const curveOf = (name) =>
       ({ name, words: name, stroke: name, dash: name === "supplied" ? [2, 3] : undefined });
-    find("energy-offset").textContent = offsetText(this.offset);
+    this.#tellShown();
     if (!isSame) this.makeCurves(names.map(curveOf), data);
     this.setData(data);
     this.written = writerOf(data.slice(1));
