@@ -132,48 +132,48 @@ class Approximator:
             NotSmoothError: when a function cannot be approximated.
         """
         pieces: list[Piece] = []
-        dropped = 0
+        dropped_count = 0
         for piece in self._divide(start, end):
-            dropped = dropped + 1 if piece is None else 0
-            if dropped > MOST_FAILED_INTERVALS:
+            dropped_count = dropped_count + 1 if piece is None else 0
+            if dropped_count > MOST_FAILED_INTERVALS:
                 raise self._not_smooth(pieces[-1].end if pieces else start)
             if piece is not None:
                 self._join(pieces, piece)
         return pieces
 
-    def with_held(self, held: Pieces, columns: np.ndarray) -> Pieces:
-        """Return the pieces ``held`` of all signals, with polynomials of the functions in their ``columns``.
+    def with_held(self, holds: Pieces, columns: np.ndarray) -> Pieces:
+        """Return ``holds``, pieces of all signals, with polynomials of the functions in their ``columns``.
 
-        In a piece of ``held`` all signals are constant or linear. This piece is divided where the functions
-        need more than one polynomial.
+        In a piece of ``holds`` all signals are constant or linear. This piece is divided where the
+        functions need more than one polynomial.
 
         Raises:
             NotSmoothError: when a function cannot be approximated.
         """
-        fits, powers = [], []
-        for k, (start, end) in enumerate(zip(held.start.tolist(), held.end.tolist(), strict=True)):
+        joins, powers = [], []
+        for k, (start, end) in enumerate(zip(holds.start.tolist(), holds.end.tolist(), strict=True)):
             self._calls_left += CALLS_PER_PIECE
             pieces = self.pieces(start, end)
             starts = np.array([start, *(piece.start for piece in pieces[1:])])
-            fits.append((starts, [(piece.start, piece.end) for piece in pieces]))
+            joins.append((starts, [(piece.start, piece.end) for piece in pieces]))
             for piece in pieces:
-                row = np.zeros((INPUT_DEGREE + 1, held.powers.shape[2]))
-                row[0] = held.powers[k, 0]
-                if held.powers.shape[1] > 1:  # true with the interpolation ``linear``
+                row = np.zeros((INPUT_DEGREE + 1, holds.powers.shape[2]))
+                row[0] = holds.powers[k, 0]
+                if holds.powers.shape[1] > 1:  # true with the interpolation ``linear``
                     middle, half = 0.5 * (piece.start + piece.end), 0.5 * (piece.end - piece.start)
-                    row[0] += held.powers[k, 1] * (middle - held.middle[k]) * held.scale[k]
-                    row[1] = held.powers[k, 1] * half * held.scale[k]
+                    row[0] += holds.powers[k, 1] * (middle - holds.middle[k]) * holds.scale[k]
+                    row[1] = holds.powers[k, 1] * half * holds.scale[k]
                 row[:, columns] = piece.powers
                 powers.append(row)
-        start = np.concatenate([starts for starts, _ in fits])
-        fitted = np.array([ends for _, pairs in fits for ends in pairs])
-        same = held.same * JUMP_RATIO if held.powers.shape[1] > 1 else np.zeros(held.powers.shape[2])
+        start = np.concatenate([starts for starts, _ in joins])
+        edges = np.array([ends for _, pairs in joins for ends in pairs])
+        same = holds.same * JUMP_RATIO if holds.powers.shape[1] > 1 else np.zeros(holds.powers.shape[2])
         same[columns] = JUMP_RATIO * self._accuracy * self._scale
         return Pieces(
             start=start,
-            end=np.append(start[1:], held.end[-1]),
-            middle=0.5 * fitted.sum(axis=1),
-            scale=2.0 / np.diff(fitted, axis=1)[:, 0],
+            end=np.append(start[1:], holds.end[-1]),
+            middle=0.5 * edges.sum(axis=1),
+            scale=2.0 / np.diff(edges, axis=1)[:, 0],
             powers=np.array(powers),
             same=same,
         )
@@ -184,24 +184,24 @@ class Approximator:
         One polynomial for both pieces is not tried if they are ``_are_alike``.
         """
         meets = bool(pieces) and pieces[-1].end == piece.start
-        both = (
+        joined_piece = (
             self._fit_piece(pieces[-1].start, piece.end)
             if meets and not self._are_alike(pieces[-1], piece)
             else None
         )
-        if both is None:
+        if joined_piece is None:
             pieces.append(piece)
         else:
-            pieces[-1] = both
+            pieces[-1] = joined_piece
         self._last = pieces[-1]
 
-    def _are_alike(self, first: Piece, second: Piece) -> bool:
+    def _are_alike(self, a: Piece, b: Piece) -> bool:
         """Return whether two pieces are each half as long as the last interval without a polynomial.
 
         For this interval a polynomial has failed, or was not tried (``_is_vain``). One polynomial for two
         such pieces would probably fail, too, so they are not joined. Only lengths are compared, not times.
         """
-        halves = first.end - first.start, second.end - second.start, 0.5 * self._failed
+        halves = (a.end - a.start, b.end - b.start, 0.5 * self._failed)
         return max(halves) - min(halves) <= EQUAL_LENGTHS * halves[0]
 
     def _divide(self, start: float, end: float) -> Iterator[Piece | None]:
@@ -213,24 +213,24 @@ class Approximator:
         # simple: the interval does not follow a piece of a degree > MOST_DEGREE; in other intervals a
         # search for a jump or kink is not worth its calls
         simple = last is None or last.end != start or not last.powers[MOST_DEGREE + 1 :].any()
-        far = last is not None and end - start > 2.0**HALVED_BEYOND * (last.end - last.start)
+        is_far = last is not None and end - start > 2.0**HALVED_BEYOND * (last.end - last.start)
         _, length = math.frexp(end - start)
         vain = not simple and self._is_vain(length)
-        if not simple and (far or vain) and end > self._foreseen_until:
+        if not simple and (is_far or vain) and end > self._foreseen_until:
             self._foresee(start, end)
-        fitted = None if far or vain else self._fit_piece(start, end)
-        if fitted is not None:
+        piece = None if is_far or vain else self._fit_piece(start, end)
+        if piece is not None:
             self._count += 1
             self._patience[length] = 1
-            yield fitted
+            yield piece
             return
-        if not far:
+        if not is_far:
             self._failed = end - start
-        if not far and not vain:
+        if not is_far and not vain:
             self._patience[length] = min(2 * self._patience.get(length, 1), RETRY_PIECES)
             self._again[length] = self._count + self._patience[length]
-        before, after = (self._break_times(start, end) if simple and not far else None) or (middle, middle)
-        for part in itertools.pairwise((start, before, after, end)):
+        a, b = (self._break_times(start, end) if simple and not is_far else None) or (middle, middle)
+        for part in itertools.pairwise((start, a, b, end)):
             if part[0] < part[1]:
                 yield from self._divide(*part)
 
@@ -249,20 +249,20 @@ class Approximator:
         beside it has a degree > MOST_DEGREE.
         """
         quarter = 0.25 * (end - start)
-        before, after = start + quarter, end - quarter
+        a, b = start + quarter, end - quarter
         # The first round extrapolates polynomials from afar, to find on which side of the jump or kink a time
         # lies. The second round uses polynomials near the jump or kink, to find its time accurately.
-        for until in (0.125 * quarter, self._shortest):
-            left = self._simple_piece(before - quarter, before)
-            right = self._simple_piece(after, after + quarter) if left is not None else None
-            if left is None or right is None:
+        for shortest in (0.125 * quarter, self._shortest):
+            left_piece = self._simple_piece(a - quarter, a)
+            right = self._simple_piece(b, b + quarter) if left_piece is not None else None
+            if left_piece is None or right is None:
                 return None
-            before, after = self._narrow(left, right, until)
-            if after - before > until:
+            a, b = self._narrow(left_piece, right, shortest)
+            if b - a > shortest:
                 return None
-            if before == after:
-                before = after = self._kink(left, right, before)
-        return before, after
+            if a == b:
+                a = b = self._kink(left_piece, right, a)
+        return a, b
 
     def _kink(self, left: Piece, right: Piece, time: float) -> float:
         """Return the time of a kink near ``time`` [s], where two pieces of low degree are equal.
@@ -271,14 +271,14 @@ class Approximator:
         """
         unit = min(time - left.start, right.end - time)
         difference = right.series(time, unit)[: MOST_DEGREE + 1] - left.series(time, unit)[: MOST_DEGREE + 1]
-        allowed = np.maximum(DROPPED_SHARE * self._accuracy, FUNCTION_ROUND_OFF) * self._scale
-        column = difference[:, (np.abs(difference).sum(axis=0) / np.maximum(allowed, LEAST_ALLOWED)).argmax()]
-        found = 0.0
+        error = np.maximum(DROPPED_SHARE * self._accuracy, FUNCTION_ROUND_OFF) * self._scale
+        column = difference[:, (np.abs(difference).sum(axis=0) / np.maximum(error, LEAST_ALLOWED)).argmax()]
+        kink = 0.0
         for order in range(MOST_DEGREE):
             x = _zero(polynomial.polyder(column, order))
-            if abs(x) < 1.0 and (np.abs(polynomial.polyval(x, difference)) <= allowed).all():
-                found = x
-        return time + found * unit
+            if abs(x) < 1.0 and (np.abs(polynomial.polyval(x, difference)) <= error).all():
+                kink = x
+        return time + kink * unit
 
     def _simple_piece(self, start: float, end: float) -> Piece | None:
         """Return the piece between two times [s] if it is accurate and of at most MOST_DEGREE.
@@ -288,29 +288,29 @@ class Approximator:
         piece = self._fit_piece(start, end)
         return None if piece is None or piece.powers[MOST_DEGREE + 1 :].any() else piece
 
-    def _narrow(self, left: Piece, right: Piece, until: float) -> tuple[float, float]:
+    def _narrow(self, left: Piece, right: Piece, width: float) -> tuple[float, float]:
         """Return the last time [s] known before a jump or kink, and the first time known after it.
 
         The left piece has the functions' values before the jump or kink, the right piece after it. The
-        interval between the two times is halved until it is at most ``until`` [s] long. In the first round of
-        ``_break_times``, the search also ends at a time at which neither piece has the functions' values. If
-        both pieces have the functions' values at a time, the search returns this time twice.
+        interval between the two times is halved until it is at most ``width`` [s] long. In the first
+        round of ``_break_times``, the search also ends at a time at which neither piece has the functions'
+        values. If both pieces have the functions' values at a time, the search returns this time twice.
         """
-        before, after = left.end, right.start
+        a, b = left.end, right.start
         scale = np.where(self._scale > 0.0, self._scale, 1.0)
-        while after - before > until:
-            middle = np.array([0.5 * (before + after)])
+        while b - a > width:
+            middle = np.array([0.5 * (a + b)])
             value = self._call(middle, costly=True)
             misses = [float((np.abs(part.values_at(middle) - value) / scale).max()) for part in (left, right)]
             if max(misses) <= max(DROPPED_SHARE * float(np.min(self._accuracy)), FUNCTION_ROUND_OFF):
                 return float(middle[0]), float(middle[0])
-            if until > self._shortest and min(misses) > NEARER_RATIO * max(misses):
+            if width > self._shortest and min(misses) > NEARER_RATIO * max(misses):
                 break
             if misses[0] < misses[1]:
-                before = float(middle[0])
+                a = float(middle[0])
             else:
-                after = float(middle[0])
-        return before, after
+                b = float(middle[0])
+        return a, b
 
     def _call(self, times: np.ndarray, *, costly: bool) -> np.ndarray:
         """Return the values of the functions at times [s], shape (T, M).
@@ -358,8 +358,8 @@ class Approximator:
         half, middle = 0.5 * (end - start), 0.5 * (start + end)
         # two more times, one close to each end: a change of the function between an end and the nearest node
         # shows there
-        inside = np.minimum(0.1 * self._shortest, 0.002 * half)
-        times = np.hstack([middle + half * _NODES, start + inside, end - inside])
+        inset = np.minimum(0.1 * self._shortest, 0.002 * half)
+        times = np.hstack([middle + half * _NODES, start + inset, end - inset])
         called = self._call(times.ravel(), costly=bool(2.0 * half[0, 0] < self._fine))
         called = called.reshape(*times.shape, -1)
         values = called[:, :POINTS]
@@ -367,10 +367,10 @@ class Approximator:
         series[:, 0] += values[:, 0]
         low, high = values.min(axis=1), values.max(axis=1)
         self._scale = np.maximum(self._scale, np.maximum(high, -low).max(axis=0))
-        allowed = self._accuracy * self._scale + self._resolved * np.abs(end) / half * (high - low)
+        bound = self._accuracy * self._scale + self._resolved * np.abs(end) / half * (high - low)
         exponents, head = np.arange(INPUT_DEGREE + 1), series[:, : INPUT_DEGREE + 1]
-        rough = np.abs(series[:, INPUT_DEGREE + 1 :]).sum(axis=1) > allowed
-        counts = (np.abs(head) > DROPPED_SHARE * allowed[:, np.newaxis]).any(axis=2)
+        is_rough = np.abs(series[:, INPUT_DEGREE + 1 :]).sum(axis=1) > bound
+        counts = (np.abs(head) > DROPPED_SHARE * bound[:, np.newaxis]).any(axis=2)
         order = np.where(counts, exponents, 0).max(axis=1, keepdims=True)
         series = np.where(exponents <= order, 1.0, 0.0)[..., np.newaxis] * head
         powers = _POWERS @ series
@@ -378,14 +378,14 @@ class Approximator:
             Piece(*fields) for fields in zip(ends[:-1].tolist(), ends[1:].tolist(), powers, strict=True)
         ]
         x = (times[:, POINTS:] - middle) / half
-        missed = x[..., np.newaxis] ** np.arange(INPUT_DEGREE + 1) @ powers - called[:, POINTS:]
-        rough |= (np.abs(missed) > 2.0 * allowed[:, np.newaxis]).any(axis=1)
-        for k, seen in enumerate(itertools.starmap(slice, self._times.searchsorted(times[:, POINTS:]))):
-            if seen.start < seen.stop:
-                missed = pieces[k].values_at(self._times[seen]) - self._values[seen]
-                rough[k] |= (np.abs(missed) > 2.0 * allowed[k]).any(axis=0)
-        self._refused += rough.sum(axis=0)
-        return [None if failed else piece for failed, piece in zip(rough.any(axis=1), pieces, strict=True)]
+        errors = x[..., np.newaxis] ** np.arange(INPUT_DEGREE + 1) @ powers - called[:, POINTS:]
+        is_rough |= (np.abs(errors) > 2.0 * bound[:, np.newaxis]).any(axis=1)
+        for k, points in enumerate(itertools.starmap(slice, self._times.searchsorted(times[:, POINTS:]))):
+            if points.start < points.stop:
+                errors = pieces[k].values_at(self._times[points]) - self._values[points]
+                is_rough[k] |= (np.abs(errors) > 2.0 * bound[k]).any(axis=0)
+        self._refused += is_rough.sum(axis=0)
+        return [None if failed else piece for failed, piece in zip(is_rough.any(axis=1), pieces, strict=True)]
 
 
 def _zero(powers: np.ndarray) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 
 from chain_impact.kernel.chain.signals import signal_at
 from chain_impact.scene.kernel_view import signals_view
-from chain_impact.scene.signal_inputs import Driven
+from chain_impact.scene.signal_inputs import DrivenInput
 from chain_impact.scene.signal_polynomials import is_motion
 
 SAME_DERIVATIVE = 1e-9
@@ -20,7 +20,7 @@ SAME_DERIVATIVE = 1e-9
 VALUE, RATE, SECOND = range(3)
 
 
-def bends_at_start(record: Any, driven: tuple[Driven, ...]) -> list[int]:
+def bends_at_start(record: Any, driven_inputs: tuple[DrivenInput, ...]) -> list[int]:
     """Return the indices of knots (starts of polynomials) at t = 0 where a signal makes accelerations jump.
 
     If such a knot came later, the run would begin with the accelerations before the knot; if the knot came
@@ -28,19 +28,21 @@ def bends_at_start(record: Any, driven: tuple[Driven, ...]) -> list[int]:
 
     Args:
         record: an initialized record.
-        driven: the inputs that signals drive, in the order of the record.
+        driven_inputs: the inputs that signals drive, in the order of the record.
     """
     d = signals_view(record["signal"].copy(), record["knot"].copy())
-    found = []
-    for j, each in enumerate(driven):
+    bends = []
+    for j, driven_input in enumerate(driven_inputs):
         d.signal.lap[j] = 0
         for k in range(d.signal.first_knot[j] + 1, d.signal.last_knot[j] + 1):
             if d.knot.time[k] == 0.0:
-                before, after = _start_derivatives(d, j, k - 1), _start_derivatives(d, j, k)
-                watched = _watched_orders(each.input)
-                if not np.allclose(before[watched], after[watched], rtol=SAME_DERIVATIVE, atol=0.0):
-                    found.append(k)
-    return found
+                lower_derivatives, derivatives = _start_derivatives(d, j, k - 1), _start_derivatives(d, j, k)
+                watched = _watched_orders(driven_input.input)
+                if not np.allclose(
+                    lower_derivatives[watched], derivatives[watched], rtol=SAME_DERIVATIVE, atol=0.0
+                ):
+                    bends.append(k)
+    return bends
 
 
 def _start_derivatives(d: Any, j: int, segment: int) -> np.ndarray:
@@ -60,5 +62,5 @@ def _watched_orders(name: str) -> list[int]:
         return []
     if name.startswith("wall."):
         return [RATE]  # the record has the integral of a signal of a belt's speed, so RATE is the speed
-    follows = name.endswith((".target_angle", ".target_position"))
-    return [VALUE, RATE] if follows else [VALUE]
+    is_target = name.endswith((".target_angle", ".target_position"))
+    return [VALUE, RATE] if is_target else [VALUE]

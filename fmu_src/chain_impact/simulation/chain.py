@@ -62,16 +62,16 @@ class Chain:
             BuildError: when the kernel cannot be compiled.
         """
         self.scene: Scene = scene_of(scene)
-        prepared = PreparedScene(self.scene)
-        self._prepared, self._record = prepared, record
-        self._rows = ChainRows(prepared, record) if record is not False else None
-        self._instance = Instance(prepared)
+        prepared_scene = PreparedScene(self.scene)
+        self._prepared, self._record = prepared_scene, record
+        self._rows = ChainRows(prepared_scene, record) if record is not False else None
+        self._instance = Instance(prepared_scene)
         self._reals = self._instance.words
         self._integers = self._reals.view(np.int64)
         self._start = self._reals.copy()
         dtype = self._instance.record.dtype
-        self._accesses = {v.name: access_to(v, prepared.table_row(v)) for v in prepared.variables}
-        self._signal_of = prepared.signals_by_input
+        self._accesses = {v.name: access_to(v, prepared_scene.table_row(v)) for v in prepared_scene.variables}
+        self._signal_of = prepared_scene.signals_by_input
         self._time_word = word_index(dtype, ("step", "communication_point"))
         self._pending_word = word_index(dtype, ("given", "pending"))
         self._ended_word = word_index(dtype, ("contact_log", "count"))
@@ -102,11 +102,12 @@ class Chain:
         The end of a contact that still lasts is NaN.
         """
         self._ensure_initialized()
-        before = self._reals.copy()
-        # ``open_contacts`` ends the solver's last step at the present time; the copy ``before`` undoes this
-        lasting = self._instance.open_contacts()
-        self._reals[:] = before
-        return sorted_impacts([*self._impacts, lasting], self.scene.wall_names)[1]
+        words_before = self._reals.copy()
+        # ``open_contacts`` ends the solver's last step at the present time; the copy ``words_before`` undoes
+        # this
+        lasting_contacts = self._instance.open_contacts()
+        self._reals[:] = words_before
+        return sorted_impacts([*self._impacts, lasting_contacts], self.scene.wall_names)[1]
 
     @property
     def stick_slip(self) -> np.ndarray:
@@ -130,9 +131,9 @@ class Chain:
         if self._rows is None:
             raise SceneError(f"{self.scene.name}: result() needs rows: create Chain(…, record=True)")
         self._begin_rows(self._rows)
-        prepared = with_present_values(self._prepared, self._accesses, self._start, self._reals)
+        prepared_scene = with_present_values(self._prepared, self._accesses, self._start, self._reals)
         statistics = self._instance.statistics
-        return self._rows.result(prepared, self.impacts, self.stick_slip, statistics)
+        return self._rows.result(prepared_scene, self.impacts, self.stick_slip, statistics)
 
     def step(self, duration: float) -> None:
         """Advance by a duration > 0 [s].
@@ -157,8 +158,8 @@ class Chain:
                 continue.
         """
         if not self.time <= time < math.inf:
-            needed = f"a finite number >= {self.time!r} [s], the present time"
-            raise SceneError(f"{self.scene.name}: step_to({value_text(time)}) must be {needed}")
+            needed_text = f"a finite number >= {self.time!r} [s], the present time"
+            raise SceneError(f"{self.scene.name}: step_to({value_text(time)}) must be {needed_text}")
         self._ensure_initialized()
         row, spans = self._instant, self._no_words
         if self._rows is not None:
@@ -172,8 +173,8 @@ class Chain:
             self._collect()
             if self._instance.status != OK:
                 status, part = self._instance.status, self._instance.part
-                known = self.result() if self._rows else None
-                raise SimulationError(status, self.time, known, part, self.scene.name)
+                recording = self.result() if self._rows else None
+                raise SimulationError(status, self.time, recording, part, self.scene.name)
         self._collect()
         self._observed = True
         if self._rows is not None:
@@ -221,8 +222,8 @@ class Chain:
             UnknownNameError: when no variable has the name.
             SceneError: when a variable is an output, is fixed after the first step, or cannot have the value.
         """
-        given = {values: value} if isinstance(values, str) else values
-        checked = [self._checked_value(name, value) for name, value in given.items()]
+        given_values = {values: value} if isinstance(values, str) else values
+        checked = [self._checked_value(name, value) for name, value in given_values.items()]
         for access, number in checked:
             memory = self._integers if access.is_integer else self._reals
             if memory[access.row.set_word] != number:
@@ -305,24 +306,24 @@ class Chain:
         """
         status = self._instance.observe()
         if status != self._instance.status:
-            at = f"{self.scene.name}: at t = {self.time:.9g} s"
+            time_text = f"{self.scene.name}: at t = {self.time:.9g} s"
             text = fault_text(status, self._instance.part)
-            raise SceneError(f"{at} the values that are set cannot take effect: {text}")
+            raise SceneError(f"{time_text} the values that are set cannot take effect: {text}")
 
     def _collect(self) -> None:
-        ended = self._integers[self._ended_word] != self._integers[self._collected_word]
-        if ended or self._integers[self._friction_changes_word]:
+        has_ended = self._integers[self._ended_word] != self._integers[self._collected_word]
+        if has_ended or self._integers[self._friction_changes_word]:
             self._impacts.append(self._instance.collect())
 
     def _select(self, key: str | tuple[str, ...]) -> Selection:
         names = (key,) if isinstance(key, str) else key
-        selected = [
+        selected_outputs = [
             match
             for name in names
             for match in names_matching(self.scene.name, name, self._accesses, "not a variable", self._hint)
         ]
         selection = self._selections[key] = Selection.from_accesses(
-            [self._accesses[name] for name in selected]
+            [self._accesses[name] for name in selected_outputs]
         )
         return selection
 
@@ -335,22 +336,26 @@ class Chain:
         if access is None:
             raise UnknownNameError(self.scene.name, name, self._accesses, "not a variable", self._hint(name))
         if access.row.role == "output" or (access.row.role == "fixed" and self._stepped):
-            what = "is a fixed parameter and cannot be set after the first step"
+            fault = "is a fixed parameter and cannot be set after the first step"
             if access.row.role == "output":
-                by = self._signal_of.get(name)
-                what = f"cannot be set: signals.{by} drives it" if by else "is an output and cannot be set"
-            raise SceneError(f"{self.scene.name}: {name} {what}")
+                signal_name = self._signal_of.get(name)
+                fault = (
+                    f"cannot be set: signals.{signal_name} drives it"
+                    if signal_name
+                    else "is an output and cannot be set"
+                )
+            raise SceneError(f"{self.scene.name}: {name} {fault}")
         try:
             number = access.choices.index(value) + 1 if value in access.choices else value
             number = radians_of(number, access.unit)
-            kept = access.row.low <= number <= access.row.high and (
+            is_in_range = access.row.low <= number <= access.row.high and (
                 not access.is_integer or number == int(number)
             )
         except (TypeError, ValueError):
-            kept = False
-        if not kept or isinstance(value, bool):
-            allowed = f"{access.row.allowed}{or_degrees(access.unit)}"
-            raise SceneError(f"{self.scene.name}: {name} = {value_text(value)} must be {allowed}")
+            is_in_range = False
+        if not is_in_range or isinstance(value, bool):
+            allowed_text = f"{access.row.allowed}{or_degrees(access.unit)}"
+            raise SceneError(f"{self.scene.name}: {name} = {value_text(value)} must be {allowed_text}")
         return access, number
 
     def _hint(self, name: str) -> str | None:

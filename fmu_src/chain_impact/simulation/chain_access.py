@@ -65,15 +65,15 @@ def access_to(variable: Variable, row: TableRow) -> Access:
 
 
 def with_present_values(
-    prepared: PreparedScene, accesses: Mapping[str, Access], start: np.ndarray, words: np.ndarray
+    prepared_scene: PreparedScene, accesses: Mapping[str, Access], start: np.ndarray, words: np.ndarray
 ) -> PreparedScene:
     """Return the scene with the values of parameters that differ between two records of it.
 
     ``start`` are the words of the record at the start of the scene, ``words`` those of the present one.
     """
     values = {}
-    for name in prepared.parameter_paths:
+    for name in prepared_scene.parameter_paths:
         value = accesses[name].value(words)
         if value != accesses[name].value(start):
             values[name] = value
-    return PreparedScene(prepared.scene.with_values(values)) if values else prepared
+    return PreparedScene(prepared_scene.scene.with_values(values)) if values else prepared_scene

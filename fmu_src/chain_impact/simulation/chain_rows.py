@@ -24,7 +24,7 @@ class ChainRows:
         spans: the indices of a row's numbers in the record, see ``spans_of``.
     """
 
-    def __init__(self, prepared: PreparedScene, record: bool | str | Iterable[str]) -> None:
+    def __init__(self, prepared_scene: PreparedScene, record: bool | str | Iterable[str]) -> None:
         """Choose the outputs and inputs of the rows: all if ``record`` is true, else by names or patterns.
 
         Raises:
@@ -33,12 +33,12 @@ class ChainRows:
         self.times: list[float] = []
         self.numbers: list[np.ndarray] = []
         self.marks: list[int] = []
-        inputs = [variable.name for variable in prepared.inputs]
-        wanted = None if record is True else record
-        self._indices, names = chosen_columns(prepared, wanted, inputs)  # type: ignore[arg-type]
-        given = {v.name: prepared.word_of(v) for v in prepared.inputs if v.name in names}
-        self._input_names = tuple(given)
-        self._words = np.append(self._indices.words, np.array([*given.values()], int))
+        inputs = [variable.name for variable in prepared_scene.inputs]
+        wanted_names = None if record is True else record
+        self._indices, names = chosen_columns(prepared_scene, wanted_names, inputs)  # type: ignore[arg-type]
+        given_words = {v.name: prepared_scene.word_of(v) for v in prepared_scene.inputs if v.name in names}
+        self._input_names = tuple(given_words)
+        self._words = np.append(self._indices.words, np.array([*given_words.values()], int))
         self.spans = spans_of(self._words)
 
     def add(self, instance: Instance, numbers: np.ndarray | None = None) -> None:
@@ -58,8 +58,8 @@ class ChainRows:
 
     def restore(self, instance: Instance) -> None:
         """Keep the rows up to the present state of an instance; none if this state has no row."""
-        at = [k for k, time in enumerate(self.times) if time == instance.time]
-        self._keep(at[0] + 1 if at and self.marks[at[0]] == _mark(instance) else 0)
+        row_numbers = [k for k, time in enumerate(self.times) if time == instance.time]
+        self._keep(row_numbers[0] + 1 if row_numbers and self.marks[row_numbers[0]] == _mark(instance) else 0)
 
     @property
     def kept(self) -> tuple[list[float], list[np.ndarray], list[int]]:
@@ -80,12 +80,16 @@ class ChainRows:
             del rows[count:]
 
     def result(
-        self, prepared: PreparedScene, impacts: np.ndarray, phases: np.ndarray, statistics: dict[str, int]
+        self,
+        prepared_scene: PreparedScene,
+        impacts: np.ndarray,
+        phases: np.ndarray,
+        statistics: dict[str, int],
     ) -> Result:
-        """Return the rows as a result of the scene ``prepared``.
+        """Return the rows as a result of the scene ``prepared_scene``.
 
         Args:
-            prepared: the scene, with the present values of its parameters.
+            prepared_scene: the scene, with the present values of its parameters.
             impacts: the impacts of the run; those that end before the first row are left out.
             phases: the phases of dry friction of the run; those that end before the first row are left out.
             statistics: the solver's counts.
@@ -94,7 +98,7 @@ class ChainRows:
         width, count = indices.row.itemsize // WORD, len(indices.words)
         inputs = zip(self._input_names, numbers.T[count:], strict=True)
         return Result(
-            prepared,
+            prepared_scene,
             np.array(self.times),
             structured_rows(numbers, indices.row),
             impacts[~(impacts["end"] < self.times[0])],

@@ -40,7 +40,7 @@ class ChainState(NamedTuple):
         """Return the state as bytes, for a chain of the scene with this digest."""
         head = STATE.pack(MAGIC, 0, digest, self.stepped, len(self.impacts), len(self.changes))
         contents = (self.impacts, self.changes, self.words)
-        return with_checksum(MAGIC, head[CHECKED_FROM:] + b"".join(each.tobytes() for each in contents))
+        return with_checksum(MAGIC, head[CHECKED_FROM:] + b"".join(content.tobytes() for content in contents))
 
 
 def state_from(saved: bytes, digest: bytes, size: int, subject: str) -> ChainState:
@@ -55,7 +55,7 @@ def state_from(saved: bytes, digest: bytes, size: int, subject: str) -> ChainSta
     Raises:
         SceneError: when the bytes belong to no chain of this scene, or their checksum is wrong.
     """
-    magic, checksum, own_digest, stepped, *counts = STATE.unpack_from(saved.ljust(STATE.size, b"\0"))
+    magic, checksum, own_digest, has_stepped, *counts = STATE.unpack_from(saved.ljust(STATE.size, b"\0"))
     changes_at = STATE.size + counts[0] * LOG_DTYPE.itemsize
     record_at = changes_at + counts[1] * CHANGE_DTYPE.itemsize
     if magic != MAGIC or own_digest != digest or min(counts) < 0 or len(saved) != record_at + size:
@@ -63,7 +63,7 @@ def state_from(saved: bytes, digest: bytes, size: int, subject: str) -> ChainSta
     if checksum != zlib.crc32(saved[CHECKED_FROM:]):
         raise SceneError(f"{subject}: {DAMAGED}")
     return ChainState(
-        bool(stepped),
+        bool(has_stepped),
         np.frombuffer(saved, LOG_DTYPE, counts[0], STATE.size).copy(),
         np.frombuffer(saved, CHANGE_DTYPE, counts[1], changes_at).copy(),
         np.frombuffer(saved, offset=record_at).copy(),

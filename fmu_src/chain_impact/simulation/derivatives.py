@@ -178,67 +178,72 @@ class DifferentiatedInstance(Instance):
         A derivative is NaN if the impact is not ``valid``, if the quantity is not finite, if the quantity
         becomes known when derivatives cannot be trusted, or for a parameter in ``_missing``.
         """
-        kept = np.zeros(len(rows), self._impact_layout)
+        kept_slopes = np.zeros(len(rows), self._impact_layout)
         trust = self._tangents["trust"][0]
         distrusted = np.inf if trust["reason"] == TRUSTED else trust["time"]
         for name in DIFFERENTIABLE_COLUMNS:
             slopes = self._log[name]["slope"][:, slots].transpose(1, 0, 2)
-            kept[name] = slopes.reshape(len(rows), self._directions)[:, : len(self.parameters)]
-            until = (
+            kept_slopes[name] = slopes.reshape(len(rows), self._directions)[:, : len(self.parameters)]
+            end_rows = (
                 rows["onset"]
                 if name in ONSET_QUANTITIES
                 else np.where(np.isnan(rows["end"]), self.time, rows["end"])
             )
-            kept[name][~valid | (until >= distrusted) | ~np.isfinite(rows[name])] = np.nan
-            kept[name][:, self._missing] = np.nan
-        self._impact_slopes.append(kept)
+            kept_slopes[name][~valid | (end_rows >= distrusted) | ~np.isfinite(rows[name])] = np.nan
+            kept_slopes[name][:, self._missing] = np.nan
+        self._impact_slopes.append(kept_slopes)
 
     def slopes_of_impacts(self, order: np.ndarray) -> dict[str, np.ndarray]:
         """Return quantity → derivatives, shape (I, P), in the order that ``sorted_impacts`` returned."""
-        together = np.concatenate([np.zeros(0, self._impact_layout), *self._impact_slopes])[order]
-        return {name: together[name] for name in DIFFERENTIABLE_COLUMNS}
+        all_slopes = np.concatenate([np.zeros(0, self._impact_layout), *self._impact_slopes])[order]
+        return {name: all_slopes[name] for name in DIFFERENTIABLE_COLUMNS}
 
     @property
     def _missing(self) -> np.ndarray:
         """Whether derivatives by each parameter are missing from some time up to the present, shape (P,)."""
-        missing: np.ndarray = self._tangents["trust"]["missing"].ravel()[: len(self.parameters)] != 0
-        return missing
+        is_missing: np.ndarray = self._tangents["trust"]["missing"].ravel()[: len(self.parameters)] != 0
+        return is_missing
 
     @property
     def _one_sided(self) -> list[str]:
         """The names of parameters with one-sided derivatives: they shift a knot in ``bends_at_start``."""
-        driven = self.prepared.structure.signals
-        if not driven:
+        signals = self.prepared.structure.signals
+        if not signals:
             return []
-        slopes = self._tangents["knot"]["time"]["slope"][:, bends_at_start(self.record, driven)]
-        moves = (slopes != 0.0).any(axis=1).ravel()
-        return [name for name, moved in zip(self.parameters, moves, strict=False) if moved]
+        slopes = self._tangents["knot"]["time"]["slope"][:, bends_at_start(self.record, signals)]
+        has_slope = (slopes != 0.0).any(axis=1).ravel()
+        return [name for name, is_moving in zip(self.parameters, has_slope, strict=False) if is_moving]
 
     @property
     def limits(self) -> tuple[str, ...]:
         """Sentences for users: which derivatives are NaN, one-sided or, by dry friction, inexact, and why."""
         trust, share = self._tangents["trust"][0], float(self._tangents["trust"]["neglected"].max())
-        missing = [of for of, is_missing in zip(self.varied, self._missing, strict=True) if is_missing]
+        missing_parameters = [
+            parameter for parameter, is_missing in zip(self.varied, self._missing, strict=True) if is_missing
+        ]
         sentences = [
             *([LEFT_OPEN.format(share=share)] if share > LEAST_REPORTED_SHARE else []),
-            *((NO_RISE if is_rise(of) else NO_LESS).format(parameter=of.name) for of in missing),
+            *(
+                (NO_RISE if is_rise(parameter) else NO_LESS).format(parameter=parameter.name)
+                for parameter in missing_parameters
+            ),
             *(ONE_SIDED.format(parameter=name) for name in self._one_sided),
         ]
         if trust["reason"] == TRUSTED:
             return tuple(sentences)
-        where, reasons, cause = "", REASONS, "impact"
+        place_text, reasons, cause = "", REASONS, "impact"
         if trust["reason"] in REASONS_OF_FRICTION:
             reasons, cause = REASONS_OF_FRICTION, "dry friction"
         if trust["point"] != NO_IMPACT and trust["wall"] == JOINT:
-            where = f", the {cause} of joint {trust['point']}"
+            place_text = f", the {cause} of joint {trust['point']}"
         elif trust["point"] != NO_IMPACT:
             scene, wall = self.prepared.scene, trust["wall"]
-            touching = touching_part_name(int(trust["point"]), scene.stop_name(wall), scene.point_names)
-            where = f", the {cause} of {touching} at {scene.wall_names[wall]}"
+            touching_part = touching_part_name(int(trust["point"]), scene.stop_name(wall), scene.point_names)
+            place_text = f", the {cause} of {touching_part} at {scene.wall_names[wall]}"
             reasons = REASONS_AT_STOPS if is_scene_joint_stop(scene, wall) else reasons
         reason = reasons[int(trust["reason"])]
-        ended = f"there are no derivatives from t = {trust['time']:.9g} s on{where}: {reason}"
-        return ended, *sentences
+        end_text = f"there are no derivatives from t = {trust['time']:.9g} s on{place_text}: {reason}"
+        return end_text, *sentences
 
 
 def is_rise(parameter: Variable) -> bool:
@@ -328,17 +333,17 @@ class DifferentiatedRun:
         times = np.ascontiguousarray(times, float)
         schedule = input_schedule(self._prepared, self._inputs, self._interpolation, times)
         rows = instance.rows(len(schedule.times), self._words)
-        asked = np.searchsorted(schedule.times, times)
+        asked_rows = np.searchsorted(schedule.times, times)
         schedule.set(instance.record, 0)
         try:
             instance.restart(self._paths, values)
         except SimulationError:
             rows.numbers[:] = np.nan
-            return self._differentiated(rows.numbers[asked], [])
-        done, impacts = instance.run(schedule, rows)
-        rows.numbers[done:] = np.nan
+            return self._differentiated(rows.numbers[asked_rows], [])
+        finished_rows, impacts = instance.run(schedule, rows)
+        rows.numbers[finished_rows:] = np.nan
         impacts.append(instance.open_contacts())
-        return self._differentiated(rows.numbers[asked], impacts)
+        return self._differentiated(rows.numbers[asked_rows], impacts)
 
     def _differentiated(self, slopes: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
         width, count = len(self._words), len(self._paths)

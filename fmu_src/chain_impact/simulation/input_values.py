@@ -12,7 +12,7 @@ from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.table_file import first_early, jumps_of
 
 
-def checked_signal(what: str, signal: Any) -> Any:
+def checked_signal(noun: str, signal: Any) -> Any:
     """Return an input over time: a finite number, a function, or a pair (times [s], values) of arrays (T,).
 
     A SceneError refuses any other value; the times of a pair increase, or two are equal at a jump.
@@ -21,41 +21,43 @@ def checked_signal(what: str, signal: Any) -> Any:
         return signal
     match signal:
         case tuple([times, values]) | list([times, values]):
-            return _samples(what, _numbers(times), _numbers(values))
+            return _samples(noun, _numbers(times), _numbers(values))
     number = _numbers(signal)
     if number is None or number.shape or not np.isfinite(number):
         raise SceneError(
-            f"{what} = {signal!r} must be a finite number, a function of the time, or a pair (times, values)"
+            f"{noun} = {signal!r} must be a finite number, a function of the time, or a pair (times, values)"
         )
     return float(number)
 
 
-def _samples(what: str, times: np.ndarray | None, values: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+def _samples(noun: str, times: np.ndarray | None, values: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
     if times is None or values is None or times.ndim != 1 or times.shape != values.shape or not times.size:
         shapes = " and ".join("no numbers" if part is None else str(part.shape) for part in (times, values))
-        raise SceneError(f"{what}: times and values must be numbers of one shape (T,), T > 0, not {shapes}")
+        raise SceneError(f"{noun}: times and values must be numbers of one shape (T,), T > 0, not {shapes}")
     for name, part in (("times", times), ("values", values)):
         for k in np.flatnonzero(~np.isfinite(part)):
-            raise SceneError(f"{what}: {name}[{k}] = {part[k]} must be a finite number")
-    if (late := first_early(times)) is not None:
-        least = f"times[{late - 1}] = {times[late - 1]} [s]; only two times may be equal, for a jump"
-        raise SceneError(f"{what}: times[{late}] = {times[late]} must be > {least}")
+            raise SceneError(f"{noun}: {name}[{k}] = {part[k]} must be a finite number")
+    if (late_row := first_early(times)) is not None:
+        order_text = (
+            f"times[{late_row - 1}] = {times[late_row - 1]} [s]; only two times may be equal, for a jump"
+        )
+        raise SceneError(f"{noun}: times[{late_row}] = {times[late_row]} must be > {order_text}")
     return times, values
 
 
-def finite_value(what: str, function: Callable[[float], Any], time: float) -> float:
+def finite_value(noun: str, function: Callable[[float], Any], time: float) -> float:
     """Return the value of a function of the time [s]; SceneError if it fails or returns no finite number."""
     try:
         value = function(time)
     except Exception as error:
         raise SceneError(
-            f"{what}: the function raised {type(error).__name__} at t = {time:.9g} s: {error}"
+            f"{noun}: the function raised {type(error).__name__} at t = {time:.9g} s: {error}"
         ) from error
     if isinstance(value, float) and math.isfinite(value):
         return float(value)
     number = _numbers(value)
     if number is None or number.shape or not np.isfinite(number):
-        raise SceneError(f"{what}: the function returned {value!r} at t = {time:.9g} s, not a finite number")
+        raise SceneError(f"{noun}: the function returned {value!r} at t = {time:.9g} s, not a finite number")
     return float(number)
 
 
@@ -73,11 +75,11 @@ def values_before_jumps(grid: np.ndarray, values: np.ndarray, signals: Sequence[
 
     Samples with two equal times have a jump. Column m of ``values`` belongs to ``signals[m]``.
     """
-    before = values.copy()
+    left_values = values.copy()
     for m, signal in enumerate(signals):
         if isinstance(signal, tuple):
-            at, sampled = signal
-            for k in jumps_of(at):
-                row = np.abs(grid - at[k]).argmin()
-                before[row, m], values[row, m] = sampled[k : k + 2]
-    return before
+            times, sampled = signal
+            for k in jumps_of(times):
+                row = np.abs(grid - times[k]).argmin()
+                left_values[row, m], values[row, m] = sampled[k : k + 2]
+    return left_values

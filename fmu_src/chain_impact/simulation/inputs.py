@@ -92,10 +92,10 @@ class InputSchedule:
 
         The inputs are those of ``columns`` that are among ``names``; by default all.
         """
-        columns = {name: at for name, at in self.columns.items() if names is None or name in names}
-        which, times = self.first_row.searchsorted(rows, side="right") - 1, self.times[rows]
+        columns = {name: k for name, k in self.columns.items() if names is None or name in names}
+        piece_numbers, times = self.first_row.searchsorted(rows, side="right") - 1, self.times[rows]
         orders = {order for _, order in columns.values()}
-        signals = {order: self.pieces.derivatives_at(times, which, order) for order in orders}
+        signals = {order: self.pieces.derivatives_at(times, piece_numbers, order) for order in orders}
         return {name: signals[order][:, column] for name, (column, order) in columns.items()}
 
     def with_times(self, times: np.ndarray) -> InputSchedule:
@@ -103,11 +103,11 @@ class InputSchedule:
 
         Pieces that start after the last of ``times`` are left out.
         """
-        begins = self.times[np.maximum(self.first_row - 1, 0)]
-        merged = np.union1d(times, begins[begins <= times[-1]])
-        first = np.searchsorted(merged, begins, side="right")
+        begin_times = self.times[np.maximum(self.first_row - 1, 0)]
+        merged_times = np.union1d(times, begin_times[begin_times <= times[-1]])
+        first = np.searchsorted(merged_times, begin_times, side="right")
         first[self.first_row == 0] = 0
-        return replace(self, times=merged, is_requested=np.isin(merged, times), first_row=first)
+        return replace(self, times=merged_times, is_requested=np.isin(merged_times, times), first_row=first)
 
     def set(self, record: Any, row: int) -> None:
         """Set the inputs in a record to those of a row.
@@ -117,42 +117,42 @@ class InputSchedule:
         """
         if not self.paths:
             return
-        at = int(self.first_row.searchsorted(row, side="right")) - 1
-        powers, given, changed = self.pieces.powers[at], record["given"], False
-        piece, channels = given["piece"], record["given_channel"]
-        channels["interpolates"], channels["jumps"] = 1, self.belt_jumps[at]
+        piece_number = int(self.first_row.searchsorted(row, side="right")) - 1
+        powers, given_inputs, has_changed = self.pieces.powers[piece_number], record["given"], False
+        piece, channels = given_inputs["piece"], record["given_channel"]
+        channels["interpolates"], channels["jumps"] = 1, self.belt_jumps[piece_number]
         for m, (part, name, index) in enumerate(self.paths):
             if name == PIECE:
                 channels["interpolates"] = 0
                 given_powers = channels[name][: len(powers), index]
-                changed = changed or (given_powers != powers[:, m]).any()
+                has_changed = has_changed or (given_powers != powers[:, m]).any()
                 given_powers[:] = powers[:, m]
                 continue
             values = record[part][name]
-            changed |= values[index] != powers[0, m]
+            has_changed |= values[index] != powers[0, m]
             values[index] = powers[0, m]
             if part != MOTION:
                 piece[name][1 : len(powers), index] = powers[1:, m]
-        settings = self.pieces.settings(at)
+        settings = self.pieces.settings(piece_number)
         # steady: with ``hold``, the kernel makes the polynomials of motions from the values at communication
         # points, and writes the settings of its polynomials; all other inputs are constant, without settings
         steady = channels["interpolates"] and len(channels["position"]) > 0
         if not steady and (settings["degree"] or piece["degree"]):
-            changed = changed or any(piece[name] != value for name, value in settings.items())
+            has_changed = has_changed or any(piece[name] != value for name, value in settings.items())
             for name, value in settings.items():
                 piece[name] = value
-        if changed:
-            anew = row != self.first_row[at] or self.restarts[at]
-            given["pending"] = REINITIALIZE if anew else CONTINUES
+        if has_changed:
+            anew = row != self.first_row[piece_number] or self.restarts[piece_number]
+            given_inputs["pending"] = REINITIALIZE if anew else CONTINUES
 
 
 def input_schedule(
-    prepared: PreparedScene, inputs: GivenInputs, interpolation: str, times: np.ndarray
+    prepared_scene: PreparedScene, inputs: GivenInputs, interpolation: str, times: np.ndarray
 ) -> InputSchedule:
     """Return the inputs of a simulation over time, with given communication points.
 
     Args:
-        prepared: the scene that the inputs drive.
+        prepared_scene: the scene that the inputs drive.
         inputs: name of an input of the FMU → its value over time; or a table.
         interpolation: ``follow``, ``hold``, ``linear`` or ``spline``, see ``simulate``.
         times: communication points, increasing, shape (T,) [s]. The inputs act from t = 0 on, also if the
@@ -161,49 +161,49 @@ def input_schedule(
     Raises:
         SceneError: when a name is not an input of the scene, or a signal is invalid.
     """
-    scene = prepared.scene
+    scene = prepared_scene.scene
     inputs = inputs_by_name(inputs, scene.simulation.stop_time)
     if interpolation not in INTERPOLATIONS:
-        *others, last = INTERPOLATIONS
-        allowed = f"must be {', '.join(others)} or {last}"
-        raise SceneError(f"{scene.name}: interpolation = {interpolation!r} {allowed}")
-    begins = len(times) > 0 and times[0] == 0.0
-    run = times if begins else np.union1d(0.0, times)
+        *other_interpolations, last = INTERPOLATIONS
+        allowed_text = f"must be {', '.join(other_interpolations)} or {last}"
+        raise SceneError(f"{scene.name}: interpolation = {interpolation!r} {allowed_text}")
+    begins_at_zero = len(times) > 0 and times[0] == 0.0
+    run = times if begins_at_zero else np.union1d(0.0, times)
     if not inputs:
-        is_requested = np.ones(len(run), bool) if begins else np.isin(run, times)
+        is_requested = np.ones(len(run), bool) if begins_at_zero else np.isin(run, times)
         return InputSchedule(run, is_requested, (), NO_PIECES, FIRST_ROW, NEVER, NEVER)
-    signals, stop = _signals_of(prepared, inputs), float(run[-1])
-    channels = channels_of(prepared) if interpolation != "hold" and stop > 0.0 else []
-    given = {name: signals.pop(name) for channel in channels for name in channel.names if name in signals}
+    signals, stop = _signals_of(prepared_scene, inputs), float(run[-1])
+    channels = channels_of(prepared_scene) if interpolation != "hold" and stop > 0.0 else []
+    sources = {name: signals.pop(name) for channel in channels for name in channel.names if name in signals}
     for channel in channels:
-        refuse_jumping_samples(scene.name, channel, given)
+        refuse_jumping_samples(scene.name, channel, sources)
     functions = {
         name: partial(finite_value, f"{scene.name}: {name}", signal)
-        for name, signal in (signals | given).items()
+        for name, signal in (signals | sources).items()
     }
 
     def call(name: str, time: float) -> float:
         return functions[name](time)
 
-    motions = [motion_of(channel, given, stop, call, interpolation=interpolation) for channel in channels]
-    pieces, moving = _pieces_of(prepared, signals, motions, call, interpolation=interpolation, run=run)
+    motions = [motion_of(channel, sources, stop, call, interpolation=interpolation) for channel in channels]
+    pieces, tail = _pieces_of(prepared_scene, signals, motions, call, interpolation=interpolation, run=run)
     belts = np.array([not channel.position for channel in channels], bool)
-    refuse_jumps(scene.name, motions, belts, pieces, moving)
-    warn(scene.name, contradictions(channels, given, pieces, moving, call))
-    warn(scene.name, still_dampers(prepared, list(signals), pieces))
+    refuse_jumps(scene.name, motions, belts, pieces, tail)
+    warn(scene.name, contradictions(channels, sources, pieces, tail, call))
+    warn(scene.name, still_dampers(prepared_scene, list(signals), pieces))
     if motions:
-        pieces = made_continuous(pieces, moving)
+        pieces = made_continuous(pieces, tail)
     begin = pieces.start[1:]
-    together = np.union1d(run, begin)
-    belt_jumps = np.asarray(jumps(pieces, moving[belts], 1).any(axis=1))
-    bends = jumps(pieces, moving, 2).any(axis=1)
-    paths = {variable.name: variable.record_path for variable in prepared.inputs}
+    all_times = np.union1d(run, begin)
+    belt_jumps = np.asarray(jumps(pieces, tail[belts], 1).any(axis=1))
+    bends = jumps(pieces, tail, 2).any(axis=1)
+    paths = {variable.name: variable.record_path for variable in prepared_scene.inputs}
     return InputSchedule(
-        times=together,
-        is_requested=np.isin(together, times),
+        times=all_times,
+        is_requested=np.isin(all_times, times),
         paths=(*(paths[name] for name in signals), *((MOTION, PIECE, j) for j in range(len(motions)))),
         pieces=pieces,
-        first_row=np.append(0, np.searchsorted(together, begin) + 1),
+        first_row=np.append(0, np.searchsorted(all_times, begin) + 1),
         restarts=pieces.jumps | belt_jumps | bends,
         belt_jumps=belt_jumps,
         columns={name: (m, 0) for m, name in enumerate(signals)}
@@ -216,20 +216,20 @@ def input_schedule(
     )
 
 
-def _signals_of(prepared: PreparedScene, inputs: Mapping[str, Any]) -> dict[str, Any]:
+def _signals_of(scene: PreparedScene, inputs: Mapping[str, Any]) -> dict[str, Any]:
     """Return name → input over time: a number, a function, or a pair of arrays (times, values).
 
     Refuse unknown names, and values of other types.
     """
-    source, names = prepared.scene.name, {variable.name for variable in prepared.inputs}
+    source, names = scene.scene.name, {variable.name for variable in scene.inputs}
     for name in inputs:
         if name not in names:
-            raise SceneError(f"{source}: {name!r} is not an input of this scene; {_hint(prepared, name)}")
+            raise SceneError(f"{source}: {name!r} is not an input of this scene; {_hint(scene, name)}")
     return {name: checked_signal(f"{source}: {name}", signal) for name, signal in inputs.items()}
 
 
 def _pieces_of(
-    prepared: PreparedScene,
+    prepared_scene: PreparedScene,
     signals: Mapping[str, Any],
     motions: Sequence[Motion],
     call: Callable[[str, float], float],
@@ -243,66 +243,65 @@ def _pieces_of(
     ``spline``, samples with ``spline`` only. All other signals are held, or with ``linear`` joined by lines,
     between the communication points ``run`` and the times of samples.
     """
-    scene, same = prepared.scene, SAMPLE_ROUND_OFF * run[-1]
+    scene, same = prepared_scene.scene, SAMPLE_ROUND_OFF * run[-1]
     splines = {
-        name: as_function(name, signal, call, joined="spline")
+        name: as_function(name, signal, call, joint_form="spline")
         for name, signal in signals.items()
         if interpolation == "spline" and isinstance(signal, tuple)
     }
     breaks = np.concatenate(
-        [np.zeros(0), *(motion.breaks for motion in motions), *(at for _, at in splines.values())]
+        [np.zeros(0), *(motion.breaks for motion in motions), *(knots for _, knots in splines.values())]
     )
     samples = [signal[0] for signal in signals.values() if isinstance(signal, tuple)]
     grid = run
     if samples or len(breaks):
         grid = _with_samples(run, np.concatenate([breaks, *samples]), same)
-    follows = interpolation in ("follow", "spline") and run[-1] > 0.0
-    followed = [name for name, signal in signals.items() if follows and (callable(signal) or name in splines)]
+    is_exact = interpolation in ("follow", "spline") and run[-1] > 0.0
+    names = [name for name, signal in signals.items() if is_exact and (callable(signal) or name in splines)]
     values = [
         np.zeros(len(grid))
-        if name in followed
+        if name in names
         else _signal_values(f"{scene.name}: {name}", signal, interpolation, grid, same)
         for name, signal in signals.items()
     ]
     values += [np.zeros(len(grid)) for _ in motions]
-    starts, after = _on_grid(grid, breaks), np.stack(values, axis=1)
-    before = values_before_jumps(grid, after, [*signals.values()]) if interpolation == "linear" else after
-    pieces = joined_points(grid, after, lines=interpolation == "linear", breaks=starts, before=before)
-    moving = len(signals) + np.arange(len(motions))
-    columns = np.append([k for k, name in enumerate(signals) if name in followed], moving).astype(int)
+    starts, rights = _on_grid(grid, breaks), np.stack(values, axis=1)
+    lefts = values_before_jumps(grid, rights, [*signals.values()]) if interpolation == "linear" else rights
+    pieces = joined_points(grid, rights, lines=interpolation == "linear", breaks=starts, left_limits=lefts)
+    tail = len(signals) + np.arange(len(motions))
+    columns = np.append([k for k, name in enumerate(signals) if name in names], tail).astype(int)
     if len(columns):
         functions: dict[str, Callable[[Any], Any]] = {
-            name: splines[name][0] if name in splines else partial(_values_at, call, name)
-            for name in followed
+            name: splines[name][0] if name in splines else partial(_values_at, call, name) for name in names
         }
         functions |= {motion.name or str(m): motion.position for m, motion in enumerate(motions)}
         is_force = columns < len(signals)
         accuracy = np.where(is_force, TOLERANCE_SHARE * scene.solver.tolerance, ACCURACY)
-        resolved = np.where(is_force, TIME_ERROR, FINELY_RESOLVED)
-        pieces = _with_functions(scene.name, functions, columns, pieces, (accuracy, resolved))
-        pieces = replace(pieces, moving=moving)
+        resolutions = np.where(is_force, TIME_ERROR, FINELY_RESOLVED)
+        pieces = _with_functions(scene.name, functions, columns, pieces, (accuracy, resolutions))
+        pieces = replace(pieces, moving=tail)
     # ``refuse_jumps`` checks the jumps of motions, so ``Pieces.jumps`` leaves them out
-    pieces.same[moving] = np.inf
-    return pieces, moving
+    pieces.same[tail] = np.inf
+    return pieces, tail
 
 
 def inputs_by_name(inputs: GivenInputs, stop: float) -> Mapping[str, InputSource]:
     """Return name → input over time; the columns of a table, for a run until ``stop`` [s], become samples."""
     if isinstance(inputs, Mapping) and TIME not in inputs:
         return cast("Mapping[str, InputSource]", inputs)
-    read = read_table(cast("TableSource", inputs))
-    times, columns = samples_of(read, stop)
-    warn(read.source, gap_hints(times))
+    table = read_table(cast("TableSource", inputs))
+    times, columns = samples_of(table, stop)
+    warn(table.source, gap_hints(times))
     return {name: (times, values) for name, values in columns.items()}
 
 
-def _hint(prepared: PreparedScene, name: Any) -> str:
+def _hint(scene: PreparedScene, name: Any) -> str:
     """Return a hint for a name that is not an input: which signal drives it, how to add it, or all inputs."""
-    if name in prepared.signals_by_input:
-        return f"signals.{prepared.signals_by_input[name]} drives it"
+    if name in scene.signals_by_input:
+        return f"signals.{scene.signals_by_input[name]} drives it"
     if isinstance(name, str) and input_key(name):
-        return request_hint(prepared.scene, name)
-    return inputs_text(variable.name for variable in prepared.inputs)
+        return request_hint(scene.scene, name)
+    return inputs_text(variable.name for variable in scene.inputs)
 
 
 def _values_at(call: Callable[[str, float], float], name: str, times: np.ndarray) -> np.ndarray:
@@ -312,21 +311,21 @@ def _values_at(call: Callable[[str, float], float], name: str, times: np.ndarray
 
 def _on_grid(grid: np.ndarray, times: np.ndarray) -> np.ndarray:
     """Return the points of a grid [s] that are nearest to given times [s]; none if the grid has one point."""
-    after = np.searchsorted(grid, times).clip(1, len(grid) - 1) if len(grid) > 1 else np.zeros(0, int)
-    nearer = times[: len(after)] - grid[after - 1] < grid[after] - times[: len(after)]
-    return np.unique(grid[after - nearer])
+    next_rows = np.searchsorted(grid, times).clip(1, len(grid) - 1) if len(grid) > 1 else np.zeros(0, int)
+    nearer = times[: len(next_rows)] - grid[next_rows - 1] < grid[next_rows] - times[: len(next_rows)]
+    return np.unique(grid[next_rows - nearer])
 
 
 def _with_functions(
     source: str,
     functions: Mapping[str, Callable[[np.ndarray], np.ndarray]],
     columns: np.ndarray,
-    held: Pieces,
+    pieces: Pieces,
     errors: tuple[np.ndarray, np.ndarray],
 ) -> Pieces:
-    """Return the pieces ``held`` of all signals, with polynomials of the ``functions`` in their ``columns``.
+    """Return ``pieces``, those of all signals, with polynomials of the ``functions`` in their ``columns``.
 
-    In ``held`` all signals are constant or linear; see ``Approximator.with_held``. ``errors`` are the
+    In ``pieces`` all signals are constant or linear; see ``Approximator.with_held``. ``errors`` are the
     arguments ``accuracy`` and ``resolved`` of ``Approximator``, each with a number for each function.
     """
     names = list(functions)
@@ -334,13 +333,13 @@ def _with_functions(
     def call(times: np.ndarray) -> np.ndarray:
         return np.stack([function(times) for function in functions.values()], axis=1)
 
-    approximator = Approximator(call, float(held.end[-1]), *errors)
+    approximator = Approximator(call, float(pieces.end[-1]), *errors)
     try:
-        return approximator.with_held(held, columns)
+        return approximator.with_held(pieces, columns)
     except NotSmoothError as error:
-        which = names[error.which]
+        name = names[error.which]
         raise SceneError(
-            f"{source}: {which}: the function cannot be followed at t = {error.time:.9g} s, as it is not "
+            f"{source}: {name}: the function cannot be followed at t = {error.time:.9g} s, as it is not "
             "smooth in pieces (noise, rounded values), or has too many jumps or kinks (a table, a switch); "
             'give samples (times, values), or take interpolation="linear" or "hold"'
         ) from None
@@ -354,8 +353,8 @@ def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.nda
     """
     samples = np.unique(samples)
     samples = samples[(samples > 0.0) & (samples < times[-1])]
-    after = np.searchsorted(times, samples)
-    samples = samples[np.minimum(times[after] - samples, samples - times[after - 1]) > same]
+    next_rows = np.searchsorted(times, samples)
+    samples = samples[np.minimum(times[next_rows] - samples, samples - times[next_rows - 1]) > same]
     return np.union1d(times, samples[np.diff(samples, prepend=0.0) > same])
 
 
@@ -363,25 +362,25 @@ def inputs_text(inputs: Iterable[str]) -> str:
     """Return a sentence on the inputs of a scene: their names, and how to add inputs."""
     names = list(inputs)
     *keys, last = INPUTS_OF
-    how = f"[inputs] {', '.join(keys)} and {last} in the scene"
+    advice = f"[inputs] {', '.join(keys)} and {last} in the scene"
     if not names:
-        return f"it has none, {how} make them"
-    shown = names if len(names) <= LISTED_NAMES else [*names[: LISTED_NAMES - 2], "…", names[-1]]
-    return f"it has {', '.join(shown)}, and {how} make all that there can be"
+        return f"it has none, {advice} make them"
+    shown_names = names if len(names) <= LISTED_NAMES else [*names[: LISTED_NAMES - 2], "…", names[-1]]
+    return f"it has {', '.join(shown_names)}, and {advice} make all that there can be"
 
 
-def _signal_values(what: str, signal: Any, interpolation: str, times: np.ndarray, same: float) -> np.ndarray:
+def _signal_values(noun: str, signal: Any, interpolation: str, times: np.ndarray, same: float) -> np.ndarray:
     """Return a signal's values at several times, shape (T,); ``linear`` joins samples, else they are held.
 
     A held sample acts from ``same`` [s] before its time on, until the next one acts; the first sample also
     before.
     """
     if callable(signal):
-        return np.array([finite_value(what, signal, time) for time in times.tolist()])
+        return np.array([finite_value(noun, signal, time) for time in times.tolist()])
     if isinstance(signal, float):
         return np.full(len(times), signal)
-    at, values = signal
+    sample_times, values = signal
     if interpolation == "linear":
-        return np.asarray(np.interp(times, at, values))
-    latest = np.searchsorted(at, times + same, side="right") - 1
-    return np.asarray(values[np.maximum(latest, 0)])
+        return np.asarray(np.interp(times, sample_times, values))
+    latest_rows = np.searchsorted(sample_times, times + same, side="right") - 1
+    return np.asarray(values[np.maximum(latest_rows, 0)])

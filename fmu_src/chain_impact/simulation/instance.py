@@ -84,13 +84,13 @@ class Instance:
             status: int = self._kernel.observe_now(self._address)
             return status
         # outputs are computed in a copy, because reading them must not change the run
-        tried = self._memory.copy()
-        status = self._kernel.observe_now(tried.ctypes.data)
-        self.record["fault"], self.record["output"] = tried[0]["fault"], tried[0]["output"]
+        trial = self._memory.copy()
+        status = self._kernel.observe_now(trial.ctypes.data)
+        self.record["fault"], self.record["output"] = trial[0]["fault"], trial[0]["output"]
         for part, field in DERIVED_DURING_RUN:
-            self.record[part][field] = tried[0][part][field]
+            self.record[part][field] = trial[0][part][field]
         if self.record["tangents"]:
-            self._memory[0][TANGENTS]["output"] = tried[0][TANGENTS]["output"]
+            self._memory[0][TANGENTS]["output"] = trial[0][TANGENTS]["output"]
         return status
 
     def is_sound(self, words: np.ndarray) -> bool:
@@ -121,9 +121,12 @@ class Instance:
             of_state: as for ``WordRows``; if true, the kernel computes no other outputs.
         """
         spans = spans_of(self.prepared.output_words) if spans is None else spans
-        wanted, filled = (spans.ctypes.data, len(spans)), (rows.ctypes.data, rows.strides[0] // WORD)
+        span_arguments, row_arguments = (
+            (spans.ctypes.data, len(spans)),
+            (rows.ctypes.data, rows.strides[0] // WORD),
+        )
         count: int = self._kernel.trajectory(
-            self._address, times.ctypes.data, len(times), *wanted, *filled, of_state
+            self._address, times.ctypes.data, len(times), *span_arguments, *row_arguments, of_state
         )
         return count
 
@@ -134,29 +137,29 @@ class Instance:
 
         Returns the number of filled rows, which a fault makes smaller, and the contacts that have ended.
         """
-        done, impacts, last = 0, [], len(schedule.times)
+        finished_rows, impacts, last = 0, [], len(schedule.times)
         ends = np.append(schedule.first_row[1:], last) if schedule.paths else None
-        while done < last and self.status == OK:
+        while finished_rows < last and self.status == OK:
             # no call of ``rows.fill`` goes beyond a piece of the inputs, because each piece has other inputs
-            until = last if ends is None else ends[np.searchsorted(ends, done, side="right")]
-            end = min(done + rows.chunk, until)
-            schedule.set(self.record, done)
-            done += rows.fill(self, schedule.times[done:end], done)
+            end_row = last if ends is None else ends[np.searchsorted(ends, finished_rows, side="right")]
+            end = min(finished_rows + rows.chunk, end_row)
+            schedule.set(self.record, finished_rows)
+            finished_rows += rows.fill(self, schedule.times[finished_rows:end], finished_rows)
             impacts.append(self.collect())
-            progress(done / last)
-        return done, impacts
+            progress(finished_rows / last)
+        return finished_rows, impacts
 
     def collect(self) -> np.ndarray:
         """Return the contacts that have ended since the last call.
 
         Also add the new changes between sticking and sliding to ``changes``.
         """
-        at, numbers = self._log_at, self._integers
-        if numbers[at.friction_changes]:
+        log, numbers = self._log_at, self._integers
+        if numbers[log.friction_changes]:
             self.changes.append(self._take_changes())
-        ended = self._ended_contacts
-        numbers[at.collected] = numbers[at.ended]
-        return self._impacts(ended)
+        ended_count = self._ended_contacts
+        numbers[log.collected] = numbers[log.ended]
+        return self._impacts(ended_count)
 
     @property
     def _ended_contacts(self) -> np.ndarray:
@@ -165,9 +168,9 @@ class Instance:
         If the log has no room for all of these and for the contacts that last, those that ended first are
         left out.
         """
-        at, number = self._log_at, self._integers.item
-        ended = number(at.ended)
-        return np.arange(max(number(at.collected), ended + number(at.active) - at.room), ended)
+        log, number = self._log_at, self._integers.item
+        ended_count = number(log.ended)
+        return np.arange(max(number(log.collected), ended_count + number(log.active) - log.room), ended_count)
 
     @property
     def all_changes(self) -> np.ndarray:
@@ -197,19 +200,19 @@ class Instance:
     @property
     def _lasting_contacts(self) -> np.ndarray:
         """The numbers of the contacts that still last; they follow those of the ended contacts in the log."""
-        ended = self._integers.item(self._log_at.ended)
-        return np.arange(ended, ended + self._integers.item(self._log_at.active))
+        ended_count = self._integers.item(self._log_at.ended)
+        return np.arange(ended_count, ended_count + self._integers.item(self._log_at.active))
 
     def _impacts(self, numbers: np.ndarray) -> np.ndarray:
         """Return the contacts with some numbers; impulses and joint forces that are not computed are NaN."""
         if not len(numbers):
             return NO_CONTACTS
-        at, columns = self._log_at, len(LOG_DTYPE.names or ())
+        log, columns = self._log_at, len(LOG_DTYPE.names or ())
         # the log has the columns of LOG_DTYPE one after the other; the first follows the last row
-        table = self.words[at.first : at.first + columns * at.room].reshape(columns, at.room)
+        table = self.words[log.first : log.first + columns * log.room].reshape(columns, log.room)
         impacts = table.T.take(numbers, 0, mode="wrap")
         rows = np.ndarray(len(impacts), LOG_DTYPE, impacts)
-        if not self._integers.item(at.integrates):
+        if not self._integers.item(log.integrates):
             rows["impulse"] = np.nan
         if not self.prepared.counts.transmitted_rows:
             rows["joint_force"] = np.nan
@@ -238,8 +241,10 @@ class Instance:
         name = names.get((MOTION, "position", channel - 1))
         if not name:
             return []
-        moves = f"{name} has been moved by {channels['distance']:.9g} m in {channels['lasted']:.9g} s"
-        return [f"{moves}, which contradicts its velocity of {channels['new_velocity']:.9g} m/s: give both"]
+        motion_text = f"{name} has been moved by {channels['distance']:.9g} m in {channels['lasted']:.9g} s"
+        return [
+            f"{motion_text}, which contradicts its velocity of {channels['new_velocity']:.9g} m/s: give both"
+        ]
 
     @property
     def time(self) -> float:

@@ -84,11 +84,11 @@ class Channel:
         return {name: k for k, name in enumerate((self.position, self.velocity, self.acceleration)) if name}
 
 
-def channels_of(prepared: PreparedScene) -> list[Channel]:
+def channels_of(prepared_scene: PreparedScene) -> list[Channel]:
     """Return the channels of a moving base, of moving walls and of belts, in the order of the record."""
-    names = {variable.record_path: variable.name for variable in prepared.inputs}
-    scene, channels = prepared.scene, []
-    for j in range(prepared.counts.channels):
+    names = {variable.record_path: variable.name for variable in prepared_scene.inputs}
+    scene, channels = prepared_scene.scene, []
+    for j in range(prepared_scene.counts.channels):
         position, velocity, acceleration = (names.get((MOTION, field, j), "") for field in MOTIONS)
         base = scene.inputs.base_motion and j < len(AXES)
         start = scene.initial.position[j] if base else 0.0
@@ -116,44 +116,46 @@ def motion_of(
         interpolation: ``linear`` or ``spline``: how samples are joined; else samples of a belt's speed are
             held, and all others, of a position, velocity or acceleration, are joined by a cubic spline.
     """
-    given = next((name for name in channel.names if name in signals), None)
-    if given is None:
+    given_name = next((name for name in channel.names if name in signals), None)
+    if given_name is None:
         return Motion("", lambda times: np.full_like(times, channel.start), np.zeros(0))
     belt = not channel.position
-    joined = interpolation if interpolation in ("linear", "spline") else "held" if belt else "spline"
-    value, breaks = as_function(given, signals[given], called, joined=joined, stop=stop)
-    for _ in range(channel.orders[given]):
+    joint_form = interpolation if interpolation in ("linear", "spline") else "held" if belt else "spline"
+    value, breaks = as_function(given_name, signals[given_name], called, joint_form=joint_form, stop=stop)
+    for _ in range(channel.orders[given_name]):
         value, breaks = _integrate(value, breaks, stop)
-    if given == channel.position or belt:
-        return Motion(given, value, breaks)
-    return Motion(given, lambda times: channel.start + value(times), breaks)
+    if given_name == channel.position or belt:
+        return Motion(given_name, value, breaks)
+    return Motion(given_name, lambda times: channel.start + value(times), breaks)
 
 
 def as_function(
-    name: str, signal: Any, called: Callable[[str, float], float], *, joined: str, stop: float = math.inf
+    name: str, signal: Any, called: Callable[[str, float], float], *, joint_form: str, stop: float = math.inf
 ) -> tuple[Callable[[Any], Any], np.ndarray]:
     """Return an input over time as a function of times [s], and the times [s] at which it may not be smooth.
 
-    ``joined`` says how samples are joined: "linear", "held" until the next sample, or by a "spline". The
+    ``joint_form`` says how samples are joined: "linear", "held" until the next sample, or by a "spline". The
     first sample acts also before its time, the last one also after its time. ``stop``: end of the run [s].
     """
     if callable(signal):
         return lambda times: np.array([called(name, time) for time in np.ravel(times).tolist()]), np.zeros(0)
     if isinstance(signal, float):
         return lambda times: np.full(np.shape(times), signal), np.zeros(0)
-    at, values = signal
-    if joined == "linear":
-        return lambda times: np.interp(times, at, values), at
-    if joined == "held" or at[0] == at[-1]:
-        return lambda times: values[np.maximum(np.searchsorted(at, times, side="right") - 1, 0)], at
+    sample_times, values = signal
+    if joint_form == "linear":
+        return lambda times: np.interp(times, sample_times, values), sample_times
+    if joint_form == "held" or sample_times[0] == sample_times[-1]:
+        return lambda times: values[
+            np.maximum(np.searchsorted(sample_times, times, side="right") - 1, 0)
+        ], sample_times
     from scipy.interpolate import PPoly
 
     if is_position(name):
-        breaks, powers = spline_of_position(at, values, stop)
+        breaks, powers = spline_of_position(sample_times, values, stop)
     else:
-        breaks, powers = np.unique(at), splines_between_jumps(at, values)
+        breaks, powers = np.unique(sample_times), splines_between_jumps(sample_times, values)
     spline = PPoly(powers.T[::-1], breaks)
-    return lambda times: spline(np.clip(times, at[0], at[-1])), breaks
+    return lambda times: spline(np.clip(times, sample_times[0], sample_times[-1])), breaks
 
 
 def _integrate(
@@ -164,8 +166,8 @@ def _integrate(
     A break is a time at which the integral may not be smooth: the given ``breaks``, and times at which the
     function jumps or bends. The integral itself would show these only up to the square root of round-off.
     """
-    inside = np.unique(breaks[(breaks > 0.0) & (breaks < stop)])
-    grid = np.concatenate([[0.0], inside, [stop]])
+    inner_breaks = np.unique(breaks[(breaks > 0.0) & (breaks < stop)])
+    grid = np.concatenate([[0.0], inner_breaks, [stop]])
     placeholder = joined_points(grid, np.arange(len(grid))[:, np.newaxis] * 1.0, lines=False)
     approximator = Approximator(lambda times: value(times)[:, np.newaxis], stop, ACCURACY, FINELY_RESOLVED)
     pieces = approximator.with_held(placeholder, np.array([0]))
@@ -178,14 +180,17 @@ def _integrate(
             total = (total + column[at]) * x
         return np.asarray(total / pieces.scale[at])
 
-    every = np.arange(len(pieces.start))
-    low = from_middle(pieces.start, every)
-    before = np.append(0.0, np.cumsum(from_middle(pieces.end, every) - low)[:-1]) - low
+    all_pieces = np.arange(len(pieces.start))
+    start_integrals = from_middle(pieces.start, all_pieces)
+    offsets = (
+        np.append(0.0, np.cumsum(from_middle(pieces.end, all_pieces) - start_integrals)[:-1])
+        - start_integrals
+    )
 
     def integral(times: Any) -> np.ndarray:
         times = np.asarray(times, float)
         at = np.clip(np.searchsorted(pieces.start, times, side="right") - 1, 0, None)
-        return np.asarray(before[at] + from_middle(times, at))
+        return np.asarray(offsets[at] + from_middle(times, at))
 
     bends = jumps(pieces, np.array([0]), 0) | jumps(pieces, np.array([0]), 1)
     return integral, np.union1d(breaks, pieces.start[bends[:, 0]])
@@ -193,7 +198,9 @@ def _integrate(
 
 def derivatives(pieces: Pieces, order: int) -> np.ndarray:
     """Return the derivatives of one ``order`` of M signals at start and end of P pieces, shape (2, P, M)."""
-    return np.stack([pieces.derivatives_at(at, slice(None), order) for at in (pieces.start, pieces.end)])
+    return np.stack(
+        [pieces.derivatives_at(times, slice(None), order) for times in (pieces.start, pieces.end)]
+    )
 
 
 def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
@@ -209,8 +216,8 @@ def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
     # bound of the derivative of order k of s = Σ c_p x^p: |s⁽ᵏ⁾| ≤ Σ p!/(p − k)! |c_p| scaleᵏ, for |x| ≤ 1
     orders = np.array([math.perm(p, order) for p in range(pieces.powers.shape[1])])
     bounds = np.einsum("p,npm,n->nm", orders, np.abs(pieces.powers), pieces.scale**order)
-    largest = bounds[:, columns].max(axis=0, initial=0.0)
-    jumping[1:] = np.abs(ends[0, 1:] - ends[1, :-1]) > LEAST_JUMPS[order] * largest
+    largest_values = bounds[:, columns].max(axis=0, initial=0.0)
+    jumping[1:] = np.abs(ends[0, 1:] - ends[1, :-1]) > LEAST_JUMPS[order] * largest_values
     return jumping
 
 
@@ -222,23 +229,27 @@ def refuse_jumps(
     Raises:
         SceneError: when the position or velocity of a base or wall jumps.
     """
-    for order, what in enumerate(("position", "velocity")):
+    for order, word in enumerate(("position", "velocity")):
         for k in np.flatnonzero((jumps(pieces, columns, order) & ~belts).any(axis=0)):
             time = pieces.start[jumps(pieces, columns, order)[:, k]][0]
             remedy = "give a velocity, a smooth function, or samples, which are joined smoothly"
             raise SceneError(
-                f"{source}: {motions[int(k)].name}: the {what} jumps at t = {time:.9g} s, which would be an "
+                f"{source}: {motions[int(k)].name}: the {word} jumps at t = {time:.9g} s, which would be an "
                 f"impact of unknown strength: {remedy}"
             )
 
 
-def refuse_jumping_samples(source: str, channel: Channel, given: Mapping[str, Any]) -> None:
+def refuse_jumping_samples(source: str, channel: Channel, given_signals: Mapping[str, Any]) -> None:
     """Refuse two samples at one time for the position or the velocity of a base or wall."""
     for name in channel.names if channel.position else ():
-        signal = given.get(name)
-        if channel.orders[name] <= 1 and isinstance(signal, tuple) and len(again := jumps_of(signal[0])):
-            at = f"two samples at t = {signal[0][again[0]]:.9g} s make it jump"
-            raise SceneError(f"{source}: {name}: {at}, which would be an impact of unknown strength")
+        signal = given_signals.get(name)
+        if (
+            channel.orders[name] <= 1
+            and isinstance(signal, tuple)
+            and len(repeated_rows := jumps_of(signal[0]))
+        ):
+            time_text = f"two samples at t = {signal[0][repeated_rows[0]]:.9g} s make it jump"
+            raise SceneError(f"{source}: {name}: {time_text}, which would be an impact of unknown strength")
 
 
 def made_continuous(pieces: Pieces, columns: np.ndarray) -> Pieces:
@@ -252,7 +263,9 @@ def made_continuous(pieces: Pieces, columns: np.ndarray) -> Pieces:
     signals of the pieces.
     """
     ends = [derivatives(pieces, order)[:, :, columns] for order in range(2)]
-    x0, x1 = (((at - pieces.middle) * pieces.scale)[1:, np.newaxis] for at in (pieces.start, pieces.end))
+    x0, x1 = (
+        ((edges - pieces.middle) * pieces.scale)[1:, np.newaxis] for edges in (pieces.start, pieces.end)
+    )
     lasted = ((x1 - x0).T / pieces.scale[1:]).T
     s = ends[0][1, :-1] - ends[0][0, 1:]
     v = np.where(jumps(pieces, columns, 1)[1:], 0.0, lasted * (ends[1][1, :-1] - ends[1][0, 1:]))
@@ -287,21 +300,21 @@ def contradictions(
             positions = derivatives(pieces, 0)[0, :, column]
             start = positions[0]
             round_off = max(ALLOWED_OVERLAP, START_POSITION_ROUND_OFF * np.abs(positions).max())
-            off = abs(start - channel.start)
-            if off > max(LEAST_CONTRADICTION * max(abs(start), abs(channel.start)), round_off):
+            deviation = abs(start - channel.start)
+            if deviation > max(LEAST_CONTRADICTION * max(abs(start), abs(channel.start)), round_off):
                 texts.append(start_hint(channel.position[-1], start, channel.start))
         for name in names[1:]:
             order = channel.names.index(name)
-            value, _ = as_function(name, signals[name], called, joined="spline")
-            followed = derivatives(pieces, order)[0, :, column]
+            value, _ = as_function(name, signals[name], called, joint_form="spline")
+            values = derivatives(pieces, order)[0, :, column]
             given = np.asarray(value(pieces.start))
-            k = int(np.abs(given - followed).argmax())
-            if abs(given[k] - followed[k]) > LEAST_CONTRADICTION * max(
-                np.abs(given).max(), np.abs(followed).max()
+            k = int(np.abs(given - values).argmax())
+            if abs(given[k] - values[k]) > LEAST_CONTRADICTION * max(
+                np.abs(given).max(), np.abs(values).max()
             ):
-                at = f"at t = {pieces.start[k]:.9g} s"
+                moment = f"at t = {pieces.start[k]:.9g} s"
                 texts.append(
-                    f"{name} = {given[k]:.9g} contradicts {names[0]}, which gives {followed[k]:.9g} {at}, "
+                    f"{name} = {given[k]:.9g} contradicts {names[0]}, which gives {values[k]:.9g} {moment}, "
                     "and is not used"
                 )
     return texts

@@ -51,11 +51,11 @@ class WordRows:
         """Fill rows as ``Rows.fill`` describes."""
         if self.numbers.shape[1]:
             rows = self.numbers[start : start + len(times)]
-            filled: int = instance.trajectory(times, rows, self.spans, of_state=self.of_state)
-            return filled
+            filled_count: int = instance.trajectory(times, rows, self.spans, of_state=self.of_state)
+            return filled_count
         # without numbers to store, it suffices to advance to the last time: output times do not change a run
-        done = instance.trajectory(times[-1:], self.numbers[:1], self.spans, of_state=True)
-        return len(times) if done else int(np.searchsorted(times, instance.time, side="right"))
+        finished_count = instance.trajectory(times[-1:], self.numbers[:1], self.spans, of_state=True)
+        return len(times) if finished_count else int(np.searchsorted(times, instance.time, side="right"))
 
 
 def spans_of(words: Sequence[int] | np.ndarray) -> np.ndarray:
@@ -68,8 +68,8 @@ def _spans_of(indices: bytes) -> np.ndarray:
     words = np.frombuffer(indices, np.int64)
     if not len(words):
         return np.zeros((0, 2), np.int64)
-    begins = np.flatnonzero(np.diff(words, prepend=words[0] - 2) != 1)
-    return np.column_stack([words[begins], np.diff(begins, append=len(words))]).astype(np.int64)
+    begin_indices = np.flatnonzero(np.diff(words, prepend=words[0] - 2) != 1)
+    return np.column_stack([words[begin_indices], np.diff(begin_indices, append=len(words))]).astype(np.int64)
 
 
 def structured_rows(numbers: np.ndarray, layout: np.dtype) -> np.ndarray:
@@ -83,27 +83,29 @@ def structured_rows(numbers: np.ndarray, layout: np.dtype) -> np.ndarray:
 
 
 def chosen_columns(
-    prepared: PreparedScene, wanted: str | Iterable[str] | None, inputs: Sequence[str]
+    prepared_scene: PreparedScene, wanted_names: str | Iterable[str] | None, inputs: Sequence[str]
 ) -> tuple[OutputIndices, Collection[str]]:
     """Return the record's indices of the outputs, and the names of the ``inputs``, that a result has.
 
-    ``wanted`` has their names or patterns; None stands for all.
+    ``wanted_names`` has their names or patterns; None stands for all.
 
     Raises:
         UnknownNameError: when a name is not that of an output or of one of the ``inputs``.
     """
-    if wanted is None:
-        return prepared.output_indices, inputs
+    if wanted_names is None:
+        return prepared_scene.output_indices, inputs
     if not inputs:
-        return prepared.indices_named(wanted), ()
-    names = [wanted] if isinstance(wanted, str) else [*wanted]
-    chosen = {name: find_names(name, inputs) for name in names if isinstance(name, str)}
-    others = [
+        return prepared_scene.indices_named(wanted_names), ()
+    names = [wanted_names] if isinstance(wanted_names, str) else [*wanted_names]
+    chosen_inputs = {name: find_names(name, inputs) for name in names if isinstance(name, str)}
+    other_names = [
         name
         for name in names
-        if not chosen.get(name) or find_names(name, prepared.outputs_without_derivatives)
+        if not chosen_inputs.get(name) or find_names(name, prepared_scene.outputs_without_derivatives)
     ]
-    return prepared.indices_named(others), {match for matches in chosen.values() for match in matches}
+    return prepared_scene.indices_named(other_names), {
+        match for input_names in chosen_inputs.values() for match in input_names
+    }
 
 
 class StepwiseColumns(Mapping[str, np.ndarray]):

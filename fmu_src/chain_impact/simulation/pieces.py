@@ -69,27 +69,30 @@ class Pieces:
     @cached_property
     def jumps(self) -> np.ndarray:
         """Whether any signal jumps at the start of each piece, shape (P,); true for the first piece."""
-        before = self._values_at(self.start[1:], slice(None, -1))
-        after = self._values_at(self.start[1:], slice(1, None))
-        return np.append(True, (np.abs(after - before) > self.same).any(axis=1))
+        left_values = self._values_at(self.start[1:], slice(None, -1))
+        right_values = self._values_at(self.start[1:], slice(1, None))
+        return np.append(True, (np.abs(right_values - left_values) > self.same).any(axis=1))
 
-    def _values_at(self, times: np.ndarray, which: slice) -> np.ndarray:
-        """Return the values of the signals in the P pieces ``which``, one time [s] in each, shape (P, M)."""
-        x = (times - self.middle[which]) * self.scale[which]
+    def _values_at(self, times: np.ndarray, k: slice) -> np.ndarray:
+        """Return the values of the signals in the P pieces ``k``, one time [s] in each, shape (P, M)."""
+        x = (times - self.middle[k]) * self.scale[k]
         powers_of_x = x[:, np.newaxis] ** np.arange(self.powers.shape[1])
-        return np.asarray(np.einsum("pkm,pk->pm", self.powers[which], powers_of_x))
+        return np.asarray(np.einsum("pkm,pk->pm", self.powers[k], powers_of_x))
 
-    def derivatives_at(self, times: np.ndarray, which: Any, order: int = 0) -> np.ndarray:
+    def derivatives_at(self, times: np.ndarray, piece_numbers: Any, order: int = 0) -> np.ndarray:
         """Return the derivatives of one ``order`` of the signals, shape (P, M).
 
-        There is one of the ``times`` [s] for each of the P pieces ``which``.
+        There is one of the ``times`` [s] for each of the P pieces ``piece_numbers``.
         """
-        x, powers = ((times - self.middle[which]) * self.scale[which])[:, np.newaxis], self.powers[which]
+        x, powers = (
+            ((times - self.middle[piece_numbers]) * self.scale[piece_numbers])[:, np.newaxis],
+            self.powers[piece_numbers],
+        )
         last = powers.shape[1] - 1
         total = math.perm(last, order) * powers[:, last]
         for p in range(last - 1, order - 1, -1):
             total = total * x + math.perm(p, order) * powers[:, p]
-        return np.asarray(total * self.scale[which][:, np.newaxis] ** order)
+        return np.asarray(total * self.scale[piece_numbers][:, np.newaxis] ** order)
 
     @cached_property
     def _largest(self) -> np.ndarray:
@@ -99,8 +102,8 @@ class Pieces:
         """
         sizes = np.abs(self.powers)
         sizes[:, 0, self.moving] = 0.0
-        largest = sizes.sum(axis=1).max(axis=0, initial=0.0)
-        return np.where(largest > 0.0, largest, 1.0)
+        largest_values = sizes.sum(axis=1).max(axis=0, initial=0.0)
+        return np.where(largest_values > 0.0, largest_values, 1.0)
 
     @cached_property
     def _degrees_and_rates(self) -> tuple[np.ndarray, np.ndarray]:
@@ -110,26 +113,28 @@ class Pieces:
         x; U is the bound ``_largest`` of u.
         """
         count = self.powers.shape[1]
-        used = self.powers.any(axis=2) * np.arange(count)
+        used_degrees = self.powers.any(axis=2) * np.arange(count)
         shares = (np.abs(self.powers) / self._largest).max(axis=2, initial=0.0)
         rates = [(math.factorial(m) * shares[:, m]) ** (1.0 / m) for m in range(1, count)]
-        return used.max(axis=1, initial=0), np.max(rates, axis=0, initial=0.0) + np.zeros(len(used))
+        return used_degrees.max(axis=1, initial=0), np.max(rates, axis=0, initial=0.0) + np.zeros(
+            len(used_degrees)
+        )
 
-    def settings(self, at: int) -> dict[str, float]:
-        """Return the fields of the record for the piece ``at``, except the coefficients of its polynomials.
+    def settings(self, k: int) -> dict[str, float]:
+        """Return the fields of the record for the piece ``k``, except the coefficients of its polynomials.
 
         For a piece in which all signals are constant, the fields are only ``degree`` and ``change_rate``: 0.
         """
         degree, rate = self._degrees_and_rates
-        if degree[at] == 0:
+        if degree[k] == 0:
             return {"degree": 0, "change_rate": 0.0}
         return {
-            "degree": degree[at],
-            "middle": self.middle[at],
-            "scale": self.scale[at],
+            "degree": degree[k],
+            "middle": self.middle[k],
+            "scale": self.scale[k],
             # the record's piece ends a little later, because round-off could let a step end after ``end``
-            "until": self.end[at] + 4.0 * np.spacing(self.end[at]),
-            "change_rate": self.scale[at] * rate[at],
+            "until": self.end[k] + 4.0 * np.spacing(self.end[k]),
+            "change_rate": self.scale[k] * rate[k],
         }
 
 
@@ -139,33 +144,43 @@ def joined_points(
     *,
     lines: bool,
     breaks: np.ndarray | None = None,
-    before: np.ndarray | None = None,
+    left_limits: np.ndarray | None = None,
 ) -> Pieces:
     """Return signals from values (T, M) at T times [s], held until the next time or joined by lines.
 
-    Lines end at the values ``before`` (T, M), which differ from ``values`` at jumps; by default at these.
+    Lines end at the values ``left_limits`` (T, M), which differ from ``values`` at jumps; by default at
+    these.
 
     A single value is held for the whole run. A new piece begins at each of ``breaks``, which are some of the
     times, and where a polynomial is not the constant of the interval before.
     """
     if len(times) == 1:
-        times, values, before = np.append(times, math.inf), values.repeat(2, axis=0), None
-    left, right = values[:-1], (values if before is None else before)[1:] if lines else values[:-1]
-    powers = np.stack([left, np.zeros_like(left)], axis=1)
+        times, values, left_limits = np.append(times, math.inf), values.repeat(2, axis=0), None
+    left_values, right = (
+        values[:-1],
+        (values if left_limits is None else left_limits)[1:] if lines else values[:-1],
+    )
+    powers = np.stack([left_values, np.zeros_like(left_values)], axis=1)
     if lines:
-        powers = np.stack([np.where(left == right, left, 0.5 * (left + right)), 0.5 * (right - left)], axis=1)
+        powers = np.stack(
+            [
+                np.where(left_values == right, left_values, 0.5 * (left_values + right)),
+                0.5 * (right - left_values),
+            ],
+            axis=1,
+        )
     # successive constant pieces with equal values become one piece
-    new = (powers[1:] != powers[:-1]).any(axis=(1, 2)) | powers[1:, 1].any(axis=1)
+    is_new = (powers[1:] != powers[:-1]).any(axis=(1, 2)) | powers[1:, 1].any(axis=1)
     if breaks is not None:
-        new |= np.isin(times[1:-1], breaks)
-    begins = np.append(True, new)
-    start = times[:-1][begins]
+        is_new |= np.isin(times[1:-1], breaks)
+    is_begin = np.append(True, is_new)
+    start = times[:-1][is_begin]
     end = np.append(start[1:], times[-1])
     return Pieces(
         start=start,
         end=end,
         middle=0.5 * (start + end),
         scale=2.0 / (end - start),
-        powers=powers[begins] if lines else powers[begins, :1],
+        powers=powers[is_begin] if lines else powers[is_begin, :1],
         same=FUNCTION_ROUND_OFF * np.abs(values).max(axis=0, initial=0.0),
     )

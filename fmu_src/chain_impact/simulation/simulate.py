@@ -133,39 +133,43 @@ def simulate(
         "solver.tolerance": tolerance,
     }
     changes = {name: value for name, value in settings.items() if value is not None}
-    prepared = PreparedScene(with_values(scene, changes) if changes else scene_of(scene))
-    varied = prepared.varied if sensitivities is None else varied_by(prepared, sensitivities)
-    given = {} if inputs is None else inputs_by_name(inputs, prepared.scene.simulation.stop_time)
-    known = {variable.name for variable in prepared.inputs} if given else {}
+    prepared_scene = PreparedScene(with_values(scene, changes) if changes else scene_of(scene))
+    parameters = prepared_scene.varied if sensitivities is None else varied_by(prepared_scene, sensitivities)
+    given_inputs = {} if inputs is None else inputs_by_name(inputs, prepared_scene.scene.simulation.stop_time)
+    known_names = {variable.name for variable in prepared_scene.inputs} if given_inputs else {}
     # the velocity and the acceleration of a motion follow from its position, so the result has these, too
-    possible = [member for name in given if name in known for member in quantities_driven_by(name)]
-    indices, input_names = chosen_columns(prepared, output, possible)
+    possible = [
+        member for name in given_inputs if name in known_names for member in quantities_driven_by(name)
+    ]
+    indices, input_names = chosen_columns(prepared_scene, output, possible)
     words, width = indices.words, indices.row.itemsize // WORD
-    columns = len(words) + width * len(varied)
-    schedule = _inputs_of_run(prepared, given, interpolation, is_single_interval, columns)
-    differentiated = DifferentiatedInstance(prepared, varied, schedule) if varied else None
-    instance = differentiated or Instance(prepared, schedule, ())
-    wanted = np.append(words, differentiated.slope_words(words[:width])) if differentiated else words
-    rows = WordRows(len(schedule.times), wanted, of_state=indices.of_state and not differentiated)
-    done, impacts = instance.run(schedule, rows, progress or no_progress)
-    order, table = sorted_impacts([*impacts, instance.open_contacts()], prepared.wall_names)
-    every = not schedule.paths or schedule.is_requested.all()
-    requested = slice(done) if every else np.flatnonzero(schedule.is_requested[:done])
+    columns = len(words) + width * len(parameters)
+    schedule = _inputs_of_run(prepared_scene, given_inputs, interpolation, is_single_interval, columns)
+    differentiated = DifferentiatedInstance(prepared_scene, parameters, schedule) if parameters else None
+    instance = differentiated or Instance(prepared_scene, schedule, ())
+    wanted_words = np.append(words, differentiated.slope_words(words[:width])) if differentiated else words
+    rows = WordRows(len(schedule.times), wanted_words, of_state=indices.of_state and not differentiated)
+    finished_rows, impacts = instance.run(schedule, rows, progress or no_progress)
+    order, table = sorted_impacts([*impacts, instance.open_contacts()], prepared_scene.wall_names)
+    has_all = not schedule.paths or schedule.is_requested.all()
+    requested = slice(finished_rows) if has_all else np.flatnonzero(schedule.is_requested[:finished_rows])
     numbers = rows.numbers[requested]
     sensitive = None
     if differentiated:
         sensitive = Sensitivities(
-            prepared=prepared,
-            varied=varied,
+            prepared=prepared_scene,
+            varied=parameters,
             chosen=None if output is None else tuple(indices.motion),
-            slopes=numbers[:, len(words) :].reshape(len(numbers), width, len(varied)),
+            slopes=numbers[:, len(words) :].reshape(len(numbers), width, len(parameters)),
             impacts=table,
             impact_slopes=differentiated.slopes_of_impacts(order),
             limits=differentiated.limits,
-            given=[variable.name for variable in prepared.inputs if variable.record_path in schedule.paths],
+            given=[
+                variable.name for variable in prepared_scene.inputs if variable.record_path in schedule.paths
+            ],
         )
     result = Result(
-        prepared=prepared,
+        prepared=prepared_scene,
         time=schedule.times[requested],
         outputs=structured_rows(numbers, indices.row),
         impacts=table,
@@ -173,17 +177,19 @@ def simulate(
         sensitivities=sensitive,
         stepwise=StepwiseColumns(numbers[:, width:], words[width:], indices.stepwise),
         stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
-        rerun=Rerun(prepared, schedule),
-        input_values=schedule.values(np.arange(done)[requested], input_names) if input_names else {},
+        rerun=Rerun(prepared_scene, schedule),
+        input_values=schedule.values(np.arange(finished_rows)[requested], input_names) if input_names else {},
     )
     _warn(instance, result)
     if instance.status != OK:
-        raise SimulationError(instance.status, instance.time, result, instance.part, prepared.scene.name)
+        raise SimulationError(
+            instance.status, instance.time, result, instance.part, prepared_scene.scene.name
+        )
     return result
 
 
 def _inputs_of_run(
-    prepared: PreparedScene,
+    prepared_scene: PreparedScene,
     inputs: GivenInputs,
     interpolation: Interpolation,
     is_single_interval: bool,
@@ -192,17 +198,17 @@ def _inputs_of_run(
     """Return the inputs over time, with the times of the rows; refuse a result that would be too large.
 
     Args:
-        prepared: the scene.
+        prepared_scene: the scene.
         inputs: as for ``simulate``.
         interpolation: as for ``simulate``.
         is_single_interval: whether the run is one interval, with rows at start and end only; else each step
             of communication gives a row.
         columns: number of outputs and derivatives.
     """
-    name, stop = prepared.scene.name, prepared.scene.simulation.stop_time
-    step = stop if is_single_interval else prepared.scene.simulation.step_size
+    name, stop = prepared_scene.scene.name, prepared_scene.scene.simulation.stop_time
+    step = stop if is_single_interval else prepared_scene.scene.simulation.step_size
     check_result_size(name, stop, step, columns)
-    schedule = input_schedule(prepared, inputs, interpolation, _row_times(stop, step))
+    schedule = input_schedule(prepared_scene, inputs, interpolation, _row_times(stop, step))
     if schedule.paths and not _size_of_rows(len(schedule.times), columns) <= MOST_BYTES:
         raise _too_large(f"{name}: the simulation with its inputs has", len(schedule.times), columns)
     return schedule
@@ -232,8 +238,8 @@ def check_result_size(source: str, stop: float, step: float, columns: int) -> No
     """
     count = stop / step + 1.0
     if not _size_of_rows(count, columns) <= MOST_BYTES:
-        asked = f"simulation.stop_time = {stop:g} [s] in steps of simulation.step_size = {step:g} [s]"
-        raise _too_large(f"{source}: {asked} gives", count, columns)
+        asked_text = f"simulation.stop_time = {stop:g} [s] in steps of simulation.step_size = {step:g} [s]"
+        raise _too_large(f"{source}: {asked_text} gives", count, columns)
 
 
 def _size_of_rows(count: float, columns: int) -> float:
@@ -241,14 +247,14 @@ def _size_of_rows(count: float, columns: int) -> float:
     return count * WORD * (1 + columns)
 
 
-def _too_large(what: str, count: float, columns: int) -> SceneError:
+def _too_large(subject: str, count: float, columns: int) -> SceneError:
     """Return the error for rows of outputs that need too much memory.
 
-    The text ``what`` begins the message of the error.
+    The text ``subject`` begins the message of the error.
     """
     rows = f"{count:.4g} rows of {columns} outputs, {_size_of_rows(count, columns) / 1e9:.4g} GB"
     limit = f"must be at most {MOST_BYTES / 1e9:g} GB: take longer steps, an earlier end or fewer outputs"
-    return SceneError(f"{what} {rows}; {limit}")
+    return SceneError(f"{subject} {rows}; {limit}")
 
 
 def _row_times(stop: float, step: float) -> np.ndarray:
@@ -277,9 +283,9 @@ class Rerun:
         except SimulationError:
             return np.zeros(0, self.prepared.output_layout)
         rows = WordRows(len(schedule.times), self.prepared.output_words)
-        done, _ = instance.run(schedule, rows)
-        outputs: np.ndarray = structured_rows(rows.numbers[:done], self.prepared.output_layout)[
-            schedule.is_requested[:done]
+        finished_rows, _ = instance.run(schedule, rows)
+        outputs: np.ndarray = structured_rows(rows.numbers[:finished_rows], self.prepared.output_layout)[
+            schedule.is_requested[:finished_rows]
         ]
         return outputs
 
@@ -294,8 +300,8 @@ class Rerun:
         There are fewer values than times if the solver cannot continue.
         """
         outputs = self(times)
-        given = {name: values[: len(outputs)] for name, values in self.inputs(times).items()}
-        return given | self.prepared.series(outputs)
+        given_inputs = {name: values[: len(outputs)] for name, values in self.inputs(times).items()}
+        return given_inputs | self.prepared.series(outputs)
 
     def changed(self, values: Mapping[str, Any]) -> Rerun:
         """Return the run with the same inputs over time and with other values of parameters.

@@ -16,14 +16,14 @@ from chain_impact.variables.prepared import PreparedScene
 MOST_POSITIONS = 20
 
 
-def still_dampers(prepared: PreparedScene, names: Sequence[str], pieces: Pieces) -> list[str]:
+def still_dampers(prepared_scene: PreparedScene, names: Sequence[str], pieces: Pieces) -> list[str]:
     """Return a sentence for each target in ``names`` that is a motion while its target velocity stays 0.
 
     The damper of the drive then brakes this motion; without damping there is no sentence. ``_is_motion`` says
     which targets are motions. A target velocity stays 0 if neither ``names`` nor a signal gives it.
 
     Args:
-        prepared: the scene.
+        prepared_scene: the scene.
         names: the names of the inputs that the caller gives, in the order of the columns of ``pieces``.
         pieces: the inputs over time.
     """
@@ -32,8 +32,8 @@ def still_dampers(prepared: PreparedScene, names: Sequence[str], pieces: Pieces)
         target, *rate = quantities_driven_by(name)
         if target != name or not rate or not rate[0].endswith(TARGET_RATE):
             continue
-        known = rate[0] in names or rate[0] in prepared.signals_by_input
-        if not known and _damping(prepared, name) > 0.0 and _is_motion(pieces.powers[:, :, m]):
+        is_known = rate[0] in names or rate[0] in prepared_scene.signals_by_input
+        if not is_known and _damping(prepared_scene, name) > 0.0 and _is_motion(pieces.powers[:, :, m]):
             texts.append(
                 f"{name} changes over time, and {rate[0]} stays 0, so the damper brakes the motion: "
                 f"give both, or {rate[0]} = 0 if it shall brake"
@@ -41,9 +41,9 @@ def still_dampers(prepared: PreparedScene, names: Sequence[str], pieces: Pieces)
     return texts
 
 
-def _damping(prepared: PreparedScene, name: str) -> float:
+def _damping(prepared_scene: PreparedScene, name: str) -> float:
     """Return the damping [N·m·s/rad] or [N·s/m] of the drive whose target is the input ``name``."""
-    chain, number = prepared.scene.chain, name_parts(name).n
+    chain, number = prepared_scene.scene.chain, name_parts(name).n
     if number:
         return chain.links[number - 1].joint_damping
     return chain.slider.damping if chain.slider else 0.0
