@@ -24,7 +24,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from chain_impact import SceneError, simulate
-from chain_impact.conversion.convert import ALL, read_robot
+from chain_impact.conversion.convert import ALL_CHOICES, read_robot
 from chain_impact.conversion.joints import NoChainError
 from chain_impact.conversion.mjcf_files import compile_model
 from chain_impact.conversion.planar import ConversionChoices, ConversionResult
@@ -63,7 +63,7 @@ class Compared(NamedTuple):
         return self.difference is None or self.difference <= ALIKE or bool(self.cause)
 
 
-def compared(path: Path, choices: ConversionChoices = ALL) -> Compared:
+def compared(path: Path, choices: ConversionChoices = ALL_CHOICES) -> Compared:
     """Return a robot's file compared with MuJoCo; if its joints form no chain, with the proposed joints."""
     try:
         robot = read_robot(path, choices.keyframe)

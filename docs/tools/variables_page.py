@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from chain_impact.kernel.record.constants import WALLS
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
-from chain_impact.scene.facts import ALWAYS
+from chain_impact.scene.facts import TRUE_FACT
 from chain_impact.scene.scene import load_scene, scene_keys
 from chain_impact.scene.words.names import AXES, INPUTS_OF
 from chain_impact.scene.words.unit_text import unit_text
@@ -28,7 +28,7 @@ def variable_patterns() -> str:
         for kind in (kind for of_one_owner in table_of for kind in of_one_owner.kinds):
             meaning = _meaning(kind)
             is_key = meaning in known and bool(kind.unit)
-            tunable = "; tunable" if kind.tunable == ALWAYS else ""
+            tunable = "; tunable" if kind.tunable == TRUE_FACT else ""
             alike.setdefault((SCENE_KEY if is_key else meaning) + tunable, []).append(kind)
         lines = (_variables(meaning, kinds) for meaning, kinds in alike.items())
         sections.append(f"### {title}\n\n" + "\n".join(lines))

@@ -112,7 +112,7 @@ def as_html(parts: Iterable[str | TextTable]) -> str:
     return f"<div>{''.join(blocks)}</div>"
 
 
-class Printed(ABC):
+class PrintedResult(ABC):
     """An object whose text is lines and tables: plain text, and HTML in a notebook."""
 
     @abstractmethod

@@ -10,7 +10,7 @@ import pytest
 
 from chain_impact.scene.facts import FACTS, LISTS
 from chain_impact.scene.rules.refusals import REFUSALS, SIGNAL_REFUSALS
-from chain_impact.scene.rules.rule_language import holds, names_in, number_in, tree
+from chain_impact.scene.rules.rule_language import is_rule_true, names_in, number_in, tree
 from chain_impact.variables.owners import COUNT_RULES, OWNER_KINDS, RECORD_NUMBERS
 from tests.pages.javascript import function_of
 from tests.scene.rule_cases import CASES, VALUES
@@ -36,7 +36,7 @@ def in_both(script, rules, values):
     """
     page = script.evaluate(EVALUATED, [[tree(rule) for rule in rules], values])
     values = {name: in_tables(value) if "." in name else value for name, value in values.items()}
-    return [[holds(rule, values.get), number_in(rule, values.get)] for rule in rules], page
+    return [[is_rule_true(rule, values.get), number_in(rule, values.get)] for rule in rules], page
 
 
 def in_tables(value):

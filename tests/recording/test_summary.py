@@ -10,7 +10,7 @@ from rich.table import Table
 
 from chain_impact import load_scene, simulate
 from chain_impact.cli import screen
-from chain_impact.recording.joint_peaks import LARGEST_OF_ROWS, SAMPLED, joint_peaks
+from chain_impact.recording.joint_peaks import LARGEST_OF_ROWS, SAMPLED_PEAK, joint_peaks
 from chain_impact.recording.summary import LISTED_IMPACTS, LISTED_IN_SHORT, energy_lines
 from chain_impact.text import count_text
 from tests.helpers.scenes.problems import dropped_ball
@@ -86,7 +86,7 @@ def test_a_largest_force_without_its_time_has_a_row():
         assert first.force == pytest.approx(669.895, abs=1e-3)
         assert "at most 669.895 N in joint[2], by 0.5 s" in repr(result)
     sampled = simulate(scene, 0.6, 0.02, output=["joint[*].force.*"])
-    assert {peak.kind for peak in joint_peaks(sampled)} == {SAMPLED}
+    assert {peak.kind for peak in joint_peaks(sampled)} == {SAMPLED_PEAK}
     assert not [line for line in repr(sampled).splitlines() if line.startswith("loads")]
 
 

@@ -7,7 +7,7 @@ import pytest
 from chain_impact import load_scene
 from chain_impact.fmu.model_description import nominal_values
 from chain_impact.kernel.record.instance import output_dtype
-from chain_impact.scene.facts import ALWAYS
+from chain_impact.scene.facts import TRUE_FACT
 from chain_impact.scene.words.names import INPUTS_OF, is_like
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
@@ -26,7 +26,7 @@ def test_owner_conditions_and_texts_of_a_row_exist(kind):
     structure = structure_of(CART if kind.owner_kind == "slider" else EVERYTHING)
     (owner, *_) = structure.owners(kind.owner_kind)
     words = scene_words(structure) | owner.values | owner_words(kind.owner_kind, structure, owner.values)
-    assert {*kind.when, kind.tunable or ALWAYS, kind.stores_given_if or ALWAYS} <= {*owner.conditions}
+    assert {*kind.when, kind.tunable or TRUE_FACT, kind.stores_given_if or TRUE_FACT} <= {*owner.conditions}
     assert "{" not in kind.description.format_map(words)
     assert all(one in words for one in (kind.minimum, kind.maximum) if isinstance(one, str))
     assert kind.nominal == "" or kind.nominal in nominal_values(EVERYTHING)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from chain_impact.cli.options import (
-    Once,
+    SingleOption,
     UsageError,
     Verbs,
     add_repeated,
@@ -16,7 +16,7 @@ from chain_impact.cli.options import (
 )
 from chain_impact.cli.progress import say
 
-ONCE = {
+SINGLE_OPTIONS = {
     "--plane": (
         "X,Y",
         "directions of the robot along which x and y of the scene point: --plane=x,z or --plane=-x,z; "
@@ -39,8 +39,8 @@ def add(verbs: Verbs) -> None:
     )
     verb.add_argument("source", metavar="FILE", help="a planar chain in URDF or MJCF; or a scene, for MuJoCo")
     add_repeated(verb, "--joints", "NAMES", "only these joints move: elbow,wrist; default: all")
-    for option, (metavar, help_text) in ONCE.items():
-        verb.add_argument(option, action=Once, metavar=metavar, help=help_text)
+    for option, (metavar, help_text) in SINGLE_OPTIONS.items():
+        verb.add_argument(option, action=SingleOption, metavar=metavar, help=help_text)
     verb.add_argument(
         "-o",
         dest="output",
@@ -59,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
 
     choices = ConversionChoices(names_in(*options.joints), options.plane, options.tip, options.keyframe)
     to_mjcf = options.output.suffix.lower() == ".xml"
-    for option, chosen_names in zip(("--joints", *ONCE), choices, strict=True):
+    for option, chosen_names in zip(("--joints", *SINGLE_OPTIONS), choices, strict=True):
         if chosen_names and to_mjcf:
             raise UsageError(f"{option}: a scene has nothing to choose; it is for URDF and MJCF")
     check_outputs(options.output, inputs=[options.source])

@@ -31,7 +31,7 @@ from chain_impact.simulation.inputs import INTERPOLATIONS
 # The name of the stop time. If the command line sets the stop time, only data up to this time are fitted; a
 # stop time in the scene file limits no data.
 STOP_TIME_KEY = "simulation.stop_time"
-REPEATED = (
+REPEATED_OPTIONS = (
     ("--free", "NAMES", "fit these parameters: contact.stiffness,contact.restitution"),
     ("--free-each", "NAMES", "fit these parameters separately for each data set, such as initial.vx"),
     ("--set-each", "NAME=VALUES", "a known value for each data set, such as initial.y=0.8,0.6"),
@@ -64,7 +64,7 @@ def add(verbs: Verbs) -> None:
         metavar="DATA",
         help="a CSV file for each data set, or several of the same run: motion.csv,impacts.csv",
     )
-    for option in REPEATED:
+    for option in REPEATED_OPTIONS:
         named_options = add_repeated(fit, *option)
         if "=" not in option[1]:
             complete(named_options, differentiable_names, is_listed=True)

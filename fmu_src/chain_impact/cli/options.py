@@ -104,7 +104,7 @@ def add_inputs(
     """
     command.add_argument(
         "--inputs",
-        action=Once,
+        action=SingleOption,
         metavar="FILE",
         type=path_with_suffix(".csv", ".parquet"),
         help="set inputs from a table with a column time [s] and a column for each input (csv, parquet)",
@@ -176,7 +176,7 @@ def add_repeated(
     )
 
 
-class Once(argparse.Action):
+class SingleOption(argparse.Action):
     """Action of argparse that stores the value of an option which may be given only once."""
 
     def __call__(self, _parser: Any, options: argparse.Namespace, value: Any, _option: Any = None) -> None:
@@ -193,14 +193,14 @@ def add_plot(command: argparse.ArgumentParser, help_text: str) -> None:
     """
     command.add_argument(
         "--plot",
-        action=Once,
+        action=SingleOption,
         metavar="FILE",
         type=path_with_suffix(*PICTURES),
         help=f"draw {help_text} (png, svg, pdf)",
     )
     command.add_argument(
         "--size",
-        action=Once,
+        action=SingleOption,
         metavar="MM",
         type=figure_size,
         help="width of the picture in millimetres, as 84, or width and height, as 120x150",
@@ -212,7 +212,7 @@ def add_style(command: argparse.ArgumentParser) -> None:
     """Add ``--style``, the style of a picture."""
     command.add_argument(
         "--style",
-        action=Once,
+        action=SingleOption,
         metavar="NAME",
         type=style_name,
         help="draw in a style of matplotlib, such as dark_background",
@@ -303,7 +303,11 @@ def add_csv(command: argparse.ArgumentParser, help_text: str) -> None:
     ``help_text`` are the words for the contents of the table in the help.
     """
     command.add_argument(
-        "--csv", action=Once, metavar="FILE", type=path_with_suffix("", ".csv"), help=f"write {help_text}"
+        "--csv",
+        action=SingleOption,
+        metavar="FILE",
+        type=path_with_suffix("", ".csv"),
+        help=f"write {help_text}",
     )
 
 

@@ -40,7 +40,7 @@ from chain_impact.text import TextTable, count_text
 # meaning: ": " and "; " in "status: 0 running; 1 ended"
 CODES = re.compile(r": (?=0 [^,]*;)|; (?=\d+ )")
 PHASES = 8  # the table of dry friction has the first PHASES phases; a line counts further phases
-RELATIVE = {
+CHANGE_COLUMNS = {
     "impact_speed": "speed",
     "separation_speed": "rebound",
     "peak_force": "peak",
@@ -230,9 +230,9 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
         return
     columns = [
         1e3 * sensitivities.impact_changes("onset"),
-        *(100.0 * sensitivities.relative(name) for name in RELATIVE),
+        *(100.0 * sensitivities.relative(name) for name in CHANGE_COLUMNS),
     ]
-    head = ("#", "onset, ms", *(f"{word}, %" for word in RELATIVE.values()))
+    head = ("#", "onset, ms", *(f"{word}, %" for word in CHANGE_COLUMNS.values()))
     for k, parameter in enumerate(sensitivities.parameters):
         change = f"{parameter} + {sensitivities.step_text(parameter)}"
         yield headline(f"Change of the impacts for {change}")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from chain_impact.cli.completers import complete, differentiable_names, outputs, rankable_names
 from chain_impact.cli.options import (
-    Once,
+    SingleOption,
     UsageError,
     Verbs,
     add_csv,
@@ -153,7 +153,7 @@ def _add_derivatives(verb: argparse.ArgumentParser) -> None:
     complete(named_options, differentiable_names, is_listed=True)
     ranking_option = verb.add_argument(
         "--rank",
-        action=Once,
+        action=SingleOption,
         metavar="WHAT",
         help="order parameters and inputs by the effect of 1 %% more on peak_force, max_penetration, "
         "joint_force, impact[2].peak_force or an output at the end, and draw the effects; --sensitivity "
@@ -175,7 +175,11 @@ def _add_picture(verb: argparse.ArgumentParser) -> None:
     )
     complete(named_options, outputs, is_listed=True)
     verb.add_argument(
-        "--around", action=Once, metavar="N", type=int, help="draw the curves around impact N of the list"
+        "--around",
+        action=SingleOption,
+        metavar="N",
+        type=int,
+        help="draw the curves around impact N of the list",
     )
 
 
@@ -192,7 +196,7 @@ def _add_tables(verb: argparse.ArgumentParser) -> None:
     complete(named_options, outputs, is_listed=True)
     verb.add_argument(
         "--impacts",
-        action=Once,
+        action=SingleOption,
         metavar="FILE",
         type=path_with_suffix(*SUFFIXES),
         help=f"write the list of impacts ({', '.join(suffix[1:] for suffix in SUFFIXES)})",

@@ -21,10 +21,10 @@ from chain_impact.scene.errors import SceneError, SceneWarning
 from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import Scene, scene_from_dict, scene_of, scene_to_dict
 
-ALL = ConversionChoices()
+ALL_CHOICES = ConversionChoices()
 
 
-def scene_of_robot(path: Path, choices: ConversionChoices = ALL) -> tuple[Scene, ConversionResult]:
+def scene_of_robot(path: Path, choices: ConversionChoices = ALL_CHOICES) -> tuple[Scene, ConversionResult]:
     """Return the scene of a robot in URDF or MJCF, and its conversion with data and remarks.
 
     ``choices`` are the user's choices for the conversion.
@@ -82,7 +82,7 @@ def _converted_scene(result: ConversionResult, path: Path) -> Scene:
     return scene_from_dict(result.data, str(path))
 
 
-def convert(source: str | Path, output: Path, choices: ConversionChoices = ALL) -> ConversionResult:
+def convert(source: str | Path, output: Path, choices: ConversionChoices = ALL_CHOICES) -> ConversionResult:
     """Write the scene ``source`` as MJCF if ``output`` ends in .xml, else the robot ``source`` as a scene.
 
     Return the conversion with its remarks; in a written scene, these are also comments at the beginning. The

@@ -26,7 +26,7 @@ from chain_impact.text import names_text
 # two numbers are the same, up to round-off, if they differ by at most SAME_NUMBER, or by this part of the
 # larger one
 SAME_NUMBER = 1e-12
-ABSENT: Any = object()
+NO_VALUE: Any = object()
 """The mark that stands for the value of a key that a table does not have."""
 BODY = ("shape", "height", "points")
 """The keys of a link for its shape and its points."""
@@ -182,23 +182,23 @@ class _Merger:
         """Return the scene's ``own_value`` if ``written_value`` equals ``found_value``, else ``found_value``.
 
         Tables, and three lists of equal length, are merged entry by entry. An entry of ``walls`` that is in
-        ``written_value``, but not in ``found_value``, is left out: the result is then ABSENT. ``key`` is the
-        name of the value for messages.
+        ``written_value``, but not in ``found_value``, is left out: the result is then NO_VALUE. ``key`` is
+        the name of the value for messages.
         """
-        if key.startswith("walls.") and found_value is ABSENT and isinstance(written_value, dict):
+        if key.startswith("walls.") and found_value is NO_VALUE and isinstance(written_value, dict):
             self.changed.append(key)
-            return ABSENT
+            return NO_VALUE
         if isinstance(found_value, dict) or isinstance(written_value, dict):
             tables = [
                 table if isinstance(table, dict) else {} for table in (own_value, written_value, found_value)
             ]
             values = {
                 name: self._merge_value(
-                    f"{key}.{name}".strip("."), *(table.get(name, ABSENT) for table in tables)
+                    f"{key}.{name}".strip("."), *(table.get(name, NO_VALUE) for table in tables)
                 )
                 for name in dict.fromkeys(name for table in tables for name in table)
             }
-            return {name: value for name, value in values.items() if value is not ABSENT}
+            return {name: value for name, value in values.items() if value is not NO_VALUE}
         lists = [value for value in (own_value, written_value, found_value) if isinstance(value, list)]
         if len({len(value) for value in lists}) == 1 and len(lists) == 3:  # noqa: PLR2004
             has_numbers = isinstance(next(iter(found_value), None), dict)

@@ -33,7 +33,7 @@ NO_EFFECT = {"version", "schemaLocation", "noNamespaceSchemaLocation"}
 """Names of attributes that have no effect in any element."""
 UNUSED_ELEMENTS = ("material",)
 """Names of elements that have no effect wherever they stand; a material is a colour."""
-MOVES = {"mimic": "it follows another joint in the file, and moves freely in the scene"}
+MIMIC_REASONS = {"mimic": "it follows another joint in the file, and moves freely in the scene"}
 """Element of a joint that changes the motion, and that scenes lack → the rest of the sentence on it."""
 
 
@@ -93,7 +93,7 @@ def other_elements(root: Element) -> Iterator[Difference]:
         yield from _attributes(part, f"robot/{part.tag}", part)
         for path, element in _inner_elements(part, f"robot/{part.tag}"):
             if path not in USED_ATTRIBUTES and element.tag not in (*GEOMETRIES, *UNUSED_ELEMENTS):
-                yield _difference(part, element.tag, MOVES.get(element.tag, ""), _values(element))
+                yield _difference(part, element.tag, MIMIC_REASONS.get(element.tag, ""), _values(element))
             else:
                 yield from _attributes(element, path, part)
 

@@ -52,7 +52,7 @@ See FMI 2.0.4, section 2.2.9, and FMI 3.0, section 2.4.7.5.1.
 # matches the beginning of fmpy's sentence on a fault against the XML schema; the group is the line's number
 _SCHEMA_ERROR = re.compile(r"^ERROR \(line (\d+), column \d+\): ")
 # matches the words in fmpy's sentence on a fault that name a variable; the group is the name
-_NAMED = re.compile(r'[Vv]ariable (?:name )?"([^"]+)"')
+_NAME_IN_FAULT = re.compile(r'[Vv]ariable (?:name )?"([^"]+)"')
 
 
 def description_findings(path: Path) -> list[Finding]:
@@ -119,7 +119,7 @@ def _fmpy_faults(path: Path, *, is_known: bool) -> list[Finding]:
     else:
         return []
     problems = [_SCHEMA_ERROR.sub(r"line \1: ", " ".join(problem.split())) for problem in problems]
-    name_matches = [_NAMED.search(problem) for problem in problems]
+    name_matches = [_NAME_IN_FAULT.search(problem) for problem in problems]
     return [
         Finding(problem, variable=name[1] if name else "")
         for problem, name in zip(problems, name_matches, strict=True)

@@ -17,7 +17,11 @@ from chain_impact.fmu.versions import is_fmi_2
 from chain_impact.text import names_text
 
 OUTPUT_LIST, DERIVATIVE_LIST, INITIAL_LIST = "Outputs", "Derivatives", "InitialUnknowns"
-_THIRD = {OUTPUT_LIST: "Output", DERIVATIVE_LIST: "ContinuousStateDerivative", INITIAL_LIST: "InitialUnknown"}
+_FMI_3_ELEMENTS = {
+    OUTPUT_LIST: "Output",
+    DERIVATIVE_LIST: "ContinuousStateDerivative",
+    INITIAL_LIST: "InitialUnknown",
+}
 """Name of a list in FMI 2.0 → name in FMI 3.0 of each element that replaces the list."""
 _OUTSIDE_CAUSALITIES = ("input", "independent", "parameter", "structuralParameter")
 
@@ -48,7 +52,7 @@ class ModelStructure:
 
         ``name`` is the name of the list in FMI 2.0, also for a description of FMI 3.0.
         """
-        nodes = self.lists.get(name if self.is_fmi_2 else _THIRD[name], [])
+        nodes = self.lists.get(name if self.is_fmi_2 else _FMI_3_ELEMENTS[name], [])
         return [node.attrib[self.key] for node in nodes]
 
     def missing_variable_faults(self) -> Iterator[Finding]:
@@ -139,7 +143,9 @@ class ModelStructure:
                     NAMED_VARIABLES,
                 )
                 text = f"{verb} {names}: it lists {requirement}, and nothing else"
-                yield Finding(text, attribute=f"ModelStructure/{name if self.is_fmi_2 else _THIRD[name]}")
+                yield Finding(
+                    text, attribute=f"ModelStructure/{name if self.is_fmi_2 else _FMI_3_ELEMENTS[name]}"
+                )
 
     def _dependency_faults(self, path: str, node: Element, states: Collection[str]) -> Iterator[Finding]:
         # The dependencies of event indicators are for debugging only, and FMI 3.0 (table 23) does not say on

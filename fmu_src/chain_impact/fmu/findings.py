@@ -16,7 +16,7 @@ from pathlib import Path
 from chain_impact.text import names_text
 
 DESCRIPTION = "modelDescription.xml"
-COMPLETE = "complete"
+END_MARK = "complete"
 """The test run of an FMU reports this word as its last call; if it is missing, the process ended too
 early."""
 LARGEST_SUM = 2**30

@@ -34,7 +34,7 @@ SLAVES = "chain_impact.fmu"
 """The name of the logger to which the slaves in Python (slave.py) write their errors."""
 # two lists of the errors that FMUs report while ``collect_messages`` lasts in the calling thread: `logged`
 # has those sent by FMI's callback, `slave_messages` those of slaves in Python, which the logger SLAVES gets
-_here = threading.local()
+_thread = threading.local()
 
 
 def read_fmu(path: Path) -> Any:
@@ -105,19 +105,19 @@ def collect_messages() -> Iterator[Callable[[], list[str]]]:
     The context yields a function that returns the messages so far: the log messages of slaves in Python, then
     the errors that FMUs send by FMI's callback; warnings by this callback are left out.
     """
-    _here.slave_messages, _here.logged = [], []
+    _thread.slave_messages, _thread.logged = [], []
     try:
-        yield lambda: [*_here.slave_messages, *_here.logged]
+        yield lambda: [*_thread.slave_messages, *_thread.logged]
     finally:
-        del _here.slave_messages, _here.logged
+        del _thread.slave_messages, _thread.logged
 
 
 def _collect_error(*call: Any) -> None:
     """Collect an error that an FMU sends by FMI's callback, if ``collect_messages`` lasts in this thread."""
     # FMI 2.0 passes the name of the instance before these three arguments, FMI 3.0 does not
     status, _category, message = call[-3:]
-    if status > WARNING and hasattr(_here, "logged"):
-        _here.logged.append(message.decode(errors="replace"))
+    if status > WARNING and hasattr(_thread, "logged"):
+        _thread.logged.append(message.decode(errors="replace"))
 
 
 def _collect_record(record: logging.LogRecord) -> bool:
@@ -125,7 +125,7 @@ def _collect_record(record: logging.LogRecord) -> bool:
 
     The result tells the logger whether to log the message: only if this thread runs no FMU.
     """
-    messages = getattr(_here, "slave_messages", None)
+    messages = getattr(_thread, "slave_messages", None)
     if messages is not None:
         messages.append(record.getMessage())
     return messages is None
@@ -156,14 +156,14 @@ def instantiate(fmu: Any) -> None:
     from fmpy import fmi2
 
     if isinstance(fmu, fmi2.FMU2Slave | fmi2.FMU2Model):
-        with _ALONE:
+        with _CALLBACK_LOCK:
             callbacks = _callbacks()
         fmu.instantiate(callbacks=callbacks, loggingOn=True)
     else:
         fmu.instantiate(loggingOn=True, logMessage=_collect_error)
 
 
-_ALONE = threading.Lock()
+_CALLBACK_LOCK = threading.Lock()
 """Held while ``_callbacks`` is called, so that two threads do not make two sets of callbacks."""
 
 

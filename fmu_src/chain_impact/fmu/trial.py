@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 from xml.etree import ElementTree
 
 from chain_impact.fmu.check_variables import REALS, DescribedVariable, Value, variables_of
-from chain_impact.fmu.findings import COMPLETE, DESCRIPTION, Finding
+from chain_impact.fmu.findings import DESCRIPTION, END_MARK, Finding
 from chain_impact.fmu.importer import collect_messages, instantiate, load_fmu
 from chain_impact.fmu.references import REFERENCE_FILE, check_references
 from chain_impact.fmu.versions import FMI_2, FMI_3, is_fmi_2
@@ -293,7 +293,7 @@ def main() -> None:
                 tell(passed=f"reference results: {text}")
             elif text:
                 tell(finding=asdict(Finding(text, REFERENCE_FILE)))
-        tell(call=COMPLETE)
+        tell(call=END_MARK)
     # ends the process at once, because what the FMU does at the regular end of a process is not tested
     os._exit(0)
 

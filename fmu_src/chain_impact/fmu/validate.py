@@ -16,7 +16,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from chain_impact.fmu.check_description import description_findings
-from chain_impact.fmu.findings import COMPLETE, DESCRIPTION, Finding
+from chain_impact.fmu.findings import DESCRIPTION, END_MARK, Finding
 from chain_impact.fmu.platforms import binary_of
 from chain_impact.fmu.versions import is_fmi_2
 
@@ -102,7 +102,7 @@ def _try_binary(path: Path, binary: str, timeout: float, *, references: bool) ->
     # a fault that occurs in several calls is listed once
     findings = list(dict.fromkeys(Finding(**line["finding"]) for line in lines if "finding" in line))
     calls = [line["call"] for line in lines if "call" in line]
-    if COMPLETE not in calls:
+    if END_MARK not in calls:
         findings.append(Finding(f"{calls[-1] if calls else 'the trial'} {end}", binary))
     return Validation(findings, [line["passed"] for line in lines if "passed" in line])
 

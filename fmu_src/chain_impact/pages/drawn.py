@@ -15,7 +15,7 @@ from chain_impact.scene.words.names import grouped_by_owner
 from chain_impact.variables.outputs import OUTPUTS
 
 _QUANTITIES = {(kind.parts.owner, kind.parts.quantity) for block in OUTPUTS for kind in block.kinds}
-DRAWN: Mapping[tuple[str, str], tuple[str, str]] = {
+DRAWN_COLUMNS: Mapping[tuple[str, str], tuple[str, str]] = {
     ("contact", "force"): ("contacts", "force"),
     ("contact", "penetration"): ("contacts", "penetration"),
     ("contact", "friction_force"): ("contacts", "friction"),
@@ -29,7 +29,7 @@ DRAWN: Mapping[tuple[str, str], tuple[str, str]] = {
 }
 """Owner and quantity of an output → group of the quantity, and its name there; the group ``joints`` has the
 slider as joint 0."""
-GROUPS = tuple(dict.fromkeys(group for group, _ in DRAWN.values()))
+GROUPS = tuple(dict.fromkeys(group for group, _ in DRAWN_COLUMNS.values()))
 """The names of the groups; an entry of a group has the quantities of one owner."""
 COLUMN_OF_QUANTITY = {
     "speed": "impact_speed",
@@ -45,7 +45,7 @@ COLUMN_OF_QUANTITY = {
 NEEDED_QUANTITIES = {"contacts": {"force"}, "loads": {"x", "y"}}
 """Group → the quantities without which an entry cannot be drawn."""
 
-if unknown := DRAWN.keys() - _QUANTITIES:
+if unknown := DRAWN_COLUMNS.keys() - _QUANTITIES:
     raise KeyError(f"no outputs: {sorted(unknown)}")
 
 
@@ -58,8 +58,8 @@ def drawn_entries(columns: Mapping[str, np.ndarray]) -> dict[str, list[dict[str,
     groups: dict[str, dict[tuple[int, str], dict[str, np.ndarray]]] = {group: {} for group in GROUPS}
     for (owner, n, name), quantities in grouped_by_owner(columns).items():
         for quantity, values in quantities.items():
-            if (owner, quantity) in DRAWN:
-                group, drawn_name = DRAWN[owner, quantity]
+            if (owner, quantity) in DRAWN_COLUMNS:
+                group, drawn_name = DRAWN_COLUMNS[owner, quantity]
                 groups[group].setdefault((n, name), {})[drawn_name] = values
     return {
         group: [

@@ -24,10 +24,10 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.constants import SIGNAL_DEGREE
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.record.signals import signal_dtype
-from chain_impact.pages.drawn import DRAWN
+from chain_impact.pages.drawn import DRAWN_COLUMNS
 from chain_impact.pages.signals import tables_of
 from chain_impact.recording.impacts import LOG_DTYPE
-from chain_impact.scene.facts import ALWAYS, FACTS, LISTS
+from chain_impact.scene.facts import FACTS, LISTS, TRUE_FACT
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.rules.key_rules import Derived, allowed_words, keys, without_none
 from chain_impact.scene.rules.rule_language import Tree, tree
@@ -49,7 +49,7 @@ TEMPLATE_WORDS = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
 """Word in the texts of parameters and inputs → the word in braces, which the page replaces for each owner."""
 LONGEST_TIME = 1e9
 """[s] The longest stop time, and the longest communication step, that a reader can set."""
-COUNTED = {
+COUNT_NAMES = {
     **dict.fromkeys(("link", "joint", "joint with friction", "stop"), "links"),
     **dict.fromkeys(("point", "contact"), "points"),
     "site": "sites",
@@ -187,10 +187,10 @@ def _value(kind: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
 def _group(block: Block, row: Callable[[Kind], dict[str, Any]]) -> dict[str, Any]:
     """Return the data of a block of variables: its rows, and the kind of owner for which it is repeated.
 
-    ``counts`` in the result is the value of COUNTED for this kind of owner; None for a kind without a value.
-    ``row`` is the function that returns the data of one row.
+    ``counts`` in the result is the value of COUNT_NAMES for this kind of owner; None for a kind without a
+    value. ``row`` is the function that returns the data of one row.
     """
-    counts = COUNTED.get(block.owner_kind)
+    counts = COUNT_NAMES.get(block.owner_kind)
     return {"ownerKind": block.owner_kind, "counts": counts, "rows": [row(kind) for kind in block.kinds]}
 
 
@@ -219,7 +219,7 @@ def _output_row(kind: Kind) -> dict[str, Any]:
         "integer": not kind.unit,
         "word": word_terms(kind.record_path),
         "isPeakLoad": kind.owner_kind == "joint" and kind.record_path[1:3] == ("transmitted", "peak"),
-        "drawn": DRAWN.get((kind.parts.owner, kind.parts.quantity)),
+        "drawn": DRAWN_COLUMNS.get((kind.parts.owner, kind.parts.quantity)),
     }
 
 
@@ -251,7 +251,7 @@ def _setting_row(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str,
         "numberForNone": json.dumps(kind.number_for_none),
         "word": word_terms(kind.record_path) if kind.record_path else None,
         "givenWord": kind.given_path and word_terms(kind.given_path),
-        "givenWordWhen": kind.stores_given_if or ALWAYS,
+        "givenWordWhen": kind.stores_given_if or TRUE_FACT,
     }
 
 

@@ -59,7 +59,7 @@ CONSTANTS = {
     "pacing": (
         pacing,
         "CONTACT_SHARES FLIGHT_STEP FRAMES_OF_A_PERIOD FRAME_RATE IMPACT_TIME INSTANT LEAST_DURATION"
-        " LONGEST_IMPACT LONGEST_SLOW MOST_FRAMES RAMP_DISTANCES REAL SLOWEST SLOW_COUNT SLOW_RATE"
+        " LEAST_SPEED LONGEST_IMPACT LONGEST_SLOW MOST_FRAMES RAMP_DISTANCES REAL SLOW_COUNT SLOW_RATE"
         " SLOW_SPEED SPEED_RAMP TAIL TENS",
     ),
     "view": (
@@ -67,7 +67,7 @@ CONSTANTS = {
         "DECADES FILM_MARGIN LEAST_NORMAL_COMPONENT LEAST_SEEN_RADIUS LEAST_VIEW LONGEST_ARROW PIN_HEIGHT"
         " PIN_LINES ROOM_DISTANCE SAME_LENGTH WALL_DISTANCE",
     ),
-    "jointStops": (joint_stops, "OPEN RANGE_POINTS RANGE_RADIUS RANGE_TICK"),
+    "jointStops": (joint_stops, "OPEN_ANGLE RANGE_POINTS RANGE_RADIUS RANGE_TICK"),
     "bodies": (bodies, "CARRIAGE CIRCLE_CORNERS FREE_END STOP_MARK"),
     "curves": (
         curves,
@@ -78,7 +78,7 @@ CONSTANTS = {
 """Name of a part of ``SHARED`` → a module, and the names of the module's constants that are in the part."""
 
 
-def shared() -> dict[str, Any]:
+def page_data() -> dict[str, Any]:
     """Return name of a part of ``SHARED`` → name of a constant → value, in types that JSON can hold."""
     return {
         **{part: _constants(module, names.split()) for part, (module, names) in CONSTANTS.items()},
@@ -152,7 +152,7 @@ def shared() -> dict[str, Any]:
 @cache
 def declaration() -> str:
     """Return the line of JavaScript that declares the constant ``SHARED``."""
-    return f"const SHARED = {json.dumps(shared(), separators=(',', ':'))};"
+    return f"const SHARED = {json.dumps(page_data(), separators=(',', ':'))};"
 
 
 def _rule_data(rule: RefusalRule) -> dict[str, Any]:

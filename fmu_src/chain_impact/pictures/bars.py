@@ -20,7 +20,7 @@ from chain_impact.pictures.drawing.style import (
     INCREASE,
     INK,
     LEAST_TICKS,
-    PALE,
+    PALE_GREY,
     PEAK_COLOUR,
     TICK_STEPS,
     drawing_style,
@@ -156,7 +156,7 @@ def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, is_small: b
     """
     rows = range(len(block.names))
     colours = block.colours or [INCREASE if value > 0.0 else DECREASE for value in block.values]
-    axes.hlines(rows, 0.0, 1.0, PALE, linewidth=0.6, zorder=0, transform=axes.get_yaxis_transform())
+    axes.hlines(rows, 0.0, 1.0, PALE_GREY, linewidth=0.6, zorder=0, transform=axes.get_yaxis_transform())
     if block.dots:
         axes.scatter(block.values, rows, s=DOT, color=colours, zorder=3.0, clip_on=False)
     else:

@@ -84,7 +84,7 @@ def extremes(
         scale: the factor from values to the numbers of the axis.
     """
     sized_labels = []
-    label_distance = LABEL_DISTANCE * float(np.ptp(_finite(lines)))
+    label_distance = LABEL_DISTANCE * float(np.ptp(_finite_values(lines)))
     for k, (values, style) in enumerate(lines if unit in MARKED_UNITS else ()):
         if (row := largest_row(np.abs(values))) is not None:
             value = float(values[row])
@@ -104,7 +104,7 @@ def extremes(
     return [label for _, label in sorted(sized_labels, key=lambda entry: -entry[0])]
 
 
-def _finite(lines: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> np.ndarray:
+def _finite_values(lines: Sequence[tuple[np.ndarray, dict[str, Any]]]) -> np.ndarray:
     """Return all finite values of some curves and 0, in one array."""
     all_values = np.concatenate([np.zeros(1), *(values for values, _ in lines)])
     return np.asarray(all_values[np.isfinite(all_values)])

@@ -27,7 +27,7 @@ from chain_impact.pictures.drawing.figures import PANEL_HEIGHT, settle
 from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import (
-    FULL,
+    FULL_WIDTH,
     PALETTE,
     drawing_style,
     faint_colour,
@@ -81,7 +81,7 @@ def curves_size(curves: Curves) -> tuple[float, float]:
     """Return the default size of a figure with curves: width and height [inches]."""
     note_height = TOLD_HEIGHT if largest_vectors(curves) else 0.0
     height = PANEL_HEIGHT + LEGEND_HEIGHT
-    return FULL, max(3.8, PANELS_MARGINS + note_height + height * len(clear_panels(curves)))
+    return FULL_WIDTH, max(3.8, PANELS_MARGINS + note_height + height * len(clear_panels(curves)))
 
 
 def clear_panels(curves: Curves) -> list[list[str]]:

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.figures import FIGURE_SIZE
 from chain_impact.pictures.drawing.sizes import Size, figure_size
-from chain_impact.pictures.drawing.style import COLUMN, FULL, WIDE
+from chain_impact.pictures.drawing.style import COLUMN, FULL_WIDTH, TWO_COLUMN_WIDTH
 from chain_impact.pictures.motion.line_motion import line_of_motion
 from chain_impact.pictures.motion.view import view_of
 from chain_impact.pictures.panels import PANELS
@@ -35,7 +35,7 @@ WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # the height of the panel of energies.
 CLOCK_SHARE, MOTION_ABOVE_HEIGHT = 0.06, 2.2
 # the largest height of the panel of motion, relative to the width of the figure, if the user gives no height:
-# HIGHEST from WIDE on, NARROW_HIGHEST from COLUMN to WIDE
+# HIGHEST from TWO_COLUMN_WIDTH on, NARROW_HIGHEST from COLUMN to TWO_COLUMN_WIDTH
 HIGHEST, NARROW_HIGHEST = 0.4, 0.65
 # Lengths in inches.
 # LOWEST: the least height of the panel of motion beside other panels.
@@ -72,7 +72,7 @@ def broadness(recording: Recording) -> float:
 
 def motion_share(ratio: float, width: float) -> float:
     """Return the width of the panel of motion beside other panels, relative to the width of the figure."""
-    height = NARROW_HEIGHT if width < WIDE else WIDE_HEIGHT
+    height = NARROW_HEIGHT if width < TWO_COLUMN_WIDTH else WIDE_HEIGHT
     # with a ratio from SLIM to BROAD, the panel has the shape of the motion and its walls
     return height * min(max(ratio, SLIM), BROAD)
 
@@ -99,7 +99,7 @@ def size_for(recording: Recording, shown_panels: Sequence[str], size: Size | Non
     The width is that of ``size`` or, without ``size``, the usual one. But the result is FIGURE_SIZE, whatever
     ``size`` is, for a motion in the plane alone, and for panels without a motion.
     """
-    width = figure_size(size)[0] if size else FULL
+    width = figure_size(size)[0] if size else FULL_WIDTH
     time_panels = [name for name in shown_panels if is_in_column(recording, name)]
     ratio = broadness(recording)
     if not time_panels or "motion" not in shown_panels:
@@ -117,7 +117,7 @@ def size_for(recording: Recording, shown_panels: Sequence[str], size: Size | Non
             ratio, width
         )
     height = HEADS + LABELS + _whole_height(ratio, width) + over_time
-    return width, max(height, FIGURE_SIZE[1]) if width < WIDE else height
+    return width, max(height, FIGURE_SIZE[1]) if width < TWO_COLUMN_WIDTH else height
 
 
 def axes_of(figure: Figure, recording: Recording, shown_panels: Sequence[str]) -> dict[str, Axes]:
@@ -178,5 +178,5 @@ def _height_above(ratio: float, width: float) -> float:
 
 def _whole_height(ratio: float, width: float) -> float:
     """Return the height [inches] of a panel of motion as wide as the figure, at most HIGHEST × ``width``."""
-    highest = NARROW_HIGHEST if width < WIDE else HIGHEST
+    highest = NARROW_HIGHEST if width < TWO_COLUMN_WIDTH else HIGHEST
     return min((width - MARGINS) / ratio, highest * width)

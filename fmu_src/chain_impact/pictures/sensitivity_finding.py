@@ -11,7 +11,7 @@ from chain_impact.pictures.first_order import span_of
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts, is_shifted
 from chain_impact.pictures.words.headline import time_unit
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.sensitivity import Sensitivities, differs
+from chain_impact.recording.sensitivity import Sensitivities, is_different
 from chain_impact.scene.words.names import AXES
 from chain_impact.scene.words.plain_names import plain_name
 from chain_impact.scene.words.unit_text import with_unit
@@ -65,10 +65,10 @@ def finding_of(
     all outputs with the unit of the output that changes so, the headline names the one with the largest
     change by this parameter. The detail has the time of this change, and the time at which the changes end.
     The change in the headline is that in a run with the changed parameter; if it differs from the change to
-    first order (``differs``), the detail has the latter. Without such a run, ``checked`` is None. A parameter
-    with the value 0 is named only if no other parameter has an effect, because its step cannot be compared
-    with a change by 1 %. The headline tells if no parameter has an effect, or if there are no derivatives
-    after the start.
+    first order (``is_different``), the detail has the latter. Without such a run, ``checked`` is None. A
+    parameter with the value 0 is named only if no other parameter has an effect, because its step cannot be
+    compared with a change by 1 %. The headline tells if no parameter has an effect, or if there are no
+    derivatives after the start.
 
     ``parts``: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P). ``is_known`` is the
     result of ``known_changes``.
@@ -105,7 +105,7 @@ def finding_of(
         f"at {factor * recording.time[row]:.4g} {unit}",
     )
     size = f"about {largest_text}" if in_run is None else _size_text(abs(in_run), of_output)
-    is_other = in_run is not None and differs(sensitivities.changes(output)[row, k], in_run)
+    is_other = in_run is not None and is_different(sensitivities.changes(output)[row, k], in_run)
     when_words = f"in a run, {time_text}; to first order {largest_text}" if is_other else time_text
     return SensitivityFinding(
         f"{recording.name}: {step} {_change_words(output, size)}",

@@ -15,7 +15,15 @@ from matplotlib.transforms import ScaledTranslation, Transform, blended_transfor
 
 from chain_impact.pictures.drawing.dark_ground import lightened_colour, luminance
 from chain_impact.pictures.drawing.line_breaks import break_lines
-from chain_impact.pictures.drawing.style import DECREASE, GREY, INCREASE, INK, LEFT, OUTSIDE_COLOUR, is_narrow
+from chain_impact.pictures.drawing.style import (
+    DECREASE,
+    GREY,
+    INCREASE,
+    INK,
+    LEFT_MARGIN,
+    OUTSIDE_COLOUR,
+    is_narrow,
+)
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import PART, Sensitivities
 from chain_impact.text import count_text, signed_text
@@ -149,7 +157,7 @@ def draw_impact_changes(
         title += f"; {count_text(left_out, 'parameter')} without a row"
     text = axes.set_title(title, fontsize="medium", loc="left")
     if is_narrow(figure):
-        break_lines(text, (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi, "; ")
+        break_lines(text, (figure.get_figwidth() - 2.0 * LEFT_MARGIN) * figure.dpi, "; ")
     offset_above: Any = axes.titleOffsetTrans  # type: ignore[attr-defined]  # matplotlib's type lacks it
     _start_left(axes, text, upward=axes.transAxes + offset_above)
     return max(blocks[-1].end * CELL_HEIGHT, 0.0 if has_texts else SCALE_HEIGHT)
@@ -176,7 +184,7 @@ def _start_left(axes: Axes, text: Text, upward: Transform | None = None) -> None
     figure = axes.get_figure(root=True)
     assert figure is not None
     small = is_narrow(figure)
-    text.set_x(LEFT / figure.get_figwidth() if small else 0.0)
+    text.set_x(LEFT_MARGIN / figure.get_figwidth() if small else 0.0)
     across = figure.transFigure if small else axes.transAxes
     text.set_transform(blended_transform_factory(across, upward or axes.transData))
 

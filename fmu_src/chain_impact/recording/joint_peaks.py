@@ -16,8 +16,8 @@ class JointPeak(NamedTuple):
         joint: the number of the joint.
         force: the force [N].
         time: the time of the force [s], or of the first row by which the force has occurred.
-        kind: how much is known: EXACT, force and time also between rows; LARGEST_OF_ROWS, the force also
-            between rows, and the time of a row; SAMPLED, force and time of a row.
+        kind: how much is known: EXACT_PEAK, force and time also between rows; LARGEST_OF_ROWS, the force also
+            between rows, and the time of a row; SAMPLED_PEAK, force and time of a row.
     """
 
     joint: int
@@ -26,7 +26,7 @@ class JointPeak(NamedTuple):
     kind: str
 
 
-EXACT, LARGEST_OF_ROWS, SAMPLED = "exact", "by row", "sampled"
+EXACT_PEAK, LARGEST_OF_ROWS, SAMPLED_PEAK = "exact", "by row", "sampled"
 # [1] forces count as equal if they differ by at most this, relative to the larger force
 EQUAL_FORCES = 1e-9
 
@@ -41,10 +41,10 @@ def joint_peaks(recording: Recording) -> list[JointPeak]:
         if "peak_force" in values:
             peaks, times = values["peak_force"], values.get("peak_time")
             first = recording.time[(peaks >= (1.0 - EQUAL_FORCES) * peaks[-1]).argmax()]
-            time, kind = (first, LARGEST_OF_ROWS) if times is None else (times[-1], EXACT)
+            time, kind = (first, LARGEST_OF_ROWS) if times is None else (times[-1], EXACT_PEAK)
             found_peaks.append(JointPeak(joint, float(peaks[-1]), float(time), kind))
         elif joint in recording.loads:
             sizes = np.hypot(*recording.loads[joint].T)
             row = sizes.argmax()
-            found_peaks.append(JointPeak(joint, float(sizes[row]), float(recording.time[row]), SAMPLED))
+            found_peaks.append(JointPeak(joint, float(sizes[row]), float(recording.time[row]), SAMPLED_PEAK))
     return sorted(found_peaks, key=lambda peak: -peak.force)

@@ -15,7 +15,7 @@ from chain_impact.scene.words.names import STOPS
 
 # [1] radius of the arc that shows the range of a joint, relative to the length of the joint's link
 RANGE_RADIUS = 0.25
-OPEN = 0.5 * math.pi  # [rad] angle that the arc spans for a joint with only one stop
+OPEN_ANGLE = 0.5 * math.pi  # [rad] angle that the arc spans for a joint with only one stop
 RANGE_TICK = 0.3  # [1] length of the mark of a stop, relative to the radius of the arc
 RANGE_POINTS = 33  # number of points of the line that is drawn as an arc
 
@@ -37,8 +37,8 @@ class JointRange:
     @property
     def arc(self) -> tuple[float, float]:
         """The angles [rad] of the arc's ends in a picture, from the previous link; for joint 1, from +x."""
-        low = self.low if math.isfinite(self.low) else self.high - OPEN
-        high = self.high if math.isfinite(self.high) else self.low + OPEN
+        low = self.low if math.isfinite(self.low) else self.high - OPEN_ANGLE
+        high = self.high if math.isfinite(self.high) else self.low + OPEN_ANGLE
         return low, min(high, low + math.tau)
 
 

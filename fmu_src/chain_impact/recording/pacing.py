@@ -40,7 +40,7 @@ SLOW_COUNT = 100  # largest number of impacts that are shown in slow motion: the
 LONGEST_IMPACT = 5.0
 # [m/s; rad/s at a stop of a joint] least speed v in δ/v: a point that rests at a wall from the start on has v
 # = 0, and δ/v would be infinite
-SLOWEST = 1e-6
+LEAST_SPEED = 1e-6
 MOST_FRAMES = 20_000  # largest number of frames of a film; a longer film has fewer frames per second
 TAIL = 0.3  # [s] simulated time in which the drawn trace of the tip fades
 # REAL: a rate is called real time if it differs from 1 by less than this. SLOW_RATE: pages and films show a
@@ -57,7 +57,7 @@ def impact_ends(impacts: np.ndarray, stop: float) -> np.ndarray:
     the end of the run; δ is the largest penetration, v the impact speed. An impact takes 2.9 δ/v with Hertz's
     law, π δ/v with a linear spring, and longer with losses.
     """
-    speeds = np.maximum(impacts["impact_speed"], SLOWEST)
+    speeds = np.maximum(impacts["impact_speed"], LEAST_SPEED)
     longest_durations = LONGEST_IMPACT * np.nan_to_num(impacts["max_penetration"]) / speeds
     return np.asarray(np.fmin(impacts["end"], np.minimum(impacts["onset"] + longest_durations, stop)))
 

@@ -34,11 +34,11 @@ def _held_since(recording: Recording) -> np.ndarray:
 
 def ends_at_rest(recording: Recording) -> bool:
     """Return whether the motion ends with a rest."""
-    found_rests = rests(recording)
+    found_rests = rest_spans(recording)
     return bool(found_rests) and found_rests[-1][1] == recording.time[-1]
 
 
-def rests(recording: Recording) -> list[tuple[float, float]]:
+def rest_spans(recording: Recording) -> list[tuple[float, float]]:
     """Return start and end [s] of each rest: no point or wall moves noticeably, and no impact begins.
 
     Both speeds and mean accelerations must be small. So a chain that only turns back, as a pendulum at its
@@ -117,7 +117,7 @@ def rest_lines(recording: Recording) -> Iterator[str]:
     if len(recording.time) and recording.knows_points and ends_at_rest(recording):
         # dry friction may begin to hold the chain some milliseconds after the noticeable motion has ended:
         # the rest starts at the latest of these times
-        start = max([rests(recording)[-1][0], *_held_since(recording)])
+        start = max([rest_spans(recording)[-1][0], *_held_since(recording)])
         last = recording.points[-1]
         ends = {"tip": last[-1]} if recording.pinned else {"base": last[0], "tip": last[-1]}
         texts = [f"{name} at ({_metres(x)}, {_metres(y)}) m" for name, (x, y) in ends.items()]

@@ -27,7 +27,7 @@ the parameter or, if the value is 0, PART times the unit of the parameter."""
 FIRST_ORDER = 0.25
 
 
-def differs(first_order: float, simulated: float) -> bool:
+def is_different(first_order: float, simulated: float) -> bool:
     """Return whether a change to first order and a simulated one differ by more than FIRST_ORDER.
 
     The result is also True if a change is NaN.

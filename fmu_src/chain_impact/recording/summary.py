@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.kernel.record.constants import STICKS
 from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.recording.impacts import lasts
-from chain_impact.recording.joint_peaks import EXACT, SAMPLED, joint_peaks
+from chain_impact.recording.joint_peaks import EXACT_PEAK, SAMPLED_PEAK, joint_peaks
 from chain_impact.recording.joint_stops import is_scene_joint_stop
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_lines
@@ -164,10 +164,10 @@ def load_lines(result: Recording) -> Iterator[str]:
     time of a row, if the force is known to have occurred by this row. With more than MOST_LISTED_JOINTS such
     joints, the last line tells the number of the joints with smaller forces.
     """
-    peaks = [peak for peak in joint_peaks(result) if peak.kind != SAMPLED]
+    peaks = [peak for peak in joint_peaks(result) if peak.kind != SAMPLED_PEAK]
     for row, (joint, force, time, kind) in enumerate(peaks[:MOST_LISTED_JOINTS]):
         begin = f"{'' if row else 'loads':8} at most {force:.6g} N in joint[{joint}]"
-        if kind != EXACT:
+        if kind != EXACT_PEAK:
             yield f"{begin}, by {time:g} s"
             continue
         onset, end = result.impacts["onset"], np.where(lasts(result.impacts), np.inf, result.impacts["end"])

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from chain_impact.recording.sensitivity import differs
+from chain_impact.recording.sensitivity import is_different
 from chain_impact.scene.words.unit_text import with_unit
 
 
@@ -34,11 +34,11 @@ class Effect(NamedTuple):
 
     @property
     def differs(self) -> bool:
-        """Whether ``simulated`` differs much from ``change`` (``differs``), or is NaN.
+        """Whether ``simulated`` differs much from ``change`` (``is_different``), or is NaN.
 
         The property is False if ``simulated`` is None.
         """
-        return self.simulated is not None and differs(self.change, self.simulated)
+        return self.simulated is not None and is_different(self.change, self.simulated)
 
     @property
     def told(self) -> str:

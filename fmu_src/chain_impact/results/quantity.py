@@ -54,7 +54,7 @@ def quantity_named(recording: Recording, sensitivities: Sensitivities, name: str
         SceneError: when the quantity does not exist, or the run does not have the quantity.
     """
     if peak := PEAKS.get(name):
-        return _largest(recording, sensitivities, name, peak.field, at_stops=peak.at_stops)
+        return _largest_of_impacts(recording, sensitivities, name, peak.field, at_stops=peak.at_stops)
     if name == JOINT_FORCE:
         return _joint_force(recording, sensitivities)
     owner, number, _, quantity = name_parts(name)
@@ -77,7 +77,7 @@ def quantity_named(recording: Recording, sensitivities: Sensitivities, name: str
     return _final_output(recording, sensitivities, name)
 
 
-def _largest(
+def _largest_of_impacts(
     recording: Recording, sensitivities: Sensitivities, name: str, field: str, *, at_stops: bool
 ) -> RankedQuantity:
     """Return the largest value of a column of impacts, with its derivatives.

@@ -25,7 +25,7 @@ from chain_impact.results.effects import (
 from chain_impact.results.quantity import quantity_named
 from chain_impact.scene.errors import names_matching
 from chain_impact.scene.words.unit_text import bracketed_unit, unit_text, with_unit
-from chain_impact.text import Printed, TextTable, count_text, readable_unit, signed_text
+from chain_impact.text import PrintedResult, TextTable, count_text, readable_unit, signed_text
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ MOST_BARS = 16  # largest number of bars in the picture of a ranking
 
 
 @dataclass(frozen=True, repr=False)
-class Ranking(Printed):
+class Ranking(PrintedResult):
     """Parameters and inputs in the order of their effect on a quantity, the largest effect first.
 
     Attributes:

@@ -25,7 +25,7 @@ from chain_impact.results.scene_recording import SceneRecording
 from chain_impact.scene.errors import SceneError, SceneWarning, UnknownNameError, names_matching
 from chain_impact.scene.facts import FACTS
 from chain_impact.scene.half_planes import HalfPlane
-from chain_impact.text import Printed, TextTable
+from chain_impact.text import PrintedResult, TextTable
 from chain_impact.variables.hints import series_hint
 from chain_impact.variables.outputs import OUTPUTS
 from chain_impact.variables.prepared import PreparedScene, field_at
@@ -44,7 +44,7 @@ ENERGIES = {
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Result(Printed, SceneRecording):
+class Result(PrintedResult, SceneRecording):
     """The result of a simulation: a recording with its scene.
 
     Two results are equal if all their attributes except ``stepwise`` and ``rerun`` are equal.

@@ -2,9 +2,9 @@
 
 The tables FACTS and LISTS have the rules that give facts and lists; rule_language.py has the language of the
 rules. A page evaluates the same rules (pages/browser/scene/owners.js). Lists without a rule are found by
-code, in Python by FOUND. Example: if a scene gives ``joint_friction`` for a link with a proximal joint, the
-link has the value ``has_friction`` 1 in "links", so the facts "joint_friction" and "friction" are true.
-The twin in JavaScript is pages/browser/scene/owners.js.
+code, in Python by LIST_FUNCTIONS. Example: if a scene gives ``joint_friction`` for a link with a proximal
+joint, the link has the value ``has_friction`` 1 in "links", so the facts "joint_friction" and "friction" are
+true. The twin in JavaScript is pages/browser/scene/owners.js.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from chain_impact.scene.keys.default_rules import ZERO_RULE
 from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.rules.key_rules import keys
 from chain_impact.scene.rules.rule_language import (
-    holds,
+    is_rule_true,
     member_lookups,
     members_in,
     number_in,
@@ -33,7 +33,7 @@ from chain_impact.scene.rules.rule_language import (
 from chain_impact.scene.signal_inputs import driven_by
 from chain_impact.scene.words.names import INPUTS_OF, DataPath
 
-ALWAYS = "always"
+TRUE_FACT = "always"
 """The name of the fact that is true for all scenes."""
 _DEFAULT_KEYS = {
     entry.name
@@ -50,8 +50,8 @@ class Members(NamedTuple):
 
     Attributes:
         meaning: words for the members, and for the values that each member has.
-        over: the list from which the members of this list are taken; "" for a list that FOUND and the page's
-            code find without a rule.
+        over: the list from which the members of this list are taken; "" for a list that LIST_FUNCTIONS and
+            the page's code find without a rule.
         where: the rule that is true if a member of ``over`` is a member of this list.
         values: name of a value that each member has → the rule for this value.
     """
@@ -109,7 +109,7 @@ class Fact(NamedTuple):
 
 
 FACTS = {
-    ALWAYS: Fact("1", "all scenes have this"),
+    TRUE_FACT: Fact("1", "all scenes have this"),
     "free": Fact("chain.base == 'free'", "the base is free"),
     "pinned": Fact("chain.base == 'pinned'", "the base is pinned"),
     "slider": Fact("chain.base == 'slider'", "the base is on a slider"),
@@ -179,7 +179,7 @@ class SceneFacts(dict[str, Any]):
         if name in FACTS:
             value = int(number_in(FACTS[name].rule, self.value_of))
         elif name in LISTS:
-            value = self._members(LISTS[name]) if LISTS[name].over else FOUND[name](self)
+            value = self._members(LISTS[name]) if LISTS[name].over else LIST_FUNCTIONS[name](self)
         elif "." in name:
             flag = value_at(self.scene, name)
             value = len(flag) if isinstance(flag, tuple) else int(flag)
@@ -223,7 +223,7 @@ class SceneFacts(dict[str, Any]):
         """
         members = list[dict[str, Any]]()
         for order, of_member in enumerate(member_lookups(members_in(row.over, self.value_of), self.value_of)):
-            if holds(row.where, of_member):
+            if is_rule_true(row.where, of_member):
                 values = dict[str, Any]()
                 for key, rule in row.values.items():
                     values[key] = number_in(rule, partial(value_within, values, order, of_member))
@@ -284,7 +284,7 @@ def _steps(facts: SceneFacts) -> list[dict[str, Any]]:
     ]
 
 
-FOUND: dict[str, Callable[[SceneFacts], list[dict[str, Any]]]] = {
+LIST_FUNCTIONS: dict[str, Callable[[SceneFacts], list[dict[str, Any]]]] = {
     "sites": _sites,
     "candidates": _candidates,
     "walls": _walls,

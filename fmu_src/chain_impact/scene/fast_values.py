@@ -18,7 +18,7 @@ from chain_impact.scene.contents import AnyScene, Contents
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.keys.chain_tables import Link
 from chain_impact.scene.keys.tables import Contact, Initial, Simulation, Solver
-from chain_impact.scene.rules.key_rules import keeps, keys
+from chain_impact.scene.rules.key_rules import keeps_rules, keys
 from chain_impact.scene.words.angles import radians_hint
 from chain_impact.scene.words.names import AXES, DataPath, name_of
 
@@ -89,7 +89,7 @@ def _with_number(
     values other than the derived inertia of a link must change or be checked, too.
     """
     value = _value(given_value, metadata) if path else None
-    if value is None or not keeps(value, metadata):
+    if value is None or not keeps_rules(value, metadata):
         return None
     # if one entry of a derived list changes, all entries become given values: only ``with_values`` does this
     is_derived = path in scene.derived_paths or path[:-1] in scene.derived_paths

@@ -16,7 +16,7 @@ from chain_impact.scene.rules.key_rules import (
     Derived,
     allowed_words,
     extended_metadata,
-    keeps,
+    keeps_rules,
     keys,
     without_none,
 )
@@ -31,8 +31,8 @@ MOST_FAULTS = 8  # one message tells at most this number of faults
 # values for a key that must not be missing, while other faults are searched: one of them is a valid value of
 # most keys
 PLACEHOLDERS = (1.0, "x")
-_ONE = r"\s*[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?\s*"
-_VALUES_TYPED = re.compile(rf"{_ONE}(?:[:,]{_ONE})+(?::log)?")
+_NUMBER_PATTERN = r"\s*[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?\s*"
+_VALUES_TYPED = re.compile(rf"{_NUMBER_PATTERN}(?:[:,]{_NUMBER_PATTERN})+(?::log)?")
 
 
 def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
@@ -115,7 +115,7 @@ class Reader:
         if origin is Mapping:
             return self._tables(kind, value, path, tables)
         result = _convert(kind, radians_of(value, metadata["unit"]))
-        if result is None or not keeps(result, metadata):
+        if result is None or not keeps_rules(result, metadata):
             choices, unit = metadata["choices"], metadata["unit"]
             needed_text = allowed_words(kind, metadata) + or_degrees(unit)
             meant_text = nearest_choice(value, choices) if kind is str else meant_number(value, unit)

@@ -17,7 +17,7 @@ from chain_impact.scene.errors import SceneError, refusal
 from chain_impact.scene.keys.chain_tables import BOX_CORNERS, Site
 from chain_impact.scene.words.names import DataPath
 
-_APART = object()
+_CORNER = object()
 """The mark that stands in plain data for a corner of a box, which follows from length and height."""
 
 
@@ -43,7 +43,7 @@ def with_shapes(scene: AnyScene) -> AnyScene:
 def set_corners_apart(data: Any, *, are_given: bool = False) -> None:
     """Replace the corners or the shape of each box in ``data``, the plain data of a scene.
 
-    The mark ``_APART`` replaces each corner. If ``are_given`` is true, the corners stay instead, as ordinary
+    The mark ``_CORNER`` replaces each corner. If ``are_given`` is true, the corners stay instead, as ordinary
     points, and the keys ``shape`` and ``height`` of the box are removed.
     """
     for link in data["chain"]["links"]:
@@ -52,16 +52,16 @@ def set_corners_apart(data: Any, *, are_given: bool = False) -> None:
         if are_given:
             del link["shape"], link["height"]
         else:
-            link["points"][:BOX_CORNERS] = [_APART] * BOX_CORNERS
+            link["points"][:BOX_CORNERS] = [_CORNER] * BOX_CORNERS
 
 
 def without_corners(data: Any) -> Any:
-    """Remove the marks ``_APART`` from ``data``, the plain data of a scene, and return ``data``."""
+    """Remove the marks ``_CORNER`` from ``data``, the plain data of a scene, and return ``data``."""
     chain = data["chain"]
     links = chain.get("links") if isinstance(chain, Mapping) else None
     for link in links if isinstance(links, list) else ():
         if isinstance(link, dict) and isinstance(points := link.get("points"), list):
-            link["points"] = [point for point in points if point is not _APART]
+            link["points"] = [point for point in points if point is not _CORNER]
     return data
 
 

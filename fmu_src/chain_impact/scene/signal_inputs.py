@@ -24,7 +24,7 @@ TARGET_RATE = ".target_velocity"
 values replace the derivatives of target angles and positions that other signals drive."""
 
 
-class Driven(NamedTuple):
+class DrivenInput(NamedTuple):
     """An input that a signal drives.
 
     Attributes:
@@ -51,12 +51,12 @@ class Driven(NamedTuple):
         return self.outputs.index(self.input)
 
 
-def driven_by(scene: Contents) -> tuple[Driven, ...]:
+def driven_by(scene: Contents) -> tuple[DrivenInput, ...]:
     """Return all driven inputs in the order of signals, but target velocities last, as in the record."""
     if not scene.signals:
         return ()
     driven_inputs = [
-        Driven(
+        DrivenInput(
             name,
             input_name,
             quantities_driven_by(input_name),
@@ -122,7 +122,7 @@ def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signa
     path, key = (folder / (signal.file or "")).absolute(), ("signals", name, "file")
     try:
         status = path.stat()
-        times, columns = _read(path, status.st_mtime_ns, status.st_size, stop)
+        times, columns = _read_samples(path, status.st_mtime_ns, status.st_size, stop)
     except OSError as error:
         raise error_at(key, f"= {signal.file!r} cannot be read ({error.strerror})") from None
     except SceneError as error:
@@ -140,7 +140,7 @@ def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signa
 
 
 @lru_cache(16)
-def _read(path: Path, _changed: int, _size: int, stop: float) -> tuple[Numbers, dict[str, Numbers]]:
+def _read_samples(path: Path, _changed: int, _size: int, stop: float) -> tuple[Numbers, dict[str, Numbers]]:
     """Return the times [s] of a table file, and its other columns by name; the results are cached.
 
     ``_changed`` is the time of the file's last change, ``_size`` the size of the file [byte]: with other

@@ -24,7 +24,7 @@ from chain_impact.scene.words.names import (
     sensitivity_name,
 )
 
-NEXT = "{next}"
+NEXT_PLACE = "{next}"
 MOTION = "given_channel"
 """The name of the part of the record with the motions given for base, walls and belts."""
 MOTIONS = ("position", "velocity", "acceleration")
@@ -289,7 +289,7 @@ def record_block(
     has_no_index = owner_kind in ("one", "slider")
     for k, kind in enumerate(kinds):
         steps = (part, *kind.record_path)
-        index = () if has_no_index or INDEX_PLACE in steps or NEXT in steps else (INDEX_PLACE,)
+        index = () if has_no_index or INDEX_PLACE in steps or NEXT_PLACE in steps else (INDEX_PLACE,)
         array_name = f"{owner_kind}.{kind.name}" if array else kind.array
         kinds[k] = replace(kind, record_path=(*steps, *index), array=array_name)
     return block(owner_kind, *kinds, prefix=prefix, **{"is_terminal": True} | extras)
@@ -300,5 +300,5 @@ def fill_path(path: DataPath, owner: Mapping[str, Any]) -> DataPath:
     if not owner:
         return path
     steps: dict[str | int, Any] = {f"{{{word}}}": value for word, value in owner.items()}
-    steps[NEXT] = owner.get("at", 0) + 1
+    steps[NEXT_PLACE] = owner.get("at", 0) + 1
     return tuple([steps.get(step, step) for step in path])

@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 
 from chain_impact.kernel.record.constants import NO_CONTACT, WALLS
 from chain_impact.kernel.record.counts import COUNTS
-from chain_impact.scene.facts import ALWAYS, FACTS, LISTS, SceneFacts
+from chain_impact.scene.facts import FACTS, LISTS, TRUE_FACT, SceneFacts
 from chain_impact.scene.keys.tables import Inputs, Outputs
-from chain_impact.scene.rules.rule_language import ValueOf, holds, members_in, number_in, value_at
+from chain_impact.scene.rules.rule_language import ValueOf, is_rule_true, members_in, number_in, value_at
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import INDEX_PLACE, DataPath
 
@@ -71,18 +71,18 @@ class OwnerKind:
     """
 
     over: str
-    where: str = ALWAYS
+    where: str = TRUE_FACT
     numbers: Mapping[str, str] = field(default_factory=dict)
     conditions: Mapping[str, str] = field(default_factory=dict)
 
 
-_COUNTED = {"n": "order + 1", "at": "order"}
+_COUNT_RULES = {"n": "order + 1", "at": "order"}
 _CHANNEL = "2*inputs.base_motion + 2*order"
 OWNER_KINDS = {
     "one": OwnerKind(over="1"),
     "link": OwnerKind(
         over="links",
-        numbers=_COUNTED,
+        numbers=_COUNT_RULES,
         conditions={
             "has_target": "inputs.joint_targets and jointed",
             "target_is_parameter": "not has_target",
@@ -94,8 +94,8 @@ OWNER_KINDS = {
         numbers={"n": "order", "at": "order"},
         conditions={"base_at_rest": "pinned and not inputs.base_motion and not order"},
     ),
-    "joint": OwnerKind(over="links", where="jointed", numbers=_COUNTED),
-    "joint with friction": OwnerKind(over="links", where="has_friction", numbers=_COUNTED),
+    "joint": OwnerKind(over="links", where="jointed", numbers=_COUNT_RULES),
+    "joint with friction": OwnerKind(over="links", where="has_friction", numbers=_COUNT_RULES),
     # the outputs for both stops of a joint are at one index of the record: that of the joint's first stop
     "stop": OwnerKind(over="candidates", where="at_joint", numbers={"at": "order"}),
     "contact": OwnerKind(
@@ -125,7 +125,7 @@ OWNER_KINDS = {
     "touched wall": OwnerKind(over="walls", where="touched", numbers={"at": "links + order"}),
     "signal": OwnerKind(over="signals", numbers={"at": "order"}),
     "step": OwnerKind(over="steps", numbers={"n": "entry + 1", "at": "knot"}),
-    "impact": OwnerKind(over="outputs.impacts", numbers=_COUNTED),
+    "impact": OwnerKind(over="outputs.impacts", numbers=_COUNT_RULES),
 }
 """Kind of owner → the rules that find the owners of this kind."""
 
@@ -154,7 +154,7 @@ RECORD_NUMBERS = {
     "has_inputs": RecordNumber(("chain", "has_inputs"), "has_inputs"),
     "has_targets": RecordNumber(("chain", "has_targets"), "inputs.joint_targets"),
     "base_moves": RecordNumber(("chain", "base_moves"), "inputs.base_motion"),
-    "interpolates": RecordNumber(("given_channel", "interpolates"), ALWAYS),
+    "interpolates": RecordNumber(("given_channel", "interpolates"), TRUE_FACT),
     "requested": RecordNumber(("latest", "requested"), "outputs.impacts"),
     "impulses": RecordNumber(("quadrature", "computed"), "impulses"),
     "site_link": RecordNumber(("site", "link", INDEX_PLACE), "link", "sites"),
@@ -228,10 +228,10 @@ def owners_of(
     row, found_owners = OWNER_KINDS[kind], dict[Any, Owner]()
     for order, member in enumerate(members_in(row.over, values_of(scene_numbers, lists))):
         member_names = {**scene_numbers, **member, "order": order}
-        if holds(row.where, member_names.__getitem__):
+        if is_rule_true(row.where, member_names.__getitem__):
             numbers = {name: number_in(rule, member_names.__getitem__) for name, rule in row.numbers.items()}
             values = {**member, **numbers}
             for name, rule in row.conditions.items():
-                member_names[name] = holds(rule, member_names.__getitem__)
+                member_names[name] = is_rule_true(rule, member_names.__getitem__)
             found_owners.setdefault(tuple(map(values.get, ("n", "of", "name"))), Owner(values, member_names))
     return list(found_owners.values())

@@ -15,7 +15,7 @@ from typing import Any
 
 from chain_impact.kernel.record.constants import WALLS
 from chain_impact.scene.contents import Contents
-from chain_impact.scene.facts import ALWAYS
+from chain_impact.scene.facts import TRUE_FACT
 from chain_impact.scene.keys.chain_tables import Link, Site, Slider
 from chain_impact.scene.keys.signal_tables import NUMBERS, Signal
 from chain_impact.scene.keys.tables import Box, Contact, Initial, Material, Simulation, Solver, Stops, Wall
@@ -121,7 +121,7 @@ def _vector(
 
 
 _COEFFICIENT: dict[str, Any] = {
-    "tunable": ALWAYS,
+    "tunable": TRUE_FACT,
     "when": ("contact_friction",),
     "value_if_not_in_file": 0.0,
     "hint": HAS_FRICTION,
@@ -261,7 +261,7 @@ PARAMETERS = (
             scene_path=("contact", KEY),
             record_path=("given", "law"),
             names=("model",),
-            model={"when": ("law",), "tunable": ALWAYS, "choices": LAWS, "smooth": False},
+            model={"when": ("law",), "tunable": TRUE_FACT, "choices": LAWS, "smooth": False},
         ),
     ),
     block(
@@ -271,8 +271,8 @@ PARAMETERS = (
             scene_path=("contact", KEY),
             record_path=("contact_settings", KEY),
             names=("stiffness", "exponent", "restitution", "radius", "minimum_impact_speed"),
-            stiffness={"record_path": ("given", "stiffness"), "tunable": ALWAYS},
-            restitution={"record_path": ("given", "restitution"), "tunable": ALWAYS},
+            stiffness={"record_path": ("given", "stiffness"), "tunable": TRUE_FACT},
+            restitution={"record_path": ("given", "restitution"), "tunable": TRUE_FACT},
             minimum_impact_speed={"smooth": False},
         ),
         *_table_kinds(
@@ -299,7 +299,7 @@ PARAMETERS = (
         ),
         heading=WALL,
         when=("contacts",),
-        tunable=ALWAYS,
+        tunable=TRUE_FACT,
     ),
     block(
         "one",
@@ -308,9 +308,9 @@ PARAMETERS = (
             scene_path=("stops", KEY),
             record_path=("stops", KEY),
             names=("stiffness", "exponent", "restitution", "minimum_impact_speed"),
-            stiffness={"record_path": ("given", "stop_stiffness"), "tunable": ALWAYS},
+            stiffness={"record_path": ("given", "stop_stiffness"), "tunable": TRUE_FACT},
             exponent={"given_path": ("stops", "given_exponent")},
-            restitution={"given_path": ("given", "stop_restitution"), "tunable": ALWAYS},
+            restitution={"given_path": ("given", "stop_restitution"), "tunable": TRUE_FACT},
             minimum_impact_speed={"smooth": False},
         ),
         when=("stops",),

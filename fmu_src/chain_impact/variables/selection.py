@@ -18,7 +18,7 @@ from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
 from chain_impact.variables.variable import Variable
 
 
-class Available(Protocol):
+class SceneVariables(Protocol):
     """The properties of ``PreparedScene`` that the functions of this module need."""
 
     scene: Scene
@@ -39,7 +39,7 @@ class Available(Protocol):
     def output_index(self) -> dict[str, int]: ...  # noqa: D102
 
 
-def varied_by(prepared_scene: Available, names: str | Iterable[str]) -> list[Variable]:
+def varied_by(prepared_scene: SceneVariables, names: str | Iterable[str]) -> list[Variable]:
     """Return the parameters and inputs with the names or patterns ``names``, each once, for derivatives.
 
     They are in the order of ``names``. In a pattern, ``*`` stands for any text.
@@ -70,7 +70,7 @@ def varied_by(prepared_scene: Available, names: str | Iterable[str]) -> list[Var
     return [variables[name] for name in found_names]
 
 
-def outputs_named(prepared_scene: Available, wanted_names: str | Iterable[str]) -> list[Variable]:
+def outputs_named(prepared_scene: SceneVariables, wanted_names: str | Iterable[str]) -> list[Variable]:
     """Return the outputs with the names or patterns ``wanted_names``, each once, in this order.
 
     Raises:
@@ -85,7 +85,7 @@ def outputs_named(prepared_scene: Available, wanted_names: str | Iterable[str]) 
     ]
 
 
-def columns_named(prepared_scene: Available, wanted_names: str | Iterable[str]) -> dict[str, int]:
+def columns_named(prepared_scene: SceneVariables, wanted_names: str | Iterable[str]) -> dict[str, int]:
     """Return the entries of ``PreparedScene.output_index`` for names or patterns, in this order.
 
     Raises:
@@ -96,7 +96,7 @@ def columns_named(prepared_scene: Available, wanted_names: str | Iterable[str]) 
     return {name: columns[name] for name in names}
 
 
-def missing_output_hint(prepared_scene: Available, name: str) -> str | None:
+def missing_output_hint(prepared_scene: SceneVariables, name: str) -> str | None:
     """Return a hint why ``name`` matches no wanted output; None without a hint."""
     inputs, outputs = (
         [variable.name for variable in prepared_scene.inputs],
@@ -118,7 +118,7 @@ def missing_output_hint(prepared_scene: Available, name: str) -> str | None:
     return hint or _hint_on_joint(prepared_scene, name)
 
 
-def _hint_on_joint(prepared_scene: Available, name: str) -> str | None:
+def _hint_on_joint(prepared_scene: SceneVariables, name: str) -> str | None:
     """Return the hint for the output of a joint if ``name`` is that of the link behind it; else None."""
     # forces and moments on a link are those of its joint
     of_joint = name.replace("link[", "joint[", 1)
@@ -126,7 +126,7 @@ def _hint_on_joint(prepared_scene: Available, name: str) -> str | None:
     return hint and (hint if of_joint in hint else f"take {of_joint}: {hint}")
 
 
-def _hint_on_outputs(prepared_scene: Available) -> Hint:
+def _hint_on_outputs(prepared_scene: SceneVariables) -> Hint:
     return lambda name: missing_output_hint(prepared_scene, name)
 
 

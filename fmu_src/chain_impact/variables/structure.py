@@ -13,7 +13,7 @@ from typing import Any
 from chain_impact.kernel.record.counts import COUNTS, Counts
 from chain_impact.scene.facts import LISTS, SceneFacts
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signal_inputs import Driven, driven_by
+from chain_impact.scene.signal_inputs import DrivenInput, driven_by
 from chain_impact.variables.owners import Owner, numbers_of_scene, owners_of
 
 
@@ -32,7 +32,7 @@ class Structure:
 
     numbers: Mapping[str, int]
     lists: Mapping[str, Sequence[Mapping[str, Any]]]
-    signals: tuple[Driven, ...]
+    signals: tuple[DrivenInput, ...]
 
     def __hash__(self) -> int:
         """Return the hash of the numbers in ``numbers``, which are the same in equal structures."""

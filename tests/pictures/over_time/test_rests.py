@@ -10,7 +10,7 @@ import pytest
 from chain_impact import parse_scene, simulate
 from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.rest import rest_lines, rests
+from chain_impact.recording.rest import rest_lines, rest_spans
 from chain_impact.scene.scene import with_values
 from tests.pictures.pictures import drawn, hit, swing
 
@@ -34,7 +34,7 @@ def paused(when, rows=401):
     [("before", [(0.0, 9.0)]), ("after", [(1.0, 10.0)]), ("between", [(0.5, 9.5)])],
 )
 def test_a_rest_is_found(when, expected):
-    np.testing.assert_allclose(rests(paused(when)), expected, atol=0.03)
+    np.testing.assert_allclose(rest_spans(paused(when)), expected, atol=0.03)
 
 
 @pytest.mark.parametrize(
@@ -62,7 +62,7 @@ def test_an_axis_of_time_leaves_out_long_rests_at_its_ends(when, start, end, tol
 def test_an_impact_ends_a_rest():
     recording = paused("after")
     table = swing([hit(5.0, 1, "x_min", 1e-3)], {"x_min": -1.0}).impacts
-    ends = [low for low, _ in rests(dataclasses.replace(recording, impacts=table))]
+    ends = [low for low, _ in rest_spans(dataclasses.replace(recording, impacts=table))]
     assert ends == pytest.approx([1.0, 5.025], abs=0.03)
 
 
@@ -95,9 +95,9 @@ def test_a_brick_rests_on_an_edge_and_never_where_its_rocking_turns():
     """It rocks on one corner until 2.9 s; it turns back at 1.46 s, slower than 0.1 rad/s around this time."""
     scene = parse_scene(BRICK, "brick.toml")
     for stop in (1.3, 1.45, 1.5, 1.55, 2.0):
-        assert not rests(simulate(with_values(scene, {"simulation.stop_time": stop})))
+        assert not rest_spans(simulate(with_values(scene, {"simulation.stop_time": stop})))
     result = simulate(with_values(scene, {"simulation.stop_time": 4.0}))
-    [(start, end)] = rests(result)
+    [(start, end)] = rest_spans(result)
     assert (start, end) == (pytest.approx(result.impacts["onset"][-1], abs=0.1), 4.0)
     (line,) = rest_lines(result)
     assert " held " in line
@@ -115,7 +115,7 @@ def turning(rows):
 
 @pytest.mark.parametrize("rows", [30, 101, 1001])
 def test_the_place_where_a_motion_turns_back_is_no_rest(rows):
-    assert rests(turning(rows)) == []
+    assert rest_spans(turning(rows)) == []
 
 
 RESTING = """
@@ -146,7 +146,7 @@ stop_time = {stop}
 )
 def test_a_pendulum_rests_if_it_neither_moves_nor_begins_to_move(gravity, damping, angle, stop, start):
     text = RESTING.format(gravity=gravity, damping=damping, angle=angle, stop=stop)
-    found = rests(simulate(parse_scene(text, "still.toml")))
+    found = rest_spans(simulate(parse_scene(text, "still.toml")))
     expected = [] if start is None else [(pytest.approx(start, abs=0.8), stop)]
     assert found == expected
 
@@ -171,7 +171,7 @@ angles = [0.0]
 stop_time = 2.0
 """
     result = simulate(parse_scene(text, "slide.toml"))
-    [(start, _)] = rests(result)
+    [(start, _)] = rest_spans(result)
     assert start == pytest.approx(2.0 / (0.5 * 9.81), abs=0.06)
     (line,) = rest_lines(result)
     assert f" held from {2.0 / (0.5 * 9.81):.4g} s on" in line

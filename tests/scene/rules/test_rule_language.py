@@ -16,7 +16,7 @@ from chain_impact.scene.rules.refusals import (
     STOP_KEYS,
     RefusalRule,
 )
-from chain_impact.scene.rules.rule_language import holds, names_in, number_in, tree
+from chain_impact.scene.rules.rule_language import is_rule_true, names_in, number_in, tree
 from chain_impact.scene.scene import scene_keys
 from tests.scene.rule_cases import CASES, VALUES
 
@@ -32,7 +32,7 @@ NAMES = {"": ALL_KEYS | OF_LINK, "link": ALL_KEYS | OF_LINK, "law": OF_LAW}
 def test_the_value_of_a_rule(rule):
     value = CASES[rule]
     if isinstance(value, bool):
-        assert holds(rule, VALUES.__getitem__) == value
+        assert is_rule_true(rule, VALUES.__getitem__) == value
     else:
         assert number_in(rule, VALUES.__getitem__) == value
 
@@ -45,7 +45,7 @@ def test_a_wrong_rule_is_named(rule):
 
 def test_an_unknown_name_is_an_error():
     with pytest.raises(KeyError, match="strange"):
-        holds("a and strange", VALUES.__getitem__)
+        is_rule_true("a and strange", VALUES.__getitem__)
 
 
 @pytest.mark.parametrize("rule", [*REFUSALS, *SIGNAL_REFUSALS], ids=lambda rule: f"{rule.fault}, {rule.key}")

@@ -20,10 +20,10 @@ BAND_OPACITY = 0.45  # the opacity of a band, from 0 to 1
 BIN, FAST_TURNS, FAST_PART, LEAST_TURN = 4.0, 6, 0.2, 0.05
 # the largest distance of two curves that look like one curve, relative to the range of all compared curves
 SAME_CURVE = 0.005
-# MERGED: lines coincide where their distance, relative to the range of all lines, is at most this; PIECES:
-# the number of points of a line at which the distance is measured; LEAST_DASHED: the least length of a part
-# with dashes, relative to the range of all lines; DASH: the length of a dash, in line widths
-MERGED, PIECES, LEAST_DASHED, DASH = 0.008, 600, 0.05, 3.0
+# MERGING_DISTANCE: lines coincide where their distance, relative to the range of all lines, is at most this;
+# PIECES: the number of points of a line at which the distance is measured; LEAST_DASHED: the least length of
+# a part with dashes, relative to the range of all lines; DASH: the length of a dash, in line widths
+MERGING_DISTANCE, PIECES, LEAST_DASHED, DASH = 0.008, 600, 0.05, 3.0
 AREA_OPACITY = 0.2  # the opacity of the area for a fast curve, from 0 to 1
 FAST_ENTRY = "pale: range of an oscillation, line: mean"
 
@@ -101,9 +101,9 @@ def hidden_counts(curves: Sequence[np.ndarray], same: float = SAME_CURVE, share:
 def merged_dashes(lines: Sequence[np.ndarray]) -> list[Any]:
     """Return for each line a style of dashes if it merges with the first line of a group, else None.
 
-    Lines merge if the median of their distances is small (MERGED). A line that merges with the first line of
-    no group is itself the first line of a new group. The caller draws the first line of a group without
-    dashes, below the other lines of the group, whose dashes alternate (``_dashes``).
+    Lines merge if the median of their distances is small (MERGING_DISTANCE). A line that merges with the
+    first line of no group is itself the first line of a new group. The caller draws the first line of a group
+    without dashes, below the other lines of the group, whose dashes alternate (``_dashes``).
 
     Args:
         lines: x and y of each line, each of shape (2, S), in the same axes.
@@ -111,13 +111,16 @@ def merged_dashes(lines: Sequence[np.ndarray]) -> list[Any]:
     Returns:
         The styles, as matplotlib takes them.
     """
-    evenly = [_points_at(*measured_line) for measured_line in _measured(lines)]
+    evenly = [_points_at(*measured_line) for measured_line in _measure_lines(lines)]
     groups: dict[int, list[int]] = {}
     for k, line in enumerate(evenly):
         distinct_dashes = {
-            j: max(np.median(_gaps(*pair)) for pair in ((evenly[j], line), (line, evenly[j]))) for j in groups
+            j: max(np.median(_distances(*pair)) for pair in ((evenly[j], line), (line, evenly[j])))
+            for j in groups
         }
-        groups.setdefault(next((j for j in groups if distinct_dashes[j] <= MERGED), k), []).append(k)
+        groups.setdefault(next((j for j in groups if distinct_dashes[j] <= MERGING_DISTANCE), k), []).append(
+            k
+        )
     dashes: list[Any] = [None] * len(lines)
     for group in groups.values():
         for place, k in enumerate(group[1:]):
@@ -128,8 +131,9 @@ def merged_dashes(lines: Sequence[np.ndarray]) -> list[Any]:
 def parts_with_dashes(lines: Sequence[np.ndarray]) -> list[list[tuple[np.ndarray, Any]]]:
     """Return for each line its parts: points, shape (2, S), and a style of dashes, or None for a solid part.
 
-    Where lines nearly coincide (MERGED), the first of them is solid, and the dashes of the others, which are
-    drawn above it, alternate (``_dashes``). Elsewhere, and over lengths below LEAST_DASHED, a line is solid.
+    Where lines nearly coincide (MERGING_DISTANCE), the first of them is solid, and the dashes of the others,
+    which are drawn above it, alternate (``_dashes``). Elsewhere, and over lengths below LEAST_DASHED, a line
+    is solid.
 
     Args:
         lines: x and y of each line, each of shape (2, S), in the same axes.
@@ -137,10 +141,12 @@ def parts_with_dashes(lines: Sequence[np.ndarray]) -> list[list[tuple[np.ndarray
     Returns:
         The parts in their order along each line, with dashes as matplotlib takes them.
     """
-    measured_lines, parts = _measured(lines), []
+    measured_lines, parts = _measure_lines(lines), []
     evenly = [_points_at(*measured_line) for measured_line in measured_lines]
     for k, (line, (_, way, places)) in enumerate(zip(lines, measured_lines, strict=True)):
-        merged_parts = np.array([_gaps(evenly[k], other_points) <= MERGED for other_points in evenly])
+        merged_parts = np.array(
+            [_distances(evenly[k], other_points) <= MERGING_DISTANCE for other_points in evenly]
+        )
         # the number of lines at each place that are below this line, and of all that are above the first one
         count_below, count_above = merged_parts[:k].sum(axis=0), merged_parts.sum(axis=0) - 1
         looks = np.where(count_below > 0, len(lines) * count_below + count_above, 0)
@@ -164,7 +170,7 @@ def _dashes(place: int, count: int) -> tuple[float, tuple[float, float]]:
     return -DASH * place, (DASH, DASH * count)
 
 
-def _measured(lines: Sequence[np.ndarray]) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+def _measure_lines(lines: Sequence[np.ndarray]) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Return each line relative to the range of all, the lengths of the way at its points, and PIECES places.
 
     The places have equal distances, from 0 to the length of the line.
@@ -180,7 +186,7 @@ def _measured(lines: Sequence[np.ndarray]) -> list[tuple[np.ndarray, np.ndarray,
     ]
 
 
-def _gaps(points: np.ndarray, other_points: np.ndarray) -> np.ndarray:
+def _distances(points: np.ndarray, other_points: np.ndarray) -> np.ndarray:
     """Return the distance of each point, shape (2, P), from the nearest of ``other_points``, shape (2, Q)."""
     from scipy.spatial import KDTree  # this import takes long
 

@@ -27,9 +27,9 @@ from chain_impact.pictures.drawing.shared_names import FRAME, framed_panels
 from chain_impact.pictures.drawing.sizes import LEAST_SIZE, Size, figure_size
 from chain_impact.pictures.drawing.style import (
     DPI,
-    FULL,
+    FULL_WIDTH,
     LEAST_TICKS,
-    WIDE,
+    TWO_COLUMN_WIDTH,
     StyledFigure,
     adapt_to_dark_style,
     drawing_style,
@@ -37,7 +37,7 @@ from chain_impact.pictures.drawing.style import (
     save,
 )
 
-FIGURE_SIZE = (FULL, 5.4)  # [inch] the default width and height of a figure
+FIGURE_SIZE = (FULL_WIDTH, 5.4)  # [inch] the default width and height of a figure
 PANEL_HEIGHT = 1.9  # [inch] the usual height of a panel over time, with its legend and numbers
 LEAST_AXES_HEIGHT = 0.3  # [inch] the least height of axes with a label along y
 # [inch] the least mean height of the axes with a label along y, if the user gives no height
@@ -151,14 +151,14 @@ def fitting_figure(fill: Fill, width: float, usual_size: tuple[float, float]) ->
     """Return a figure of a given width [inches] with the height that its contents need.
 
     The first height that is tried is that of ``usual_size`` (width and height [inches]); for a width between
-    WIDE and the usual width, a lower one; at most TALLEST, and SLENDER × ``width``. If the first height is
-    too low for the contents, the result is that of ``least_figure``, which tries greater heights. If this
-    figure is higher than the largest first height, the axes may be lower (FLAT_AXES_HEIGHT).
+    TWO_COLUMN_WIDTH and the usual width, a lower one; at most TALLEST, and SLENDER × ``width``. If the first
+    height is too low for the contents, the result is that of ``least_figure``, which tries greater heights.
+    If this figure is higher than the largest first height, the axes may be lower (FLAT_AXES_HEIGHT).
 
     Raises:
         ValueError: when no tried height is enough.
     """
-    height = usual_size[1] * (1.0 if width < WIDE else math.sqrt(min(1.0, width / usual_size[0])))
+    height = usual_size[1] * (1.0 if width < TWO_COLUMN_WIDTH else math.sqrt(min(1.0, width / usual_size[0])))
     most_height = max(LEAST_SIZE, min(TALLEST, SLENDER * width))
     height = min(max(LEAST_SIZE, height), most_height)
     with suppress(NoRoomError):

@@ -26,20 +26,20 @@ LABEL_OFFSET = 4.0  # [points] the usual distance from a position to its label
 CLOSE_DISTANCES = (1.0, 1.2)
 UNLED_DISTANCES = (1.3, 1.5, 1.8, 2.1)
 LEADER_DISTANCES = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5, 12.5, 15.0)
-# LABEL_DIRECTIONS: the number of directions that are tried, equally spaced in a full turn; TURNS: the order
-# of these directions, as steps away from the best direction, to both sides
+# LABEL_DIRECTIONS: the number of directions that are tried, equally spaced in a full turn; TURN_ORDER: the
+# order of these directions, as steps away from the best direction, to both sides
 LABEL_DIRECTIONS = 16
-TURNS = (
+TURN_ORDER = (
     0,
     *(sign * part for part in range(1, LABEL_DIRECTIONS // 2) for sign in (1, -1)),
     LABEL_DIRECTIONS // 2,
 )
 MOST_COVERED = 0.6  # the largest part of a leader's length that may cover other drawn pixels
-# STRONG: a pixel is strong if its red, green or blue, 0 to 255, is below this number. CROSSED_LENGTHS:
+# STRONG_COLOUR: a pixel is strong if its red, green or blue, 0 to 255, is below this number. CROSSED_LENGTHS:
 # [points] limits of the length of a leader on strong pixels, in the order in which they are tried.
 # MARK_LENGTH: [points] the first part of a leader, which does not count for CROSSED_LENGTHS, because the mark
 # of the position is there.
-CROSSED_LENGTHS, MARK_LENGTH, STRONG = (0.0, 4.0, 12.0), 6.0, 128
+CROSSED_LENGTHS, MARK_LENGTH, STRONG_COLOUR = (0.0, 4.0, 12.0), 6.0, 128
 # [points] Without leaders, no strong pixel between a position and its label may be farther from the position
 # than this.
 OWN_LINE = 4.5
@@ -93,7 +93,7 @@ class Ink:
         grounds += [faint_colour(axes, SHADE) for axes in figure.axes]
         parts = np.ascontiguousarray(canvas.buffer_rgba())[::-1]
         colours = parts.view(np.uint32)[..., 0]
-        self._strong: np.ndarray = np.any(parts[..., :3] < STRONG, axis=-1)
+        self._strong: np.ndarray = np.any(parts[..., :3] < STRONG_COLOUR, axis=-1)
         self._strong_counts = cumulative_counts(self._strong)
         # strong pixels and their neighbours, so that a leader does not pass through the white rim between a
         # mark and a link
@@ -388,7 +388,7 @@ def folded_label(words: str) -> str:
 
 def directions(outwards: tuple[float, float]) -> np.ndarray:
     """Return unit vectors, those nearest to ``outwards`` first, shape (LABEL_DIRECTIONS, 2)."""
-    angles = math.atan2(outwards[1], outwards[0]) + 2.0 * math.pi / LABEL_DIRECTIONS * np.array(TURNS)
+    angles = math.atan2(outwards[1], outwards[0]) + 2.0 * math.pi / LABEL_DIRECTIONS * np.array(TURN_ORDER)
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
 

@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.offsetbox import HPacker, PackerBase, VPacker
 
 from chain_impact.pictures.drawing.line_breaks import HALVINGS, break_lines
-from chain_impact.pictures.drawing.style import LEFT, foot_of, head_of, is_narrow, reserve_margins
+from chain_impact.pictures.drawing.style import LEFT_MARGIN, foot_of, head_of, is_narrow, reserve_margins
 
 SAMPLE_PIECES = 12  # the number of pieces of the sample of a line that has many colours
 
@@ -91,7 +91,7 @@ def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> No
 def legend_at_head(figure: Figure, handles: Sequence[Any]) -> None:
     """Put a legend for all axes below the texts at the head of a figure, in as few rows as fit."""
     top = head_of(figure)
-    place = (LEFT / figure.get_figwidth(), 1.0 - top)
+    place = (LEFT_MARGIN / figure.get_figwidth(), 1.0 - top)
     height = _legend_of_figure(figure, handles, loc="upper left", bbox_to_anchor=place, **LOOK)
     reserve_margins(figure, top + height, 0.0)
 
@@ -101,7 +101,7 @@ def _legend_of_figure(figure: Figure, handles: Sequence[Any], **options: Any) ->
 
     The arguments are those of ``legend_at_foot``.
     """
-    room = (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi
+    room = (figure.get_figwidth() - 2.0 * LEFT_MARGIN) * figure.dpi
     legend = figure.legend(handles=list(handles), ncols=1, **options)
     texts = legend.get_texts()
     handle_width = legend.get_window_extent().width - max(text.get_window_extent().width for text in texts)

@@ -42,14 +42,14 @@ def break_lines(text: Text, room: float, parts: str = SEPARATOR, more_lines: int
     for part in re.split(f"(?<={re.escape(parts.rstrip(' '))}) ", whole_text):
         is_narrow = width(part.rstrip(dropped_characters)) <= room
         pieces += [part] if is_narrow else BREAKABLE_SPACE.split(part)
-    lines, words = _filled(pieces, room, width, dropped_characters), BREAKABLE_SPACE.split(whole_text)
-    filled_lines = _filled(words, room, width, dropped_characters)
+    lines, words = _fill_lines(pieces, room, width, dropped_characters), BREAKABLE_SPACE.split(whole_text)
+    filled_lines = _fill_lines(words, room, width, dropped_characters)
     if len(lines) > len(filled_lines) + more_lines:
         lines, pieces = filled_lines, words
     low, high = max(map(width, pieces), default=0.0), room
     for _ in range(HALVINGS if len(lines) > 1 else 0):
         middle = 0.5 * (low + high)
-        tried_lines = _filled(pieces, middle, width, dropped_characters)
+        tried_lines = _fill_lines(pieces, middle, width, dropped_characters)
         if len(tried_lines) == len(lines):
             lines, high = tried_lines, middle
         else:
@@ -57,7 +57,7 @@ def break_lines(text: Text, room: float, parts: str = SEPARATOR, more_lines: int
     text.set_text("\n".join(line.rstrip(dropped_characters) for line in lines))
 
 
-def _filled(
+def _fill_lines(
     pieces: Sequence[str], room: float, width: Callable[[str], float], dropped_characters: str
 ) -> list[str]:
     """Return lines of text, each with as many successive pieces as fit into ``room``, a width [pixels].

@@ -39,8 +39,8 @@ The first four are from Okabe and Ito, Color Universal Design (2008), whose othe
 too pale for lines on white. The last two are dark, so that colour-blind readers can distinguish them from the
 first four.
 """
-GREY, PALE, INK = "0.72", "0.9", "0.25"
-"""Greys: GREY of curves in the background, PALE of a grid's lines, INK of text and outlines."""
+GREY, PALE_GREY, INK = "0.72", "0.9", "0.25"
+"""Greys: GREY of curves in the background, PALE_GREY of a grid's lines, INK of text and outlines."""
 OUTSIDE_COLOUR, SHORT_TIMES_COLOUR = "0.93", "0.965"
 """The colours of the ground beyond walls, and where the chain may be only at some times."""
 FLAT_COLOURS = ("white", OUTSIDE_COLOUR, SHORT_TIMES_COLOUR)
@@ -59,7 +59,7 @@ STYLE: Any = {
     "figure.constrained_layout.w_pad": 0.075,  # [inch] the space to the left and to the right of axes
     "figure.titlesize": 11,
     "figure.titleweight": "bold",
-    "grid.color": PALE,
+    "grid.color": PALE_GREY,
     "grid.linewidth": 0.6,
     "legend.frameon": False,
     "legend.fontsize": "small",
@@ -87,10 +87,13 @@ If the user's style is dark, ``adapt_to_dark_style`` changes the colours afterwa
 DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
 """The groups of matplotlib's settings, such as ``font``, whose values a ``StyledFigure`` stores."""
 DPI = 160
-# [inch] FULL: the usual width of a figure; WIDE: the least width for two columns of axes; COLUMN: the largest
-# width of a figure for one column of a printed page
-FULL, WIDE, COLUMN = 10.0, 6.0, 3.5
-LEFT, TOP = 0.12, 0.08  # [inch] distance of the headline from the left and the upper edge of the figure
+# [inch] FULL_WIDTH: the usual width of a figure; TWO_COLUMN_WIDTH: the least width for two columns of axes;
+# COLUMN: the largest width of a figure for one column of a printed page
+FULL_WIDTH, TWO_COLUMN_WIDTH, COLUMN = 10.0, 6.0, 3.5
+LEFT_MARGIN, TOP_MARGIN = (
+    0.12,
+    0.08,
+)  # [inch] distance of the headline from the left and the upper edge of the figure
 # [inch] GAP: space below the headline, and below the conditions; LINE_GAP: space between two of the coloured
 # lines below the headline
 GAP, LINE_GAP = 0.09, 0.02
@@ -182,8 +185,8 @@ def faint_colour(axes: Axes, fraction: float) -> tuple[float, float, float]:
 
 
 def is_narrow(figure: Figure) -> bool:
-    """Return whether a figure is too narrow for two columns of axes (WIDE)."""
-    return bool(figure.get_figwidth() < WIDE)
+    """Return whether a figure is too narrow for two columns of axes (TWO_COLUMN_WIDTH)."""
+    return bool(figure.get_figwidth() < TWO_COLUMN_WIDTH)
 
 
 def give_ticks(*axes: Axes) -> None:
@@ -210,10 +213,10 @@ def write_headline(figure: Figure, message: str, conditions: str = "", *lines: t
     (MOST_HEAD, ``write_foot``).
     """
     width, height = figure.get_size_inches()
-    placement: dict[str, Any] = {"x": LEFT / width, "ha": "left", "in_layout": False}
-    title = figure.suptitle(message, y=1.0 - TOP / height, va="top", **placement)
-    break_lines(title, (width - 2.0 * LEFT) * figure.dpi, COMMA, 0)
-    top = TOP + title.get_window_extent().height / figure.dpi + GAP
+    placement: dict[str, Any] = {"x": LEFT_MARGIN / width, "ha": "left", "in_layout": False}
+    title = figure.suptitle(message, y=1.0 - TOP_MARGIN / height, va="top", **placement)
+    break_lines(title, (width - 2.0 * LEFT_MARGIN) * figure.dpi, COMMA, 0)
+    top = TOP_MARGIN + title.get_window_extent().height / figure.dpi + GAP
     for text, colour in lines:
         look: dict[str, Any] = {"fontsize": "small", "color": colour, "va": "top"}
         line = figure.text(
@@ -241,7 +244,7 @@ def fitted_lines(figure: Figure, text: str, more_lines: int = 1) -> str:
     ``more_lines`` is as in ``break_lines``.
     """
     probe = figure.text(0.0, 0.0, text, fontsize="small")
-    break_lines(probe, (figure.get_figwidth() - 2.0 * LEFT) * figure.dpi, more_lines=more_lines)
+    break_lines(probe, (figure.get_figwidth() - 2.0 * LEFT_MARGIN) * figure.dpi, more_lines=more_lines)
     probe.remove()
     return str(probe.get_text())
 
@@ -257,7 +260,7 @@ def write_foot(figure: Figure, text: str, most_width: float | None = None) -> Te
         most_width = FREE_FOOT if getattr(figure, "free_height", False) else MOST_FOOT
     (width, height), foot_height = figure.get_size_inches(), foot_of(figure)
     text_style: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "bottom", "in_layout": False}
-    foot = figure.text(LEFT / width, foot_height + 0.5 * GAP / height, "", **text_style)
+    foot = figure.text(LEFT_MARGIN / width, foot_height + 0.5 * GAP / height, "", **text_style)
     for more_lines in (1, 0):
         foot.set_text(fitted_lines(figure, text, more_lines))
         room = (foot.get_window_extent().height / figure.dpi + GAP) / height
@@ -307,7 +310,7 @@ def start_at_headline(figure: Figure) -> None:
     engine = figure.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
         left, low, width, height = engine.get()["rect"]
-        shift = (LEFT - mpl.rcParams["figure.constrained_layout.w_pad"]) / figure.get_figwidth() - left
+        shift = (LEFT_MARGIN - mpl.rcParams["figure.constrained_layout.w_pad"]) / figure.get_figwidth() - left
         engine.set(rect=(left + shift, low, width - shift, height))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.film.scale_bar import SMALL
+from chain_impact.pictures.film.scale_bar import NUMBER_SIZE
 from chain_impact.pictures.words.headline import (
     energy_texts,
     hardness_words,
@@ -43,7 +43,7 @@ class Caption:
         self.figure, self.recording, self.times = figure, recording, times
         self.starts, self.ends = caption_starts(recording), contact_ends(recording)
         self.shown_number = 0  # the number of the impact in the caption, from 1; 0 for an empty caption
-        self.text = figure.text(*place, "\n", fontsize=SMALL, animated=True, va="center")
+        self.text = figure.text(*place, "\n", fontsize=NUMBER_SIZE, animated=True, va="center")
         self.lowest = self.text.get_window_extent().y0 - CAPTION_GAP * figure.dpi / 72.0  # [pixels]
         self.text.set_text("")
 

@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 
 from chain_impact.pictures.drawing.distinct_curves import plot_curves
 from chain_impact.pictures.drawing.style import INK, LOAD, force_text, give_ticks, load_unit
-from chain_impact.pictures.film.scale_bar import SMALL
+from chain_impact.pictures.film.scale_bar import NUMBER_SIZE
 from chain_impact.pictures.over_time.energies import energy_curves
 from chain_impact.pictures.over_time.time_axis import mark_impacts
 from chain_impact.recording.interactions import SLIDER_STOP, WALL
@@ -127,7 +127,7 @@ def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]
     factor, unit = load_unit(peak, "N")
     for name, force in forces.items():
         axes.plot(recording.time, factor * force, color=FORCE_COLOURS[name], linewidth=1.2)
-    axes.set_title(f"largest force [{unit}]", loc="left", fontsize=SMALL, pad=2.0)
+    axes.set_title(f"largest force [{unit}]", loc="left", fontsize=NUMBER_SIZE, pad=2.0)
     axes.set_ylim(0.0, FORCE_HEADROOM * factor * peak)
     give_ticks(axes)
 
@@ -142,7 +142,7 @@ def _name_peak(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) 
     row, factor = int(force.argmax()), load_unit(float(force.max()), "N")[0]
     place = float(recording.time[row]), factor * float(force[row])
     is_left = axes.transAxes.inverted().transform(axes.transData.transform(place))[0] > 0.5  # noqa: PLR2004
-    look: dict[str, Any] = {"color": FORCE_COLOURS[name], "fontsize": SMALL, "va": "center"}
+    look: dict[str, Any] = {"color": FORCE_COLOURS[name], "fontsize": NUMBER_SIZE, "va": "center"}
     look |= {"ha": "right" if is_left else "left", "textcoords": "offset points"}
     axes.annotate(force_text(peak_force, "N"), place, (-4.0 if is_left else 4.0, 0.0), **look)
 
@@ -150,11 +150,11 @@ def _name_peak(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) 
 def _draw_energies(axes: Axes, recording: Recording, top: float) -> None:
     curves = [curve for curve in energy_curves(recording) if curve[0].any()]
     plot_curves(axes, recording.detailed_energies[0], curves)
-    axes.set_ylabel("energy [J]", fontsize=SMALL)
+    axes.set_ylabel("energy [J]", fontsize=NUMBER_SIZE)
     position: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0)}
     short: dict[str, Any] = {"handlelength": 0.8, "handletextpad": 0.4}
     for columns in (3, 2):
-        key = axes.legend(**position, ncols=columns, fontsize=SMALL, columnspacing=0.6, **short)
+        key = axes.legend(**position, ncols=columns, fontsize=NUMBER_SIZE, columnspacing=0.6, **short)
         if key.get_window_extent().x1 <= axes.figure.bbox.x1:
             break
     # for a legend of many rows, the axes become lower, so that the legend does not touch the film's caption

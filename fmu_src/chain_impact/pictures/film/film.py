@@ -21,7 +21,7 @@ from chain_impact.pictures.drawing.style import (
     INK,
     LOAD,
     OUTSIDE_COLOUR,
-    PALE,
+    PALE_GREY,
     STYLE,
     TIME_COLOURS,
     force_text,
@@ -31,11 +31,11 @@ from chain_impact.pictures.film.arrow_scale import ArrowScale
 from chain_impact.pictures.film.caption import Caption
 from chain_impact.pictures.film.charts import FORCE, draw_charts, largest_forces, largest_wall_force
 from chain_impact.pictures.film.places import SIZE_WITH_CHARTS, places_for
-from chain_impact.pictures.film.scale_bar import SMALL, draw_scale_bar
+from chain_impact.pictures.film.scale_bar import NUMBER_SIZE, draw_scale_bar
 from chain_impact.pictures.film.tip_trace import trace_of
 from chain_impact.pictures.motion.bodies import FILL, body_look, draw_rail
 from chain_impact.pictures.motion.motion import colour_of_time
-from chain_impact.pictures.motion.walls import draw_pin, draw_room, moves
+from chain_impact.pictures.motion.walls import draw_pin, draw_room, has_motion
 from chain_impact.pictures.over_time.energies import ENERGIES
 from chain_impact.recording.interactions import FRICTION, JOINT_STOP
 from chain_impact.recording.joint_stops import range_lines, touching_place
@@ -46,14 +46,15 @@ from chain_impact.scene.display.bodies import placed_corners
 
 MUTED = "#566076"
 SHOWN_TIMES = 24  # the number of colours of time in a gif
-FILM_COLOURS: tuple[Any, ...] = (INK, MUTED, PALE, OUTSIDE_COLOUR, FORCE, LOAD, *ENERGIES.values())
+FILM_COLOURS: tuple[Any, ...] = (INK, MUTED, PALE_GREY, OUTSIDE_COLOUR, FORCE, LOAD, *ENERGIES.values())
 FILM_COLOURS += tuple(TIME_COLOURS(part) for part in np.linspace(0.0, 1.0, SHOWN_TIMES).tolist())
 """All colours of a film, except white and the shades between the colours and white.
 
 Chain and path of the tip have the colours of time, as in the picture of a run.
 """
 FILM_STYLE: Any = STYLE | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
-FILM_STYLE |= {"xtick.color": MUTED, "ytick.color": MUTED, "xtick.labelsize": SMALL, "ytick.labelsize": SMALL}
+TICK_STYLE = {"color": MUTED, "labelsize": NUMBER_SIZE}
+FILM_STYLE |= {f"{axis}tick.{key}": value for axis in "xy" for key, value in TICK_STYLE.items()}
 """Settings of matplotlib for a film."""
 # half of the length of the bar along a wall that marks a sticking contact, relative to the smaller side of
 # the view
@@ -136,7 +137,7 @@ class Film:
         radii = self.recording.touching_radii if radius > 0.0 else {}
         self.discs = {point: Circle((0, 0), r, animated=True) for point, r in radii.items()}
         self.bodies = {link: Polygon(corners, **body) for link, corners in self.recording.outlines.items()}
-        base = {**body, "facecolor": to_rgb(PALE)}
+        base = {**body, "facecolor": to_rgb(PALE_GREY)}
         rail = self.recording.rail
         self.carriage = [(Polygon(np.zeros((4, 2)), **base), rail)] if rail else []
         self.patches = [*self.discs.values(), *self.bodies.values(), *(patch for patch, _ in self.carriage)]
@@ -179,7 +180,7 @@ class Film:
         }
         handles = [Line2D([], [], color=colour, label=name, **arrow) for name, colour in kinds.items()]
         figure.legend(
-            handles=handles, ncols=2, fontsize=SMALL, handlelength=1.4, columnspacing=1.0, **position
+            handles=handles, ncols=2, fontsize=NUMBER_SIZE, handlelength=1.4, columnspacing=1.0, **position
         )
 
     def _draw_ground(self, view: np.ndarray, anchor: np.ndarray) -> None:
@@ -193,7 +194,9 @@ class Film:
         self.scene.spines[:].set_visible(False)
         self.view = lower_corner + np.array([np.zeros(2), seen_size])
         self.pin = pin_mark(self.recording.all_points) if pinned else []
-        self.room_moves = bool(self.recording.moved_walls) or (pinned and moves(self.recording.points[:, 0]))
+        self.room_moves = bool(self.recording.moved_walls) or (
+            pinned and has_motion(self.recording.points[:, 0])
+        )
         rail_lines = draw_rail(self.scene, self.recording)
         self.rail = [line for lines in rail_lines for line in lines.get_segments()]
         self.room = self._draw_room(0)

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import blended_transform_factory
 
 # [points] the size of the smallest texts of a film: 11 pixels in a film of 640 × 360
-SMALL = 8.7
+NUMBER_SIZE = 8.7
 LONGEST_BAR = 1 / 6  # the largest length of the bar, relative to the width of the view
 FACTORS = (5, 2, 1)  # a round length is one of these numbers times a power of ten
 LENGTH_EXCESS = 1e-12  # a round length may exceed the largest allowed length by this part, as round-off
@@ -36,7 +36,7 @@ def ruler_parts(axes: Axes, colour: str) -> tuple[Figure, Any, dict[str, Any]]:
     figure = axes.get_figure(root=True)
     assert figure is not None
     place: Any = blended_transform_factory(axes.transData, figure.transFigure)
-    look: dict[str, Any] = {"xycoords": place, "textcoords": "offset points", "fontsize": SMALL}
+    look: dict[str, Any] = {"xycoords": place, "textcoords": "offset points", "fontsize": NUMBER_SIZE}
     return figure, place, look | {"color": colour, "va": "center", "annotation_clip": False}
 
 

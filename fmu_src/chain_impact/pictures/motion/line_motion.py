@@ -11,7 +11,7 @@ from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import BLUE, INK, OUTSIDE_COLOUR
 from chain_impact.pictures.motion.impact_rings import RING_SIZE, plot_rings
 from chain_impact.pictures.motion.view import PARALLEL_COMPONENT, view_of
-from chain_impact.pictures.motion.walls import moves
+from chain_impact.pictures.motion.walls import has_motion
 from chain_impact.pictures.over_time.time_axis import show_all_time
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import ball_of
@@ -60,7 +60,7 @@ def draw_along_line(axes: Axes, recording: Recording, axis: int) -> None:
     for name, surface in surfaces.items():
         is_below = recording.walls[name].normal[axis] > 0.0
         low, high = (low - WALL_BAND * span, high) if is_below else (low, high + WALL_BAND * span)
-        kind, width = ("moving wall", 1.2) if moves(surface) else ("wall", 2.0)
+        kind, width = ("moving wall", 1.2) if has_motion(surface) else ("wall", 2.0)
         axes.plot(time, surface, color=INK, linewidth=width, zorder=2.0, label=f"{kind} {name}")
     for name, surface in surfaces.items():
         wall_edge = low if recording.walls[name].normal[axis] > 0.0 else high

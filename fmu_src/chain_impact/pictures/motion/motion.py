@@ -19,7 +19,7 @@ from chain_impact.pictures.motion.joint_forces import draw_loads
 from chain_impact.pictures.motion.moving_walls import draw_moving
 from chain_impact.pictures.motion.poses import RIM_WIDTH, draw_chain, draw_faint, is_covered, strong_rows
 from chain_impact.pictures.motion.view import BAND, GROWTH_FACTORS, is_flat, seen_size, view_of
-from chain_impact.pictures.motion.walls import draw_walls, moves
+from chain_impact.pictures.motion.walls import draw_walls, has_motion
 from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.recording.joint_stops import range_lines
 from chain_impact.recording.recording import Recording
@@ -168,7 +168,7 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
         other_paths, tip, name = [], recording.points[:, ball], "path"
     other_paths += [*recording.sites.transpose(1, 0, 2)]
     alpha = 0.45 * min(1.0, MOST_CLEAR_PATHS / (len(other_paths) + 1))
-    label = "other points" if any(map(moves, other_paths)) else "_"
+    label = "other points" if any(map(has_motion, other_paths)) else "_"
     axes.add_collection(LineCollection(other_paths, colors=INK, linewidths=0.6, alpha=alpha, label=label))
     if len(tip) == 1:
         return

@@ -11,7 +11,7 @@ from matplotlib.collections import LineCollection
 
 from chain_impact.pictures.drawing.style import INK
 from chain_impact.pictures.motion.view import View
-from chain_impact.pictures.motion.walls import moves, moving_walls, wall_line
+from chain_impact.pictures.motion.walls import has_motion, moving_walls, wall_line
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import pin_mark
 
@@ -53,7 +53,7 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
             has_label = True
         if np.ptp(recording.moved_walls[name]) > LEAST_TRACE * np.ptp(corners, axis=0).max():
             _draw_trace(axes, _wall_trace(recording, name, lines(name, ends)), recording.time, shade)
-    if recording.pinned and moves(recording.points[:, 0]):
+    if recording.pinned and has_motion(recording.points[:, 0]):
         _draw_base(axes, recording, shade)
 
 
@@ -69,10 +69,10 @@ def _draw_base(axes: Axes, recording: Recording, shade: Any) -> None:
         _add(axes, mark, colors=INK, **line_style)
     else:
         rows = np.linspace(0, len(bases) - 1, FAINT_MARKS).astype(int)
-        _add(axes, _moved(mark, bases[rows] - bases[0]), colors=INK, alpha=0.13, **line_style)
+        _add(axes, _move_lines(mark, bases[rows] - bases[0]), colors=INK, alpha=0.13, **line_style)
         for row in (0, -1):
             colour = shade(recording.time[row])
-            _add(axes, _moved(mark, bases[[row]] - bases[0]), colors=[colour], **line_style)
+            _add(axes, _move_lines(mark, bases[[row]] - bases[0]), colors=[colour], **line_style)
     _draw_trace(axes, bases, recording.time, shade)
 
 
@@ -102,7 +102,7 @@ def _draw_trace(axes: Axes, path: np.ndarray, time: np.ndarray, shade: Any) -> N
         _add(axes, pieces, colors=shade(middles), linewidths=1.2, capstyle="round", zorder=3.2)
 
 
-def _moved(lines: Sequence[np.ndarray], displacements: np.ndarray) -> list[np.ndarray]:
+def _move_lines(lines: Sequence[np.ndarray], displacements: np.ndarray) -> list[np.ndarray]:
     """Return all lines moved by each of ``displacements``, shape (W, 2) [m]: W copies of each line."""
     return [line + way for way in displacements for line in lines]
 

@@ -17,8 +17,9 @@ from chain_impact.recording.recording import Recording
 
 # the largest number of strong poses between start and end (``strong_rows``); more could not be told apart
 MOST_STRONG_POSES = 5
-# FAINT_POSES: the largest number of faint poses, from rows with equally spaced indices; FAINT: their opacity
-FAINT_POSES, FAINT = 12, 0.15
+# FAINT_POSES: the largest number of faint poses, from rows with equally spaced indices; POSE_OPACITY: their
+# opacity
+FAINT_POSES, POSE_OPACITY = 12, 0.15
 FAINT_WIDTH = 1.6  # [points] the width of the lines of faint poses, wider than the paths of points
 # The least distance between poses, relative to the size of the motion: FAINT_APART of faint poses,
 # STRONG_APART of strong poses. Of the strong poses, the pose at the fastest impact is always drawn.
@@ -91,6 +92,6 @@ def draw_faint(axes: Axes, recording: Recording) -> None:
     rows = np.unique(np.linspace(0, len(recording.time) - 1, FAINT_POSES).round().astype(int))
     poses = recording.points[rows]
     poses = poses[distinct_poses(poses, FAINT_APART * seen_size(recording))]
-    look: dict[str, Any] = {"colors": INK, "linewidths": FAINT_WIDTH, "alpha": FAINT}
+    look: dict[str, Any] = {"colors": INK, "linewidths": FAINT_WIDTH, "alpha": POSE_OPACITY}
     label = "chain between" if len(poses) > 1 else "_"
     axes.add_collection(LineCollection(list(poses), **look, label=label))

@@ -36,16 +36,16 @@ def draw_walls(axes: Axes, recording: Recording, view: View | None = None) -> No
         axes.add_patch(Polygon(_corners(at_most, corners), facecolor=SHORT_TIMES_COLOUR, zorder=0.4))
     still_walls = [wall for name, wall in zip(near_walls, at_least, strict=True) if name not in moving_names]
     draw_room(axes, corners, at_least, still_walls)
-    if recording.pinned and not moves(recording.points[:, 0]):
+    if recording.pinned and not has_motion(recording.points[:, 0]):
         draw_pin(axes, pin_mark(recording.all_points))
 
 
 def moving_walls(recording: Recording, names: Iterable[str]) -> list[str]:
     """Return the walls in ``names`` that move in the recording."""
-    return [name for name in names if moves(recording.moved_walls.get(name, np.zeros(1)))]
+    return [name for name in names if has_motion(recording.moved_walls.get(name, np.zeros(1)))]
 
 
-def moves(places: np.ndarray) -> bool:
+def has_motion(places: np.ndarray) -> bool:
     """Return whether ``places``, positions over time of shape (T, …), change."""
     return bool((places != places[0]).any())
 

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from chain_impact.pictures.drawing.style import SHADE, faint_colour
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.rest import rest_word, rests
+from chain_impact.recording.rest import rest_spans, rest_word
 
 # times without motion at start and end are cut if together they take at least this part of the whole time
 CUT_REST = 0.4
@@ -30,7 +30,7 @@ class ShownTime(NamedTuple):
 
     start: float
     end: float
-    rests: list[tuple[float, float]]
+    rest_spans: list[tuple[float, float]]
     word: str
     cuts: str
 
@@ -45,7 +45,7 @@ def shown_time(recording: Recording) -> ShownTime:
 
     They are cut to REST_AT_START and REST_AT_END if CUT_REST says so.
     """
-    resting = rests(recording)
+    resting = rest_spans(recording)
     first, last = (float(recording.time[row]) for row in (0, -1))
     start, end = first, last
     rest_before = resting[0][1] - first if resting and resting[0][0] == first else 0.0
@@ -63,5 +63,5 @@ def shown_time(recording: Recording) -> ShownTime:
 
 def shade_rests(axes: Axes, shown_span: ShownTime) -> None:
     """Shade each time without motion in axes over time [s]."""
-    for low, high in shown_span.rests:
+    for low, high in shown_span.rest_spans:
         axes.axvspan(low, high, color=faint_colour(axes, SHADE), linewidth=0.0, zorder=-1)

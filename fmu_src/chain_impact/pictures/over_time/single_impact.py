@@ -14,7 +14,7 @@ from chain_impact.pictures.over_time.impacts import HEADROOM
 from chain_impact.pictures.words.headline import peaks
 from chain_impact.recording.contact_times import course_in_run
 from chain_impact.recording.impacts import lasts
-from chain_impact.recording.pacing import LONGEST_IMPACT, SLOWEST
+from chain_impact.recording.pacing import LEAST_SPEED, LONGEST_IMPACT
 from chain_impact.recording.recording import Recording
 from chain_impact.text import prefixed_unit
 from chain_impact.variables.impact_units import unit_at
@@ -46,7 +46,7 @@ def shown_contact(impact: np.void, time: np.ndarray, force: np.ndarray) -> float
     if not len(time):
         return 0.0
     duration = float(np.ptp(time))
-    speed = max(impact["impact_speed"], SLOWEST)
+    speed = max(impact["impact_speed"], LEAST_SPEED)
     peak = float(time[np.argmax(force >= PEAK * force.max())] - time[0])
     near_duration = max(
         LONGEST_IMPACT * np.nan_to_num(impact["max_penetration"]) / speed, PEAK_TIMES_SHOWN * peak

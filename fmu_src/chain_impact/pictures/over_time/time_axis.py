@@ -75,7 +75,7 @@ def add_time_keys(axes: Axes, recording: Recording, *, is_marked: bool) -> None:
             "gid": KEY,
         }
         axes.plot([], [], linestyle="", label="impacts", **look)
-    if time_span.rests:
+    if time_span.rest_spans:
         words = ", ".join(filter(None, (time_span.word, time_span.cuts)))
         look = {"color": faint_colour(axes, 2.0 * SHADE), "linewidth": 0.0, "gid": KEY}
         axes.add_patch(Rectangle((0.0, 0.0), 0.0, 0.0, label=words, **look))

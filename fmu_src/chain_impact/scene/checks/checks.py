@@ -26,7 +26,7 @@ from chain_impact.scene.kernel_view import chain_view
 from chain_impact.scene.keys.chain_tables import ChainTable
 from chain_impact.scene.keys.tables import Contact, Material, Stops
 from chain_impact.scene.rules.refusals import ENTRY_REFUSALS, LAW_FACTS, REFUSALS
-from chain_impact.scene.rules.rule_language import ValueOf, holds, member_lookups, number_in, value_at
+from chain_impact.scene.rules.rule_language import ValueOf, is_rule_true, member_lookups, number_in, value_at
 from chain_impact.scene.words.angles import radians_hint, turns_hint
 from chain_impact.scene.words.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
 
@@ -98,7 +98,7 @@ def check_entry_rules(scene: Contents) -> None:
         if "reached" in rule.condition:  # known only if the points are right, which an earlier rule checks
             facts["reached"] = reached_walls(scene)
         for path, entry, earlier_names in entries[rule.of]:
-            if holds(rule.condition, {**facts, "entry": entry, "before": earlier_names}.get):
+            if is_rule_true(rule.condition, {**facts, "entry": entry, "before": earlier_names}.get):
                 reserved_names = ", ".join(map(str, (*WALLS, *stops, *earlier_names)))
                 raise refusal(path, rule.fault, value=value_text(entry), others=reserved_names, **words)
 
@@ -144,7 +144,7 @@ def check_refusal_rules(scene: Contents) -> None:
     }
     for rule in REFUSALS:
         for path, value_of in tables[rule.of]:
-            if holds(rule.condition, value_of):
+            if is_rule_true(rule.condition, value_of):
                 value = value_of(rule.key)
                 words = {"value": value_text(list(value) if isinstance(value, tuple) else value)}
                 if rule.least:

@@ -16,7 +16,7 @@ from chain_impact.scene.errors import SceneError, error_at, refusal, value_text
 from chain_impact.scene.files.table_file import jumps_of
 from chain_impact.scene.keys.signal_tables import Samples, Signal, unit_of
 from chain_impact.scene.rules.refusals import SIGNAL_REFUSALS
-from chain_impact.scene.rules.rule_language import holds
+from chain_impact.scene.rules.rule_language import is_rule_true
 from chain_impact.scene.signal_inputs import driven_alone, quantities_driven_by
 from chain_impact.scene.signal_polynomials import PERIOD_TOLERANCE, is_closed, is_motion, joined_by
 from chain_impact.scene.words.names import DataPath
@@ -125,7 +125,7 @@ def check_table(name: str, signal: Signal, quantity: str, order: int) -> None:
     if signal.interpolation and forms and signal.interpolation not in forms:
         raise error_at(
             ("signals", name, "interpolation"),
-            f'= "{signal.interpolation}" must be {" or ".join(map(_quoted, forms))} where {quantity} is '
+            f'= "{signal.interpolation}" must be {" or ".join(map(_quote, forms))} where {quantity} is '
             "driven: its velocity would jump, which would be an impact of unknown strength",
         )
     times = np.array(signal.samples.times if signal.samples else ())
@@ -142,7 +142,7 @@ def check_table(name: str, signal: Signal, quantity: str, order: int) -> None:
         )
 
 
-def _quoted(text: str) -> str:
+def _quote(text: str) -> str:
     return f'"{text}"'
 
 
@@ -161,7 +161,7 @@ def _check_motion(name: str, signal: Signal, quantity: str) -> None:
         "starts_fast": abs(speed * math.cos(signal.phase or 0.0)) > REST_TOLERANCE * speed,
     }
     for rule in SIGNAL_REFUSALS:
-        if holds(rule.condition, lambda key: facts[key] if key in facts else getattr(signal, key)):
+        if is_rule_true(rule.condition, lambda key: facts[key] if key in facts else getattr(signal, key)):
             value = getattr(signal, rule.key)
             raise refusal(("signals", name, rule.key), rule.fault, input=quantity, value=value)
     if is_moving:

@@ -23,11 +23,11 @@ TIME = "time"
 # [1] if the duration of a table, divided by that of the run, is above TOO_LONG, the times of the table cannot
 # be in seconds; times in milliseconds make this ratio about 1000
 TOO_LONG = 990.0
-# Rows seem to be missing in a step of time that is longer than MISSING times the median step. This holds for
-# a regular table only: it has at least ROWS steps, and at least half of the steps differ from the median step
-# by at most EQUAL_STEPS times the median step.
-MISSING, ROWS, EQUAL_STEPS = 10.0, 10, 0.01
-EMPTY = ("", "nan", "NaN", "NAN", "None", "<NA>")  # the texts that count as an empty cell
+# Rows seem to be missing in a step of time that is longer than LONG_STEP times the median step. This holds
+# for a regular table only: it has at least ROWS steps, and at least half of the steps differ from the median
+# step by at most EQUAL_STEPS times the median step.
+LONG_STEP, ROWS, EQUAL_STEPS = 10.0, 10, 0.01
+EMPTY_TEXTS = ("", "nan", "NaN", "NAN", "None", "<NA>")  # the texts that count as an empty cell
 
 
 def is_table(source: Any) -> bool:
@@ -58,13 +58,13 @@ class Table:
     def cell(self, row: int, name: str) -> Any:
         """Return a cell of the column ``name``; text without the spaces around it.
 
-        The result is None if the table lacks the column, or if the text of the cell is one of EMPTY.
+        The result is None if the table lacks the column, or if the text of the cell is one of EMPTY_TEXTS.
         """
         if name not in self.names:
             return None
         value = self.rows[row][self.names.index(name)]
         value = value.strip() if isinstance(value, str) else value
-        return None if str(value) in EMPTY else value
+        return None if str(value) in EMPTY_TEXTS else value
 
     def number(self, row: int, name: str, otherwise: str = ", or empty if not measured") -> float:
         """Return a cell as a number; NaN if the cell is empty, or if the table lacks the column.
@@ -186,7 +186,7 @@ def jumps_of(times: np.ndarray | Sequence[float]) -> np.ndarray:
 def gap_hints(times: np.ndarray | Sequence[float]) -> list[str]:
     """Return a list with a question on the longest step of time of a table, if rows seem to be missing in it.
 
-    The list is empty if no row seems to be missing, or if the table is not regular: see MISSING. ``times``
+    The list is empty if no row seems to be missing, or if the table is not regular: see LONG_STEP. ``times``
     are the times of the rows [s].
     """
     steps = np.diff(times)
@@ -194,7 +194,7 @@ def gap_hints(times: np.ndarray | Sequence[float]) -> list[str]:
         return []
     usual_step, k = float(np.median(steps)), int(steps.argmax())
     is_regular = np.median(np.abs(steps - usual_step)) <= EQUAL_STEPS * usual_step
-    if not is_regular or steps[k] <= MISSING * usual_step:
+    if not is_regular or steps[k] <= LONG_STEP * usual_step:
         return []
     return [
         f"no row between {TIME} = {times[k]:g} and {times[k + 1]:g} s, while other rows are "

@@ -15,7 +15,7 @@ from chain_impact.scene.words.unit_text import bracketed_unit
 
 # name of a rule → function that tells whether a value keeps the rule; its arguments are the value, and the
 # rule's entry in the metadata
-_KEEPS: dict[str, Callable[[Any, Any], Any]] = {
+_NUMBER_RULES: dict[str, Callable[[Any, Any], Any]] = {
     "minimum": operator.ge,
     "above": operator.gt,
     "maximum": operator.le,
@@ -129,9 +129,9 @@ def without_none(kind: Any) -> Any:
     return get_args(kind)[0] if NoneType in get_args(kind) else kind
 
 
-def keeps(value: Any, metadata: Mapping[str, Any]) -> bool:
-    """Return whether a number or text keeps those rules of ``_KEEPS`` that the `metadata` have."""
-    for name, keep in _KEEPS.items():
+def keeps_rules(value: Any, metadata: Mapping[str, Any]) -> bool:
+    """Return whether a number or text keeps those rules of ``_NUMBER_RULES`` that the `metadata` have."""
+    for name, keep in _NUMBER_RULES.items():
         bound = metadata[name]
         if bound is not None and not keep(value, bound):
             return False

@@ -130,7 +130,7 @@ def names_in(part: Tree) -> Iterator[str]:
         yield from (name for name in names_in(inner_part) if not (has_members and name == "order"))
 
 
-def holds(rule: str, value_of: ValueOf) -> bool:
+def is_rule_true(rule: str, value_of: ValueOf) -> bool:
     """Return whether a rule is true; ``value_of`` is a function from a name in the rule to its value.
 
     A rule whose value is missing is not true.

@@ -6,7 +6,7 @@ import re
 
 from chain_impact.kernel.forces.contact_law import ContactLaw
 
-ELASTIC, FAMILY, OTHERS, RIGID = LAW_GROUPS = (
+ELASTIC_LAWS, FAMILY_LAWS, OTHER_LAWS, RIGID_LAWS = LAW_GROUPS = (
     "Elastic",
     "Dissipative, of the Hunt–Crossley family",
     "Dissipative, with other damping",
@@ -26,7 +26,7 @@ def law_text(law: ContactLaw) -> str:
 def law_group(law: ContactLaw) -> str:
     """Return the group of a law, one of LAW_GROUPS."""
     if law.impulsive:
-        return RIGID
+        return RIGID_LAWS
     if law.formula == "0":
-        return ELASTIC
-    return FAMILY if law.in_family else OTHERS
+        return ELASTIC_LAWS
+    return FAMILY_LAWS if law.in_family else OTHER_LAWS

@@ -207,10 +207,10 @@ of a joint, {name} for the name of a wall."""
 def is_like(name: str, template: str) -> bool:
     """Return whether a name matches a template, in which [{n}] matches any number, {name} any word."""
     steps, forms = name.split("."), template.split(".")
-    return len(steps) == len(forms) and all(map(_fits, steps, forms))
+    return len(steps) == len(forms) and all(map(_has_form, steps, forms))
 
 
-def _fits(step: str, form: str) -> bool:
+def _has_form(step: str, form: str) -> bool:
     head, bracket, number = step.partition("[")
     if form.endswith("}]"):
         return head == form.partition("[")[0] and number[:-1].isdecimal() and number[-1] == "]"
@@ -281,13 +281,17 @@ def input_hint(name: str, advice: str) -> str:
     return f"{hint}; without, it is {parameter}, which can be set" if parameter else hint
 
 
-MOVES, TURNS = ("x", "y", "vx", "vy"), ("angle", "angular_velocity")
+POSITION_PARTS, ANGLE_PARTS = ("x", "y", "vx", "vy"), ("angle", "angular_velocity")
 START_NAMES = {
-    **{f"{owner}.{part}": f"initial.{part} sets it" for owner in ("base", "point[0]") for part in MOVES},
+    **{
+        f"{owner}.{part}": f"initial.{part} sets it"
+        for owner in ("base", "point[0]")
+        for part in POSITION_PARTS
+    },
     "base.position": "initial.x and initial.y set it",
     "base.velocity": "initial.vx and initial.vy set it",
     **{f"point[{{n}}].{part}": f"initial.{part} and initial.angle[1] … set it" for part in "xy"},
-    **{f"link[{{n}}].{part}": f"initial.{part}[{{n}}] sets it" for part in TURNS},
+    **{f"link[{{n}}].{part}": f"initial.{part}[{{n}}] sets it" for part in ANGLE_PARTS},
     "joint[{n}].angle": "initial.angle[{n}] sets the absolute angle of link {n}",
     "joint[{n}].position": "initial.angle[{n}] sets the absolute angle of link {n}",
     "joint[{n}].angular_velocity": "initial.angular_velocity[{n}] sets that of link {n}, absolute,",
@@ -321,7 +325,7 @@ def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | Non
         signals: the names of the scene's signals.
     """
     owner, _, key = name.partition(".")
-    has_number = key and any(_fits(owner, form) for form in ("link[{n}]", "joint[{n}]"))
+    has_number = key and any(_has_form(owner, form) for form in ("link[{n}]", "joint[{n}]"))
     if has_number and not 1 <= int(re.sub("[^0-9]", "", owner)) <= links:
         return f"{owner.partition('[')[0]}s count from 1 to {links}"
     if input_key(name):

@@ -24,7 +24,7 @@ from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.simulate import simulate
-from chain_impact.studies.compare.runs import LawRun, LawRuns, Reached, first_of
+from chain_impact.studies.compare.runs import LawRun, LawRuns, ReachedRestitutions, first_of
 from chain_impact.studies.compare.text import report
 from chain_impact.studies.law_exchange import (
     EXACT_LAW,
@@ -37,7 +37,7 @@ from chain_impact.studies.law_exchange import (
     law_values,
     stiffened,
 )
-from chain_impact.text import Printed, TextTable
+from chain_impact.text import PrintedResult, TextTable
 
 if TYPE_CHECKING:
     import pandas
@@ -54,7 +54,7 @@ impact reaches at K times each factor.
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Comparison(Printed, LawRuns):
+class Comparison(PrintedResult, LawRuns):
     """The results of one scene with each of several contact laws.
 
     The text of a comparison is a table with a line for each law, and advice on the law to use.
@@ -200,7 +200,7 @@ def compare(
     return replace(comparison, reached=(*comparison.reached, *stiffer_runs))
 
 
-def _reached_restitutions(scene: Scene, factor: float, runs: Mapping[str, LawRun]) -> Reached:
+def _reached_restitutions(scene: Scene, factor: float, runs: Mapping[str, LawRun]) -> ReachedRestitutions:
     """Return the realised restitutions without losses and with the exact law, at the stiffness × ``factor``.
 
     ``runs``: law → run at this stiffness; a law in ``runs`` is not simulated again.
@@ -209,7 +209,7 @@ def _reached_restitutions(scene: Scene, factor: float, runs: Mapping[str, LawRun
     lossless_restitution, exact_restitution = (
         runs.get(law) or _run(stiffer, law, None, no_progress) for law in (LOSSLESS_LAW, EXACT_LAW)
     )
-    return Reached(
+    return ReachedRestitutions(
         lossless_restitution.stiffness, lossless_restitution.restitution, exact_restitution.restitution
     )
 

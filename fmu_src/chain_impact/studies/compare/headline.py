@@ -28,12 +28,12 @@ def headline(comparison: LawRuns, *, is_small: bool = False) -> str:
     if not comparison.has_restitution:
         ran = sum(math.isfinite(run.peak_force) for run in runs)
         impact_words = "" if is_small else f" in the {compared_impact(comparison.scene)}"
-        return f"{name}: {peaks(comparison, runs)}{impact_words}, {counted(runs, ran)}"
+        return f"{name}: {peaks(comparison, runs)}{impact_words}, {law_count_text(runs, ran)}"
     if not restitutions:
         return f"{name}: the first impact does not end under any law"
     ends = dict.fromkeys((f"{min(restitutions):.2f}", f"{max(restitutions):.2f}"))
     ranges = ", ".join(filter(None, (f"restitution {' to '.join(ends)}", peaks(comparison, runs))))
-    impact_words = "" if is_small else f" in the first impact, {counted(runs, len(restitutions))}"
+    impact_words = "" if is_small else f" in the first impact, {law_count_text(runs, len(restitutions))}"
     return f"{name}: {ranges} for e = {e:g}{impact_words}"
 
 
@@ -47,7 +47,7 @@ def laws_with_e(comparison: LawRuns) -> list[LawRun]:
     return runs or list(comparison.runs)
 
 
-def counted(law_runs: Sequence[LawRun], count: int) -> str:
+def law_count_text(law_runs: Sequence[LawRun], count: int) -> str:
     """Return words for a ``count`` of the laws of ``law_runs``: "16 laws with losses", if all have losses."""
     return count_text(count, "law") + (
         " with losses" if all(run.law != LOSSLESS_LAW for run in law_runs) else ""

@@ -2,7 +2,7 @@
 
 At most six laws have a colour: the reference, the scene's own law, the law without losses, a law whose force
 jumps at the onset, the law with losses whose realised restitution differs most from that of the reference,
-and laws in USED. One law can be several of these. The reference is the law with which every other law is
+and laws in USED_LAWS. One law can be several of these. The reference is the law with which every other law is
 compared. A law without a colour is grey or, if it is a law of impulses, dotted in the colour of text.
 """
 
@@ -62,7 +62,7 @@ LEAD_SHARE = 0.1  # longest time shown before the first impact, relative to the 
 BAND_POINTS = 400
 HAIRLINE = 0.4  # [points] the width of the lines of loops in the grey band
 COLOURED_LAWS = 6  # largest number of laws with a colour
-USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
+USED_LAWS = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
 """Ids of laws that many programs and papers use; they get the colours that other laws leave free."""
 
 Looks = dict[str, dict[str, Any]]
@@ -144,7 +144,7 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
 
 
 def named_laws(comparison: LawRuns) -> dict[str, str]:
-    """Return the laws that get a colour, at most COLOURED_LAWS: law → reason, "" for a law in USED.
+    """Return the laws that get a colour, at most COLOURED_LAWS: law → reason, "" for a law in USED_LAWS.
 
     A law with several reasons has them all, with commas between them. The reasons are: "reference"; "of the
     scene", unless the scene's law is the reference; "no losses", for the law LOSSLESS_LAW, if the
@@ -168,7 +168,7 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
         if has_jump(law):
             _add_reason(reasons, law, JUMP_NOTE_OF_LAW)
     for run in comparison.runs:
-        if run.law in USED and run.result is not None and len(reasons) < COLOURED_LAWS:
+        if run.law in USED_LAWS and run.result is not None and len(reasons) < COLOURED_LAWS:
             reasons.setdefault(run.law, "")
     return reasons
 

@@ -85,7 +85,7 @@ class LawRun:
 
 
 @dataclass(frozen=True)
-class Reached:
+class ReachedRestitutions:
     """The realised restitutions of the first impact at one stiffness; NaN if a restitution is unknown.
 
     Attributes:
@@ -110,7 +110,7 @@ class LawRuns:
     scene: Scene
     reference: str
     runs: tuple[LawRun, ...]
-    reached: tuple[Reached, ...]
+    reached: tuple[ReachedRestitutions, ...]
 
     def __getitem__(self, law: str) -> LawRun:
         """Return the run with a law, by the law's id."""

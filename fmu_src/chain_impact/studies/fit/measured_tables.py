@@ -28,7 +28,7 @@ from chain_impact.variables.peaks import JOINT_FORCE
 from chain_impact.variables.prepared import PreparedScene
 
 TIME, IMPACT, JOINT, ONSET = "time", "impact", "joint", "onset"
-WHICH = (IMPACT, POINT, WALL)
+IMPACT_COLUMNS = (IMPACT, POINT, WALL)
 """The columns of a table of measurements that say which impact of the run a row describes."""
 # the hint for a column that looks like times, in a table of impacts without the column ``onset``
 CALL_ONSET = "; call the column {} onset, if it has the onsets of impacts in seconds"
@@ -96,7 +96,7 @@ class _Book:
         samples, quantities = self._columns(table, chosen_names | {*self._inputs})
         earlier_time = -math.inf
         for row in range(len(table.rows)):
-            if TIME not in table.names or any(table.cell(row, name) is not None for name in WHICH):
+            if TIME not in table.names or any(table.cell(row, name) is not None for name in IMPACT_COLUMNS):
                 self._add_impact(table, row, quantities)
             else:
                 earlier_time = self._add_sample(table, row, samples, earlier_time)
@@ -154,7 +154,11 @@ class _Book:
         for keys, columns, kinds in (
             ((TIME,), [name for name in samples if name in self._outputs], "outputs"),
             ((TIME,), [name for name in samples if name in self._inputs], "inputs"),
-            (WHICH, quantities if TIME in table.names else [], "impacts"),  # without time, rows are impacts
+            (
+                IMPACT_COLUMNS,
+                quantities if TIME in table.names else [],
+                "impacts",
+            ),  # without time, rows are impacts
         ):
             if columns and not any(name in table.names for name in keys):
                 raise SceneError(
@@ -202,7 +206,7 @@ class _Book:
                 f"{table.where(row, TIME)} = {table.number(row, TIME):g} has no meaning for an impact"
                 f"{CALL_ONSET.format(TIME)}"
             )
-        number, point, wall = (self._which(table, row, name) for name in WHICH)
+        number, point, wall = (self._which(table, row, name) for name in IMPACT_COLUMNS)
         is_alike = number is None
         if number is None:
             number = self._counts[point, wall] = self._counts.get((point, wall), 0) + 1
@@ -214,7 +218,7 @@ class _Book:
                 self._add(table, row, name, len(self._impacts) - 1.0, True)
 
     def _which(self, table: Table, row: int, name: str) -> int | None:
-        """Return what a row's cell in the column ``name``, one of WHICH, means; None if the cell is empty.
+        """Return the meaning of a cell in the column ``name``, one of IMPACT_COLUMNS; None if it is empty.
 
         This is the number of the impact, that of the point or joint, or the index in ``scene.wall_names``.
         """
@@ -280,7 +284,7 @@ def _needed_time_column(table: Table, over_time: Set[str]) -> tuple[str, str]:
     A table with columns of impacts, but none of ``over_time``, needs ``onset``; any other table ``time``. The
     hint names a column that looks like times; it is "" without one, or if the needed column is there.
     """
-    is_list = {*WHICH, *MEASURED_OF_IMPACT} & {*table.names} and not over_time & {*table.names}
+    is_list = {*IMPACT_COLUMNS, *MEASURED_OF_IMPACT} & {*table.names} and not over_time & {*table.names}
     needed_name, column = ONSET if is_list else TIME, time_like(table.names)
     if column is None or needed_name in table.names:
         return needed_name, ""
@@ -288,6 +292,11 @@ def _needed_time_column(table: Table, over_time: Set[str]) -> tuple[str, str]:
 
 
 def _value_columns(table: Table) -> list[str]:
-    """Return all columns except time, WHICH, joint and sigma(…), and POSITION beside WHICH or onset."""
-    other_names = (TIME, *WHICH, JOINT, *(POSITION if {*WHICH, ONSET} & {*table.names} else ()))
+    """Return all columns except time, IMPACT_COLUMNS, joint, sigma(…), and POSITION beside one of these."""
+    other_names = (
+        TIME,
+        *IMPACT_COLUMNS,
+        JOINT,
+        *(POSITION if {*IMPACT_COLUMNS, ONSET} & {*table.names} else ()),
+    )
     return [name for name in table.names if name not in other_names and not is_sigma(name)]

@@ -31,7 +31,7 @@ from chain_impact.pictures.drawing.style import (
     GREY,
     IMPACT_LINE,
     INK,
-    PALE,
+    PALE_GREY,
     PALETTE,
     PEAK_COLOUR,
     VERMILLION,
@@ -79,9 +79,9 @@ MOST_DOTS = 40
 # curves of several data sets have the palette's colours
 MODEL = VERMILLION
 SUPPORT_LIMIT = 10.0  # the ΔAIC from which on the data hardly support a law (Burnham & Anderson 2004)
-# MEANS: each point of the running mean of residuals over time is the mean of 1/MEANS of the values;
+# MEAN_PARTS: each point of the running mean of residuals over time is the mean of 1/MEAN_PARTS of the values;
 # LEAST_FOR_MEAN: the least number of values for a running mean; MEAN: the label of its line in matplotlib
-MEANS, LEAST_FOR_MEAN, MEAN = 20, 100, "_running mean"
+MEAN_PARTS, LEAST_FOR_MEAN, MEAN = 20, 100, "_running mean"
 ERROR_DECIMALS = 7  # the largest number of decimals with which a standard error and its value are written
 # bars, and the grey band of usual residuals, extend from −USUAL_RESIDUAL to USUAL_RESIDUAL standard
 # deviations
@@ -267,7 +267,7 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
     scale, unit = axis_unit(fit.unit(name), [measured[fit.columns[name]]])
     reach = float(np.nanmax(np.abs(fit.residuals / fit.sigma)[fit.columns[name]], initial=USUAL_RESIDUAL))
     residuals.set(ylim=(-1.15 * reach, 1.15 * reach))
-    residuals.axhspan(-USUAL_RESIDUAL, USUAL_RESIDUAL, color=PALE, zorder=0, linewidth=0)
+    residuals.axhspan(-USUAL_RESIDUAL, USUAL_RESIDUAL, color=PALE_GREY, zorder=0, linewidth=0)
     spread = Line2D([], [], linestyle="", label=f"σ = {sigma_of(fit, name)}")
     for colour, part in zip(_colours(len(parts)), parts, strict=True):
         dots_label = f"data set {part.data_set + 1}" if has_several else "measured"
@@ -311,10 +311,10 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
 def running_means(times: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return the mean position and the mean value of each part of the values, shape (2, number of parts).
 
-    Each part has ⌊n/MEANS⌋ of the n values, successive ones in the order of their positions ``times``.
+    Each part has ⌊n/MEAN_PARTS⌋ of the n values, successive ones in the order of their positions ``times``.
     Neighbouring parts share about half of their values.
     """
-    order, width = np.argsort(times, kind="stable"), len(times) // MEANS
+    order, width = np.argsort(times, kind="stable"), len(times) // MEAN_PARTS
     starts = range(0, len(times) - width + 1, max(1, width // 2))
     rows = [order[start : start + width] for start in starts]
     return np.array([[times[part].mean(), values[part].mean()] for part in rows]).T

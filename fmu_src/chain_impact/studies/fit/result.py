@@ -12,7 +12,7 @@ from chain_impact.deprecated import OlderName
 from chain_impact.extras import require
 from chain_impact.studies.fit.estimates import Estimates, LawEstimates
 from chain_impact.studies.fit.report import report
-from chain_impact.text import Printed, TextTable
+from chain_impact.text import PrintedResult, TextTable
 
 if TYPE_CHECKING:
     import pandas
@@ -37,7 +37,7 @@ class LawFit(LawEstimates):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Fit(Printed, Estimates):
+class Fit(PrintedResult, Estimates):
     """The estimates of the free parameters.
 
     The text of a fit is a report. The name of a parameter is that in the FMU; if the parameter has a value

@@ -19,8 +19,8 @@ from chain_impact.pictures.drawing.legends import legend_at_foot
 from chain_impact.pictures.drawing.style import BLACK, COUNT_STEPS, PALETTE, give_ticks
 from chain_impact.studies.sweep.colour_bars import WIDE_RANGE, number_few_decades
 from chain_impact.studies.sweep.maps import (
-    NEVER,
     NO_IMPACT,
+    NO_VALUE_TEXT,
     SCENE_LINE,
     is_logarithmic,
     label_of,
@@ -241,7 +241,7 @@ def course_text(values: np.ndarray, shown_values: np.ndarray, name: str) -> str:
 
 
 def _set_vertical_axis(axes: Axes, quantity: Quantity, shown_values: np.ndarray, of_counts: str) -> None:
-    """Set the vertical axis of a panel; if no run has a value of the quantity, write NEVER in the panel.
+    """Set the vertical axis of a panel; if no run has a value, write NO_VALUE_TEXT in it.
 
     ``shown_values``: the value of the quantity in each run; it is not finite if the run has no value.
     ``of_counts``: words that the name of a count has.
@@ -252,7 +252,7 @@ def _set_vertical_axis(axes: Axes, quantity: Quantity, shown_values: np.ndarray,
     if ends := quantity.ends_for(finite_values):
         axes.set_ylim(*ends)
     if not finite_values.size:
-        axes.text(0.5, 0.5, NEVER, transform=axes.transAxes, ha="center", color="0.4")
+        axes.text(0.5, 0.5, NO_VALUE_TEXT, transform=axes.transAxes, ha="center", color="0.4")
     elif quantity.is_count:
         axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, steps=COUNT_STEPS))
         axes.set_ylim(finite_values.min() - 0.5, finite_values.max() + 0.5)

@@ -30,7 +30,7 @@ MOST_SEEDS = 2**32
 FEWEST_RESULTS = 16
 # number of runs in each of several Latin hypercubes; the last hypercube may have fewer
 CUBE = 2**16
-_own = threading.local()
+_thread = threading.local()
 
 
 @dataclass(frozen=True)
@@ -97,12 +97,12 @@ class Design:
         Each thread keeps a generator of the sequence, which skips the points before ``first``; skipping takes
         about 5 ns for each point.
         """
-        key, engine = (self.seed, len(self.variations)), getattr(_own, "engine", None)
-        if engine is None or _own.key != key or engine.num_generated > first:
+        key, engine = (self.seed, len(self.variations)), getattr(_thread, "engine", None)
+        if engine is None or _thread.key != key or engine.num_generated > first:
             from scipy.stats import qmc  # imported here, because the import takes long
 
             engine = qmc.Sobol(len(self.variations), seed=np.random.default_rng(self.seed))
-            _own.engine, _own.key = engine, key
+            _thread.engine, _thread.key = engine, key
         if first > engine.num_generated:
             engine.fast_forward(first - engine.num_generated)
         # SciPy warns if the first call of a new generator asks for a number of points that is not a power of

@@ -20,8 +20,8 @@ from chain_impact.scene.words.unit_text import with_unit
 from chain_impact.studies.sweep.colour_bars import WIDE_RANGE, number_few_decades
 from chain_impact.studies.sweep.curves import RING, mark_at_foot
 from chain_impact.studies.sweep.maps import (
-    NEVER,
     NO_IMPACT,
+    NO_VALUE_TEXT,
     SCENE_LINE,
     is_logarithmic,
     label_of,
@@ -56,14 +56,14 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
     """Draw a histogram of each quantity in its panel: numbers of runs over values, lines at the QUANTILES.
 
     Runs without a finite value are left out, such as runs with impulses in a histogram of peak forces. If no
-    run has a finite value, the panel has the words NEVER.
+    run has a finite value, the panel has the words NO_VALUE_TEXT.
     """
     for axes, quantity in zip(panels, quantities, strict=True):
         values = quantity.values_or_nan(runs)
         values = values[np.isfinite(values)]
         axes.set(xlabel=quantity.label, ylabel="runs")
         if not values.size:
-            axes.text(0.5, 0.5, NEVER, transform=axes.transAxes, ha="center", color="0.4")
+            axes.text(0.5, 0.5, NO_VALUE_TEXT, transform=axes.transAxes, ha="center", color="0.4")
             continue
         logarithmic = value_ratio(values) >= WIDE_COLOURS and not quantity.is_count
         axes.set_xscale("log" if logarithmic else "linear")

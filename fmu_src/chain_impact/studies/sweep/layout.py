@@ -15,7 +15,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from chain_impact.pictures.drawing.style import WIDE
+from chain_impact.pictures.drawing.style import TWO_COLUMN_WIDTH
 from chain_impact.studies.sweep.colour_bars import NUMBERS_WIDTH
 from chain_impact.studies.sweep.curves import COLOURS
 from chain_impact.studies.sweep.design import Design
@@ -115,8 +115,9 @@ def panels_in_row(design: Design, count: int, width: float) -> int:
     - Maps of one result: as few as at most SMALL_MAPS in a row allow, or MOST_IN_ROW in a figure narrower
       than THREE_SMALL; one more if otherwise the last row would have a single map.
     - Other maps: 3 of 3, at most 2 of another count; in a figure narrower than THREE_SMALL, 1 of at most 3.
-      With names of choices: 1 in a figure narrower than WIDE; of one result, narrower than THREE_SMALL.
-    - Other panels in a figure that is too narrow for two columns (WIDE): 1.
+      With names of choices: 1 in a figure narrower than TWO_COLUMN_WIDTH; of one result, narrower than
+      THREE_SMALL.
+    - Other panels in a figure that is too narrow for two columns (TWO_COLUMN_WIDTH): 1.
     - Panels with dots: as few as the least possible number of rows allows.
     - Other panels: 3 of 3, at most 2 of another count.
     """
@@ -126,9 +127,11 @@ def panels_in_row(design: Design, count: int, width: float) -> int:
         most_panels = SMALL_MAPS if width >= THREE_SMALL else 1 if has_names else MOST_IN_ROW
         panels_across = math.ceil(count / math.ceil(count / most_panels))
         return panels_across + int(panels_across > 1 and count % panels_across == 1)
-    if kind == MAPS and (width < WIDE if has_names else width < THREE_SMALL and count <= MOST_IN_ROW):
+    if kind == MAPS and (
+        width < TWO_COLUMN_WIDTH if has_names else width < THREE_SMALL and count <= MOST_IN_ROW
+    ):
         return 1
-    if kind != MAPS and width < WIDE:
+    if kind != MAPS and width < TWO_COLUMN_WIDTH:
         return 1
     if kind == DOTS:
         most_panels = max(1, int((width - CHOICES_WIDTH) / DOTS_WIDTH))
@@ -154,4 +157,6 @@ def usual_size(design: Design, quantities: int, width: float | None = None) -> t
         )
         return usual_width, HEAD_AND_FOOT + rows * min(ROW_HEIGHT, map_height + MAP_GAP)
     # in one narrow column, rows have half of the height
-    return usual_width, 0.6 + rows * ROW_HEIGHT if width >= WIDE else 0.6 + ROW_HEIGHT * max(1.0, 0.5 * rows)
+    return usual_width, 0.6 + rows * ROW_HEIGHT if width >= TWO_COLUMN_WIDTH else 0.6 + ROW_HEIGHT * max(
+        1.0, 0.5 * rows
+    )

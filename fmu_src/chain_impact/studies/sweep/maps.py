@@ -45,7 +45,7 @@ FEW_CELLS, WIDE_CELLS = 8, 4
 # the place in the range of the colours above which texts are black instead of white
 LIGHT_COLOUR = 0.5
 NEAREST_FRAME = 2.0  # [points] the width of the frame of the map nearest to the scene
-NEVER, NO_IMPACT = "no run has a finite value", "no impact"
+NO_VALUE_TEXT, NO_IMPACT = "no run has a finite value", "no impact"
 
 
 def draw_maps(
@@ -185,7 +185,7 @@ def _draw_group(
     values = tables.compressed()
     if not values.size:
         text_style: dict[str, Any] = {"transform": panels[0].transAxes, "ha": "center", "va": "center"}
-        panels[0].text(0.5, 0.5, f"{quantity.label}:\n{NEVER}", **text_style)
+        panels[0].text(0.5, 0.5, f"{quantity.label}:\n{NO_VALUE_TEXT}", **text_style)
         return
     norm, colours, ticks, ends = colours_of(quantity, values)
     x, y = scales

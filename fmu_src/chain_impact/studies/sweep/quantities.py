@@ -207,7 +207,7 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
     drawn_quantities = [
         drawn_quantity
         for drawn_quantity in all_quantities
-        if drawn_quantity.column in partly or _differs(drawn_quantity.values_in(runs))
+        if drawn_quantity.column in partly or _is_changing(drawn_quantity.values_in(runs))
     ] or all_quantities
     loads = [quantity for quantity in drawn_quantities if quantity.column in LOADS]
     if runs.design.samples is not None and loads:
@@ -294,7 +294,7 @@ def _with_prefixes(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]
     return scaled_quantities
 
 
-def _differs(values: np.ndarray) -> bool:
+def _is_changing(values: np.ndarray) -> bool:
     """Return whether the finite values are not equal (EQUAL_RESULTS); True also if no value is finite."""
     finite_values = values[np.isfinite(values)]
     return not finite_values.size or bool(np.ptp(finite_values) > EQUAL_RESULTS * np.abs(finite_values).max())

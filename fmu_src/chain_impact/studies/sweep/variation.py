@@ -104,7 +104,7 @@ def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> 
             hint = hint or fixed_hint(scene, name) or named_point_hint(scene, name, parameters)
             raise UnknownNameError(scene.name, typed_name, parameters, fault, hint)
         try:
-            variation = _read(parameters[name], values)
+            variation = _variation(parameters[name], values)
             _check(variation)
         except SceneError as error:
             error.source, error.name = scene.name, typed_name
@@ -115,7 +115,7 @@ def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> 
     return tuple(variations)
 
 
-def _read(variable: Variable, values: Values) -> Variation:
+def _variation(variable: Variable, values: Values) -> Variation:
     """Return the variation of a parameter from text, as on the command line, or from numbers or names."""
     if isinstance(values, str):
         if ":" in values:

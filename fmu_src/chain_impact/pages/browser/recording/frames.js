@@ -18,7 +18,7 @@ export function impactsUntil(impacts, stop) {
   return impacts.map(({ end, peak, ...impact }) => {
     const { depth } = impact;
     const until = end ?? stop;
-    const lasting = (PACING.LONGEST_IMPACT * depth) / Math.max(impact.speed, PACING.SLOWEST);
+    const lasting = (PACING.LONGEST_IMPACT * depth) / Math.max(impact.speed, PACING.LEAST_SPEED);
     return { ...impact, end: until, impactEnd: Math.min(until, impact.onset + lasting), peak: peak > 0 && depth !== 0 ? peak : null };
   });
 }

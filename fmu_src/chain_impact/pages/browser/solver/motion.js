@@ -45,8 +45,8 @@ export function impactsOf(impacts, scene, valueOf) {
 function rangesOf(scene, valueOf) {
   return scene.stops.map((joint) => {
     const [low, high] = STOPS.map((stop) => valueOf(`link[${joint}].${stop}`));
-    const from = low ?? high - SHARED.jointStops.OPEN;
-    const to = Math.min(high ?? low + SHARED.jointStops.OPEN, from + 2 * Math.PI);
+    const from = low ?? high - SHARED.jointStops.OPEN_ANGLE;
+    const to = Math.min(high ?? low + SHARED.jointStops.OPEN_ANGLE, from + 2 * Math.PI);
     return { joint, arc: [from, to], marks: [low, high].filter((end) => end !== undefined) };
   });
 }
