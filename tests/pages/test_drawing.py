@@ -316,3 +316,14 @@ def test_a_force_with_friction_says_so_beside_its_arrow(show_recording):
     name = page.locator("#contact-name")
     assert name.text_content().endswith("dotted: friction")
     assert name.evaluate("one => one.scrollWidth <= one.clientWidth"), "the legend is not cut off"
+
+
+def test_a_wall_and_a_button_leave_the_motion_in_the_middle(show):
+    page = show("pinned_arm", {"initial.angle[1]": np.pi / 3})
+    view, button, wall = (
+        page.locator(name).bounding_box() for name in ("#view", "#at-contact", "#scene .wall")
+    )
+    assert button["y"] + button["height"] <= view["y"]
+    assert 0.6 < (wall["x"] - view["x"]) / view["width"] < 0.9
+    base = page.locator("#scene .joint").first.bounding_box()
+    assert base["x"] - view["x"] < 0.4 * view["width"]

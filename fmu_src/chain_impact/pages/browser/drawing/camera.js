@@ -1,15 +1,19 @@
 // The camera of a drawing: the map from metres to pixels.
 
+// [across, up] parts of the free space that lie beyond a wall if only the other side is open, so that the motion is nearer to the middle
+const BEYOND_WALL = [0.3, 0.15];
 const LABEL_ROOM = 12; // [pixels] the size of a label: a number beside a wall at the edge of the view needs this room
 
 /**
  * A map from metres, with y upwards, to pixels of a drawing, with y downwards. It shows the `view` of a recording (a rectangle in metres)
  * below the strip at the top of the drawing, whose height is `strip` [pixels], with a margin of LABEL_ROOM. If there is more room, there is
- * free space beside the view, or above and below it. The recording's `anchor` is [the fraction of the space beside the view that lies at
- * the left, the fraction of the space above and below the view that lies below]. `inner` is the rectangle [m] without the margin.
+ * free space beside the view, or above and below it. The recording's `anchor` tells which of these sides are open: [1 if only the left
+ * one is, 0 if only the right one is, else 0.5; the same for below and above]. Most of the free space lies at an open side. `inner` is the
+ * rectangle [m] without the margin.
  */
 export class Camera {
-  constructor({ view: [[x0, y0], [x1, y1]], anchor: [beside, below] }, width, height, strip) {
+  constructor({ view: [[x0, y0], [x1, y1]], anchor }, width, height, strip) {
+    const [beside, below] = anchor.map((open, axis) => BEYOND_WALL[axis] + (1 - 2 * BEYOND_WALL[axis]) * open);
     const [across, up] = [width, height - strip].map((size) => Math.max(size - 2 * LABEL_ROOM, 1));
     this.scale = Math.min(across / (x1 - x0), up / (y1 - y0));
     this.left = LABEL_ROOM + beside * (across - this.scale * (x1 - x0)) - this.scale * x0;

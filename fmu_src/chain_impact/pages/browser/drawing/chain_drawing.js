@@ -22,7 +22,7 @@ const TAIL_PARTS = 10;
 const HATCH = 9; // [pixels] distance between the hatching lines beyond walls
 const STOP_DOT = 11; // [pixels] diameter of the mark of a joint that touches its stop
 const STICK_BAR = 12; // [pixels] half the length of the bar along the wall at a sticking contact
-const [STUCK_DOT, BALL_DOT] = [10, 12]; // [pixels] diameters of the mark of a sticking joint, and of a ball that is a point
+const [STUCK_DOT, BALL_DOT] = [10, 18]; // [pixels] diameters of the mark of a sticking joint, and of a ball that is a point
 // RANGE_RADIUS: radius of the arc that shows a joint's range, relative to the link's length; RANGE_POINTS: number of the arc's points;
 // RANGE_TICK: length of a stop's mark, relative to the radius
 const { RANGE_RADIUS, RANGE_POINTS, RANGE_TICK } = SHARED.jointStops;
