@@ -1,17 +1,22 @@
 """The ranking of parameters by their effect on a quantity."""
 
-# Tests: pictures/bars.py, results/effects.py, results/quantity.py
+# Tests: pictures/bars.py, pictures/drawing/row_names.py, results/effects.py, results/quantity.py
 
 import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
 from chain_impact import SceneError, UnknownNameError, load_scene, simulate
+from chain_impact.pictures.bars import PALE_BARS
+from chain_impact.pictures.drawing.row_names import ROW_PITCH
+from chain_impact.pictures.drawing.style import LEFT_MARGIN
 from chain_impact.results.effects import split_by_step
 from chain_impact.results.ranking import ranking_of
+from chain_impact.scene.words.plain_names import plain_name
 from chain_impact.scene.words.unit_text import stiffness_unit
 from chain_impact.text import signed_text
 from tests.helpers.scenes.stops import knee
@@ -175,7 +180,9 @@ def test_effects_that_a_second_run_refutes_are_told_and_drawn(result):
     for axes in page.axes:
         assert [bar.get_width() for bar in axes.patches] == [change]
         assert not [line for line in axes.lines if line.get_marker() == "D"]
-    assert all(bar.get_facecolor()[3] == 1.0 for axes in ranking.plot().axes for bar in axes.patches)
+    # full bars; those of added values are pale
+    opacities = [{bar.get_facecolor()[3] for bar in axes.patches} for axes in ranking.plot().axes]
+    assert opacities == [{1.0}, {PALE_BARS}][: len(opacities)]
 
 
 def test_the_axis_of_refuted_effects_has_the_scale_of_the_runs(result):
@@ -202,7 +209,7 @@ def test_the_axis_of_refuted_effects_has_the_scale_of_the_runs(result):
     assert "3 differ by more than 25 % (hollow bars); a bar with an arrow" in told
     title = page.get_suptitle()
     assert title.replace("\n", " ").startswith(
-        f"PinnedArm: {effects[2].parameter} + 1 % raises point[2].x of "
+        f"PinnedArm: {plain_name(effects[2].parameter)} + 1 % raises point 2 x of "
     )
     assert "+\n" not in title
     assert "change in a run" in page.legends[0].get_texts()[0].get_text()
@@ -279,9 +286,12 @@ def test_the_unit_of_a_picture_suits_its_bars():
         f"{1e3 * found.value:.4g} mm",
         f"{signed_text(abs(100.0 * most.change / found.value))[1:]} %",
     )
-    assert f"{most.parameter} + 1 % lowers the largest penetration of {value} by about {share}" in title
+    assert (
+        f"{plain_name(most.parameter)} + 1 % lowers the largest penetration of {value} by about {share}"
+        in title
+    )
+    assert "[µm]" in page.axes[-1].get_xlabel()
     for axes in page.axes:
-        assert "[µm]" in axes.get_xlabel()
         assert 0.1 < max(abs(bar.get_width()) for bar in axes.patches) < 1000.0
 
 
@@ -295,6 +305,25 @@ def test_bars_of_a_quantity_that_is_zero_have_no_exponents(result):
 def test_a_heading_tells_the_steps_of_parameters_that_are_zero(result):
     page = result.ranking("peak_force", ["contact.radius", "joint[1].torque"]).plot()
     assert page.axes[0].get_title(loc="left") == "+ 0.01 m or 0.01 N·m, as the value is 0: not comparable"
+
+
+def test_rows_are_apart_and_blocks_have_a_rule_between_them(result):
+    page = result.ranking("peak_force").plot(size=(84 / 25.4, None))
+    page.draw_without_rendering()
+    for axes in page.axes:
+        names = axes.get_yticklabels()
+        places = [text.get_window_extent().get_points()[:, 1].mean() for text in names]
+        pitch = ROW_PITCH * names[0].get_fontsize() * page.dpi / 72.0
+        assert -np.diff(places).max() >= 0.99 * pitch
+        left = LEFT_MARGIN * page.dpi
+        assert min(text.get_window_extent().x0 for text in names) >= left - 1.0
+        (title,) = [each for each in axes.get_children() if each is axes._left_title]
+        assert title.get_window_extent().x0 == pytest.approx(left, abs=1.0)
+    (rule,) = (artist for artist in page.artists if isinstance(artist, Line2D))
+    above, below = (axes.get_tightbbox() for axes in page.axes)
+    assert below.y1 < rule.get_ydata()[0] * page.bbox.height < above.y0
+    # the quantity stands once below both blocks
+    assert [bool(axes.get_xlabel()) for axes in page.axes] == [False, True]
 
 
 def test_a_heading_ends_within_a_narrow_picture(result):

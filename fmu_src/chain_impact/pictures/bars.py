@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
@@ -17,14 +20,18 @@ from chain_impact.pictures.drawing.figures import settle
 from chain_impact.pictures.drawing.legends import legend_at_head
 from chain_impact.pictures.drawing.style import (
     DECREASE,
+    GREY,
     INCREASE,
     INK,
     LEAST_TICKS,
+    LEFT_MARGIN,
     PALE_GREY,
     PEAK_COLOUR,
     TICK_STEPS,
     drawing_style,
     is_narrow,
+    start_at_headline,
+    start_left,
     write_headline,
 )
 
@@ -39,6 +46,7 @@ DIAMOND: dict[str, Any] = {"marker": "D", "markersize": 4.0, "color": INK, "line
 DIAMOND |= {"markeredgecolor": "white", "markeredgewidth": 0.5, "clip_on": False, "zorder": 4.0}
 """The properties of the diamonds, see ``Bars.marks``, with matplotlib's names."""
 RUN_LABEL = "change in a run (bar: to first order)"
+PALE_BARS = 0.5  # the opacity of the bars of a block that cannot be compared with the first one
 BAR_THICKNESS = 0.66  # the thickness of a bar, relative to the distance between bars
 # bars are cut off only if the longest bar extends more than CUT_RATIO times as far from 0 as what must be
 # visible
@@ -144,15 +152,34 @@ def fill_bars(
     heights = [len(block.names) for block in blocks]
     grid = figure.subplots(len(blocks), 1, height_ratios=heights, squeeze=False).ravel()
     for axes, block in zip(grid, blocks, strict=True):
-        draw_bars(axes, block, block.ends, is_small=is_narrow(figure))
+        draw_bars(axes, block, block.ends, is_small=is_narrow(figure), is_pale=axes is not grid[0])
+    for axes, block, below in zip(grid, blocks, blocks[1:], strict=False):
+        if block.label == below.label:
+            axes.set_xlabel("")
+    start_at_headline(figure)
     settle(figure)
+    for axes, below in pairwise(grid):
+        _draw_rule(figure, axes, below)
 
 
-def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, is_small: bool) -> None:
+def _draw_rule(figure: Figure, above: Axes, below: Axes) -> None:
+    """Draw a thin line between two blocks of bars, which cannot be compared."""
+    upper_box, lower_box = above.get_tightbbox(), below.get_tightbbox()
+    assert upper_box is not None
+    assert lower_box is not None
+    height = 0.5 * (upper_box.y0 + lower_box.y1) / figure.bbox.height
+    margin = LEFT_MARGIN / figure.get_figwidth()
+    figure.add_artist(Line2D([margin, 1.0 - margin], [height, height], color=GREY, linewidth=0.6))
+
+
+def draw_bars(
+    axes: Axes, block: Bars, ends: tuple[float, float], *, is_small: bool, is_pale: bool = False
+) -> None:
     """Draw a block of bars into axes, with the texts in a column at the right.
 
     ``ends``: the least and the largest value of the axis. ``is_small``: whether the figure is narrow, so that
-    the names must be small, and the ticks few.
+    the names must be small, and the ticks few. ``is_pale``: whether the bars are pale, as those of a block
+    that cannot be compared with the first one.
     """
     rows = range(len(block.names))
     colours = block.colours or [INCREASE if value > 0.0 else DECREASE for value in block.values]
@@ -160,10 +187,12 @@ def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, is_small: b
     if block.dots:
         axes.scatter(block.values, rows, s=DOT, color=colours, zorder=3.0, clip_on=False)
     else:
-        fills = [
+        fills: list[Any] = [
             "none" if is_hollow else colour
             for is_hollow, colour in zip(block.is_hollow, colours, strict=True)
         ]
+        opacity = PALE_BARS if is_pale else 1.0
+        fills = [fill if fill == "none" else to_rgba(fill, opacity) for fill in fills]
         axes.barh(rows, block.values, BAR_THICKNESS, color=fills, edgecolor=colours)
         for row, (value, colour) in enumerate(zip(block.values, colours, strict=True)):
             if not ends[0] <= value <= ends[1]:
@@ -172,29 +201,40 @@ def draw_bars(axes: Axes, block: Bars, ends: tuple[float, float], *, is_small: b
             if mark is not None:
                 axes.plot([mark], [row], **DIAMOND)
     offset_style: dict[str, Any] = {"textcoords": "offset points", "fontsize": "small"}
+    column = []
     for row, text in zip(rows, block.texts, strict=True):
         place: dict[str, Any] = {"xy": (1.0, row), "xycoords": axes.get_yaxis_transform(), "va": "center"}
-        axes.annotate(text.replace("-", "−"), xytext=(4.0, 0.0), **place, **offset_style)
+        column.append(axes.annotate(text.replace("-", "−"), xytext=(4.0, 0.0), **place, **offset_style))
+    title = axes.set_title(block.title, fontsize="small", color=INK, loc="left", wrap=True)
     if block.heading:
-        axes.annotate(block.heading, (1.0, 1.0), (4.0, HEADING_SPACE), "axes fraction", **offset_style)
+        heading = (1.0, 1.0), (4.0, HEADING_SPACE), "axes fraction"
+        column.append(axes.annotate(block.heading, *heading, **offset_style))
+        _raise_title(axes, title, column)
+    start_left(axes, title)
     axes.set_yticks(rows, block.names, fontsize="small" if is_small else None)
     axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.axvline(0.0, color=INK, linewidth=0.6)
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
     axes.set_xlabel(block.label)
-    axes.set_title(
-        block.title,
-        fontsize="small",
-        color=INK,
-        loc="left",
-        wrap=True,
-        pad=TITLE_SPACE if block.heading else None,
-    )
     axes.xaxis.set_major_locator(MaxNLocator(4 if is_small else 6, min_n_ticks=LEAST_TICKS, steps=TICK_STEPS))
     low, high = ends
     margin = BAR_MARGIN * (high - low)
     axes.set_xlim(low - margin * (low < 0.0), high + margin * (high > 0.0))
+
+
+def _raise_title(axes: Axes, title: Text, column: Sequence[Text]) -> None:
+    """Put a title above the heading of a column of texts if both lack room beside each other.
+
+    The title starts at the left edge of a narrow figure (``start_left``), the column ends at the right edge.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    beside = figure.bbox.width - max(text.get_window_extent().width for text in column)
+    has_room = title.get_window_extent().width < beside - 3.0 * LEFT_MARGIN * figure.dpi
+    axes.set_title(
+        title.get_text(), loc="left", fontsize="small", pad=HEADING_SPACE if has_room else TITLE_SPACE
+    )
 
 
 def _draw_arrow(axes: Axes, row: int, colour: str, *, to_right: bool) -> None:

@@ -9,9 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
-from matplotlib.text import Text
 from matplotlib.ticker import FixedFormatter, FixedLocator
-from matplotlib.transforms import ScaledTranslation, Transform, blended_transform_factory
+from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.pictures.drawing.dark_ground import lightened_colour, luminance
 from chain_impact.pictures.drawing.line_breaks import break_lines
@@ -23,6 +22,7 @@ from chain_impact.pictures.drawing.style import (
     LEFT_MARGIN,
     OUTSIDE_COLOUR,
     is_narrow,
+    start_left,
 )
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import PART, Sensitivities
@@ -134,7 +134,11 @@ def draw_impact_changes(
         _add_bar(figure, axes, images[0], largest_size)
     if len(blocks) > 1:
         heading: dict[str, Any] = {"va": "center", "color": INK, "fontsize": "small", "in_layout": False}
-        _start_left(axes, axes.text(0.0, 0.5 * (blocks[0].end + blocks[1].top), ADDED_HEADING, **heading))
+        start_left(
+            axes,
+            axes.text(0.0, 0.5 * (blocks[0].end + blocks[1].top), ADDED_HEADING, **heading),
+            axes.transData,
+        )
     number_step = -(-len(onsets) // (FEW_NUMBERED if is_narrow(figure) else MOST_NUMBERED))
     axes.set_xticks(
         range(0, len(onsets), number_step), [str(k + 1) for k in range(0, len(onsets), number_step)]
@@ -158,8 +162,7 @@ def draw_impact_changes(
     text = axes.set_title(title, fontsize="medium", loc="left")
     if is_narrow(figure):
         break_lines(text, (figure.get_figwidth() - 2.0 * LEFT_MARGIN) * figure.dpi, "; ")
-    offset_above: Any = axes.titleOffsetTrans  # type: ignore[attr-defined]  # matplotlib's type lacks it
-    _start_left(axes, text, upward=axes.transAxes + offset_above)
+    start_left(axes, text)
     return max(blocks[-1].end * CELL_HEIGHT, 0.0 if has_texts else SCALE_HEIGHT)
 
 
@@ -174,19 +177,6 @@ def _draw_block(axes: Axes, block: RowBlock, changes: np.ndarray, norm: Normaliz
             look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "small"}
             axes.text(column, block.middles[row], cell_text(change), color="black", **look)
     return image
-
-
-def _start_left(axes: Axes, text: Text, upward: Transform | None = None) -> None:
-    """Let a text start at the left edge of its axes or, in a narrow figure, below the start of the headline.
-
-    ``upward``: the transform of the text's vertical position, by default that of the data.
-    """
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    small = is_narrow(figure)
-    text.set_x(LEFT_MARGIN / figure.get_figwidth() if small else 0.0)
-    across = figure.transFigure if small else axes.transAxes
-    text.set_transform(blended_transform_factory(across, upward or axes.transData))
 
 
 def _add_bar(figure: Figure, axes: Axes, image: Any, largest_size: float) -> None:

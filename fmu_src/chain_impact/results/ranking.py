@@ -24,6 +24,7 @@ from chain_impact.results.effects import (
 )
 from chain_impact.results.quantity import quantity_named
 from chain_impact.scene.errors import names_matching
+from chain_impact.scene.words.plain_names import plain_name
 from chain_impact.scene.words.unit_text import bracketed_unit, unit_text, with_unit
 from chain_impact.text import PrintedResult, TextTable, count_text, readable_unit, signed_text
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
@@ -248,14 +249,16 @@ class Ranking(PrintedResult):
         size = f"about {size}" if change_in_run(largest_effect) is None else f"{size} in a run"
         change_words = f"{self._words} of {value}" if self.value else self._words
         verb = "raises" if change > 0.0 else "lowers"
-        return f"{largest_effect.parameter} + {largest_effect.step} {verb} {change_words} by {size}"
+        return (
+            f"{plain_name(largest_effect.parameter)} + {largest_effect.step} {verb} {change_words} by {size}"
+        )
 
     @property
     def _words(self) -> str:
-        """The quantity in words if it is one of PEAKS or JOINT_FORCE, else the name of the quantity."""
+        """The quantity in words if it is one of PEAKS or JOINT_FORCE, else its ``plain_name``."""
         if peak := PEAKS.get(self.quantity):
             return f"the {peak.words}"
-        return "the joint force" if self.quantity == JOINT_FORCE else self.quantity
+        return "the joint force" if self.quantity == JOINT_FORCE else plain_name(self.quantity)
 
     def _blocks(self) -> list[list[Effect]]:
         """Return the largest effects, at most MOST_BARS, as ``split_by_step``; an empty list is left out.

@@ -1,10 +1,13 @@
 """Histograms of samples, the dots beside them, and the correlation of ranks."""
 
+import re
+
 import matplotlib.style
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
+from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.studies.sweep.histograms import correlation_text, edges_of, rank_correlation
 from chain_impact.studies.sweep.sweep import sweep
 from tests.pictures.pictures import contrast
@@ -27,11 +30,11 @@ def test_samples_of_several_parameters_are_histograms():
     assert mark.get_xdata() == [SCENE.values["contact.stiffness"]] * 2
     told = correlation_text(rank_correlation(found["contact.stiffness"], found["peak_force"]))
     assert f"rank correlation of peak force: {told} with contact.stiffness" in page.texts[1].get_text()
-    assert page.get_suptitle().replace("\n", " ").endswith("rises mostly with contact.stiffness")
+    assert page.get_suptitle().replace("\n", " ").endswith("rises mostly with stiffness")
     texts = [correlation_text(value) for value in (1.0, -1.0, 0.9986, -0.99998, 0.5)]
     assert texts == ["1.00", "−1.00", "0.999", "−0.99998", "0.50"]
     assert [axes.get_title().replace("\n", " ") for axes in dots[1:]] == [
-        "ratio [–] of peak force to its trend over contact.stiffness"
+        "peak force ÷ its trend over stiffness"
     ] * 2
     ratios = dots[1].lines[0].get_ydata()
     assert np.ptp(np.log(ratios)) < 0.5 * np.ptp(np.log(found["peak_force"]))
@@ -70,7 +73,7 @@ def test_the_parameter_without_dots_is_named():
     vary = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e7:1e9:log", "initial.vx": "0:1"}
     page = sweep(SCENE, vary | {"link[2].mass": "0.5:2"}, samples=10).plot()
     drawn_over = {axes.get_xlabel().partition(" [")[0] for axes in page.axes[1:]}
-    told = page.texts[1].get_text().replace("\n", " ").split("; ")
+    told = re.split(f"\n|{SEPARATOR}", page.texts[1].get_text())
     without = {text.partition(" ")[0] for text in told if text.endswith(", no panel")}
     assert len(drawn_over) == 3
     assert without == {*vary, "link[2].mass"} - drawn_over

@@ -145,11 +145,11 @@ def test_runs_without_an_impact_are_hatched_and_not_in_the_scale():
     assert [len(one.get_paths()) for one in hatched] == [untouched.sum()]
     assert "no impact" in [text.get_text() for text in page.legends[0].get_texts()]
     message = page.get_suptitle().replace("\n", " ")
-    assert message.endswith("no impact at initial.angle[1] = −1.8 rad")
+    assert message.endswith("no impact at link 1 initial angle = −1.8 rad")
     lines = sweep("pinned_arm", {"initial.angle[1]": "-2:-1.6:5"}).plot(panels="peak_force")
     rings = [line.get_xdata() for line in lines.axes[0].lines if line.get_markerfacecolor() == "none"]
     assert rings[0].tolist() == pytest.approx([-1.8, -1.7, -1.6])
-    assert lines.get_suptitle().replace("\n", " ").endswith("no impact at initial.angle[1] ≥ −1.8 rad")
+    assert lines.get_suptitle().replace("\n", " ").endswith("no impact at link 1 initial angle ≥ −1.8 rad")
 
 
 @pytest.mark.parametrize(("count", "kind"), [(5, "LogNorm"), (40, "LogNorm")])
@@ -174,7 +174,7 @@ def test_the_value_of_the_scene_is_marked(count):
     assert (mark.get_marker() == "P") == (count == 4)  # without a map, a line from the foot to the top
     assert ([*mark.get_ydata()] == [0.0, 1.0]) == (count == 2)
     told = " ".join(text.get_text().replace("\n", " ") for text in page.texts)
-    assert f"{number_text(own)} in the scene ({'dashed line' if count == 2 else '+'})" in told
+    assert f"{number_text(own)} in the scene ({'dashed' if count == 2 else '+'})" in told
 
 
 def test_a_fine_map_has_lines_with_their_values():
@@ -223,7 +223,7 @@ def test_the_name_of_the_mark_covers_no_contour_of_a_narrow_map():
 def test_a_parameter_without_effect_is_told():
     vary = {"contact.restitution": "0.3:0.9:5", "initial.x": "0.4,0.5", "contact.stiffness": "1e7,1e8,1e9"}
     found = sweep(SCENE, vary)
-    assert found.plot().get_suptitle().replace("\n", " ").endswith(", initial.x has no effect")
+    assert found.plot().get_suptitle().replace("\n", " ").endswith(", initial x has no effect")
 
 
 def test_only_the_map_of_the_own_value_is_marked_and_empty_maps_are_named():

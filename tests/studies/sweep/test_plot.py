@@ -8,6 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene
+from chain_impact.studies.sweep import plot
 from chain_impact.studies.sweep.quantities import results_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.pictures.pictures import WIDTHS, check_texts
@@ -140,3 +141,21 @@ def test_too_many_runs_are_refused(tmp_path, monkeypatch):
     found = sweep(SCENE, {"contact.restitution": [0.3, 0.4, 0.5, 0.6]})
     with pytest.raises(SceneError, match="4 runs must be <= 3 for a picture: draw parts of the table"):
         found.plot(tmp_path / "sweep.png")
+
+
+def test_a_narrow_headline_is_balanced_and_written_once(monkeypatch):
+    """The picture is drawn for several heights with the same texts."""
+    written = []
+    real = plot.headline_parts
+    monkeypatch.setattr(
+        plot, "headline_parts", lambda *args, **is_small: written.append(1) or real(*args, **is_small)
+    )
+    found = sweep(SCENE, {"contact.restitution": "0.3:0.9:5", "contact.stiffness": "1e6:1e9:5:log"})
+    page = found.plot(size=(84 / 25.4, None))
+    lines = page.get_suptitle().split("\n")
+    assert len(lines) == 3
+    assert min(map(len, lines)) > 0.7 * max(map(len, lines))
+    assert "with stiffness" in page.get_suptitle().replace("\n", " ")
+    assert len(written) == 1
+    conditions = page.texts[1].get_text().split("\n")
+    assert all(line.endswith("in the scene (+)") for line in conditions[:2])

@@ -23,6 +23,7 @@ from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.drawing.legends import fit_legends
 from chain_impact.pictures.drawing.line_breaks import COMMA, break_lines
+from chain_impact.pictures.drawing.row_names import lacking_for_rows
 from chain_impact.pictures.drawing.shared_names import FRAME, framed_panels
 from chain_impact.pictures.drawing.sizes import LEAST_SIZE, Size, figure_size
 from chain_impact.pictures.drawing.style import (
@@ -238,7 +239,7 @@ def lacking_height(fill: Fill, figure: Figure, mean: float = 0.0) -> float:
 
     Axes are high enough if each with a label along y of its own or shared (``framed_panels``), or with a
     heading (``name_above``), has at least LEAST_AXES_HEIGHT, and if the mean height of these axes is at least
-    ``mean`` [inches].
+    ``mean`` [inches]. If ``mean`` is not 0, rows must have room, too (``lacking_for_rows``).
     """
     with warnings.catch_warnings(), suppress(UserWarning):
         warnings.filterwarnings("error", "constrained_layout not applied")
@@ -254,6 +255,8 @@ def lacking_height(fill: Fill, figure: Figure, mean: float = 0.0) -> float:
         lacking = (
             len(sides) * max(LEAST_AXES_HEIGHT - sides.min(), mean - sides.mean()) if len(sides) else 0.0
         )
+        if mean:
+            lacking = max(lacking, sum(map(lacking_for_rows, figure.axes)))
         if lacking > 0.0:
             return float(lacking)
         boxes = list(text_boxes(figure))

@@ -10,10 +10,16 @@ from collections.abc import Callable, Sequence
 from matplotlib.text import Text
 
 # pattern of a space at which a line may end: a space that is not beside =, ≤ or ±, not after +, not beside
-# the "to" between two numbers, and not before a unit
-BREAKABLE_SPACE = re.compile(r"(?<![=≤±+])(?<!\d to) (?![=≤±]|to \d|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)")
+# the "to" between two numbers, and not before a unit or a mark in brackets
+BREAKABLE_SPACE = re.compile(
+    r"(?<![=≤±+])(?<!\d to) "
+    r"(?![=≤±]|\((?:\+|dashed|outside)|to \d|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)"
+)
 SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions of a run; lines end here if possible
 COMMA = ", "  # the text between two parts of a headline
+# in a headline with MANY_LINES lines or more, parts are broken if the lines are then narrower than RAGGED
+# times those of whole parts
+MANY_LINES, RAGGED = 3, 0.95
 HALVINGS = 8  # the number of steps of a bisection for the least width that needs no additional line
 
 
@@ -21,8 +27,8 @@ def break_lines(text: Text, room: float, parts: str = SEPARATOR, more_lines: int
     """Break a text into lines that fit into a width [pixels], as few as possible and of similar lengths.
 
     A part of the text is broken only if the part is longer than ``room``, or if lines of whole parts would be
-    more than ``more_lines`` lines more than necessary. At the end of a line, the separator between two parts
-    is left out, except a comma.
+    more than ``more_lines`` lines more than necessary, or if lines of the parts of a headline would be ragged
+    (RAGGED). At the end of a line, the separator between two parts is left out, except a comma.
 
     Args:
         text: the text, which is changed.
@@ -46,15 +52,29 @@ def break_lines(text: Text, room: float, parts: str = SEPARATOR, more_lines: int
     filled_lines = _fill_lines(words, room, width, dropped_characters)
     if len(lines) > len(filled_lines) + more_lines:
         lines, pieces = filled_lines, words
+    lines, narrowest = _balanced(pieces, lines, room, width, dropped_characters)
+    if parts == COMMA and len(filled_lines) == len(lines) >= MANY_LINES:
+        of_words, narrower = _balanced(words, filled_lines, room, width, dropped_characters)
+        lines = of_words if narrower < RAGGED * narrowest else lines
+    text.set_text("\n".join(line.rstrip(dropped_characters) for line in lines))
+
+
+def _balanced(
+    pieces: Sequence[str], lines: list[str], room: float, width: Callable[[str], float], dropped: str
+) -> tuple[list[str], float]:
+    """Return as many lines as ``lines``, the longest as short as possible, and its greatest width [pixels].
+
+    The other arguments are those of ``_fill_lines``.
+    """
     low, high = max(map(width, pieces), default=0.0), room
     for _ in range(HALVINGS if len(lines) > 1 else 0):
         middle = 0.5 * (low + high)
-        tried_lines = _fill_lines(pieces, middle, width, dropped_characters)
+        tried_lines = _fill_lines(pieces, middle, width, dropped)
         if len(tried_lines) == len(lines):
             lines, high = tried_lines, middle
         else:
             low = middle
-    text.set_text("\n".join(line.rstrip(dropped_characters) for line in lines))
+    return lines, high
 
 
 def _fill_lines(

@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
 from matplotlib.ticker import AutoLocator, EngFormatter, FuncFormatter, MaxNLocator
+from matplotlib.transforms import Transform, blended_transform_factory
 
 from chain_impact.files import written_atomically
 from chain_impact.pictures.drawing.dark_ground import PLUM, TIME, UMBER, Ground
@@ -312,6 +313,20 @@ def start_at_headline(figure: Figure) -> None:
         left, low, width, height = engine.get()["rect"]
         shift = (LEFT_MARGIN - mpl.rcParams["figure.constrained_layout.w_pad"]) / figure.get_figwidth() - left
         engine.set(rect=(left + shift, low, width - shift, height))
+
+
+def start_left(axes: Axes, text: Text, upward: Transform | None = None) -> None:
+    """Let a text start at the left edge of its axes or, in a narrow figure, below the start of the headline.
+
+    ``upward``: the transform of the text's vertical position; by default that of a title of the axes.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    is_small = is_narrow(figure)
+    above: Any = axes.titleOffsetTrans  # type: ignore[attr-defined]  # matplotlib's type lacks it
+    text.set_x(LEFT_MARGIN / figure.get_figwidth() if is_small else 0.0)
+    across = figure.transFigure if is_small else axes.transAxes
+    text.set_transform(blended_transform_factory(across, upward or axes.transAxes + above))
 
 
 def words_of(figure: Figure) -> dict[str, str]:

@@ -16,7 +16,8 @@ from chain_impact.pictures.drawing.distinct_curves import merged_dashes
 from chain_impact.pictures.drawing.figures import name_above
 from chain_impact.pictures.drawing.law_looks import law_look
 from chain_impact.pictures.drawing.legends import legend_at_foot
-from chain_impact.pictures.drawing.style import BLACK, COUNT_STEPS, PALETTE, give_ticks
+from chain_impact.pictures.drawing.row_names import POINTS_IN_INCH
+from chain_impact.pictures.drawing.style import BLACK, COUNT_STEPS, OUTSIDE_COLOUR, PALETTE, give_ticks
 from chain_impact.studies.sweep.colour_bars import WIDE_RANGE, number_few_decades
 from chain_impact.studies.sweep.maps import (
     NO_IMPACT,
@@ -42,7 +43,7 @@ MARKERS = "os^Dv<>phX"  # the marks of several lines, the same in all panels
 # COUNT_GAP: the largest distance of lines with equal counts [inch]; PART_FOR_LINES: the part of the distance
 # of two counts that all lines of a count take
 COUNT_GAP, PART_FOR_LINES = 0.055, 0.75
-EQUAL_COUNTS = "equal counts one above the other"
+EQUAL_COUNTS = "equal counts in one band"
 # If the axis of the parameter is logarithmic, the axis of a quantity that is no count is logarithmic, too, if
 # the smallest value of the quantity is > 0, and the largest value is at least DECADE times the smallest
 # value: a power law is then a straight line.
@@ -73,7 +74,10 @@ def draw_curves(
         drawn_curves = [curve[:, np.isfinite(curve[1])] for curve in curves]
         is_line = [curve.shape[1] > 1 and not is_sampled for curve in drawn_curves]
         dashes = iter(merged_dashes([curve for curve, use in zip(drawn_curves, is_line, strict=True) if use]))
-        looks = zip(lines.items(), looks_of(lines, choice), is_line, strict=False)
+        looks, drawn_lines = (
+            zip(lines.items(), looks_of(lines, choice), is_line, strict=False),
+            list[Line2D](),
+        )
         for place, ((names, rows), look, use) in enumerate(looks):
             text = " = ".join(names)
             label = f"{text} (failed)" if choice and runs.failed[rows].all() else text
@@ -87,10 +91,11 @@ def draw_curves(
                 elif len(across_up[0]) > len(rows):
                     marks = {"marker": ".", "markersize": DOT_SIZE}
             (line,) = axes.plot(*across_up, label=label, linewidth=1.4, **look | marks)
-            if quantity.is_count and len(lines) > 1:
-                line.set_transform(axes.transData + _shift_up(axes, place, len(lines), shown_values))
+            drawn_lines.append(line)
             if use and (dash := next(dashes)) and not quantity.is_count:
                 line.set(linestyle=dash, marker="None")  # marks would hide those of the line below
+        if quantity.is_count and len(lines) > 1:
+            _stack_counts(axes, drawn_lines, shown_values)
         mark_at_foot(axes, values[runs.failed], CROSS)
         is_missed = quantity.is_without_touch(runs)
         has_missed |= bool(is_missed.any())
@@ -126,18 +131,21 @@ def broken_line(
     )
 
 
-def _shift_up(axes: Axes, place: int, count: int, shown_values: np.ndarray) -> ScaledTranslation:
-    """Return the shift upward of the line at a ``place`` among ``count`` lines with counts ``shown_values``.
+def _stack_counts(axes: Axes, lines: Sequence[Line2D], shown_values: np.ndarray) -> None:
+    """Put lines with equal counts one above the other, the first on top, on a pale band for each count.
 
-    So lines with equal counts stand one above the other, the first on top. Their distance is at most
-    COUNT_GAP, and all lines of a count have room between two counts.
+    Their distance is at most COUNT_GAP, and all lines of a count have room between two counts.
     """
-    figure = axes.get_figure(root=True)
+    figure, values = axes.get_figure(root=True), np.unique(shown_values[np.isfinite(shown_values)])
     assert figure is not None
-    finite_values = shown_values[np.isfinite(shown_values)]
-    counts = float(np.ptp(finite_values)) + 1.0 if finite_values.size else 1.0
-    room = PART_FOR_LINES * axes.get_window_extent().height / figure.dpi / counts / count
-    return ScaledTranslation(0.0, (0.5 * (count - 1) - place) * min(COUNT_GAP, room), figure.dpi_scale_trans)
+    counts = float(np.ptp(values)) + 1.0 if values.size else 1.0
+    room = PART_FOR_LINES * axes.get_window_extent().height / figure.dpi / counts / len(lines)
+    gap = min(COUNT_GAP, room)
+    for place, line in enumerate(lines):
+        shift = ScaledTranslation(0.0, (0.5 * (len(lines) - 1) - place) * gap, figure.dpi_scale_trans)
+        line.set_transform(axes.transData + shift)
+    look: dict[str, Any] = {"linewidth": gap * len(lines) * POINTS_IN_INCH, "zorder": 0.5}
+    axes.hlines(values, 0.0, 1.0, OUTSIDE_COLOUR, transform=axes.get_yaxis_transform(), **look)
 
 
 def mark_at_foot(axes: Axes, values: np.ndarray, mark: dict[str, Any]) -> None:

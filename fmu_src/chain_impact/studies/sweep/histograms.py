@@ -16,6 +16,7 @@ from chain_impact.map_colours import WIDE_COLOURS, value_ratio
 from chain_impact.pictures.drawing.figures import name_above
 from chain_impact.pictures.drawing.legends import legend_above, legend_at_foot
 from chain_impact.pictures.drawing.style import BLUE, COUNT_STEPS, INK, give_ticks
+from chain_impact.scene.words.plain_names import plain_name
 from chain_impact.scene.words.unit_text import with_unit
 from chain_impact.studies.sweep.colour_bars import WIDE_RANGE, number_few_decades
 from chain_impact.studies.sweep.curves import RING, mark_at_foot
@@ -113,7 +114,7 @@ def draw_samples(
             )
             _scatter(axes, runs, quantity, variation, trend)
             if trend is not None:
-                name_above(axes, f"ratio [–] of {quantity.name} to its trend over {drawn_variations[0].name}")
+                name_above(axes, f"{quantity.name} ÷ its trend over {plain_name(drawn_variations[0].name)}")
     keys: list[Any] = []
     if any(own_value(runs, variation) is not None for variation in drawn_variations):
         keys.append(Line2D([], [], label="value in the scene", **SCENE_LINE))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from chain_impact.pictures.drawing.style import raise_exponents
+from chain_impact.scene.words.plain_names import plain_name
 from chain_impact.scene.words.unit_text import unit_text, with_unit
 from chain_impact.studies.sweep.computation import STATUS_WORD
 from chain_impact.studies.sweep.curves import course_text
@@ -52,7 +53,7 @@ def headline_parts(runs: Runs, results: Results, mark: str, *, is_small: bool = 
 
 
 def effect_text(runs: Runs, quantity: Quantity) -> str:
-    """Return words for what a result depends on, such as "rises mostly with contact.stiffness"."""
+    """Return words for what a result depends on, such as "rises mostly with stiffness"."""
     variations, values = varying_in(runs.design), quantity.values_or_nan(runs)
     is_known = np.isfinite(values)
     if not is_known.any() or not np.ptp(values[is_known]):
@@ -60,7 +61,7 @@ def effect_text(runs: Runs, quantity: Quantity) -> str:
     if len(variations) == 1 and runs.design.samples is None:
         (only_variation,) = variations
         if picture_form(runs.design) != DOTS:
-            return course_text(runs[only_variation.name], values, only_variation.name)
+            return course_text(runs[only_variation.name], values, plain_name(only_variation.name))
         (largest_rows,) = np.nonzero(values == values[is_known].max())
         return f"largest with {runs[only_variation.name][largest_rows[0]]}" if len(largest_rows) == 1 else ""
     shares_of_names = {variation.name: share_of(runs, variation, values) for variation in variations}
@@ -70,8 +71,9 @@ def effect_text(runs: Runs, quantity: Quantity) -> str:
         return ""
     if not other_names or share >= MAIN * shares_of_names[other_names[0]][0]:
         mostly = " mostly" if other_names else ""
-        return f"{sense}{mostly} with {first_name}" if sense else f"depends{mostly} on {first_name}"
-    return f"depends on {first_name} and {other_names[0]}"
+        words = plain_name(first_name)
+        return f"{sense}{mostly} with {words}" if sense else f"depends{mostly} on {words}"
+    return f"depends on {plain_name(first_name)} and {plain_name(other_names[0])}"
 
 
 def idle_text(runs: Runs, quantity: Quantity) -> str:
@@ -89,9 +91,11 @@ def idle_text(runs: Runs, quantity: Quantity) -> str:
         changes = np.ma.ptp(values, axis=runs.design.variations.index(variation))
         effect = float(changes.max()) / largest_value
         if effect <= NO_EFFECT:
-            idle_names.append(f"{variation.name} has no effect")
+            idle_names.append(f"{plain_name(variation.name)} has no effect")
         elif effect <= SMALL_EFFECT:
-            idle_names.append(f"{variation.name} changes it by ≤ {number_text(100.0 * effect, 2)} %")
+            idle_names.append(
+                f"{plain_name(variation.name)} changes it by ≤ {number_text(100.0 * effect, 2)} %"
+            )
     return ", ".join(idle_names)
 
 
@@ -137,5 +141,6 @@ def no_impact_text(runs: Runs, quantity: Quantity) -> str:
                 text = with_unit(
                     printed_number(float(limit)), raise_exponents(unit_text(unit_of(runs, variation)))
                 )
-                return f"{NO_IMPACT} at {variation.name} {sign if is_empty.sum() > 1 else '='} {text}"
+                relation = sign if is_empty.sum() > 1 else "="
+                return f"{NO_IMPACT} at {plain_name(variation.name)} {relation} {text}"
     return f"{NO_IMPACT} in {int(is_missed.sum())} of {len(runs)} runs"

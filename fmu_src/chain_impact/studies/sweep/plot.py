@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
-from functools import partial
+from collections.abc import Callable, Sequence
+from functools import cache, partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.drawing.figures import draw_figure, settle
+from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size, figure_size
 from chain_impact.pictures.drawing.style import (
     COUNT_STEPS,
@@ -126,23 +127,20 @@ def plot_sweep(
             )
         results = Results(results.drawn[:1], results.drawn[:1])
     usual_figure_size = usual_size(runs.design, len(results.drawn), figure_size(size)[0] if size else None)
-    return draw_figure(partial(fill, runs=runs, results=results), path, size, usual_figure_size)
+    # a picture is drawn anew for each height that is tried, with the same texts
+    texts = cache(partial(headline_and_conditions, runs, results))
+    return draw_figure(partial(fill, runs=runs, results=results, texts=texts), path, size, usual_figure_size)
 
 
 @drawing_style()
-def fill(figure: Figure, runs: Runs, results: Results) -> None:
-    """Draw the headline and, for each quantity in ``results.drawn``, ``panels_of_each`` panels."""
+def fill(figure: Figure, runs: Runs, results: Results, texts: Callable[..., tuple[str, str]]) -> None:
+    """Draw the headline and, for each quantity in ``results.drawn``, ``panels_of_each`` panels.
+
+    ``texts``: a function that returns the result of ``headline_and_conditions``.
+    """
     quantities, kind = results.drawn, picture_form(runs.design)
     variations = varying_in(runs.design)
-    lines = [conditions(runs, variations), constant_quantities_words(runs, results)]
-    has_lines = kind == CURVES and runs.design.samples is None
-    if has_lines and len({*runs[COUNT][~runs.failed].tolist()}) > 1:
-        lines.append("lines break where the number of impacts changes")
-    if kind == HISTOGRAMS:
-        lines.insert(0, influence_words(runs, quantities, variations))
-    mark = "×: " if kind == CURVES else ""
-    message = ", ".join(headline_parts(runs, results, mark, is_small=is_narrow(figure)))
-    write_headline(figure, message, "; ".join(filter(None, lines)))
+    write_headline(figure, *texts(is_small=is_narrow(figure)))
     # the parameter ``first_variation`` gets the horizontal axis
     first_variation, *other_variations = sorted_parameters(variations, kind)
     count = len(quantities) * panels_of_each(runs.design)
@@ -162,6 +160,20 @@ def fill(figure: Figure, runs: Runs, results: Results) -> None:
         figure.align_ylabels()
     settle(figure)
     place_names(figure)
+
+
+def headline_and_conditions(runs: Runs, results: Results, *, is_small: bool) -> tuple[str, str]:
+    """Return the headline, which is short if ``is_small``, and the text with the conditions."""
+    kind, variations = picture_form(runs.design), varying_in(runs.design)
+    parts = [conditions(runs, variations), constant_quantities_words(runs, results)]
+    has_lines = kind == CURVES and runs.design.samples is None
+    if has_lines and len({*runs[COUNT][~runs.failed].tolist()}) > 1:
+        parts.append("lines break where the number of impacts changes")
+    if kind == HISTOGRAMS:
+        parts.insert(0, influence_words(runs, results.drawn, variations))
+    mark = "×: " if kind == CURVES else ""
+    headline = ", ".join(headline_parts(runs, results, mark, is_small=is_small))
+    return headline, "; ".join(filter(None, parts)).replace("; ", SEPARATOR)
 
 
 def name_once(figure: Figure) -> None:
@@ -206,13 +218,13 @@ def marked_parameters(runs: Runs, variations: list[Variation]) -> list[Variation
 def conditions(runs: Runs, variations: list[Variation]) -> str:
     """Return a text with the range of each varied number, and how many choices each varied choice has.
 
-    After a range stands the value in the scene: with (+) or (dashed line) if the picture marks the value
+    After a range stands the value in the scene: with (+) or (dashed) if the picture marks the value
     (``marked_parameters``), and with (outside) if the value is beyond the range. Of samples, a parameter over
     which the picture has no dots is named as such; of the others, the axes show range and choices.
     """
     parts, marked_variations = [], marked_parameters(runs, variations)
     is_sampled = picture_form(runs.design) == HISTOGRAMS
-    mark = " (+)" if picture_form(runs.design) == MAPS else " (dashed line)"
+    mark = " (+)" if picture_form(runs.design) == MAPS else " (dashed)"
     for variation in variations:
         ends = " to ".join(distinct_texts([*dict.fromkeys((variation.values.min(), variation.values.max()))]))
         ends = LEADING_HYPHEN.sub("−", ends)

@@ -1,0 +1,29 @@
+"""The names of rows, such as those of bars: how high their axes must be for names that are easy to read."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import FixedLocator
+
+ROW_PITCH = 1.5  # the least distance of two names of rows, relative to the size of the font
+POINTS_IN_INCH = 72.0
+FEWEST_NAMES = 2  # the least number of names that have a distance
+
+
+def lacking_for_rows(axes: Axes) -> float:
+    """Return the height [inches] that axes lack for names along y to be ROW_PITCH apart; 0 without names."""
+    names, figure = (
+        [label for label in axes.get_yticklabels() if label.get_text()],
+        axes.get_figure(root=True),
+    )
+    if (
+        figure is None
+        or len(names) < FEWEST_NAMES
+        or not isinstance(axes.yaxis.get_major_locator(), FixedLocator)
+    ):
+        return 0.0
+    places = axes.transData.transform([(0.0, label.get_position()[1]) for label in names])[:, 1]
+    distance = float(np.abs(np.diff(places)).min()) / figure.dpi
+    wanted = ROW_PITCH * float(names[0].get_fontsize()) / POINTS_IN_INCH
+    return max(0.0, float(axes.bbox.height) / figure.dpi * (wanted / distance - 1.0))
