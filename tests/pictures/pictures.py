@@ -10,7 +10,7 @@ from matplotlib.text import Text
 from chain_impact import IMPACT_DTYPE, load_scene, simulate
 from chain_impact.pictures.drawing import figures
 from chain_impact.pictures.drawing.dark_ground import GLARE, luminance
-from chain_impact.pictures.drawing.labels import Ink
+from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.legends import MARK
 from chain_impact.pictures.drawing.style import drawing_style
 from chain_impact.pictures.over_time.impacts import LANE

@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.figures import settle
-from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
+from chain_impact.pictures.drawing.ink import Ink
+from chain_impact.pictures.drawing.labels import Label, place_labels
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import (

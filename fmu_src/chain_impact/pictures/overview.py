@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.figures import settle
-from chain_impact.pictures.drawing.labels import Ink
+from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.legends import legend_above, legend_beside
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
@@ -34,8 +34,8 @@ LEAST_MOTION = 0.55
 WHOLE_WIDTH = (1.25, GROWTH_FACTORS[1])
 # NUMBER_BAND: [points] how far the picture shows the area beyond a wall, where numbers of impacts stand;
 # NARROW_NUMBER_BAND: the same in a narrow figure; MOST_BAND: the largest width of this area, relative to the
-# longer side of the view without margins
-NUMBER_BAND, NARROW_NUMBER_BAND, MOST_BAND = 30.0, 24.0, 0.25
+# shorter side of the view without margins
+NUMBER_BAND, NARROW_NUMBER_BAND, MOST_BAND = 30.0, 36.0, 0.35
 
 
 @drawing_style()
@@ -118,7 +118,7 @@ def _settle_motion(
             break
     motion.clear()
     side = max(room.height, min(width, room.height * ratio)) * 72.0 / figure.dpi
-    band = min((NARROW_NUMBER_BAND if is_small else NUMBER_BAND) / side, MOST_BAND)
+    band = min((NARROW_NUMBER_BAND if is_small else NUMBER_BAND) / side, MOST_BAND / max(ratio, 1.0 / ratio))
     draw_motion(motion, recording, room.height / width, band, WHOLE_WIDTH if is_alone else GROWTH_FACTORS)
     if is_small:
         put_legend(motion, entries_of(motion))

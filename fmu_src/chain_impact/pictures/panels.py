@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from matplotlib.axes import Axes
 
-from chain_impact.pictures.drawing.labels import Ink
+from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.motion.impact_rings import number_rings
 from chain_impact.pictures.motion.line_motion import draw_along_line, line_of_motion
 from chain_impact.pictures.motion.motion import draw_motion

@@ -6,7 +6,7 @@ import matplotlib.style
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_hex, to_rgb
+from matplotlib.colors import to_hex, to_rgb, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -57,6 +57,17 @@ def test_lines_texts_and_colours_of_time_can_be_seen(page):
     assert (
         luminance(lines.get_edgecolor()[0]) > 0.015
     )  # the lines at impacts: twice as bright as their ground
+
+
+def test_faint_lines_have_contrast_also_in_the_legend(page):
+    motion = next(panel for panel in page.axes if panel.get_label() == "motion")
+    legend = motion.get_legend()
+    keys = dict(zip([text.get_text() for text in legend.get_texts()], legend.legend_handles, strict=True))
+    drawn = {item.get_label(): item for item in motion.collections}
+    for name in ("chain between", "other points"):
+        for lines in (drawn[name], keys[name]):
+            *colour, alpha = to_rgba(np.reshape(lines.get_color(), (-1, 4))[0], lines.get_alpha())
+            assert contrast(alpha * np.array(colour), "black") >= 1.99, name
 
 
 def test_axes_of_a_dark_style_keep_what_was_there():
@@ -127,3 +138,8 @@ def test_colours_and_texts_have_enough_contrast_on_a_dark_ground(ground, text):
     assert contrast(dark.suited_colour(style.INK), ground) >= 4.5
     assert contrast(dark.suited_colour(style.BLACK), ground) >= 4.5
     assert contrast(dark.suited_colour(style.GREY), ground) >= 3.0
+    assert contrast(dark.suited_colour(style.PALE), ground) >= 1.99
+    for faint in (1.0 - style.IMPACT_LINE, 1.0 - 2.0 * style.SHADE):
+        assert contrast(dark.suited_colour(f"{faint}"), ground) >= 1.99
+    for area in (style.OUTSIDE_COLOUR, f"{1.0 - style.SHADE}"):
+        assert contrast(dark.suited_colour(area), ground) >= 1.49

@@ -3,18 +3,25 @@
 # Tests: pictures/motion/bodies.py, pictures/motion/impact_rings.py, pictures/motion/joint_forces.py
 # Tests: pictures/motion/poses.py, pictures/words/point_names.py
 
+import functools
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.path import Path
 from matplotlib.quiver import Quiver
+from matplotlib.text import Text
 
 from chain_impact import load_scene, simulate
 from chain_impact.pictures import draw_chain
+from chain_impact.pictures.drawing import figures
+from chain_impact.pictures.drawing.labels import MARK_LENGTH
 from chain_impact.pictures.drawing.style import LOAD, PEAK_COLOUR, force_text
-from chain_impact.pictures.motion.impact_rings import RING_DISTANCE, rings, rows_by_speed
+from chain_impact.pictures.motion.impact_rings import RING_DISTANCE, RING_SIZE, rings, rows_by_speed
 from chain_impact.pictures.motion.joint_forces import part_in_view
 from chain_impact.pictures.motion.poses import FAINT_POSES, MOST_STRONG_POSES, distinct_poses, strong_rows
 from chain_impact.pictures.over_time.impacts import marks_of, rows_by_height
+from chain_impact.pictures.overview import fill, usual_size
 from chain_impact.pictures.words.headline import marked_peaks, peaks
 from chain_impact.pictures.words.impact_numbers import number_list, numbers_of
 from chain_impact.recording.joint_peaks import joint_peaks
@@ -209,6 +216,38 @@ def test_numbers_stand_off_the_rings(model):
     rings = motion.transData.transform(ring_places(motion))
     for box in boxes(motion):
         assert not any(box.contains(*ring) for ring in rings)
+
+
+def distance(segment, place):
+    """Return the distance of a place from a line segment, given by its two ends."""
+    start, way = segment[0], segment[1] - segment[0]
+    part = np.clip((place - start) @ way / (way @ way), 0.0, 1.0)
+    return np.hypot(*(start + part * way - place))
+
+
+@pytest.mark.full("more cases", but=["four_link_box-84"])
+@pytest.mark.parametrize("width", [84, 120, 190])
+@pytest.mark.parametrize("model", ["four_link_box", "hopper", "pinned_arm", "crowd"])
+def test_no_leader_passes_another_ring_or_crosses_a_chain_at_start_or_end(model, width):
+    recording = crowd() if model == "crowd" else recorded(model)
+    size = usual_size(recording, size=(width / 25.4, None))
+    page = figures.draw_figure(functools.partial(fill, recording=recording), usual=size)
+    page.draw_without_rendering()
+    motion = next(axes for axes in page.axes if axes.get_label() == "motion")
+    at, point = motion.transData.transform, page.dpi / 72.0
+    chains = [at(recording.points[row]) for row in (0, -1)]
+    places = at(list(rings(motion, recording)))
+    for text in motion.texts:
+        if text.arrow_patch is None:
+            continue
+        box, start = Text.get_window_extent(text), at(text.xy)
+        leader = np.array([start, 0.5 * (box.min + box.max)])
+        for place in places[np.hypot(*(places - start).T) > MARK_LENGTH * point]:
+            assert distance(leader, place) > 0.5 * RING_SIZE * point, text.get_text()
+        way = leader[1] - leader[0]
+        beyond = np.array([leader[0] + way * MARK_LENGTH * point / np.hypot(*way), leader[1]])
+        for chain in chains:
+            assert not Path(chain).intersects_path(Path(beyond), filled=False), text.get_text()
 
 
 def test_a_joints_largest_force_is_an_arrow_at_its_place():

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axis import Axis
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import Collection
+from matplotlib.collections import Collection, LineCollection
 from matplotlib.colors import Colormap, ListedColormap, to_hex, to_rgb, to_rgba
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
@@ -26,14 +26,16 @@ DARK_LUMINANCE = 0.18
 LEAST_LUMINANCE = 0.2
 # the least contrast ratios to the ground (WCAG 2.1, 1.4.3 and 1.4.11). READABLE_CONTRAST applies to colours,
 # and to the greys of text and outlines, from 0 (black) to LIGHTEST_TEXT. VISIBLE_CONTRAST applies to the
-# greys of lines, between LIGHTEST_TEXT and LIGHTEST_LINE. The greys of areas and grids, above LIGHTEST_LINE,
-# have no least ratio. All greys are those that are chosen for a white ground.
-READABLE_CONTRAST, VISIBLE_CONTRAST = 4.5, 3.0
+# greys of lines, between LIGHTEST_TEXT and LIGHTEST_LINE. For the greys of areas and grids, above
+# LIGHTEST_LINE, the least ratio is 1 + FAINT_GROWTH × the distance of the grey from white, 0…1, but at most
+# FAINT_CONTRAST, because a small ratio is visible on white, but not on black. Transparent lines without marks
+# have at least FAINT_CONTRAST. All greys are those that are chosen for a white ground.
+READABLE_CONTRAST, VISIBLE_CONTRAST, FAINT_CONTRAST, FAINT_GROWTH = 4.5, 3.0, 2.0, 10.0
 GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
-# The number of mixtures that are tried: of a colour with white, by increasing part of white; for a grey, of
-# the colours of ground and text, by increasing part of text. The first mixture that is light enough is taken;
-# for a grey, the last mixture if no mixture is light enough.
-MIXTURES = 41
+# The number of mixtures that are tried. MIXTURES: of a colour with white, by increasing part of white;
+# GREY_MIXTURES: for a grey, of the colours of ground and text, by increasing part of text. The first mixture
+# that is light enough is taken; for a grey, the last mixture if no mixture is light enough.
+MIXTURES, GREY_MIXTURES = 41, 201
 # the largest luminance that is required of a mixture with white; it is less than 1 because the luminance of
 # white is 1 only up to round-off
 LEAST_WHITE = 0.999
@@ -81,12 +83,18 @@ class Ground(NamedTuple):
             return lightened_colour(colour, least_luminance(self.ground, READABLE_CONTRAST))
         grey = (red + green + blue) / 3.0
         low, high = np.array(to_rgb(self.ground)), np.array(to_rgb(self.text))
-        needed_luminance = (
-            READABLE_CONTRAST if grey <= LIGHTEST_TEXT else VISIBLE_CONTRAST if grey <= LIGHTEST_LINE else 1.0
+        needed = (
+            READABLE_CONTRAST
+            if grey <= LIGHTEST_TEXT
+            else VISIBLE_CONTRAST
+            if grey <= LIGHTEST_LINE
+            else min(FAINT_CONTRAST, 1.0 + FAINT_GROWTH * (1.0 - grey))
         )
-        least_part = least_luminance(self.ground, needed_luminance) if needed_luminance > 1.0 else 0.0
-        mixed = [low + part * (high - low) for part in np.linspace((1.0 - grey) ** SPREAD, 1.0, MIXTURES)]
-        red, green, blue = next((mix for mix in mixed if luminance(mix) >= least_part), mixed[-1]).tolist()
+        least = least_luminance(self.ground, needed) if grey < 1.0 else 0.0
+        mixed = [
+            low + part * (high - low) for part in np.linspace((1.0 - grey) ** SPREAD, 1.0, GREY_MIXTURES)
+        ]
+        red, green, blue = next((mix for mix in mixed if luminance(mix) >= least), mixed[-1]).tolist()
         return red, green, blue, alpha
 
     def suit(self, artists: Iterable[Artist]) -> None:
@@ -101,9 +109,11 @@ class Ground(NamedTuple):
                 artist.set_color(self.suited_colour(artist.get_color()))
                 artist.set_markerfacecolor(self._suited_colour_or_none(marker[0]))
                 artist.set_markeredgecolor(self._suited_colour_or_none(marker[1]))
+                alpha = to_rgba(artist.get_color())[3]
                 opacity = artist.get_alpha()
-                if opacity is not None and artist.get_marker() not in NO_MARK:
-                    artist.set_alpha(self._opacity(opacity, artist.get_color()))
+                if (opacity := alpha if opacity is None else opacity) < 1.0:
+                    needed = FAINT_CONTRAST if artist.get_marker() in NO_MARK else VISIBLE_CONTRAST
+                    artist.set_alpha(self._opacity(opacity, artist.get_color(), needed))
             elif isinstance(artist, Collection | AxesImage):
                 self._suit_mapped(artist)
             elif isinstance(artist, Patch):
@@ -124,17 +134,15 @@ class Ground(NamedTuple):
                     if is_coloured(colour):
                         label.set_color(colour)
 
-    def _opacity(self, least_opacity: float, colour: Any) -> float:
-        """Return the least opacity ≥ ``least_opacity`` with which marks have VISIBLE_CONTRAST to the ground.
+    def _opacity(self, least: float, colour: Any, contrast: float) -> float:
+        """Return the least opacity, from ``least`` on, with which a ``colour`` has a contrast to the ground.
 
-        ``colour`` is the colour of the marks. The result is 1 if no opacity is enough.
+        The result is 1 if no opacity is enough.
         """
         low, high = np.array(to_rgb(self.ground)), np.array(to_rgb(colour))
-        needed_luminance = least_luminance(self.ground, VISIBLE_CONTRAST)
-        opacities = np.linspace(least_opacity, 1.0, MIXTURES).tolist()
-        return next(
-            (part for part in opacities if luminance(low + part * (high - low)) >= needed_luminance), 1.0
-        )
+        needed = least_luminance(self.ground, contrast)
+        tried = np.linspace(least, 1.0, MIXTURES).tolist()
+        return next((part for part in tried if luminance(low + part * (high - low)) >= needed), 1.0)
 
     def _suited_colour_or_none(self, colour: Any) -> Any:
         return colour if isinstance(colour, str) and colour == "none" else self.suited_colour(colour)
@@ -147,6 +155,10 @@ class Ground(NamedTuple):
             colours = artist.get_facecolor(), artist.get_edgecolor()
             artist.set_facecolor(self._suited_colours(colours[0]))
             artist.set_edgecolor(self._suited_colours(colours[1]))
+            opacity = artist.get_alpha()
+            if isinstance(artist, LineCollection) and isinstance(opacity, float) and len(colours[1]):
+                colour = artist.get_edgecolor()[0]
+                artist.set_alpha(self._opacity(opacity, colour, FAINT_CONTRAST))
 
     def _suited_colours(self, colours: Any) -> Colour | list[Colour]:
         """Return the colours that replace the colours of a collection.

@@ -75,7 +75,7 @@ def plot_curves(
         axes.plot([], [], color=colour, alpha=alpha, linewidth=5.0, solid_capstyle="butt", label=FAST_ENTRY)
 
 
-def hidden_counts(curves: Sequence[np.ndarray], same: float = SAME_CURVE, share: float = 1.0) -> list[int]:
+def hidden_counts(curves: Sequence[np.ndarray], same: float = SAME_CURVE) -> list[int]:
     """Return for each curve how many earlier curves it hides: those with which it nearly coincides.
 
     The caller draws a curve that hides others with dashes, so that the others are visible through the gaps. A
@@ -84,14 +84,13 @@ def hidden_counts(curves: Sequence[np.ndarray], same: float = SAME_CURVE, share:
     Args:
         curves: the curves, each of shape (T,).
         same: the largest distance at which two curves coincide in a row, relative to the range of all curves.
-        share: the part of the rows, 0 to 1, in which curves must coincide.
     """
     finite_curves = [curve[np.isfinite(curve)] for curve in curves]
     all_values = np.concatenate(finite_curves) if finite_curves else np.zeros(0)
     seen_distance = same * float(np.ptp(all_values)) if all_values.size else 0.0
     return [
         sum(
-            bool(np.quantile(np.abs(curve - other_curve), share) <= seen_distance)
+            bool(np.max(np.abs(curve - other_curve), initial=0.0) <= seen_distance)
             for other_curve in curves[:k]
         )
         for k, curve in enumerate(curves)

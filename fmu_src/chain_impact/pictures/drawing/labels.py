@@ -10,13 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_rgba
-from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from chain_impact.pictures.drawing.dark_ground import TEXT_OUTLINE
-from chain_impact.pictures.drawing.style import FLAT_COLOURS, INK, SHADE, faint_colour
+from chain_impact.pictures.drawing.ink import Ink
+from chain_impact.pictures.drawing.style import INK
 
 LABEL_OFFSET = 4.0  # [points] the usual distance from a position to its label
 # The distances between a position and its label, relative to LABEL_OFFSET, in the order in which they are
@@ -26,32 +24,26 @@ LABEL_OFFSET = 4.0  # [points] the usual distance from a position to its label
 CLOSE_DISTANCES = (1.0, 1.2)
 UNLED_DISTANCES = (1.3, 1.5, 1.8, 2.1)
 LEADER_DISTANCES = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5, 12.5, 15.0)
-# LABEL_DIRECTIONS: the number of directions that are tried, equally spaced in a full turn; TURN_ORDER: the
-# order of these directions, as steps away from the best direction, to both sides
-LABEL_DIRECTIONS = 16
+# LABEL_DIRECTIONS: the number of directions that are tried, equally spaced in a full turn; TURN_ORDER: the order
+# of these directions, as steps away from the best direction, to both sides
+LABEL_DIRECTIONS = 24
 TURN_ORDER = (
     0,
     *(sign * part for part in range(1, LABEL_DIRECTIONS // 2) for sign in (1, -1)),
     LABEL_DIRECTIONS // 2,
 )
-MOST_COVERED = 0.6  # the largest part of a leader's length that may cover other drawn pixels
-# STRONG_COLOUR: a pixel is strong if its red, green or blue, 0 to 255, is below this number. CROSSED_LENGTHS:
-# [points] limits of the length of a leader on strong pixels, in the order in which they are tried.
-# MARK_LENGTH: [points] the first part of a leader, which does not count for CROSSED_LENGTHS, because the mark
-# of the position is there.
-CROSSED_LENGTHS, MARK_LENGTH, STRONG_COLOUR = (0.0, 4.0, 12.0), 6.0, 128
+# CROSSED_LENGTHS: [points] limits of the length of a leader on strong pixels (``Ink``), in the order in which
+# they are tried. MARK_LENGTH: [points] the first part of a leader, which does not count for CROSSED_LENGTHS,
+# because the mark of the position is there.
+CROSSED_LENGTHS, MARK_LENGTH = (0.0, 4.0, 12.0), 6.0
 # [points] Without leaders, no strong pixel between a position and its label may be farther from the position
 # than this.
 OWN_LINE = 4.5
-# [pixels] a pixel of a leader crosses a strong pixel, or a pixel of another leader, if the distance of both
-# pixels is at most this along x and along y
-CROSSING_DISTANCE = 2
 # [points] with leaders, a label may end at most this far beyond the right edge of its axes
 FARTHEST_OUTSIDE = 64.0
 PAD = 1.0  # [points] the width of the border around a label that must be free, too
-# [points] the least space between two labels in a row, which would otherwise read as one label
-LABEL_SPACE = 5.0
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.5, "color": INK, "shrinkA": 1.0, "shrinkB": 3.0}
+ROUND_OFF = 1e-6  # [pixels] the part of a way in the best direction may be less than wanted by this
 # matplotlib's order of drawing (zorder) for labels and their leaders: above links and points
 LABEL_LAYER = 6.0
 
@@ -66,6 +58,8 @@ class Label(NamedTuple):
         short: the text that is written if ``text`` has no room; "" for none.
         look: properties of the text of this label alone, with matplotlib's names.
         is_on_side: whether the label has no room behind its position, as seen in the direction ``away``.
+        least_cosine: the least cosine of the angle between ``away`` and the way from the position to the
+            label, from -1 to 1.
     """
 
     text: str
@@ -74,138 +68,7 @@ class Label(NamedTuple):
     short: str = ""
     look: dict[str, Any] = {}  # noqa: RUF012 - no one changes it
     is_on_side: bool = False
-
-
-class Ink:
-    """The pixels of a figure that are drawn, and those that labels and leaders have taken.
-
-    Pixels in the colour of the figure's or the axes' ground, of the area beyond walls, or of the shade over a
-    time without motion count as free.
-    """
-
-    def __init__(self, figure: Figure) -> None:
-        """Draw the figure, which also arranges its contents, and store its pixels."""
-        figure_canvas = figure.canvas
-        canvas: Any = FigureCanvasAgg(figure)  # matplotlib has no type information for the canvas
-        canvas.draw()
-        figure.set_canvas(figure_canvas)
-        grounds = [*FLAT_COLOURS, figure.get_facecolor(), *(axes.get_facecolor() for axes in figure.axes)]
-        grounds += [faint_colour(axes, SHADE) for axes in figure.axes]
-        parts = np.ascontiguousarray(canvas.buffer_rgba())[::-1]
-        colours = parts.view(np.uint32)[..., 0]
-        self._strong: np.ndarray = np.any(parts[..., :3] < STRONG_COLOUR, axis=-1)
-        self._strong_counts = cumulative_counts(self._strong)
-        # strong pixels and their neighbours, so that a leader does not pass through the white rim between a
-        # mark and a link
-        self._near_strong = widened_mask(self._strong)
-        self._drawn = np.ones(colours.shape, bool)
-        for ground in {*map(_pixel, grounds)}:
-            self._drawn &= colours != ground
-        self._labels, self._leaders = np.zeros_like(self._drawn), np.zeros_like(self._drawn)
-        self._counts = cumulative_counts(self._drawn)
-        self.apart = int(LABEL_SPACE * figure.dpi / 72.0)
-
-    def pixels(self) -> list[np.ndarray]:
-        """Return copies of the arrays that change when a label is written; ``restore`` takes them."""
-        return [self._drawn.copy(), self._strong.copy(), self._labels.copy(), self._leaders.copy()]
-
-    def restore(self, pixels: list[np.ndarray]) -> None:
-        """Forget the labels that were written since ``pixels`` were copied."""
-        self._drawn, self._strong, self._labels, self._leaders = (part.copy() for part in pixels)
-
-    def were_free(self, lows: np.ndarray, highs: np.ndarray, *, on_pale: bool = False) -> np.ndarray:
-        """Return whether each box had no drawn pixel before any label was written, shape (B,).
-
-        ``lows`` and ``highs`` are the lower left and upper right corners of the boxes in
-        pixels, shape (B, 2). With ``on_pale`` only strong pixels count as drawn.
-        """
-        (x0, y0), (x1, y1) = np.floor(lows).astype(int).T, np.ceil(highs).astype(int).T
-        counts = self._strong_counts if on_pale else self._counts
-        return np.asarray(counts[y1, x1] - counts[y0, x1] - counts[y1, x0] + counts[y0, x0] == 0)
-
-    def is_crossed(self, position: np.ndarray, end: np.ndarray, own_length: float) -> bool:
-        """Return whether a strong pixel is on the straight line from ``position`` to ``end`` [pixels].
-
-        The first ``own_length`` pixels of the line do not count.
-        """
-        _, leader_pixels = _line_between(position, end, own_length)
-        return bool(self._strong[leader_pixels].any())
-
-    def take(
-        self,
-        low: np.ndarray,
-        high: np.ndarray,
-        position: np.ndarray | None = None,
-        own_length: float = 0.0,
-        crossed: float = math.inf,
-        *,
-        on_pale: bool = False,
-    ) -> bool:
-        """Take a box for a label, with its leader, if both are free; return whether they were free.
-
-        ``low`` and ``high`` are the lower left and the upper right corner of the box in
-        pixels. A free box has no label and no drawn pixel. With ``on_pale`` only strong pixels count as
-        drawn.
-
-        With ``position`` the label has a leader, the straight line from ``position`` to the middle of the
-        box. A free leader crosses no label. At most the part MOST_COVERED of its pixels are drawn pixels.
-        Behind its first ``own_length`` pixels, it crosses no other leader, and has at most ``crossed`` pixels
-        at strong pixels (CROSSING_DISTANCE).
-        """
-        (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
-        box, labels = self._drawn[y0:y1, x0:x1], self._labels[y0:y1, x0:x1]
-        met_pixels = self._strong if on_pale else self._drawn
-        if labels.any() or met_pixels[y0:y1, x0:x1].any():
-            return False
-        if position is not None:
-            line, leader_pixels = _line_between(position, 0.5 * (low + high), own_length)
-            if self._labels[line].any() or met_pixels[line].sum() > MOST_COVERED * len(line[0]):
-                return False
-            if self._leaders[leader_pixels].any() or self._near_strong[leader_pixels].sum() > crossed:
-                return False
-            self._drawn[line] = self._strong[line] = True
-            led = np.zeros_like(self._drawn)
-            led[line] = True
-            self._leaders |= widened_mask(led)
-        box[:] = True
-        self._labels[y0:y1, max(x0 - self.apart, 0) : x1 + self.apart] = True
-        return True
-
-
-def _line_between(position: np.ndarray, end: np.ndarray, own_length: float) -> tuple[tuple[Any, ...], ...]:
-    """Return the pixels of a line as (rows, columns), and the same without the first ``own_length`` pixels.
-
-    The line goes from ``position`` to ``end``, each with x and y in pixels.
-    """
-    count = 2 + int(np.abs(end - position).max())
-    line = tuple(np.linspace(position, end, count).astype(int).T[::-1])
-    return line, tuple(line_coordinates[int(own_length) :] for line_coordinates in line)
-
-
-def widened_mask(pixels: np.ndarray) -> np.ndarray:
-    """Return whether each pixel is at most CROSSING_DISTANCE, along x and along y, from a true pixel."""
-    wide_mask = pixels.copy()
-    for axis in (0, 1):
-        axis_mask = wide_mask.copy()
-        for way in range(1, CROSSING_DISTANCE + 1):
-            later_part, earlier_part = (slice(way, None), slice(None, -way))
-            for target_part, source_part in ((later_part, earlier_part), (earlier_part, later_part)):
-                target_slices: tuple[slice, ...] = (target_part,) if axis == 0 else (slice(None), target_part)
-                source_slices: tuple[slice, ...] = (source_part,) if axis == 0 else (slice(None), source_part)
-                wide_mask[target_slices] |= axis_mask[source_slices]
-    return wide_mask
-
-
-def cumulative_counts(pixels: np.ndarray) -> np.ndarray:
-    """Return the number of true pixels below and to the left of each corner of a pixel.
-
-    The result has one row and one column more than ``pixels``. From the numbers at the four corners of a box
-    follows the number of true pixels in the box.
-    """
-    counts = np.zeros(np.add(pixels.shape, 1), np.int32)
-    pixels.cumsum(axis=0, dtype=np.int32, out=counts[1:, 1:])
-    counts.cumsum(axis=1, out=counts)
-    return counts
+    least_cosine: float = -1.0
 
 
 def place_labels(
@@ -213,9 +76,9 @@ def place_labels(
 ) -> list[Label]:
     """Write labels, the most important first, where nothing else is drawn; return labels without room.
 
-    If some labels have no room and leaders are allowed, two further attempts follow: all labels are written
-    again, those without room first; then, in the same order, with their short texts only. The first further
-    attempt that leaves fewer labels without room is kept. If there is none, the first attempt is kept.
+    If some labels have no room and leaders are allowed, further attempts follow: all labels are written
+    again, those without room first; from left to right; and from right to left; then, in the same orders,
+    with their short texts only. The first attempt that leaves the fewest labels without room is kept.
 
     Args:
         axes: the axes of the labels; only with leaders, labels may stand beyond the right edge
@@ -264,15 +127,18 @@ def place_labels(
     misses = write_labels(order)
     if misses and lines:
         retries = [*misses, *(k for k in order if k not in misses)]
-        for short in (False, True):
+        from_left = np.lexsort(marks.T[::-1]).tolist()
+        best = (order, False)
+        for short, tried in product((False, True), (retries, from_left, from_left[::-1])):
             remove_texts()
-            fewer_misses = write_labels(retries, short=short)
+            fewer_misses = write_labels(tried, short=short)
             if len(fewer_misses) < len(misses):
-                misses = fewer_misses
+                misses, best = fewer_misses, (tried, short)
+            if not misses:
                 break
         else:
             remove_texts()
-            write_labels(order)
+            write_labels(best[0], short=best[1])
     probe.remove()
     return [labels[k] for k in sorted(misses)]
 
@@ -352,6 +218,7 @@ def _place(
         is_inside &= (high[..., 0] <= axes_box.x1) | (low[..., 0] >= axes_box.x1)
         if label.is_on_side:
             is_inside &= ways @ label.away > -LABEL_OFFSET
+        is_inside &= ways @ label.away >= label.least_cosine * np.hypot(*np.moveaxis(ways, -1, 0)) - ROUND_OFF
         for home in spared:
             is_inside &= ~((low < home[1] + shift) & (home[0] - shift < high)).all(axis=-1)
         tried_places = np.argwhere(is_inside)
@@ -390,9 +257,3 @@ def directions(outwards: tuple[float, float]) -> np.ndarray:
     """Return unit vectors, those nearest to ``outwards`` first, shape (LABEL_DIRECTIONS, 2)."""
     angles = math.atan2(outwards[1], outwards[0]) + 2.0 * math.pi / LABEL_DIRECTIONS * np.array(TURN_ORDER)
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-
-
-def _pixel(colour: Any) -> int:
-    """Return a colour as the number that an opaque pixel with this colour has in ``Ink``."""
-    parts = [round(255.0 * part) for part in to_rgba(colour, 1.0)]
-    return int(np.array(parts, np.uint8).view(np.uint32)[0])

@@ -9,9 +9,11 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from chain_impact.kernel.record.constants import STICKS
-from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
-from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR
+from chain_impact.pictures.drawing.ink import Ink
+from chain_impact.pictures.drawing.labels import Label, place_labels
+from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR, is_narrow
 from chain_impact.pictures.motion.joint_forces import name_loads
+from chain_impact.pictures.motion.walls import wall_line
 from chain_impact.pictures.over_time.impacts import marks_of, rows_by_height
 from chain_impact.pictures.words.headline import marked_peaks
 from chain_impact.pictures.words.impact_numbers import numbers_of
@@ -22,8 +24,12 @@ from chain_impact.recording.stick_slip import NO_WALL
 RING_SIZE = 6.5  # [points] the diameter of the ring at an impact
 PEAK_WIDTH = 2.0  # [points] the width of the line of a ring for the largest force
 SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact, a joint or a slider sticks
-# [1] distance within which impacts at the same wall or stop share a ring, relative to the view's larger side
-RING_DISTANCE = 0.03
+# the least cosine of the angle between the direction into a wall and the way from a ring at this wall to its
+# number, which so stands beyond the wall
+BEYOND_WALL = 0.35
+# [1] distance within which impacts at the same wall or stop share a ring, relative to the view's larger side;
+# NARROW_RING_DISTANCE: in a narrow figure, whose rings would overlap
+RING_DISTANCE, NARROW_RING_DISTANCE = 0.03, 0.05
 
 
 def rows_by_speed(recording: Recording) -> np.ndarray:
@@ -79,17 +85,35 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> None:
     are (``numbers_of``). The rings with the hardest impacts come first; only the largest force in a joint
     (``name_loads``) comes before them, and other forces in joints come last.
     """
+    ink.bar(*_obstacles(axes, recording))
     is_told = name_loads(axes, recording, ink, slice(1))
     place_in = {row: place for place, row in enumerate(rows_by_height(marks_of(recording)[1]).tolist())}
     labels = []
     for ring_place, hits in rings(axes, recording).items():
         whole_list, short = numbers_of(sorted(hits, key=place_in.__getitem__))
-        place = _label_place(recording, recording.impacts[hits[0]], ring_place)
-        labels.append((min(map(place_in.__getitem__, hits)), Label(whole_list, *place, short=short)))
+        impact = recording.impacts[hits[0]]
+        is_stop = recording.is_joint_stop(impact["wall"]) or recording.touching_part(impact) == "slider"
+        place = _label_place(recording, impact, ring_place)
+        label = Label(whole_list, *place, short=short, least_cosine=-1.0 if is_stop else BEYOND_WALL)
+        labels.append((min(map(place_in.__getitem__, hits)), label))
     ordered_labels = [label for _, label in sorted(labels, key=lambda entry: entry[0])]
     place_labels(axes, ordered_labels, ink, lines=True, fontsize="small", color=INK)
     if is_told:
         name_loads(axes, recording, ink, slice(1, None))
+
+
+def _obstacles(axes: Axes, recording: Recording) -> tuple[list[np.ndarray], float]:
+    """Return what no leader crosses: chains at start and end, lines of walls, centres of rings; and a radius.
+
+    All positions are in pixels, as for ``Ink.bar``; the radius is that of the rings.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    lines = [recording.points[0], recording.points[-1]]
+    view, walls = np.transpose([axes.get_xlim(), axes.get_ylim()]), list(recording.walls.values())
+    lines += [wall_line(wall, walls, view) for wall in walls]
+    lines += [np.array([ring_place]) for ring_place in rings(axes, recording)]
+    return [axes.transData.transform(line) for line in lines], 0.5 * RING_SIZE * figure.dpi / 72.0
 
 
 def _label_place(
@@ -118,9 +142,12 @@ def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[in
 
     The position of a ring is the ``ring_place`` of its fastest impact, by ``rows_by_speed``. A slower impact
     at the same wall or stop belongs to this ring if the distance from its spot to the ring's position is less
-    than RING_DISTANCE × the larger side of the view.
+    than RING_DISTANCE × the larger side of the view; in a narrow figure NARROW_RING_DISTANCE.
     """
-    spacing = RING_DISTANCE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
+    figure = axes.get_figure(root=True)
+    is_small = figure is not None and is_narrow(figure)
+    share = NARROW_RING_DISTANCE if is_small else RING_DISTANCE
+    spacing = share * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     hits_at: dict[tuple[float, float], list[int]] = {}
     walls = recording.impacts["wall"]
     for row in rows_by_speed(recording).tolist():

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
+from chain_impact.pictures.drawing.ink import Ink
+from chain_impact.pictures.drawing.labels import Label, place_labels
 from chain_impact.pictures.drawing.style import LOAD, force_text
 from chain_impact.pictures.motion.view import View, view_of
 from chain_impact.recording.joint_peaks import joint_peaks

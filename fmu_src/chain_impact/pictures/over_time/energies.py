@@ -13,16 +13,12 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from chain_impact.pictures.drawing.dark_ground import OCHRE
-from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band, hidden_counts, plot_curves
+from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band, plot_curves
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import BLACK, BLUE, BROWN, GREEN, PURPLE, VIOLET
 from chain_impact.pictures.over_time.time_axis import show_all_time, tick_impacts
 from chain_impact.recording.recording import Recording
 
-# The curve of an energy except the total energy is dashed if, in at least the part MOSTLY of all rows, the
-# curve differs from an earlier one by at most COVERED_CURVE, relative to the range of all curves. The curve
-# of the total energy is neither an earlier one nor in the range.
-COVERED_CURVE, MOSTLY = 0.03, 0.8
 # the zero of the potential energy is moved if the move makes the range of all energies (``range_of``) smaller
 # than this part of the range with the usual zero
 RANGE_SHARE = 0.8
@@ -39,6 +35,11 @@ ENERGIES = {
     "supplied": PURPLE,
 }
 """Name of an energy → its colour in all pictures."""
+ENERGY_DASHES: dict[str, Any] = {"friction": "--", "supplied": (0.0, (6.0, 1.2, 1.2, 1.2))}
+"""Name of an energy → its dashes in all pictures, through which an energy that it may cover is visible.
+
+Other energies have solid lines, from whose narrow peaks dashes would leave pieces.
+"""
 # the elastic energy is drawn if its largest value exceeds this, relative to the range of 0 and all energies
 VISIBLE_ELASTIC = 0.01
 # An energy whose |values| are all less than this, relative to the largest |value| of any energy, looks like a
@@ -66,26 +67,14 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
 
     The values are those of ``recording.detailed_energies``, but ``without_gap`` may have added a number [J]
     to the potential and the total energy. If so, the labels of these two energies tell the number. The curve
-    of the total energy is wide, behind other curves, and never dashed. Any other curve is dashed if it would
-    hide an earlier curve other than that of the total energy, or if its energy is in ENERGY_PARTS.
+    of the total energy is wide, and behind other curves.
     """
     shown_curves, offset = shown_energies(recording)
     if "elastic" in shown_curves and not shown_curves["elastic"].max() > VISIBLE_ELASTIC * range_of(
         shown_curves
     ):
         del shown_curves["elastic"]
-    other_names = [name for name in shown_curves if name != "total"]
-    hidden_counts_of_others = hidden_counts(
-        [shown_curves[name] for name in other_names], COVERED_CURVE, MOSTLY
-    )
-    is_dashed = {
-        name: name in ENERGY_PARTS or count > 0
-        for name, count in zip(other_names, hidden_counts_of_others, strict=True)
-    }
-    return [
-        (energy, part_look(name, offset) | {"linestyle": "--" if is_dashed.get(name) else "-"})
-        for name, energy in shown_curves.items()
-    ]
+    return [(energy, part_look(name, offset)) for name, energy in shown_curves.items()]
 
 
 def shown_energies(recording: Recording) -> tuple[dict[str, np.ndarray], float]:
@@ -158,12 +147,13 @@ def energy_look(name: str, offset: float = 0.0) -> dict[str, Any]:
     return {
         "color": ENERGIES[name],
         "label": label,
+        "linestyle": ENERGY_DASHES.get(name, "-"),
         "linewidth": 1 + is_total,
         "zorder": 2.0 - 0.1 * is_total,
     }
 
 
 def part_look(name: str, offset: float = 0.0) -> dict[str, Any]:
-    """Return ``energy_look``, but with dashes and PART_LABEL for an energy in ENERGY_PARTS."""
-    part = {"label": PART_LABEL.format(name), "linestyle": "--"} if name in ENERGY_PARTS else {}
+    """Return ``energy_look``, but with PART_LABEL for an energy in ENERGY_PARTS."""
+    part = {"label": PART_LABEL.format(name)} if name in ENERGY_PARTS else {}
     return energy_look(name, offset) | part

@@ -15,7 +15,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation
 
-from chain_impact.pictures.drawing.labels import Ink, Label
+from chain_impact.pictures.drawing.ink import Ink
+from chain_impact.pictures.drawing.labels import Label
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import GREY, INK, PEAK_COLOUR, is_narrow, load_unit, scale_numbers
 from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, rubbing_places

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
+from chain_impact.pictures.drawing.ink import Ink
+from chain_impact.pictures.drawing.labels import Label, place_labels
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR, force_text, give_ticks, load_unit
 from chain_impact.pictures.over_time.impacts import HEADROOM
