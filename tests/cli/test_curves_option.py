@@ -12,6 +12,7 @@ def test_curves_are_drawn_into_a_file(run, here):
     code, said, errors = run(*asked, "--curves", "point[2].x,energy.total", "--plot", "curves.svg")
     assert (code, errors) == (0, "")
     assert "picture  curves.svg" in said
+    assert "the largest peak looks like a line; --around 1 shows impact 1" in said
     told = (here / "curves.svg").read_text(encoding="utf-8")
     for name in ("contact[2].x_max.force", "point[2].x", "energy.total"):
         assert name in told

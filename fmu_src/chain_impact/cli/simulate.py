@@ -328,13 +328,15 @@ def curves_in(recording: Recording, source: Source, choice: PictureChoice) -> Cu
 
 def draw_curves(canvas: Canvas, recording: Recording, curves: Curves) -> None:
     """Draw curves; raise a UsageError for too many units, too many outputs of a unit, or too little room."""
-    from chain_impact.pictures import curves_size, draw_figure, fill_curves
+    from chain_impact.pictures import curves_size, draw_figure, fill_curves, narrow_peak
 
     fill_page = partial(fill_curves, recording=recording, curves=curves)
     try:
         canvas.draw(partial(draw_figure, fill_page, usual_size=curves_size(curves)), fill_page)
     except ValueError as error:
         raise UsageError(str(error)) from None
+    if number := narrow_peak(recording, curves):
+        say(f"hint     the largest peak looks like a line; --around {number} shows impact {number}")
 
 
 def difference_text(differences: Differences) -> str:

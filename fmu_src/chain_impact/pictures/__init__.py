@@ -1,7 +1,7 @@
 """Pictures of a recording: functions that fill figures, and ``draw_figure``, which makes the figure."""
 
 from chain_impact.pictures.bars import Bars, axis_ends, bars_size, fill_bars
-from chain_impact.pictures.curves import curves_size, fill_curve_axes, fill_curves
+from chain_impact.pictures.curves import curves_size, fill_curve_axes, fill_curves, narrow_peak
 from chain_impact.pictures.drawing.figures import FIGURE_SIZE, NoRoomError, check_alone, draw_figure
 from chain_impact.pictures.drawing.sizes import MM
 from chain_impact.pictures.impact import IMPACT_SIZE, fill_impact, fill_loop_axes
@@ -31,5 +31,6 @@ __all__ = [
     "fill_impact",
     "fill_loop_axes",
     "fill_sensitivities",
+    "narrow_peak",
     "usual_size",
 ]

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from chain_impact.pictures.curve_looks import DASHES, SHORT_DASHES, looks_of, owner_of, shared_part
+from chain_impact.pictures.curve_looks import DASHES, SHORT_DASHES, looks_of, shared_part
 from chain_impact.pictures.curve_peaks import (
     MARKED_UNITS,
     amount_lines,
@@ -22,18 +22,20 @@ from chain_impact.pictures.curve_peaks import (
     largest_row,
     largest_vectors,
 )
+from chain_impact.pictures.curve_words import axis_unit, number_at, quantity_words, values_at_onset
 from chain_impact.pictures.drawing.distinct_curves import hidden_counts, plot_curves
 from chain_impact.pictures.drawing.figures import PANEL_HEIGHT, settle
-from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
+from chain_impact.pictures.drawing.ink import Ink
+from chain_impact.pictures.drawing.labels import Label, place_labels
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import (
     FULL_WIDTH,
     PALETTE,
     drawing_style,
     faint_colour,
+    force_text,
     give_ticks,
     is_narrow,
-    load_unit,
     write_foot,
 )
 from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
@@ -44,24 +46,13 @@ from chain_impact.pictures.words.headline import hit_words, peak_of, write_head
 from chain_impact.recording.contact_times import SEEN_CONTACT, has_impulses
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
-from chain_impact.scene.words.names import AXES, name_parts
+from chain_impact.scene.words.names import name_parts
 from chain_impact.scene.words.unit_text import bracketed_unit, unit_text
-from chain_impact.text import LOAD_UNITS, count_text, names_text
+from chain_impact.text import count_text, names_text
 
 # the largest number of curves in a panel, and the largest number of panels in a picture
 MOST_CURVES, MOST_PANELS = len(PALETTE) * len(DASHES), 8
 PANELS_MARGINS = 1.1  # [inch] the sum of the spaces above and below all panels
-# the largest number of characters of a curve's name in the label of a panel with one curve; a longer name
-# stands in a legend above the panel
-LONGEST_LEGEND_NAME = 28
-# unit that only one quantity has → name of this quantity, for the label of a panel
-QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
-VECTORS = {
-    f"{letter}{axis}": word
-    for letter, word in (("", "position"), ("v", "velocity"), ("a", "acceleration"))
-    for axis in AXES
-}
-"""The last part of a component's name → the word for its vector."""
 CONTACT_FORCES = ("force", "friction_force")
 NO_FORCE = "a rigid impact has an impulse, which no curve of a force shows"
 ZERO_ENDS = (-0.1, 1.0)  # the ends of an axis whose curves are all 0; the axis has no number but 0
@@ -71,8 +62,6 @@ END_LINE = 0.5
 MOST_NAMED = 4
 TOLD_HEIGHT = 0.25  # [inch] the height of the text on the largest amounts of forces
 LEGEND_HEIGHT = 0.2  # [inch] the height of a row of the legend above a panel
-PREFIX_BELOW = 0.1  # [m] if all |values| of a panel are smaller, the unit m has a prefix, as in mm
-LONGEST_LABEL = 14  # a name with more characters has two lines as the label of a panel with one curve
 # the lower end of an axis whose values are all >= 0, relative to the upper end: a line at 0 is visible
 LEAST_ZERO_SHARE = -0.03
 
@@ -152,11 +141,12 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
         lead = (None if told_peaks else force) if is_one else ""
         write_head(figure, recording, title or summary, *texts, told_peaks=told_peaks, lead=lead)
     zero_names = always_zero(curves, panels)
-    notes = [f"0 in the whole view: {names_text(zero_names, MOST_NAMED)}"] if zero_names else []
+    notes = ["Δ: change since the onset"] * any(values_at_onset(curves, names) for names in panels)
+    notes += [f"0 in the whole view: {names_text(zero_names, MOST_NAMED)}"] if zero_names else []
     if lacks_impulses(recording, curves):
         notes.append(NO_FORCE)
-    if number := narrow_peak(recording, curves):
-        notes.append(f"narrow peaks: --around {number} shows impact {number}")
+    if long_contact := long_contact_words(recording, curves):
+        notes.append(long_contact)
     if notes:
         write_foot(figure, "; ".join(notes))
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
@@ -195,6 +185,15 @@ def narrow_peak(recording: Recording, curves: Curves) -> int:
     is_within = (impacts["onset"] <= time) & (time <= impacts["end"])
     looks_like_line = is_within & (impacts["duration"] < SEEN_CONTACT * recording.duration)
     return int(looks_like_line.argmax()) + 1 if looks_like_line.any() else 0
+
+
+def long_contact_words(recording: Recording, curves: Curves) -> str:
+    """Return words for the duration of a contact that ends after the close view; else ""."""
+    if not curves.number:
+        return ""
+    onset, end = (float(recording.impacts[name][curves.number - 1]) for name in ("onset", "end"))
+    lasting = f"for {force_text(end - onset, 's')}" if end > curves.time[-1] else ""
+    return f"impact {curves.number} stays in contact {lasting}" if lasting else ""
 
 
 def shown_impact_words(recording: Recording, curves: Curves) -> str:
@@ -250,24 +249,28 @@ def draw_all(
     is_shown = (time >= ends[0]) & (time <= ends[1])
     for axes, names in zip(grid, (drawn_in(curves, names) for names in panels), strict=True):
         mark_impacts(axes, recording, start, factor)
+        axes.set_xlim(*ends)
         if curves.number:
             end_label = mark_end(axes, recording, curves.number, factor)
             keys += end_label if axes is grid[0] else []
-        curves_in_panel = [curves.values[name] for name in names]
         stored_unit = curves.units[names[0]]
-        scale, unit = axis_unit(stored_unit, curves_in_panel)
+        starts = values_at_onset(curves, names)
+        curves_in_panel = [curves.values[name] - starts.get(name, 0.0) for name in names]
+        scale, unit = axis_unit(stored_unit, curves_in_panel, is_close=curves.onset is not None)
         looks = zip(names, looks_of(names, places), hidden_counts(curves_in_panel), strict=True)
         lines = {
             name: (
-                curves.values[name],
-                {"color": PALETTE[look % len(PALETTE)]}
+                values,
+                {
+                    "color": PALETTE[look % len(PALETTE)],
+                    "linestyle": dashes(look // len(PALETTE) + hidden_count, stored_unit),
+                }
                 | look_of_energy(name)
                 | {
-                    "linestyle": dashes(look // len(PALETTE) + hidden_count, stored_unit),
-                    "label": name,
+                    "label": f"{name} from {number_at(starts[name], stored_unit)}" if starts else name,
                 },
             )
-            for name, look, hidden_count in looks
+            for values, (name, look, hidden_count) in zip(curves_in_panel, looks, strict=True)
         }
         plot_curves(axes, time, [(scale * values, look) for values, look in lines.values()])
         sizes = amount_lines(curves, lines) if names_beside else {}
@@ -277,12 +280,10 @@ def draw_all(
         parts = (line for name, line in lines.items() if name.partition(".force.")[0] not in sizes)
         visible_curves = [(values[is_shown], look) for values, look in (*sizes.values(), *parts)]
         labels.append(extremes(time[is_shown], visible_curves, stored_unit, scale))
-        quantity = shared_part(names) or QUANTITIES.get(stored_unit) or vector_of(names)
-        is_alone = len(names) == 1 and len(names[0]) <= LONGEST_LEGEND_NAME
-        axes.set_ylabel(f"{full_name(names[0]) if is_alone else quantity}{bracketed_unit(unit)}".lstrip())
+        words = f"{'Δ ' if starts else ''}{quantity_words(names, stored_unit)}"
+        axes.set_ylabel(f"{words}{bracketed_unit(unit)}".lstrip())
         if curves.onset is None:
             shade_rests(axes, time_span)
-        axes.set_xlim(*ends)
         of_time = f"time after the onset at {start:.6f} s [ms]"
         if curves.onset is None:
             of_time = "; ".join(filter(None, (name_time(axes, ends[-1]), time_span.note)))
@@ -296,14 +297,9 @@ def draw_all(
             give_ticks(axes)
         else:
             axes.set(ylim=ZERO_ENDS, yticks=[0.0])
-        handles = [] if is_alone else axes.get_legend_handles_labels()[0]
+        handles = axes.get_legend_handles_labels()[0]
         legend_above(axes, [*handles, *(keys if axes is grid[0] else [])])
     return labels
-
-
-def full_name(name: str) -> str:
-    """Return the label of a panel with one curve: ``name``, if long with the quantity in line 2."""
-    return name if len(name) <= LONGEST_LABEL else f"{owner_of(name)}.\n{shared_part([name])}"
 
 
 def dashes(number: int, unit: str) -> Any:
@@ -337,32 +333,13 @@ def drawn_in(curves: Curves, names: Sequence[str]) -> list[str]:
 def mark_end(axes: Axes, recording: Recording, number: int, factor: float) -> list[Any]:
     """Draw a dotted line at the end of impact ``number``, from 1; return the entry of a legend for it.
 
-    If the end is not known, there is no line, and the result is empty. ``factor`` is the factor from seconds
-    after the onset to the unit of the axis.
+    If the end is not known, or beyond the axis, there is no line, and the result is empty. ``factor`` is the
+    factor from seconds after the onset to the unit of the axis.
     """
     onset, end = (recording.impacts[name][number - 1] for name in ("onset", "end"))
-    if not np.isfinite(end):
+    position = factor * (end - onset)
+    if not position <= axes.get_xlim()[1]:
         return []
     look: dict[str, Any] = {"color": faint_colour(axes, END_LINE), "linewidth": 0.8, "linestyle": ":"}
-    axes.axvline(factor * (end - onset), **look, zorder=0)
+    axes.axvline(position, **look, zorder=0)
     return [Line2D([], [], label=f"end of impact {number}", **look)]
-
-
-def axis_unit(unit: str, curves: Sequence[np.ndarray]) -> tuple[float, str]:
-    """Return the factor from ``unit`` to an axis's unit for some curves, and the axis's unit: kN for 5000 N.
-
-    Only units of forces, moments, impulses, energies and powers (LOAD_UNITS) get a prefix (``load_unit``),
-    and the unit m if all |values| are below PREFIX_BELOW.
-    """
-    largest_value = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
-    has_prefix = unit in LOAD_UNITS or (unit == "m" and largest_value < PREFIX_BELOW)
-    return load_unit(largest_value, unit) if has_prefix else (1.0, unit)
-
-
-def vector_of(names: Sequence[str]) -> str:
-    """Return "position" if all names end in x or y, "velocity" if in vx or vy, "acceleration" if in ax or ay.
-
-    Otherwise the result is "".
-    """
-    words = {VECTORS.get(name.rpartition(".")[2], "") for name in names}
-    return words.pop() if len(words) == 1 else ""

@@ -142,11 +142,11 @@ def write_head(
 ) -> None:
     """Write the headline of a recording's picture and, below it, results and conditions of the run.
 
-    The headline is ``title`` or, if ``title`` is "", the result of ``headline`` with the words
-    ``lead``, by default those of the first told impact or, without impacts, of the largest force in a joint.
-    ``first`` are texts that stand before the results. The results tell the impacts of ``peaks`` and the
-    largest force in a joint (``load_text``) or, if ``told_peaks`` is given, only the impacts in
-    ``told_peaks``. ``panels``: the names of the panels of an overview.
+    The headline is ``title`` or, if ``title`` is "", the result of ``headline`` with the words ``lead``, by
+    default those of the first told impact or, without impacts, of the largest force in a joint if the panel
+    of the motion shows it. ``first`` are texts that stand before the results. The results tell the impacts of
+    ``peaks`` and the largest force in a joint (``load_text``) or, if ``told_peaks`` is given, only the
+    impacts in ``told_peaks``. ``panels``: the names of the panels of an overview.
 
     In a narrow figure without a ``title``, the message is short. The first of the told impacts then has a
     line of its own below the message, and the rest of the message stands among the conditions. In any narrow
@@ -156,13 +156,14 @@ def write_head(
     short, load = is_narrow(figure), load_text(recording) if told_peaks is None else ""
     told_peaks = peaks(recording) if told_peaks is None else told_peaks
     lead = next((peak.text for peak in told_peaks), "") if lead is None else lead
-    if not (lead or title or told_peaks) and load:
-        lead, load = load.replace(" in the run, ", " "), ""
-    hits = [peak_impact_words(recording, peak, valued=bool(title or k)) for k, peak in enumerate(told_peaks)]
+    if not (lead or title or told_peaks) and load and "motion" in panels and recording.loads:
+        lead, load = load_text(recording, digits=3).replace(" in the run, ", " "), ""
+    valued = [bool(title) or lead != peak.text for peak in told_peaks]
+    hits = [peak_impact_words(recording, *each) for each in zip(told_peaks, valued, strict=True)]
     lines: list[tuple[str, str]] = []
     if short and told_peaks and not title:
         is_marked = told_peaks[0].equal == 1 and not {*panels}.isdisjoint(MARKING)
-        first_text = hits.pop(0).removeprefix(f"{told_peaks[0].words} in ")
+        first_text = hits.pop(0).removeprefix(f"{told_peaks[0].words} in ")  # the title tells the peak
         lines.append((first_text, PEAK_COLOUR if is_marked else INK))
     if short and load:
         lines.append((load, LOAD if "motion" in panels and recording.loads else INK))
@@ -265,7 +266,7 @@ def impulses_of_hits(recording: Recording) -> np.ndarray:
     return np.asarray(impulses)
 
 
-def peak_impact_words(recording: Recording, peak: Peak, *, valued: bool) -> str:
+def peak_impact_words(recording: Recording, peak: Peak, valued: bool) -> str:
     """Return words for the impact of a peak.
 
     For example "peak force in impact 1: point 4 hits y_min at 0.5 s with 2 m/s". If several impacts have the
@@ -290,11 +291,11 @@ def place_words(recording: Recording, row: int) -> str:
     return f"impact {row + 1}: {brief_hit(recording, impact)} at {onset_text} with {speed}{peak_text}"
 
 
-def load_text(recording: Recording) -> str:
+def load_text(recording: Recording, digits: int = 5) -> str:
     """Return words for the largest force in a joint: "joint 2 bears up to 621 N in the run, at 0.4977 s".
 
     If the recording does not have the forces, they come from a repeated run. The result is "" if no joint
-    bears a force, or if the forces remain unknown.
+    bears a force, or if the forces remain unknown. The time has ``digits`` significant digits.
     """
     known_peaks = joint_peaks(recording)
     if not known_peaks and (
@@ -305,9 +306,10 @@ def load_text(recording: Recording) -> str:
     if largest_name is None or not largest_name.force > 0.0:
         return ""
     factor, unit = time_unit(recording.duration)
+    when = f"{factor * largest_name.time:.{digits}g} {unit}"
     return (
         f"joint {largest_name.joint} bears up to {force_text(largest_name.force, 'N')} in the run, "
-        f"{'by' if largest_name.kind == LARGEST_OF_ROWS else 'at'} {factor * largest_name.time:.5g} {unit}"
+        f"{'by' if largest_name.kind == LARGEST_OF_ROWS else 'at'} {when}"
     )
 
 

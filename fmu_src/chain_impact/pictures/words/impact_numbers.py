@@ -7,7 +7,8 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from chain_impact.pictures.drawing.labels import Ink, Label, place_labels
+from chain_impact.pictures.drawing.ink import Ink
+from chain_impact.pictures.drawing.labels import Label, place_labels
 
 LEAST_RUN = 3  # the least number of successive numbers that are written as a range
 MOST_IN_LABEL = 4  # the largest number of items in a label; an item is an impact, or a range such as "1–81"

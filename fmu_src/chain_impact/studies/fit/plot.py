@@ -21,7 +21,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.bars import Bars, bars_size, draw_bars
-from chain_impact.pictures.curves import axis_unit
+from chain_impact.pictures.curve_words import axis_unit
 from chain_impact.pictures.drawing.figures import draw_figure, settle
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR

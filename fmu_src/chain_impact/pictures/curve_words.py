@@ -1,0 +1,83 @@
+"""The words, units and changes of the curves of outputs: what a panel shows, and the axis that it needs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from chain_impact.pictures.curve_looks import shared_part
+from chain_impact.pictures.curve_peaks import MARKED_UNITS
+from chain_impact.pictures.drawing.style import load_unit
+from chain_impact.recording.curves import Curves
+from chain_impact.scene.words.names import AXES
+from chain_impact.scene.words.unit_text import unit_text
+from chain_impact.text import LOAD_UNITS
+
+# unit that only one quantity has → name of this quantity, for the label of a panel
+QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
+VECTORS = {
+    f"{letter}{axis}": word
+    for letter, word in (("", "position"), ("v", "velocity"), ("a", "acceleration"))
+    for axis in AXES
+}
+"""The last part of a component's name → the word for its vector."""
+PREFIX_BELOW = 0.1  # [m] if all |values| of a panel are smaller, the unit m has a prefix, as in mm
+SMALLEST = 1e-6
+# LITTLE_CHANGE: see ``values_at_onset``; CLOSE_UNITS: units that have a prefix in a close view, as in
+# mrad
+LITTLE_CHANGE, CLOSE_UNITS = 0.1, ("m", "rad", "m/s", "rad/s")
+
+
+def quantity_words(names: Sequence[str], unit: str) -> str:
+    """Return words for what the curves of a panel show: "angular velocity", "position x", "total energy"."""
+    part = shared_part(names)
+    if part in VECTORS:
+        return f"{VECTORS[part]} {part[-1]}"
+    if all(name.startswith("energy.") for name in names):
+        return f"{part} energy".lstrip()
+    if len(names) == 1 and "[" not in names[0]:
+        part = names[0]
+    return part.replace("_", " ").replace(".", " ") or QUANTITIES.get(unit) or vector_of(names)
+
+
+def values_at_onset(curves: Curves, names: Sequence[str]) -> dict[str, float]:
+    """Return output → value at the onset for a panel that shows changes since the onset; else {}.
+
+    A panel of a close view shows changes if each of its values changes by less than LITTLE_CHANGE, relative
+    to the largest |value|, but not if its unit is in MARKED_UNITS.
+    """
+    if curves.onset is None or curves.units[names[0]] in MARKED_UNITS:
+        return {}
+    values = np.array([curves.values[name] for name in names])
+    largest = float(np.abs(values).max(initial=0.0))
+    if not np.isfinite(values).all() or not np.ptp(values, axis=-1).max() < LITTLE_CHANGE * largest:
+        return {}
+    return {name: float(np.interp(curves.onset, curves.time, curves.values[name])) for name in names}
+
+
+def number_at(value: float, unit: str) -> str:
+    """Return a value with its unit for a legend: "−1.86 m"; a value below SMALLEST counts as 0."""
+    return f"{value if abs(value) >= SMALLEST else 0.0:.3g} {unit_text(unit)}".replace("-", "−").rstrip()
+
+
+def vector_of(names: Sequence[str]) -> str:
+    """Return "position" if all names end in x or y, "velocity" if in vx or vy, "acceleration" if in ax or ay.
+
+    Otherwise the result is "".
+    """
+    words = {VECTORS.get(name.rpartition(".")[2], "") for name in names}
+    return words.pop() if len(words) == 1 else ""
+
+
+def axis_unit(unit: str, curves: Sequence[np.ndarray], *, is_close: bool = False) -> tuple[float, str]:
+    """Return the factor from ``unit`` to an axis's unit for some curves, and the axis's unit: kN for 5000 N.
+
+    Only units of forces, moments, impulses, energies and powers (LOAD_UNITS) get a prefix (``load_unit``),
+    and the unit m if all |values| are below PREFIX_BELOW; if ``is_close``, the axis is that of a close
+    view, and the units in CLOSE_UNITS also get a prefix.
+    """
+    largest = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
+    has_prefix = unit in LOAD_UNITS or (unit == "m" and largest < PREFIX_BELOW)
+    has_prefix |= is_close and unit in CLOSE_UNITS and largest < PREFIX_BELOW
+    return load_unit(largest, unit) if has_prefix else (1.0, unit)
