@@ -231,7 +231,7 @@ def distance(segment, place):
 def test_no_leader_passes_another_ring_or_crosses_a_chain_at_start_or_end(model, width):
     recording = crowd() if model == "crowd" else recorded(model)
     size = usual_size(recording, size=(width / 25.4, None))
-    page = figures.draw_figure(functools.partial(fill, recording=recording), usual=size)
+    page = figures.draw_figure(functools.partial(fill, recording=recording), usual_size=size)
     page.draw_without_rendering()
     motion = next(axes for axes in page.axes if axes.get_label() == "motion")
     at, point = motion.transData.transform, page.dpi / 72.0
