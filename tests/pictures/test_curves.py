@@ -109,7 +109,7 @@ def test_around_an_impact_time_is_that_after_its_onset(result):
     assert 1e3 * force.max() == pytest.approx(impact["peak_force"], rel=1e-4)
 
 
-def test_around_an_impact_positions_that_hardly_change_are_changes_since_the_onset(result):
+def test_values_that_hardly_change_are_drawn_as_changes(result):
     page = result.plot(curves=["point[4].x", "point[4].y", "link[4].angular_velocity"], around=2)
     lengths, speeds = page.axes
     assert lengths.get_ylabel() == "Δ position [mm]"

@@ -23,7 +23,7 @@ VECTORS = {
 }
 """The last part of a component's name → the word for its vector."""
 PREFIX_BELOW = 0.1  # [m] if all |values| of a panel are smaller, the unit m has a prefix, as in mm
-SMALLEST = 1e-6
+SMALLEST_VALUE = 1e-6
 # LITTLE_CHANGE: see ``values_at_onset``; CLOSE_UNITS: units that have a prefix in a close view, as in
 # mrad
 LITTLE_CHANGE, CLOSE_UNITS = 0.1, ("m", "rad", "m/s", "rad/s")
@@ -57,8 +57,10 @@ def values_at_onset(curves: Curves, names: Sequence[str]) -> dict[str, float]:
 
 
 def number_at(value: float, unit: str) -> str:
-    """Return a value with its unit for a legend: "−1.86 m"; a value below SMALLEST counts as 0."""
-    return f"{value if abs(value) >= SMALLEST else 0.0:.3g} {unit_text(unit)}".replace("-", "−").rstrip()
+    """Return a value with its unit for a legend: "−1.86 m"; a value below SMALLEST_VALUE counts as 0."""
+    return f"{value if abs(value) >= SMALLEST_VALUE else 0.0:.3g} {unit_text(unit)}".replace(
+        "-", "−"
+    ).rstrip()
 
 
 def vector_of(names: Sequence[str]) -> str:

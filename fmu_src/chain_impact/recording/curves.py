@@ -32,9 +32,9 @@ BEND, ROUNDS, PARTS, MOST_TIMES = 0.01, 4, 4, 20_000
 # [1] the duration that a close view assumes for a contact that lasts to the end of the run, relative to the
 # run's duration
 LASTING_SHARE = 0.02
-# the close view of a contact that lasts more than MUCH_LONGER × its first pulse shows this pulse, which ends
+# the close view of a contact that lasts more than LEAST_PULSES × its first pulse shows this pulse, which ends
 # at the latest at the time of ``impact_ends``
-MUCH_LONGER = 2.0
+LEAST_PULSES = 2.0
 # [1] the duration that a close view assumes for an impulse, which has none, relative to the run's duration
 IMPULSE_SHOWN = 1e-3
 
@@ -167,7 +167,7 @@ def window(recording: Recording, around: int | None) -> tuple[float | None, floa
     """Return the onset of an impact, and start and end of its close view, all in [s].
 
     ``around`` is the number of the impact, from 1. If it is None, the onset is None, and the view is the
-    whole run. Of a contact that is much longer than its first pulse (MUCH_LONGER), the view shows this pulse.
+    whole run. Of a contact that is much longer than its first pulse (LEAST_PULSES), the view shows this pulse.
     """
     start, end = float(recording.time[0]), float(recording.time[-1])
     if around is None:
@@ -179,7 +179,7 @@ def window(recording: Recording, around: int | None) -> tuple[float | None, floa
     onset, run = float(impact["onset"]), end - start
     duration = LASTING_SHARE * run if lasts(impact) else float(impact["end"]) - onset
     pulse = float(impact_ends(recording.impacts[[around - 1]], end)[0]) - onset
-    if 0.0 < MUCH_LONGER * pulse < duration:
+    if 0.0 < LEAST_PULSES * pulse < duration:
         duration = pulse
     if not duration > 0.0:
         duration = IMPULSE_SHOWN * run

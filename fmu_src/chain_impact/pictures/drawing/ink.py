@@ -63,16 +63,16 @@ class Ink:
         for line in lines:
             for start, end in pairwise(line):
                 along: Any = _line_between(start, end, 0.0)[0]
-                barred[self._within(*along)] = True
+                barred[self._pixels_inside(*along)] = True
             if len(line) == 1:
                 way = np.arange(-math.ceil(radius), math.ceil(radius) + 1)
                 x, y = (along.ravel() for along in np.meshgrid(way, way))
                 near = np.hypot(x, y) <= radius
                 at = np.round(line[0]).astype(int)
-                barred[self._within(at[1] + y[near], at[0] + x[near])] = True
+                barred[self._pixels_inside(at[1] + y[near], at[0] + x[near])] = True
         self._barred |= widened_mask(barred)
 
-    def _within(self, rows: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _pixels_inside(self, rows: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return those pixels, given by rows and columns, that are in the figure."""
         height, width = len(self._drawn), len(self._drawn[0])
         inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)

@@ -24,8 +24,8 @@ LABEL_OFFSET = 4.0  # [points] the usual distance from a position to its label
 CLOSE_DISTANCES = (1.0, 1.2)
 UNLED_DISTANCES = (1.3, 1.5, 1.8, 2.1)
 LEADER_DISTANCES = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5, 12.5, 15.0)
-# LABEL_DIRECTIONS: the number of directions that are tried, equally spaced in a full turn; TURN_ORDER: the order
-# of these directions, as steps away from the best direction, to both sides
+# LABEL_DIRECTIONS: the number of directions that are tried, equally spaced in a full turn; TURN_ORDER: the
+# order of these directions, as steps away from the best direction, to both sides
 LABEL_DIRECTIONS = 24
 TURN_ORDER = (
     0,

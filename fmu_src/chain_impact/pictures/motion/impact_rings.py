@@ -26,7 +26,7 @@ PEAK_WIDTH = 2.0  # [points] the width of the line of a ring for the largest for
 SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact, a joint or a slider sticks
 # the least cosine of the angle between the direction into a wall and the way from a ring at this wall to its
 # number, which so stands beyond the wall
-BEYOND_WALL = 0.35
+LEAST_COSINE = 0.35
 # [1] distance within which impacts at the same wall or stop share a ring, relative to the view's larger side;
 # NARROW_RING_DISTANCE: in a narrow figure, whose rings would overlap
 RING_DISTANCE, NARROW_RING_DISTANCE = 0.03, 0.05
@@ -94,7 +94,7 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> None:
         impact = recording.impacts[hits[0]]
         is_stop = recording.is_joint_stop(impact["wall"]) or recording.touching_part(impact) == "slider"
         place = _label_place(recording, impact, ring_place)
-        label = Label(whole_list, *place, short=short, least_cosine=-1.0 if is_stop else BEYOND_WALL)
+        label = Label(whole_list, *place, short=short, least_cosine=-1.0 if is_stop else LEAST_COSINE)
         labels.append((min(map(place_in.__getitem__, hits)), label))
     ordered_labels = [label for _, label in sorted(labels, key=lambda entry: entry[0])]
     place_labels(axes, ordered_labels, ink, lines=True, fontsize="small", color=INK)
