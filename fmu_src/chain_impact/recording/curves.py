@@ -167,7 +167,7 @@ def window(recording: Recording, around: int | None) -> tuple[float | None, floa
     """Return the onset of an impact, and start and end of its close view, all in [s].
 
     ``around`` is the number of the impact, from 1. If it is None, the onset is None, and the view is the
-    whole run. Of a contact that is much longer than its first pulse (LEAST_PULSES), the view shows this pulse.
+    whole run. Of a contact much longer than its first pulse (LEAST_PULSES), the view shows this pulse.
     """
     start, end = float(recording.time[0]), float(recording.time[-1])
     if around is None:
