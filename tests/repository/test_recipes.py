@@ -39,7 +39,7 @@ def is_named(file, places):
 
 
 def test_the_places_of_recipes_exist():
-    tops = [ROOT / top for top in (".ci", "docs", "fmu_src", "models", "tests")]
+    tops = [ROOT / top for top in (".ci", "docs", "fmu_src", "models", "packaging", "tests")]
     files = [file for top in tops for file in top.rglob("*.*")] + [*ROOT.iterdir()]
     found = {place for text in SECTIONS.values() for place in places_in(text)}
     assert len(found) > 60
