@@ -158,9 +158,8 @@ export class ComparedMotions {
     // while the table of pinned motions is shown, the cards beside the motion may be lower (explore.css)
     document.body.classList.toggle("with-pins", !panel.hidden);
     if (panel.hidden) return;
-    const text = ["present", this.#changesOf(player.recording)].filter(Boolean).join(": ");
-    const listed = pinned.map((motion, k) => ({ ...motion, letter: lines[k].letter, text: this.#textOf(motion) }));
-    const all = [{ recording: player.recording, text }, ...listed];
+    const [present, ...names] = this.names;
+    const all = [{ ...present, recording: player.recording }, ...pinned.map((motion, k) => ({ ...names[k], ...motion }))];
     const isPresent = !document.body.classList.contains("stale"); // else the present values have no motion
     const open = make("button", { type: "button", id: "pairs-open", textContent: "Impact by impact…", ariaHasPopup: "dialog" });
     open.addEventListener("click", () => {
@@ -169,6 +168,14 @@ export class ComparedMotions {
       find("pairs").showModal();
     });
     table.replaceChildren(...summaryTable(all.map((motion) => ({ ...motion, title: this.#title(motion) })), open, isPresent));
+  }
+
+  /** Return the names of the present motion and of the pins, {text, letter, stroke (name of a colour)}; an empty list without pins. */
+  get names() {
+    if (!this.pinned.length) return [];
+    const text = ["present", this.#changesOf(this.player.recording)].filter(Boolean).join(": ");
+    const nameOf = (motion) => ({ text: this.#textOf(motion), letter: LETTERS[motion.colour - 1], stroke: `pin-${motion.colour}` });
+    return [{ text }, ...this.pinned.map(nameOf)];
   }
 
   /** Return the elements for the name of a motion: a dot with its letter, and its text. */

@@ -1,5 +1,6 @@
 // What the page exports: the command that repeats a motion, the page's address, the scene file, tables and pictures.
 
+import { styleColour } from "../charts/chart.js";
 import { inputSignals, inputStepTexts } from "../scene/input_steps.js";
 
 /**
@@ -92,14 +93,40 @@ export function save(blob, name) {
 const DRAWN = ["fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width", "stroke-linecap", "stroke-linejoin",
   "opacity", "font-family", "font-size", "font-weight", "paint-order", "text-anchor", "stroke-dasharray"];
 
-const [CAPTION, CAPTION_BESIDE] = [28, 12]; // [pixels] height of a picture's caption, and free space to its left
+// [pixels] height of a line of a picture's caption, free space to its left, size of its letters, and diameter of the dot of a pin's letter
+const [CAPTION, CAPTION_BESIDE, CAPTION_TEXT, CAPTION_DOT] = [28, 12, 14, 16];
+
+/** Return the height of a caption [pixels]. */
+export function captionHeight(caption) {
+  return CAPTION * caption.length;
+}
+
+/**
+ * Draw a caption on a picture with a `width`, from `top` on [pixels]: lines {text, letter, stroke}; a line of a pin has its letter in a dot
+ * with the colour of the style sheet that `stroke` names.
+ */
+export function drawCaption(context, caption, width, top) {
+  const { color, fontFamily } = getComputedStyle(document.body);
+  caption.forEach(({ text, letter, stroke }, k) => {
+    const [left, middle] = [CAPTION_BESIDE + (letter ? CAPTION_DOT + 6 : 0), top + CAPTION * (k + 0.5)];
+    Object.assign(context, { font: `${CAPTION_TEXT}px ${fontFamily}`, fillStyle: color, textBaseline: "middle", textAlign: "left" });
+    context.fillText(text, left, middle, width - left - CAPTION_BESIDE);
+    if (!letter) return;
+    context.fillStyle = styleColour(stroke);
+    context.beginPath();
+    context.arc(CAPTION_BESIDE + CAPTION_DOT / 2, middle, CAPTION_DOT / 2, 0, 2 * Math.PI);
+    context.fill();
+    Object.assign(context, { font: `700 11px ${fontFamily}`, fillStyle: styleColour("panel"), textAlign: "center" });
+    context.fillText(letter, CAPTION_BESIDE + CAPTION_DOT / 2, middle);
+  });
+}
 
 /**
  * Return a picture of an SVG drawing as a Blob with a PNG, which has twice as many pixels in each direction as the drawing has CSS pixels.
  * The background has the colour `background`; `below(context)` draws on it what lies behind the drawing. `context`: that of the canvas.
- * With a `caption`, the picture is higher, and has the caption in its lowest part. The picture has no handles.
+ * The picture has the `caption`, as `drawCaption` takes it, below the drawing. The picture has no handles.
  */
-export async function pictureOf(svg, background, { below = () => {}, caption = "" }) {
+export async function pictureOf(svg, background, { below = () => {}, caption = [] }) {
   const copy = svg.cloneNode(true);
   const [from, to] = [svg, copy].map((root) => [...root.querySelectorAll("*")]);
   from.forEach((element, k) => {
@@ -113,14 +140,13 @@ export async function pictureOf(svg, background, { below = () => {}, caption = "
   image.src = address;
   await image.decode();
   const { width, height } = svg.getBoundingClientRect();
-  const canvas = Object.assign(document.createElement("canvas"), { width: 2 * width, height: 2 * (height + (caption ? CAPTION : 0)) });
+  const canvas = Object.assign(document.createElement("canvas"), { width: 2 * width, height: 2 * (height + captionHeight(caption)) });
   const context = canvas.getContext("2d");
   context.fillStyle = background;
   context.fillRect(0, 0, canvas.width, canvas.height);
   below(context);
   context.drawImage(image, 0, 0, 2 * width, 2 * height);
-  const { color, fontFamily } = getComputedStyle(document.body);
-  Object.assign(context, { font: `28px ${fontFamily}`, fillStyle: color, textBaseline: "middle" });
-  context.fillText(caption, 2 * CAPTION_BESIDE, 2 * height + CAPTION, canvas.width - 4 * CAPTION_BESIDE);
+  context.scale(2, 2);
+  drawCaption(context, caption, width, height);
   return new Promise((done) => canvas.toBlob(done, "image/png"));
 }

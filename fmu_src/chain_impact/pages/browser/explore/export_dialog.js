@@ -1,8 +1,9 @@
-// The dialog that exports the command, the page's address, tables, the scene file and a picture.
+// The dialog that exports the command, the page's address, tables, the scene file and pictures.
 
 import { find } from "../base/dom.js";
 import { contentsOf, tomlText } from "../scene/changed_file.js";
 import { inputSignals } from "../scene/input_steps.js";
+import { pictureOfCards } from "./chart_picture.js";
 import { commandOf, csvOf, impactsCsvOf, pictureOf, save } from "./export.js";
 import { savePage } from "./saved_page.js";
 
@@ -13,9 +14,11 @@ const LONG_ADDRESS = 2000; // number of characters from which on some programs c
  *
  * @param keys the rules of the keys of a scene file. @param ask the function that sends a request to the worker. @param address the address
  * of the page, with the changes. @param openScene the open scene; the command names its file, unless it is the page's own scene. @param
- * mapNow function that returns the map, once it is made. @param faultOf function that returns a sentence on the fault of a run.
+ * namesOf function that returns the lines of a caption that name the pins. @param mapNow function that returns the map, once it is made.
+ * @param faultOf function that returns a sentence on the fault of a run.
  */
-export function connectExport(changes, { keys, ask, address, openScene, mapNow, faultOf }) {
+export function connectExport(changes, { keys, ask, address, namesOf, openScene, mapNow, faultOf }) {
+  const captionOf = () => [{ text: `${document.querySelector("h1").textContent}, ${find("time").textContent}` }, ...namesOf()];
   find("export-open").addEventListener("click", async () => {
     find("command").value = commandOf(changes);
     find("export").showModal();
@@ -59,8 +62,14 @@ export function connectExport(changes, { keys, ask, address, openScene, mapNow, 
   });
   connectFile("png", async () => {
     const background = getComputedStyle(document.body).backgroundColor;
-    const caption = `${changes.scene.name}, ${find("time").textContent}`;
-    save(await pictureOf(find("scene"), background, { caption }), `${changes.scene.name}.png`);
+    save(await pictureOf(find("scene"), background, { caption: captionOf() }), `${changes.scene.name}.png`);
+    return "";
+  });
+  connectFile("charts-png", async () => {
+    const cards = [...document.querySelectorAll("aside > section:not(#list, [hidden], .folded:not(.enlarged))")];
+    const large = cards.filter((card) => card.matches(".enlarged")); // then the picture has this card alone
+    if (!cards.length) return "No chart is open.";
+    save(await pictureOfCards(large.length ? large : cards, captionOf()), `${changes.scene.name}-charts.png`);
     return "";
   });
 }

@@ -1,0 +1,80 @@
+// A picture of cards with charts: their canvases, texts, and lines of legends, as they are on the screen.
+
+import { styleColour } from "../charts/chart.js";
+import { captionHeight, drawCaption } from "./export.js";
+
+const BETWEEN_CARDS = 8; // [pixels] free space between two cards
+const LEGEND_LINE = 3; // [pixels] height of the line of a curve in a legend
+
+/** Return a picture of cards as a Blob with a PNG: one card below the other, and below them the `caption`, as `drawCaption` takes it. */
+export function pictureOfCards(cards, caption) {
+  const boxes = cards.map((card) => card.getBoundingClientRect());
+  const width = Math.max(...boxes.map((box) => box.width));
+  const height = boxes.reduce((sum, box) => sum + box.height + BETWEEN_CARDS, 0);
+  const size = [width, height + captionHeight(caption)].map((length) => Math.ceil(length * devicePixelRatio));
+  const canvas = Object.assign(document.createElement("canvas"), { width: size[0], height: size[1] });
+  const context = canvas.getContext("2d");
+  context.scale(devicePixelRatio, devicePixelRatio);
+  context.fillStyle = styleColour("panel");
+  context.fillRect(0, 0, ...size);
+  let top = 0;
+  cards.forEach((card, k) => {
+    context.save();
+    context.translate(-boxes[k].left, top - boxes[k].top);
+    drawCard(context, card, boxes[k]);
+    context.restore();
+    top += boxes[k].height + BETWEEN_CARDS;
+  });
+  drawCaption(context, caption, width, height);
+  return new Promise((done) => canvas.toBlob(done, "image/png"));
+}
+
+/** Draw a card at its place on the screen; its buttons in the corner are left out. */
+function drawCard(context, card, { left, top, width, height }) {
+  context.beginPath();
+  context.rect(left, top, width, height);
+  context.clip();
+  card.querySelectorAll("canvas, .now, .of-curve").forEach((element) => {
+    if (!element.checkVisibility()) return;
+    const box = element.getBoundingClientRect();
+    if (element.matches("canvas")) context.drawImage(element, box.left, box.top, box.width, box.height);
+    else if (element.matches(".of-curve")) drawPattern(context, element, box);
+    else fill(context, styleColour("ink"), box.left, box.top, box.width, box.height);
+  });
+  const texts = document.createTreeWalker(card, NodeFilter.SHOW_TEXT);
+  while (texts.nextNode()) {
+    const { currentNode: node } = texts;
+    if (!node.parentElement.closest(".corner") && node.parentElement.checkVisibility()) drawWords(context, node);
+  }
+}
+
+function fill(context, colour, ...box) {
+  context.fillStyle = colour;
+  context.fillRect(...box);
+}
+
+/** Draw the line of a curve in a legend: the parts of the gradient that is its background in the style sheet, again and again. */
+function drawPattern(context, element, { left, top, height }) {
+  const parts = [...element.style.getPropertyValue("--pattern").matchAll(/(?:var\(--([\w-]+)\)|transparent) (\d+)px (\d+)px/g)];
+  const [length, period] = [parseFloat(getComputedStyle(element, "::before").width), Number(parts.at(-1)?.[3])];
+  for (let from = 0; from < length; from += period || length) {
+    parts.filter(([, name]) => name).forEach(([, name, begin, end]) => {
+      const [low, high] = [begin, end].map((at) => Math.min(from + (period > 1 ? Number(at) : at * length), length));
+      fill(context, styleColour(name), left + low, top + (height - LEGEND_LINE) / 2, high - low, LEGEND_LINE);
+    });
+    if (!(period > 1)) break;
+  }
+}
+
+/** Draw the words of a text node, each where it is on the screen. */
+function drawWords(context, node) {
+  const { font, color } = getComputedStyle(node.parentElement);
+  Object.assign(context, { font, fillStyle: color, textBaseline: "middle", textAlign: "left" });
+  const range = document.createRange();
+  for (const { 0: word, index } of node.data.matchAll(/[^ \n]+/g)) {
+    range.setStart(node, index);
+    range.setEnd(node, index + word.length);
+    const { left, top, height } = range.getBoundingClientRect();
+    context.fillText(word, left, top + height / 2);
+  }
+}
