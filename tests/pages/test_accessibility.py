@@ -1,6 +1,6 @@
 """Accessibility of the pages: axe reports nothing, and a list is one stop of the keyboard."""
 
-# Tests: pages/explore.py, pages/recorded.py
+# Tests: pages/explore.py, pages/recorded.py, pages/browser/explore/handle_stops.js
 
 import pytest
 
@@ -37,7 +37,9 @@ def test_the_page_that_simulates_and_its_dialogs_are_clean(show, scheme):
 @SCHEMES
 def test_the_page_of_a_recording_is_clean(open_page, tmp_path, scheme):
     animate("four_link_box", tmp_path / "box.html")
-    assert_clean(open_page((tmp_path / "box.html").as_uri(), color_scheme=scheme), "recording")
+    page = open_page((tmp_path / "box.html").as_uri(), color_scheme=scheme)
+    assert_clean(page, "recording")
+    assert [page.title(), page.inner_text("h1")] == ["Four link box – chain-impact", "Four link box"]
 
 
 def test_the_list_of_impacts_is_one_stop_of_the_key_tab(show):
@@ -52,3 +54,19 @@ def test_the_list_of_impacts_is_one_stop_of_the_key_tab(show):
     assert not page.evaluate("document.activeElement.matches('#impacts *')")
     page.keyboard.press("Shift+Tab")
     assert page.evaluate(focused) == "2"
+
+
+def test_the_handles_are_one_stop_of_the_key_tab(show):
+    page = show()
+    focused = "document.activeElement.dataset.grip"
+    page.get_by_role("button", name="Set the start by hand").press("Enter")
+    assert page.evaluate(focused) == "joint 0"
+    for key, grip in (("PageDown", "joint 1"), ("PageUp", "joint 0"), ("PageUp", "wall y_max")):
+        page.keyboard.press(key)
+        assert page.evaluate(focused) == grip
+    page.keyboard.press("ArrowUp")
+    assert page.evaluate("chainImpact.parameters['box.y_max']") != "2.5", "arrow keys move it"
+    page.keyboard.press("Tab")
+    assert page.evaluate(focused) is None
+    page.keyboard.press("Shift+Tab")
+    assert page.evaluate(focused) == "wall y_max"

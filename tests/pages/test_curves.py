@@ -223,6 +223,7 @@ def test_outputs_are_chosen_by_hand_and_go_into_the_link(show):
         ("*", "must be at most 18."),
     ):
         field.fill(text)
+        assert page.locator("#curves-text").inner_text().endswith(sentence), "it is told while one types"
         field.press("Enter")
         assert page.locator("#curves-text").inner_text().endswith(sentence)
         assert page.evaluate(SHOWN) == ["contact[4].y_min.force"]

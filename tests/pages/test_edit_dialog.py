@@ -1,6 +1,6 @@
 """The page's edit dialog: scenes that are edited by hand move as in Python, and faults are told."""
 
-# Tests: pages/browser/explore/editor.js
+# Tests: pages/browser/explore/editor.js, pages/browser/explore/file_fault.js
 # Tests: pages/browser/scene/edits.js
 
 import json
@@ -59,7 +59,9 @@ def edit(page, name, text):
 
 
 def refusal(page):
-    return page.locator("#edit-text").inner_text()
+    """Return what the dialog tells, below a row or beside the button that closes it, once."""
+    told = page.locator("#edit :is(.told .refusal span, #edit-text)").all_inner_texts()
+    return "\n".join(filter(None, told))
 
 
 @pytest.mark.parametrize("model", ["four_link_box", "ur5e"])
@@ -266,6 +268,11 @@ def test_a_dropped_file_replaces_scene_sliders_link_and_map(show, open_page, add
         ("name = 'Rod'\nmass = ", "not valid TOML: "),
         ("name = 'Rod'\n", "chain.links is missing (links from base to tip)."),
         (json.dumps({"links": 4}), "(at line 1)."),
+        ("\n[[link]]\nlength = 1\n", "link is unknown; the nearest is chain.links (line 2)."),
+        (
+            "name = 'Rod'\n[[chain.links]]\nlength = 1\nmass = 1\n[[chain.links]]\nmas = 2\n",
+            "chain.links[2].mas is unknown; the nearest is chain.links.mass (line 6).",
+        ),
     ],
 )
 def test_a_dropped_file_that_is_no_scene_is_told_and_changes_nothing(show, text, told):
@@ -306,7 +313,7 @@ def test_bodies_and_sliders_are_edited_and_points_are_dragged(show, tmp_path):
     edit(page, "point[9].y", "0.08")
     edit(page, "point[9].link", "7")
     assert refusal(page) == "Not taken: the link of a point = 7 must be 1 to 4."
-    words, refused = (page.locator(f"#edit {part}").evaluate(COLOUR) for part in ("label", "#edit-text"))
+    words, refused = (page.locator(f"#edit {part}").evaluate(COLOUR) for part in ("label", ".told .refusal"))
     assert words != refused, "a refusal stands out"
     page.get_by_role("button", name="Undo point[9].link").click()
     scene = downloaded(page, tmp_path)

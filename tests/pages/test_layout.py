@@ -271,6 +271,7 @@ def test_a_phone_has_links_to_the_parts_of_the_page(show):
         stage, place = (page.locator(one).bounding_box() for one in ("#stage", part))
         assert place["y"] < (stage["y"] if name == "Motion" else PHONE["height"] - 200.0)
         assert name == "Motion" or place["y"] >= stage["y"] + stage["height"]
+        until(page, f"document.querySelector('#jumps [aria-current]').textContent === '{name}'")
 
 
 def test_a_title_of_three_lines_covers_no_legend(show):
@@ -314,9 +315,9 @@ def test_the_editor_shows_all_links_and_its_refusals_in_a_low_window(show):
     field = page.locator("#edit").get_by_role("textbox", name="link[1].mass")
     field.fill("heavy")
     field.press("Enter")
-    told = page.locator("#edit-text").bounding_box()
+    told, foot = (page.locator(name).bounding_box() for name in ("#edit .told .refusal", "#edit form"))
     assert told["width"] > 100.0
-    assert told["y"] + told["height"] < ON_ITS_SIDE["height"]
+    assert told["y"] + told["height"] < foot["y"] + 8.0
 
 
 @pytest.mark.parametrize("size", [PHONE, ON_ITS_SIDE], ids=["upright", "on its side"])

@@ -41,6 +41,16 @@ function namesIn(text, columns) {
   return { names, fault };
 }
 
+/** Return a sentence on the names of a text that no output has, or on too many outputs; "" without a fault. */
+function faultIn(text, columns) {
+  try {
+    const { fault } = namesIn(text, columns);
+    return fault && `${fault}.`;
+  } catch ({ message }) {
+    return `${message}.`;
+  }
+}
+
 export class CurveChoice {
   names = [];
 
@@ -54,6 +64,7 @@ export class CurveChoice {
     [this.field, this.search, this.list] = ["curves-names", "curves-search", "curves-list"].map(find);
     [find("curves-open"), find("curves-more")].forEach((button) => button.addEventListener("click", () => this.open()));
     this.field.addEventListener("change", () => this.#choose(this.field.value));
+    this.field.addEventListener("input", () => this.#tell(faultIn(this.field.value, this.#columns), true));
     this.field.addEventListener("keydown", (event) => {
       if (event.key !== "Enter") return;
       event.preventDefault(); // without this call the key would close the dialog
@@ -156,7 +167,12 @@ export class CurveChoice {
       box.checked = this.names.includes(name);
     });
     this.groups.forEach(({ showState }) => showState?.());
-    find("curves-text").textContent = readable(fault);
+    this.#tell(fault);
+  }
+
+  /** Tell a fault of the text in the field; while the reader types, the text may be incomplete. */
+  #tell(fault, isTyping = false) {
+    Object.assign(find("curves-text"), { textContent: readable(fault), className: isTyping ? "typing" : "" });
   }
 
   #filter() {

@@ -11,6 +11,7 @@ import { STOPS } from "../scene/geometry.js";
 import { boxWallText, capitalized } from "../scene/words.js";
 import { contentsIn, sitesOf } from "../scene/scene_file.js";
 import { fieldAfter, partsOf } from "./edited_scene.js";
+import { fileFault } from "./file_fault.js";
 
 export class Editor {
   #edits = new Map(); // name of a field or button → the function that applies its edit to a scene file
@@ -20,7 +21,7 @@ export class Editor {
   constructor(changes, openScene, keys) {
     const { links: { keys: link }, slider: { keys: slider } } = keys.chain.keys;
     const tables = { link, slider, point: link.points.keys, box: keys.box.keys, wall: keys.walls.keys };
-    Object.assign(this, { changes, openScene, tables });
+    Object.assign(this, { changes, openScene, keys, tables });
     this.dialog = find("edit");
     find("edit-open").addEventListener("click", () => {
       this.#draw();
@@ -73,7 +74,7 @@ export class Editor {
       this.#refused.clear();
     }, `${file.name} is open.`, (error) => {
       onFault();
-      return `${file.name} cannot be opened: ${error.message.replace(/\.$/, "")}.`;
+      return `${file.name} cannot be opened: ${fileFault(error, String(text), this.keys)}`;
     });
   }
 
@@ -108,10 +109,13 @@ export class Editor {
     return removed;
   }
 
-  /** Apply the text of a field to the scene; a refused text stays in the field. */
+  /** Apply the text of a field to the scene; a refused text stays in the field, and the reason stands below its row. */
   #take(name, text) {
     this.#refused.delete(name);
     this.#change(this.#editOf(name, text), (error) => this.#refused.set(name, { text, told: this.#refusalText(error) }));
+    if (!this.#refused.has(name)) return;
+    this.#say("");
+    this.dialog.querySelector("tr:has(input:invalid) + .told")?.scrollIntoView({ block: "nearest" });
   }
 
   /** Apply the refused texts again, because another edit may allow them or change why they are refused. */
@@ -312,7 +316,7 @@ export class Editor {
         const button = make("button", { type: "button", className: "give-up", textContent: "Undo" });
         button.setAttribute("aria-label", `Undo ${name}`);
         button.addEventListener("click", () => this.#giveUp(name));
-        return make("p", { className: "refusal" }, field.validationMessage, " ", button);
+        return make("p", { className: "refusal" }, make("span", { role: "alert", textContent: field.validationMessage }), " ", button);
       });
       row.after(make("tr", { className: "told" }, make("td", { colSpan: columns }, ...messages)));
     });

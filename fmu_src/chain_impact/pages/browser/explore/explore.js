@@ -147,7 +147,7 @@ const tellByHand = () => {
   const hasWalls = Object.keys(changes.scene.walls).length > 0;
   const dragged = hasWalls ? "joints, arrows of velocity, and walls" : "joints and arrows of velocity";
   find("by-hand").title = find("by-hand-text").textContent = `At the start, drag ${dragged}. Playing ends this.`;
-  const otherwise = make("span", { className: "wide", textContent: "; or use arrow keys" });
+  const otherwise = make("span", { className: "wide", textContent: "; or use Tab, Page Down, arrow keys" });
   dragLine.replaceChildren(`Drag ${dragged.replace("velocity", "velocity (green)")}`, otherwise, speedBar, speedWords);
 };
 changes.onOpen(tellByHand);

@@ -4,7 +4,7 @@ import { numberText, withMinus } from "../base/format.js";
 import { capitalized } from "../scene/words.js";
 import { presentUnit } from "./parameters/parameter_fields.js";
 
-export const SPOKEN = {
+const SPOKEN = {
   site: (index, label) => `Point ${index}${label}: arrow keys move it on its link`,
   joint: (index) => `Point ${index}: arrow keys move it`,
   velocity: (index) => `Velocity of point ${index}: arrow keys change it`,
@@ -12,6 +12,11 @@ export const SPOKEN = {
 };
 const TEXT_DISTANCE = 24; // [pixels] distance of the text from the middle of the handle
 const DEGREES = 180 / Math.PI;
+
+/** Return the attributes that make an element a grip for pointers and keys; `label`: words for its name, or "". */
+export function gripFor(kind, index, label = "") {
+  return { "data-grip": `${kind} ${index}`, tabindex: -1, role: "button", "aria-label": SPOKEN[kind](index, label) };
+}
 
 /** Return the values that a handle sets, as text with unit: "−35.2°" for an angle, "1.2, 0.4 m/s" for a velocity. */
 export function valueTextOf(changes, values) {

@@ -6,7 +6,8 @@ import { STRIP } from "../drawing/scale_strip.js";
 import { edgeBefore, edgesOf } from "../recording/free_region.js";
 import { sitesAt, startOf, wallsAt } from "../scene/geometry.js";
 import { boxWallText } from "../scene/words.js";
-import { SPOKEN, valueTextOf, writeAt } from "./handle_text.js";
+import { HandleStops } from "./handle_stops.js";
+import { gripFor, valueTextOf, writeAt } from "./handle_text.js";
 
 const ARROW_TIME = 0.1; // [s] the arrow of a velocity is as long as the way that a point would move in at most this time
 // largest length of an arrow of velocity, relative to the longer side of the view; ARROW_TIME is shortened so that no arrow is longer
@@ -43,6 +44,7 @@ export class Handles {
     ["pointerup", "pointercancel"].forEach((name) => element.addEventListener(name, (event) => isDragging(event) && this.#drop()));
     element.setAttribute("role", "group"); // a drawing that contains grips is a group, and not an image, for screen readers
     element.addEventListener("keydown", (event) => this.#press(event));
+    this.stops = new HandleStops(element);
     // a pointer does not move the focus to a grip, so that the arrow keys go on stepping through time
     element.addEventListener("mousedown", (event) => gripOf(event) && event.preventDefault());
     // a finger that drags a handle does not scroll the page
@@ -191,6 +193,7 @@ export class Handles {
     });
     const { at, values } = this.dragged ?? {};
     if (at) writeAt(group, valueTextOf(this.changes, values), at, drawing.size[0]);
+    this.stops.show();
     if (focused) this.element.querySelector(`[data-grip="${focused}"]`)?.focus({ preventScroll: true });
   }
 
@@ -375,11 +378,6 @@ export class Handles {
 /** Return kind and index, or kind and wall, of an event's grip as a text: "joint 2", "wall y_min"; undefined if the event is on no grip. */
 function gripOf({ target }) {
   return target.closest("[data-grip]")?.dataset.grip;
-}
-
-/** Return the attributes that make an element a grip for pointers and keys; `label`: words for its name, or "". */
-function gripFor(kind, index, label = "") {
-  return { "data-grip": `${kind} ${index}`, tabindex: 0, role: "button", "aria-label": SPOKEN[kind](index, label) };
 }
 
 /** Return the vector from one position to another. */

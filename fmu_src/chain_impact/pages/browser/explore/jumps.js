@@ -10,15 +10,27 @@ const PARTS = {
   Impacts: ["#list"],
 };
 
+const BEGUN = 0.7; // a part is the present one when it begins above this part of the height of the screen
+
 export function addJumps() {
   const jumps = make("nav", { id: "jumps", ariaLabel: "Parts of the page" });
-  jumps.append(...Object.entries(PARTS).map(([textContent, places]) => {
+  const partOf = (places) => places.map((place) => document.querySelector(place)).find((part) => !part.hidden);
+  const all = Object.entries(PARTS).map(([textContent, places]) => {
     const button = make("button", { type: "button", role: "link", textContent });
-    button.addEventListener("click", () =>
-      places.map((place) => document.querySelector(place)).find((part) => !part.hidden).scrollIntoView());
-    return button;
-  }));
+    button.addEventListener("click", () => partOf(places).scrollIntoView());
+    return { button, places };
+  });
+  jumps.append(...all.map(({ button }) => button));
   find("stage").append(jumps);
+  // the present part is the last one that has begun (BEGUN); the end of the page shows the last part
+  const show = () => {
+    const isEnd = scrollY + innerHeight >= document.documentElement.scrollHeight - 2;
+    const began = all.filter(({ places }, k) => k === 0 || partOf(places).getBoundingClientRect().top < innerHeight * BEGUN);
+    const present = isEnd && scrollY > 0 ? all.at(-1) : began.at(-1);
+    all.forEach(({ button }) => Object.assign(button, { ariaCurrent: button === present.button ? "true" : null }));
+  };
+  addEventListener("scroll", show, { passive: true });
+  show();
 }
 
 /** Connect the button that shows the parameters beside the motion, or hides them. */

@@ -90,7 +90,7 @@ export class OpenScene {
   #describe() {
     const { scene: { name, text, inputs, driven, still }, starts, valueOf } = this.changes;
     Object.assign(document.querySelector("h1"), { textContent: sceneText(name), title: name });
-    document.title = `${name} – chain-impact`;
+    document.title = `${sceneText(name)} – chain-impact`;
     const isFree = inputs.length > 0 && driven.length === 0 && inputs.every((input) => starts[input] === 0);
     find("description").textContent = [text, isFree && "Here no controller sets the inputs."].filter(Boolean).join(". ");
     find("description").hidden = !find("description").textContent;

@@ -149,7 +149,7 @@ export class GridMap {
   /** Tell the unit of an axis; return the factor from the SI unit to it. */
   #tellUnit(k) {
     const { factor, text } = presentlyShown(this.changes, this.inputs[k][0].value);
-    find(`map-${"xy"[k]}-unit`).textContent = text;
+    find(`map-${"xy"[k]}-unit`).textContent = text && `in ${text}`;
     return factor;
   }
 

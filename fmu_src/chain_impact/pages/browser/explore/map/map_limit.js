@@ -13,7 +13,7 @@ export function limitIn(field, { output, scale }) {
   const text = field.value.trim();
   const { factor, text: unit } = scaledTo(output, scale);
   field.setCustomValidity("");
-  find("map-limit-unit").textContent = unit;
+  find("map-limit-unit").textContent = unit && `in ${unit}`;
   field.disabled = Boolean(output.places);
   if (!text || output.places) return undefined;
   const limit = Number.isFinite(Number(text)) ? Number(text) / factor : typed(text, output.unit === "1" ? "" : output.unit);
