@@ -374,7 +374,7 @@ def check_balance(d):
     """
     balance, most = d.balance, ENERGY_GAIN * d.balance.available
     gain = balance.at_end - balance.origin
-    if gain > 2.0 * most or -gain > 2.0 * max(most, loss_budget(d, balance.available)):
+    if abs(gain) > 2.0 * most and (gain > 0.0 or -gain > 2.0 * loss_budget(d, balance.available)):
         return ENERGY_NOT_KEPT
     if d.step.end >= balance.window_start + BALANCE_WINDOW:
         balance.window_start = d.step.end
