@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -40,8 +40,10 @@ from chain_impact.simulation.inputs import (
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import StepwiseColumns, WordRows, chosen_columns, structured_rows
 from chain_impact.user_laws.law_file import LawError, parse_law, source_of
+from chain_impact.variables.indices import OutputIndices
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import varied_by
+from chain_impact.variables.variable import Variable
 
 MOST_BYTES = 2_000_000_000
 """[byte] the largest size of the outputs of a simulation; a larger result is refused before the run."""
@@ -149,43 +151,86 @@ def simulate(
     instance = differentiated or Instance(prepared_scene, schedule, ())
     wanted_words = np.append(words, differentiated.slope_words(words[:width])) if differentiated else words
     rows = WordRows(len(schedule.times), wanted_words, of_state=indices.of_state and not differentiated)
-    finished_rows, impacts = instance.run(schedule, rows, progress or no_progress)
-    order, table = sorted_impacts([*impacts, instance.open_contacts()], prepared_scene.wall_names)
-    has_all = not schedule.paths or schedule.is_requested.all()
-    requested = slice(finished_rows) if has_all else np.flatnonzero(schedule.is_requested[:finished_rows])
-    numbers = rows.numbers[requested]
-    sensitive = None
-    if differentiated:
-        sensitive = Sensitivities(
-            prepared=prepared_scene,
-            varied=parameters,
-            chosen=None if output is None else tuple(indices.motion),
-            slopes=numbers[:, len(words) :].reshape(len(numbers), width, len(parameters)),
-            impacts=table,
-            impact_slopes=differentiated.slopes_of_impacts(order),
-            limits=differentiated.limits,
-            given=[
-                variable.name for variable in prepared_scene.inputs if variable.record_path in schedule.paths
-            ],
-        )
-    result = Result(
-        prepared=prepared_scene,
-        time=schedule.times[requested],
-        outputs=structured_rows(numbers, indices.row),
-        impacts=table,
-        statistics=instance.statistics,
-        sensitivities=sensitive,
-        stepwise=StepwiseColumns(numbers[:, width:], words[width:], indices.stepwise),
-        stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
-        rerun=Rerun(prepared_scene, schedule),
-        input_values=schedule.values(np.arange(finished_rows)[requested], input_names) if input_names else {},
-    )
+    row_count, impacts = instance.run(schedule, rows, progress or no_progress)
+    run = _FinishedRun(prepared_scene, parameters, schedule, indices, instance, rows, row_count, impacts)
+    result = run.result(input_names, None if output is None else tuple(indices.motion))
     _warn(instance, result)
     if instance.status != OK:
         raise SimulationError(
             instance.status, instance.time, result, instance.part, prepared_scene.scene.name
         )
     return result
+
+
+@dataclass(frozen=True, eq=False)
+class _FinishedRun:
+    """A run from its start to its end or fault: its inputs, and what ``Instance.run`` has computed."""
+
+    prepared_scene: PreparedScene
+    parameters: Sequence[Variable]
+    schedule: InputSchedule
+    indices: OutputIndices
+    instance: Instance
+    rows: WordRows
+    row_count: int
+    impacts: list[np.ndarray]
+
+    def result(self, input_names: Collection[str], chosen_outputs: tuple[str, ...] | None) -> Result:
+        """Return the result, with the given inputs of these names; ``chosen_outputs`` are None for all."""
+        schedule, instance, indices = self.schedule, self.instance, self.indices
+        has_all = not schedule.paths or schedule.is_requested.all()
+        is_requested = schedule.is_requested[: self.row_count]
+        requested_rows = slice(self.row_count) if has_all else np.flatnonzero(is_requested)
+        numbers, words = self.rows.numbers[requested_rows], indices.words
+        width = indices.row.itemsize // WORD
+        order, table = sorted_impacts(
+            [*self.impacts, instance.open_contacts()], self.prepared_scene.wall_names
+        )
+        input_rows = np.arange(self.row_count)[requested_rows]
+        return Result(
+            prepared=self.prepared_scene,
+            time=schedule.times[requested_rows],
+            outputs=structured_rows(numbers, indices.row),
+            impacts=table,
+            statistics=instance.statistics,
+            sensitivities=self._sensitivities(numbers[:, len(words) :], order, table, chosen_outputs),
+            stepwise=StepwiseColumns(numbers[:, width:], words[width:], indices.stepwise),
+            stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
+            rerun=Rerun(self.prepared_scene, schedule),
+            input_values=schedule.values(input_rows, input_names) if input_names else {},
+        )
+
+    def _sensitivities(
+        self,
+        slopes: np.ndarray,
+        order: np.ndarray,
+        impacts: np.ndarray,
+        chosen_outputs: tuple[str, ...] | None,
+    ) -> Sensitivities | None:
+        """Return the derivatives of a run that computes them; None for another run.
+
+        Args:
+            slopes: the derivatives of the outputs, a column for each output and parameter.
+            order: the index in the instance's log of each row of ``impacts``.
+            impacts: the impacts of the result.
+            chosen_outputs: the names of the outputs; None for all.
+        """
+        if not isinstance(self.instance, DifferentiatedInstance):
+            return None
+        return Sensitivities(
+            prepared=self.prepared_scene,
+            varied=self.parameters,
+            chosen=chosen_outputs,
+            slopes=slopes.reshape(len(slopes), self.indices.row.itemsize // WORD, len(self.parameters)),
+            impacts=impacts,
+            impact_slopes=self.instance.slopes_of_impacts(order),
+            limits=self.instance.limits,
+            given=[
+                variable.name
+                for variable in self.prepared_scene.inputs
+                if variable.record_path in self.schedule.paths
+            ],
+        )
 
 
 def _inputs_of_run(
