@@ -507,3 +507,18 @@ def test_a_contact_that_lasts_is_the_present_one(show):
     assert dot["x"] + dot["width"] / 2 == pytest.approx(now["x"] + now["width"] / 2, abs=0.6)
     go_to(page, 1.867)
     assert name.text_content().startswith("impact 10: ")
+
+
+def test_a_part_in_which_a_curve_turns_seldom_shows_the_curve(show):
+    page = show("shaken_pendulum")
+    faint = """[...document.querySelectorAll('#inputs-over-time .of-curve')]
+      .map((one) => one.style.getPropertyValue('--opacity')).join()"""
+    assert page.evaluate(faint) == "0.5"
+    page.get_by_role("region", name="Inputs").get_by_role("button", name="Enlarge").click()
+    page.locator("#inputs-over-time .chart").focus()
+    for _ in range(3):
+        page.keyboard.press("+")
+    assert page.evaluate(faint) == "1"
+    page.keyboard.press("Escape")
+    page.keyboard.press("Escape")
+    until(page, f"({faint}) === '0.5'")

@@ -76,7 +76,7 @@ class UnitChart extends TimeChart {
     this.drawn = [present, close, onset];
     if (close?.join() !== this.close?.join() || onset !== this.onset) {
       Object.assign(this, { close, onset });
-      this.plot.setData(this.plot.data);
+      this.setData(this.plot.data);
     }
     this.mark(present);
     this.writeValues(present, this.unitText, (k, now) => {

@@ -2,6 +2,7 @@
 
 import { find, make } from "../base/dom.js";
 import { fixed, ticksOf, withMinus } from "../base/format.js";
+import { lastBefore } from "../recording/recording.js";
 import {
   axisOptions, Chart, drawCompared, labelledWidth, largestIn, styleColour, ticksUpwards, timeTexts, timeTicks, writerOf,
 } from "./chart.js";
@@ -43,8 +44,14 @@ export class TimeChart extends Chart {
     if (this.drawn && time !== reading) this.draw(...this.drawn);
   }
 
+  fit() {
+    const width = this.plot?.width;
+    super.fit();
+    if (this.plot && this.plot.width !== width) this.setData(this.plot.data); // the width decides which curves fill an area
+  }
+
   rescale() {
-    super.rescale();
+    if (this.plot) this.setData(this.plot.data);
     if (this.drawn) this.draw(...this.drawn);
   }
 
@@ -54,13 +61,15 @@ export class TimeChart extends Chart {
     return this.zoomed?.[0] < end ? this.zoomed : this.close ?? [start, end];
   }
 
-  /** Show rows of values for the curves; of a curve that turns so often that it fills an area, the pale envelope is shown. */
+  /** Show rows of values for the curves; of a curve that turns so often in view that it fills an area, the pale envelope is shown. */
   setData(data) {
     const { clientWidth: width, clientHeight: height } = this.element;
     const pixel = largestIn(data.slice(1)) / height; // turns of less than this, such as those of round-off, are not seen
+    const [first, last] = this.span.map((time) => lastBefore(data[0], time));
     data.slice(1).forEach((values, k) => {
-      const alpha = turnsOf(values, pixel) > DENSE_TURNS * width ? FAINT_OPACITY : 1;
-      this.plot.series[k + 1].alpha = alpha;
+      const turns = turnsOf(values.slice(first, last + 2), pixel);
+      const alpha = turns > DENSE_TURNS * width ? FAINT_OPACITY : 1;
+      Object.assign(this.plot.series[k + 1], { alpha, turns });
       this.rows[k].term.style.setProperty("--opacity", alpha);
     });
     this.plot.setData(data);
@@ -275,7 +284,7 @@ function turnsOf(values, least) {
  */
 function pathOf(plot, series, first, last) {
   const [times, values] = [plot.data[0], plot.data[series]];
-  if (plot.series[series].alpha < 1) return envelopeOf(plot, times, values);
+  if (plot.series[series].alpha < 1) return envelopeOf(plot, [times, values], plot.series[series].turns, [first, last + 1]);
   const stroke = new Path2D();
   let [x, y] = [-Infinity, -Infinity];
   for (let row = first; row <= last; row += 1) {
@@ -288,19 +297,19 @@ function pathOf(plot, series, first, last) {
 }
 
 /**
- * Return the path of a curve's envelope: one line through the largest values around narrow strips, one through the least, and their
- * area. The extremes are taken over more than two periods, so that the envelope of a constant amplitude is straight.
+ * Return the path of a curve's envelope between two rows, the second excluded; the curve has a number of `turns` there. One line goes
+ * through the largest values around narrow strips, one through the least, with an area between them. The extremes are taken over more than
+ * two periods, so that the envelope of a constant amplitude is straight.
  */
-function envelopeOf(plot, times, values) {
+function envelopeOf(plot, [times, values], turns, rows) {
   const strips = new Map(); // number of a strip → [position of its middle, least and largest vertical position in it]
-  times.forEach((time, row) => {
-    const strip = Math.floor(plot.valToPos(time, "x", true) / ENVELOPE_STEP);
+  times.slice(...rows).forEach((time, k) => {
+    const [strip, row] = [Math.floor(plot.valToPos(time, "x", true) / ENVELOPE_STEP), rows[0] + k];
     const y = plot.valToPos(values[row], "y", true);
     const [, high, low] = strips.get(strip) ?? [0, y, y];
     strips.set(strip, [(strip + 0.5) * ENVELOPE_STEP, Math.min(high, y), Math.max(low, y)]);
   });
   const narrow = [...strips.values()];
-  const turns = turnsOf(values, Math.abs(plot.posToVal(1, "y") - plot.posToVal(0, "y")));
   const reach = Math.ceil((0.5 * ENVELOPE_TURNS * narrow.length) / Math.max(1, turns)); // [strips] at both sides
   const around = (k) => narrow.slice(Math.max(0, k - reach), k + reach + 1);
   const high = narrow.map(([x], k) => [x, Math.min(...around(k).map(([, y]) => y))]);
