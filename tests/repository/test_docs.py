@@ -4,6 +4,7 @@ import json
 import os
 import re
 import shlex
+import subprocess
 import sys
 import tomllib
 import unicodedata
@@ -216,6 +217,20 @@ def test_a_command_draws_an_image_of_the_docs(program, folder, run):
     (image,) = (word for word in arguments if word.startswith("docs/images/"))
     assert (folder / image).stat().st_size > 0
     assert (ROOT / image).is_file()
+
+
+def test_the_tests_of_the_first_contribution_pass():
+    page = (ROOT / "docs" / "development" / "recipes.md").read_text(encoding="utf-8")
+    (command,) = re.findall(r"^pytest (.*)$", page, re.M)
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-n", "0", *command.split()],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert re.match(r"\.{8,} ", done.stdout)
 
 
 def test_notebooks_are_committed_without_outputs():
