@@ -17,13 +17,13 @@ from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.drawing.style import drawing_style, is_narrow, write_foot
 from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.motion.motion import all_entries, draw_motion, few_entries, note_on_lines
-from chain_impact.pictures.motion.view import GROWTH_FACTORS, is_flat
+from chain_impact.pictures.motion.view import GROWTH_FACTORS, is_flat, view_of
 from chain_impact.pictures.over_time.dry_friction import move_legend_to_foot
 from chain_impact.pictures.over_time.impacts import place_of_late_peaks
 from chain_impact.pictures.over_time.time_axis import add_time_keys, draw_clock, label_time
 from chain_impact.pictures.overview_layout import SLIM, axes_of, broadness, is_beside, is_over_time, size_for
 from chain_impact.pictures.panels import PANELS
-from chain_impact.pictures.words.headline import write_head
+from chain_impact.pictures.words.headline import has_contact, write_head
 from chain_impact.pictures.words.point_names import full_names
 from chain_impact.recording.recording import Recording
 
@@ -54,6 +54,7 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     notes = (
         full_names(recording),
         SEPARATOR.join(recording.points_through_walls),
+        unreached_walls(recording) if "motion" in shown_panels else "",
         f"lines below marks: {late_place}" if late_place else "",
     )
     for foot_text in filter(None, notes):
@@ -148,6 +149,12 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
             for name, panel in zip(shown_panels, given_axes, strict=True):
                 if panel.get_figure(root=True) is figure:
                     PANELS[name].write_numbers(panel, recording, ink)
+
+
+def unreached_walls(recording: Recording) -> str:
+    """Return words for the walls of a run without contact if none is in view: "not reached: x_max"."""
+    is_told = not has_contact(recording) and recording.walls and not view_of(recording).walls
+    return f"not reached: {', '.join(recording.walls)}" if is_told else ""
 
 
 def panels_to_draw(recording: Recording, panels: Sequence[str]) -> list[str]:

@@ -129,6 +129,17 @@ def test_the_legend_tells_that_the_last_swing_covers_earlier_ones():
     assert "tip, last 1.8 s on top" in axes.get_legend_handles_labels()[1]
 
 
+def test_a_motion_that_marks_hide_is_told_and_has_no_path():
+    labels = motion_of(recorded("sphere_on_wall")).get_legend_handles_labels()[1]
+    assert labels == ["start", "end,\nmoves within 2.05 mm", "peak force"]
+
+
+def test_walls_that_are_not_reached_are_told_if_none_is_drawn():
+    for far, told in ((1.3, False), (3.0, True)):  # the rod has a length of 1 m
+        page = drawn(swing(walls={"y_max": far}))[0]
+        assert ("not reached: y_max" in [text.get_text() for text in page.texts]) == told
+
+
 def test_a_chain_is_a_line_that_can_be_moved():
     axes = Figure().add_subplot()
     line = draw_chain(axes, np.array([[0.0, 0.0], [1.0, 2.0]]), color="red", linewidth=5.0)

@@ -1,25 +1,30 @@
 """The picture of a comparison."""
 
-# Tests: pictures/drawing/law_looks.py, studies/compare/headline.py
+# Tests: pictures/drawing/law_looks.py, studies/compare/grey_loops.py, studies/compare/headline.py
 
 import re
 
 import numpy as np
 import pytest
+from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from chain_impact import CONTACT_LAWS, compare
+from chain_impact.pictures.drawing.distinct_curves import fill_band
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
 from chain_impact.pictures.drawing.style import GREY, INK
 from chain_impact.pictures.over_time.energies import energy_curves
 from chain_impact.scene.scene import with_values
+from chain_impact.studies.compare.grey_loops import fill_loops
 from chain_impact.studies.compare.headline import headline
 from chain_impact.studies.compare.plot import (
     COLOURED_LAWS,
     SIZE,
     conditions,
     fill,
+    legend_handles,
     looks_of,
     named_laws,
     plot_comparison,
@@ -174,6 +179,20 @@ def test_a_law_of_impulses_has_a_line_and_a_name_at_each_width(comparison, width
     assert line.get_label() in {text.get_text() for text in legend.get_texts()}
 
 
+def test_a_key_is_a_line_where_loops_have_no_area():
+    figure = Figure()
+    loops, energy = figure.subplots(1, 2)
+    law = np.array([[0.0, 1.0, 0.5, 0.8, 0.0], [0.0, 2.0, 1.0, 1.5, 0.0]])  # grows again
+    for curves, kind in (([law], Line2D), ([law[:, [0, 1, 4]]], PolyCollection)):
+        energy.clear()
+        loops.clear()
+        fill_loops(loops, curves)
+        fill_band(energy, law[0], [law[1]], "3 others")
+        (key,) = legend_handles({}, energy, loops)
+        assert isinstance(key, kind)
+        assert key.get_label() == "3 others"
+
+
 def test_a_free_impact_is_not_called_otherwise(comparison):
     assert "free" not in conditions(comparison, looks_of(comparison))
 
@@ -266,7 +285,7 @@ def test_a_mark_tells_from_where_on_impacts_differ_from_the_reference(comparison
 
 
 @pytest.mark.parametrize(
-    ("model", "why"), [("sliding_rod", "press this contact again"), ("whip", "drive this contact apart")]
+    ("model", "why"), [("sliding_rod", "push on during this contact"), ("whip", "drive this contact apart")]
 )
 def test_no_restitution_is_told_where_other_forces_decide(model, why):
     found = compare(

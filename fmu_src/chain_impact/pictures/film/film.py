@@ -52,8 +52,8 @@ FILM_COLOURS += tuple(TIME_COLOURS(part) for part in np.linspace(0.0, 1.0, SHOWN
 
 Chain and path of the tip have the colours of time, as in the picture of a run.
 """
-FILM_STYLE: Any = STYLE | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": MUTED}
-TICK_STYLE = {"color": MUTED, "labelsize": NUMBER_SIZE}
+FILM_STYLE: Any = STYLE | {"text.color": INK, "axes.edgecolor": MUTED, "axes.labelcolor": INK}
+TICK_STYLE = {"color": MUTED, "labelcolor": INK, "labelsize": NUMBER_SIZE}
 FILM_STYLE |= {f"{axis}tick.{key}": value for axis in "xy" for key, value in TICK_STYLE.items()}
 """Settings of matplotlib for a film."""
 # half of the length of the bar along a wall that marks a sticking contact, relative to the smaller side of
@@ -79,6 +79,8 @@ class Film:
             ground: the colours of the style in use, if the style is dark; else None.
         """
         self.recording, self.times, self.ground = recording, times, ground
+        steps = np.diff(times).clip(1e-5, 0.01)  # the clock has 2 to 5 decimals
+        self.decimals = int(np.ceil(-np.log10(steps.min(initial=0.01))))
         self.points = np.stack(
             [self._frame_values(point) for point in recording.all_points.transpose(1, 0, 2)], axis=1
         )
@@ -247,7 +249,7 @@ class Film:
         self.chain.set_data(*points.T)
         self.joints.set_data(*points[:-1].T)
         self.tip.set_data(*points[-1:].T)
-        self.clock.set_text(f"{time:.5f} s")
+        self.clock.set_text(f"{time:.{self.decimals}f} s")
         self.rate.set_text(rate_text(rate))
         self.caption.show(frame)
         self.rate.set_color(self._suited_colour(INK if rate < SLOW_RATE else MUTED))

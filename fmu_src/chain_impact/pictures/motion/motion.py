@@ -12,7 +12,14 @@ from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 
 from chain_impact.pictures.drawing.legends import legend_above
-from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR, TIME_COLOURS, give_ticks, scale_numbers
+from chain_impact.pictures.drawing.style import (
+    INK,
+    PEAK_COLOUR,
+    TIME_COLOURS,
+    force_text,
+    give_ticks,
+    scale_numbers,
+)
 from chain_impact.pictures.motion.bodies import draw_bodies, draw_rail
 from chain_impact.pictures.motion.impact_rings import draw_rings, draw_sticking, rows_by_speed
 from chain_impact.pictures.motion.joint_forces import draw_loads
@@ -21,6 +28,7 @@ from chain_impact.pictures.motion.poses import RIM_WIDTH, draw_chain, draw_faint
 from chain_impact.pictures.motion.view import BAND, GROWTH_FACTORS, is_flat, seen_size, view_of
 from chain_impact.pictures.motion.walls import draw_walls, has_motion
 from chain_impact.pictures.over_time.rests import shown_time
+from chain_impact.pictures.words.headline import time_unit
 from chain_impact.recording.joint_stops import range_lines
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import ends_at_rest, rest_word
@@ -37,6 +45,7 @@ PATH_WIDTH, DENSE, LINE_CELL, AREA_CELL, MOST_SAMPLES = 1.5, 0.3, 0.01, 0.05, 20
 # If the last part of a tip's path, shorter than HIDING × the duration of the run, covers the earlier part,
 # the legend tells this; REVISITED: see ``last_time_seen``.
 HIDING, REVISITED = 0.5, 0.05
+HIDDEN_REACH = 0.02  # see ``small_reach``
 # with more paths of points than this, each path is the fainter the more paths there are
 MOST_CLEAR_PATHS = 6
 BALL_LINE = 0.3  # the width of the line of a ball's link, relative to the line of a link that is no ball
@@ -76,12 +85,14 @@ def draw_motion(
     draw_moving(axes, recording, view, shade, strong_times)
     draw_rail(axes, recording)
     label = "at impacts" if len(rows) > 1 else f"at impact {sum(rows) + 1}"
+    if reach := small_reach(recording, view.corners):
+        label = "_"  # start and end cover the chain at the impact
     for time in strong_times:
         look = {"color": shade(time), "linewidth": 1.6 * thickness, "markersize": 3.5} | marks
         draw_bodies(axes, recording, recording.row_at(time), shade(time), linewidth=0.8)
         draw_chain(axes, recording.pose_at(time), label="_" if time > strong_times[0] else label, **look)
     rest_text = f", {rest_word(recording)}" if ends_at_rest(recording) else ""
-    for row, name in ((0, "start"), (-1, f"end{rest_text}")):
+    for row, name in ((0, "start"), (-1, f"end{rest_text}{reach}")):
         colour = shade(recording.time[row])
         style = {"color": colour, "linewidth": 3.0 * thickness, "markersize": 5.5, "label": name} | marks
         # a wider copy of the chain at the start is visible as a rim around the chain at the end
@@ -176,12 +187,28 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
     pieces = np.stack([tip[:-1], tip[1:]], axis=1)
     width = PATH_WIDTH * min(1.0, (DENSE / density(tip, seen_size(recording))) ** 2)
     on_top = last_time_seen(tip, recording.time, seen_size(recording))
-    entry = f"{name}, last {on_top:.2g} s on top" if on_top < HIDING * np.ptp(recording.time) else name
+    factor, unit = time_unit(on_top)
+    words = f"{name}, last {factor * on_top:.2g} {unit} on top"
+    entry = words if 0.0 < on_top < HIDING * np.ptp(recording.time) else name
+    if small_reach(recording, np.transpose([axes.get_xlim(), axes.get_ylim()])):
+        entry = "_"
     path = LineCollection(
         list(pieces), colors=shade(middles), linewidths=width, capstyle="round", label=entry
     )
     path.set_zorder(PATH_LAYER)
     axes.add_collection(path)
+
+
+def small_reach(recording: Recording, corners: np.ndarray) -> str:
+    """Return words for the reach of a motion that the marks of the chain hide, else "".
+
+    For example ", moves within 2 mm". The motion is hidden if no point moves farther than HIDDEN_REACH,
+    relative to the larger side of the view with the ``corners`` [m].
+    """
+    reach = float(np.ptp(recording.points, axis=0).max())
+    if is_flat(recording) or not 0.0 < reach < HIDDEN_REACH * np.ptp(corners, axis=0).max():
+        return ""
+    return f",\nmoves within {force_text(reach, 'm')}"
 
 
 def last_time_seen(path: np.ndarray, time: np.ndarray, size: float) -> float:

@@ -38,8 +38,9 @@ MOST_NUMBER_LABELS = 60  # the largest number of labels with numbers of impacts
 # the upper end of the axis, relative to the largest value; the excess is room for numbers
 HEADROOM = 1.3
 MOST_WHOLE_NAMES = 3  # the largest number of points in a narrow figure whose names all have the word "point"
-# [points] the size of the mark of an impact, and the increase for each group with marks that cover this mark
-IMPACT_DOT, COVERED_RIM = 4.5, 3.0
+# [points] the size of the mark of an impact, and the distance by which a copy of this mark is shifted to the
+# left for each group with marks that cover it
+IMPACT_DOT, COVERED_SHIFT = 4.5, 3.0
 # the width and height of a cell in which all marks of impacts count as one mark, relative to the run's
 # duration and to the largest height of a mark
 ONE_MARK = 0.005
@@ -81,7 +82,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     times, tops = marks_of(recording)
     ends, span = contact_ends(recording), recording.duration
     groups, lanes = point_groups(recording, tops), 0
-    sizes = mark_sizes(recording, times, tops, [hits for *_, hits in groups])
+    shifts = mark_shifts(recording, times, tops, [hits for *_, hits in groups])
     strongest = {peak.row for peak in marked_peaks(recording)}
     figure = axes.get_figure(root=True)
     assert figure is not None
@@ -95,11 +96,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         look = mark | {"linestyle": "", "clip_on": False}
         form = MARK_SCALES.get(mark["marker"], 1.0)
         axes.plot(times[hits], tops[hits], **look, markersize=form * IMPACT_DOT, label=label)
-        for size in np.unique(sizes[hits][sizes[hits] > IMPACT_DOT]):
-            wide_hits = hits[sizes[hits] == size]
-            axes.plot(
-                times[wide_hits], tops[wide_hits], **look, markersize=form * size, label="_", zorder=1.9
-            )
+        plot_copies(axes, np.stack([times, tops, shifts])[:, hits], look | {"markersize": form * IMPACT_DOT})
         for row in strongest & {*hits.tolist()}:
             peak_style = {"color": PEAK_COLOUR, "markersize": form * IMPACT_DOT, "label": "_", "zorder": 2.1}
             axes.plot(times[row], tops[row], **look | peak_style)
@@ -132,6 +129,15 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     else:
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=INK)
     show_all_time(axes, recording)
+
+
+def plot_copies(axes: Axes, marks: np.ndarray, look: dict[str, Any]) -> None:
+    """Draw copies of the marks that other marks cover; ``marks`` has times, heights and ``mark_shifts``."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    for shift in np.unique(marks[2][marks[2] > 0.0]):
+        moved = axes.transData + ScaledTranslation(-shift / 72.0, 0.0, figure.dpi_scale_trans)
+        axes.plot(*marks[:2, marks[2] == shift], **look, label="_", zorder=1.9, transform=moved)
 
 
 def legend_names(names: Sequence[str], *, is_narrow: bool) -> list[str]:
@@ -245,24 +251,24 @@ def common_marks(
     return marks
 
 
-def mark_sizes(
+def mark_shifts(
     recording: Recording, times: np.ndarray, tops: np.ndarray, groups: Sequence[np.ndarray]
 ) -> np.ndarray:
-    """Return the size of each impact's mark, shape (I,) [points].
+    """Return how far a copy of each impact's mark is shifted to the left, shape (I,) [points]; 0 for no copy.
 
     If marks of several groups coincide, a mark of a group that is drawn later covers the marks of earlier
-    groups. The more groups cover a mark, the larger the mark is, so that its rim is visible. ``groups`` has
-    the rows of the impacts in each group, in the order of drawing; ``times`` and ``tops`` are the result of
-    ``marks_of``.
+    groups. The more groups cover a mark, the farther its copy is shifted, so that the copy is visible.
+    ``groups`` has the rows of the impacts in each group, in the order of drawing; ``times`` and ``tops`` are
+    the result of ``marks_of``.
     """
-    sizes, looks = np.full(len(recording.impacts), IMPACT_DOT), np.zeros(len(recording.impacts), int)
+    shifts, looks = np.zeros(len(recording.impacts)), np.zeros(len(recording.impacts), int)
     for look, hits in enumerate(groups):
         looks[hits] = look
     for rows in common_marks(recording, times, tops).values():
         shown_looks = np.unique(looks[rows])
         covering = len(shown_looks) - np.searchsorted(shown_looks, looks[rows], side="right")
-        sizes[rows] += COVERED_RIM * covering
-    return sizes
+        shifts[rows] += COVERED_SHIFT * covering
+    return shifts
 
 
 def point_groups(recording: Recording, tops: np.ndarray) -> list[tuple[str, dict[str, Any], np.ndarray]]:

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -39,8 +40,9 @@ from chain_impact.pictures.over_time.energies import offset_text, shown_energies
 from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.pictures.over_time.time_axis import name_time
 from chain_impact.scene.words.unit_text import stiffness_unit
+from chain_impact.studies.compare.grey_loops import HAIRLINE, fill_loops
 from chain_impact.studies.compare.headline import headline, laws_with_e, peaks
-from chain_impact.studies.compare.runs import LawRuns, grows_again, has_jump, with_jump
+from chain_impact.studies.compare.runs import LawRuns, has_jump, with_jump
 from chain_impact.studies.law_exchange import LOSSLESS_LAW, compared_impact
 from chain_impact.text import count_text, number_text, prefixed_unit
 from chain_impact.variables.impact_units import unit_at
@@ -55,12 +57,9 @@ IMPULSE: dict[str, Any] = {**LAW_LOOKS["newton_impact"], "linewidth": 1.2, "zord
 """The look of the line of a law of impulses that has no colour."""
 # the heights of the panels of loops and energy, relative to each other, and the look of the legend, in a
 # narrow figure
-LOOPS_ABOVE: Any = (2.2, 1.0)
+LOOPS_ABOVE: Any = (1.5, 1.0)
 NARROW_LEGEND: dict[str, Any] = {"handlelength": 1.2, "handletextpad": 0.4, "borderpad": 0.1}
 LEAD_SHARE = 0.1  # longest time shown before the first impact, relative to the time shown after its onset
-# number of penetrations at which the lower and upper edge of the grey band of loops are computed
-BAND_POINTS = 400
-HAIRLINE = 0.4  # [points] the width of the lines of loops in the grey band
 COLOURED_LAWS = 6  # largest number of laws with a colour
 USED_LAWS = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
 """Ids of laws that many programs and papers use; they get the colours that other laws leave free."""
@@ -127,7 +126,8 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     last = max(result.time[-1] for result in results)
     if max(shown_time(result).end for result in results) < last:
         other_texts.append(f"the runs end at {last:g} s")
-    limits, limit = "" if comparison.is_free else "not free", comparison.reached[0].lossless
+    is_free = comparison.is_free or bool(comparison.no_restitution)
+    limits, limit = "" if is_free else "not free", comparison.reached[0].lossless
     if math.isfinite(limit) and not comparison.pressed_again and (limits or f"{limit:.2f}" != "1.00"):
         limits = f"{limits or 'with other forces during the impact'}: e′ = {limit:.2f} without losses"
     lossless_laws = [
@@ -287,28 +287,6 @@ def band_label(comparison: LawRuns, band: Sequence[str], *, is_small: bool = Fal
     return f"{count} others: {extremes}" if is_small else f"{count_text(count, 'other law')}: {extremes}"
 
 
-def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
-    """Draw thin loops, and fill the area between the least and the largest force at each penetration.
-
-    A loop has the penetrations and the forces in the first impact with one law, shape (2, S). No area is
-    filled if in any loop the penetration grows again after it has fallen: such a loop has more than two
-    forces at a penetration.
-    """
-    for loop in loops:
-        axes.plot(*loop, color=GREY, linewidth=HAIRLINE)
-    if not loops or any(map(grows_again, loops)):
-        return
-    depths = np.linspace(0.0, max(loop[0].max() for loop in loops), BAND_POINTS)
-    branches = []
-    for depth, force in loops:
-        turn = int(depth.argmax())
-        for part in (slice(0, turn + 1), slice(turn, None)):
-            order = np.argsort(depth[part], kind="stable")
-            padding = {"left": np.nan, "right": np.nan}
-            branches.append(np.interp(depths, depth[part][order], force[part][order], **padding))
-    fill_band(axes, depths, branches)
-
-
 def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     """Draw the total energy over time; the laws of ``laws_in_band`` share one grey band.
 
@@ -391,6 +369,13 @@ def legend_handles(looks: Looks, *panels: Axes) -> list[Any]:
     """Return the entries of the legend of panels: laws with a colour, laws of impulses, crosses, a band."""
     styles = {look["label"]: Line2D([], [], **look) for look in looks.values() if look["color"] != GREY}
     lines = dict.fromkeys(line.get_label() for axes in panels for line in axes.lines)
-    bands = [collection for axes in panels for collection in axes.collections]
+    bands: list[Any] = [collection for axes in panels for collection in axes.collections]
     drawn_styles = [styles[label] for label in lines if label in styles]
-    return [*drawn_styles, *(band for band in bands if str(band.get_label())[:1] != "_")]
+    keys = [band for band in bands if str(band.get_label())[:1] != "_"]
+    # without an area in the panel of loops, the entry of an area is a thin line, as there
+    if not any(isinstance(area, PolyCollection) for area in panels[-1].collections):
+        line: dict[str, Any] = {"color": GREY, "linewidth": 2.0 * HAIRLINE}
+        areas = [k for k, key in enumerate(keys) if isinstance(key, PolyCollection)]
+        for k in areas:
+            keys[k] = Line2D([], [], label=keys[k].get_label(), **line)
+    return [*drawn_styles, *keys]

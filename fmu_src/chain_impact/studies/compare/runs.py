@@ -155,7 +155,7 @@ class LawRuns:
     def no_restitution(self) -> str:
         """The reason why the restitutions e′ of the first impact do not describe the contact alone, or ""."""
         if self.pressed_again:
-            return "other forces press this contact again before it ends"
+            return "other forces push on during this contact, so it has no restitution e′"
         if not self.first_impact["impact_speed"]:
             return "this contact begins without a speed"
         largest_restitution = max(np.nan_to_num([run.restitution for run in self.runs]), default=0.0)
