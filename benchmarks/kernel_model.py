@@ -46,7 +46,7 @@ from chain_impact.kernel.events.handlers import apply_events
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode.last_step import reset_step
 from chain_impact.kernel.record.constants import CONTACT_ENDS, NO_EVENT, ONSET, RELATCH
-from chain_impact.kernel.rows.geometry import clearance
+from chain_impact.kernel.rows.geometry import clearance_and_rate
 from chain_impact.system import HOST
 
 REALS, COUNTS = types.CPointer(float64), types.CPointer(int32)
@@ -136,7 +136,7 @@ def least_event(d, y):
     lowest, slope = np.inf, 0.0
     locate_points(d, y)
     for c in range(d.candidates):
-        gap, gap_rate = clearance(d, c)
+        gap, gap_rate = clearance_and_rate(d, c)
         sign = -1.0 if d.contacts.active[c] else 1.0
         if sign * gap < lowest:
             lowest, slope = sign * gap, sign * gap_rate
@@ -168,7 +168,7 @@ def switch(d, clock, values, found):
     hop = np.inf
     locate_points(d, y)
     for c in range(d.candidates):
-        gap, gap_rate = clearance(d, c)
+        gap, gap_rate = clearance_and_rate(d, c)
         active = d.contacts.active[c]
         sign = -1.0 if active else 1.0
         falls = sign * gap_rate < 0.0 and sign * gap <= -sign * gap_rate * AT_ZERO + 1e-15
@@ -201,7 +201,7 @@ def looked_at(d, y):
     kinetic, potential = mechanical_energy(d, y)
     deepest, outside = 0.0, 0.0
     for c in range(d.candidates):
-        gap, _ = clearance(d, c)
+        gap, _ = clearance_and_rate(d, c)
         deepest = max(deepest, -gap)
         if not d.contacts.active[c]:
             outside = max(outside, -gap)
@@ -245,7 +245,7 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
         energy, deep, _ = looked_at(d, y)
         any_event = False
         for c in range(d.candidates):
-            gap, gap_rate = clearance(d, c)
+            gap, gap_rate = clearance_and_rate(d, c)
             active = d.contacts.active[c]
             found[c] = (1 if active else 0) if gap >= 0.0 else (0 if active else -1)
             fast = active and gap < 0.0 and -gap_rate > RELATCH_RATIO * d.contacts.latched_speed[c]
@@ -307,7 +307,7 @@ def cvode_roots(d, careful, y, value):
     margin = MARGIN * static_depth(d) if careful else 0.0
     locate_points(d, vector(y, len(d.step.state) - CVODE))
     for c in range(d.candidates):
-        gap, gap_rate = clearance(d, c)
+        gap, gap_rate = clearance_and_rate(d, c)
         active = d.contacts.active[c]
         value[c] = gap - margin if active else gap
         # δ̇ = −ġ

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.contact_law import ContactLaw
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.forces.lossless_contact import lossless_depth
+from chain_impact.kernel.forces.lossless_contact import lossless_penetration
 from chain_impact.pictures.drawing.law_looks import law_look
 from chain_impact.pictures.drawing.legends import legend_at_foot
 from chain_impact.pictures.drawing.style import DPI, GREY, STYLE, write_headline
@@ -49,7 +49,7 @@ def free_impact(contact: Contact, mass: float, speed: float) -> np.void:
     The result is a row of ``Result.impacts``.
     """
     link = {"length": 1.0, "mass": mass, "center_of_mass": 0.0, "inertia": 1.0}
-    depth = lossless_depth(0.5 * mass * speed**2, contact.stiffness, contact.exponent)
+    depth = lossless_penetration(0.5 * mass * speed**2, contact.stiffness, contact.exponent)
     stop = (2.0 * HEIGHT + LONGEST_RUN * depth) / speed
     data = {
         "name": "FreeImpact",

@@ -129,7 +129,7 @@ def held_tip(size: float, force: Iterable[float]) -> tuple[Plain, int, Motion]:
     c = next(c for c in range(d.candidates) if d.candidate.point[c] == 1)
     wall_at(d, c, motion.at(0.0), 0.0)
     touch(d, [c])
-    d.chain.gravity[:] = d.chain.gravity_size = 0.0
+    d.chain.gravity[:] = d.chain.gravity_magnitude = 0.0
     piece = d.inputs.piece
     piece.degree, piece.middle, piece.scale, piece.until = 3, 0.0, 1.0 / size, 10.0
     let_push(d, c, force)

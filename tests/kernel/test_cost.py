@@ -20,12 +20,10 @@ def d():
     _, d = chain(np.random.default_rng(0), 3)
     d.solver.work_limit = 100.0
     d.statistics.rhs_evaluations, d.budget.other_cost = 500, 200
-    d.budget.cost_at_window, d.budget.cost_at_communication_step, d.budget.cost_start, d.step.end = (
-        700,
-        600,
-        5.0,
-        5.0,
-    )
+    d.budget.cost_at_window = 700
+    d.budget.cost_at_communication_step = 600
+    d.budget.cost_start = 5.0
+    d.step.end = 5.0
     return d
 
 

@@ -104,7 +104,7 @@ def test_an_onset_of_a_faded_rate_is_late_by_a_number(size, slope):
     with np.errstate(all="ignore"):
         gap, rate = np.float64(size), -np.float64(slope)
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(search, "clearance", lambda *_: (gap, rate))
+            patch.setattr(search, "clearance_and_rate", lambda *_: (gap, rate))
             late, deepest = search.onset_lateness(d, d.step.state_end)
     assert not np.isnan(late)
     assert not np.isnan(deepest)
@@ -140,8 +140,8 @@ def test_a_top_of_faded_values_is_found(size):
 @small
 @pytest.mark.parametrize("exponent", [0.0, 0.25, 0.5, 1.0, 1.5, 1.7])
 def test_powers_and_their_derivatives_are_finite(size, exponent):
-    found = rules.power_of_depth(Dual(size, [1.0, -2.0]), Dual(exponent, [0.0, 0.0]))
-    assert found.value == force_formula.power_of_depth(size, exponent)
+    found = rules.power_of_penetration(Dual(size, [1.0, -2.0]), Dual(exponent, [0.0, 0.0]))
+    assert found.value == force_formula.power_of_penetration(size, exponent)
     assert finite(found.value, *found.slope)
 
 
@@ -206,7 +206,7 @@ def test_the_time_of_an_event_has_finite_derivatives(monkeypatch, rate):
     assert finite(found)
     assert found * rate == pytest.approx(1.0) if 1e-300 < abs(rate) < np.inf else found == 0.0
     gap = Dual(0.0, [3.0, 0.0])
-    monkeypatch.setattr(event_times, "clearance", lambda *_: (gap, Dual(rate, [0.0, 0.0])))
+    monkeypatch.setattr(event_times, "clearance_and_rate", lambda *_: (gap, Dual(rate, [0.0, 0.0])))
     delay = event_times.delay_of_crossing(None, 0, ONSET)
     assert delay.slope.tolist() == [-3.0 * found, 0.0]
 

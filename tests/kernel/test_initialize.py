@@ -69,7 +69,7 @@ def test_inertias_about_the_joints_are_those_of_the_mass_matrix(count, base):
     assert chain.longest_link == max(lengths)
     assert chain.reach == pytest.approx(sum(lengths), rel=1e-14)
     assert chain.energy_scale == pytest.approx(mass * max(lengths) ** 2, rel=1e-14)
-    assert chain.gravity_size == pytest.approx(math.sqrt(2.3**2 + 9.81**2), rel=1e-14)
+    assert chain.gravity_magnitude == pytest.approx(math.sqrt(2.3**2 + 9.81**2), rel=1e-14)
     assert chain.meeting_joint == (0 if base == "pinned" else count // 2)
 
 

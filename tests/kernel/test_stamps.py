@@ -13,7 +13,7 @@ from chain_impact.kernel.entry import advance_to
 from chain_impact.kernel.events import contact_log
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
-from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
+from chain_impact.kernel.rows.geometry import clearance_acceleration, clearance_and_rate
 from chain_impact.kernel.status import OK
 from chain_impact.simulation.instance import Instance
 from tests.helpers.campaigns import random_scenes
@@ -93,14 +93,14 @@ def test_a_read_of_another_state_is_found():
     with watched():
         kinematics.locate_points(d, y)
         kinematics.accelerate_points(d, y, d.scratch.rate_end)
-        gap_acceleration(d, 0)
+        clearance_acceleration(d, 0)
         kinematics.locate_points(d, other)
-        clearance(d, 0)
+        clearance_and_rate(d, 0)
         with pytest.raises(StaleError, match="acceleration of another state"):
-            gap_acceleration(d, 0)
+            clearance_acceleration(d, 0)
         kinematics.set_link_vectors(d, y)
         with pytest.raises(StaleError, match="position of another state"):
-            clearance(d, 0)
+            clearance_and_rate(d, 0)
 
 
 def test_a_step_whose_points_are_elsewhere_is_found(monkeypatch):

@@ -9,7 +9,7 @@ from tests.helpers.scenes.signal_arm import ARM, HEIGHT, PUSH, TARGET, TORQUE
 
 SINE = 'form = "sine"\namplitude = 0.3\nfrequency = 3.0\n'
 RAMP = 'form = "ramp"\nfinal = 0.2\nduration = 0.2\n'
-BENDS = {
+ACCELERATION_JUMPS = {
     "a target's speed jumps": (TARGET, SINE, "start"),
     "a target's ramp begins": (TARGET, RAMP + 'shape = "linear"', "start"),
     "a target's ramp ends": (TARGET, RAMP + 'shape = "linear"\nstart = -0.2', "duration"),
@@ -43,9 +43,9 @@ def by_time(case):
     return run.sensitivity(output, parameter), *sides, told
 
 
-@pytest.mark.parametrize("name", BENDS)
+@pytest.mark.parametrize("name", ACCELERATION_JUMPS)
 def test_where_a_signal_bends_the_derivative_is_for_an_earlier_time(name):
-    found, earlier, later, told = by_time(BENDS[name])
+    found, earlier, later, told = by_time(ACCELERATION_JUMPS[name])
     np.testing.assert_allclose(found, earlier, rtol=0.0, atol=1e-6)
     assert np.abs(later - earlier).max() > 1e-2
     assert len(told) == 1

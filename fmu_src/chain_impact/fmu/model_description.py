@@ -9,7 +9,7 @@ from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
 from chain_impact.fmu.versions import FMI_2, FMI_3
-from chain_impact.kernel.forces.lossless_contact import lossless_depth
+from chain_impact.kernel.forces.lossless_contact import lossless_penetration
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.angles import DEGREES
 from chain_impact.scene.words.names import DataPath
@@ -288,12 +288,12 @@ def nominal_values(scene: Scene) -> dict[str, float]:
     links, contact, stops = scene.chain.links, scene.contact, scene.stops
     size, mass = max(link.length for link in links), sum(link.mass for link in links)
     energy = mass * size * size
-    depth = lossless_depth(0.5 * energy, contact.stiffness, contact.exponent)
+    depth = lossless_penetration(0.5 * energy, contact.stiffness, contact.exponent)
     force = contact.stiffness * depth**contact.exponent
     scales = {"size": size, "energy": energy, "momentum": mass * size, "angular_momentum": energy}
     scales |= {"inertial_force": mass * size, "inertial_moment": energy, "depth": depth, "force": force}
     if stops.stiffness is not None and stops.exponent is not None:
-        depth = lossless_depth(0.5 * energy, stops.stiffness, stops.exponent)
+        depth = lossless_penetration(0.5 * energy, stops.stiffness, stops.exponent)
         scales |= {"stop_depth": depth, "stop_moment": stops.stiffness * depth**stops.exponent}
     return scales
 

@@ -39,7 +39,7 @@ from chain_impact.kernel.events.segments import (
     end_at_segment,
     limit_to_segment,
 )
-from chain_impact.kernel.forces.active_contacts import clear_loads, latch_depth_and_damping
+from chain_impact.kernel.forces.active_contacts import clear_loads, latch_penetration_and_damping
 from chain_impact.kernel.forces.candidate_laws import are_laws_in_use, update_laws
 from chain_impact.kernel.initialize import derive_drives, first_step_size
 from chain_impact.kernel.ode import control
@@ -234,7 +234,7 @@ def apply_pending_inputs(d):
 def latch_active_contacts(d):
     """Latch damping and expected penetration again, for contacts with a force law: laws may have changed."""
     for k in range(d.contacts.compliant_count):
-        latch_depth_and_damping(d, d.contacts.active_index[k])
+        latch_penetration_and_damping(d, d.contacts.active_index[k])
 
 
 def apply_laws(d):

@@ -42,7 +42,7 @@ from chain_impact.kernel.record.state import (
 )
 from chain_impact.kernel.rows.compliance import solve_accelerations_with_armatures
 from chain_impact.kernel.rows.constraints import any_constraint, clear_unsolved
-from chain_impact.kernel.rows.geometry import clearance
+from chain_impact.kernel.rows.geometry import clearance_and_rate
 
 
 def energy_balance(d, y):
@@ -68,9 +68,9 @@ def stored_energy(d, y):
     energy = spring_energy(d, y) if d.chain.has_springs else 0.0
     for k in range(d.contacts.compliant_count):
         c = d.contacts.active_index[k]
-        gap, _ = clearance(d, c)
-        if gap < 0.0:
-            energy += elastic_energy(d, c, -gap)
+        clearance, _ = clearance_and_rate(d, c)
+        if clearance < 0.0:
+            energy += elastic_energy(d, c, -clearance)
     return energy
 
 
@@ -198,7 +198,7 @@ def clear_stage_notes(d):
     clear_crossings(d)
     clear_least_forces(d)
     clear_friction_margins(d)
-    d.drive.torque_margin = 0.0
+    d.drive.mode_margin = 0.0
 
 
 def set_joint_moments(d, y):
@@ -221,7 +221,7 @@ def set_joint_moments(d, y):
         if i > 0:
             d.scratch.moment[i - 1] -= torque
     if d.chain.has_drive_limits:
-        d.drive.torque_margin = min(d.drive.torque_margin, mode_margin(d, y))
+        d.drive.mode_margin = min(d.drive.mode_margin, mode_margin(d, y))
     if d.chain.has_springs:
         add_spring_moments(d, y)
     if d.chain.has_joint_places:

@@ -44,7 +44,12 @@ from chain_impact.kernel.record.ranges import (
 )
 from chain_impact.kernel.record.state import FIRST_ANGLE, dissipated_at, omega_at, supplied_at, velocity_at
 from chain_impact.kernel.rows.constraints import UNSOLVED, clear_unsolved
-from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP, clearance, is_at_joint_stop, set_candidate_rows
+from chain_impact.kernel.rows.geometry import (
+    ALLOWED_OVERLAP,
+    clearance_and_rate,
+    is_at_joint_stop,
+    set_candidate_rows,
+)
 from chain_impact.kernel.status import (
     BASE_BEYOND_WALL,
     FORCES_NOT_FOUND,
@@ -180,7 +185,9 @@ def derive_chain(d):
         total += chain.mass[i]
         armatures += armature_of_drive(d, i)
     chain.energy_scale = total * chain.longest_link * chain.longest_link + armatures
-    chain.gravity_size = math.sqrt(chain.gravity[0] * chain.gravity[0] + chain.gravity[1] * chain.gravity[1])
+    chain.gravity_magnitude = math.sqrt(
+        chain.gravity[0] * chain.gravity[0] + chain.gravity[1] * chain.gravity[1]
+    )
     chain.has_joint_stops = 0
     for c in range(d.candidates):
         if is_at_joint_stop(d, c):
@@ -297,8 +304,8 @@ def check_start(d):
     if not math.isfinite(kinetic + potential + stored_energy(d, d.step.state)):
         return NOT_FINITE
     for c in range(d.candidates):
-        gap, _ = clearance(d, c)
-        if not gap >= -ALLOWED_OVERLAP:
+        clearance, _ = clearance_and_rate(d, c)
+        if not clearance >= -ALLOWED_OVERLAP:
             return refuse_candidate(d, c, STARTS_INSIDE_WALL)
     if d.channels > 0 and check_base_at_walls(d) != OK:
         return BASE_BEYOND_WALL

@@ -32,7 +32,7 @@ from chain_impact.kernel.record.state import (
 )
 from chain_impact.kernel.rows.constraints import any_constraint
 from chain_impact.kernel.rows.geometry import (
-    clearance,
+    clearance_and_rate,
     first_stop,
     is_at_joint_stop,
     joint_stop_moment,
@@ -154,8 +154,8 @@ def fill_state(d, theta):
     for m in range(d.channels):
         out.channel[m] = d.channel.position[m]
     for j in range(d.signals):
-        value, rate, bend = signal_at(d, j, d.step.clock + y[time_at(n)])
-        out.signal[j, 0], out.signal[j, 1], out.signal[j, 2] = value, rate, bend
+        value, rate, curvature = signal_at(d, j, d.step.clock + y[time_at(n)])
+        out.signal[j, 0], out.signal[j, 1], out.signal[j, 2] = value, rate, curvature
     out.kinetic, out.potential = mechanical_energy(d, y)
     out.elastic = stored_energy(d, y)
     out.dissipated = y[dissipated_at(n)]
@@ -170,12 +170,12 @@ def fill_forces(d):
         out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
     for k in range(d.contacts.active_count):
         c = d.contacts.active_index[k]
-        gap, gap_rate = clearance(d, c)
+        clearance, clearance_rate = clearance_and_rate(d, c)
         if d.law.impulsive[c]:
             out.force[c] = max(0.0, d.constraints.impulse[k])
-        elif gap < 0.0:
+        elif clearance < 0.0:
             out.force[c] = d.contacts.force[c]
-            out.penetration[c], out.penetration_rate[c] = -gap, -gap_rate
+            out.penetration[c], out.penetration_rate[c] = -clearance, -clearance_rate
 
 
 def fill_friction(d):
@@ -237,11 +237,11 @@ def combine_forces(d):
         arm = lever_of_candidate(d, c)
         if is_at_joint_stop(d, c):
             moment = joint_stop_moment(d, c, out.force[c])
-            depth, rate = out.penetration[c] / arm, out.penetration_rate[c] / arm
+            penetration, rate = out.penetration[c] / arm, out.penetration_rate[c] / arm
             out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
             first = first_stop(d, c)
             out.force[first] += moment
-            out.penetration[first] += depth
+            out.penetration[first] += penetration
             out.penetration_rate[first] += rate
 
 

@@ -202,11 +202,9 @@ def fill_joint_impulses(d):
     The points must be located at the communication point.
     """
     out, transmitted = d.output, d.transmitted
-    x, y, lasted = (
-        out.transmitted.impulse_x,
-        out.transmitted.impulse_y,
-        d.step.communication_point - transmitted.run_start,
-    )
+    x = out.transmitted.impulse_x
+    y = out.transmitted.impulse_y
+    lasted = d.step.communication_point - transmitted.run_start
     set_link_momenta(d, x, y)
     for i in range(d.links):
         x[i] -= transmitted.start_x[i] + d.chain.mass[i] * d.chain.gravity[0] * lasted
@@ -297,11 +295,9 @@ def search_peaks(d, time, peak_at_end):
         for i in range(d.links):
             transmitted.square_after[i] = square_of_force(d, i)
         for i in range(d.links):
-            left, top, right = (
-                transmitted.square_before[i],
-                transmitted.square_middle[i],
-                transmitted.square_after[i],
-            )
+            left = transmitted.square_before[i]
+            top = transmitted.square_middle[i]
+            right = transmitted.square_after[i]
             transmitted.square_before[i], transmitted.square_middle[i] = top, right
             raise_largest(d, i, right, sampled_at)
             if m >= 2 and rises_between(left, top, right, transmitted.largest_square[i]):
@@ -342,11 +338,11 @@ def rises_between(left, top, right, highest):
     The result is true if the parabola through the samples ``left``, ``top`` and ``right`` has a maximum
     between the outer samples that exceeds NEAR_PEAK times ``highest``.
     """
-    bend = 2.0 * top - left - right
+    slope_fall = 2.0 * top - left - right
     # the parabola through the samples has no maximum between the outer samples
-    if bend <= 0.0 or abs(right - left) > 2.0 * bend:
+    if slope_fall <= 0.0 or abs(right - left) > 2.0 * slope_fall:
         return False
-    return top + (right - left) * (right - left) / (8.0 * bend) > NEAR_PEAK * highest
+    return top + (right - left) * (right - left) / (8.0 * slope_fall) > NEAR_PEAK * highest
 
 
 def set_joint_forces_at(d, theta):

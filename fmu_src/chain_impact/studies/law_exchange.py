@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.forces.lossless_contact import lossless_depth
+from chain_impact.kernel.forces.lossless_contact import lossless_penetration
 from chain_impact.recording.joint_stops import is_scene_joint_stop
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.keys.tables import Contact
@@ -103,7 +103,7 @@ def _equally_deep(stiffness: float, n: float, exponent_of_law: float, impact: np
     ``stiffness`` is the stiffness at the exponent ``n`` before the change.
     """
     energy = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
-    depth = lossless_depth(energy, stiffness, n)
+    depth = lossless_penetration(energy, stiffness, n)
     return float((exponent_of_law + 1.0) * energy / depth ** (exponent_of_law + 1.0))
 
 

@@ -166,7 +166,7 @@ PARAMETERS = (
             },
             joint_armature={"only_if_in_file": True, "hint": HAS_ONE},
             joint_torque_limit={
-                "record_path": ("drive", "torque_limit", INDEX_PLACE),
+                "record_path": ("drive", "limit", INDEX_PLACE),
                 "number_for_none": math.inf,
                 "hint": HAS_ONE,
             },
@@ -210,7 +210,7 @@ PARAMETERS = (
             min={"number_for_none": -math.inf},
             max={"number_for_none": math.inf},
             force_limit={
-                "record_path": ("drive", "torque_limit", INDEX_PLACE),
+                "record_path": ("drive", "limit", INDEX_PLACE),
                 "number_for_none": math.inf,
                 "hint": HAS_ONE,
             },

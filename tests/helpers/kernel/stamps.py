@@ -20,7 +20,7 @@ import numpy as np
 
 from chain_impact.kernel.chain import kinematics, prescribed_motion
 from chain_impact.kernel.record.constants import NO_FRICTION
-from chain_impact.kernel.record.state import FIRST_ANGLE, coordinate_count, state_size, time_at
+from chain_impact.kernel.record.state import FIRST_ANGLE, coordinate_count, state_length, time_at
 from tests.helpers.kernel.plain import Plain, as_plain_python
 
 GROUPS = ("link_vector", "position", "velocity", "acceleration")
@@ -88,7 +88,7 @@ class Stamps:
                 end: np.ndarray = self.d.step.state_end
                 return end
             y, of_vectors = frame.f_locals.get("y"), isinstance(frame.f_locals.get("x"), np.ndarray)
-            if isinstance(y, np.ndarray) and y.shape == (state_size(self.d.links),) and not of_vectors:
+            if isinstance(y, np.ndarray) and y.shape == (state_length(self.d.links),) and not of_vectors:
                 return y
         return None
 

@@ -9,7 +9,7 @@ from chain_impact.kernel.record.state import (
     coordinate_count,
     dissipated_at,
     omega_at,
-    state_size,
+    state_length,
     sundman_u_at,
     supplied_at,
     time_at,
@@ -24,5 +24,5 @@ def test_the_places_of_all_quantities_make_up_the_state(count):
     rates = [*range(velocity_at(count), velocity_at(count) + 2)]
     rates += range(omega_at(count), omega_at(count) + count)
     last = [place(count) for place in (dissipated_at, supplied_at, sundman_u_at, time_at)]
-    assert [*coordinates, *rates, *last] == list(range(state_size(count)))
+    assert [*coordinates, *rates, *last] == list(range(state_length(count)))
     assert len(coordinates) == len(rates) == coordinate_count(count)

@@ -20,7 +20,7 @@ from chain_impact.kernel.record.constants import (
     OUTPUT_READER,
     SOLVER_READER,
 )
-from chain_impact.kernel.rows.geometry import clearance
+from chain_impact.kernel.rows.geometry import clearance_and_rate
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
 from tests.helpers.kernel.plain import make_rigid
@@ -234,7 +234,7 @@ def test_the_state_of_contacts_is_noted_at_the_communication_point(impulsive, ke
         y = motion.at(until)
         locate_points(d, y)
         accelerate_points(d, y, motion.at(until, 1))
-        d.output.force[1] = contact_force(d, 1, *clearance(d, 1))
+        d.output.force[1] = contact_force(d, 1, *clearance_and_rate(d, 1))
         d.output.impulse[1], d.quadrature.impulse_at_onset[1] = 7.5, 3.0
         d.contacts.peak_force[1] = 0.1 * (1 - impulsive) + 50.0 * impulsive
         contact_log.list_latest(d)
@@ -314,7 +314,7 @@ def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
         d.contacts.impact_speed[c], d.contacts.effective_mass[c] = 0.7, 2.5
         d.contacts.peak_force[c], d.contacts.max_penetration[c] = force, depth
         d.quadrature.integral[c], d.quadrature.impulse_at_onset[c] = 8.0, 6.5
-        rate = clearance(d, c)[1]
+        rate = clearance_and_rate(d, c)[1]
         contact_log.end_contact(d, c, 0)
     told = [log[name][3] for name in ("impact_speed", "separation_speed", "peak_force", "max_penetration")]
     assert told == pytest.approx([0.7 / arm, rate / arm, 9.0 * arm, 0.3 / arm])

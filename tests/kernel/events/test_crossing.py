@@ -11,7 +11,7 @@ from chain_impact.kernel.events import crossing
 from chain_impact.kernel.events.exclusion import begin_next_interval, suspect_all_candidates
 from chain_impact.kernel.record.constants import CONTACT_ENDS, IMPLICIT, NO_EVENT, ONSET
 from chain_impact.kernel.record.state import sundman_u_at, time_at
-from chain_impact.kernel.rows.geometry import clearance
+from chain_impact.kernel.rows.geometry import clearance_and_rate
 from tests.kernel.chains import chain, touch
 from tests.kernel.events.motions import SAMPLES, first_fall, moving, phi, prepare
 from tests.kernel.steps import Motion, free_motion, gaps_of, set_step, translation, wall_at, walls_away
@@ -178,7 +178,7 @@ def test_a_regularized_contact_ends_at_the_root_of_u():
     motion.coefficients[:, time_at(2)] = 0.0, 0.3, 0.0
     walls_away(d)
     set_step(d, motion, 1.0)
-    rates = [clearance(d, c)[1] for c in range(d.candidates)]
+    rates = [clearance_and_rate(d, c)[1] for c in range(d.candidates)]
     c = int(np.argmax(rates))
     d.step.regularized = c
     touch(d, [c])

@@ -10,9 +10,9 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, locate_point
 from chain_impact.kernel.events import exclusion
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode.sundman import root_rate
-from chain_impact.kernel.record.constants import CURVES_KNOWN, DISTANCE_KNOWN, NOTHING_KNOWN, VALUES_KNOWN
+from chain_impact.kernel.record.constants import CURVATURES_KNOWN, DISTANCE_KNOWN, NOTHING_KNOWN, VALUES_KNOWN
 from chain_impact.kernel.record.state import sundman_u_at, time_at
-from chain_impact.kernel.rows.geometry import clearance, length_bound
+from chain_impact.kernel.rows.geometry import clearance_and_rate, length_bound
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.prepared import PreparedScene
@@ -58,7 +58,7 @@ def test_exclusion_keeps_every_event_and_skips_far_walls(seed, near, touching):
     if values.min() > 0.3 * near and near >= 0.2:
         assert excluded
     # φ and φ′ of all candidates at both ends, and φ″
-    assert exclusion.known_clearances(d) == CURVES_KNOWN
+    assert exclusion.known_clearances(d) == CURVATURES_KNOWN
     np.testing.assert_allclose(d.search.phi_start, values[0], rtol=0, atol=1e-11)
     np.testing.assert_allclose(d.search.phi_end, values[-1], rtol=0, atol=1e-11)
     h = d.step.size / 1000
@@ -66,7 +66,10 @@ def test_exclusion_keeps_every_event_and_skips_far_walls(seed, near, touching):
         sign = 1.0 if part is not values and found is d.search.phi_start_rate else -1.0
         slope = sign * (-1.5 * part[0] + 2.0 * part[1] - 0.5 * part[2]) / h
         np.testing.assert_allclose(found, slope, rtol=0, atol=1e-4)
-    for found, part in ((d.search.phi_start_curve, values[:3]), (d.search.phi_end_curve, values[-3:])):
+    for found, part in (
+        (d.search.phi_start_curvature, values[:3]),
+        (d.search.phi_end_curvature, values[-3:]),
+    ):
         np.testing.assert_allclose(found, (part[0] - 2 * part[1] + part[2]) / h**2, rtol=0, atol=2e-2)
 
 
@@ -144,7 +147,7 @@ def test_a_clearance_is_above_its_least_bernstein_coefficient(seed, active):
     search, c, h = d.search, 3, 0.7
     d.step.size, d.step.regularized, d.contacts.active[c] = h, -1, active
     ends = rng.normal(size=(2, 3))
-    names = [[f"phi_{end}{part}" for part in ("", "_rate", "_curve")] for end in ("start", "end")]
+    names = [[f"phi_{end}{part}" for part in ("", "_rate", "_curvature")] for end in ("start", "end")]
     for row, values in zip(names, ends, strict=True):
         for name, value in zip(row, values, strict=True):
             search[name][c] = value
@@ -162,7 +165,7 @@ def test_the_root_of_the_regularized_contact_decides_by_its_end(end, expected):
     assert exclusion.stays_in_contact(d, 2, 1e9) == expected
 
 
-@pytest.mark.parametrize("what", [VALUES_KNOWN, CURVES_KNOWN, DISTANCE_KNOWN])
+@pytest.mark.parametrize("what", [VALUES_KNOWN, CURVATURES_KNOWN, DISTANCE_KNOWN])
 def test_bounds_are_kept_until_the_steps_break(what):
     _, d = chain(np.random.default_rng(0), 1)
     d.step.breaks = 3
@@ -220,7 +223,7 @@ def quiet_start(regularized=-1):
     d, _ = stepped(0, size=0.01, near=1.0)
     d.search.safe_distance, d.search.speed_bound, d.search.acceleration_bound = 5.0, 0.0, 0.0
     d.step.regularized = regularized
-    exclusion.remember_clearances(d, CURVES_KNOWN)
+    exclusion.remember_clearances(d, CURVATURES_KNOWN)
     return d
 
 
@@ -239,7 +242,7 @@ def test_a_touching_point_is_near_unless_its_contact_is_regularized():
         touch(d, [2])
         d.step.state_end[sundman_u_at(d.links)], d.contacts.kink_crossed[2] = u, crossed
         assert exclusion.remains_far(d) == expected
-        assert exclusion.known_clearances(d) == (DISTANCE_KNOWN if expected else CURVES_KNOWN)
+        assert exclusion.known_clearances(d) == (DISTANCE_KNOWN if expected else CURVATURES_KNOWN)
 
 
 @pytest.mark.parametrize("speed", [0.0, 1.4, 1.6])
@@ -277,11 +280,11 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
     touch(d, [2, 4])
     pace = 1.0 if regularized < 0 else u / (1.0 + u * u)
     found = exclusion.sundman_u_now(d, y)
-    slope = 0.0 if regularized < 0 else -0.5 * clearance(d, 2)[1] / (0.3 * (1.0 + u * u))
+    slope = 0.0 if regularized < 0 else -0.5 * clearance_and_rate(d, 2)[1] / (0.3 * (1.0 + u * u))
     assert found == pytest.approx((1.0, 0.0) if regularized < 0 else (u, slope), rel=1e-12)
     assert exclusion.set_clearances(d, y) == found[1]
     for c in range(d.candidates):
-        gap, rate = clearance(d, c)
+        gap, rate = clearance_and_rate(d, c)
         sign = -1.0 if c in (2, 4) else 1.0
         expected = sign * gap, sign * pace * rate
         if c in (2, 4) and impulsive:
@@ -320,7 +323,9 @@ def test_second_derivatives_are_those_in_the_variable_of_the_step(regularized):
     locate_points(d, y)
     accelerate_points(d, y, rate)
     exclusion.measure_all_candidates(d, y)
-    np.testing.assert_allclose(d.search.phi_end_curve, (rates[0] - rates[1]) / (2 * h), rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(
+        d.search.phi_end_curvature, (rates[0] - rates[1]) / (2 * h), rtol=1e-6, atol=1e-6
+    )
     apart = [c for c in range(d.candidates) if c not in (2, 4)]
     assert d.search.safe_distance == d.search.phi_end[apart].min()
     assert time_at(2) == len(y) - 1

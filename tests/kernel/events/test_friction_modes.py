@@ -235,7 +235,9 @@ def test_sliding_at_rest_may_accelerate_backward_by_round_off(one, part, wrong):
     d.scratch.acceleration.x[1 - d.candidate.place[c]] = 50.0
     for sign in (1, -1):
         d.element.mode[c], d.element.undecided[c] = sign, 1
-        backward = -sign * part * ACCELERATION_ERROR * (50.0 + d.chain.gravity_size + d.chain.longest_link)
+        backward = (
+            -sign * part * ACCELERATION_ERROR * (50.0 + d.chain.gravity_magnitude + d.chain.longest_link)
+        )
         place = d.candidate.place[c]
         d.scratch.acceleration.x[place] = backward * d.candidate.normal_y[c]
         d.scratch.acceleration.y[place] = -backward * d.candidate.normal_x[c]

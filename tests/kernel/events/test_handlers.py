@@ -210,10 +210,8 @@ def test_a_flight_goes_on_with_the_steps_of_the_last_one_or_as_links_turn(method
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
 def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
     d = arrived(touching=[0, 1, C])
-    d.contacts.latched_speed[[0, 1, C]], d.contacts.expected_penetration[[0, 1, C]] = (
-        (1.0, 1.0, 4.0),
-        (2.0, 1.0, 0.1),
-    )
+    d.contacts.latched_speed[[0, 1, C]] = (1.0, 1.0, 4.0)
+    d.contacts.expected_penetration[[0, 1, C]] = (2.0, 1.0, 0.1)
     d.step.method = method
     choose_next_size(d, onset, goes_on)
     if onset >= 0:

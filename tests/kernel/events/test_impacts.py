@@ -15,7 +15,7 @@ from chain_impact.kernel.forces.active_contacts import latch_onset
 from chain_impact.kernel.forces.holding import LEAST_RISE
 from chain_impact.kernel.record.constants import NEIGHBOUR, NO_EVENT, ONSET, RELEASE
 from chain_impact.kernel.rows.constraints import SIGN_TOLERANCE
-from chain_impact.kernel.rows.geometry import clearance, largest_coordinate
+from chain_impact.kernel.rows.geometry import clearance_and_rate, largest_coordinate
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.models.reference import complementary_impulses, mass_matrix
 from tests.kernel.chains import (
@@ -131,15 +131,15 @@ def test_a_slow_arrival_comes_to_rest_and_is_held_while_the_wall_pushes(seed):
     assert d.contacts.active_index[: d.contacts.active_count].tolist() == held
     assert d.contact_log.count == 3 - len(held)
     for k in stay:
-        gap, _ = clearance(d, candidates[k])
-        apart = 0.0 if candidates[k] in held else impacts.RELEASE_GAP * d.chain.longest_link
+        gap, _ = clearance_and_rate(d, candidates[k])
+        apart = 0.0 if candidates[k] in held else impacts.RELEASE_CLEARANCE * d.chain.longest_link
         assert gap == pytest.approx(apart, abs=3e-14)
     assert not d.contacts.event.any()
 
 
 def test_points_that_all_but_touch_are_neighbours():
     d = touching(0, (1,)).d
-    limit = impacts.NEAR_WALL_CLEARANCE * impacts.release_gap(d, 2, largest_coordinate(d))
+    limit = impacts.NEAR_WALL_CLEARANCE * impacts.release_clearance(d, 2, largest_coordinate(d))
     for c, part_of in ((2, 0.5), (5, 0.99), (9, 1.5), (13, -3.0)):
         press_in(d, c, -part_of * limit)
     d.contacts.active[1] = d.contacts.active[13] = 1
@@ -298,7 +298,7 @@ def test_contacts_end_where_they_stand_for_another_law():
     rates = []
     locate_points(d, y)
     for c in (1, 6, 11):
-        rates.append(max(0.0, clearance(d, c)[1]))
+        rates.append(max(0.0, clearance_and_rate(d, c)[1]))
     d.scratch.velocity.x[:] = 99.0
     d.law.impulsive[:] = 0
     impacts.end_changed_contacts(d)
@@ -323,9 +323,9 @@ def test_released_points_leave_the_wall_and_held_points_stay():
     d.constraints.in_active_set[:3] = 1, 0, 1
     impacts.release_contacts(d)
     locate_points(d, d.step.state_end)
-    gaps = [clearance(d, c)[0] for c in POINTS[:3]]
+    gaps = [clearance_and_rate(d, c)[0] for c in POINTS[:3]]
     np.testing.assert_allclose(
-        gaps, [0.0, impacts.RELEASE_GAP * d.chain.longest_link, 0.0], rtol=0, atol=3e-14
+        gaps, [0.0, impacts.RELEASE_CLEARANCE * d.chain.longest_link, 0.0], rtol=0, atol=3e-14
     )
     assert d.contacts.active[POINTS].tolist() == [1, 0, 1, 0]
     # nothing moves when all points are held
@@ -346,7 +346,7 @@ def test_a_released_point_all_but_touches_at_any_distance(away):
     d.constraints.in_active_set[:1] = 0
     impacts.release_contacts(d)
     locate_points(d, d.step.state_end)
-    gap, _ = clearance(d, 1)
+    gap, _ = clearance_and_rate(d, 1)
     farthest = max(np.abs(vectors(d.scratch.position)).max(), d.chain.longest_link)
     right = max(1e-13 * d.chain.longest_link, 1e-14 * farthest)
     assert gap == pytest.approx(right, abs=3e-16 * farthest)
@@ -355,7 +355,7 @@ def test_a_released_point_all_but_touches_at_any_distance(away):
     assert d.contacts.event[1] == NEIGHBOUR
     # the energy of a fall over this gap is too little to leave
     d.contacts.event[1] = ONSET
-    weight = d.chain.mass.sum() * d.chain.gravity_size
+    weight = d.chain.mass.sum() * d.chain.gravity_magnitude
     d.contacts.effective_mass[1], d.contacts.impact_speed[1] = 1.0, math.sqrt(2.0 * weight * gap)
     d.law.minimum_impact_speed[:] = 0.0
     assert impacts.is_gentle(d)
@@ -367,14 +367,14 @@ def test_the_gap_of_a_joints_stop_does_not_grow_with_the_distance():
     y[2:5] = 0.0, 1.1, 0.0
     c = stops_of(d)[0]
     locate_points(d, y)
-    near = impacts.release_gap(d, c, largest_coordinate(d))
+    near = impacts.release_clearance(d, c, largest_coordinate(d))
     y[:2] += 1e6
     locate_points(d, y)
-    assert impacts.release_gap(d, c, largest_coordinate(d)) == near == 1e-13 * d.chain.longest_link
-    assert impacts.release_gap(d, 0, largest_coordinate(d)) >= 1e-8
+    assert impacts.release_clearance(d, c, largest_coordinate(d)) == near == 1e-13 * d.chain.longest_link
+    assert impacts.release_clearance(d, 0, largest_coordinate(d)) >= 1e-8
     # an angle of many turns has a larger round-off
     y[3:5] += 1e4
-    assert impacts.release_gap(d, c, largest_coordinate(d)) > 5e-11 * d.chain.longest_link
+    assert impacts.release_clearance(d, c, largest_coordinate(d)) > 5e-11 * d.chain.longest_link
 
 
 def test_a_release_is_a_first_guess_of_who_is_let_go():
@@ -406,7 +406,7 @@ def test_an_impact_updates_rates_and_kink_sides_of_force_contacts(monkeypatch):
     assert sides == [0, 9]
     for c in touched:
         if c in sides:
-            assert d.contacts.penetration_rate[c] == -clearance(d, c)[1]
+            assert d.contacts.penetration_rate[c] == -clearance_and_rate(d, c)[1]
             assert abs(d.contacts.penetration_rate[c]) < 1e3
             assert d.contacts.force_rate[c] == 1.0
         else:

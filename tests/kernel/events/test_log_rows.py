@@ -9,7 +9,7 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import contact_log
 from chain_impact.kernel.forces.active_contacts import latch_onset, list_active_contacts
 from chain_impact.kernel.record.contacts import LATEST_COUNT
-from chain_impact.kernel.rows.geometry import clearance
+from chain_impact.kernel.rows.geometry import clearance_and_rate
 from tests.helpers.kernel.plain import make_rigid
 from tests.kernel.chains import chain, random_state, stopped_chain, stops_of
 
@@ -26,11 +26,9 @@ def test_contacts_that_last_are_logged_behind_those_that_have_ended(count):
     active = [0, stop]
     for c in range(d.candidates):
         d.contacts.active[c] = c in active
-        d.contacts.onset[c], d.contacts.peak_force[c], d.contacts.max_penetration[c] = (
-            0.1 * c,
-            3.0 + c,
-            0.2 + c,
-        )
+        d.contacts.onset[c] = 0.1 * c
+        d.contacts.peak_force[c] = 3.0 + c
+        d.contacts.max_penetration[c] = 0.2 + c
     contact_log.log_active_contacts(d)
     assert log.count == count % size
     for k, c in enumerate(active):
@@ -64,7 +62,7 @@ def test_each_row_of_the_list_keeps_the_values_of_its_impact(kept):
         d.step.start, d.step.end = moment - 1.0, float(moment)
         d.step.communication_point = d.step.end
         c = int(rng.integers(d.candidates))
-        rate = float(clearance(d, c)[1])
+        rate = float(clearance_and_rate(d, c)[1])
         if d.contacts.active[c]:
             ended = lasting.pop(c)
             impulse = d.quadrature.integral[c] - ended.pop("before")
@@ -84,7 +82,7 @@ def test_each_row_of_the_list_keeps_the_values_of_its_impact(kept):
         for other, row in lasting.items():
             d.contacts.peak_force[other] = d.output.impulse[other] = rng.uniform()
             d.quadrature.integral[other] = d.output.impulse[other]
-            row |= {"end": moment, "separation_speed": clearance(d, other)[1]}
+            row |= {"end": moment, "separation_speed": clearance_and_rate(d, other)[1]}
             row |= {
                 "peak_force": d.contacts.peak_force[other],
                 "impulse": d.output.impulse[other] - row["before"],

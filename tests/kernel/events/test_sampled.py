@@ -303,7 +303,7 @@ def test_the_strongest_force_is_that_of_gravity_and_of_turning_links(omega, alph
     """m (g + Σ s (ω² + |α|)) with the chain's mass m, at least 1 rad/s²; round-off is a fraction of it."""
     rng = np.random.default_rng(1)
     _, d = chain(rng, 3)
-    d.chain.gravity_size = gravity
+    d.chain.gravity_magnitude = gravity
     d.step.state[7:10], d.scratch.rate_start[7:10] = (0.1, omega, 0.2), (0.3, alpha, -0.2)
     mass, size = d.chain.mass.sum(), d.chain.length.max()
     turning = max(1.0, omega**2 + abs(alpha))

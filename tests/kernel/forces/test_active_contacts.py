@@ -43,7 +43,9 @@ def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
     scene, d, y, candidates, jacobian = in_contact(law, touching)
     d.scratch.load.x[:] = d.scratch.load.y[:] = 9.0  # loads of another state
     rates = jacobian @ y[5:10]
-    forces = np.array([active_contacts.contact_force(d, c, *geometry.clearance(d, c)) for c in candidates])
+    forces = np.array(
+        [active_contacts.contact_force(d, c, *geometry.clearance_and_rate(d, c)) for c in candidates]
+    )
     lost = active_contacts.set_loads_of_step(d)
     found = sum(point_jacobian(scene, y[2:5], k).T @ load for k, load in enumerate(vectors(d.scratch.load)))
     expected = point_jacobian(scene, y[2:5], 3).T @ [0.3, -0.8]
@@ -68,7 +70,7 @@ def test_slopes_at_the_points_are_those_of_the_law(law):
     """At a distance of round-off from the wall the spring stiffness is zero."""
     _, d, _, candidates, _ = in_contact(law)
     for k, c in enumerate(candidates):
-        gap, rate = geometry.clearance(d, c)
+        gap, rate = geometry.clearance_and_rate(d, c)
         assert -gap == pytest.approx(DEPTH * (k + 1), rel=1e-9)
         assert active_contacts.contact_slopes(d, c) == law_slopes(d, c, -gap, -rate)
     assert active_contacts.apply_contact(d, c, 1e-16, 0.0) == 0.0

@@ -52,11 +52,9 @@ def given():
 def chain_with(law):
     """Return the record of a chain whose walls have a law."""
     _, d = chain(np.random.default_rng(4), 3)
-    d.given.law, d.given.restitution, d.contact_settings.exponent = (
-        law.number,
-        restitution_for(law),
-        law.exponent or 2.0,
-    )
+    d.given.law = law.number
+    d.given.restitution = restitution_for(law)
+    d.contact_settings.exponent = law.exponent or 2.0
     return d
 
 

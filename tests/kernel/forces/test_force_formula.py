@@ -126,8 +126,8 @@ def test_elastic_force_energy_and_depth_belong_together(exponent):
     energy, _ = quad(lambda x: 3e6 * x**exponent, 0.0, depth, epsrel=1e-13)
     assert forces.elastic_energy(d, 0, depth) == pytest.approx(energy, rel=1e-12)
     # a mass with this kinetic energy comes to rest at this depth
-    assert forces.elastic_depth(d, 0, 2.0, math.sqrt(energy)) == pytest.approx(depth, rel=1e-13)
-    assert lossless_contact.lossless_depth(energy, 3e6, exponent) == pytest.approx(depth, rel=1e-13)
+    assert forces.elastic_penetration(d, 0, 2.0, math.sqrt(energy)) == pytest.approx(depth, rel=1e-13)
+    assert lossless_contact.lossless_penetration(energy, 3e6, exponent) == pytest.approx(depth, rel=1e-13)
 
 
 # --- one impact --------------------------------------------------------------------------------------------

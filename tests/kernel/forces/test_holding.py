@@ -43,7 +43,7 @@ def test_held_points_have_no_acceleration_and_their_least_force_is_kept(base):
         moved = y.copy()
         moved[:6] += t * y[6:12] + 0.5 * t * t * rate[6:12]
         locate_points(d, moved)
-        gaps.append([geometry.clearance(d, c)[0] for c in candidates])
+        gaps.append([geometry.clearance_and_rate(d, c)[0] for c in candidates])
     second = (np.array(gaps[0]) - 2 * np.array(gaps[1]) + np.array(gaps[2])) / 1e-8
     locate_points(d, y)
     most = holding.set_start_to_accelerations(d, y, rate)
@@ -137,7 +137,7 @@ def test_the_kinetic_energy_that_walls_take_is_dissipated(base):
     np.testing.assert_allclose(y[6:12], before[6:12] + response @ impulses, rtol=1e-5, atol=1e-5)
     assert y[12] - 5.0 == pytest.approx(0.5 * rates @ np.linalg.solve(w, rates), rel=1e-5)
     for c in d.contacts.active_index[:4]:
-        assert geometry.clearance(d, c) == pytest.approx((0.0, 0.0), abs=1e-12)
+        assert geometry.clearance_and_rate(d, c) == pytest.approx((0.0, 0.0), abs=1e-12)
 
 
 @pytest.mark.parametrize(("moved", "again"), [(0.99, False), (1.01, True)])

@@ -262,9 +262,9 @@ def test_contacts_add_the_work_of_forces_over_depth_errors():
     d.contacts.expected_penetration[touched], d.contacts.latched_speed[touched] = 3e-3, [0.5, 2.0]
     d.contacts.effective_mass[touched] = [0.7, 1.9]
     found = balance.energy_scales(d, y)
-    forces = [force_formula.elastic_force(d, c, -geometry.clearance(d, c)[0]) for c in touched]
+    forces = [force_formula.elastic_force(d, c, -geometry.clearance_and_rate(d, c)[0]) for c in touched]
     scale = sum(force * control.penetration_scale(d, c) for force, c in zip(forces, touched, strict=True))
-    known = sum(force * geometry.coordinates_size(d, c, y) for force, c in zip(forces, touched, strict=True))
+    known = sum(force * geometry.coordinate_sum(d, c, y) for force, c in zip(forces, touched, strict=True))
     assert min(forces) > 1.0
     assert found[0] - without[0] == pytest.approx(scale + control.impact_energy(d), rel=1e-9)
     assert found[1] - without[1] == pytest.approx(known, rel=1e-9)
@@ -355,7 +355,7 @@ def test_energy_dissipates_between_what_it_is_at_the_ends(monkeypatch, before, a
 def test_a_motion_that_keeps_its_energy_does_so_in_the_middle(entry):
     d = after_a_turn(0.0)
     motion = free_motion(np.random.default_rng(1), d, speed=0.0, bend=0.0)
-    d.chain.gravity[:] = d.chain.gravity_size = 0.0
+    d.chain.gravity[:] = d.chain.gravity_magnitude = 0.0
     set_step(d, motion, 0.1)
     balance.start_balance(d, 0.0)
     assert balance.is_middle_correct(d)

@@ -11,7 +11,7 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.exclusion import known_clearances
 from chain_impact.kernel.ode import collocation, control, dense, methods
 from chain_impact.kernel.ode.control import ERROR_ORDER
-from chain_impact.kernel.ode.extended import extended_size, gap_at, rate_at
+from chain_impact.kernel.ode.extended import clearance_at, extended_length, rate_at
 from chain_impact.kernel.ode.radau import RADAU_NODES, REAL_EIGENVALUE
 from chain_impact.kernel.record.constants import (
     DIVERGED,
@@ -86,7 +86,7 @@ def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
             dense.interpolate_state(d.step, theta, y)
             locate_points(d, y)
             for k in range(int(d.contacts.active_count)):
-                gap, _ = geometry.clearance(d, int(d.contacts.active_index[k]))
+                gap, _ = geometry.clearance_and_rate(d, int(d.contacts.active_index[k]))
                 found.append(
                     abs(gap / collocation.extended_component(d, sundman_u_at(d.links) + k, theta) - 1.0)
                 )
@@ -146,7 +146,8 @@ def test_a_step_goes_a_little_beyond_the_first_end_of_a_contact(gap, gap_rate, s
     touch(d, [1, 6])
     for first in (0, 1):
         for k, (at, rate) in enumerate([(gap, gap_rate), (-0.7, 0.9 if size < 1.0 else -1.0)]):
-            d.implicit.z_start[gap_at(d, k ^ first)], d.implicit.z_start[rate_at(d, k ^ first)] = at, rate
+            d.implicit.z_start[clearance_at(d, k ^ first)] = at
+            d.implicit.z_start[rate_at(d, k ^ first)] = rate
         assert collocation.size_toward_end(d, 1.0) == pytest.approx(size, rel=1e-14)
 
 
@@ -215,7 +216,7 @@ def test_a_step_after_an_implicit_one_is_as_long_as_its_error_allows():
 
 def last_polynomial(d, degree, end=1.0):
     """Let the last step, of 0.2 s, have a polynomial of this degree in θ, up to some θ."""
-    own, size = d.implicit, extended_size(d)
+    own, size = d.implicit, extended_length(d)
     parts = np.zeros((degree + 1, size))
     parts[1:] = np.random.default_rng(degree).uniform(0.5, 1.0, (degree, size))
     columns = [np.polynomial.Polynomial(column) for column in parts.T]
@@ -233,7 +234,7 @@ def test_far_stages_follow_a_polynomial_of_lower_degree(branch, degree, end):
     # at the end of the branch, and slightly beyond the end of the previous branch
     for beyond in (bounds[branch] + 1e-6, min(bounds[branch + 1], 8.0) - 1e-6):
         d = at_start()[1]
-        size, h = extended_size(d), 0.2 * (1.0 + beyond - end)
+        size, h = extended_length(d), 0.2 * (1.0 + beyond - end)
         columns = last_polynomial(d, degree, end)
         collocation.extrapolate_stages(d, h, size)
         at = end + h / 0.2 * np.array(RADAU_NODES)
@@ -249,13 +250,13 @@ def test_far_stages_follow_a_polynomial_of_lower_degree(branch, degree, end):
 def test_the_stages_of_a_first_step_go_with_the_rate_at_its_start():
     d = at_start()[1]
     touch(d, [1, 6])
-    own, size, half = d.implicit, extended_size(d), velocity_at(N)
+    own, size, half = d.implicit, extended_length(d), velocity_at(N)
     own.rate_start[:] = np.random.default_rng(0).normal(size=len(own.rate_start))
     own.stages[:], own.contact_set_of_step = 9.0, STALE
     collocation.extrapolate_stages(d, 0.3, size)
     expected = 0.3 * np.outer(RADAU_NODES, own.rate_start[:size])
     moving = np.zeros(size, bool)
-    moving[:half] = moving[[gap_at(d, 0), gap_at(d, 1)]] = True
+    moving[:half] = moving[[clearance_at(d, 0), clearance_at(d, 1)]] = True
     np.testing.assert_allclose(own.stages[:, :size], np.where(moving, expected, 0.0), rtol=1e-14)
 
 
@@ -315,15 +316,15 @@ def test_a_step_that_is_solved_counts_its_systems_and_gives_its_error(monkeypatc
 def test_an_error_that_is_not_finite_is_infinite(bad):
     d, _, _ = stiff_joint(1e3)
     collocation.attempt_step(d, collocation.prepare_step(d, 1e-3))
-    assert math.isfinite(collocation.error_estimate(d, 1e-3, extended_size(d)))
+    assert math.isfinite(collocation.error_estimate(d, 1e-3, extended_length(d)))
     d.implicit.rate_start[0] = bad
-    assert collocation.error_estimate(d, 1e-3, extended_size(d)) == math.inf
+    assert collocation.error_estimate(d, 1e-3, extended_length(d)) == math.inf
 
 
 def test_the_error_with_a_held_point_is_worked_out_once_more(monkeypatch):
     d, _, _ = stiff_joint(1e3)
     collocation.attempt_step(d, collocation.prepare_step(d, 1e-3))
-    size, before = extended_size(d), d.budget.other_cost
+    size, before = extended_length(d), d.budget.other_cost
     free = collocation.error_estimate(d, 1e-3, size)
     assert d.budget.other_cost == before
     monkeypatch.setattr(collocation, "any_constraint", lambda _: True)

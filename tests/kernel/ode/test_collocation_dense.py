@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.ode import collocation, dense
-from chain_impact.kernel.ode.extended import gap_at, quadrature_at
+from chain_impact.kernel.ode.extended import clearance_at, quadrature_at
 from chain_impact.kernel.ode.radau import RADAU_NODES
 from chain_impact.kernel.record.constants import RADAU_STAGES
 from chain_impact.kernel.record.state import dissipated_at, sundman_u_at
@@ -70,7 +70,7 @@ def test_the_polynomial_goes_through_the_stages(step):
 
 
 def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
-    bound, parts = collocation.CURVE_BOUND, np.linspace(0.0, 1.0, 10001)
+    bound, parts = collocation.CURVATURE_BOUND, np.linspace(0.0, 1.0, 10001)
     bends = np.abs(np.diff(basis(parts)[:RADAU_STAGES], 2, axis=1)).max(axis=1) / parts[1] ** 2
     assert bends == pytest.approx(bound, rel=1e-2, abs=1e-6)
     d = step
@@ -78,7 +78,9 @@ def test_a_clearance_bends_by_no_more_than_its_coefficients_allow(step):
     d.search.curvature[:] = -1.0
     collocation.bound_curvatures(d, H)
     for k, c in enumerate(d.contacts.active_index[:2]):
-        sizes = np.abs(np.array(collocation.INTERPOLANT_MATRIX) @ d.implicit.last_stages[:, gap_at(d, k)])
+        sizes = np.abs(
+            np.array(collocation.INTERPOLANT_MATRIX) @ d.implicit.last_stages[:, clearance_at(d, k)]
+        )
         assert d.search.curvature[c] == pytest.approx(np.dot(bound, sizes) / H**2, rel=1e-12)
     assert (np.delete(d.search.curvature, d.contacts.active_index[:2]) == -1.0).all()
 
@@ -103,7 +105,7 @@ def test_dense_output_of_coordinates_meets_the_clearances(step, monkeypatch):
     assert [call[0] for call in asked] == [0, 1, 0, 1]
     for k in range(2):
         wanted = [
-            collocation.extended_component(d, gap_at(d, k) + 2 * derivative, part / 3)
+            collocation.extended_component(d, clearance_at(d, k) + 2 * derivative, part / 3)
             for part in (1, 2)
             for derivative in (0, 1)
         ]

@@ -10,7 +10,7 @@ import pytest
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.record.state import dissipated_at, omega_at, sundman_u_at, supplied_at, velocity_at
-from chain_impact.kernel.rows.geometry import clearance
+from chain_impact.kernel.rows.geometry import clearance_and_rate
 from tests.helpers.kernel.plain import begun
 from tests.helpers.scenes.bodies import cart
 from tests.kernel.chains import chain, gradients, random_state, struck, touch
@@ -28,7 +28,7 @@ def deep(depth=1e-3, **more):
     y = struck(rng, d, touched, depth)
     d.trial.state[:] = y
     d.scratch.y_error[:] = 0.0
-    d.contacts.gap_error[:] = 0.0
+    d.contacts.clearance_error[:] = 0.0
     d.contacts.expected_penetration[touched] = [2e-3, 3e-4]
     d.contacts.latched_speed[touched] = [0.5, 2.0]
     d.contacts.effective_mass[touched] = [0.7, 1.9]
@@ -60,17 +60,15 @@ def test_an_error_is_that_of_its_worst_component_in_each_estimate():
         d.scratch.y_error[ONE][j], d.scratch.y_error[OTHER][j] = -3e-6 * scale, 2e-6 * scale
         assert control.scaled_errors(d) == pytest.approx((0.3, 0.2), rel=1e-12)
         # a smaller error does not count beside a larger error
-        d.scratch.y_error[ONE][0], d.scratch.y_error[OTHER][0] = (
-            5e-6 * d.chain.longest_link,
-            -5e-6 * d.chain.longest_link,
-        )
+        d.scratch.y_error[ONE][0] = 5e-6 * d.chain.longest_link
+        d.scratch.y_error[OTHER][0] = -5e-6 * d.chain.longest_link
         assert control.scaled_errors(d) == pytest.approx((0.5, 0.5), rel=1e-12)
     d.scratch.y_error[:] = 0.0
     d.scratch.y_error[:, supplied_at(LINKS) :] = 1e3
     assert control.scaled_errors(d) == (0.0, 0.0)
     for k, c in enumerate(touched):
-        scale, d.contacts.gap_error[:] = control.penetration_scale(d, c), 0.0
-        d.contacts.gap_error[ONE, k], d.contacts.gap_error[OTHER, k] = -4e-6 * scale, 1e-6 * scale
+        scale, d.contacts.clearance_error[:] = control.penetration_scale(d, c), 0.0
+        d.contacts.clearance_error[ONE, k], d.contacts.clearance_error[OTHER, k] = -4e-6 * scale, 1e-6 * scale
         assert control.scaled_errors(d) == pytest.approx((0.4, 0.1), rel=1e-12)
 
 
@@ -132,7 +130,7 @@ def test_a_penetration_may_be_off_as_the_speed_of_its_impact_allows():
     assert control.LARGEST_ERROR == 0.01
     # deeper than expected
     d.contacts.latched_speed[c], d.contacts.expected_penetration[c] = 4.0 * size, 1e-6
-    assert control.penetration_scale(d, c) == pytest.approx(-clearance(d, c)[0], rel=1e-13)
+    assert control.penetration_scale(d, c) == pytest.approx(-clearance_and_rate(d, c)[0], rel=1e-13)
     assert control.penetration_scale(d, c) == pytest.approx(1e-4, rel=1e-9)
 
 
@@ -141,10 +139,10 @@ def test_errors_of_clearances_are_errors_of_coordinates_along_normals():
     d.scratch.y_error[:] = np.random.default_rng(6).uniform(-1e-6, 1e-6, d.scratch.y_error.shape)
     locate_points(d, y)
     for row in (ONE, OTHER):
-        control.set_gap_errors(d, row)
+        control.set_clearance_errors(d, row)
     slopes = gradients(scene, d, y[2 : LINKS + 2], touched)
     right = slopes @ d.scratch.y_error[:2, : LINKS + 2].T
-    assert pytest.approx(right, rel=1e-12) == d.contacts.gap_error[:2, :2].T
+    assert pytest.approx(right, rel=1e-12) == d.contacts.clearance_error[:2, :2].T
 
 
 def test_the_moment_of_a_joint_is_off_by_its_own_turn():
@@ -152,7 +150,7 @@ def test_the_moment_of_a_joint_is_off_by_its_own_turn():
     rng = np.random.default_rng(5)
     _, d = chain(rng, LINKS, "pinned", springs=True, dampers=True)
     d.scratch.y_error[:] = rng.uniform(-1e-3, 1e-3, d.scratch.y_error.shape)
-    unit = d.chain.energy_scale * (1.0 + d.chain.gravity_size / d.chain.longest_link)
+    unit = d.chain.energy_scale * (1.0 + d.chain.gravity_magnitude / d.chain.longest_link)
     for row in (ONE, OTHER):
         turns = np.diff(d.scratch.y_error[row][2 : LINKS + 2], prepend=0.0)
         spins = np.diff(d.scratch.y_error[row][omega_at(LINKS) : dissipated_at(LINKS)], prepend=0.0)

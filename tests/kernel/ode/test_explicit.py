@@ -292,7 +292,7 @@ def test_a_step_passes_the_first_end_of_contact_or_goes_half_way(first):
         d.scratch.velocity.x[place], d.scratch.velocity.y[place] = speed * np.array(n)
     longest = size_toward_end(d, 1.0)
     for c, gap, speed in zip((1, 6), gaps[:2], speeds[:2], strict=True):
-        roots = np.roots([0.5 * geometry.gap_acceleration(d, c), speed, gap])
+        roots = np.roots([0.5 * geometry.clearance_acceleration(d, c), speed, gap])
         left.append(min(roots[roots > 0.0]))
     assert np.argmin(left) == first
     assert longest == pytest.approx(PAST_END * min(left), rel=1e-9)
@@ -313,7 +313,7 @@ def test_a_regularized_step_passes_the_end_of_a_contact():
     d.contacts.expected_penetration[6], d.step.regularized, root = 0.1, 6, state.sundman_u_at(3)
     u, slope = d.step.state_end[root], d.scratch.stage[0, root] = 0.3, -0.8
     longest = size_toward_end(d, 1e3)
-    roots = np.roots([0.5 * sundman.root_curve(d, u, slope), slope, u])
+    roots = np.roots([0.5 * sundman.root_curvature(d, u, slope), slope, u])
     left = min(roots[roots > 0.0])
     assert abs(left - u / -slope) > 0.01 * left
     assert longest == pytest.approx(PAST_END * left, rel=1e-9)

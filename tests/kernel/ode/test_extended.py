@@ -7,7 +7,7 @@ from chain_impact.kernel import equations
 from chain_impact.kernel.chain import kinematics
 from chain_impact.kernel.forces import active_contacts, force_formula
 from chain_impact.kernel.ode import dense, extended
-from chain_impact.kernel.ode.extended import gap_at, rate_at
+from chain_impact.kernel.ode.extended import clearance_at, rate_at
 from chain_impact.kernel.record import state
 from chain_impact.kernel.rows import geometry
 from tests.helpers.kernel.plain import make_rigid
@@ -35,14 +35,14 @@ def touching():
 def test_clearances_their_rates_and_impulses_stand_one_after_the_other(touching):
     _, d, touched, _ = touching
     assert extended.clearance_count(d) == 2
-    places = [at(d, k) for at in (gap_at, rate_at, extended.quadrature_at) for k in range(2)]
-    assert [*places, extended.extended_size(d)] == list(range(FIRST, FIRST + 7))
+    places = [at(d, k) for at in (clearance_at, rate_at, extended.quadrature_at) for k in range(2)]
+    assert [*places, extended.extended_length(d)] == list(range(FIRST, FIRST + 7))
     d.quadrature.computed = 0
     dense.reset_quadratures(d)
-    assert extended.extended_size(d) == FIRST + 4
+    assert extended.extended_length(d) == FIRST + 4
     make_rigid(d, np.arange(d.candidates) == touched[0])
     assert extended.clearance_count(d) == 1
-    assert [gap_at(d, 0), rate_at(d, 0), extended.extended_size(d)] == [FIRST, FIRST + 1, FIRST + 2]
+    assert [clearance_at(d, 0), rate_at(d, 0), extended.extended_length(d)] == [FIRST, FIRST + 1, FIRST + 2]
 
 
 def normal_accelerations(scene, d, y, rate, touched):
@@ -58,7 +58,7 @@ def normal_accelerations(scene, d, y, rate, touched):
 @pytest.mark.parametrize("at_end", [0, 1])
 def test_a_step_starts_from_the_state_and_from_the_clearances_there(touching, at_end):
     scene, d, touched, y = touching
-    gaps = [geometry.clearance(d, c) for c in touched]
+    gaps = [geometry.clearance_and_rate(d, c) for c in touched]
     d.scratch.acceleration.x[:] = d.scratch.acceleration.y[:] = 1e9  # accelerations of another state
     if not at_end:
         kinematics.locate_points(d, y + 0.1)
@@ -80,11 +80,12 @@ def test_forces_are_those_at_the_clearances_of_the_step(touching):
     scene, d, touched, _ = touching
     extended.extend_start(d)
     z, rate = d.implicit.z_start.copy(), np.zeros(len(d.implicit.z_start))
-    z[gap_at(d, 0)] -= 2e-3
+    z[clearance_at(d, 0)] -= 2e-3
     z[rate_at(d, 1)] -= 0.3
     extended.extended_rate(d, z, 0.0, rate)
     forces = [
-        active_contacts.contact_force(d, c, z[gap_at(d, k)], z[rate_at(d, k)]) for k, c in enumerate(touched)
+        active_contacts.contact_force(d, c, z[clearance_at(d, k)], z[rate_at(d, k)])
+        for k, c in enumerate(touched)
     ]
     assert rate[FIRST + 4 : FIRST + 6] == pytest.approx(forces, rel=1e-12)
     assert rate[FIRST : FIRST + 2].tolist() == z[FIRST + 2 : FIRST + 4].tolist()
@@ -99,7 +100,7 @@ def test_slopes_are_those_of_the_forces_and_the_links_are_kept(touching):
     _, d, touched, _ = touching
     extended.extend_start(d)
     z = d.implicit.z_start.copy()
-    z[gap_at(d, 0)], z[gap_at(d, 1)] = -3e-3, 1e-3  # the second point has left its wall
+    z[clearance_at(d, 0)], z[clearance_at(d, 1)] = -3e-3, 1e-3  # the second point has left its wall
     extended.extended_slopes(d, z)
     for k, depth in enumerate((3e-3, 0.0)):
         right = force_formula.law_slopes(d, touched[k], depth, -z[rate_at(d, k)])

@@ -10,7 +10,7 @@ from chain_impact.kernel.ode import explicit, last_step, methods
 from chain_impact.kernel.ode.dense import interpolate_state
 from chain_impact.kernel.record import state
 from chain_impact.kernel.record.constants import (
-    CURVES_KNOWN,
+    CURVATURES_KNOWN,
     DISTANCE_KNOWN,
     EXPLICIT,
     IMPLICIT,
@@ -111,10 +111,8 @@ def sticking_and_damped():
         {"length": 1.0, "mass": 1.0, "joint_friction": 1.0},
         {"length": 1.0, "mass": 1.0, "joint_damping": 0.1},
     ]
-    chain, initial = (
-        {"base": "pinned", "links": links},
-        {"angles": [0.0, 0.0], "angular_velocities": [0.0, 2e-4]},
-    )
+    chain = {"base": "pinned", "links": links}
+    initial = {"angles": [0.0, 0.0], "angular_velocities": [0.0, 2e-4]}
     return scene_from_dict(
         {"name": "Sticks", "gravity": [0.0, 0.0], "chain": chain, "initial": initial}, "sticks"
     )
@@ -172,8 +170,8 @@ def test_a_step_that_is_cut_twice_dissipates_as_if_cut_once(method, first):
 @pytest.mark.parametrize("how", ["count_break", "roll_back", "truncate_step", "reset_step"])
 def test_bounds_on_clearances_end_with_their_step(how):
     d = with_a_step(started())
-    exclusion.remember_clearances(d, CURVES_KNOWN)
-    assert exclusion.known_clearances(d) == CURVES_KNOWN
+    exclusion.remember_clearances(d, CURVATURES_KNOWN)
+    assert exclusion.known_clearances(d) == CURVATURES_KNOWN
     more = {"truncate_step": (0.5,), "reset_step": (0.0, d.scratch.state)}
     getattr(last_step, how)(d, *more.get(how, ()))
     assert exclusion.known_clearances(d) == NOTHING_KNOWN

@@ -49,7 +49,7 @@ def jacobian(d, turn):
     places = [(int(candidate.point[c]), names[candidate.wall[c] % 4]) for c in chosen]
     normals = np.array([clearance_gradient(scene, angles, *place) for place in places])
     across, forces = relative_motion(N), np.zeros((N + 2, size))
-    v, gap = slice(N + 2, 2 * N + 4), slice(extended.gap_at(d, 0), extended.rate_at(d, 0))
+    v, gap = slice(N + 2, 2 * N + 4), slice(extended.clearance_at(d, 0), extended.rate_at(d, 0))
     rate, impulse = slice(extended.rate_at(d, 0), size - count), slice(size - count, size)
     forces[:, gap] = -normals.T * d.implicit.contact_stiffness[:count]
     forces[:, rate] = -normals.T * d.implicit.contact_damping[:count]
@@ -105,10 +105,8 @@ def held(base, stiffness, damping):
     """
     rng = np.random.default_rng([len(base), 1])
     scene, d = chain(rng, N, base, springs=True, dampers=True, model="newton_impact")
-    d.inputs.drive_stiffness[:-1], d.inputs.drive_damping[:-1] = (
-        stiffness * rng.uniform(0.5, 1.0, N),
-        damping * rng.uniform(0.5, 1.0, N),
-    )
+    d.inputs.drive_stiffness[:-1] = stiffness * rng.uniform(0.5, 1.0, N)
+    d.inputs.drive_damping[:-1] = damping * rng.uniform(0.5, 1.0, N)
     if base == "free":
         d.inputs.drive_stiffness[0] = d.inputs.drive_damping[0] = 0.0
     candidates = [6, 16] if base == "free" else [5, 15]

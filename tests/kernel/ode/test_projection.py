@@ -9,14 +9,14 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.ode import extended
 from chain_impact.kernel.ode.collocation import set_weights
 from chain_impact.kernel.ode.extended import (
+    clearance_at,
     contact_impedance,
     extend_start,
     extended_slopes,
     factorize_real,
-    gap_at,
     rate_at,
 )
-from chain_impact.kernel.rows.geometry import clearance
+from chain_impact.kernel.rows.geometry import clearance_and_rate
 from tests.helpers.models.reference import mass_matrix
 from tests.kernel.chains import chain, gradients, struck
 
@@ -57,7 +57,7 @@ def response(scene, d, y, touched, wanted):
 @pytest.mark.parametrize("derivative", [0, 1])
 def test_coordinates_move_to_clearances_as_the_chain_responds_to_impulses(step, derivative):
     scene, d, touched, y, _ = step
-    now = np.array([clearance(d, c)[derivative] for c in touched])
+    now = np.array([clearance_and_rate(d, c)[derivative] for c in touched])
     wanted, change = np.array([2e-4, -3e-4]), np.zeros(HALF)
     d.implicit.normal[:2] = now + wanted
     expected = response(scene, d, y, touched, wanted)
@@ -74,11 +74,11 @@ def test_coordinates_move_to_clearances_as_the_chain_responds_to_impulses(step, 
 def test_the_mismatch_is_that_of_the_worst_contact_by_its_depth(step, k):
     _, d, touched, _, z = step
     off = 1e-5 * np.array([-1.0, 1.0])
-    depths = [max(d.contacts.expected_penetration[c], -clearance(d, c)[0]) for c in touched]
+    depths = [max(d.contacts.expected_penetration[c], -clearance_and_rate(d, c)[0]) for c in touched]
     assert depths == pytest.approx([2e-3, 1e-3], rel=1e-9)  # expected penetration, and actual depth
-    z[gap_at(d, 0)] += off[0]
-    z[gap_at(d, 1)] += off[1]
-    z[gap_at(d, k)] += 9.0 * off[k]
+    z[clearance_at(d, 0)] += off[0]
+    z[clearance_at(d, 1)] += off[1]
+    z[clearance_at(d, k)] += 9.0 * off[k]
     assert extended.largest_mismatch(d, z) == pytest.approx(1e-4 / depths[k], rel=1e-9)
 
 
@@ -89,7 +89,7 @@ def test_a_projection_returns_its_largest_change_and_residual(step):
     assert moved.tolist() == y.tolist()
     gaps, rates = np.array([1e-6, -2e-6]), np.array([3e-3, 1e-3])
     for k in range(2):
-        z[gap_at(d, k)] += gaps[k]
+        z[clearance_at(d, k)] += gaps[k]
         z[rate_at(d, k)] += rates[k]
     changes = np.concatenate([response(scene, d, y, touched, wanted) for wanted in (gaps, rates)])
     apart, moved = extended.largest_mismatch(d, z) / extended.CLEARANCE_MISMATCH, y.copy()
@@ -101,10 +101,12 @@ def test_a_projection_returns_its_largest_change_and_residual(step):
 
 def test_the_change_of_either_part_may_be_the_largest(step):
     scene, d, touched, y, z = step
-    for at, wanted in ((gap_at, [1e-3, 0.0]), (rate_at, [1.0, 0.0])):
+    for at, wanted in ((clearance_at, [1e-3, 0.0]), (rate_at, [1.0, 0.0])):
         off = z.copy()
         off[at(d, 0)] += wanted[0]
         changes = response(scene, d, y, touched, np.array(wanted))
-        weights = d.implicit.error_weight[:HALF] if at is gap_at else d.implicit.error_weight[HALF : 2 * HALF]
+        weights = (
+            d.implicit.error_weight[:HALF] if at is clearance_at else d.implicit.error_weight[HALF : 2 * HALF]
+        )
         worst, _ = extended.project_clearances(d, off, y.copy())
         assert worst == pytest.approx(max(abs(changes) * weights), rel=1e-7)

@@ -95,7 +95,7 @@ def test_a_rate_in_its_variable_is_that_in_time_times_p(u):
     sundman.regularize_rate(d, y, in_time, rate)
     right = u / (1.0 + u * u) * in_time
     # du/ds = δ̇/(2 δ* (1 + u²))
-    right[U] = -geometry.clearance(d, c)[1] / (2.0 * SCALE * (1.0 + u * u))
+    right[U] = -geometry.clearance_and_rate(d, c)[1] / (2.0 * SCALE * (1.0 + u * u))
     assert rate == pytest.approx(right, rel=1e-13)
     assert sundman.root_rate(d, u) == pytest.approx(right[U], rel=1e-13)
     again[:] = in_time
@@ -127,7 +127,7 @@ def test_u_bends_as_its_rate_changes_along_the_motion(u):
     equations.rate_from_state(d, y, rate)
     kinematics.accelerate_points(d, y, rate)
     slope, p = sundman.root_rate(d, u), sundman_rate.regularized_time_rate(u)
-    found = sundman.root_curve(d, u, slope)
+    found = sundman.root_curvature(d, u, slope)
     h, rates = 1e-7, []
     for s in (-h, h):
         moved = y + s * p * rate
@@ -186,7 +186,7 @@ def test_an_only_contact_has_its_own_variable():
 
 
 def place(d, c, gap):
-    d.candidate.offset[c] += geometry.clearance(d, c)[0] - gap
+    d.candidate.offset[c] += geometry.clearance_and_rate(d, c)[0] - gap
 
 
 def test_a_point_at_rest_on_a_wall_has_time_as_its_variable():
@@ -194,7 +194,7 @@ def test_a_point_at_rest_on_a_wall_has_time_as_its_variable():
     place(d, c, -SCALE * (0.5 * sundman.RESTING_SUM) ** 2)  # u = RESTING_SUM/2
     own = c, pytest.approx(0.5 * sundman.RESTING_SUM, rel=1e-6)
     for part, right in ((0.49, IN_TIME), (0.51, own)):
-        d.contacts.latched_speed[c] = abs(geometry.clearance(d, c)[1]) / (part * sundman.RESTING_SUM)
+        d.contacts.latched_speed[c] = abs(geometry.clearance_and_rate(d, c)[1]) / (part * sundman.RESTING_SUM)
         assert sundman.find_lone_contact(d) == right
 
 
@@ -203,7 +203,7 @@ def test_at_a_wall_an_arriving_point_is_in_contact():
     for seed in range(6):
         d, c, _ = contact(seed)
         place(d, c, 1e-12)
-        arrives = bool(geometry.clearance(d, c)[1] < 0.0)
+        arrives = bool(geometry.clearance_and_rate(d, c)[1] < 0.0)
         assert sundman.find_lone_contact(d) == ((c, 0.0) if arrives else (NO_CONTACT, 1.0))
         seen.add(arrives)
     assert seen == {True, False}

@@ -15,10 +15,10 @@ from chain_impact.kernel.rows.geometry import (
     add_joint_impedances,
     add_joint_loads,
     clear_used_loads,
-    clearance,
-    coordinates_size,
+    clearance_acceleration,
+    clearance_and_rate,
+    coordinate_sum,
     dot,
-    gap_acceleration,
     length_bound,
     lever_of_candidate,
     normal_row,
@@ -83,7 +83,7 @@ def test_a_clearance_and_its_rate_are_those_of_the_point(placed):
     names = list(scene.half_planes)
     for c in range(d.candidates):
         point, wall = d.candidate.point[c], scene.half_planes[names[c % len(names)]]
-        gap, rate = clearance(d, c)
+        gap, rate = clearance_and_rate(d, c)
         place = d.scratch.position.x[point], d.scratch.position.y[point]
         speed = np.array([d.scratch.velocity.x[point], d.scratch.velocity.y[point]])
         assert gap == pytest.approx(wall.clearance(*place) - 0.07, abs=1e-14)
@@ -106,7 +106,7 @@ def test_a_candidate_can_be_given_any_wall(c):
         for distance in (0.0, 0.7):
             place = np.array(point) - 3.0 * along + distance * n
             d.scratch.position.x[:], d.scratch.position.y[:] = place
-            gap, _ = clearance(d, c)
+            gap, _ = clearance_and_rate(d, c)
             assert gap + d.contact_settings.radius == pytest.approx(distance, abs=3e-14)
 
 
@@ -126,7 +126,7 @@ def differenced(d, y, change):
         moved = y.copy()
         moved[: d.links + 2] += shift * change
         kinematics.locate_points(d, moved)
-        return np.array([clearance(d, c)[0] for c in range(d.candidates)])
+        return np.array([clearance_and_rate(d, c)[0] for c in range(d.candidates)])
 
     changes = slope(gaps, 0.0, 1e-6)
     kinematics.locate_points(d, y)
@@ -136,20 +136,18 @@ def differenced(d, y, change):
 def test_the_clearance_of_a_stop_is_angle_times_lever_arm(stopped):
     """g = s (ψ − joint_min) or s (joint_max − ψ); its rate equals a difference along the motion."""
     d, y = stopped
-    size, angles, joints = (
-        d.chain.longest_link,
-        np.diff(y[2:5], prepend=0.0),
-        [1, 2, 3] if d.chain.has_base_joint else [2, 3],
-    )
+    size = d.chain.longest_link
+    angles = np.diff(y[2:5], prepend=0.0)
+    joints = [1, 2, 3] if d.chain.has_base_joint else [2, 3]
     assert lever_of_candidate(d, 0) == 1.0
     assert d.candidate.point[stops_of(d)].tolist() == list(np.repeat(joints, 2))
     for c in stops_of(d):
         joint, side = d.candidate.point[c] - 1, d.candidate.stop[c]
         limit = (d.drive.min if side > 0 else d.drive.max)[joint]
-        assert clearance(d, c)[0] == pytest.approx(size * side * (angles[joint] - limit), rel=1e-13)
+        assert clearance_and_rate(d, c)[0] == pytest.approx(size * side * (angles[joint] - limit), rel=1e-13)
         assert lever_of_candidate(d, c) == size
         assert (d.candidate.place[c], d.candidate.normal_x[c]) == (d.links + joint + 1, side)
-    rates = np.array([clearance(d, c)[1] for c in range(d.candidates)])
+    rates = np.array([clearance_and_rate(d, c)[1] for c in range(d.candidates)])
     np.testing.assert_allclose(rates, differenced(d, y, y[5:10]), rtol=0, atol=1e-6)
 
 
@@ -158,12 +156,10 @@ def assert_adjoint(d, rows, change):
 
     Also check loads and impedances of joints that have been converted into moments.
     """
-    rng, motion, load, own = (
-        np.random.default_rng(9),
-        d.scratch.place_change,
-        d.scratch.load,
-        d.scratch.impedance,
-    )
+    rng = np.random.default_rng(9)
+    motion = d.scratch.place_change
+    load = d.scratch.load
+    own = d.scratch.impedance
     turns, points = np.diff(change[2:], prepend=0.0), slice(0, d.links + 1)
     for row in rows:
         speed, force = dot(row, motion), rng.normal()
@@ -214,7 +210,7 @@ def test_the_acceleration_of_a_joint_is_that_of_its_angle(stopped):
         joint = d.candidate.point[c] - 1
         turn = rate[7 + joint] - (rate[6 + joint] if joint else 0.0)
         expected = d.candidate.stop[c] * d.chain.longest_link * turn
-        assert gap_acceleration(d, c) == pytest.approx(expected, rel=1e-12)
+        assert clearance_acceleration(d, c) == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("place", range(1, 7))
@@ -238,10 +234,10 @@ def test_round_off_of_clearances_is_that_of_coordinates_or_angles():
     for c in range(d.candidates):
         point = d.candidate.point[c]
         right = size * joints[int(point)] if d.candidate.stop[c] else abs(position.x[point]) + 2.5
-        assert coordinates_size(d, c, y) == pytest.approx(right, rel=1e-13)
+        assert coordinate_sum(d, c, y) == pytest.approx(right, rel=1e-13)
     position.y[:] = -2.5
     c = next(c for c in range(d.candidates) if not d.candidate.stop[c])
-    assert coordinates_size(d, c, y) == pytest.approx(abs(position.x[d.candidate.point[c]]) + 2.5, rel=1e-13)
+    assert coordinate_sum(d, c, y) == pytest.approx(abs(position.x[d.candidate.point[c]]) + 2.5, rel=1e-13)
 
 
 @pytest.fixture(params=["free", "pinned"])

@@ -35,14 +35,16 @@ def parts(number):
 @pytest.mark.parametrize("kind", [ONSET, CONTACT_ENDS])
 def test_an_event_is_late_by_its_clearance_over_its_rate(monkeypatch, tangent, kind):
     clearance = (dual(1e-9, 3.0, -6.0), dual(-2.0, 50.0, 50.0))
-    monkeypatch.setattr(event_times, "clearance", lambda _t, _c: clearance)
+    monkeypatch.setattr(event_times, "clearance_and_rate", lambda _t, _c: clearance)
     assert parts(event_times.delay_of_crossing(tangent, 1, kind)) == (0.0, [1.5, -3.0])
 
 
 def test_a_relatched_contact_is_late_by_speed_over_acceleration(monkeypatch, tangent):
     """The event function is φ = −ġ − 2 v₀, with φ̇ = −g̈."""
-    monkeypatch.setattr(event_times, "clearance", lambda _t, _c: (dual(1.0, 7.0, 7.0), dual(-1.0, 3.0, 8.0)))
-    monkeypatch.setattr(event_times, "gap_acceleration", lambda _t, c: dual(-4.0 * c, 9.0, 9.0))
+    monkeypatch.setattr(
+        event_times, "clearance_and_rate", lambda _t, _c: (dual(1.0, 7.0, 7.0), dual(-1.0, 3.0, 8.0))
+    )
+    monkeypatch.setattr(event_times, "clearance_acceleration", lambda _t, c: dual(-4.0 * c, 9.0, 9.0))
     value, slopes = parts(event_times.delay_of_crossing(tangent, 1, RELATCH))
     assert value == 0.0
     assert slopes == pytest.approx([-(-3.0 - RELATCH_RATIO) / 4.0, -(-8.0 - 2.0 * RELATCH_RATIO) / 4.0])

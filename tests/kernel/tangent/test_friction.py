@@ -129,7 +129,7 @@ def test_an_uncertain_start_of_sliding_matters_if_the_force_drops(monkeypatch, t
 
 def settling(monkeypatch, t, largest):
     """Set a chain of 2 m under 6 m/s², which settles in 0.5 s, with these largest place derivatives."""
-    t.chain.longest_link, t.chain.gravity_size, t.trust.neglected = dual(2.0), dual(6.0), 0.0
+    t.chain.longest_link, t.chain.gravity_magnitude, t.trust.neglected = dual(2.0), dual(6.0), 0.0
     t.scratch.position = "position"
     monkeypatch.setattr(friction, "DIRECTIONS", 2)
     monkeypatch.setattr(friction, "largest_slope", lambda _t, k: largest[k])

@@ -110,11 +110,9 @@ def iterated(monkeypatch, corrections):
     return converged, len(corrections) - len(left)
 
 
-END, FAST, LARGE = (
-    1 + STALLED_ITERATIONS,
-    CONVERGED_SLOPES * TOLERANCE,
-    1.1 * max(SLOPE_ROUND_OFF, CONVERGED_SLOPES * TOLERANCE),
-)
+END = 1 + STALLED_ITERATIONS
+FAST = CONVERGED_SLOPES * TOLERANCE
+LARGE = 1.1 * max(SLOPE_ROUND_OFF, CONVERGED_SLOPES * TOLERANCE)
 SLOW, PAUSE = 1.01 * LARGEST_FALL_FACTOR, [1.0] * (STALLED_ITERATIONS - 1)
 WAVES = [0.9 * LARGEST_FALL_FACTOR, *PAUSE, 0.8 * LARGEST_FALL_FACTOR**2, *PAUSE, 0.0]
 
@@ -215,7 +213,7 @@ def test_a_step_is_made_of_the_stages_of_the_run(monkeypatch, reason, converges,
     right = ["extend_start", "extrapolate_stages", "copy_stages", "copy_jacobian_data", "factorize_real"]
     for name in [*right, "set_step_end", "project_clearances"]:
         monkeypatch.setattr(replay, name, lambda *_, name=name: called.append(name))
-    monkeypatch.setattr(replay, "extended_size", lambda _: 12)
+    monkeypatch.setattr(replay, "extended_length", lambda _: 12)
     monkeypatch.setattr(replay, "clearance_count", lambda _: contacts)
     monkeypatch.setattr(replay, "iterate_slopes", lambda *_: called.append("iterate") or converges)
     monkeypatch.setattr(replay, "mark_untrusted", lambda _t, *what: called.append(what))

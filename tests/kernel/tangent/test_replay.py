@@ -106,11 +106,9 @@ def instances(regularized=-1, events=(NO_EVENT, NO_EVENT), end_fraction=1.0, met
     )
     d.step.state_end = rng.normal(size=SIZE)
     d.scratch = SimpleNamespace(rate_end=rng.normal(size=SIZE))
-    d.chain, d.drive, t.drive = (
-        SimpleNamespace(limited=0),
-        SimpleNamespace(mode_ends=0),
-        SimpleNamespace(mode_ends=0),
-    )
+    d.chain = SimpleNamespace(limited=0)
+    d.drive = SimpleNamespace(mode_ends=0)
+    t.drive = SimpleNamespace(mode_ends=0)
     d.contacts, d.inputs, t.inputs = SimpleNamespace(event=list(events)), SimpleNamespace(), SimpleNamespace()
     d.element = SimpleNamespace(event=[NO_EVENT, SLIDING_ENDS, NO_EVENT])
     t.contacts = SimpleNamespace(event=[NO_EVENT, NO_EVENT], active_count=1, active_index=[1])

@@ -45,7 +45,7 @@ PARAMETERS = {
         *("gravity", "length", "mass", "given_center_of_mass", "given_inertia", "box_wall"),
         "joint_armature",
     ),
-    "drive": ("friction", "torque_limit"),
+    "drive": ("friction", "limit"),
     "walls": ("x", "y", "angle"),
     "initial": ("position", "velocity", "angle", "angular_velocity"),
     "contact_settings": ("exponent", "radius"),
@@ -222,12 +222,10 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
     damping, number = t.contacts.damping[4], CONTACT_LAWS[law].number
     d.given.law, d.given.stiffness, d.given.restitution, d.given.tip_force[:] = number, 3e5, 0.8, (5.0, 6.0)
     assert candidate_laws.update_laws(d) == OK
-    t.scratch.load.x[:], t.contacts.beyond_kink[4], t.step.communication_point, t.step.start_delay = (
-        9.0,
-        5,
-        1.0,
-        7.0,
-    )
+    t.scratch.load.x[:] = 9.0
+    t.contacts.beyond_kink[4] = 5
+    t.step.communication_point = 1.0
+    t.step.start_delay = 7.0
     told = []
     monkeypatch.setattr(handlers, "recompute_active_set", lambda *arguments: told.append(arguments))
     replay.reinit_tangent(d, t)

@@ -47,8 +47,8 @@ def test_the_functions_with_a_rule_are_marked_and_no_others(mark):
 @pytest.mark.parametrize("depth", [1e-9, 2e-3, 0.7])
 def test_a_power_varies_with_both(depth, exponent, varies):
     """Most exponents are constant: then the rule needs no logarithm."""
-    found = rules.power_of_depth(Dual(depth, DEPTH), Dual(exponent, varies))
-    assert found.value == force_formula.power_of_depth(depth, exponent)
+    found = rules.power_of_penetration(Dual(depth, DEPTH), Dual(exponent, varies))
+    assert found.value == force_formula.power_of_penetration(depth, exponent)
     by_depth = mpmath.diff(lambda x: mpmath.power(x, exponent), depth, h=1e-9 * depth)
     by_exponent = mpmath.diff(lambda n: mpmath.power(depth, n), exponent)
     right = float(by_depth) * np.array(DEPTH) + float(by_exponent) * np.array(varies)
@@ -57,7 +57,7 @@ def test_a_power_varies_with_both(depth, exponent, varies):
 
 @pytest.mark.parametrize(("exponent", "slope"), [(0.5, 0.0), (1.0, 1.0), (1.5, 0.0)])
 def test_at_no_depth_a_power_is_finite(exponent, slope):
-    found = rules.power_of_depth(Dual(0.0, DEPTH), Dual(exponent, EXPONENT))
+    found = rules.power_of_penetration(Dual(0.0, DEPTH), Dual(exponent, EXPONENT))
     assert found.value == 0.0
     assert found.slope.tolist() == (slope * np.array(DEPTH)).tolist()
 

@@ -108,10 +108,8 @@ def instance(events=(), speeds=(3.0, 4.0)):
     t.contacts.latched_speed, t.contacts.penetration_rate = [dual(0.5)] * 4, [dual(0.3)] * 4
     t.candidate = SimpleNamespace(point=[4, 5, 6, 7], wall=[0, 1, 2, 3])
     t.law = SimpleNamespace(impulsive=[0] * 4, number=[trust.USER_LAW] * 4)
-    t.law.minimum_impact_speed, t.law.static_friction = (
-        [dual(LEAST)] * 4,
-        [Dual(0.0, np.zeros(DIRECTIONS))] * 4,
-    )
+    t.law.minimum_impact_speed = [dual(LEAST)] * 4
+    t.law.static_friction = [Dual(0.0, np.zeros(DIRECTIONS))] * 4
     t.solver = SimpleNamespace(tolerance=dual(TOLERANCE))
     t.step = SimpleNamespace(
         start=dual(TIME - 1.0), end=dual(TIME), communication_point=dual(TIME), state_end="state"
@@ -124,7 +122,7 @@ def instance(events=(), speeds=(3.0, 4.0)):
 
 def approaching(monkeypatch, *rates):
     """Set these rates of the clearances of candidates [m/s]."""
-    monkeypatch.setattr(trust, "clearance", lambda _, c: (dual(-1e-4), dual(rates[c])))
+    monkeypatch.setattr(trust, "clearance_and_rate", lambda _, c: (dual(-1e-4), dual(rates[c])))
 
 
 def told(t):
@@ -185,11 +183,9 @@ def test_the_force_of_a_users_law_may_jump_where_a_point_turns(monkeypatch, rate
     # registered laws are not checked
     for present, number in ((False, trust.USER_LAW), (True, 1), (True, trust.USER_LAW)):
         t = instance()
-        t.contacts.penetration_rate[2], t.law.number[2], t.scratch.located_at_end = (
-            dual(rates[0]),
-            number,
-            at_end,
-        )
+        t.contacts.penetration_rate[2] = dual(rates[0])
+        t.law.number[2] = number
+        t.scratch.located_at_end = at_end
         monkeypatch.setattr(trust.user_law, "is_present", lambda present=present: present)
         assert asked == []
         trust.check_turns(t)

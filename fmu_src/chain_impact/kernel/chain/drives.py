@@ -74,7 +74,7 @@ def spring_stretch(d, y, i):
     return relative_to_previous(y, FIRST_ANGLE, i) - d.inputs.target[i]
 
 
-def coordinates_of_drive(d, y, i):
+def coordinate_sum_of_drive(d, y, i):
     """Return the sum [rad or m] of the absolute values of the coordinates that give drive i's position.
 
     The coordinates are the angles of the links at the joint, or x and y of the base on a slider. The
@@ -129,7 +129,7 @@ def set_effect_flags(d):
             chain.has_drive_friction = 1
             if not is_slider(d, i):
                 chain.has_joint_places = 1
-        if d.drive.torque_limit[i] < math.inf:
+        if d.drive.limit[i] < math.inf:
             chain.has_drive_limits = 1
 
 
@@ -186,7 +186,7 @@ def is_powered(d, i):
     Other drives are passive. All work of a powered drive counts as supplied energy. In a passive drive the
     spring stores energy, the damper dissipates energy, and the motor supplies energy.
     """
-    return d.chain.has_targets != 0 or d.drive.torque_limit[i] < math.inf
+    return d.chain.has_targets != 0 or d.drive.limit[i] < math.inf
 
 
 def unlimited_spring_resistance(d, y, i):
@@ -212,8 +212,8 @@ def spring_energy(d, y):
     energy = 0.0
     for i in range(first_joint(d), drive_count(d)):
         if not is_powered(d, i):
-            bent = spring_stretch(d, y, i)
-            energy += 0.5 * d.inputs.drive_stiffness[i] * bent * bent
+            stretch = spring_stretch(d, y, i)
+            energy += 0.5 * d.inputs.drive_stiffness[i] * stretch * stretch
     return energy
 
 
@@ -235,7 +235,7 @@ def drive_force(d, y, i):
     smooth within every step.
     """
     mode = d.drive.mode[i]
-    return unlimited_force(d, y, i) if mode == 0 else float(mode) * d.drive.torque_limit[i]
+    return unlimited_force(d, y, i) if mode == 0 else float(mode) * d.drive.limit[i]
 
 
 def transmitted_moment(d, y, rate, i):
@@ -283,15 +283,13 @@ def mode_margin(d, y):
     """
     least = math.inf
     for i in range(drive_count(d)):
-        mode, limit = d.drive.mode[i], d.drive.torque_limit[i]
+        mode, limit = d.drive.mode[i], d.drive.limit[i]
         if 0.0 < limit < math.inf:
-            unlimited, size = (
-                unlimited_force(d, y, i),
-                coordinates_of_drive(d, y, i) + abs(d.inputs.target[i]),
-            )
+            unlimited = unlimited_force(d, y, i)
+            coordinate_sum = coordinate_sum_of_drive(d, y, i) + abs(d.inputs.target[i])
             margin = limit - abs(unlimited) if mode == 0 else float(mode) * unlimited - limit
             _, stiffness = slopes_below_limit(d, i)
-            margin += DRIVE_EXCESS * limit + SPRING_ROUND_OFF * stiffness * size
+            margin += DRIVE_EXCESS * limit + SPRING_ROUND_OFF * stiffness * coordinate_sum
             least = min(least, margin * moment_factor(d, i))
     return least
 

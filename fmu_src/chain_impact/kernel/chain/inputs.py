@@ -207,11 +207,9 @@ def begin_prescribed_motions(d, time):
     channel.run_start, channel.until, channel.contradiction = time, time, 0
     for j in range(d.channels):
         channel.given_position[j], channel.given_velocity[j] = given.position[j], given.velocity[j]
-        channel.given_acceleration[j], channel.given_at[j], channel.mean_velocity[j] = (
-            given.acceleration[j],
-            time,
-            0.0,
-        )
+        channel.given_acceleration[j] = given.acceleration[j]
+        channel.given_at[j] = time
+        channel.mean_velocity[j] = 0.0
         channel.from_position[j], channel.from_velocity[j] = given.position[j], given.velocity[j]
         channel.anchored[j] = 1 - given.belt[j]
     if not given.interpolates:
@@ -293,16 +291,16 @@ def set_cubic(d, j, time, h):
     else:
         s_end = s + 0.5 * h * (v + v_end)
     v, v_end = 0.5 * h * v, 0.5 * h * v_end
-    size = abs(s) + abs(s_end) + abs(v) + abs(v_end)
+    term_sum = abs(s) + abs(s_end) + abs(v) + abs(v_end)
     third = 0.25 * (s - s_end + v + v_end)
-    if not abs(third) > ACCELERATION_ROUND_OFF * size:
+    if not abs(third) > ACCELERATION_ROUND_OFF * term_sum:
         third = 0.0
     given.piece[3, j] = third
     given.piece[2, j] = 0.25 * (v_end - v)
     given.piece[1, j] = 0.5 * (s_end - s) - third
     given.piece[0, j] = 0.5 * (s + s_end) - given.piece[2, j]
-    bend = (given.piece[2, j] - 3.0 * third) * 8.0 - channel.acceleration[j] * h * h
-    return abs(bend) <= ACCELERATION_ROUND_OFF * size
+    jump = (given.piece[2, j] - 3.0 * third) * 8.0 - channel.acceleration[j] * h * h
+    return abs(jump) <= ACCELERATION_ROUND_OFF * term_sum
 
 
 def store_given_motion(d, j, now):
@@ -318,19 +316,15 @@ def store_given_motion(d, j, now):
     as_before = s == channel.given_position[j] and channel.mean_velocity[j] == 0.0
     if as_before and v == channel.given_velocity[j] and a == channel.given_acceleration[j]:
         return True
-    lasted, before, displacement = (
-        now - channel.given_at[j],
-        channel.from_velocity[j],
-        s - channel.from_position[j],
-    )
+    lasted = now - channel.given_at[j]
+    before = channel.from_velocity[j]
+    displacement = s - channel.from_position[j]
     at_rest, v_anew = v == 0.0 and a == 0.0 and before == 0.0, v != channel.given_velocity[j]
     channel.given_position[j], channel.given_velocity[j], channel.given_acceleration[j] = s, v, a
-    channel.given_at[j], channel.mean_velocity[j], channel.from_position[j], channel.from_velocity[j] = (
-        now,
-        0.0,
-        s,
-        v,
-    )
+    channel.given_at[j] = now
+    channel.mean_velocity[j] = 0.0
+    channel.from_position[j] = s
+    channel.from_velocity[j] = v
     channel.anchored[j] = 1
     if as_before:
         # no new position is given: the position continues from its present value, and so does the velocity

@@ -76,19 +76,19 @@ def channel_bounds(d, m):
     """Return upper bounds of |velocity| [m/s] and |acceleration| [m/s²] of channel m over the last step."""
     piece, channel = d.inputs.piece, d.channel
     scale = piece.scale
-    most = max(abs(d.step.start - piece.middle), abs(d.step.end - piece.middle)) * scale
-    speed, bend = 0.0 * most, 0.0 * most
+    largest_x = max(abs(d.step.start - piece.middle), abs(d.step.end - piece.middle)) * scale
+    speed, acceleration = 0.0 * largest_x, 0.0 * largest_x
     for k in range(1, piece.degree + 1):
         p = piece.degree + 1 - k
-        size = p * abs(channel.piece[p, m])
-        speed = speed * most + size
+        coefficient = p * abs(channel.piece[p, m])
+        speed = speed * largest_x + coefficient
         if p > 1:
-            bend = bend * most + (p - 1) * size
-    speed, bend = speed * scale, bend * scale * scale
+            acceleration = acceleration * largest_x + (p - 1) * coefficient
+    speed, acceleration = speed * scale, acceleration * scale * scale
     for j in range(d.signals):
         if d.signal.input[j] == CHANNEL and d.signal.index[j] == m:
-            speed, bend = signal_bounds(d, j)
-    return speed, bend
+            speed, acceleration = signal_bounds(d, j)
+    return speed, acceleration
 
 
 def fastest_wall(d):
@@ -112,13 +112,13 @@ def travel_of_piece(d):
     The estimate is the sum of two numbers: the largest sum |c₁| + |c₂| + … of the coefficients of any
     channel's polynomial, and ``travel_of_sines``, the sum of the amplitudes of all channels that sines drive.
     """
-    most = 0.0
+    largest_sum = 0.0
     for m in range(d.channels):
-        total = 0.0
+        coefficient_sum = 0.0
         for p in range(1, d.inputs.piece.degree + 1):
-            total += abs(d.channel.piece[p, m])
-        most = max(most, total)
-    return most + travel_of_sines(d)
+            coefficient_sum += abs(d.channel.piece[p, m])
+        largest_sum = max(largest_sum, coefficient_sum)
+    return largest_sum + travel_of_sines(d)
 
 
 def travel_of_sines(d):
@@ -127,19 +127,19 @@ def travel_of_sines(d):
     An amplitude is that of a position: a sine that gives a velocity is integrated once, a sine that gives an
     acceleration twice.
     """
-    signal, total = d.signal, 0.0
+    signal, amplitude_sum = d.signal, 0.0
     for j in range(d.signals):
         if signal.form[j] == SINE and signal.input[j] == CHANNEL:
             i = signal.source[j]
-            size = abs(signal.amplitude[i])
+            amplitude = abs(signal.amplitude[i])
             # While the frequency f passes 0 at the rate ḟ, the sine turns slowly, and the integral of a sine
             # with the amplitude a changes by about a/√|ḟ|.
             slow = math.sqrt(abs(signal.frequency_rate[i]))
             falls = signal.frequency[i] * signal.frequency_rate[i] < 0.0
             for _ in range(signal.integrals[j]):
-                size /= slow if falls else max(TAU * abs(signal.frequency[i]), slow)
-            total += size
-    return total
+                amplitude /= slow if falls else max(TAU * abs(signal.frequency[i]), slow)
+            amplitude_sum += amplitude
+    return amplitude_sum
 
 
 # ---- segments ---------------------------------------------------------------------------------------------

@@ -64,8 +64,8 @@ def complex_reciprocal(number):
 
     The complex division of numba may raise an error, and has branches, which cost time.
     """
-    size = 1.0 / (number.real * number.real + number.imag * number.imag)
-    return complex(number.real * size, -number.imag * size)
+    inverse_square = 1.0 / (number.real * number.real + number.imag * number.imag)
+    return complex(number.real * inverse_square, -number.imag * inverse_square)
 
 
 @has_complex_rule

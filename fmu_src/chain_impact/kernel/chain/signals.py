@@ -38,7 +38,7 @@ from chain_impact.kernel.record.input_fields import CHANNEL, acts_in_drive
 SINE_KNOTS, RAMP_KNOTS, TRAPEZOID_KNOTS = 3, 3, 5
 RAMP_DEGREE, SPLINE_DEGREE = 5, 3
 # the largest |first| and |second| derivative of ``smooth_ramp`` for x from 0 to 1
-LARGEST_RAMP_SLOPE, LARGEST_RAMP_BEND = 1.875, 5.7735027
+LARGEST_RAMP_SLOPE, LARGEST_RAMP_CURVATURE = 1.875, 5.7735027
 
 
 def signal_at(d, j, time):
@@ -88,9 +88,9 @@ def sine_at(d, j, time):
     a = signal.amplitude[i]
     u, v, w = a * sine, a * rate * cosine, a * (chirp * cosine - rate * rate * sine)
     if rise > 0.0:
-        r, slope, curve = smooth_ramp(s / rise)
-        slope, curve = slope / rise, curve / (rise * rise)
-        u, v, w = r * u, r * v + slope * u, r * w + 2.0 * slope * v + curve * u
+        r, ramp_slope, ramp_curvature = smooth_ramp(s / rise)
+        ramp_slope, ramp_curvature = ramp_slope / rise, ramp_curvature / (rise * rise)
+        u, v, w = r * u, r * v + ramp_slope * u, r * w + 2.0 * ramp_slope * v + ramp_curvature * u
     for m in range(1, signal.integrals[j] + 1):
         u, v, w = a * sine_integral(d, i, m, s, rise), u, v
     return u, v, w
@@ -101,7 +101,7 @@ def signal_bounds(d, j):
     signal, knot, k = d.signal, d.knot, d.signal.segment[j]
     half = 0.5 * (d.step.end - d.step.start)
     x = time_since_knot(d, j, d.step.start + half)
-    rate, bend, power = 0.0 * x, 0.0 * x, 1.0
+    rate, curvature, power = 0.0 * x, 0.0 * x, 1.0
     for n in range(1, signal.degree[j] + 1):
         # c is coefficient n of the polynomial's Taylor series about the middle of the step: the n-th
         # derivative there, divided by n!
@@ -111,23 +111,23 @@ def signal_bounds(d, j):
             c += weight * knot.powers[k, p]
         rate += n * abs(c) * power
         if n > 1:
-            bend += n * (n - 1) * abs(c) * power / half
+            curvature += n * (n - 1) * abs(c) * power / half
         power *= half
     if is_sine(d, j):
-        i, size = signal.source[j], abs(signal.amplitude[signal.source[j]])
+        i, amplitude = signal.source[j], abs(signal.amplitude[signal.source[j]])
         w, chirp = largest_frequency(d, j), TAU * abs(signal.frequency_rate[i])
         rises = signal.segment[j] == signal.first_knot[j] + 1 and signal.rise[i] > 0.0
-        slope = LARGEST_RAMP_SLOPE / signal.rise[i] if rises else 0.0
-        curve = LARGEST_RAMP_BEND / (signal.rise[i] * signal.rise[i]) if rises else 0.0
+        ramp_slope = LARGEST_RAMP_SLOPE / signal.rise[i] if rises else 0.0
+        ramp_curvature = LARGEST_RAMP_CURVATURE / (signal.rise[i] * signal.rise[i]) if rises else 0.0
         if signal.integrals[j] == 0:
-            rate += size * (w + slope)
-            bend += size * (w * w + chirp + 2.0 * slope * w + curve)
+            rate += amplitude * (w + ramp_slope)
+            curvature += amplitude * (w * w + chirp + 2.0 * ramp_slope * w + ramp_curvature)
         elif signal.integrals[j] == 1:
-            rate, bend = rate + size, bend + size * (w + slope)
+            rate, curvature = rate + amplitude, curvature + amplitude * (w + ramp_slope)
         else:
             _, v, _ = sine_at(d, j, d.step.start + half)
-            rate, bend = rate + abs(v) + half * size, bend + size
-    return rate, bend
+            rate, curvature = rate + abs(v) + half * amplitude, curvature + amplitude
+    return rate, curvature
 
 
 def is_sine(d, j):
@@ -150,7 +150,7 @@ def drives_base(d, j):
 
 def acts_in_limited_drive(d, j):
     """Return whether signal j drives the motor, the target or the target velocity of a drive with a limit."""
-    return acts_in_drive(d.signal.input[j]) and d.drive.torque_limit[d.signal.index[j]] < math.inf
+    return acts_in_drive(d.signal.input[j]) and d.drive.limit[d.signal.index[j]] < math.inf
 
 
 def drives_base_as_sine(d, j):
@@ -286,12 +286,12 @@ def begin_signal(d, j, time):
         next_segment(d, j)
 
 
-def set_constant_knot(d, k, time, level):
-    """Set knot k to a constant polynomial with the value ``level``, which begins at a ``time`` [s]."""
+def set_constant_knot(d, k, time, value):
+    """Set knot k to a constant polynomial with the value ``value``, which begins at a ``time`` [s]."""
     d.knot.time[k] = time
     for p in range(1, SIGNAL_DEGREE + 1):
         d.knot.powers[k, p] = 0.0
-    d.knot.powers[k, 0] = level
+    d.knot.powers[k, 0] = value
 
 
 def derive_sine(d, i, k):
@@ -313,26 +313,26 @@ def derive_sine(d, i, k):
 def derive_ramp(d, i, k, shape):
     """Set the knots of a ramp with a ``shape``, from knot k on; row i of `signal` has the ramp's numbers."""
     signal, powers = d.signal, d.knot.powers
-    way, lasts, start = signal.final[i] - signal.initial[i], signal.duration[i], signal.start[i]
+    change, duration, start = signal.final[i] - signal.initial[i], signal.duration[i], signal.start[i]
     set_constant_knot(d, k, start, signal.initial[i])
     set_constant_knot(d, k + 1, start, signal.initial[i])
-    speed = way / lasts
+    speed = change / duration
     if shape == LINEAR:
         powers[k + 1, 1] = speed
     elif shape == SMOOTH:
-        bend = speed / (lasts * lasts)
-        powers[k + 1, 3], powers[k + 1, 4] = 10.0 * bend, -15.0 * bend / lasts
-        powers[k + 1, 5] = 6.0 * bend / (lasts * lasts)
+        coefficient = speed / (duration * duration)
+        powers[k + 1, 3], powers[k + 1, 4] = 10.0 * coefficient, -15.0 * coefficient / duration
+        powers[k + 1, 5] = 6.0 * coefficient / (duration * duration)
     else:
         # a trapezoid has three phases of equal duration: uniform acceleration, uniform speed, uniform
         # deceleration
-        bend = 2.25 * speed / lasts
-        powers[k + 1, 2] = bend
-        set_constant_knot(d, k + 2, start + lasts / 3.0, signal.initial[i] + 0.25 * way)
-        set_constant_knot(d, k + 3, start + 2.0 * lasts / 3.0, signal.initial[i] + 0.75 * way)
-        powers[k + 2, 1], powers[k + 3, 1], powers[k + 3, 2] = 1.5 * speed, 1.5 * speed, -bend
+        coefficient = 2.25 * speed / duration
+        powers[k + 1, 2] = coefficient
+        set_constant_knot(d, k + 2, start + duration / 3.0, signal.initial[i] + 0.25 * change)
+        set_constant_knot(d, k + 3, start + 2.0 * duration / 3.0, signal.initial[i] + 0.75 * change)
+        powers[k + 2, 1], powers[k + 3, 1], powers[k + 3, 2] = 1.5 * speed, 1.5 * speed, -coefficient
         k += 2
-    set_constant_knot(d, k + 2, start + lasts, signal.final[i])
+    set_constant_knot(d, k + 2, start + duration, signal.final[i])
 
 
 def integrate_signal(d, j, time):

@@ -119,8 +119,8 @@ def integral_by_fraction(m, rates, s, rise):
     for k in range(depth):
         n = depth - k
         a, b = 1.0 - n * y * ratio_v, n * y * ratio_u
-        size = a * a + b * b
-        ratio_u, ratio_v = a / size, -b / size
+        squared_modulus = a * a + b * b
+        ratio_u, ratio_v = a / squared_modulus, -b / squared_modulus
         u, v = (u * ratio_v + v * ratio_u) / omega, (v * ratio_v - u * ratio_u) / omega
         if m < n <= last:
             u += rise_coefficient(m, n - m - 1, s, rise)
@@ -153,11 +153,11 @@ def rise_coefficient(m, k, s, rise):
     if not rise > 0.0:
         return 1.0 + 0.0 * s
     x = s / rise
-    r, slope, curve = smooth_ramp(x)
+    r, slope, curvature = smooth_ramp(x)
     if k == 1:
         r = slope
     elif k == 2:
-        r = curve
+        r = curvature
     elif k == 3:
         r = 60.0 - 360.0 * x * (1.0 - x)
     elif k == 4:
@@ -183,9 +183,9 @@ def integral_at_standstill(d, i, begins_up):
     rate = signal.frequency_rate[i]
     middle = signal.phase[i] - 0.5 * TAU * signal.frequency[i] * signal.frequency[i] / rate
     sign = 1.0 if rate > 0.0 else -1.0
-    size = (-0.5 if begins_up else 0.5) * sign / math.sqrt(abs(rate))
+    amplitude = (-0.5 if begins_up else 0.5) * sign / math.sqrt(abs(rate))
     cosine, sine = unit_vector(middle + sign * 0.25 * math.pi)
-    return middle, size * cosine, size * sine
+    return middle, amplitude * cosine, amplitude * sine
 
 
 def add_fresnel_integral(middle, since, g, u, v):

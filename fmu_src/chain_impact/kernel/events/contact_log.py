@@ -31,8 +31,8 @@ from chain_impact.kernel.ode.maximum import maximum_of
 from chain_impact.kernel.record.constants import KINK, NO_EVENT, ONSET, OUTPUT_READER, SOLVER_READER
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import (
-    clearance,
-    gap_acceleration,
+    clearance_acceleration,
+    clearance_and_rate,
     is_at_joint_stop,
     lever_of_candidate,
 )
@@ -64,11 +64,11 @@ def update_extremes(d):
         # step
         ensure_points(d)
         c = contacts.active_index[k]
-        _, gap_rate = clearance(d, c)
+        _, clearance_rate = clearance_and_rate(d, c)
         force_rate = rate_of_force(d, c)
-        peak, depth, _ = find_peaks(d, c, force_rate, d.step.end, SOLVER_READER)
-        set_contact_extremes(d, c, peak, depth)
-        set_start_rates(d, c, -gap_rate, force_rate)
+        peak_force, max_penetration, _ = find_peaks(d, c, force_rate, d.step.end, SOLVER_READER)
+        set_contact_extremes(d, c, peak_force, max_penetration)
+        set_start_rates(d, c, -clearance_rate, force_rate)
     ensure_points(d)
 
 
@@ -80,24 +80,25 @@ def find_peaks(d, c, force_rate, time, reader):
     [N/s] is dF/dt at ``time``; ``reader`` tells for whom the peaks are, OUTPUT_READER or SOLVER_READER.
     """
     contacts = d.contacts
-    gap, gap_rate = clearance(d, c)
-    force = contact_force(d, c, gap, gap_rate)
-    peak, depth = max(contacts.peak_force[c], force), max(contacts.max_penetration[c], -gap)
+    clearance, clearance_rate = clearance_and_rate(d, c)
+    force = contact_force(d, c, clearance, clearance_rate)
+    peak_force = max(contacts.peak_force[c], force)
+    max_penetration = max(contacts.max_penetration[c], -clearance)
     # force and penetration have a maximum inside the step if their rates fall through zero
     force_peaked = contacts.force_rate[c] > 0.0 and force_rate <= 0.0
-    depth_peaked = (
-        contacts.penetration_rate[c] > 0.0 and gap_rate >= 0.0 and not penetration_turns_at_end(d, c)
+    penetration_peaked = (
+        contacts.penetration_rate[c] > 0.0 and clearance_rate >= 0.0 and not penetration_turns_at_end(d, c)
     )
-    if force_peaked or depth_peaked:
+    if force_peaked or penetration_peaked:
         ensure_dense(d, reader)
     first = event_fraction(d)
-    reach = 0.5 * (fraction_at_time(d, time) - first) if force_peaked or depth_peaked else 0.0
+    reach = 0.5 * (fraction_at_time(d, time) - first) if force_peaked or penetration_peaked else 0.0
     middle = first + reach
     if force_peaked:
-        peak = max(peak, largest_force(d, c, middle, reach, middle + reach))
-    if depth_peaked:
-        depth = max(depth, largest_penetration(d, c, middle, reach, middle + reach))
-    return peak, depth, force_peaked or depth_peaked
+        peak_force = max(peak_force, largest_force(d, c, middle, reach, middle + reach))
+    if penetration_peaked:
+        max_penetration = max(max_penetration, largest_penetration(d, c, middle, reach, middle + reach))
+    return peak_force, max_penetration, force_peaked or penetration_peaked
 
 
 def penetration_turns_at_end(d, c):
@@ -123,9 +124,9 @@ def update_held_extremes(d):
         for k in range(d.contacts.compliant_count, d.contacts.active_count):
             c = d.contacts.active_index[k]
             left, top, right = samples[0, k], samples[1, k], d.constraints.impulse[k]
-            peak, bend = right, left - 2.0 * top + right
+            peak, second_difference = right, left - 2.0 * top + right
             if j >= 2 and top > max(left, right):
-                peak = top - (right - left) * (right - left) / (8.0 * bend)
+                peak = top - (right - left) * (right - left) / (8.0 * second_difference)
             set_contact_extremes(d, c, max(d.contacts.peak_force[c], peak), d.contacts.max_penetration[c])
             samples[0, k], samples[1, k] = top, right
     count_evaluations(d, HELD_SAMPLES)
@@ -180,14 +181,16 @@ def list_latest(d):
     theta, time = fraction_at_time(d, d.step.communication_point), d.step.communication_point
     for k in range(d.contacts.active_count):
         c = d.contacts.active_index[k]
-        _, gap_rate = clearance(d, c)
-        peak, depth = max(d.contacts.peak_force[c], d.output.force[c]), 0.0
+        _, clearance_rate = clearance_and_rate(d, c)
+        peak_force, max_penetration = max(d.contacts.peak_force[c], d.output.force[c]), 0.0
         if not d.law.impulsive[c]:
-            peak, depth, elsewhere = find_peaks(d, c, rate_of_force(d, c), time, OUTPUT_READER)
-            if elsewhere:
+            peak_force, max_penetration, points_moved = find_peaks(
+                d, c, rate_of_force(d, c), time, OUTPUT_READER
+            )
+            if points_moved:
                 interpolate_state(d.step, theta, d.scratch.state)
                 locate_points(d, d.scratch.state)
-        log_contact(d, c, rows, time, gap_rate, peak, depth, d.output.impulse[c])
+        log_contact(d, c, rows, time, clearance_rate, peak_force, max_penetration, d.output.impulse[c])
         rows += 1
     for row in range(min(rows, len(log.point))):
         entry = d.impact.count - log.impact_number[row]
@@ -205,30 +208,30 @@ def rate_of_force(d, c):
     """Return dF/dt [N/s] of the force F of contact c, which has a force law, for the accelerated points."""
     stiffness, damping = contact_slopes(d, c)
     # F is a function of the penetration δ and its rate: Ḟ = ∂F/∂δ δ̇ + ∂F/∂δ̇ δ̈
-    _, gap_rate = clearance(d, c)
-    return -(stiffness * gap_rate + damping * gap_acceleration(d, c))
+    _, clearance_rate = clearance_and_rate(d, c)
+    return -(stiffness * clearance_rate + damping * clearance_acceleration(d, c))
 
 
-def force_at(d, c, theta):
+def force_at_fraction(d, c, theta):
     """Return the normal force [N] of contact c, which has a force law, at the fraction θ of the last step."""
-    gap, gap_rate = clearance_at(d, c, theta)
-    return contact_force(d, c, gap, gap_rate)
+    clearance, clearance_rate = clearance_at_fraction(d, c, theta)
+    return contact_force(d, c, clearance, clearance_rate)
 
 
-def penetration_at(d, c, theta):
+def penetration_at_fraction(d, c, theta):
     """Return the penetration [m] of candidate c at the fraction θ of the last step."""
-    gap, _ = clearance_at(d, c, theta)
-    return -gap
+    clearance, _ = clearance_at_fraction(d, c, theta)
+    return -clearance
 
 
-def clearance_at(d, c, theta):
+def clearance_at_fraction(d, c, theta):
     """Return the clearance [m] of candidate c, and its rate [m/s], at the fraction θ of the last step."""
     interpolate_state(d.step, theta, d.scratch.state)
     locate_points(d, d.scratch.state)
-    return clearance(d, c)
+    return clearance_and_rate(d, c)
 
 
-largest_force, largest_penetration = maximum_of(force_at), maximum_of(penetration_at)
+largest_force, largest_penetration = maximum_of(force_at_fraction), maximum_of(penetration_at_fraction)
 
 
 def clear_log(d):
@@ -253,9 +256,11 @@ def end_contact(d, c, was_rigid):
     ``was_rigid`` tells whether a rigid wall held the point until now; the wall may already have got a law
     with a force. The points must be located at the end of the last step.
     """
-    _, gap_rate = clearance(d, c)
+    _, clearance_rate = clearance_and_rate(d, c)
     # a point leaves a rigid wall with a rate of 0 or more, so a negative rate is round-off
-    log_with_peaks(d, c, d.contact_log.count, d.step.end, max(0.0, gap_rate) if was_rigid else gap_rate)
+    log_with_peaks(
+        d, c, d.contact_log.count, d.step.end, max(0.0, clearance_rate) if was_rigid else clearance_rate
+    )
     d.contact_log.count += 1
     deactivate_candidate(d, c)
 
@@ -279,14 +284,14 @@ def log_with_peaks(d, c, row, end, separation_speed):
     and ``separation_speed`` are as for ``log_contact``.
     """
     contacts, peaks, arm = d.contacts, d.peaks, lever_of_candidate(d, c)
-    force, depth = contacts.peak_force[c], contacts.max_penetration[c]
-    log_contact(d, c, row, end, separation_speed, force, depth, d.quadrature.integral[c])
+    peak_force, max_penetration = contacts.peak_force[c], contacts.max_penetration[c]
+    log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, d.quadrature.integral[c])
     if not is_at_joint_stop(d, c):
-        peaks.force = max(peaks.force, force)
-        peaks.penetration = max(peaks.penetration, depth)
+        peaks.force = max(peaks.force, peak_force)
+        peaks.penetration = max(peaks.penetration, max_penetration)
     else:
-        peaks.moment = max(peaks.moment, force * arm)
-        peaks.rotation = max(peaks.rotation, depth / arm)
+        peaks.moment = max(peaks.moment, peak_force * arm)
+        peaks.rotation = max(peaks.rotation, max_penetration / arm)
 
 
 def log_contact(d, c, row, end, separation_speed, peak_force, max_penetration, impulse):

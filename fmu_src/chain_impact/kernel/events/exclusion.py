@@ -11,11 +11,11 @@ import math
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.prescribed_motion import fastest_wall, travel_of_piece
 from chain_impact.kernel.ode.last_step import ensure_points, largest_turn
-from chain_impact.kernel.ode.sundman import root_curve, root_rate, time_rate_at
+from chain_impact.kernel.ode.sundman import root_curvature, root_rate, time_rate_at
 from chain_impact.kernel.ode.sundman_rate import regularized_time_rate_change
-from chain_impact.kernel.record.constants import CURVES_KNOWN, DISTANCE_KNOWN, NO_CONTACT, NOTHING_KNOWN
+from chain_impact.kernel.record.constants import CURVATURES_KNOWN, DISTANCE_KNOWN, NO_CONTACT, NOTHING_KNOWN
 from chain_impact.kernel.record.state import sundman_u_at
-from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, length_bound
+from chain_impact.kernel.rows.geometry import clearance_acceleration, clearance_and_rate, length_bound
 
 # [rad] If a link turns, or the phase of an input advances, by SMALL_TURN or more in an explicit step, the
 # estimate of the interpolant's error is not valid, and the step is searched for events.
@@ -60,16 +60,16 @@ def excludes_events(d):
     turn = max(largest_turn(d), (d.step.end - d.step.start) * d.search.input_rate)
     if turn < SMALL_TURN and remains_far(d):
         return True
-    if known_clearances(d) != CURVES_KNOWN:
+    if known_clearances(d) != CURVATURES_KNOWN:
         locate_points(d, d.step.state)
         accelerate_points(d, d.step.state, d.scratch.rate_start)
         measure_all_candidates(d, d.step.state)
         ensure_points(d)
     begin_next_interval(d)
     for c in range(d.candidates):
-        d.search.phi_start_curve[c] = d.search.phi_end_curve[c]
+        d.search.phi_start_curvature[c] = d.search.phi_end_curvature[c]
     measure_all_candidates(d, d.step.state_end)
-    remember_clearances(d, CURVES_KNOWN)
+    remember_clearances(d, CURVATURES_KNOWN)
     # The interpolant of a clearance φ has the error h⁶ φ⁽⁶⁾/46080, with the step size h. `error` is ten times
     # this for the tip of a stretched chain in uniform rotation. If the motion may decay or oscillate with a
     # rate ρ above the angular velocity of the rotation, |φ⁽⁶⁾| = ρ⁴ |φ̈| counts, with the φ̈ of the rotation.
@@ -160,15 +160,13 @@ def remains_far(d):
     search.acceleration_bound = length_bound(d, d.scratch.acceleration)
     if d.channels > 0:
         rate, rate_change = fastest_wall(d)
-        search.speed_bound, search.acceleration_bound = (
-            search.speed_bound + rate,
-            search.acceleration_bound + rate_change,
-        )
+        search.speed_bound = search.speed_bound + rate
+        search.acceleration_bound = search.acceleration_bound + rate_change
     # `way` estimates how far any place moves relative to walls in the step, from the speeds and accelerations
     # at both ends; the acceleration counts double, as a margin
     way = lasted * (max(speed, search.speed_bound) + lasted * max(acceleration, search.acceleration_bound))
     search.safe_distance -= way
-    if not (known_clearances(d) >= CURVES_KNOWN and search.safe_distance > allowed_position_error(d)):
+    if not (known_clearances(d) >= CURVATURES_KNOWN and search.safe_distance > allowed_position_error(d)):
         return False
     if step.regularized == NO_CONTACT:
         far = d.contacts.compliant_count == 0
@@ -189,9 +187,9 @@ def is_nearly_fast(d, c):
 
     The rate at the start of the step and the rate at the located points count.
     """
-    _, gap_rate = clearance(d, c)
+    _, clearance_rate = clearance_and_rate(d, c)
     return (
-        max(d.contacts.penetration_rate[c], -gap_rate)
+        max(d.contacts.penetration_rate[c], -clearance_rate)
         > NEARLY_FAST * RELATCH_RATIO * d.contacts.latched_speed[c]
     )
 
@@ -205,9 +203,9 @@ def stays_positive(d, c, error):
     """
     h = d.step.size
     b1 = d.search.phi_start[c] + h * d.search.phi_start_rate[c] / 5.0
-    b2 = 2.0 * b1 - d.search.phi_start[c] + h * h * d.search.phi_start_curve[c] / 20.0
+    b2 = 2.0 * b1 - d.search.phi_start[c] + h * h * d.search.phi_start_curvature[c] / 20.0
     b4 = d.search.phi_end[c] - h * d.search.phi_end_rate[c] / 5.0
-    b3 = 2.0 * b4 - d.search.phi_end[c] + h * h * d.search.phi_end_curve[c] / 20.0
+    b3 = 2.0 * b4 - d.search.phi_end[c] + h * h * d.search.phi_end_curvature[c] / 20.0
     least = min(b1, b2, b3, b4, d.search.phi_end[c])
     most = max(b1, b2, b3, b4, d.search.phi_end[c])
     return least > BERNSTEIN_MARGIN * (most - least) + error - d.law.harmless_depth[c]
@@ -239,16 +237,16 @@ def measure_all_candidates(d, y):
     least = math.inf
     for c in range(d.candidates):
         # derivatives of a clearance φ in the step's variable s, with p = dt/ds: φ′ = p φ̇, φ″ = p² φ̈ + p′ φ̇
-        _, gap_rate = clearance(d, c)
-        d.search.phi_end_curve[c] = p * p * gap_acceleration(d, c) + change * gap_rate
+        _, clearance_rate = clearance_and_rate(d, c)
+        d.search.phi_end_curvature[c] = p * p * clearance_acceleration(d, c) + change * clearance_rate
         least = min(least, math.inf if d.contacts.active[c] else d.search.phi_end[c])
     d.search.safe_distance = least
     for k in range(d.contacts.compliant_count):
         c = d.contacts.active_index[k]
         if c == d.step.regularized:
-            d.search.phi_end_curve[c] = root_curve(d, d.search.phi_end[c], d.search.phi_end_rate[c])
+            d.search.phi_end_curvature[c] = root_curvature(d, d.search.phi_end[c], d.search.phi_end_rate[c])
         else:
-            d.search.phi_end_curve[c] = -d.search.phi_end_curve[c]
+            d.search.phi_end_curvature[c] = -d.search.phi_end_curvature[c]
 
 
 def set_clearances(d, y):
@@ -261,8 +259,8 @@ def set_clearances(d, y):
     for c in range(d.candidates):
         # all candidates are first treated as without contact: a branch in this loop would cost more than
         # setting active contacts again below
-        gap, gap_rate = clearance(d, c)
-        d.search.phi_end[c], d.search.phi_end_rate[c] = gap, p * gap_rate
+        clearance, clearance_rate = clearance_and_rate(d, c)
+        d.search.phi_end[c], d.search.phi_end_rate[c] = clearance, p * clearance_rate
     for k in range(d.contacts.active_count):
         set_clearance(d, d.contacts.active_index[k], u, slope)
     return slope
@@ -295,10 +293,10 @@ def set_clearance(d, c, u, slope):
         # wall; an event RELEASE (record/constants.py) ends it
         d.search.phi_end[c], d.search.phi_end_rate[c] = math.inf, 0.0
         return
-    gap, gap_rate = clearance(d, c)
+    clearance, clearance_rate = clearance_and_rate(d, c)
     sign = -1.0 if d.contacts.active[c] else 1.0
-    d.search.phi_end[c] = sign * gap
-    d.search.phi_end_rate[c] = sign * time_rate_at(d, u) * gap_rate
+    d.search.phi_end[c] = sign * clearance
+    d.search.phi_end_rate[c] = sign * time_rate_at(d, u) * clearance_rate
 
 
 def begin_next_interval(d):

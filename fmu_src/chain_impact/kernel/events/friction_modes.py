@@ -252,7 +252,7 @@ def acceleration_error(d):
         left = max(left, abs(tangential_acceleration(d, d.element.stuck[i])))
     return (
         ACCELERATION_ERROR
-        * (largest_component(d, d.scratch.acceleration) + d.chain.gravity_size + d.chain.longest_link)
+        * (largest_component(d, d.scratch.acceleration) + d.chain.gravity_magnitude + d.chain.longest_link)
         + 2.0 * left
     )
 

@@ -45,7 +45,7 @@ from chain_impact.kernel.record.constants import (
     RELATCH,
 )
 from chain_impact.kernel.rows.constraints import any_point_held
-from chain_impact.kernel.rows.geometry import clearance
+from chain_impact.kernel.rows.geometry import clearance_and_rate
 
 # A contact ends already before its point is outside, if the point needs at most LEAVING_TIME times the
 # contact's time scale to get out. Otherwise an impact would take one step more: a tenth of the impact's cost,
@@ -61,12 +61,13 @@ def end_if_point_left(d, c):
     out. In these cases the contact does not end.
     """
     contacts = d.contacts
-    gap, gap_rate = clearance(d, c)
+    clearance, clearance_rate = clearance_and_rate(d, c)
     # the time to get out, −g/ġ for the clearance g, is at most LEAVING_TIME times the contact's time scale,
     # expected penetration over latched speed
     if (
-        gap_rate >= 0.0
-        and -gap * contacts.latched_speed[c] <= LEAVING_TIME * contacts.expected_penetration[c] * gap_rate
+        clearance_rate >= 0.0
+        and -clearance * contacts.latched_speed[c]
+        <= LEAVING_TIME * contacts.expected_penetration[c] * clearance_rate
     ):
         end_contact(d, c, False)
 

@@ -66,8 +66,8 @@ from chain_impact.kernel.rows.constraints import (
     remove_from_active_set,
 )
 from chain_impact.kernel.rows.geometry import (
-    clearance,
-    coordinates_size,
+    clearance_and_rate,
+    coordinate_sum,
     is_at_joint_stop,
     largest_coordinate,
     largest_velocity,
@@ -81,13 +81,13 @@ LEAST_REBOUND_SPEED = 1e-3
 # p and the speeds u⁻ before and u⁺ after them; and the round-off of a speed, relative to the largest speed.
 IMPACT_ROUND_OFF = 1e-9
 # A point that is released gets a small clearance, far larger than round-off, so that round-off does not make
-# the point touch again: the larger of RELEASE_GAP times the longest link and RELEASE_OF_COORDINATES times the
-# size of the coordinates whose round-off enters the clearance.
-RELEASE_GAP, RELEASE_OF_COORDINATES = 1e-13, 1e-14
-# The distance NEAR_WALL_CLEARANCE × ``release_gap`` has two uses, both against endless impacts. A point with
-# a smaller clearance almost touches its wall (``join_near_contacts``). And arriving points come to rest if
-# their kinetic energy is at most the work of weight and dry friction over this distance (``is_gentle``). So
-# both uses include a point that has just been released.
+# the point touch again: the larger of RELEASE_CLEARANCE times the longest link and RELEASE_OF_COORDINATES
+# times the size of the coordinates whose round-off enters the clearance.
+RELEASE_CLEARANCE, RELEASE_OF_COORDINATES = 1e-13, 1e-14
+# The distance NEAR_WALL_CLEARANCE × ``release_clearance`` has two uses, both against endless impacts. A point
+# with a smaller clearance almost touches its wall (``join_near_contacts``). And arriving points come to rest
+# if their kinetic energy is at most the work of weight and dry friction over this distance (``is_gentle``).
+# So both uses include a point that has just been released.
 NEAR_WALL_CLEARANCE = 10.0
 
 
@@ -144,8 +144,8 @@ def begin_late_contacts(d):
     """
     onset, round_off = -1, SIGN_TOLERANCE * largest_velocity(d)
     for c in range(d.candidates):
-        _, gap_rate = clearance(d, c)
-        if d.contacts.event[c] == ONSET and not d.law.impulsive[c] and gap_rate < -round_off:
+        _, clearance_rate = clearance_and_rate(d, c)
+        if d.contacts.event[c] == ONSET and not d.law.impulsive[c] and clearance_rate < -round_off:
             begin_force_contact(d, c)
             onset = c
     list_active_contacts(d)
@@ -157,10 +157,10 @@ def set_rates_after_impulses(d):
     locate_points_now(d, d.step.state_end)
     for k in range(d.contacts.compliant_count):
         c = d.contacts.active_index[k]
-        _, gap_rate = clearance(d, c)
+        _, clearance_rate = clearance_and_rate(d, c)
         # The force may have jumped to its peak, and its true rate may be negative, which would hide this peak
         # from the next search. So the rate of the force is set to a positive value, 1.0.
-        set_start_rates(d, c, -gap_rate, 1.0)
+        set_start_rates(d, c, -clearance_rate, 1.0)
         set_kink_side(d, c)
 
 
@@ -169,13 +169,13 @@ def join_near_contacts(d):
 
     Otherwise a link wedged between two walls would hit the walls in turn, infinitely often in a finite time.
     """
-    contacts, far = d.contacts, largest_coordinate(d)
+    contacts, position_scale = d.contacts, largest_coordinate(d)
     for c in range(d.candidates):
-        gap, _ = clearance(d, c)
+        clearance, _ = clearance_and_rate(d, c)
         if (
             d.law.impulsive[c]
             and not contacts.active[c]
-            and gap < NEAR_WALL_CLEARANCE * release_gap(d, c, far)
+            and clearance < NEAR_WALL_CLEARANCE * release_clearance(d, c, position_scale)
         ):
             join_impact(d, c)
             mark_contact_event(d, c, NEIGHBOUR)
@@ -267,14 +267,14 @@ def is_gentle(d):
     impulses could make a joint slide, the joint's friction would lift points, these points would arrive
     gently again, and so on without end.
     """
-    force = mean_mass(d) * d.links * (d.chain.gravity_size + d.chain.longest_link)
-    slow, energy, fall, far = True, 0.0, 0.0, largest_coordinate(d)
+    force = mean_mass(d) * d.links * (d.chain.gravity_magnitude + d.chain.longest_link)
+    slow, energy, fall, position_scale = True, 0.0, 0.0, largest_coordinate(d)
     for c in range(d.candidates):
         if d.contacts.event[c] == ONSET and d.law.impulsive[c]:
             speed = d.contacts.impact_speed[c]
             slow = slow and speed <= LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]
             energy += 0.5 * d.contacts.effective_mass[c] * speed * speed
-            fall = max(fall, NEAR_WALL_CLEARANCE * release_gap(d, c, far))
+            fall = max(fall, NEAR_WALL_CLEARANCE * release_clearance(d, c, position_scale))
     for i in range(d.friction.stuck_count):
         force += d.element.limit[d.element.stuck[i]]
     return slow or energy <= force * fall
@@ -335,24 +335,24 @@ def end_unstopped_contacts(d):
     list_active_contacts(d)
 
 
-def release_gap(d, c, far):
+def release_clearance(d, c, position_scale):
     """Return the clearance [m] that the point of candidate c gets when its wall releases it.
 
-    ``far`` [m] is the result of ``largest_coordinate``. At a joint's stop the size of the joint's angles
-    (``coordinates_size``) is used in place of ``far``, because the round-off of angles does not grow with the
-    distance from the origin.
+    ``position_scale`` [m] is the result of ``largest_coordinate``. At a joint's stop the size of the joint's
+    angles (``coordinate_sum``) is used in place of ``position_scale``, because the round-off of angles does
+    not grow with the distance from the origin.
     """
-    size = coordinates_size(d, c, d.step.state_end) if is_at_joint_stop(d, c) else far
-    return max(RELEASE_GAP * d.chain.longest_link, RELEASE_OF_COORDINATES * size)
+    coordinate_scale = coordinate_sum(d, c, d.step.state_end) if is_at_joint_stop(d, c) else position_scale
+    return max(RELEASE_CLEARANCE * d.chain.longest_link, RELEASE_OF_COORDINATES * coordinate_scale)
 
 
 def release_contacts(d):
-    """End the held contacts that are not in the active set, and give them a clearance (``release_gap``)."""
-    parting, far = False, largest_coordinate(d)
+    """End held contacts outside the active set, and give them a clearance, ``release_clearance``."""
+    parting, position_scale = False, largest_coordinate(d)
     set_unforced_to_state(d, 0)
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
         c, released = d.contacts.active_index[k], not d.constraints.in_active_set[k]
-        add_to_active_set(d, k, release_gap(d, c, far) if released else 0.0)
+        add_to_active_set(d, k, release_clearance(d, c, position_scale) if released else 0.0)
         if released:
             end_contact(d, c, True)
             parting = True

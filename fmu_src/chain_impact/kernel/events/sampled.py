@@ -51,7 +51,7 @@ from chain_impact.kernel.record.constants import (
 )
 from chain_impact.kernel.record.state import omega_at, velocity_at
 from chain_impact.kernel.rows.compliance import mean_mass
-from chain_impact.kernel.rows.geometry import clearance, tangential_rate
+from chain_impact.kernel.rows.geometry import clearance_and_rate, tangential_rate
 
 # SAMPLES: the number of samples in the searched part of a step in which a stage or an end shows an event. The
 # search for RELATCH takes FEW_SAMPLES: if it misses an event, the latched speed only stays too low.
@@ -184,8 +184,8 @@ def side_of_kink_at(d, c, theta):
 def relatch_margin(d, c, theta):
     """Return RELATCH_RATIO v₀ − δ̇ [m/s] of contact c at θ; if this is < 0, the speed v₀ is latched again."""
     locate_at_fraction(d, theta)
-    _, gap_rate = clearance(d, c)
-    return RELATCH_RATIO * d.contacts.latched_speed[c] + gap_rate
+    _, clearance_rate = clearance_and_rate(d, c)
+    return RELATCH_RATIO * d.contacts.latched_speed[c] + clearance_rate
 
 
 find_relatch = make_search(
@@ -224,7 +224,7 @@ def pull_limit(d):
         PULL_ROUND_OFF
         * d.chain.energy_scale
         / (d.chain.longest_link * d.chain.longest_link)
-        * (d.chain.gravity_size + d.chain.longest_link)
+        * (d.chain.gravity_magnitude + d.chain.longest_link)
     )
 
 
@@ -240,8 +240,9 @@ def plausible_pull(d):
     for i in range(d.links):
         omega, alpha = d.step.state[first + i], d.scratch.rate_start[first + i]
         turning = max(turning, omega * omega + abs(alpha))
-    size = d.chain.longest_link
-    return d.chain.energy_scale / (size * size) * (d.chain.gravity_size + carriage + d.links * size * turning)
+    longest_link = d.chain.longest_link
+    mass = d.chain.energy_scale / (longest_link * longest_link)
+    return mass * (d.chain.gravity_magnitude + carriage + d.links * longest_link * turning)
 
 
 def least_force(d, _c, theta):
@@ -311,7 +312,7 @@ def rest_speed(d):
 def friction_round_off(d, e):
     """Return the excess [N] of the friction force of element e over its limit that counts as round-off."""
     return FRICTION_EXCESS * (
-        d.element.limit[e] + mean_mass(d) * (d.chain.gravity_size + d.chain.longest_link)
+        d.element.limit[e] + mean_mass(d) * (d.chain.gravity_magnitude + d.chain.longest_link)
     )
 
 
@@ -364,7 +365,7 @@ def is_past_limit(d, _c):
     if not d.chain.has_drive_limits:
         return False
     ensure_inputs(d, d.step.state_end)
-    return min(d.drive.torque_margin, mode_margin(d, d.step.state_end)) < 0.0
+    return min(d.drive.mode_margin, mode_margin(d, d.step.state_end)) < 0.0
 
 
 def drive_margin(d, _c, theta):

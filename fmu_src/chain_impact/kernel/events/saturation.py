@@ -26,5 +26,5 @@ def choose_saturation(d):
         return
     ensure_inputs(d, d.step.state_end)
     for i in range(drive_count(d)):
-        d.drive.mode[i] = drive_mode(unlimited_force(d, d.step.state_end, i), d.drive.torque_limit[i])
+        d.drive.mode[i] = drive_mode(unlimited_force(d, d.step.state_end, i), d.drive.limit[i])
     mark_saturation(d, 0)

@@ -49,7 +49,7 @@ from chain_impact.kernel.record.constants import (
 )
 from chain_impact.kernel.record.state import time_at
 from chain_impact.kernel.rows.constraints import any_point_held
-from chain_impact.kernel.rows.geometry import clearance, coordinates_size, gap_acceleration
+from chain_impact.kernel.rows.geometry import clearance_acceleration, clearance_and_rate, coordinate_sum
 
 # The largest depth in the wall, relative to the longest link, at which an onset may be located. Onsets are
 # located up to round-off, about 1e-15. A deeper onset is an error of the step, and would add energy: 1e-11 J
@@ -173,10 +173,10 @@ def starts_clear(d, lasted):
     for c in range(d.candidates):
         if d.contacts.event[c] in (ONSET, CONTACT_ENDS) and c != d.step.regularized:
             sign = -1.0 if d.contacts.active[c] else 1.0
-            gap, gap_rate = clearance(d, c)
+            clearance, clearance_rate = clearance_and_rate(d, c)
             # the change of the clearance g, also of a candidate in contact: ġ t + ½ g̈ t²
-            move = lasted * (gap_rate + 0.5 * lasted * gap_acceleration(d, c))
-            clear = clear or (sign * gap >= 0.0 and sign * (0.5 * gap + move) > 0.0)
+            move = lasted * (clearance_rate + 0.5 * lasted * clearance_acceleration(d, c))
+            clear = clear or (sign * clearance >= 0.0 and sign * (0.5 * clearance + move) > 0.0)
     locate_points(d, d.scratch.state)
     return clear
 
@@ -234,14 +234,14 @@ def onset_lateness(d, y):
     seconds = d.step.size * time_rate_for_sizes(d, y)
     for c in range(d.candidates):
         if d.contacts.event[c] == ONSET:
-            gap, gap_rate = clearance(d, c)
-            late = gap / (gap_rate * seconds)
-            if abs(late) > LANDING_TIME and abs(gap) <= CLEARANCE_ROUND_OFF * (
-                d.chain.longest_link + coordinates_size(d, c, y)
+            clearance, clearance_rate = clearance_and_rate(d, c)
+            late = clearance / (clearance_rate * seconds)
+            if abs(late) > LANDING_TIME and abs(clearance) <= CLEARANCE_ROUND_OFF * (
+                d.chain.longest_link + coordinate_sum(d, c, y)
             ):
                 late = 0.0
-            latest = max(latest, late if gap_rate < 0.0 and abs(late) <= LANDING_TIME else math.inf)
-            deepest = max(deepest, -gap)
+            latest = max(latest, late if clearance_rate < 0.0 and abs(late) <= LANDING_TIME else math.inf)
+            deepest = max(deepest, -clearance)
     return latest, deepest
 
 

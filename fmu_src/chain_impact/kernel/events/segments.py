@@ -25,9 +25,9 @@ from chain_impact.kernel.record.input_fields import CHANNEL
 from chain_impact.kernel.status import OK, SIGNAL_JUMPS
 
 # The effect of the end of a signal's segment on the motion. NO_JUMP: neither speeds nor accelerations jump.
-# BENDS: an input, or the acceleration of a channel, jumps; accelerations of the chain may jump. SPEED_JUMPS:
-# the speed of a belt jumps, and so do speeds of sliding on it.
-NO_JUMP, BENDS, SPEED_JUMPS = 0, 1, 2
+# ACCELERATION_JUMPS: an input, or the acceleration of a channel, jumps; accelerations of the chain may jump.
+# SPEED_JUMPS: the speed of a belt jumps, and so do speeds of sliding on it.
+NO_JUMP, ACCELERATION_JUMPS, SPEED_JUMPS = 0, 1, 2
 # The values of a signal before and after the end of a segment are equal if their difference is at most
 # JUMP_TOLERANCE, relative to a sum: the absolute values before and after, and a scale that the caller of
 # ``equal_up_to_round_off`` gives.
@@ -73,14 +73,16 @@ def check_segments(d):
     """
     for j in range(d.signals):
         if d.signal.input[j] == CHANNEL and has_segment_ended(d, j):
-            before, rate, bend = signal_at(d, j, d.step.end)
+            before, rate, curvature = signal_at(d, j, d.step.end)
             k, lap = d.signal.segment[j], d.signal.lap[j]
             begin_next_segment(d, j)
-            after, rate_after, bend_after = signal_at(d, j, d.step.end)
+            after, rate_after, curvature_after = signal_at(d, j, d.step.end)
             set_segment(d, j, k, lap)
-            size = d.chain.longest_link
-            jumps = not equal_up_to_round_off(before, after, abs(rate) + abs(rate_after) + size)
-            jumps = jumps or not equal_up_to_round_off(rate, rate_after, abs(bend) + abs(bend_after) + size)
+            longest_link = d.chain.longest_link
+            jumps = not equal_up_to_round_off(before, after, abs(rate) + abs(rate_after) + longest_link)
+            jumps = jumps or not equal_up_to_round_off(
+                rate, rate_after, abs(curvature) + abs(curvature_after) + longest_link
+            )
             if jumps and not d.given_channel.belt[d.signal.index[j]]:
                 return SIGNAL_JUMPS
     return OK
@@ -104,30 +106,31 @@ def begin_segments(d):
     energy.
 
     Returns:
-        The largest effect of these segments on the motion, in the order NO_JUMP < BENDS < SPEED_JUMPS.
+        The largest effect of these segments on the motion, in the order NO_JUMP < ACCELERATION_JUMPS <
+        SPEED_JUMPS.
     """
     last = -1
     for j in range(d.signals):
         if has_segment_ended(d, j):
             last = j
-    change = NO_JUMP
+    effect = NO_JUMP
     for j in range(last + 1):
         if has_segment_ended(d, j):
             delay = segment_end(d, j) - d.step.end
             shift_start(d, delay)
-            change = max(change, begin_segment(d, j))
-            if change != NO_JUMP and j == last:
+            effect = max(effect, begin_segment(d, j))
+            if effect != NO_JUMP and j == last:
                 commit_quadratures(d)
-                reinit_contacts_and_modes(d, change == SPEED_JUMPS)
+                reinit_contacts_and_modes(d, effect == SPEED_JUMPS)
                 reset_step(d, d.step.end, d.step.state_end)
-            if change != NO_JUMP or d.channels > 0:
+            if effect != NO_JUMP or d.channels > 0:
                 evaluate_start(d)
             shift_start(d, -delay)
-    return change
+    return effect
 
 
 def begin_segment(d, j):
-    """Begin the next segment of signal j; return its effect on the motion: NO_JUMP, BENDS or SPEED_JUMPS.
+    """Begin the next segment of signal j; return its effect on the motion, such as SPEED_JUMPS.
 
     If the target of a drive jumps, the drive's spring gains or loses energy at once, which counts as supplied
     energy.
@@ -137,12 +140,12 @@ def begin_segment(d, j):
     locate_points(d, y)
     ensure_inputs(d, y)
     energy = energy_balance(d, y) if stores else 0.0
-    before, rate, bend = signal_at(d, j, d.step.end)
+    before, rate, curvature = signal_at(d, j, d.step.end)
     begin_next_segment(d, j)
-    after, rate_after, bend_after = signal_at(d, j, d.step.end)
+    after, rate_after, curvature_after = signal_at(d, j, d.step.end)
     locate_points(d, y)
     ensure_inputs(d, y)
-    size = d.chain.longest_link
+    longest_link = d.chain.longest_link
     if stores:
         # a signal of a channel adds no energy here: the position and velocity of base and walls never jump,
         # and a belt stores no energy
@@ -151,13 +154,17 @@ def begin_segment(d, j):
         return (
             NO_JUMP
             if equal_up_to_round_off(before, after, abs(rate) + abs(rate_after) + d.chain.energy_scale)
-            else BENDS
+            else ACCELERATION_JUMPS
         )
     if d.given_channel.belt[d.signal.index[j]] and not equal_up_to_round_off(
-        rate, rate_after, abs(bend) + abs(bend_after) + size
+        rate, rate_after, abs(curvature) + abs(curvature_after) + longest_link
     ):
         return SPEED_JUMPS
-    return NO_JUMP if equal_up_to_round_off(bend, bend_after, abs(rate) + abs(rate_after) + size) else BENDS
+    return (
+        NO_JUMP
+        if equal_up_to_round_off(curvature, curvature_after, abs(rate) + abs(rate_after) + longest_link)
+        else ACCELERATION_JUMPS
+    )
 
 
 @has_dual_rule

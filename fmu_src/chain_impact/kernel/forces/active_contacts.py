@@ -26,7 +26,7 @@ from chain_impact.kernel.rows.compliance import effective_mass
 from chain_impact.kernel.rows.geometry import (
     add_along_row,
     clear_used_loads,
-    clearance,
+    clearance_and_rate,
     is_at_joint_stop,
     lever_of_candidate,
     normal_row,
@@ -39,29 +39,29 @@ def clear_impacts(d, time):
     d.impact.last_time, d.impact.last_point = time, -1
 
 
-def contact_force(d, c, gap, gap_rate):
+def contact_force(d, c, clearance, clearance_rate):
     """Return the true force ≥ 0 [N] of active candidate c, for outputs and peaks.
 
     A step may continue the force below 0, beyond the cut; the true force is cut off at 0. The arguments are
-    the clearance ``gap`` [m] of c and its rate ``gap_rate`` [m/s].
+    ``clearance`` [m] of c and its ``clearance_rate`` [m/s].
     """
     # A clearance that is > 0 by round-off at the onset counts as 0: a force that jumps at the onset already
     # acts at the clearance 0.
-    return force_on_side(d, c, max(0.0, -gap), -gap_rate)
+    return force_on_side(d, c, max(0.0, -clearance), -clearance_rate)
 
 
-def apply_contact(d, c, gap, gap_rate):
+def apply_contact(d, c, clearance, clearance_rate):
     """Add the force of active candidate c, as a step uses it, to the load at the candidate's place.
 
-    The arguments are the clearance ``gap`` [m] and its rate ``gap_rate`` [m/s]. The force may continue below
-    0, beyond its kink (``continued_force``). Return the power [W] that the force dissipates.
+    The arguments are the ``clearance`` [m] and the ``clearance_rate`` [m/s]. The force may continue below 0,
+    beyond its kink (``continued_force``). Return the power [W] that the force dissipates.
     """
-    force, elastic = continued_force(d, c, max(0.0, -gap), -gap_rate)
+    force, elastic = continued_force(d, c, max(0.0, -clearance), -clearance_rate)
     store_force(d, c, force)
     add_along_row(normal_row(d, c), d.scratch.load, force)
     # the elastic part K δⁿ of the force F stores energy; the other part, F − K δⁿ, dissipates the power
     # (F − K δⁿ) δ̇, with the stiffness K and the penetration δ
-    return (elastic - force) * gap_rate
+    return (elastic - force) * clearance_rate
 
 
 def store_force(d, c, force):
@@ -88,8 +88,8 @@ def set_loads_of_step(d):
     dissipated = 0.0
     for k in range(d.contacts.compliant_count):
         c = d.contacts.active_index[k]
-        gap, gap_rate = clearance(d, c)
-        dissipated += apply_contact(d, c, gap, gap_rate)
+        clearance, clearance_rate = clearance_and_rate(d, c)
+        dissipated += apply_contact(d, c, clearance, clearance_rate)
     return dissipated + apply_friction(d) if d.friction.count > 0 else dissipated
 
 
@@ -101,8 +101,8 @@ def set_true_loads(d):
     clear_loads(d)
     for k in range(d.contacts.compliant_count):
         c = d.contacts.active_index[k]
-        gap, gap_rate = clearance(d, c)
-        store_force(d, c, contact_force(d, c, gap, gap_rate))
+        clearance, clearance_rate = clearance_and_rate(d, c)
+        store_force(d, c, contact_force(d, c, clearance, clearance_rate))
         add_along_row(normal_row(d, c), d.scratch.load, d.contacts.force[c])
     if d.friction.count > 0:
         apply_friction(d)
@@ -114,8 +114,8 @@ def contact_slopes(d, c):
     F is the contact force of a force law and δ the penetration. Both slopes are 0 if a step uses F = 0
     (``is_cut_off``). ∂F/∂δ is 0 for δ = 0, and in place of a negative value.
     """
-    gap, gap_rate = clearance(d, c)
-    return law_slopes(d, c, max(0.0, -gap), -gap_rate)
+    clearance, clearance_rate = clearance_and_rate(d, c)
+    return law_slopes(d, c, max(0.0, -clearance), -clearance_rate)
 
 
 def touching_position(d, c):
@@ -138,18 +138,18 @@ def latch_onset(d, c):
     the contact. Later, ``relatch_speed`` or a new law can change these values, except the effective
     mass.
     """
-    _, gap_rate = clearance(d, c)
+    _, clearance_rate = clearance_and_rate(d, c)
     contacts = d.contacts
     contacts.onset[c] = d.step.end
     contacts.x[c], contacts.y[c] = touching_position(d, c)
     # the onset speed is 0 if the point moves outward, because of an integration error or another impact
-    contacts.impact_speed[c] = max(0.0, 0.0 - gap_rate)
-    contacts.latched_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
-    set_start_rates(d, c, -gap_rate, 1.0)  # 1.0: the force rises after the onset
+    contacts.impact_speed[c] = max(0.0, 0.0 - clearance_rate)
+    contacts.latched_speed[c] = max(-clearance_rate, d.law.minimum_impact_speed[c])
+    set_start_rates(d, c, -clearance_rate, 1.0)  # 1.0: the force rises after the onset
     set_contact_extremes(d, c, 0.0, 0.0)
     set_joint_square(d, c, 0.0, 0)
     contacts.effective_mass[c] = effective_mass(d, c)
-    latch_depth_and_damping(d, c)
+    latch_penetration_and_damping(d, c)
     contacts.active[c] = 1
     d.impact.count += 1
     contacts.impact_number[c] = d.impact.count
@@ -172,7 +172,7 @@ def begin_force_contact(d, c):
         begin_friction(d, c)
 
 
-def latch_depth_and_damping(d, c):
+def latch_penetration_and_damping(d, c):
     """Latch the expected penetration of candidate c's contact and, for a force law, the damping.
 
     Both follow from the law and from the contact's latched speed and effective mass.
@@ -188,7 +188,7 @@ def relatch_speed(d, c, factor):
     The expected penetration, the damping and the side of the law's kink depend on v₀.
     """
     d.contacts.latched_speed[c] *= factor
-    latch_depth_and_damping(d, c)
+    latch_penetration_and_damping(d, c)
     set_kink_side(d, c)
 
 
@@ -247,8 +247,8 @@ def cross_kink(d, c):
 
 def kink_height(d, c):
     """Return ``height_over_kink`` [N or m/s] of candidate c at the located points; < 0 beyond the kink."""
-    gap, gap_rate = clearance(d, c)
-    return height_over_kink(d, c, max(0.0, -gap), -gap_rate)
+    clearance, clearance_rate = clearance_and_rate(d, c)
+    return height_over_kink(d, c, max(0.0, -clearance), -clearance_rate)
 
 
 def set_kink_side(d, c):

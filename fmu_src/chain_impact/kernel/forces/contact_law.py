@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 FAMILY_FORCE = "Kδⁿ (1 + λ δ̇/v₀)"
 # exponent of δ → the power of δ as text; powers with other exponents are written like δ^1.2
-DEPTH_POWERS = {0.0: "", 0.25: "δ^¼", 0.5: "δ^½", 1.0: "δ", 1.5: "δ√δ"}
+PENETRATION_POWERS = {0.0: "", 0.25: "δ^¼", 0.5: "δ^½", 1.0: "δ", 1.5: "δ√δ"}
 DAMPING_FACTORS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
 
 
@@ -59,8 +59,8 @@ class ContactLaw:
         if self.rate_exponent is None:
             return FAMILY_FORCE
         rate = "max(0, δ̇)" if self.approach_only else "δ̇"
-        spring = "δⁿ" if self.exponent is None else depth_power(self.exponent)
-        return f"K{spring} + " + " ".join(filter(None, ("d", depth_power(self.rate_exponent), rate)))
+        spring = "δⁿ" if self.exponent is None else penetration_power(self.exponent)
+        return f"K{spring} + " + " ".join(filter(None, ("d", penetration_power(self.rate_exponent), rate)))
 
     @property
     def damping(self) -> str:
@@ -78,6 +78,6 @@ class ContactLaw:
         return self.exponent is None or self.exponent == exponent
 
 
-def depth_power(exponent: float) -> str:
+def penetration_power(exponent: float) -> str:
     """Return a power of the penetration as text, without blanks; "" for the power 0."""
-    return DEPTH_POWERS.get(exponent, f"δ^{exponent:g}")
+    return PENETRATION_POWERS.get(exponent, f"δ^{exponent:g}")

@@ -33,39 +33,39 @@ TURNING_RATE = 0.3
 
 
 @has_dual_rule
-def power_of_depth(depth, exponent):
-    """Return δ^exponent for δ ≥ 0 (``depth``), by roots and products for the exponents 0, ½, 1 and 3/2.
+def power_of_penetration(penetration, exponent):
+    """Return δ^exponent, for a penetration δ ≥ 0, by roots and products for the exponents 0, ½, 1 and 3/2.
 
     Powers with any other exponent are those of ``power_by_roots``.
     """
     if exponent == 1.5:
-        return depth * math.sqrt(depth)
+        return penetration * math.sqrt(penetration)
     if exponent == 1.0:
-        return depth
+        return penetration
     if exponent == 0.0:
         return 1.0
     if exponent == 0.5:
-        return math.sqrt(depth)
-    return power_by_roots(depth, exponent)
+        return math.sqrt(penetration)
+    return power_by_roots(penetration, exponent)
 
 
-def power_by_roots(depth, exponent):
-    """Return δ^exponent for δ ≥ 0 (``depth``), by roots and products for the exponents ¼, 2 and 5/2.
+def power_by_roots(penetration, exponent):
+    """Return δ^exponent, for a penetration δ ≥ 0, by roots and products for the exponents ¼, 2 and 5/2.
 
     Powers with any other exponent are those of ``power``.
     """
     if exponent == 0.25:
-        return math.sqrt(math.sqrt(depth))
+        return math.sqrt(math.sqrt(penetration))
     if exponent == 2.0:
-        return depth * depth
+        return penetration * penetration
     if exponent == 2.5:
-        return depth * depth * math.sqrt(depth)
-    return power(depth, exponent)
+        return penetration * penetration * math.sqrt(penetration)
+    return power(penetration, exponent)
 
 
 def elastic_force(d, c, penetration):
     """Return the elastic force K δⁿ [N] of candidate c, with stiffness K, for a penetration δ ≥ 0 [m]."""
-    return d.law.stiffness[c] * power_of_depth(penetration, d.law.exponent[c])
+    return d.law.stiffness[c] * power_of_penetration(penetration, d.law.exponent[c])
 
 
 def elastic_energy(d, c, penetration):
@@ -73,7 +73,7 @@ def elastic_energy(d, c, penetration):
     return elastic_force(d, c, penetration) * penetration / (d.law.exponent[c] + 1.0)
 
 
-def elastic_depth(d, c, mass, speed):
+def elastic_penetration(d, c, mass, speed):
     """Return the penetration [m] with elastic energy ½ m v², for ``mass`` m [kg] and ``speed`` v [m/s]."""
     stiffness, exponent = d.law.stiffness[c], d.law.exponent[c]
     # the elastic energy equals the kinetic energy: K δⁿ⁺¹/(n+1) = ½ m v²
@@ -90,7 +90,7 @@ def set_expected_penetration(d, c):
     if d.law.impulsive[c]:
         contacts.expected_penetration[c] = d.chain.longest_link
     else:
-        contacts.expected_penetration[c] = elastic_depth(
+        contacts.expected_penetration[c] = elastic_penetration(
             d, c, contacts.effective_mass[c], contacts.latched_speed[c]
         )
 
@@ -148,18 +148,18 @@ def turning_margin(d, c):
     return TURNING_RATE * least * d.contacts.latched_speed[c] + tolerance * d.chain.longest_link
 
 
-def law_force(d, c, depth, rate):
+def law_force(d, c, penetration, rate):
     """Return the force ≥ 0 [N] of candidate c and the elastic part K δⁿ [N], at a penetration δ ≥ 0 [m].
 
     ``rate`` is δ̇ [m/s], the rate of the penetration; for δ̇ < 0 a law that damps on approach only does not
     damp.
     """
-    force, elastic = uncut_force(d, c, depth, rate, rate < 0.0)
+    force, elastic = uncut_force(d, c, penetration, rate, rate < 0.0)
     # max() is not used, because it could hide a NaN
     return 0.0 if force < 0.0 else force, elastic
 
 
-def continued_force(d, c, depth, rate):
+def continued_force(d, c, penetration, rate):
     """Return force and elastic part [N] as ``law_force``, but by one side's formula on both sides of a kink.
 
     ``contacts.beyond_kink`` of candidate c tells which side's formula is used. If the contact is on the other
@@ -167,20 +167,20 @@ def continued_force(d, c, depth, rate):
     end at the kink.
     """
     beyond = d.contacts.beyond_kink[c] != 0
-    force, elastic = uncut_force(d, c, depth, rate, beyond)
+    force, elastic = uncut_force(d, c, penetration, rate, beyond)
     approach_only = d.law.approach_only[c] != 0
     note_crossing(d, c, rate if approach_only else force)
     return 0.0 if beyond and not approach_only else force, elastic
 
 
-def force_on_side(d, c, depth, rate):
-    """Return the true force ≥ 0 [N] of candidate c at a penetration ``depth`` [m] and its ``rate`` [m/s].
+def force_on_side(d, c, penetration, rate):
+    """Return the true force ≥ 0 [N] of candidate c at a ``penetration`` [m] with a ``rate`` [m/s].
 
     For a law that damps on approach only, ``contacts.beyond_kink`` tells whether the damping acts. The sign
     of the rate δ̇ cannot tell this, because δ̇ is 0 up to errors in a contact without motion.
     """
     leaves = d.contacts.beyond_kink[c] != 0 if d.law.approach_only[c] else rate < 0.0
-    force, _ = uncut_force(d, c, depth, rate, leaves)
+    force, _ = uncut_force(d, c, penetration, rate, leaves)
     return 0.0 if force < 0.0 else force
 
 
@@ -201,15 +201,15 @@ def clear_crossings(d):
         d.contacts.kink_crossed[d.contacts.active_index[k]] = 0
 
 
-def height_over_kink(d, c, depth, rate):
+def height_over_kink(d, c, penetration, rate):
     """Return a value of candidate c that is 0 at the kink of its force, and negative beyond the kink.
 
     For a law that damps on approach only the value is ``rate``, δ̇ [m/s]. For any other law it is the force
-    [N] before the cut at 0, at the penetration ``depth`` [m] and this rate.
+    [N] before the cut at 0, at the ``penetration`` [m] and this rate.
     """
     if d.law.approach_only[c]:
         return rate
-    force, _ = uncut_force(d, c, depth, rate, False)
+    force, _ = uncut_force(d, c, penetration, rate, False)
     return force
 
 
@@ -219,40 +219,42 @@ def is_cut_off(d, c):
 
 
 @inlined
-def uncut_force(d, c, depth, rate, leaves):
+def uncut_force(d, c, penetration, rate, leaves):
     """Return force and elastic part [N] as ``law_force`` does, but without the cut at 0.
 
     ``leaves``: whether a law that damps on approach only has no damping, because the point moves outward.
     """
-    spring = power_of_depth(depth, d.law.exponent[c])
+    spring = power_of_penetration(penetration, d.law.exponent[c])
     elastic = d.law.stiffness[c] * spring
     if d.law.number[c] == USER_LAW and user_law.is_present():
-        return user_contact_force(d, c, depth, rate), elastic
-    return elastic + damping_slope(d, c, depth, leaves, spring) * rate, elastic
+        return user_contact_force(d, c, penetration, rate), elastic
+    return elastic + damping_slope(d, c, penetration, leaves, spring) * rate, elastic
 
 
-def user_contact_force(d, c, depth, rate):
+def user_contact_force(d, c, penetration, rate):
     """Return the force [N] of a user's law for candidate c, before the cut at 0.
 
-    The law of a joint's stop takes angles and returns a moment; the function converts the lengths ``depth``
-    and ``rate`` to angles, and the moment to a force.
+    The law of a joint's stop takes angles and returns a moment; the function converts ``penetration`` and
+    ``rate`` to angles, and the moment to a force.
     """
     law, arm = d.law, lever_of_candidate(d, c)
     speed, mass = d.contacts.latched_speed[c] / arm, d.contacts.effective_mass[c] * arm * arm
     stiffness = law.stiffness[c]
     if is_at_joint_stop(d, c):
         stiffness *= power(arm, law.exponent[c] + 1.0)
-    force = user_force(depth / arm, rate / arm, speed, mass, stiffness, law.exponent[c], law.restitution[c])
+    force = user_force(
+        penetration / arm, rate / arm, speed, mass, stiffness, law.exponent[c], law.restitution[c]
+    )
     return force / arm
 
 
 @has_dual_rule
-def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
+def user_force(penetration, rate, speed, mass, stiffness, exponent, restitution):
     """Return the force [N] of a user's law before the cut at 0.
 
     For a joint's stop the function returns the moment [N·m].
     """
-    return user_law.force(depth, rate, speed, mass, stiffness, exponent, restitution)
+    return user_law.force(penetration, rate, speed, mass, stiffness, exponent, restitution)
 
 
 def force_may_jump(d, c):
@@ -263,20 +265,22 @@ def force_may_jump(d, c):
     return d.law.number[c] == USER_LAW or d.law.rate_exponent[c] == 0.0
 
 
-def damping_slope(d, c, depth, leaves, spring):
+def damping_slope(d, c, penetration, leaves, spring):
     """Return the slope ∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c, before F is cut off at 0; ``spring`` is δⁿ.
 
-    F is the contact force, δ the penetration (``depth``), d the damping. The result is 0 if the point moves
+    F is the contact force, δ the ``penetration``, d the damping. The result is 0 if the point moves
     outward (``leaves``) and the law damps on approach only.
     """
     law = d.law
     if law.approach_only[c] and leaves:
         return 0.0
     same = law.rate_exponent[c] == law.exponent[c]
-    return d.contacts.damping[c] * (spring if same else power_of_depth(depth, law.rate_exponent[c]))
+    return d.contacts.damping[c] * (
+        spring if same else power_of_penetration(penetration, law.rate_exponent[c])
+    )
 
 
-def law_slopes(d, c, depth, rate):
+def law_slopes(d, c, penetration, rate):
     """Return ∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of candidate c at a penetration δ ≥ 0 [m] and its rate.
 
     Both are 0 if a step uses the force 0 (``is_cut_off``). At δ = 0, and instead of ∂F/∂δ < 0, ∂F/∂δ is 0.
@@ -284,29 +288,29 @@ def law_slopes(d, c, depth, rate):
     if is_cut_off(d, c):
         return 0.0, 0.0
     if d.law.number[c] == USER_LAW and user_law.is_present():
-        return user_slopes(d, c, depth, rate)
+        return user_slopes(d, c, penetration, rate)
     exponent = d.law.exponent[c]
     beyond = d.contacts.beyond_kink[c] != 0
-    force, elastic = uncut_force(d, c, depth, rate, beyond)
-    damping = damping_slope(d, c, depth, beyond, power_of_depth(depth, exponent))
+    force, elastic = uncut_force(d, c, penetration, rate, beyond)
+    damping = damping_slope(d, c, penetration, beyond, power_of_penetration(penetration, exponent))
     # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ for the force F and the penetration δ. For n ≥ p and F ≥ 0 this is at
     # least (n−p) K δⁿ⁻¹, but near the kink F and the slope may be < 0. Such a slope is replaced by 0.
     stiffness = exponent * elastic + d.law.rate_exponent[c] * (force - elastic)
-    return max(0.0, stiffness / depth) if depth > 0.0 else 0.0, damping
+    return max(0.0, stiffness / penetration) if penetration > 0.0 else 0.0, damping
 
 
-def user_slopes(d, c, depth, rate):
+def user_slopes(d, c, penetration, rate):
     """Return the slopes of ``law_slopes`` for a user's law, by central differences of the force cut off at 0.
 
     A negative slope counts as 0, as does ∂F/∂δ at δ = 0.
     """
-    step = RELATIVE_INCREMENT * depth
-    low, _ = law_force(d, c, depth - step, rate)
-    high, _ = law_force(d, c, depth + step, rate)
+    step = RELATIVE_INCREMENT * penetration
+    low, _ = law_force(d, c, penetration - step, rate)
+    high, _ = law_force(d, c, penetration + step, rate)
     stiffness = (high - low) / (2.0 * step) if step > 0.0 else 0.0
     step = RELATIVE_INCREMENT * (abs(rate) + d.contacts.latched_speed[c])
-    low, _ = law_force(d, c, depth, rate - step)
-    high, _ = law_force(d, c, depth, rate + step)
+    low, _ = law_force(d, c, penetration, rate - step)
+    high, _ = law_force(d, c, penetration, rate + step)
     return max(0.0, stiffness), max(0.0, (high - low) / (2.0 * step))
 
 

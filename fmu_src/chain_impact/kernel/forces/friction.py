@@ -205,18 +205,18 @@ def apply_friction(d):
     return friction.power
 
 
-def apply_sliding_friction(d, e, size):
-    """Add friction of the ``size`` [N] to the loads, against the sliding of element e.
+def apply_sliding_friction(d, e, amount):
+    """Add friction of the ``amount`` [N] to the loads, against the sliding of element e.
 
     Return the power [W] that the friction dissipates.
     """
     sign = float(d.element.mode[e])
     speed = tangential_rate(d, e)
-    d.element.force[e] = -sign * size
+    d.element.force[e] = -sign * amount
     d.element.margin[e] = min(d.element.margin[e], sign * speed)
     add_along_row(tangent_row(d, e), d.scratch.load, d.element.force[e])
     # the power −F_t v_t that friction dissipates, with the friction force F_t and the speed v_t along t
-    return sign * size * speed
+    return sign * amount * speed
 
 
 def store_static_forces(d):

@@ -37,7 +37,7 @@ from chain_impact.kernel.rows.constraints import (
     solve_equality,
 )
 from chain_impact.kernel.rows.geometry import (
-    clearance,
+    clearance_and_rate,
     constraint_acceleration,
     constraint_count,
     constraint_row,
@@ -79,8 +79,8 @@ def set_unforced_to_state(d, derivative):
     """
     constraints, first = d.constraints, d.contacts.active_count
     for k in range(first):
-        gap, gap_rate = clearance(d, d.contacts.active_index[k])
-        constraints.unforced[k] = gap_rate if derivative else gap
+        clearance, clearance_rate = clearance_and_rate(d, d.contacts.active_index[k])
+        constraints.unforced[k] = clearance_rate if derivative else clearance
     for i in range(d.friction.stuck_count):
         e = d.element.stuck[i]
         if derivative:
@@ -177,7 +177,7 @@ def project_state(d, y):
     belts and base during the projection counts as supplied energy. At the end the points are located in the
     projected state.
     """
-    constraints, lost = d.constraints, dissipated_at(d.links)
+    constraints, energy_index = d.constraints, dissipated_at(d.links)
     for k in range(d.contacts.compliant_count if has_sticking(d) else 0):
         constraints.resistance[k] = contact_resistance(d)
     for derivative in range(2):
@@ -196,14 +196,14 @@ def project_state(d, y):
     for k in range(constraint_count(d)):
         # the energy that a constraint's impulse p dissipates: −½ p (u⁻ + u⁺), with the speeds u⁻ before and
         # u⁺ after it
-        y[lost] -= 0.5 * constraints.impulse[k] * (constraints.unforced[k] + constraints.reached[k])
+        y[energy_index] -= 0.5 * constraints.impulse[k] * (constraints.unforced[k] + constraints.reached[k])
     for k in range(d.contacts.compliant_count):
         # the resistance D of a contact acts with the impulse −D (u⁺ − u⁻), which also changes the energy
         squares = (
             constraints.reached[k] * constraints.reached[k]
             - constraints.unforced[k] * constraints.unforced[k]
         )
-        y[lost] += 0.5 * constraints.resistance[k] * squares
+        y[energy_index] += 0.5 * constraints.resistance[k] * squares
         constraints.resistance[k] = 0.0
 
 
@@ -295,26 +295,30 @@ def solve_positions(d):
     wall, with g < target for the clearance g, are moved out, and sticking elements to their anchors. If no
     rigid wall holds a point, nothing is moved.
     """
-    constraints, size, far, asked, moved, left = (
-        d.constraints,
-        d.chain.longest_link,
-        largest_coordinate(d),
-        0.0,
-        0.0,
-        0.0,
-    )
+    constraints = d.constraints
+    longest_link = d.chain.longest_link
+    position_scale = largest_coordinate(d)
+    largest_residual = 0.0
+    largest_change = 0.0
+    remaining_residual = 0.0
     for k in range(d.contacts.compliant_count, constraint_count(d)):
-        asked = max(asked, abs(constraints.target[k] - constraints.unforced[k]))
+        largest_residual = max(largest_residual, abs(constraints.target[k] - constraints.unforced[k]))
     factorize_free(d)
-    solve_equality(d, far)
+    solve_equality(d, position_scale)
     for k in range(d.contacts.compliant_count, constraint_count(d)):
-        left = max(left, abs(constraints.target[k] - constraints.reached[k]))
+        remaining_residual = max(remaining_residual, abs(constraints.target[k] - constraints.reached[k]))
     for j in range(coordinate_count(d.links)):
-        moved = max(moved, abs(constraints.change[j]) / (size if j < FIRST_ANGLE else 1.0))
-    in_vain = left > max(LARGEST_REMAINING_RESIDUAL * asked, ANCHOR_ROUND_OFF * far) and not any_point_held(d)
-    if in_vain or moved > LARGEST_CORRECTION * (d.solver.tolerance + asked / size):
+        largest_change = max(
+            largest_change, abs(constraints.change[j]) / (longest_link if j < FIRST_ANGLE else 1.0)
+        )
+    in_vain = remaining_residual > max(
+        LARGEST_REMAINING_RESIDUAL * largest_residual, ANCHOR_ROUND_OFF * position_scale
+    ) and not any_point_held(d)
+    if in_vain or largest_change > LARGEST_CORRECTION * (
+        d.solver.tolerance + largest_residual / longest_link
+    ):
         if any_point_held(d):
-            solve_lcp(d, far)
+            solve_lcp(d, position_scale)
         else:
             clear_impulses(d)
 
@@ -347,7 +351,7 @@ def tolerated_momentum(d, speed):
     inertias of armatures over ℓ². w is the speed after a fall by LEAST_RISE × ℓ, with gravity plus ℓ/(1 s²)
     as acceleration. ε is the tolerance, and v is the sum of ℓ/(1 s) and ``speed``, the largest speed [m/s].
     """
-    size = d.chain.longest_link
-    mass = d.chain.energy_scale / (size * size)
-    rise = math.sqrt(2.0 * (d.chain.gravity_size + size) * LEAST_RISE * size)
-    return mass * (rise + d.solver.tolerance * (size + speed))
+    longest_link = d.chain.longest_link
+    mass = d.chain.energy_scale / (longest_link * longest_link)
+    rise = math.sqrt(2.0 * (d.chain.gravity_magnitude + longest_link) * LEAST_RISE * longest_link)
+    return mass * (rise + d.solver.tolerance * (longest_link + speed))

@@ -38,14 +38,14 @@ def any_power(x, y):
     if math.isnan(x) or math.isnan(y):
         return math.nan
     whole = abs(y) >= ALL_EVEN or math.floor(y) == y
-    size = abs(x)
-    if x < 0.0 and size < math.inf and not whole:
+    magnitude = abs(x)
+    if x < 0.0 and magnitude < math.inf and not whole:
         return math.nan
     odd = whole and abs(y) < ALL_EVEN and math.floor(0.5 * y) != 0.5 * y
-    return math.copysign(power_of_size(size, y), x) if odd else power_of_size(size, y)
+    return math.copysign(power_of_magnitude(magnitude, y), x) if odd else power_of_magnitude(magnitude, y)
 
 
-def power_of_size(x, y):
+def power_of_magnitude(x, y):
     """Return x^y for x ≥ 0 and y ≠ 0, of which none is NaN; ``any_power`` adds the sign for a base < 0."""
     if x == 1.0:
         return 1.0

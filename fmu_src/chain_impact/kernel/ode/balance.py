@@ -41,7 +41,7 @@ import math
 
 from chain_impact.kernel.chain.drives import (
     armature_of_drive,
-    coordinates_of_drive,
+    coordinate_sum_of_drive,
     drive_count,
     moment_factor,
     spring_resistance,
@@ -68,7 +68,7 @@ from chain_impact.kernel.ode.last_step import (
 from chain_impact.kernel.ode.methods import STABLE_STEP, find_joint_stiffness
 from chain_impact.kernel.record.constants import EXPLICIT, SOLVER_READER, SPOILED
 from chain_impact.kernel.record.state import dissipated_at, supplied_at
-from chain_impact.kernel.rows.geometry import clearance, coordinates_size
+from chain_impact.kernel.rows.geometry import clearance_and_rate, coordinate_sum
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
 # A step is rejected if it changes the energy balance, up or down, by more than STEP_CHANGE × tolerance × S
@@ -128,7 +128,7 @@ def start_balance(d, time):
         # armature's inertia in I
         square += chain.mass[i] * reach * reach + (chain.inertia[i] + armature_of_drive(d, i))
     balance.unit_motion = math.sqrt(square)
-    balance.weight = total * chain.gravity_size
+    balance.weight = total * chain.gravity_magnitude
     balance.unit_scale = balance.weight * reach + chain.energy_scale
     balance.window_start, balance.run_start = time, time
     restart_balance(d)
@@ -355,13 +355,13 @@ def energy_scales(d, y):
         for i in range(drive_count(d)):
             force = abs(spring_resistance(d, y, i))
             scale += force * moment_factor(d, i)
-            summed += force * (coordinates_of_drive(d, y, i) + abs(d.inputs.target[i]))
+            summed += force * (coordinate_sum_of_drive(d, y, i) + abs(d.inputs.target[i]))
     for k in range(d.contacts.compliant_count):
         c = d.contacts.active_index[k]
-        gap, _ = clearance(d, c)
-        force = elastic_force(d, c, max(0.0, -gap))
+        clearance, _ = clearance_and_rate(d, c)
+        force = elastic_force(d, c, max(0.0, -clearance))
         scale += force * penetration_scale(d, c)
-        summed += force * coordinates_size(d, c, y)
+        summed += force * coordinate_sum(d, c, y)
     return scale, summed
 
 

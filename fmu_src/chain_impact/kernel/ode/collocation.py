@@ -37,14 +37,14 @@ from chain_impact.kernel.ode.control import (
 )
 from chain_impact.kernel.ode.dense import BASIS_POWERS, copy_tried_quadratures, interpolate_state
 from chain_impact.kernel.ode.extended import (
+    clearance_at,
     clearance_count,
     extend_start,
+    extended_length,
     extended_rate,
-    extended_size,
     extended_slopes,
     factorize_complex,
     factorize_real,
-    gap_at,
     project_clearances,
     project_coordinates,
     quadrature_at,
@@ -100,7 +100,7 @@ def _coefficients():
 # row m times the increments of the stages is the coefficient of the m-th basis function of the dense output
 INTERPOLANT_MATRIX = _coefficients()
 # the largest |second derivative| of each of the first five basis functions on [0, 1]
-CURVE_BOUND = (0.0, 2.0, 4.0, 2.0, 2.0)
+CURVATURE_BOUND = (0.0, 2.0, 4.0, 2.0, 2.0)
 
 
 def factorize_systems(d, h):
@@ -110,12 +110,12 @@ def factorize_systems(d, h):
         factorize_complex(d, shift_of(pair, h), pair)
 
 
-def solve_systems(d, h, size):
-    """Replace ``implicit.parts``, right-hand sides of ``size`` entries, by the solutions for step size h."""
+def solve_systems(d, h, component_count):
+    """Replace the right-hand sides ``implicit.parts``, of z's length, by the solutions for step size h."""
     parts = d.implicit.parts
     solve_real(d, h * REAL_EIGENVALUE, parts[0])
     for pair in range(PAIR_COUNT):
-        solve_complex(d, shift_of(pair, h), pair, parts[1 + 2 * pair], parts[2 + 2 * pair], size)
+        solve_complex(d, shift_of(pair, h), pair, parts[1 + 2 * pair], parts[2 + 2 * pair], component_count)
 
 
 def set_residual(d, i, j, residual):
@@ -154,23 +154,23 @@ def prepare_step(d, h):
 def set_weights(d):
     """Set the weights of errors in z: 1/(tolerance × scale), or 0 for components that are not controlled."""
     weight = d.implicit.error_weight
-    for j in range(supplied_at(d.links), extended_size(d)):
+    for j in range(supplied_at(d.links), extended_length(d)):
         weight[j] = math.inf
     set_scales(d, d.step.state_end, weight, clearance_count(d))
     raise_scales(d, d.step.state_end, weight, clearance_count(d))
-    for j in range(extended_size(d)):
+    for j in range(extended_length(d)):
         weight[j] = 1.0 / (d.solver.tolerance * weight[j])
 
 
 def size_toward_end(d, h):
     """Return h [s] or, if less, PAST_END × the predicted time to the next end of a contact (force law)."""
     for k in range(clearance_count(d)):
-        gap, gap_rate = d.implicit.z_start[gap_at(d, k)], d.implicit.z_start[rate_at(d, k)]
+        clearance, rate = d.implicit.z_start[clearance_at(d, k)], d.implicit.z_start[rate_at(d, k)]
         # near its end a contact has hardly any force, so the rate ġ of its clearance g hardly changes, and
         # the end is about −g/ġ away; an end within FORCELESS_PART h is ignored: hardly any force is left
         # before it
-        if gap_rate > 0.0 and FORCELESS_PART * h * gap_rate < -gap < h * gap_rate / PAST_END:
-            h = PAST_END * -gap / gap_rate
+        if rate > 0.0 and FORCELESS_PART * h * rate < -clearance < h * rate / PAST_END:
+            h = PAST_END * -clearance / rate
     return h
 
 
@@ -180,80 +180,81 @@ def size_for_fast_motion(d, h):
     The operator (1 − h μ A)⁻¹ removes the fast part of the rate. The removed part shows how large the fast
     motion is. Applied to this part, the operator shows how fast the motion decays.
     """
-    implicit, shift, size = d.implicit, h * REAL_EIGENVALUE, extended_size(d)
+    implicit, shift, component_count = d.implicit, h * REAL_EIGENVALUE, extended_length(d)
     factorize_real(d, shift)
-    fast, left, weight = implicit.parts[0], implicit.parts[1], implicit.error_weight
-    for j in range(size):
-        fast[j] = implicit.rate_start[j]
-    solve_real(d, shift, fast)
-    for j in range(size):
-        fast[j] = implicit.rate_start[j] - fast[j]
-        left[j] = fast[j]
-    solve_real(d, shift, left)
+    fast_part, decayed_part, weight = implicit.parts[0], implicit.parts[1], implicit.error_weight
+    for j in range(component_count):
+        fast_part[j] = implicit.rate_start[j]
+    solve_real(d, shift, fast_part)
+    for j in range(component_count):
+        fast_part[j] = implicit.rate_start[j] - fast_part[j]
+        decayed_part[j] = fast_part[j]
+    solve_real(d, shift, decayed_part)
     count_other_cost(d, 3)
-    most, remains = 0.0, 0.0
+    fast_error, decayed_error = 0.0, 0.0
     for j in range(velocity_at(d.links), dissipated_at(d.links)):
-        most, remains = max(most, abs(fast[j]) * weight[j]), max(remains, abs(left[j]) * weight[j])
-    if not (math.isfinite(most) and most > remains > 0.0):
+        fast_error = max(fast_error, abs(fast_part[j]) * weight[j])
+        decayed_error = max(decayed_error, abs(decayed_part[j]) * weight[j])
+    if not (math.isfinite(fast_error) and fast_error > decayed_error > 0.0):
         return h
     # the operator leaves the part 1/(1 + ρ h μ) of a motion that decays with the rate ρ; h μ is ``shift``
-    rho = (most / remains - 1.0) / shift
-    if rho * h > 1.0 and most > rho:
-        return min(h, DECAY_TIMES / rho * power(rho / most, 1.0 / (ERROR_ORDER[IMPLICIT] - 1)))
+    rho = (fast_error / decayed_error - 1.0) / shift
+    if rho * h > 1.0 and fast_error > rho:
+        return min(h, DECAY_TIMES / rho * power(rho / fast_error, 1.0 / (ERROR_ORDER[IMPLICIT] - 1)))
     return h
 
 
-def extrapolate_stages(d, h, size):
+def extrapolate_stages(d, h, component_count):
     """Predict the stages of a step h [s] by the last step's polynomial if possible, or by constant speeds."""
     implicit = d.implicit
     if can_extrapolate(d):
-        extrapolate_polynomial(d, h, size)
+        extrapolate_polynomial(d, h, component_count)
         return
     for i in range(RADAU_STAGES):
         part = h * RADAU_NODES[i]
-        for j in range(size):
+        for j in range(component_count):
             implicit.stages[i, j] = 0.0
         for j in range(velocity_at(d.links)):
             implicit.stages[i, j] = part * implicit.rate_start[j]
         for k in range(clearance_count(d)):
-            implicit.stages[i, gap_at(d, k)] = part * implicit.rate_start[gap_at(d, k)]
+            implicit.stages[i, clearance_at(d, k)] = part * implicit.rate_start[clearance_at(d, k)]
 
 
-def extrapolate_polynomial(d, h, size):
+def extrapolate_polynomial(d, h, component_count):
     """Predict the stages by a polynomial through nodes of the last step; h [s] determines the degree."""
     implicit = d.implicit
-    span, base = d.step.size, (d.step.end - d.step.start) / d.step.size
-    beyond = base + h / span - 1.0
-    dropped = 0
-    while dropped < len(EXTRAPOLATED_LENGTHS) and beyond > EXTRAPOLATED_LENGTHS[dropped]:
-        dropped += 1
-    dropped = RADAU_STAGES - 1 if dropped == len(EXTRAPOLATED_LENGTHS) else dropped
+    last_size, start = d.step.size, (d.step.end - d.step.start) / d.step.size
+    length = start + h / last_size - 1.0
+    first_node = 0
+    while first_node < len(EXTRAPOLATED_LENGTHS) and length > EXTRAPOLATED_LENGTHS[first_node]:
+        first_node += 1
+    first_node = RADAU_STAGES - 1 if first_node == len(EXTRAPOLATED_LENGTHS) else first_node
     for i in range(RADAU_STAGES):
-        for j in range(size):
+        for j in range(component_count):
             implicit.stages[i, j] = 0.0
-    for m in range(max(1, dropped), RADAU_STAGES + 1):
-        before = lagrange_polynomial(dropped, m, base)
+    for m in range(max(1, first_node), RADAU_STAGES + 1):
+        before = lagrange_polynomial(first_node, m, start)
         for i in range(RADAU_STAGES):
-            weight = lagrange_polynomial(dropped, m, base + h * RADAU_NODES[i] / span) - before
-            for j in range(size):
+            weight = lagrange_polynomial(first_node, m, start + h * RADAU_NODES[i] / last_size) - before
+            for j in range(component_count):
                 implicit.stages[i, j] += weight * implicit.last_stages[m - 1, j]
 
 
 def attempt_step(d, h):
     """Try a step of size h [s] from the start of ``prepare_step``; store the result in ``trial``."""
-    implicit, size = d.implicit, extended_size(d)
-    extrapolate_stages(d, h, size)
-    solved = _converge(d, h, size)
+    implicit, component_count = d.implicit, extended_length(d)
+    extrapolate_stages(d, h, component_count)
+    converged = _converge(d, h, component_count)
     count_evaluations(d, RADAU_STAGES * implicit.iterations)
     count_other_cost(d, FACTORIZATION_COST + SOLUTION_COST * implicit.iterations + ESTIMATE_COST)
-    if solved:
+    if converged:
         if d.friction.count > 0:
             correct_friction_energy(d, h)
         set_step_end(d, h)
-        error = error_estimate(d, h, size)
+        error = error_estimate(d, h, component_count)
         if clearance_count(d) > 0:
-            change, apart = project_clearances(d, implicit.z, d.trial.state)
-            error = max(error, change, apart)
+            change, mismatch = project_clearances(d, implicit.z, d.trial.state)
+            error = max(error, change, mismatch)
         set_outcome(d, error, cost_factor(implicit))
     elif not math.isfinite(implicit.relative_correction):
         reject_step(d, INFINITE)
@@ -272,7 +273,7 @@ def cost_factor(implicit):
 def set_step_end(d, h):
     """Set the extended state z and the state y at the end of a step of size h; locate the points there."""
     implicit, y = d.implicit, d.trial.state
-    for j in range(extended_size(d)):
+    for j in range(extended_length(d)):
         implicit.z[j] = implicit.z_start[j] + implicit.stages[LAST_STAGE, j]
     for j in range(sundman_u_at(d.links)):
         y[j] = implicit.z[j]
@@ -281,29 +282,29 @@ def set_step_end(d, h):
     locate_points(d, y)
 
 
-def error_estimate(d, h, size):
-    """Return the error of ``size`` components of z in a step h [s], over the tolerance; ∞ if not finite."""
-    implicit, shift = d.implicit, h * REAL_EIGENVALUE
-    for j in range(size):
+def error_estimate(d, h, component_count):
+    """Return the error of the components of z in a step h [s], over the tolerance; ∞ if not finite."""
+    implicit, parts, shift = d.implicit, d.implicit.parts, h * REAL_EIGENVALUE
+    for j in range(component_count):
         start, end = implicit.rate_start[j], implicit.rates[LAST_STAGE, j]
         for i in range(RADAU_STAGES):
             start -= START_WEIGHTS[i] * implicit.rates[i, j]
         for i in range(LAST_STAGE):
             end -= END_WEIGHTS[i] * implicit.rates[i, j]
-        implicit.parts[0, j], implicit.parts[1, j] = shift * start, shift * end
-    solve_real(d, shift, implicit.parts[0])
-    solve_real(d, shift, implicit.parts[1])
-    first, second = largest_errors(implicit.parts[0], implicit.parts[1], implicit.error_weight, size)
+        parts[0, j], parts[1, j] = shift * start, shift * end
+    solve_real(d, shift, parts[0])
+    solve_real(d, shift, parts[1])
+    first, second = largest_errors(parts[0], parts[1], implicit.error_weight, component_count)
     if first == math.inf:
         return math.inf
     if any_constraint(d):
         # A projection onto the constraints leaves a fast motion of stiff joints at the start of the step.
         # This motion decays within the step, but would dominate the error estimate of a step of any length. A
         # second solution of the system removes this motion from the estimate.
-        solve_real(d, shift, implicit.parts[0])
+        solve_real(d, shift, parts[0])
         count_other_cost(d, 1)
         for j in range(dissipated_at(d.links)):
-            d.scratch.y_error[0, j], d.scratch.y_error[1, j] = implicit.parts[0, j], implicit.parts[1, j]
+            d.scratch.y_error[0, j], d.scratch.y_error[1, j] = parts[0, j], parts[1, j]
         first_force, second_force = force_errors(d)
         first = max(first, first_force / d.solver.tolerance)
         second = max(second, second_force / d.solver.tolerance)
@@ -322,7 +323,7 @@ def store_stages(d, faded):
     """Store the stages, if ``faded`` with tiny coordinates set to 0, and set the dense output from them."""
     implicit = d.implicit
     for i in range(RADAU_STAGES):
-        for j in range(extended_size(d)):
+        for j in range(extended_length(d)):
             implicit.last_stages[i, j] = implicit.stages[i, j]
         if faded:
             clear_faded(d, implicit.last_stages[i])
@@ -333,11 +334,11 @@ def store_stages(d, faded):
         set_dense(d.quadrature, k, implicit.last_stages, quadrature_at(d, k), RADAU_STAGES)
 
 
-def set_dense(values, j, stages, at, degree):
-    """Set the dense output of component j, index ``at`` in z; coefficients F_m with m ≥ ``degree`` are 0."""
+def set_dense(values, j, stages, component, degree):
+    """Set the dense output of entry j, a ``component`` of z; coefficients F_m with m ≥ ``degree`` are 0."""
     values.dense[0, j] = values.state_end[j] - values.state[j]
     for m in range(1, len(values.dense)):
-        values.dense[m, j] = dense_coefficient(stages, m, at) if m < degree else 0.0
+        values.dense[m, j] = dense_coefficient(stages, m, component) if m < degree else 0.0
 
 
 def match_clearances(d):
@@ -354,8 +355,8 @@ def match_clearances(d):
         locate_points(d, d.scratch.state)
         for derivative in range(2):
             for k in range(clearance_count(d)):
-                at = rate_at(d, k) if derivative else gap_at(d, k)
-                implicit.normal[k] = extended_component(d, at, third / 3.0)
+                component = rate_at(d, k) if derivative else clearance_at(d, k)
+                implicit.normal[k] = extended_component(d, component, third / 3.0)
             project_coordinates(d, d.scratch.state, derivative, change)
             for j in range(len(change)):
                 implicit.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
@@ -364,11 +365,11 @@ def match_clearances(d):
                     -work_along(d, change) if d.friction.count > 0 else 0.0
                 )
     for j in range(last_component + 1):
-        at_one, at_two = implicit.thirds[0, j], implicit.thirds[1, j]
+        change_at_one, change_at_two = implicit.thirds[0, j], implicit.thirds[1, j]
         # the coefficients F₅ and F₆ change the dense output by 8/729 F₅ + 8/2187 F₆ at one third of the step,
         # and by 8/729 F₅ + 16/2187 F₆ at two thirds
-        dense[6, j] = 2187.0 / 8.0 * (at_two - at_one)
-        dense[5, j] = 729.0 / 8.0 * at_one - dense[6, j] / 3.0
+        dense[6, j] = 2187.0 / 8.0 * (change_at_two - change_at_one)
+        dense[5, j] = 729.0 / 8.0 * change_at_one - dense[6, j] / 3.0
 
 
 def lagrange_polynomial(first, m, x):
@@ -393,5 +394,6 @@ def bound_curvatures(d, h):
     for k in range(clearance_count(d)):
         bound = 0.0
         for m in range(RADAU_STAGES):
-            bound += CURVE_BOUND[m] * abs(dense_coefficient(d.implicit.last_stages, m, gap_at(d, k)))
+            coefficient = dense_coefficient(d.implicit.last_stages, m, clearance_at(d, k))
+            bound += CURVATURE_BOUND[m] * abs(coefficient)
         d.search.curvature[d.contacts.active_index[k]] = bound / (h * h)

@@ -29,7 +29,7 @@ from chain_impact.kernel.record.state import (
     velocity_at,
 )
 from chain_impact.kernel.rows.constraints import SQUEEZED, any_constraint
-from chain_impact.kernel.rows.geometry import clearance, dot, largest_coordinate, normal_row
+from chain_impact.kernel.rows.geometry import clearance_and_rate, dot, largest_coordinate, normal_row
 from chain_impact.kernel.status import NO_ROOM, NOT_FINITE, STEP_TOO_SMALL
 
 AUTOMATIC_METHOD = 1
@@ -79,7 +79,7 @@ FIRST_TURN = 2.8
 BESIDE_SIZE, BESIDE_ORDER = 15.0, 3.0
 # [m, rad, m/s, rad/s] A coordinate or rate of a smaller absolute value is set to 0. Otherwise, in a chain at
 # rest, it could decay until its square is denormal, and some processors are slow with denormal numbers.
-FADED_SIZE = 1e-100
+FADED_VALUE = 1e-100
 
 
 def begin_trial(d, h):
@@ -113,14 +113,14 @@ def is_accepted(d):
     return d.trial.outcome == ACCEPTED
 
 
-def propose_size(d, size):
+def propose_size(d, step_size):
     """Propose the size that the next step tries first, in the step's integration variable."""
-    d.step.next_size = size
+    d.step.next_size = step_size
 
 
-def limit_next_size(d, size):
-    """Reduce the proposed size of the next step to at most ``size``."""
-    propose_size(d, min(d.step.next_size, size))
+def limit_next_size(d, step_size):
+    """Reduce the proposed size of the next step to at most ``step_size``."""
+    propose_size(d, min(d.step.next_size, step_size))
 
 
 def scale_next_size(d, ratio):
@@ -220,11 +220,11 @@ def set_scales(d, y, scale, contact_count):
     Other components have no scales, and their errors are not controlled: u and t, whose errors are far
     smaller than those of the motion, the rates of clearances, and the quadratures.
     """
-    n, size = d.links, d.chain.longest_link
+    n, longest_link = d.links, d.chain.longest_link
     for j in range(velocity_at(n)):
-        scale[j] = size if j < FIRST_ANGLE else 1.0
+        scale[j] = longest_link if j < FIRST_ANGLE else 1.0
     for j in range(velocity_at(n), dissipated_at(n)):
-        scale[j] = (size if j < omega_at(n) else 1.0) + abs(y[j])
+        scale[j] = (longest_link if j < omega_at(n) else 1.0) + abs(y[j])
     scale[dissipated_at(n)] = d.chain.energy_scale + abs(y[dissipated_at(n)]) + impact_energy(d)
     if d.channels > 0:
         scale[supplied_at(n)] = d.chain.energy_scale + abs(y[supplied_at(n)]) + impact_energy(d)
@@ -240,33 +240,33 @@ def raise_scales(d, y, scale, contact_count):
     v₀/δ* (``penetration_scale``) turns a round-off ε of a position into a speed ω ε, so the scales of
     clearances, velocities and angular velocities are raised. The arguments are those of ``set_scales``.
     """
-    n, size, turned, fastest = d.links, d.chain.longest_link, 0.0, 0.0
+    n, longest_link, largest_angle, speed = d.links, d.chain.longest_link, 0.0, 0.0
     if contact_count == 0:
         return
     for i in range(n):
-        turned = max(turned, abs(y[FIRST_ANGLE + i]))
-    largest = max(largest_coordinate(d), size * turned) / d.solver.tolerance
+        largest_angle = max(largest_angle, abs(y[FIRST_ANGLE + i]))
+    round_off_length = max(largest_coordinate(d), longest_link * largest_angle) / d.solver.tolerance
     for k in range(contact_count):
         c = d.contacts.active_index[k]
         frequency = d.contacts.latched_speed[c] / d.contacts.expected_penetration[c]
         lasts = frequency * (d.step.end - d.contacts.onset[c]) > AGE_AT_REST
-        least = largest * (POSITION_ROUND_OFF_AT_REST if lasts else POSITION_ROUND_OFF)
-        scale[sundman_u_at(n) + k] = max(scale[sundman_u_at(n) + k], least)
-        fastest = max(fastest, frequency * least)
+        round_off = round_off_length * (POSITION_ROUND_OFF_AT_REST if lasts else POSITION_ROUND_OFF)
+        scale[sundman_u_at(n) + k] = max(scale[sundman_u_at(n) + k], round_off)
+        speed = max(speed, frequency * round_off)
     for j in range(velocity_at(n), dissipated_at(n)):
-        scale[j] = max(scale[j], fastest * (1.0 if j < omega_at(n) else 1.0 / size))
+        scale[j] = max(scale[j], speed * (1.0 if j < omega_at(n) else 1.0 / longest_link))
 
 
 def clear_faded(d, y):
-    """Set coordinates and rates in y with 0 < |value| < FADED_SIZE to 0; return whether y had such values."""
+    """Set coordinates and rates in y with 0 < |value| < FADED_VALUE to 0; return whether y had any."""
     count = 0
     # The first loop only counts, without branches, so that it is fast: in most calls nothing has to be
     # cleared. The coordinates and rates are the entries of y before the dissipated energy.
     for j in range(dissipated_at(d.links)):
-        count += 0.0 < abs(y[j]) < FADED_SIZE
+        count += 0.0 < abs(y[j]) < FADED_VALUE
     for j in range(dissipated_at(d.links) if count > 0 else 0):
         # a component of exactly 0 is skipped, so that it keeps its derivatives in a tangent instance
-        if 0.0 < abs(y[j]) < FADED_SIZE:
+        if 0.0 < abs(y[j]) < FADED_VALUE:
             y[j] = 0.0
     return count > 0
 
@@ -303,21 +303,21 @@ def scaled_errors(d):
 
     While constraints act, the errors of drives' forces (``force_errors``) count as well. Estimate k, 0 or 1,
     of the tried step is row k of ``scratch.y_error`` and, for the clearances of active contacts, row k of
-    ``contacts.gap_error``. Both results are infinity if the step is not finite. If any contact is active, the
-    points must be located at the end of the step.
+    ``contacts.clearance_error``. Both results are infinity if the step is not finite. If any contact is
+    active, the points must be located at the end of the step.
     """
     y, scale, total = d.trial.state, d.implicit.error_weight, 0.0
     first_error, second_error, first, second = d.scratch.y_error[0], d.scratch.y_error[1], 0.0, 0.0
     set_scales(d, y, scale, d.contacts.active_count)
-    gaps = sundman_u_at(d.links)
+    first_clearance = sundman_u_at(d.links)
     for j in range(controlled_count(d)):
         # max() can hide a NaN; a sum cannot
         total += abs(first_error[j] + y[j]) + abs(second_error[j] + y[j])
         first = max(first, abs(first_error[j]) / scale[j])
         second = max(second, abs(second_error[j]) / scale[j])
     for k in range(d.contacts.active_count):
-        first = max(first, abs(d.contacts.gap_error[0, k]) / scale[gaps + k])
-        second = max(second, abs(d.contacts.gap_error[1, k]) / scale[gaps + k])
+        first = max(first, abs(d.contacts.clearance_error[0, k]) / scale[first_clearance + k])
+        second = max(second, abs(d.contacts.clearance_error[1, k]) / scale[first_clearance + k])
     if any_constraint(d) and d.chain.has_springs_or_dampers:
         first_force, second_force = force_errors(d)
         first, second = max(first, first_force), max(second, second_force)
@@ -339,8 +339,8 @@ def force_errors(d):
         factor = moment_factor(d, i)
         first = max(first, force_error(d, d.scratch.y_error[0], i, c, k) * factor)
         second = max(second, force_error(d, d.scratch.y_error[1], i, c, k) * factor)
-    usual = d.chain.energy_scale * (1.0 + d.chain.gravity_size / d.chain.longest_link)
-    return first / usual, second / usual
+    usual_moment = d.chain.energy_scale * (1.0 + d.chain.gravity_magnitude / d.chain.longest_link)
+    return first / usual_moment, second / usual_moment
 
 
 def force_error(d, error, i, c, k):
@@ -363,16 +363,17 @@ def impact_energy(d):
     return energy
 
 
-def set_gap_errors(d, estimate):
-    """Set ``contacts.gap_error``, the errors [m] of active contacts' clearances, from an error estimate.
+def set_clearance_errors(d, estimate):
+    """Set ``contacts.clearance_error``, the errors [m] of active contacts' clearances.
 
-    ``estimate`` is the row of the estimate in ``scratch.y_error`` and in ``contacts.gap_error``, 0 or 1.
+    They follow from the error estimate in row ``estimate``, 0 or 1, of ``scratch.y_error``, and are stored in
+    the same row.
     """
     if d.contacts.active_count > 0:
         move_points(d, d.scratch.link_vector, d.scratch.y_error[estimate], d.scratch.place_change)
     for k in range(d.contacts.active_count):
         row = normal_row(d, d.contacts.active_index[k])
-        d.contacts.gap_error[estimate, k] = dot(row, d.scratch.place_change)
+        d.contacts.clearance_error[estimate, k] = dot(row, d.scratch.place_change)
 
 
 def penetration_scale(d, c):
@@ -383,7 +384,7 @@ def penetration_scale(d, c):
     divided by ω. The scale is max(δ, δ*); if v₀ is below s, one longest link per second, the scale is larger
     by a factor: s/v₀, or less, so that the factor raises no error above LARGEST_ERROR × max(δ, δ*).
     """
-    gap, _ = clearance(d, c)
-    depth = max(d.contacts.expected_penetration[c], -gap)
-    leeway = min(d.chain.longest_link / d.contacts.latched_speed[c], LARGEST_ERROR / d.solver.tolerance)
-    return depth * max(1.0, leeway)
+    clearance, _ = clearance_and_rate(d, c)
+    penetration = max(d.contacts.expected_penetration[c], -clearance)
+    factor = min(d.chain.longest_link / d.contacts.latched_speed[c], LARGEST_ERROR / d.solver.tolerance)
+    return penetration * max(1.0, factor)

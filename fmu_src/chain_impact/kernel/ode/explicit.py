@@ -22,14 +22,14 @@ from chain_impact.kernel.ode.control import (
     controlled_count,
     reject_step,
     scaled_errors,
-    set_gap_errors,
+    set_clearance_errors,
     set_outcome,
 )
 from chain_impact.kernel.ode.dense import set_quadrature_stage, set_quadrature_stage_at_end
-from chain_impact.kernel.ode.sundman import regularize_rate, regularized_rate, root_curve, runs_back
+from chain_impact.kernel.ode.sundman import regularize_rate, regularized_rate, root_curvature, runs_back
 from chain_impact.kernel.record.constants import NO_CONTACT, RUNS_BACK, STAGE_COUNT
 from chain_impact.kernel.record.state import sundman_u_at
-from chain_impact.kernel.rows.geometry import clearance, gap_acceleration, has_sticking
+from chain_impact.kernel.rows.geometry import clearance_acceleration, clearance_and_rate, has_sticking
 
 # The number of stages of a step, 0 to 11. Stage 12 is the rate at the end of the step; stages 13 to 15 are
 # only for the dense output.
@@ -219,7 +219,7 @@ def size_toward_end(d, h):
         return h
     accelerate_points(d, d.step.state_end, d.scratch.rate_start)
     # the contact ends after the fictitious time s at which u is zero: u + u′ s + ½ u″ s² = 0
-    square = slope * slope - 2.0 * u * root_curve(d, u, slope)
+    square = slope * slope - 2.0 * u * root_curvature(d, u, slope)
     left = 2.0 * u / (math.sqrt(max(0.0, square)) - slope)
     return size_up_to_end(h, left)
 
@@ -234,11 +234,11 @@ def size_toward_ends(d, h):
     left = math.inf
     for k in range(d.contacts.compliant_count):
         c = d.contacts.active_index[k]
-        gap, gap_rate = clearance(d, c)
-        if gap < 0.0 < gap_rate:
+        clearance, clearance_rate = clearance_and_rate(d, c)
+        if clearance < 0.0 < clearance_rate:
             # the clearance g is zero after the time t: g + ġ t + ½ g̈ t² = 0
-            square = gap_rate * gap_rate - 2.0 * gap * gap_acceleration(d, c)
-            left = min(left, -2.0 * gap / (gap_rate + math.sqrt(max(0.0, square))))
+            square = clearance_rate * clearance_rate - 2.0 * clearance * clearance_acceleration(d, c)
+            left = min(left, -2.0 * clearance / (clearance_rate + math.sqrt(max(0.0, square))))
     return size_up_to_end(h, left)
 
 
@@ -278,8 +278,8 @@ def error_estimate(d, h):
     _errors(d.scratch.stage, h, d.scratch.y_error[0, :controlled], d.scratch.y_error[1, :controlled])
     if d.contacts.active_count > 0 or has_sticking(d):
         locate_points(d, d.trial.state)
-    set_gap_errors(d, 0)
-    set_gap_errors(d, 1)
+    set_clearance_errors(d, 0)
+    set_clearance_errors(d, 1)
     error_5, error_3 = scaled_errors(d)
     if error_5 < SQUARE_UNDERFLOWS:
         return error_5

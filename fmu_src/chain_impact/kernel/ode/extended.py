@@ -62,18 +62,18 @@ from chain_impact.kernel.rows.geometry import (
     add_impedance,
     add_joint_impedances,
     clear_used_loads,
-    clearance,
+    clearance_acceleration,
+    clearance_and_rate,
     constraint_count,
     constraint_row,
     dot,
-    gap_acceleration,
     has_sticking,
     normal_row,
     row_of_drive,
 )
 
 
-def gap_at(d, k):
+def clearance_at(d, k):
     """Return the index in the extended state z of the clearance of contact k in z, counted from 0.
 
     z has no u and t, which are the last two entries of y. So in z the clearances begin at the index that u
@@ -89,7 +89,7 @@ def clearance_count(d):
 
 def rate_at(d, k):
     """Return the index in the extended state z of the rate of the clearance of contact k in z, k from 0."""
-    return gap_at(d, clearance_count(d) + k)
+    return clearance_at(d, clearance_count(d) + k)
 
 
 def quadrature_at(d, k):
@@ -97,10 +97,10 @@ def quadrature_at(d, k):
 
     If impulses are requested, the impulses of the contacts in z come first.
     """
-    return gap_at(d, 2 * clearance_count(d) + k)
+    return clearance_at(d, 2 * clearance_count(d) + k)
 
 
-def extended_size(d):
+def extended_length(d):
     """Return the number of entries of the extended state z: y without u and t, g, ġ and quadratures."""
     return quadrature_at(d, d.quadrature.count)
 
@@ -114,7 +114,7 @@ def extend_start(d):
     for j in range(sundman_u_at(n)):
         implicit.z_start[j], implicit.rate_start[j] = d.step.state_end[j], scratch.rate_start[j]
     for k in range(clearance_count(d)):
-        implicit.z_start[gap_at(d, k)], implicit.z_start[rate_at(d, k)] = clearance(
+        implicit.z_start[clearance_at(d, k)], implicit.z_start[rate_at(d, k)] = clearance_and_rate(
             d, d.contacts.active_index[k]
         )
     for k in range(d.quadrature.count):
@@ -131,8 +131,8 @@ def extend_start(d):
 def clearance_rates(d, z, rate):
     """Set ġ and g̈ of contacts with a force law in ``rate``, the rate ż of z; points must be accelerated."""
     for k in range(clearance_count(d)):
-        rate[gap_at(d, k)] = z[rate_at(d, k)]
-        rate[rate_at(d, k)] = gap_acceleration(d, d.contacts.active_index[k])
+        rate[clearance_at(d, k)] = z[rate_at(d, k)]
+        rate[rate_at(d, k)] = clearance_acceleration(d, d.contacts.active_index[k])
 
 
 def extended_rate(d, z, elapsed, rate):
@@ -146,7 +146,7 @@ def extended_rate(d, z, elapsed, rate):
     clear_loads(d)
     dissipated = 0.0
     for k in range(clearance_count(d)):
-        dissipated += apply_contact(d, d.contacts.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
+        dissipated += apply_contact(d, d.contacts.active_index[k], z[clearance_at(d, k)], z[rate_at(d, k)])
     if d.friction.count > 0:
         dissipated += apply_friction(d)
     # ``free_rate_from_loads`` also writes to the indices of u and t in y; z has other components at these
@@ -174,8 +174,8 @@ def extended_slopes(d, z):
         implicit.drive_damping[i], implicit.drive_stiffness[i] = drive_slopes(d, i)
     for k in range(clearance_count(d)):
         c = d.contacts.active_index[k]
-        depth, rate = max(0.0, -z[gap_at(d, k)]), -z[rate_at(d, k)]
-        implicit.contact_stiffness[k], implicit.contact_damping[k] = law_slopes(d, c, depth, rate)
+        penetration, rate = max(0.0, -z[clearance_at(d, k)]), -z[rate_at(d, k)]
+        implicit.contact_stiffness[k], implicit.contact_damping[k] = law_slopes(d, c, penetration, rate)
 
 
 def contact_impedance(d, k, s):
@@ -223,10 +223,8 @@ def solve_shift(d, s, space, slot, x):
     if d.chain.has_springs_or_dampers:
         for i in range(drive_count(d)):
             # the impulse of damper and spring of drive i: its part of K r_v + s S r_q, where x contains r
-            rate, displacement = (
-                drive_component(d, x, velocity_at(n), i),
-                drive_component(d, x, 0, i),
-            )
+            rate = drive_component(d, x, velocity_at(n), i)
+            displacement = drive_component(d, x, 0, i)
             impulse = drive_resistance(d, i, s) * rate + s * implicit.drive_stiffness[i] * displacement
             load_drive(d, space.load, i, impulse)
     for k in range(clearance_count(d)):
@@ -234,7 +232,7 @@ def solve_shift(d, s, space, slot, x):
         # contains r
         impulse = (
             contact_impedance(d, k, s) * x[rate_at(d, k)]
-            + s * implicit.contact_stiffness[k] * x[gap_at(d, k)]
+            + s * implicit.contact_stiffness[k] * x[clearance_at(d, k)]
         )
         add_along_row(constraint_row(d, k), space.load, impulse)
     solve_in_space(d, implicit.link_vector, space, slot, change)
@@ -247,10 +245,11 @@ def solve_shift(d, s, space, slot, x):
         x[j] += s * x[velocity_at(n) + j]
     for k in range(clearance_count(d)):
         x[rate_at(d, k)] -= dot(constraint_row(d, k), space.place_change)
-        x[gap_at(d, k)] += s * x[rate_at(d, k)]
+        x[clearance_at(d, k)] += s * x[rate_at(d, k)]
     for k in range(min(d.quadrature.count, clearance_count(d))):
         x[quadrature_at(d, k)] -= s * (
-            implicit.contact_stiffness[k] * x[gap_at(d, k)] + implicit.contact_damping[k] * x[rate_at(d, k)]
+            implicit.contact_stiffness[k] * x[clearance_at(d, k)]
+            + implicit.contact_damping[k] * x[rate_at(d, k)]
         )
 
 
@@ -276,17 +275,17 @@ def factorize_complex(d, s, pair):
     factorize_shift(d, s, d.implicit.pairs, pair)
 
 
-def solve_complex(d, s, pair, x, y, size):
+def solve_complex(d, s, pair, x, y, component_count):
     """Solve (1 − s A) (x + iy) = r for the complex shift s [s] that is factorized in slot ``pair``.
 
-    The arrays x and y have ``size`` entries each: at the call the real and imaginary parts of r, afterwards
-    those of the solution.
+    The arrays x and y have ``component_count`` entries each: at the call the real and imaginary parts of r,
+    afterwards those of the solution.
     """
     pairs = d.implicit.pairs
-    for j in range(size):
+    for j in range(component_count):
         pairs.x[j] = complex(x[j], y[j])
     solve_shift(d, s, pairs, pair, pairs.x)
-    for j in range(size):
+    for j in range(component_count):
         x[j], y[j] = pairs.x[j].real, pairs.x[j].imag
 
 
@@ -310,9 +309,9 @@ def project_coordinates(d, y, derivative, change):
     clear_used_loads(d, d.scratch.load)
     for k in range(clearance_count(d)):
         c = d.contacts.active_index[k]
-        gap, gap_rate = clearance(d, c)
+        clearance, clearance_rate = clearance_and_rate(d, c)
         impulse = contact_impedance(d, k, implicit.shift) * (
-            implicit.normal[k] - (gap_rate if derivative else gap)
+            implicit.normal[k] - (clearance_rate if derivative else clearance)
         )
         add_along_row(normal_row(d, c), d.scratch.load, impulse)
     solve_in_space(d, implicit.link_vector, d.scratch, SHIFTED, change)
@@ -334,7 +333,7 @@ def project_clearances(d, z, y):
     apart = largest_mismatch(d, z) / CLEARANCE_MISMATCH
     for derivative in range(2):
         for k in range(clearance_count(d)):
-            implicit.normal[k] = z[rate_at(d, k) if derivative else gap_at(d, k)]
+            implicit.normal[k] = z[rate_at(d, k) if derivative else clearance_at(d, k)]
         project_coordinates(d, y, derivative, change)
         for j in range(coordinate_count(d.links)):
             worst = max(worst, abs(change[j]) * implicit.error_weight[derivative * velocity_at(d.links) + j])
@@ -350,7 +349,7 @@ def largest_mismatch(d, z):
     worst = 0.0
     for k in range(clearance_count(d)):
         c = d.contacts.active_index[k]
-        gap, _ = clearance(d, c)
-        depth = max(d.contacts.expected_penetration[c], -gap)
-        worst = max(worst, abs(z[gap_at(d, k)] - gap) / depth)
+        clearance, _ = clearance_and_rate(d, c)
+        penetration = max(d.contacts.expected_penetration[c], -clearance)
+        worst = max(worst, abs(z[clearance_at(d, k)] - clearance) / penetration)
     return worst

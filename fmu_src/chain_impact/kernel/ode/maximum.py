@@ -33,10 +33,10 @@ def maximum_of(value_at):
             top = value_at(d, index, middle)
             right = value_at(d, index, middle + reach)
             best = max(best, left, top, right)
-            bend = left - 2.0 * top + right
-            if bend >= 0.0:
+            second_difference = left - 2.0 * top + right
+            if second_difference >= 0.0:
                 return best
-            shift = 0.5 * (left - right) / bend
+            shift = 0.5 * (left - right) / second_difference
             summit = top - 0.25 * (left - right) * shift if abs(shift) <= 1.0 else top
             middle += shift * reach
             reach *= 0.1

@@ -106,9 +106,9 @@ def _transformed(i):
     """Return a function that sets row i of the right-hand sides to row i of LEFT · R, R = h Q F − U."""
     of_rates, of_stages = LEFT_Q[i], LEFT[i]
 
-    def transformed(d, h, size):
+    def transformed(d, h, component_count):
         implicit = d.implicit
-        for j in range(size):
+        for j in range(component_count):
             rates, stages = 0.0, 0.0
             for m in range(RADAU_STAGES):
                 rates += of_rates[m] * implicit.rates[m, j]
@@ -118,14 +118,14 @@ def _transformed(i):
     return transformed
 
 
-def _correct(d, size):
+def _correct(d, component_count):
     """Add RIGHT · W to the stages; set ``implicit.z`` to each component's largest |change| at any stage.
 
     The rows of W are the solutions of the linear systems, in ``implicit.parts``.
     """
     implicit = d.implicit
     # this loop has no sum or maximum over the components, so that the compiler can use vector instructions
-    for j in range(size):
+    for j in range(component_count):
         largest = 0.0
         for i in range(RADAU_STAGES):
             change = 0.0
@@ -150,47 +150,49 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
         linearize: function (d, z) that evaluates the derivatives in A at the state z, for which ``rate`` was
             just called.
         factorize: function (d, h) that factorizes the systems.
-        solve: function (d, h, size) that replaces the right-hand sides r in the rows of ``implicit.parts`` by
+        solve: function (d, h, component_count) that replaces the right-hand sides r in the rows of
+        ``implicit.parts`` by
             the solutions w.
 
     Returns:
-        Three functions (d, h, size) for a step of size h [s]; ``size`` is the length of z. The first sets the
-        right-hand sides of an iteration, the second corrects the stages in ``implicit.stages`` by the
-        solutions. The third iterates, and returns whether the iteration has converged.
+        Three functions (d, h, component_count) for a step of size h [s]; ``component_count`` is the length of
+        z. The first sets the right-hand sides of an iteration, the second corrects the stages in
+        ``implicit.stages`` by the solutions. The third iterates, and returns whether the iteration has
+        converged.
     """
 
-    def find_residuals(d, h, size):
+    def find_residuals(d, h, component_count):
         implicit = d.implicit
         begin(d)
         for i in range(RADAU_STAGES):
             # the middle stage comes last, because the approximate Jacobian A is evaluated at the state of
             # this stage
             stage = (i + RADAU_STAGES // 2 + 1) % RADAU_STAGES
-            for j in range(size):
+            for j in range(component_count):
                 implicit.z[j] = implicit.z_start[j] + implicit.stages[stage, j]
             rate(d, implicit.z, h * RADAU_NODES[stage], implicit.rates[stage])
             note(d, stage)
-        _transform(d, h, size)
+        _transform(d, h, component_count)
 
-    def correct_stages(d, _h, size):
+    def correct_stages(d, _h, component_count):
         implicit, worst, total = d.implicit, 0.0, 0.0
-        _correct(d, size)
-        for j in range(size):
+        _correct(d, component_count)
+        for j in range(component_count):
             # a NaN in a solution reaches this sum through the last stage; max() could hide the NaN
             total += implicit.error_weight[j] * implicit.stages[RADAU_STAGES - 1, j]
             worst = max(worst, implicit.error_weight[j] * implicit.z[j])
         implicit.relative_correction = worst if math.isfinite(total) else math.inf
 
-    def converge(d, h, size):
+    def converge(d, h, component_count):
         implicit = d.implicit
         before = 0.0
         for k in range(1, MOST_ITERATIONS + 1):
-            find_residuals(d, h, size)
+            find_residuals(d, h, component_count)
             if k == 1:
                 linearize(d, implicit.z)
                 factorize(d, h)
-            solve(d, h, size)
-            correct_stages(d, h, size)
+            solve(d, h, component_count)
+            correct_stages(d, h, component_count)
             implicit.iterations = k
             if not implicit.relative_correction < FAILED_CORRECTION:
                 implicit.contraction = math.inf

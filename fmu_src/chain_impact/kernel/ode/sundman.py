@@ -24,7 +24,7 @@ from chain_impact.kernel.function_marks import inlined
 from chain_impact.kernel.ode.sundman_rate import regularized_time_rate
 from chain_impact.kernel.record.constants import EXPLICIT, NO_CONTACT
 from chain_impact.kernel.record.state import sundman_u_at, time_at
-from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
+from chain_impact.kernel.rows.geometry import clearance_acceleration, clearance_and_rate
 
 # The least u = √(δ/δ*) to which a regularized step may go. u is integrated, so it may become negative: then
 # the step has passed the end of the contact, and time runs backwards.
@@ -68,11 +68,11 @@ def root_rate(d, u):
 
     The points must be located.
     """
-    _, gap_rate = clearance(d, d.step.regularized)
-    return -0.5 * gap_rate / (d.contacts.expected_penetration[d.step.regularized] * (1.0 + u * u))
+    _, clearance_rate = clearance_and_rate(d, d.step.regularized)
+    return -0.5 * clearance_rate / (d.contacts.expected_penetration[d.step.regularized] * (1.0 + u * u))
 
 
-def root_curve(d, u, slope):
+def root_curvature(d, u, slope):
     """Return u″ = d²u/ds² of the regularized contact; ``slope`` is the rate u′.
 
     The points must be located and accelerated.
@@ -80,8 +80,10 @@ def root_curve(d, u, slope):
     quotient, c = 1.0 / (1.0 + u * u), d.step.regularized
     # u″ = p δ̈/(2 δ* (1 + u²)) − 2 u u′²/(1 + u²), with u′ = du/ds, p = dt/ds and δ̈ = d²δ/dt² of the
     # penetration δ
-    curve = 0.5 * regularized_time_rate(u) * -gap_acceleration(d, c) / d.contacts.expected_penetration[c]
-    return quotient * (curve - 2.0 * u * slope * slope)
+    curvature = (
+        0.5 * regularized_time_rate(u) * -clearance_acceleration(d, c) / d.contacts.expected_penetration[c]
+    )
+    return quotient * (curvature - 2.0 * u * slope * slope)
 
 
 def time_rate_at(d, u):
@@ -122,9 +124,9 @@ def find_lone_contact(d):
     if d.step.method != EXPLICIT or not d.contacts.active_count == d.contacts.compliant_count == 1:
         return NO_CONTACT, 1.0
     c = d.contacts.active_index[0]
-    gap, gap_rate = clearance(d, c)
-    u = math.sqrt(max(0.0, -gap) / d.contacts.expected_penetration[c])
-    over = u == 0.0 and gap_rate >= 0.0
-    if over or u + abs(gap_rate) / d.contacts.latched_speed[c] <= RESTING_SUM:
+    clearance, clearance_rate = clearance_and_rate(d, c)
+    u = math.sqrt(max(0.0, -clearance) / d.contacts.expected_penetration[c])
+    over = u == 0.0 and clearance_rate >= 0.0
+    if over or u + abs(clearance_rate) / d.contacts.latched_speed[c] <= RESTING_SUM:
         return NO_CONTACT, 1.0
     return c, u

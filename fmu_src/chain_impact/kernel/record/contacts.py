@@ -72,7 +72,7 @@ def most_constraints(candidates: int, elements: int) -> int:
 @written_by(
     "forces/active_contacts.py",
     event="events/marks.py",
-    gap_error="ode/control.py",
+    clearance_error="ode/control.py",
     **dict.fromkeys(
         ("damping", "expected_penetration", "kink_crossed", "kink_margin"), "forces/force_formula.py"
     ),
@@ -128,7 +128,7 @@ def contacts_dtype(candidates: int) -> np.dtype:
         ("joint", INTEGER, (candidates,)),  # number of the joint with ``joint_square``, 1…N; 0 for none
         # m, errors of the clearances of the active contacts, in the order of ``active_index``; row 0 and row
         # 1 belong to the two error estimates of an explicit step
-        ("gap_error", REAL, (2, candidates)),
+        ("clearance_error", REAL, (2, candidates)),
         ("x", REAL, (candidates,)),  # m, x of the position at the onset (``touching_position``)
         ("y", REAL, (candidates,)),
     )

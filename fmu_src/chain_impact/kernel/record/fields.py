@@ -18,11 +18,9 @@ def ranged_real(least: float, most: float) -> np.dtype:
     return np.dtype(REAL, metadata={"range": (least, most)})
 
 
-POSITIVE, NOT_NEGATIVE, FINITE = (
-    ranged_real(SMALLEST_DOUBLE, LARGEST_DOUBLE),
-    ranged_real(0.0, LARGEST_DOUBLE),
-    ranged_real(-LARGEST_DOUBLE, LARGEST_DOUBLE),
-)
+POSITIVE = ranged_real(SMALLEST_DOUBLE, LARGEST_DOUBLE)
+NOT_NEGATIVE = ranged_real(0.0, LARGEST_DOUBLE)
+FINITE = ranged_real(-LARGEST_DOUBLE, LARGEST_DOUBLE)
 # type of a real that is a limit: any number ≥ 0, or infinite for no limit
 LIMIT_REAL = ranged_real(0.0, float("inf"))
 

@@ -80,7 +80,7 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         # number of the point at which the two arms of the elimination meet (chain/elimination.py): 0, the
         # base, if the base has a joint; else N/2, rounded down
         ("meeting_joint", bounded_integer(0, links)),
-        ("gravity_size", REAL),  # m/s², magnitude of the vector ``gravity``
+        ("gravity_magnitude", REAL),  # m/s², magnitude of the vector ``gravity``
         ("reach", REAL),  # m, largest distance from the base that a point or site can have
         # m, length of the longest link: the scale of positions, to which errors and round-off are relative
         ("longest_link", REAL),
@@ -141,7 +141,7 @@ def slider_dtype() -> np.dtype:
 
 
 @settable(AT_START)
-@written_by("events/saturation.py", mode_ends="events/marks.py", torque_margin="equations.py")
+@written_by("events/saturation.py", mode_ends="events/marks.py", mode_margin="equations.py")
 def drive_dtype(links: int) -> np.dtype:
     """Return the layout of the drives, see kernel/chain/drives.py: a row for each joint, then for the slider.
 
@@ -155,7 +155,7 @@ def drive_dtype(links: int) -> np.dtype:
     return layout(
         ("friction", NOT_NEGATIVE, rows),  # N·m, largest moment of dry friction in the joint
         # N·m, largest absolute value of the sum of the torques of motor, spring and damper; ∞: no limit
-        ("torque_limit", LIMIT_REAL, rows),
+        ("limit", LIMIT_REAL, rows),
         ("min", REAL, rows),  # rad, angle of the joint at which the lower stop begins to act; −∞: no stop
         ("max", REAL, rows),  # rad, angle of the joint at which the upper stop begins to act; ∞: no stop
         # ---- set during the run
@@ -165,7 +165,7 @@ def drive_dtype(links: int) -> np.dtype:
         ("mode_ends", INTEGER),  # 1: at the end of the last step the mode of some drive ends; 0: none ends
         # N·m, the least result of ``mode_margin`` (chain/drives.py) in the stages of the tried step, or 0 if
         # this is larger; a negative number says that a drive has passed the end of its mode
-        ("torque_margin", REAL),
+        ("mode_margin", REAL),
     )
 
 

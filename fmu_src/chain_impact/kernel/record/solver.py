@@ -28,7 +28,7 @@ from chain_impact.kernel.record.fields import (
     vectors_dtype,
     written_by,
 )
-from chain_impact.kernel.record.state import coordinate_count, state_size
+from chain_impact.kernel.record.state import coordinate_count, state_length
 from chain_impact.kernel.status import LAST_STATUS, OK
 
 
@@ -40,7 +40,7 @@ from chain_impact.kernel.status import LAST_STATUS, OK
 )
 def step_dtype(links: int, candidates: int) -> np.dtype:
     """Return the layout of the last accepted step, of its dense output, and of data for the next step."""
-    state = state_size(links)
+    state = state_length(links)
     return layout(
         ("communication_point", REAL),  # s, the communication point; between calls it lies in the last step
         ("start", REAL),  # s, time at which the last step starts
@@ -91,7 +91,7 @@ def trial_dtype(links: int) -> np.dtype:
     """Return the layout of the outcome of the tried step."""
     return layout(
         ("size", REAL),  # size of the tried step in its integration variable: time [s] or fictitious time [s]
-        ("state", REAL, (state_size(links),)),  # state y at the end of the tried step
+        ("state", REAL, (state_length(links),)),  # state y at the end of the tried step
         # ACCEPTED, or the reason why the tried step is rejected, such as INACCURATE (kernel/ode/control.py)
         ("outcome", bounded_integer(ACCEPTED, DIVERGED)),
         # error of the tried step relative to the tolerance or, if larger, the energy that the step loses,
@@ -221,7 +221,7 @@ def elimination_dtype(links: int) -> np.dtype:
 )
 def scratch_dtype(links: int, sites: int) -> np.dtype:
     """Return the layout of the scratch memory; fields are valid only within a step, unless noted."""
-    points, state = links + 1, state_size(links)
+    points, state = links + 1, state_length(links)
     places, loads = vectors_dtype(place_count(links, sites)), loads_dtype(links, sites)
     impedance = impedance_dtype(links, sites)
     return layout(
@@ -299,8 +299,8 @@ def search_dtype(candidates: int) -> np.dtype:
         ("phi_end_rate", REAL, (candidates,)),
         # φ″ of each candidate, the second derivative, at the start and the end of the whole step, which may
         # have several intervals
-        ("phi_start_curve", REAL, (candidates,)),
-        ("phi_end_curve", REAL, (candidates,)),
+        ("phi_start_curvature", REAL, (candidates,)),
+        ("phi_end_curvature", REAL, (candidates,)),
     )
 
 
@@ -323,7 +323,7 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
     The extended state z consists of y without the last two entries, the clearances of active contacts with a
     force law, the rates of these clearances, and the quadratures (kernel/ode/extended.py).
     """
-    state = state_size(links)
+    state = state_length(links)
     extended = state + 3 * candidates + elements
     # Data of the linear systems with complex shifts s, one shift of each conjugate pair. ``factors`` has a
     # slot for each shift; the other fields serve one system at a time. For the real shift, `scratch` has such

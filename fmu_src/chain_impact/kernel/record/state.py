@@ -51,7 +51,7 @@ def time_at(n):
     return 2 * n + 7
 
 
-def state_size(n):
+def state_length(n):
     """Return the length of the state vector y of a chain with n links."""
     return 2 * n + 8
 

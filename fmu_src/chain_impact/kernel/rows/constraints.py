@@ -72,7 +72,9 @@ SOLVED_RESIDUAL = 1e-15  # largest residual that needs no more iterations, relat
 # ``reduce_free_impulses`` hardly changes the element's impulse. With a much smaller limit, round-off times
 # the impedance D would be taken from impulses, and a chain at rest would change its energy.
 RESIDUAL_ROUND_OFF = 1e-13
-UNDERFLOW_SIZE = 1e-100  # [m, m/s or m/s²] the largest residual that counts as 0: its square may underflow
+UNDERFLOW_RESIDUAL = (
+    1e-100  # [m, m/s or m/s²] the largest residual that counts as 0: its square may underflow
+)
 # If no rigid wall holds a point, motions that can hardly be constrained, and are well below NEGLIGIBLE_MOTION
 # × tolerance² × the largest motion, get hardly any impulses, because impulses would end the sticking again
 # and again.
@@ -144,7 +146,7 @@ def solve_equality(d, scale):
     worst = iterate_impulses(d, scale)
     if any_point_held(d):
         return worst
-    if worst > max(SOLVED_RESIDUAL * scale, UNDERFLOW_SIZE):
+    if worst > max(SOLVED_RESIDUAL * scale, UNDERFLOW_RESIDUAL):
         least = NEGLIGIBLE_MOTION * d.solver.tolerance * d.solver.tolerance * scale
         reduce_free_impulses(d, least * least / (least * least + worst * worst), RESIDUAL_ROUND_OFF * scale)
     return 0.0
@@ -184,7 +186,7 @@ def iterate_impulses(d, scale):
             break
         correct_impulses(d)
         if may_exceed(relative_error * worst, round_off):
-            relative_error = move_by_impulses(d) / max(worst, UNDERFLOW_SIZE)
+            relative_error = move_by_impulses(d) / max(worst, UNDERFLOW_RESIDUAL)
         worst, iterations = find_residual(d), iterations + 1
     return worst
 

@@ -24,7 +24,7 @@ speeds, forces and masses of stops have the same units and scales as at walls, a
 
 from chain_impact.kernel.chain.drives import (
     armature_of_drive,
-    coordinates_of_drive,
+    coordinate_sum_of_drive,
     is_slider,
     joints_resist,
     lever_of_drive,
@@ -89,11 +89,9 @@ def set_stop(d, c):
 
     The base touches the slider's stops. A joint's stop is at the place of the joint. The radius is 0.
     """
-    candidate, sign, i = (
-        d.candidate,
-        stop_sign(d, c),
-        d.candidate.point[c] - 1 if is_at_joint_stop(d, c) else d.links,
-    )
+    candidate = d.candidate
+    sign = stop_sign(d, c)
+    i = d.candidate.point[c] - 1 if is_at_joint_stop(d, c) else d.links
     candidate.place[c], x, y = row_of_drive(d, i)
     # a sum with 0.0 is never −0.0, which outputs would print
     candidate.normal_x[c], candidate.normal_y[c] = sign * x + 0.0, sign * y + 0.0
@@ -236,17 +234,17 @@ def add_impedance(row, impedance, amount):
     impedance.yy[place] += ny * ny * amount
 
 
-def clearance(d, c):
+def clearance_and_rate(d, c):
     """Return clearance g [m] and ġ [m/s] of c at located points; at a joint's stop angle × lever arm."""
     row = normal_row(d, c)
-    gap = dot(row, d.scratch.position) - d.candidate.offset[c] - d.candidate.radius[c]
-    gap_rate = dot(row, d.scratch.velocity)
+    clearance = dot(row, d.scratch.position) - d.candidate.offset[c] - d.candidate.radius[c]
+    clearance_rate = dot(row, d.scratch.velocity)
     if d.channels > 0:
-        gap_rate -= d.wall_motion.velocity[c]
-    return gap, gap_rate
+        clearance_rate -= d.wall_motion.velocity[c]
+    return clearance, clearance_rate
 
 
-def gap_acceleration(d, c):
+def clearance_acceleration(d, c):
     """Return g̈ [m/s²], the second derivative of candidate c's clearance, from the accelerated points."""
     acceleration = dot(normal_row(d, c), d.scratch.acceleration)
     if d.channels > 0:
@@ -275,7 +273,7 @@ def tangential_acceleration(d, e):
 def constraint_acceleration(d, k):
     """Return the acceleration [m/s²] of constraint k, relative to wall or belt, at accelerated points."""
     if k < d.contacts.active_count:
-        return gap_acceleration(d, d.contacts.active_index[k])
+        return clearance_acceleration(d, d.contacts.active_index[k])
     return tangential_acceleration(d, d.element.stuck[k - d.contacts.active_count])
 
 
@@ -349,14 +347,14 @@ def length_bound(d, vectors):
     return most
 
 
-def coordinates_size(d, c, y):
+def coordinate_sum(d, c, y):
     """Return the sum [m] of the absolute values of the coordinates that determine candidate c's clearance.
 
     At a joint's stop these are angles times the lever arm. The clearance's round-off is relative to the sum.
     """
     point = d.candidate.point[c]
     if is_at_joint_stop(d, c):
-        return d.chain.longest_link * coordinates_of_drive(d, y, point - 1)
+        return d.chain.longest_link * coordinate_sum_of_drive(d, y, point - 1)
     place = d.candidate.place[c]
     return abs(d.scratch.position.x[place]) + abs(d.scratch.position.y[place])
 

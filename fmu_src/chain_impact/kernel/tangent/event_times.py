@@ -17,7 +17,7 @@ from chain_impact.kernel.events.segments import has_segment_ended
 from chain_impact.kernel.forces.active_contacts import kink_height
 from chain_impact.kernel.ode.last_step import ensure_points
 from chain_impact.kernel.record.constants import KINK, RELATCH
-from chain_impact.kernel.rows.geometry import clearance, gap_acceleration
+from chain_impact.kernel.rows.geometry import clearance_acceleration, clearance_and_rate
 from chain_impact.kernel.tangent.duals import dual_with_slope, reciprocal, value
 
 # φ̇ is found by differences over ± TIME_DIFFERENCE times the length of the last step
@@ -95,12 +95,13 @@ def delay_of_crossing(t, c, kind):
 
     ``kind`` is ONSET, CONTACT_ENDS or RELATCH of record/constants.py; at RELATCH the speed is latched again.
     """
-    gap, gap_rate = clearance(t, c)
+    clearance, clearance_rate = clearance_and_rate(t, c)
     if kind == RELATCH:
         # RELATCH: φ is the rate −ġ of the penetration minus RELATCH_RATIO v₀, with the latched speed v₀
-        change, rate = -gap_rate - RELATCH_RATIO * t.contacts.latched_speed[c], -gap_acceleration(t, c)
+        change = -clearance_rate - RELATCH_RATIO * t.contacts.latched_speed[c]
+        rate = -clearance_acceleration(t, c)
     else:
-        change, rate = gap, gap_rate
+        change, rate = clearance, clearance_rate
     return dual_with_slope(0.0, -reciprocal(value(rate)), change)
 
 

@@ -169,8 +169,8 @@ def is_negligible(t, speed):
 
 def settling_time(t):
     """Return a time [s] in which a chain settles: √(L/(g + L/(1 s)²)), with longest link L and gravity g."""
-    size = value(t.chain.longest_link)
-    return math.sqrt(size / (value(t.chain.gravity_size) + size))
+    longest_link = value(t.chain.longest_link)
+    return math.sqrt(longest_link / (value(t.chain.gravity_magnitude) + longest_link))
 
 
 def friction_drops(t, e):

@@ -9,7 +9,7 @@ import math
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.forces.active_contacts import contact_force, set_contact_extremes, set_joint_square
 from chain_impact.kernel.ode.last_step import set_start_delay
-from chain_impact.kernel.rows.geometry import clearance
+from chain_impact.kernel.rows.geometry import clearance_and_rate
 from chain_impact.kernel.tangent.duals import DIRECTIONS, replace_slope, slope, value
 from chain_impact.kernel.transmitted_forces import set_joint_force_peak, square_of_force
 
@@ -46,8 +46,8 @@ def forget_peaks(t, delay):
         else:
             # The force of a force law does not jump where the two steps meet, because position and velocity
             # of the point do not jump. If this value is the peak, the peak's derivatives get NaN below.
-            gap, gap_rate = clearance(t, c)
-            at_end = value(contact_force(t, c, gap, gap_rate)) + FORCE_ROUND_OFF * value(peak)
+            clearance, clearance_rate = clearance_and_rate(t, c)
+            at_end = value(contact_force(t, c, clearance, clearance_rate)) + FORCE_ROUND_OFF * value(peak)
         if at_end >= value(peak):
             set_contact_extremes(t, c, replace_slopes_by_nan(peak, delay), t.contacts.max_penetration[c])
 

@@ -51,7 +51,7 @@ from chain_impact.kernel.ode.dense import correct_falling_impulses
 from chain_impact.kernel.ode.extended import (
     clearance_count,
     extend_start,
-    extended_size,
+    extended_length,
     factorize_real,
     project_clearances,
 )
@@ -179,23 +179,23 @@ UNLIMITED_CORRECTION = 1e300
 def make_implicit(d, t, h):
     """Make the last step of d, an implicit step of size h, in t; ``trial`` of t gets the state at the end."""
     extend_start(t)
-    size = extended_size(t)
-    extrapolate_stages(t, h, size)
-    copy_stages(d, t, size)
+    component_count = extended_length(t)
+    extrapolate_stages(t, h, component_count)
+    copy_stages(d, t, component_count)
     copy_jacobian_data(d, t)
     factorize_real(t, h * REAL_EIGENVALUE)
     # derivatives that have already ended are not iterated
-    if t.trust.reason == TRUSTED and not iterate_slopes(d, t, h, size):
+    if t.trust.reason == TRUSTED and not iterate_slopes(d, t, h, component_count):
         mark_untrusted(t, NOT_CONVERGED, NO_IMPACT, d.step.start)
     set_step_end(t, h)
     if clearance_count(t) > 0:
         project_clearances(t, t.implicit.z, t.trial.state)
 
 
-def copy_stages(d, t, size):
-    """Set the values of t's stages, of ``size`` components each, to those of d; derivatives in t stay."""
+def copy_stages(d, t, component_count):
+    """Set the values of the components of t's stages to those of d; derivatives in t stay."""
     for i in range(RADAU_STAGES):
-        for j in range(size):
+        for j in range(component_count):
             t.implicit.stages[i, j] = dual_with_slope(
                 d.implicit.last_stages[i, j], 1.0, t.implicit.stages[i, j]
             )
@@ -205,32 +205,29 @@ def copy_jacobian_data(d, t):
     """Copy the data of A, d's Jacobian, to t: link vectors; stiffness and damping of contacts and drives."""
     source, implicit = d.implicit, t.implicit
     for i in range(d.links):
-        implicit.link_vector.x[i], implicit.link_vector.y[i] = (
-            source.link_vector.x[i],
-            source.link_vector.y[i],
-        )
+        implicit.link_vector.x[i] = source.link_vector.x[i]
+        implicit.link_vector.y[i] = source.link_vector.y[i]
     for k in range(d.contacts.active_count):
-        implicit.contact_stiffness[k], implicit.contact_damping[k] = (
-            source.contact_stiffness[k],
-            source.contact_damping[k],
-        )
+        implicit.contact_stiffness[k] = source.contact_stiffness[k]
+        implicit.contact_damping[k] = source.contact_damping[k]
     for i in range(drive_count(d)):
         implicit.drive_stiffness[i] = source.drive_stiffness[i]
         implicit.drive_damping[i] = source.drive_damping[i]
 
 
-def iterate_slopes(d, t, h, size):
+def iterate_slopes(d, t, h, component_count):
     """Iterate the derivatives of the stages of a step of size h; return whether the iteration has converged.
 
-    ``size`` is the length of the extended state z, here and in ``solve_slopes`` and ``last_correction``.
+    ``component_count`` is the length of the extended state z, here and in ``solve_slopes`` and
+    ``last_correction``.
     """
     least, stalled = math.inf, 0
     for _ in range(MOST_SLOPE_ITERATIONS):
-        find_residuals(t, h, size)
-        solve_slopes(d, t, h, size)
-        correct_stages(t, h, size)
-        copy_stages(d, t, size)
-        correction = last_correction(d, t, size)
+        find_residuals(t, h, component_count)
+        solve_slopes(d, t, h, component_count)
+        correct_stages(t, h, component_count)
+        copy_stages(d, t, component_count)
+        correction = last_correction(d, t, component_count)
         if correction <= CONVERGED_SLOPES * d.solver.tolerance:
             return True
         stalled += 1
@@ -241,22 +238,22 @@ def iterate_slopes(d, t, h, size):
     return False
 
 
-def solve_slopes(d, t, h, size):
+def solve_slopes(d, t, h, component_count):
     """Replace the derivatives of the right-hand sides in t by the solutions of the step's linear systems.
 
     The systems are solved for one direction of derivatives at a time, in the scratch memory of d.
     """
     for k in range(DIRECTIONS):
         for i in range(RADAU_STAGES):
-            for j in range(size):
+            for j in range(component_count):
                 set_residual(d, i, j, slope(t.implicit.parts[i, j], k))
-        solve_systems(d, h, size)
+        solve_systems(d, h, component_count)
         for i in range(RADAU_STAGES):
-            for j in range(size):
+            for j in range(component_count):
                 t.implicit.parts[i, j] = replace_slope(t.implicit.parts[i, j], k, d.implicit.parts[i, j])
 
 
-def last_correction(d, t, size):
+def last_correction(d, t, component_count):
     """Return the largest correction of derivatives in the last iteration, relative to the derivatives.
 
     Correction and derivatives belong to the same direction, a parameter or input.
@@ -264,7 +261,7 @@ def last_correction(d, t, size):
     implicit, weight, worst = t.implicit, d.implicit.error_weight, 0.0
     for k in range(DIRECTIONS):
         largest, whole, total = 0.0, LEAST_SLOPE * speed_by_friction(d, t, k), 0.0
-        for j in range(size):
+        for j in range(component_count):
             whole = max(
                 whole, weight[j] * abs(slope(implicit.z_start[j] + implicit.stages[LAST_STAGE, j], k))
             )

@@ -22,7 +22,7 @@ from chain_impact.kernel.mathematics.angles import unit_vector
 from chain_impact.kernel.ode.last_step import evaluate_start
 from chain_impact.kernel.record.constants import SINE
 from chain_impact.kernel.record.input_fields import CHANNEL, TARGET
-from chain_impact.kernel.rows.geometry import clearance
+from chain_impact.kernel.rows.geometry import clearance_and_rate
 from chain_impact.kernel.tangent.duals import DIRECTIONS, dual_with_slope, has_slope, slope, value
 
 # ∫ (1 − r) dx over a rise, with x from 0 to 1 and r = 10 x³ − 15 x⁴ + 6 x⁵: the rise acts like a jump that is
@@ -93,8 +93,8 @@ def nearest_clearance(t):
     least = math.inf
     locate_points(t, t.step.state_end)
     for c in range(t.candidates):
-        gap, _ = clearance(t, c)
-        least = min(least, value(gap))
+        clearance, _ = clearance_and_rate(t, c)
+        least = min(least, value(clearance))
     return least
 
 

@@ -68,17 +68,17 @@ def power(x, y):
     return total
 
 
-def power_of_depth(depth, exponent):
+def power_of_penetration(penetration, exponent):
     """Return δ^n of a penetration δ, with derivatives with respect to δ and n.
 
     The replaced function has special cases of n, in which the derivatives with respect to n would be lost. At
     δ = 0 the derivatives are set to 0 if n ≠ 1, although for n < 1 those with respect to δ are infinite.
     """
-    base, n = value(depth), value(exponent)
-    result = force_formula.power_of_depth(base, n)
+    base, n = value(penetration), value(exponent)
+    result = force_formula.power_of_penetration(base, n)
     # (δⁿ)′ = n δⁿ⁻¹ δ′ + δⁿ ln δ n′
     slope = n * result / base if base > 0.0 else (1.0 if n == 1.0 else 0.0)
-    total = dual_with_slope(result, slope, depth)
+    total = dual_with_slope(result, slope, penetration)
     if base > 0.0 and has_slope(exponent):
         total += dual_with_slope(0.0, result * logarithms.log(base), exponent)
     return total
@@ -178,13 +178,13 @@ def iterated_enough(_t, iterations):
     return iterations >= FORCE_ITERATIONS
 
 
-def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
+def user_force(penetration, rate, speed, mass, stiffness, exponent, restitution):
     """Return the force [N] of a user's law, at a joint's stop the moment [N·m], with derivatives.
 
     Differences of the law give the derivatives with respect to each argument.
     """
     at = (
-        value(depth),
+        value(penetration),
         value(rate),
         value(speed),
         value(mass),
@@ -192,7 +192,7 @@ def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
         value(exponent),
         value(restitution),
     )
-    total = dual_with_slope(user_law.force(*at), slope_along(0, ARGUMENT_DIFFERENCE * at[0], at), depth)
+    total = dual_with_slope(user_law.force(*at), slope_along(0, ARGUMENT_DIFFERENCE * at[0], at), penetration)
     total += dual_with_slope(0.0, slope_along(1, ARGUMENT_DIFFERENCE * (abs(at[1]) + at[2]), at), rate)
     total += dual_with_slope(0.0, slope_along(2, ARGUMENT_DIFFERENCE * at[2], at), speed)
     total += dual_with_slope(0.0, slope_along(3, ARGUMENT_DIFFERENCE * at[3], at), mass)
@@ -239,7 +239,7 @@ DUAL_RULES = {
     holding.contact_resistance: contact_resistance,
     constraints.iterated_enough: iterated_enough,
     constraints.may_exceed: may_exceed,
-    force_formula.power_of_depth: power_of_depth,
+    force_formula.power_of_penetration: power_of_penetration,
     exponentials.exp: exp,
     exponentials.expm1: expm1,
     logarithms.log: log,

@@ -14,7 +14,7 @@ from chain_impact.kernel.forces.candidate_laws import USER_LAW
 from chain_impact.kernel.forces.force_formula import uncut_force
 from chain_impact.kernel.forces.friction import joint_number
 from chain_impact.kernel.record.constants import ONSET
-from chain_impact.kernel.rows.geometry import clearance
+from chain_impact.kernel.rows.geometry import clearance_and_rate
 from chain_impact.kernel.tangent.duals import DIRECTIONS, slope, value
 
 # values of ``trust.reason``
@@ -49,9 +49,9 @@ def check_onsets(t):
     for c in range(t.candidates):
         if t.contacts.event[c] == ONSET:
             onsets += 1
-            _, gap_rate = clearance(t, c)
-            if -value(gap_rate) < least:
-                least, first = -value(gap_rate), c
+            _, clearance_rate = clearance_and_rate(t, c)
+            if -value(clearance_rate) < least:
+                least, first = -value(clearance_rate), c
             check_coefficient(t, t.law.static_friction[c])
     # ``first`` is negative if no contact has begun, and also if the rates of the clearances are not finite
     if first < 0 or t.trust.reason != TRUSTED:
@@ -108,20 +108,20 @@ def check_turns(t):
         locate_points(t, t.step.state_end)
     for k in range(t.contacts.compliant_count):
         c = t.contacts.active_index[k]
-        gap, gap_rate = clearance(t, c)
-        turned = value(t.contacts.penetration_rate[c]) * value(gap_rate) > 0.0
-        if turned and t.law.number[c] == USER_LAW and jumps_at_rest(t, c, max(0.0, -gap)):
+        clearance, clearance_rate = clearance_and_rate(t, c)
+        turned = value(t.contacts.penetration_rate[c]) * value(clearance_rate) > 0.0
+        if turned and t.law.number[c] == USER_LAW and jumps_at_rest(t, c, max(0.0, -clearance)):
             mark_untrusted(t, FORCE_JUMPS, c, value(t.step.start))
 
 
-def jumps_at_rest(t, c, depth):
+def jumps_at_rest(t, c, penetration):
     """Return whether the force of contact c jumps where the rate of the penetration changes sign.
 
-    ``depth`` [m] is the penetration there.
+    ``penetration`` [m] is that of the contact.
     """
     rate = NEAR_REST * t.contacts.latched_speed[c]
-    rising, _ = uncut_force(t, c, depth, rate, False)
-    falling, _ = uncut_force(t, c, depth, -rate, False)
+    rising, _ = uncut_force(t, c, penetration, rate, False)
+    falling, _ = uncut_force(t, c, penetration, -rate, False)
     return abs(value(rising) - value(falling)) > RELATIVE_JUMP * max(abs(value(rising)), abs(value(falling)))
 
 
