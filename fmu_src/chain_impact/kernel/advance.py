@@ -70,7 +70,8 @@ from chain_impact.kernel.ode.last_step import (
 from chain_impact.kernel.ode.methods import attempt_step, choose_method, prepare_step
 from chain_impact.kernel.ode.sundman import regularize_rate, time_rate_for_sizes
 from chain_impact.kernel.record import constants
-from chain_impact.kernel.record.constants import IMPLICIT, KINK, NO_EVENT
+from chain_impact.kernel.record.constants import KINK, NO_EVENT
+from chain_impact.kernel.record.method import is_implicit, was_implicit
 from chain_impact.kernel.rows.constraints import SOLVED, UNSOLVED, clear_unsolved
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
@@ -254,7 +255,7 @@ def take_step(d):
     if status == OK:
         status = find_step(d)
     if status == OK:
-        count_step(d, d.step.last_method == IMPLICIT)
+        count_step(d, was_implicit(d))
         status = check_balance(d)
     if status == OK and d.channels > 0:
         end_where_wall_meets_base(d)
@@ -327,7 +328,7 @@ def must_repeat_to_event(d, theta):
     event within. Otherwise the error of the dense output would let a point that bounces lower and lower fall
     faster than it has risen, and bounce without end.
     """
-    return theta > 0.0 and (force_has_kink(d) or (d.step.last_method == IMPLICIT and theta < 1.0))
+    return theta > 0.0 and (force_has_kink(d) or (was_implicit(d) and theta < 1.0))
 
 
 def repeat_to_event(d, theta):
@@ -357,7 +358,7 @@ def begin_step(d):
     if d.signals > 0 and begin_segments(d):
         control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
     landed = events > 0 and d.contact_settings.any_rigid and d.contacts.compliant_count == 0
-    if landed and d.step.method != IMPLICIT:
+    if landed and not is_implicit(d):
         control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
     if events > 0 or d.balance.breaks != d.step.breaks:
         restart_balance(d)

@@ -33,7 +33,8 @@ from chain_impact.kernel.ode.dense import event_fraction, fraction_at_time, inte
 from chain_impact.kernel.ode.folds import refine_rate
 from chain_impact.kernel.ode.last_step import ensure_dense, ensure_points
 from chain_impact.kernel.ode.maximum import maximum_of
-from chain_impact.kernel.record.constants import IMPLICIT, OUTPUT_READER, WALLS
+from chain_impact.kernel.record.constants import OUTPUT_READER, WALLS
+from chain_impact.kernel.record.method import was_implicit
 from chain_impact.kernel.record.state import time_at
 from chain_impact.kernel.rows.geometry import (
     is_at_joint_stop,
@@ -287,7 +288,7 @@ def search_peaks(d, time, peak_at_end):
     their derivatives.
     """
     transmitted, first, end = d.transmitted, event_fraction(d), fraction_at_time(d, time)
-    intervals = IMPLICIT_PEAK_INTERVALS if d.step.last_method == IMPLICIT else PEAK_INTERVALS
+    intervals = IMPLICIT_PEAK_INTERVALS if was_implicit(d) else PEAK_INTERVALS
     for m in range(intervals + 1):
         theta = first + (end - first) * m / intervals
         set_joint_forces_at(d, theta)

@@ -19,7 +19,8 @@ slopes over all states. ``set_effect_flags`` records which effects the drives of
 in forces/friction.py.
 
 The angles of links and joints include full turns. At a pinned or sliding base, the angle of joint 1 is the
-angle of link 1 from +x. A free base has no joint and no drive.
+angle of link 1 from +x. A free base has no joint and no drive: for i = 0 all forces, slopes and inertias of
+this module are then 0.
 """
 
 import math
@@ -144,7 +145,7 @@ def joints_resist(d):
 
 
 def armature_of_drive(d, i):
-    """Return the inertia I_a [kg·m²] of the rotor of drive i < N; 0 for i = 0 at a free base."""
+    """Return the inertia I_a [kg·m²] of the rotor of drive i < N."""
     return d.chain.joint_armature[i] if i >= first_joint(d) else 0.0
 
 
@@ -166,7 +167,7 @@ def drive_slopes(d, i):
     """Return the present slopes −∂F/∂ψ̇ [N·m·s/rad or N·s/m] and −∂F/∂ψ [N·m/rad or N/m] of drive i.
 
     F is the drive's force or torque, ψ the joint's angle or the slider's position. The slopes are the damping
-    c and the stiffness k in mode 0; they are 0 while the drive is at its limit, and for i = 0 at a free base.
+    c and the stiffness k in mode 0; they are 0 while the drive is at its limit.
     """
     return slopes_below_limit(d, i) if d.drive.mode[i] == 0 else (0.0, 0.0)
 
@@ -174,8 +175,7 @@ def drive_slopes(d, i):
 def slopes_below_limit(d, i):
     """Return the slopes of ``drive_slopes`` that drive i has in mode 0: damping c and stiffness k.
 
-    They are the largest slopes that the drive has in any mode. Both are 0 for i = 0 at a free base, which has
-    no drive.
+    They are the largest slopes that the drive has in any mode.
     """
     return (d.inputs.drive_damping[i], d.inputs.drive_stiffness[i]) if i >= first_joint(d) else (0.0, 0.0)
 
@@ -195,10 +195,7 @@ def unlimited_spring_resistance(d, y, i):
 
 
 def spring_resistance(d, y, i):
-    """Return minus the torque or force [N·m or N] of the spring of drive i: stiffness times stretch.
-
-    The result is 0 while the drive is at its limit, and for i = 0 at a free base, which has no drive.
-    """
+    """Return stiffness times stretch [N·m or N] of drive i's spring; 0 while the drive is at its limit."""
     return unlimited_spring_resistance(d, y, i) if is_below_limit(d, i) else 0.0
 
 
@@ -218,10 +215,7 @@ def spring_energy(d, y):
 
 
 def unlimited_force(d, y, i):
-    """Return the force or torque F [N·m or N] that drive i would have without a limit.
-
-    For i = 0 at a free base, which has no drive, the result is 0.
-    """
+    """Return the force or torque F [N·m or N] that drive i would have without a limit."""
     if i < first_joint(d):
         return 0.0
     rate = drive_component(d, y, velocity_at(d.links), i) - d.inputs.target_velocity[i]

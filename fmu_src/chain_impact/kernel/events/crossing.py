@@ -27,12 +27,12 @@ from chain_impact.kernel.ode.dense import interpolate_state, rate_bounds, rate_b
 from chain_impact.kernel.ode.last_step import ensure_dense
 from chain_impact.kernel.record.constants import (
     CONTACT_ENDS,
-    IMPLICIT,
     NO_CONTACT,
     NO_EVENT,
     ONSET,
     SOLVER_READER,
 )
+from chain_impact.kernel.record.method import was_implicit
 from chain_impact.kernel.record.state import omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.rows.geometry import is_at_joint_stop, is_at_wall, normal_row
 
@@ -316,7 +316,7 @@ def bound_curvature(d):
             v, a = v + speed, a + p * acceleration
         of_links = links_curvature(d, c) if not is_at_joint_stop(d, c) else 0.0
         d.search.curvature[c] = p * a + change * v + of_links
-    if d.step.last_method == IMPLICIT:
+    if was_implicit(d):
         bound_curvatures(d, d.step.size)
 
 

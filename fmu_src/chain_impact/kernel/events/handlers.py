@@ -38,12 +38,12 @@ from chain_impact.kernel.ode.methods import begin_flight, begin_impact
 from chain_impact.kernel.record.constants import (
     CONTACT_ENDS,
     EXPLICIT,
-    IMPLICIT,
     KINK,
     NO_EVENT,
     ONSET,
     RELATCH,
 )
+from chain_impact.kernel.record.method import is_implicit
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance_and_rate
 
@@ -187,12 +187,12 @@ def choose_next_size(d, onset, goes_on):
         control.propose_flight_size(d)
         control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
         begin_flight(d)
-    elif onset >= 0 or not (goes_on or d.step.method == IMPLICIT):
+    elif onset >= 0 or not (goes_on or is_implicit(d)):
         c = onset if onset >= 0 else d.contacts.active_index[0]
         control.propose_size(d, control.size_at_onset(d, c, EXPLICIT))
     if onset >= 0:
         begin_impact(d, onset)
-        if d.step.method == EXPLICIT and d.contacts.active_count > 1:
+        if not is_implicit(d) and d.contacts.active_count > 1:
             control.limit_next_size(d, control.size_at_onset_beside(d, onset))
 
 

@@ -39,7 +39,6 @@ from chain_impact.kernel.ode.sundman import time_rate_for_sizes
 from chain_impact.kernel.record.constants import (
     CONTACT_ENDS,
     DISTANCE_KNOWN,
-    IMPLICIT,
     NO_EVENT,
     NOTHING_KNOWN,
     ONSET,
@@ -47,6 +46,7 @@ from chain_impact.kernel.record.constants import (
     SPOILED,
     VALUES_KNOWN,
 )
+from chain_impact.kernel.record.method import was_implicit
 from chain_impact.kernel.record.state import time_at
 from chain_impact.kernel.rows.constraints import any_point_held
 from chain_impact.kernel.rows.geometry import clearance_acceleration, clearance_and_rate, coordinate_sum
@@ -83,14 +83,14 @@ def find_event(d):
     d.search.input_rate = max(d.inputs.piece.change_rate, rate_of_signals(d))
     if d.candidates == 0:
         return find_event_without_crossing(d)
-    if d.step.last_method == IMPLICIT:
+    if was_implicit(d):
         suspect_all_candidates(d)
         if known_clearances(d) in (NOTHING_KNOWN, DISTANCE_KNOWN):
             measure_clearances(d, 0.0)
         begin_next_interval(d)
     elif excludes_events(d):
         return find_event_without_crossing(d)
-    if d.step.last_method != IMPLICIT:
+    if not was_implicit(d):
         ensure_dense(d, SOLVER_READER)
     bound_curvature(d)
     theta = find_crossing(d)

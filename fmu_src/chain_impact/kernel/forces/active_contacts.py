@@ -64,6 +64,16 @@ def apply_contact(d, c, clearance, clearance_rate):
     return (elastic - force) * clearance_rate
 
 
+def apply_true_contact(d, c, clearance, clearance_rate):
+    """Add the true force of active candidate c, which never pulls, to the load at the candidate's place.
+
+    The arguments are those of ``apply_contact``. Return 0, because nobody needs the power of this force.
+    """
+    store_force(d, c, contact_force(d, c, clearance, clearance_rate))
+    add_along_row(normal_row(d, c), d.scratch.load, d.contacts.force[c])
+    return 0.0
+
+
 def store_force(d, c, force):
     """Store the ``force`` [N] of candidate c, > 0 for a push along the normal, in ``contacts.force``."""
     d.contacts.force[c] = force
@@ -77,35 +87,31 @@ def clear_loads(d):
     d.scratch.load.y[tip] = d.inputs.tip_force[1]
 
 
-def set_loads_of_step(d):
-    """Set the loads to the input force at the tip, forces of contacts with a force law, and sliding friction.
+def make_load_setter(add_force):
+    """Return a function (d) that sets the loads to the input force at the tip, contact forces and friction.
 
-    Earlier loads are cleared. The points must be located. ``contacts.beyond_kink`` tells which side's formula
-    gives a contact force (``continued_force``); the sliding friction includes joints and slider. Return the
-    power [W] that these contact forces and the sliding friction dissipate.
+    The loads get the forces of contacts with a force law, and the sliding friction of these contacts, of
+    joints and of the slider; earlier loads are cleared. The points must be located. The function returns the
+    power [W] that the contact forces, as far as ``add_force`` returns it, and the sliding friction dissipate.
+
+    Args:
+        add_force: function (d, c, clearance, clearance_rate) that adds the force of candidate c to the load
+            at the candidate's place, and returns the power [W] that this force dissipates.
     """
-    clear_loads(d)
-    dissipated = 0.0
-    for k in range(d.contacts.compliant_count):
-        c = d.contacts.active_index[k]
-        clearance, clearance_rate = clearance_and_rate(d, c)
-        dissipated += apply_contact(d, c, clearance, clearance_rate)
-    return dissipated + apply_friction(d) if d.friction.count > 0 else dissipated
+
+    def set_loads(d):
+        clear_loads(d)
+        dissipated = 0.0
+        for k in range(d.contacts.compliant_count):
+            c = d.contacts.active_index[k]
+            clearance, clearance_rate = clearance_and_rate(d, c)
+            dissipated += add_force(d, c, clearance, clearance_rate)
+        return dissipated + apply_friction(d) if d.friction.count > 0 else dissipated
+
+    return set_loads
 
 
-def set_true_loads(d):
-    """Set the loads as ``set_loads_of_step`` does, but with the true contact forces, which never pull.
-
-    A step may continue a force below 0; the true force is cut off at 0. Nothing is returned.
-    """
-    clear_loads(d)
-    for k in range(d.contacts.compliant_count):
-        c = d.contacts.active_index[k]
-        clearance, clearance_rate = clearance_and_rate(d, c)
-        store_force(d, c, contact_force(d, c, clearance, clearance_rate))
-        add_along_row(normal_row(d, c), d.scratch.load, d.contacts.force[c])
-    if d.friction.count > 0:
-        apply_friction(d)
+set_loads_of_step, set_true_loads = make_load_setter(apply_contact), make_load_setter(apply_true_contact)
 
 
 def contact_slopes(d, c):

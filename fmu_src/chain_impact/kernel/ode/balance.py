@@ -66,7 +66,8 @@ from chain_impact.kernel.ode.last_step import (
     largest_turn,
 )
 from chain_impact.kernel.ode.methods import STABLE_STEP, find_joint_stiffness
-from chain_impact.kernel.record.constants import EXPLICIT, SOLVER_READER, SPOILED
+from chain_impact.kernel.record.constants import SOLVER_READER, SPOILED
+from chain_impact.kernel.record.method import was_implicit
 from chain_impact.kernel.record.state import dissipated_at, supplied_at
 from chain_impact.kernel.rows.geometry import clearance_and_rate, coordinate_sum
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
@@ -290,7 +291,7 @@ def may_err_in_middle(d):
         return True
     if d.step.dense_for == SOLVER_READER and largest_turn(d) > LONG_TURN:
         return True
-    resisted = d.chain.has_springs_or_dampers and d.step.last_method == EXPLICIT
+    resisted = d.chain.has_springs_or_dampers and not was_implicit(d)
     return resisted and find_joint_stiffness(d, d.step.end - d.step.start) > STABLE_STEP
 
 

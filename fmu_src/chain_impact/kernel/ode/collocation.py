@@ -63,6 +63,7 @@ from chain_impact.kernel.ode.radau import (
     simplified_newton,
 )
 from chain_impact.kernel.record.constants import DIVERGED, IMPLICIT, INFINITE, LATE, PAIR_COUNT, RADAU_STAGES
+from chain_impact.kernel.record.method import was_implicit
 from chain_impact.kernel.record.state import dissipated_at, sundman_u_at, supplied_at, time_at, velocity_at
 from chain_impact.kernel.rows.constraints import any_constraint
 
@@ -125,7 +126,7 @@ def set_residual(d, i, j, residual):
 
 def can_extrapolate(d):
     """Return whether the last step was implicit and had the present contacts: then it can predict stages."""
-    return d.implicit.contact_set_of_step == d.contacts.contact_set and d.step.last_method == IMPLICIT
+    return d.implicit.contact_set_of_step == d.contacts.contact_set and was_implicit(d)
 
 
 def set_jacobian(d, z):

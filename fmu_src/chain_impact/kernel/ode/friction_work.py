@@ -12,7 +12,8 @@ from chain_impact.kernel.chain.kinematics import locate_points_now, move_points
 from chain_impact.kernel.forces.friction import work_of_holding
 from chain_impact.kernel.ode import explicit
 from chain_impact.kernel.ode.radau import RADAU_NODES, Q
-from chain_impact.kernel.record.constants import IMPLICIT, RADAU_STAGES, STICKS
+from chain_impact.kernel.record.constants import RADAU_STAGES, STICKS
+from chain_impact.kernel.record.method import is_implicit
 from chain_impact.kernel.record.state import coordinate_count, dissipated_at, sundman_u_at, velocity_at
 from chain_impact.kernel.rows.geometry import dot, has_sticking, tangent_row
 
@@ -62,11 +63,11 @@ def uncounted_work(d):
     """
     change, y, z = d.scratch.change, d.trial.state, d.implicit.z
     for j in range(coordinate_count(d.links)):
-        if d.step.method == IMPLICIT:
+        if is_implicit(d):
             change[j] = y[j] - z[j]
         else:
             change[j] = (y[j] - d.step.state_end[j]) - explicit.step_increment(d, j)
-    if d.step.method != IMPLICIT:
+    if not is_implicit(d):
         return work_along(d, change)
     # the work of sticking elements is a difference of two functions of the positions, so the round-off of
     # positions cancels in it
@@ -81,7 +82,7 @@ def change_in_step(d, j):
 
     The difference of the states at both ends would contain this round-off.
     """
-    if d.step.method == IMPLICIT:
+    if is_implicit(d):
         return d.implicit.stages[RADAU_STAGES - 1, j]
     return explicit.step_increment(d, j)
 

@@ -36,12 +36,12 @@ from chain_impact.kernel.ode.friction_work import change_in_step, uncounted_work
 from chain_impact.kernel.ode.sundman import find_lone_contact, time_rate_for_sizes
 from chain_impact.kernel.record.constants import (
     EXPLICIT,
-    IMPLICIT,
     NO_CONTACT,
     NO_READER,
     OUTPUT_READER,
     SOLVER_READER,
 )
+from chain_impact.kernel.record.method import was_implicit
 from chain_impact.kernel.record.state import dissipated_at, omega_at, sundman_u_at, supplied_at, time_at
 from chain_impact.kernel.rows.constraints import any_constraint
 
@@ -112,7 +112,7 @@ def make_last_step(d):
     step.dense_for = NO_READER
     step.rate_known = 0
     note_points_elsewhere(d)
-    if step.last_method == IMPLICIT:
+    if was_implicit(d):
         collocation.store_stages(d, faded)
     else:
         # with active contacts, the points have already been located at the end of the explicit step
@@ -189,7 +189,7 @@ def end_at_fraction(d, theta):
     # Rounding has made the dissipated energy too small by ``remainder`` at the start of the step, and by
     # ``remainder_whole`` at its end. At θ the interpolant is too small by ``grown``, a number between these
     # two: ``part`` is θ or, in an explicit step, where the slopes at both ends are exact, a cubic of θ.
-    part = theta if step.last_method == IMPLICIT else theta * theta * (3.0 - 2.0 * theta)
+    part = theta if was_implicit(d) else theta * theta * (3.0 - 2.0 * theta)
     grown = step.remainder + part * (step.remainder_whole - step.remainder)
     add_dissipated(d, step.state_end, change_up_to(step, theta, lost) + grown, step.state[lost])
     truncate_quadratures(d, theta)
@@ -328,10 +328,10 @@ def ensure_dense(d, reader):
     present, step.dense_for = step.dense_for, max(step.dense_for, reader)
     if present == NO_READER:
         counted = read_cost_counts(d)
-        if step.last_method == IMPLICIT:
+        if was_implicit(d):
             collocation.match_clearances(d)
         else:
             explicit.set_dense_output(d, step.size)
         restore_cost_counts(d, counted)
-    if present < SOLVER_READER <= reader and step.last_method == EXPLICIT:
+    if present < SOLVER_READER <= reader and not was_implicit(d):
         count_evaluations(d, explicit.DENSE_EVALUATIONS)

@@ -33,6 +33,7 @@ from chain_impact.kernel.ode.control import (
     size_at_onset,
 )
 from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT
+from chain_impact.kernel.record.method import is_implicit
 
 # An explicit step with hρ > STIFF_STEP suggests the implicit method; h [s] is the size of the step, and ρ
 # [1/s] the fastest rate of the contacts and joints. With STIFF_STEP below 1 the method would change in
@@ -80,7 +81,7 @@ def choose_method(d):
         begin_explicit(d)  # rigid walls are constraints, which are not stiff
     elif d.solver.method != AUTOMATIC_METHOD:
         step.method = prescribed_method(d.solver.method)
-        if touching and step.method == EXPLICIT:
+        if touching and not is_implicit(d):
             limit_to_stable(d)
     elif not (touching or d.chain.has_springs_or_dampers):
         begin_explicit(d)  # neither contacts nor joints are stiff
@@ -88,7 +89,7 @@ def choose_method(d):
         step.stiff_count = step.stiff_count + 1 if suggests_switch(d) else 0
         if step.stiff_count >= step.switch_after:
             step.stiff_count = 0
-            if step.method == IMPLICIT:
+            if is_implicit(d):
                 # the change to the implicit method has not saved cost, so the next changes of the method need
                 # twice as many steps in a row that suggest the other method
                 step.switch_after *= 2
@@ -99,7 +100,7 @@ def choose_method(d):
                 # allow: ``other_method_size`` 0 means unknown
                 step.other_method_size = step.end - step.start if step.end_fraction == 1.0 else 0.0
                 step.method = IMPLICIT
-        elif step.stiff_count > 0 and step.method == EXPLICIT:
+        elif step.stiff_count > 0 and not is_implicit(d):
             limit_to_stable(d)
 
 
@@ -112,7 +113,7 @@ def suggests_switch(d):
     steps (``other_method_size``).
     """
     step = d.step
-    if step.method == IMPLICIT:
+    if is_implicit(d):
         if step.other_method_size > 0.0:
             return step.next_size < EQUAL_COST_RATIO * step.other_method_size
         return stiffness_number(d, step.next_size) < NOT_STIFF_STEP
@@ -154,7 +155,7 @@ def begin_impact(d, c):
     """
     if find_joint_stiffness(d, IMPACT_PART * d.step.next_size) <= STIFF_STEP:
         d.step.method = EXPLICIT
-    elif d.step.method != EXPLICIT:
+    elif is_implicit(d):
         limit_next_size(d, size_at_onset(d, c, d.step.method))
     reset_stiff_count(d)
 
@@ -168,7 +169,7 @@ def begin_flight(d):
     z = find_joint_stiffness(d, d.step.next_size)
     if z <= STIFF_STEP:
         d.step.method = EXPLICIT
-    if d.step.method == EXPLICIT:
+    if not is_implicit(d):
         propose_size(d, stable_size(d, d.step.next_size))
     reset_stiff_count(d)
 
@@ -244,7 +245,7 @@ def prepare_step(d, h):
     h is the size that the errors allow. The result also suits the predicted ends of contacts with force laws
     (``size_toward_end``) and, in an implicit step that the last step cannot predict, a fast motion.
     """
-    if d.step.method == IMPLICIT:
+    if is_implicit(d):
         return collocation.prepare_step(d, h)
     return explicit.size_toward_end(d, h)
 
@@ -256,7 +257,7 @@ def attempt_step(d, h):
     tolerance.
     """
     begin_trial(d, h)
-    if d.step.method == IMPLICIT:
+    if is_implicit(d):
         collocation.attempt_step(d, h)
     else:
         explicit.attempt_step(d, h)

@@ -22,7 +22,8 @@ import math
 from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.function_marks import inlined
 from chain_impact.kernel.ode.sundman_rate import regularized_time_rate
-from chain_impact.kernel.record.constants import EXPLICIT, NO_CONTACT
+from chain_impact.kernel.record.constants import NO_CONTACT
+from chain_impact.kernel.record.method import is_implicit
 from chain_impact.kernel.record.state import sundman_u_at, time_at
 from chain_impact.kernel.rows.geometry import clearance_acceleration, clearance_and_rate
 
@@ -121,7 +122,7 @@ def find_lone_contact(d):
     suit the others. An implicit step always runs in time. The points must be located at the start of the
     step.
     """
-    if d.step.method != EXPLICIT or not d.contacts.active_count == d.contacts.compliant_count == 1:
+    if is_implicit(d) or not d.contacts.active_count == d.contacts.compliant_count == 1:
         return NO_CONTACT, 1.0
     c = d.contacts.active_index[0]
     clearance, clearance_rate = clearance_and_rate(d, c)

@@ -65,8 +65,9 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.ode.methods import begin_explicit
 from chain_impact.kernel.ode.radau import REAL_EIGENVALUE
-from chain_impact.kernel.record.constants import CONTACT_ENDS, IMPLICIT, RADAU_STAGES
+from chain_impact.kernel.record.constants import CONTACT_ENDS, RADAU_STAGES
 from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START
+from chain_impact.kernel.record.method import is_implicit
 from chain_impact.kernel.record.state import dissipated_at, velocity_at
 from chain_impact.kernel.rows.compliance import mean_mass
 from chain_impact.kernel.rows.geometry import has_sticking
@@ -334,7 +335,7 @@ def replay(d, t):
 def repeat_step(d, t, h):
     """Make a step of size h in t with the method ``step.method`` of t, without error control."""
     begin_trial(t, h)
-    if t.step.method == IMPLICIT:
+    if is_implicit(t):
         make_implicit(d, t, h)
     else:
         explicit.make_step(t, h)
