@@ -51,7 +51,7 @@ class Step:
         self.joints = [[float(own[name][i]) for name in names] for i in range(self.links)]
         for i, mode in enumerate(d["drive"]["mode"][: self.links]):
             if mode or (i == 0 and not self.pinned):
-                self.joints[i] = [float(mode * d["drive"]["torque_limit"][i]) if mode else 0.0, 0, 0, 0, 0]
+                self.joints[i] = [float(mode * d["drive"]["limit"][i]) if mode else 0.0, 0, 0, 0, 0]
         self.candidates = d["candidate"][["point", "stop", "normal_x", "normal_y"]].tolist()
         self.offsets = [
             arb(float(o)) + float(d["contact_settings"]["radius"]) for o in d["candidate"]["offset"]

@@ -63,7 +63,7 @@ def set_step(d: Plain, motion: Motion, size: float, start: float = 0.0, regulari
     step.size, step.end_fraction, step.regularized = size, 1.0, regularized
     step.last_method = step.method = EXPLICIT
     step.dense_for, step.rate_known, scratch.located_at_end = SOLVER_READER, 1, 1
-    step.breaks += 1
+    step.break_count += 1
     locate_points(d, step.state_end)
     accelerate_points(d, step.state_end, scratch.rate_end)
 
@@ -131,7 +131,7 @@ def held_tip(size: float, force: Iterable[float]) -> tuple[Plain, int, Motion]:
     touch(d, [c])
     d.chain.gravity[:] = d.chain.gravity_magnitude = 0.0
     piece = d.inputs.piece
-    piece.degree, piece.middle, piece.scale, piece.until = 3, 0.0, 1.0 / size, 10.0
+    piece.degree, piece.middle, piece.scale, piece.end = 3, 0.0, 1.0 / size, 10.0
     let_push(d, c, force)
     return d, c, motion
 

@@ -166,7 +166,7 @@ def test_a_sticking_element_with_a_faded_speed_is_stopped(size, contacts, base):
     _, d, y = rubbing_chain(np.random.default_rng(4), base, contacts, True)
     for e in d.element.index[: d.friction.count]:
         d.element.mode[e] = STICKS
-        d.element.limit[e] = 1.0
+        d.element.friction_limit[e] = 1.0
         set_element_anchor(d, e)
     list_sticking(d)
     first = velocity_at(d.links)
@@ -184,13 +184,13 @@ def test_contradictions_that_have_faded_leave_no_force(size, scale):
     _, d, _ = rubbing_chain(np.random.default_rng(4), "free", 0, True)
     for e in d.element.index[: d.friction.count]:
         d.element.mode[e] = STICKS
-        d.element.limit[e] = 1.0
+        d.element.friction_limit[e] = 1.0
     list_sticking(d)
-    d.element.stuck[1] = d.element.stuck[0]
+    d.element.stuck_index[1] = d.element.stuck_index[0]
     constraints.activate_all(d)
     own, count = d.constraints, d.friction.stuck_count
-    own.unforced[:count], own.target[:count] = 0.0, 0.0
-    own.target[:2] = size, -size
+    own.unforced_motion[:count], own.target_motion[:count] = 0.0, 0.0
+    own.target_motion[:2] = size, -size
     constraints.factorize_free(d)
     constraints.solve_equality(d, scale)
     assert finite(*own.impulse[:count], *own.change)

@@ -106,7 +106,7 @@ def test_no_index_is_negative_where_inputs_and_parameters_change(model):
     assert advance(d, 0.1, UNLIMITED, UNLIMITED) == OK
     assert d.contacts.active_count == 1
     d.given.restitution, d.given.pending = 0.7, REINITIALIZE
-    d.given.piece.degree, d.given.piece.until, d.given.piece.scale = 2, 0.2, 1.0
+    d.given.piece.degree, d.given.piece.end, d.given.piece.scale = 2, 0.2, 1.0
     d.given.piece.motor[1] = 0.5
     assert advance_to_onset(d, 0.12) == OK
     d.given.tip_force[1], d.given.pending = 60.0, REINITIALIZE

@@ -96,8 +96,8 @@ CLEARED = {
     "contact_log": ("count", "collected"),
     "peaks": ("force", "penetration", "moment", "rotation"),
     "fault": ("part",),
-    "search": ("known_for",),
-    "step": ("breaks",),
+    "search": ("known_at_break",),
+    "step": ("break_count",),
     "scratch": ("moment",),
     "quadrature": ("integral",),
     "latest": ("wall", *IMPACTS),
@@ -109,7 +109,7 @@ LEFT |= dict.fromkeys([("impact", "last_time"), ("budget", "event_start"), ("bud
 
 def test_a_start_clears_everything_of_an_earlier_run():
     _, d = prepared()
-    d.latest.requested = 4
+    d.latest.requested_count = 4
     d.scratch.load.joint[:] = 9.0
     for record, field in LEFT:
         d.numpy_record[record][field] = 5
@@ -117,7 +117,7 @@ def test_a_start_clears_everything_of_an_earlier_run():
     for (record, field), value in LEFT.items():
         assert np.all(d.numpy_record[record][field] == value), (record, field)
     assert not d.scratch.load.joint.any()
-    assert d.latest.requested == 4
+    assert d.latest.requested_count == 4
     assert len(d.latest.point) == LATEST_COUNT
 
 
@@ -131,7 +131,7 @@ def test_a_run_begins_anew_whatever_went_before(monkeypatch):
     }
     d.step.next_size, d.step.method, d.step.stiff_count, d.impact.last_time = 9.0, 1, 3, 9.0
     d.budget.event_start = d.budget.cost_start = 9.0
-    d.step.breaks, d.statistics.steps, d.given.pending, d.scratch.state[:] = 7, 7, 1, 9.0
+    d.step.break_count, d.statistics.steps, d.given.pending, d.scratch.state[:] = 7, 7, 1, 9.0
     monkeypatch.setattr(hooks, "on_start", told.append)
     assert initialize(d, 2.0) == OK
     assert told == [d]
@@ -203,7 +203,7 @@ def test_a_parameter_out_of_its_range_is_refused(record, field, value):
 def test_a_start_without_a_clearance_or_without_forces_is_refused():
     _, d = prepared()
     assert initialize(d, 0.0) == OK
-    d.constraints.unsolved = UNSOLVED
+    d.constraints.outcome = UNSOLVED
     assert check_start(d) == FORCES_NOT_FOUND
     d.candidate.offset[0] = math.nan
     assert check_start(d) == STARTS_INSIDE_WALL

@@ -188,7 +188,7 @@ def test_a_holding_force_is_seen_as_long_as_it_pushes():
 
 def test_an_observer_is_called_with_the_outputs_and_lasting_impacts(monkeypatch):
     d = seen_at(0.3).d
-    d.latest.requested, told = 2, []
+    d.latest.requested_count, told = 2, []
     monkeypatch.setattr(hooks, "on_observe", lambda d: told.append(d.output.kinetic))
     d.output.kinetic = -1.0
     observe(d)

@@ -229,15 +229,15 @@ def test_a_step_without_the_forces_of_constraints_is_refused(monkeypatch, unsolv
 
     def fails(d, theta):
         energies = check_energy(d, theta)
-        d.constraints.unsolved = unsolved
+        d.constraints.outcome = unsolved
         return energies
 
     monkeypatch.setattr(loop, "check_energy", fails)
-    before = landing.d.balance.at_end, landing.d.balance.available
+    before = landing.d.balance.value_end, landing.d.balance.available_energy
     error, noted = landing.run(-1.0)
     assert error == (SPOILED if refused else 0.2)
     assert ("roll back" in noted) == refused
-    assert (landing.d.balance.at_end, landing.d.balance.available) == (before if refused else KEPT)
+    assert (landing.d.balance.value_end, landing.d.balance.available_energy) == (before if refused else KEPT)
 
 
 def test_a_refused_step_is_not_repeated_for_an_event_that_was_found_before(monkeypatch):

@@ -1,7 +1,7 @@
 """The layout of an instance: the offsets of all fields in the record."""
 
 # Tests: kernel/record/constants.py, kernel/record/operations.py
-# Tests: kernel/record/counts.py, kernel/record/instance.py
+# Tests: kernel/record/counts.py, kernel/record/instance.py, kernel/record/method.py
 # Tests: kernel/record/given.py, kernel/record/prescribed_motion.py
 # Tests: kernel/record/friction.py, kernel/record/signals.py, kernel/record/solver.py
 
@@ -10,15 +10,18 @@ import itertools
 import re
 from collections import defaultdict
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from chain_impact.compilation import compilers
 from chain_impact.kernel.record import fields
+from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT
 from chain_impact.kernel.record.counts import COUNTS, FEATURES
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.record.instance import instance_dtype, output_dtype
+from chain_impact.kernel.record.method import is_implicit, was_implicit
 from chain_impact.variables.indices import HEAD_WORDS
 
 # links N, candidates C, elements F, transmitted rows L, channels K, sites P
@@ -141,3 +144,8 @@ def test_another_unit_is_found(other, found):
     declared = "def {}_dtype():\n    return layout(\n        {}\n    )\n".format
     one = declared("chain", '# m, the largest\n        # distance\n        ("reach", REAL),')
     assert several_units(one + declared("other", f'("reach", {other}')) == found
+
+
+def test_a_step_tells_its_method():
+    d = SimpleNamespace(step=SimpleNamespace(method=EXPLICIT, last_method=IMPLICIT))
+    assert (is_implicit(d), was_implicit(d)) == (False, True)

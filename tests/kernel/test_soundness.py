@@ -74,12 +74,12 @@ BOUNDS = {
     ("step", "method"): (EXPLICIT, IMPLICIT),
     ("step", "last_method"): (EXPLICIT, IMPLICIT),
     ("step", "dense_for"): (0, SOLVER_READER),
-    ("search", "known"): (0, DISTANCE_KNOWN),
+    ("search", "known_extent"): (0, DISTANCE_KNOWN),
     ("law", "number"): (1, LAW_COUNT),
     ("candidate", "stop"): (-2, 2),
     ("solver", "method"): (1, len(SOLVER_METHODS)),
     ("statistics", "status"): (OK, LAST_STATUS),
-    ("latest", "requested"): (0, LATEST_COUNT),
+    ("latest", "requested_count"): (0, LATEST_COUNT),
     ("contact_log", "count"): (0, None),
     ("contacts", "active_count"): (0, 16),
     ("contacts", "compliant_count"): (0, 0),
@@ -103,7 +103,7 @@ OF_FRICTION = {
     ("friction", "stuck_joints"): (0, 2),
     ("friction_changes", "count"): (0, None),
     ("element", "index"): (0, 23),
-    ("element", "stuck"): (0, 23),
+    ("element", "stuck_index"): (0, 23),
     ("element", "mode"): (-1, NO_FRICTION),
 }
 

@@ -214,7 +214,7 @@ def test_restarts_do_not_add_up_to_a_drift_of_the_energy():
         inputs["motor"][3], inputs["pending"] = 1e-3 * math.sin(5e-5 * k), 1
         assert instance.advance(1e-5 * (k + 1)) == OK
     record = instance.record["balance"]
-    assert abs(record["at_end"] - record["reference"]) < 5.0 * record["least_allowed"]
+    assert abs(record["value_end"] - record["window_value"]) < 5.0 * record["least_allowed_change"]
 
 
 @pytest.mark.parametrize("stiffness", [1e4, 1e6, 1e10])

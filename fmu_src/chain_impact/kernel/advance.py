@@ -72,7 +72,7 @@ from chain_impact.kernel.ode.sundman import regularize_rate, time_rate_for_sizes
 from chain_impact.kernel.record import constants
 from chain_impact.kernel.record.constants import KINK, NO_EVENT
 from chain_impact.kernel.record.method import is_implicit, was_implicit
-from chain_impact.kernel.rows.constraints import SOLVED, UNSOLVED, clear_unsolved
+from chain_impact.kernel.rows.constraints import SOLVED, UNSOLVED, clear_outcome
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
     LOG_FULL,
@@ -223,7 +223,7 @@ def apply_pending_inputs(d):
         stay, but the new inputs are in use. FORCES_NOT_FOUND: no forces satisfy the new values; all new
         values are in use.
     """
-    clear_unsolved(d)
+    clear_outcome(d)
     apply_inputs(d)
     derive_drives(d)
     status = update_laws(d)
@@ -246,7 +246,7 @@ def apply_laws(d):
 
 def take_step(d):
     """Take one accepted step, up to the first event in the step; return a status."""
-    clear_unsolved(d)
+    clear_outcome(d)
     status = check_base_at_walls(d) if d.channels > 0 else OK
     if d.signals > 0 and status == OK:
         status = check_segments(d)
@@ -266,7 +266,7 @@ def take_step(d):
 
 def check_solved(d, status):
     """Return ``status`` or, if it is OK but forces or modes at an event were not found, FORCES_NOT_FOUND."""
-    return FORCES_NOT_FOUND if status == OK and d.constraints.unsolved == UNSOLVED else status
+    return FORCES_NOT_FOUND if status == OK and d.constraints.outcome == UNSOLVED else status
 
 
 def find_step(d):
@@ -307,7 +307,7 @@ def try_step(d, h):
     balance, available = 0.0, 0.0
     if control.is_accepted(d):
         balance, available = check_energy(d, theta)
-    if control.is_accepted(d) and d.constraints.unsolved != SOLVED:
+    if control.is_accepted(d) and d.constraints.outcome != SOLVED:
         control.reject_step(d, constants.SPOILED)
     if not control.is_accepted(d):
         roll_back(d)
@@ -360,7 +360,7 @@ def begin_step(d):
     landed = events > 0 and d.contact_settings.any_rigid and d.contacts.compliant_count == 0
     if landed and not is_implicit(d):
         control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
-    if events > 0 or d.balance.breaks != d.step.breaks:
+    if events > 0 or d.balance.break_count != d.step.break_count:
         restart_balance(d)
     if not kinked:
         choose_method(d)  # not at a kink or limit: a force that is 0 or constant there hides the stiffness
@@ -381,7 +381,6 @@ def apply_pending_events(d):
 
     ensure_rate(d)
     update_peaks(d)
-
     rate = d.scratch.rate_start
     for j in range(len(d.scratch.state)):
         rate[j] = d.scratch.rate_end[j]

@@ -41,7 +41,7 @@ from chain_impact.kernel.record.state import (
     velocity_at,
 )
 from chain_impact.kernel.rows.compliance import solve_accelerations_with_armatures
-from chain_impact.kernel.rows.constraints import any_constraint, clear_unsolved
+from chain_impact.kernel.rows.constraints import any_constraint, clear_outcome
 from chain_impact.kernel.rows.geometry import clearance_and_rate
 
 
@@ -194,7 +194,7 @@ def clear_stage_notes(d):
 
     These are: unsolved constraints, crossed kinks, least forces of rigid walls, and margins of modes.
     """
-    clear_unsolved(d)
+    clear_outcome(d)
     clear_crossings(d)
     clear_least_forces(d)
     clear_friction_margins(d)

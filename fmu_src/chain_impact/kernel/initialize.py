@@ -43,7 +43,7 @@ from chain_impact.kernel.record.ranges import (
     ranged_field,
 )
 from chain_impact.kernel.record.state import FIRST_ANGLE, dissipated_at, omega_at, supplied_at, velocity_at
-from chain_impact.kernel.rows.constraints import UNSOLVED, clear_unsolved
+from chain_impact.kernel.rows.constraints import UNSOLVED, clear_outcome
 from chain_impact.kernel.rows.geometry import (
     ALLOWED_OVERLAP,
     clearance_and_rate,
@@ -143,7 +143,7 @@ def clear_run(d, time):
     clear_impacts(d, time)
     clear_log(d)
     clear_changes(d)
-    clear_unsolved(d)
+    clear_outcome(d)
     clear_quadratures(d)
     reset_times(d, time)
     begin_windows(d, time)
@@ -309,4 +309,4 @@ def check_start(d):
             return refuse_candidate(d, c, STARTS_INSIDE_WALL)
     if d.channels > 0 and check_base_at_walls(d) != OK:
         return BASE_BEYOND_WALL
-    return FORCES_NOT_FOUND if d.constraints.unsolved == UNSOLVED else OK
+    return FORCES_NOT_FOUND if d.constraints.outcome == UNSOLVED else OK

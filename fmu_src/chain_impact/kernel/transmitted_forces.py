@@ -222,11 +222,11 @@ def fill_joint_force_peaks(d):
     needs a second search, up to this time. After a search, the points are not located at the output's time.
     """
     out, transmitted, rises = d.output.transmitted, d.transmitted, False
-    if transmitted.searched_breaks != d.step.breaks or transmitted.searched_end != d.step.end:
+    if transmitted.searched_break_count != d.step.break_count or transmitted.searched_end != d.step.end:
         search_step_for_peaks(d)
         for i in range(d.links):
             transmitted.searched_square[i] = transmitted.largest_square[i]
-        transmitted.searched_breaks, transmitted.searched_end = d.step.breaks, d.step.end
+        transmitted.searched_break_count, transmitted.searched_end = d.step.break_count, d.step.end
     for i in range(d.links):
         transmitted.largest_square[i] = transmitted.peak_square[i]
         transmitted.largest_time[i] = transmitted.peak_time[i]

@@ -241,7 +241,8 @@ class Instance:
         name = names.get((MOTION, "position", channel - 1))
         if not name:
             return []
-        motion_text = f"{name} has been moved by {channels['distance']:.9g} m in {channels['lasted']:.9g} s"
+        distance, duration = channels["contradiction_distance"], channels["contradiction_duration"]
+        motion_text = f"{name} has been moved by {distance:.9g} m in {duration:.9g} s"
         return [
             f"{motion_text}, which contradicts its velocity of {channels['new_velocity']:.9g} m/s: give both"
         ]

@@ -133,7 +133,7 @@ class Pieces:
             "middle": self.middle[k],
             "scale": self.scale[k],
             # the record's piece ends a little later, because round-off could let a step end after ``end``
-            "until": self.end[k] + 4.0 * np.spacing(self.end[k]),
+            "end": self.end[k] + 4.0 * np.spacing(self.end[k]),
             "change_rate": self.scale[k] * rate[k],
         }
 

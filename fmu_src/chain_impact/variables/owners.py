@@ -155,7 +155,7 @@ RECORD_NUMBERS = {
     "has_targets": RecordNumber(("chain", "has_targets"), "inputs.joint_targets"),
     "base_moves": RecordNumber(("chain", "base_moves"), "inputs.base_motion"),
     "interpolates": RecordNumber(("given_channel", "interpolates"), TRUE_FACT),
-    "requested": RecordNumber(("latest", "requested"), "outputs.impacts"),
+    "requested": RecordNumber(("latest", "requested_count"), "outputs.impacts"),
     "impulses": RecordNumber(("quadrature", "computed"), "impulses"),
     "site_link": RecordNumber(("site", "link", INDEX_PLACE), "link", "sites"),
     "site_corner": RecordNumber(("site", "corner", INDEX_PLACE), "corner", "sites"),

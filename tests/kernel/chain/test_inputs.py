@@ -20,7 +20,7 @@ def driven(degree=2):
     given = block[0]["given"]
     given["motor"][:2] = 1.0, 4.0
     piece = given["piece"]
-    piece["degree"], piece["middle"], piece["scale"], piece["until"] = degree, 1.0, 1.0, 2.0
+    piece["degree"], piece["middle"], piece["scale"], piece["end"] = degree, 1.0, 1.0, 2.0
     piece["motor"][1:3, 0] = 2.0, 3.0
     block[0]["step"]["regularized"] = -1
     d = Plain(block[0])
@@ -84,13 +84,13 @@ def cart():
 def test_given_inputs_are_used_as_polynomials(degree):
     d, rng = cart(), np.random.default_rng(degree)
     own, given = d.given.piece, d.given
-    own.degree, own.middle, own.scale, own.until, own.change_rate = degree, 0.4, 2.0, 3.0, 7.0
+    own.degree, own.middle, own.scale, own.end, own.change_rate = degree, 0.4, 2.0, 3.0, 7.0
     for name in INPUT_SIZES:
         own[name][:], given[name][:] = rng.normal(size=own[name].shape), rng.normal(size=given[name].shape)
     inputs.apply_inputs(d)
     for name in INPUT_SIZES:
         np.testing.assert_array_equal(d.inputs[name], given[name])
-    assert (d.inputs.piece.until, d.inputs.piece.change_rate) == (3.0, 7.0)
+    assert (d.inputs.piece.end, d.inputs.piece.change_rate) == (3.0, 7.0)
     inputs.set_inputs(d, 1.1)
     for name in INPUT_SIZES:
         powers = np.vstack([given[name], own[name][1 : degree + 1]])

@@ -181,14 +181,14 @@ def test_a_cut_step_forgets_events_after_the_communication_point(due, monkeypatc
     dropped = []
     monkeypatch.setattr(contact_log, "drop_changes", dropped.append)
     d.step.communication_point = d.step.end if due else d.step.start + 0.4
-    breaks, clock = d.step.breaks, d.step.communication_point
+    breaks, clock = d.step.break_count, d.step.communication_point
     contact_log.end_at_communication_point(d)
     assert d.step.end == clock
     assert d.contacts.event[:4].tolist() == [ONSET if due else NO_EVENT, NO_EVENT, NO_EVENT, NO_EVENT]
     assert dropped == ([] if due else [d])
     expected = motion.at(1.0 if due else 0.4)
     np.testing.assert_allclose(d.step.state_end[:-2], expected[:-2], rtol=0, atol=1e-13)
-    assert d.step.breaks > breaks
+    assert d.step.break_count > breaks
 
 
 def test_contacts_are_followed_to_the_communication_point_at_no_cost(monkeypatch):
@@ -226,7 +226,7 @@ def test_contacts_are_followed_to_the_communication_point_at_no_cost(monkeypatch
 def test_the_state_of_contacts_is_noted_at_the_communication_point(impulsive, kept):
     for until in (0.1, 0.6):
         d, motion = pressed(TURNING)
-        d.latest.requested = kept
+        d.latest.requested_count = kept
         make_rigid(d, impulsive)
         d.latest.end[0] = -1.0
         d.contacts.impact_number[1] = d.impact.count = 5
@@ -257,7 +257,7 @@ def test_the_state_of_contacts_is_noted_at_the_communication_point(impulsive, ke
 def test_the_peak_of_a_holding_force_is_found_by_parabolas_through_samples(size):
     """The maximum of 3 − (x − 0.6)² is 3 inside; a monotonic force is largest at an end."""
     d, c, motion = held_tip(size, [3.0 - 0.6**2, 1.2, -1.0])
-    d.constraints.sample[:] = 0.0
+    d.constraints.sampled_force[:] = 0.0
     evaluations = d.statistics.rhs_evaluations
     contact_log.update_held_extremes(d)
     assert d.contacts.peak_force[c] == pytest.approx(3.0, rel=1e-9)

@@ -73,7 +73,7 @@ def test_only_suspects_are_followed(seed):
         crossing.measure_clearances(d, 0.0)
         begin_next_interval(d)
         d.search.suspect_count = len(suspects)
-        d.search.suspect[: len(suspects)] = suspects
+        d.search.suspect_index[: len(suspects)] = suspects
         others = np.setdiff1d(np.arange(d.candidates), suspects)
         for field in ("phi_start", "phi_start_rate", "phi_end", "phi_end_rate", "curvature"):
             d.search[field][others] = math.nan

@@ -94,7 +94,7 @@ def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
             d.chain.joint_rate_bound = 20.0 / d.step.size
         assert not exclusion.excludes_events(d)
         if field != "fade":
-            assert d.search.suspect.tolist() == list(range(d.candidates))
+            assert d.search.suspect_index.tolist() == list(range(d.candidates))
         assert exclusion.excludes_events(stepped(0, near=2.0)[0])
 
 
@@ -111,7 +111,7 @@ def test_the_search_follows_free_candidates_but_no_held_ones(held):
         d.law.impulsive[resting] = 1
         touch(d, [resting])
     assert not exclusion.excludes_events(d)
-    suspects = d.search.suspect[: d.search.suspect_count].tolist()
+    suspects = d.search.suspect_index[: d.search.suspect_count].tolist()
     assert suspects == ([near] if held else [near, resting])
 
 
@@ -168,10 +168,10 @@ def test_the_root_of_the_regularized_contact_decides_by_its_end(end, expected):
 @pytest.mark.parametrize("what", [VALUES_KNOWN, CURVATURES_KNOWN, DISTANCE_KNOWN])
 def test_bounds_are_kept_until_the_steps_break(what):
     _, d = chain(np.random.default_rng(0), 1)
-    d.step.breaks = 3
+    d.step.break_count = 3
     exclusion.remember_clearances(d, what)
     assert exclusion.known_clearances(d) == what
-    d.step.breaks = 4
+    d.step.break_count = 4
     assert exclusion.known_clearances(d) == NOTHING_KNOWN
 
 

@@ -218,7 +218,7 @@ def test_rest_has_a_speed_of_round_off(one, part, undecided):
 def test_a_static_force_may_exceed_its_limit_by_half_of_what_is_round_off(one, part, wrong):
     """The other half of the round-off belongs to the search, so that a new mode does not end at once."""
     d, c = one
-    d.element.mode[c], d.element.undecided[c], d.element.limit[c] = STICKS, 1, 7.0
+    d.element.mode[c], d.element.undecided[c], d.element.friction_limit[c] = STICKS, 1, 7.0
     for sign in (1.0, -1.0):
         d.element.force[c] = sign * (7.0 + part * friction_round_off(d, c))
         assert is_inconsistent(d, c) == wrong
@@ -251,7 +251,7 @@ def test_sliding_at_rest_may_accelerate_backward_as_what_sticks_does(one, part, 
     other = d.candidates - 1
     assert d.candidate.place[other] != d.candidate.place[c]
     d.scratch.acceleration.x[:], d.scratch.acceleration.y[:] = 0.0, 0.0
-    d.friction.stuck_count, d.element.stuck[0] = 1, other
+    d.friction.stuck_count, d.element.stuck_index[0] = 1, other
     d.element.mode[c], d.element.undecided[c] = 1, 1
     for e, along in ((other, 1e-3), (c, -part * 1e-3)):
         d.scratch.acceleration.x[d.candidate.place[e]] = along * d.candidate.normal_y[e]
@@ -275,7 +275,7 @@ def test_a_choice_ends_even_where_no_mode_is_right(monkeypatch):
     assert changes[:many] == [len(chain.elements)] * many
     assert many < len(changes) <= many + 1 + len(chain.elements)
     assert all(chain.modes)
-    assert d.constraints.unsolved == SOLVED
+    assert d.constraints.outcome == SOLVED
 
 
 def convex_accelerations(chain):

@@ -64,9 +64,9 @@ def touching(seed, candidates=(1, 6, 11), *, base="free", kinds=ONSET, arrive=Tr
     d.step.state_end[:] = y
     d.step.start, d.step.end, d.step.communication_point = 1.0, 1.5, 1.2
     # values from an earlier problem
-    d.constraints.target[:] = 5.0
+    d.constraints.target_motion[:] = 5.0
     d.constraints.in_active_set[:] = 0
-    d.constraints.unforced[:] = 5.0
+    d.constraints.unforced_motion[:] = 5.0
     d.scratch.load.x[:] = 9.0
     locate_points(d, y)
     return Touching(d, y, jacobian, response, w, candidates)
@@ -161,9 +161,9 @@ def test_fast_arrivals_rebound_and_slow_arrivals_rest(restitution):
     d.law.restitution[:] = restitution
     lost, moved = impacts.find_impulses(d, 1.0)
     own = d.constraints
-    np.testing.assert_allclose(own.unforced[:4], speeds, rtol=1e-8)
-    np.testing.assert_allclose(own.target[:4], [restitution, restitution, 0.0, 0.0], rtol=1e-8)
-    p = complementary_impulses(w, speeds, own.target[:4])
+    np.testing.assert_allclose(own.unforced_motion[:4], speeds, rtol=1e-8)
+    np.testing.assert_allclose(own.target_motion[:4], [restitution, restitution, 0.0, 0.0], rtol=1e-8)
+    p = complementary_impulses(w, speeds, own.target_motion[:4])
     np.testing.assert_allclose(own.impulse[:4], p, rtol=0, atol=1e-8)
     after = y.copy()
     after[6:12] += response @ p
@@ -182,14 +182,14 @@ def test_rebounds_too_slow_to_leave_are_none(times, aims):
     rebound = times * impacts.LEAST_REBOUND_SPEED * SLOWEST
     d.law.restitution[:] = rebound / -speed
     impacts.find_impulses(d, 1.0)
-    assert d.constraints.target[0] == pytest.approx(aims * rebound, rel=1e-9)
+    assert d.constraints.target_motion[0] == pytest.approx(aims * rebound, rel=1e-9)
 
 
 @pytest.mark.parametrize("short", [0.0, 0.5, 2.0])
 def test_impulses_fall_short_by_more_than_round_off(short):
     d = touching(1, POINTS, kinds=NO_EVENT).d
-    d.constraints.target[:4] = 0.5
-    d.constraints.reached[:4] = (
+    d.constraints.target_motion[:4] = 0.5
+    d.constraints.reached_motion[:4] = (
         0.5,
         0.9,
         0.5 - short * impacts.IMPACT_ROUND_OFF * largest_component(d, d.scratch.velocity),
@@ -275,7 +275,7 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
         slow = math.sqrt(2.0 * 9.81 * LEAST_RISE * d.chain.longest_link)
         locate_points(d, d.step.state_end)
         d.constraints.impulse[0] = 1.0
-        d.constraints.reached[0] = times * slow
+        d.constraints.reached_motion[0] = times * slow
         impacts.end_rebounding_contacts(d)
         assert (d.contacts.active_count == 1) == stays
         assert d.contact_log.count == (0 if stays else 1)
@@ -286,7 +286,7 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
 )
 def test_a_neighbour_without_an_impulse_was_not_met(event, impulse, met):
     d = touching(1, (1,), kinds=NO_EVENT).d
-    d.contacts.event[1], d.constraints.impulse[0], d.constraints.reached[0] = event, impulse, 0.0
+    d.contacts.event[1], d.constraints.impulse[0], d.constraints.reached_motion[0] = event, impulse, 0.0
     impacts.end_rebounding_contacts(d)
     assert d.contacts.active[1] == d.contacts.active_count == met
     assert d.contact_log.count == 0
@@ -312,7 +312,7 @@ def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
     d = touching(1, POINTS, kinds=NO_EVENT).d
     scale = largest_component(d, d.scratch.velocity)
     d.constraints.in_active_set[:4] = 0, 0, 1, 0
-    d.constraints.reached[:4] = 0.5 * SIGN_TOLERANCE * scale, 2.0 * SIGN_TOLERANCE * scale, 1.0, 0.0
+    d.constraints.reached_motion[:4] = 0.5 * SIGN_TOLERANCE * scale, 2.0 * SIGN_TOLERANCE * scale, 1.0, 0.0
     impacts.end_unstopped_contacts(d)
     assert d.contacts.active_index[: d.contacts.active_count].tolist() == [1, 11, 16]
     assert d.contact_log.point[0] == d.candidate.point[6]

@@ -100,7 +100,7 @@ def test_a_step_ends_where_a_force_reaches_its_limit(part, method):
     # within the error of the step at the default tolerance
     assert d.step.state_end[2] == pytest.approx(angle, abs=1e-6)
     assert d.step.state_end[3] - d.step.state_end[2] == pytest.approx(0.0, abs=1e-12)
-    force, limit = float(d.element.force[joint]), float(d.element.limit[joint])
+    force, limit = float(d.element.force[joint]), float(d.element.friction_limit[joint])
     assert abs(force) == pytest.approx(limit, rel=1e-8)
     assert advance_one_step(d) == OK
     if d.element.mode[joint] == STICKS:
@@ -253,7 +253,7 @@ def test_round_off_is_that_of_a_speed_or_of_a_force(rubbing):
     d, elements = rubbing
     e = elements[0]
     size, mass = d.chain.longest_link, np.mean(d.chain.mass)
-    d.element.limit[e], d.element.slack[e] = 7.0, 1e-9
+    d.element.friction_limit[e], d.element.slack[e] = 7.0, 1e-9
     assert sampled.rest_speed(d) == sampled.REST_SPEED * size
     assert sampled.friction_round_off(d, e) == pytest.approx(
         sampled.FRICTION_EXCESS * (7.0 + mass * (math.hypot(2.3, 9.81) + size)), rel=1e-12

@@ -31,5 +31,5 @@ def problem(base="free", pressed=(1, 0, 1, 1), seed=0, masses=None):
     response[free] = np.linalg.solve(mass_matrix(scene, y[2:6])[free, free], jacobian[:, free].T)
     own, count = d.constraints, len(candidates)
     own.in_active_set[:count] = pressed
-    own.unforced[:count], own.target[:count] = rng.normal(size=count), rng.normal(size=count)
+    own.unforced_motion[:count], own.target_motion[:count] = rng.normal(size=count), rng.normal(size=count)
     return d, y, jacobian, response, jacobian @ response

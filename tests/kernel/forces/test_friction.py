@@ -39,7 +39,7 @@ def test_contacts_are_listed_before_joints(base, contacts, joints):
     assert not geometry.has_sticking(d)
     d.element.mode[found[-1]] = STICKS
     friction.list_sticking(d)
-    assert (own.stuck_count, int(d.element.stuck[0])) == (1, found[-1])
+    assert (own.stuck_count, int(d.element.stuck_index[0])) == (1, found[-1])
     assert own.stuck_joints == joints
     friction.suspend_sticking(d)
     assert not geometry.has_sticking(d)
@@ -83,7 +83,7 @@ def test_sliding_friction_is_a_load_against_the_motion(base, contacts, joints, s
     assert rate[2 * n + 4] - free[2 * n + 4] == pytest.approx(sign * sizes @ speeds, rel=1e-9)
     np.testing.assert_allclose(d.element.force[found], -sign * sizes, rtol=1e-12)
     limits = np.where(normal > 0.0, MU_S * normal, MOMENT / d.chain.longest_link)
-    np.testing.assert_allclose(d.element.limit[found], limits, rtol=1e-12)
+    np.testing.assert_allclose(d.element.friction_limit[found], limits, rtol=1e-12)
 
 
 @pytest.mark.parametrize(("base", "contacts", "joints"), CASES)

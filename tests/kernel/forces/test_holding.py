@@ -23,10 +23,10 @@ def test_rigid_walls_hold_what_touches_and_press_it_to_rest():
         touch(d, CANDIDATES[:touching])
         make_rigid(d, impulsive)
         assert bool(constraints.any_point_held(d)) == (impulsive == 1 and touching > 0)
-    d.constraints.in_active_set[:] = d.constraints.target[:] = 7
+    d.constraints.in_active_set[:] = d.constraints.target_motion[:] = 7
     constraints.activate_all(d)
     assert d.constraints.in_active_set[:3].tolist() == [1, 1, 7]
-    assert d.constraints.target[:3].tolist() == [0.0, 0.0, 7.0]
+    assert d.constraints.target_motion[:3].tolist() == [0.0, 0.0, 7.0]
 
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
@@ -46,10 +46,10 @@ def test_held_points_have_no_acceleration_and_their_least_force_is_kept(base):
         gaps.append([geometry.clearance_and_rate(d, c)[0] for c in candidates])
     second = (np.array(gaps[0]) - 2 * np.array(gaps[1]) + np.array(gaps[2])) / 1e-8
     locate_points(d, y)
-    most = holding.set_start_to_accelerations(d, y, rate)
-    np.testing.assert_allclose(own.unforced[:4], second, rtol=1e-4, atol=1e-4)
+    most = holding.set_unforced_to_accelerations(d, y, rate)
+    np.testing.assert_allclose(own.unforced_motion[:4], second, rtol=1e-4, atol=1e-4)
     assert most == max(np.abs(d.scratch.acceleration.x).max(), np.abs(d.scratch.acceleration.y).max())
-    force = np.linalg.solve(w, -own.unforced[:4])
+    force = np.linalg.solve(w, -own.unforced_motion[:4])
     own.least_force[:] = np.where(np.arange(d.candidates) % 2, -1e9, 0.0)
     holding.add_constraint_forces(d, y, rate)
     np.testing.assert_allclose(own.impulse[:4], force, rtol=1e-8, atol=1e-8)
@@ -78,18 +78,18 @@ def test_stopping_impulses_pull_by_no_more_than_errors_explain(seed):
     d, _y, _, _, w = problem(seed=seed)
     own = d.constraints
     for size in (1.0, 1e-9):  # s, for a motion and for errors
-        own.unforced[:4] = size * np.array([-0.5, 0.8, -0.2, 0.3])
+        own.unforced_motion[:4] = size * np.array([-0.5, 0.8, -0.2, 0.3])
         constraints.activate_all(d)
         d.scratch.velocity.x[:], d.scratch.velocity.y[:] = size, 0.0
         d.solver.tolerance = 1e-7
-        equal = np.linalg.solve(w, -own.unforced[:4])
+        equal = np.linalg.solve(w, -own.unforced_motion[:4])
         holding.solve_stopping_impulses(d)
         if equal.min() < -holding.tolerated_momentum(d, size):
-            expected = complementary_impulses(w, own.unforced[:4], np.zeros(4))
-            assert (own.reached[:4] > -1e-11).all()
+            expected = complementary_impulses(w, own.unforced_motion[:4], np.zeros(4))
+            assert (own.reached_motion[:4] > -1e-11).all()
         else:
             expected = equal
-            np.testing.assert_allclose(own.reached[:4], 0.0, atol=1e-12)
+            np.testing.assert_allclose(own.reached_motion[:4], 0.0, atol=1e-12)
         np.testing.assert_allclose(own.impulse[:4], expected, rtol=0, atol=1e-9 * np.abs(equal).max())
 
 
@@ -108,7 +108,7 @@ def test_a_projection_far_larger_than_its_residual_is_refused(bad, tolerance):
         d.candidate.normal_x[second], d.candidate.normal_y[second] = c * nx - s * ny, s * nx + c * ny
         compliance.effective_mass(d, second)
         response[:, 1] = d.scratch.change  # M⁻¹ ∇g, by the recursion
-    own.unforced[:2] = 1e-6, -1e-6
+    own.unforced_motion[:2] = 1e-6, -1e-6
     constraints.activate_all(d)
     d.solver.tolerance = tolerance
     holding.solve_positions(d)
@@ -117,10 +117,10 @@ def test_a_projection_far_larger_than_its_residual_is_refused(bad, tolerance):
         # the point inside the wall is moved out; the other point stays, or moves away from its wall
         assert moved < 10.0 * 1e-6
         assert own.impulse[0] == 0.0
-        assert own.reached[1] == pytest.approx(0.0, abs=1e-14)
+        assert own.reached_motion[1] == pytest.approx(0.0, abs=1e-14)
         np.testing.assert_allclose(own.change, response[:, 1] * own.impulse[1], rtol=1e-6)
     else:
-        np.testing.assert_allclose(own.reached[:2], 0.0, atol=1e-13)
+        np.testing.assert_allclose(own.reached_motion[:2], 0.0, atol=1e-13)
         assert not bad or moved > holding.LARGEST_CORRECTION * 2e-6 / size
 
 
@@ -145,7 +145,7 @@ def test_the_kinetic_energy_that_walls_take_is_dissipated(base):
 def test_a_projection_is_judged_by_residuals_and_link_lengths(monkeypatch, moved, again, turns):
     d, *_ = problem(pressed=(1, 1))
     own, size, called = d.constraints, d.chain.longest_link, []
-    own.unforced[:2], own.target[:2] = [2e-3, 5e-3], [3e-3, 1e-3]
+    own.unforced_motion[:2], own.target_motion[:2] = [2e-3, 5e-3], [3e-3, 1e-3]
     d.solver.tolerance = 1e-6
     limit = holding.LARGEST_CORRECTION * (1e-6 + 4e-3 / size)
 
@@ -180,7 +180,7 @@ def test_the_force_of_one_that_sticks_alone_is_that_of_the_iteration(base, conta
         equations.free_rate_from_inputs(d, y, rate)
         free = rate.copy()
         holding.add_constraint_forces(d, y, rate)
-        e = d.element.stuck[0]
+        e = d.element.stuck_index[0]
         impulse = d.constraints.impulse[d.contacts.active_count]
         results.append([*(rate - free), impulse, d.element.force[e], d.element.margin[e], d.friction.power])
     assert np.abs(results[0]).max() > 1.0

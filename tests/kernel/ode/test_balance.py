@@ -31,7 +31,7 @@ def after_a_step():
     instance.advance(0.2)
     d = Plain(instance.record)
     locate_points(d, d["step"]["state"])
-    d["balance"]["at_end"] = energy_balance(d, d["step"]["state"])
+    d["balance"]["value_end"] = energy_balance(d, d["step"]["state"])
     return d
 
 
@@ -46,37 +46,37 @@ def error_after_check(d, theta):
 
 def test_a_step_of_the_solver_keeps_the_energy_balance():
     d = after_a_step()
-    before = float(d["balance"]["at_end"])
+    before = float(d["balance"]["value_end"])
     assert error_after_check(d, -1.0) <= 1.0
-    assert float(d["balance"]["at_end"]) == pytest.approx(before, abs=1e-6)
+    assert float(d["balance"]["value_end"]) == pytest.approx(before, abs=1e-6)
 
 
 @pytest.mark.parametrize("theta", [-1.0, 0.7])
 @pytest.mark.parametrize("entry", [ANGLE, *RATES, dissipated_at(4)])
 def test_a_step_that_changes_the_energy_or_is_not_finite_is_refused(entry, theta):
     d = after_a_step()
-    before = float(d["balance"]["at_end"])
+    before = float(d["balance"]["value_end"])
     for off in (1e-5, np.nan):
         d["step"]["state_end"][entry] += off
         d["step"]["dense"][0, entry] += off
         error_after_check(d, theta)
         assert d.trial.outcome == SPOILED
-        assert before == d["balance"]["at_end"]
+        assert before == d["balance"]["value_end"]
 
 
 def test_a_run_ends_if_the_energy_balance_drifts_too_fast():
     d = after_a_step()
     balance.start_balance(d, 0.0)
-    own, balance_now = d.balance, float(d.balance.at_end)
-    own.reference = balance_now - 200.0 * own.least_allowed
+    own, balance_now = d.balance, float(d.balance.value_end)
+    own.window_value = balance_now - 200.0 * own.least_allowed_change
     assert balance.check_balance(d) == ENERGY_NOT_KEPT
     # a larger energy allows larger errors
     d["step"]["state_end"][6:12] *= 10.0
     assert balance.check_balance(d) == OK
     # earlier changes no longer count
-    own.reference, d["step"]["end"] = 1e9, 1.5
+    own.window_value, d["step"]["end"] = 1e9, 1.5
     assert balance.check_balance(d) == OK
-    assert own.reference == balance_now
+    assert own.window_value == balance_now
 
 
 @pytest.mark.parametrize(
@@ -93,10 +93,10 @@ def test_a_run_ends_if_the_energy_balance_drifts_too_fast():
 def test_a_step_may_lose_what_is_left(so_far, by_the_step, noted):
     """Each step may lose a part of the budget that earlier steps have left."""
     d = after_a_step()
-    budget = balance.loss_budget(d, float(d.balance.available))
+    budget = balance.loss_budget(d, float(d.balance.available_energy))
     locate_points(d, d.step.state_end)
-    d.balance.at_end = energy_balance(d, d.step.state_end) + by_the_step * budget
-    d.balance.origin = d.balance.at_end + so_far * budget
+    d.balance.value_end = energy_balance(d, d.step.state_end) + by_the_step * budget
+    d.balance.run_value = d.balance.value_end + so_far * budget
     if so_far > 1.0:
         noted = by_the_step / ((d.step.end - d.step.start) / (10.0 + d.step.end))
         assert 0.1 < noted < 1.0 or by_the_step == 0.1
@@ -109,12 +109,12 @@ def test_energy_that_a_parameter_takes_is_not_lost():
     instance.advance(0.4995)  # in the first impact
     d = Plain(instance.record)
     own = d.balance
-    start, lost = float(own.at_start), float(own.origin - own.at_start)
+    start, lost = float(own.value_start), float(own.run_value - own.value_start)
     d["law"]["stiffness"] *= 0.5
     for _ in range(2):  # two changes without a step between them
         balance.reinit_balance(d)
-        assert own.at_end < start - 0.05
-        assert own.origin - own.at_end == pytest.approx(lost, abs=1e-12)
+        assert own.value_end < start - 0.05
+        assert own.run_value - own.value_end == pytest.approx(lost, abs=1e-12)
 
 
 def test_the_available_energy_of_a_dropped_step_is_dropped():
@@ -124,7 +124,7 @@ def test_the_available_energy_of_a_dropped_step_is_dropped():
     for end, torque in ((1e-4, 1e3), (2e-4, 0.0)):
         d["given"]["motor"][0], d["given"]["pending"] = torque, 1
         instance.advance(end)
-        available.append(float(d["balance"]["available"]))
+        available.append(float(d["balance"]["available_energy"]))
     assert available[0] > 100.0 * available[1]
 
 
@@ -150,7 +150,7 @@ def moving(**more):
     y[dissipated_at(LINKS)], y[supplied_at(LINKS)] = 0.7, -1.3
     d.step.state_end[:] = y
     locate_points(d, y)
-    d.balance.available, d.balance.allowed, d.step.breaks = 1e9, 1e9, 7
+    d.balance.available_energy, d.balance.allowed_change, d.step.break_count = 1e9, 1e9, 7
     balance.start_balance(d, 1.0)
     return d, y
 
@@ -199,35 +199,37 @@ def test_the_force_of_a_sliders_spring_counts_over_the_longest_link():
 def test_a_balance_starts_from_the_present_energies():
     d, y = moving()
     own, present = d.balance, energy_balance(d, y)
-    assert (own.window_start, own.run_start, own.breaks) == (1.0, 1.0, 7)
-    for name in ("at_end", "at_start", "origin", "reference"):
+    assert (own.window_start, own.run_start, own.break_count) == (1.0, 1.0, 7)
+    for name in ("value_end", "value_start", "run_value", "window_value"):
         assert own[name] == present
     # all energy except the potential energy; nothing is supplied, but 1.3 J were dissipated
-    assert own.available == pytest.approx(present - mechanical_energy(d, y)[1] + own.least_allowed, rel=1e-13)
-    assert own.available_at_start == own.available
+    assert own.available_energy == pytest.approx(
+        present - mechanical_energy(d, y)[1] + own.least_allowed_change, rel=1e-13
+    )
+    assert own.available_energy_start == own.available_energy
     # a new window compares with the present energy
-    own.at_end, own.allowed = 4.5, 1e9
+    own.value_end, own.allowed_change = 4.5, 1e9
     balance.begin_window(d)
-    assert own.reference == 4.5
+    assert own.window_value == 4.5
     right = 3.0 * TOLERANCE * (own.unit_motion**2 + own.unit_scale)
-    assert (own.least_allowed, own.allowed) == pytest.approx((right, right), rel=1e-13)
+    assert (own.least_allowed_change, own.allowed_change) == pytest.approx((right, right), rel=1e-13)
     # after a discontinuity the balance starts from the new state, with newly located points
-    d.step.breaks, d.scratch.position.x[:] = 12, 1e9
+    d.step.break_count, d.scratch.position.x[:] = 12, 1e9
     balance.restart_balance(d)
-    assert (own.at_end, own.breaks) == (present, 12)
+    assert (own.value_end, own.break_count) == (present, 12)
 
 
 def test_the_available_energy_never_falls_and_grows_by_what_is_supplied():
     d, y = moving()
     own = d.balance
-    least = own.least_allowed + own.origin
-    own.available = -1e4
+    least = own.least_allowed_change + own.run_value
+    own.available_energy = -1e4
     for supplied in (-5.0, 0.0, 3.0):
         y[supplied_at(LINKS)] = supplied
         assert balance.largest_available_energy(d, y, -2.0) == pytest.approx(
             least + 2.0 + max(0.0, supplied), rel=1e-13
         )
-    own.available = 1e4
+    own.available_energy = 1e4
     assert balance.largest_available_energy(d, y, -2.0) == 1e4
 
 
@@ -284,11 +286,11 @@ def test_a_step_may_lose_what_is_left_or_its_share():
     budget = balance.loss_budget(d, 50.0)
     share = 0.2 / (10.0 + 3.0) * budget
     for lost in (-0.5, 0.0, 0.4, 2.0):
-        d.balance.at_end = d.balance.origin - lost * budget
+        d.balance.value_end = d.balance.run_value - lost * budget
         assert balance.loss_allowed(d, 50.0) == pytest.approx(max((1.0 - lost) * budget, share), rel=1e-9)
     # the round-off of the energy is always allowed
     d.step.start = d.step.end
-    d.balance.at_end = d.balance.origin - 2.0 * budget
+    d.balance.value_end = d.balance.run_value - 2.0 * budget
     assert balance.loss_allowed(d, 50.0) == pytest.approx(50e-15, rel=1e-13)
 
 
@@ -360,7 +362,9 @@ def test_a_motion_that_keeps_its_energy_does_so_in_the_middle(entry):
     balance.start_balance(d, 0.0)
     assert balance.is_middle_correct(d)
     d.step.dense[3, entry] += 1.0  # in the middle only
-    d.balance.least_allowed = 1e9 * (entry == dissipated_at(LINKS))  # the balance would accept the energy
+    d.balance.least_allowed_change = 1e9 * (
+        entry == dissipated_at(LINKS)
+    )  # the balance would accept the energy
     assert not balance.is_middle_correct(d)
     assert d.step.dense_for == SOLVER_READER
 
@@ -381,8 +385,8 @@ def test_a_run_ends_when_its_steps_have_changed_a_fifth_of_the_energy(gain, tole
     """The run also ends after a change of twice a loose tolerance's budget, if that is larger."""
     d, _ = moving()
     own, d.solver.tolerance = d.balance, tolerance
-    own.available, own.allowed, own.window_start = 40.0, 1e9, d.step.end
+    own.available_energy, own.allowed_change, own.window_start = 40.0, 1e9, d.step.end
     budget = 2.0 * balance.loss_budget(d, 40.0)
     assert (budget > 0.2 * 40.0) == (tolerance == 1.0)
-    own.at_end = own.origin + gain * (budget if tolerance == 1.0 else own.available)
+    own.value_end = own.run_value + gain * (budget if tolerance == 1.0 else own.available_energy)
     assert balance.check_balance(d) == (ENERGY_NOT_KEPT if ends else OK)

@@ -43,7 +43,7 @@ def test_only_the_corrected_motion_dissipates_whatever_the_rates_contain(rubbing
 
 def test_the_work_along_a_change_is_that_of_sliding_and_sticking_elements(rubbing):
     rng, d, elements, slopes = rubbing
-    e = d.element.stuck[0] = elements[1]
+    e = d.element.stuck_index[0] = elements[1]
     d.element.mode[e], d.friction.stuck_count = STICKS, 1
     change, d.element.force[elements] = rng.normal(size=slopes.shape[1]), rng.normal(size=len(elements))
     assert work_along(d, change) == pytest.approx(d.element.force[elements] @ slopes @ change, rel=1e-9)

@@ -60,13 +60,13 @@ def test_an_accepted_step_goes_on_where_the_last_one_ended(method):
     last_step.ensure_rate(d)
     assert d.statistics.rhs_evaluations - count == 1 - known
     np.testing.assert_allclose(d.scratch.rate_end, exact_rate(d, d.step.state_end), atol=1e-12)
-    before, breaks = d.step.state_end.copy(), int(d.step.breaks)
+    before, breaks = d.step.state_end.copy(), int(d.step.break_count)
     d.step.state_end[-1] = 0.0
     with_a_step(d)
     np.testing.assert_array_equal(d.step.state[:-1], before[:-1])
     assert (d.step.start, d.step.end) == pytest.approx((H, 2 * H), rel=1e-14)
     assert d.step.last_method == method
-    assert d.step.breaks == breaks  # stored values of the end are valid for the next start
+    assert d.step.break_count == breaks  # stored values of the end are valid for the next start
 
 
 @pytest.mark.parametrize("points", [[], [4]])
@@ -194,11 +194,11 @@ def test_the_dense_output_is_made_once_and_counts_if_the_solver_needs_it():
 
 def test_without_contact_a_step_runs_in_time():
     d = with_a_step(started())
-    d.step.next_size, breaks = 0.5 * H, int(d.step.breaks)
+    d.step.next_size, breaks = 0.5 * H, int(d.step.break_count)
     last_step.choose_variable(d, False)
     assert d.step.regularized == -1
     assert d.step.next_size == 0.5 * H
-    assert d.step.breaks == breaks
+    assert d.step.break_count == breaks
     assert list(d.step.state_end[-2:]) == [1.0, 0.0]
 
 

@@ -85,7 +85,7 @@ def test_without_them_the_motion_is_the_same_bit_by_bit():
 # --- beside a step ------------------------------------------------------------------------------------------
 
 TOUCHED = [1, 3]
-FIELDS = ("state", "state_end", "tried", "integral", "rate", "rate_end", "impulse_at_onset")
+FIELDS = ("state", "state_end", "tried_state", "integral", "rate", "rate_end", "impulse_at_onset")
 
 
 @pytest.fixture
@@ -155,7 +155,7 @@ def test_a_stage_is_the_force_in_the_variable_of_the_step(d, at_end):
 
 def test_a_step_goes_on_from_the_last_one_and_may_be_cut_or_dropped(d):
     """The totals belong to the end of the step."""
-    end, tried, total = *values(d, "state_end", "tried"), d.quadrature.integral.copy()
+    end, tried, total = *values(d, "state_end", "tried_state"), d.quadrature.integral.copy()
     dense.accept_quadratures(d)
     assert values(d, "state", "state_end") == [end, tried]
     right = [interpolate_component(d.quadrature, 0.3, k) for k in range(2)]

@@ -18,10 +18,10 @@ def test_impulses_are_complementary(seed):
     rng = np.random.default_rng(seed)
     d, _, _, response, w = problem(pressed=rng.integers(0, 2, rng.integers(1, 5)), seed=seed)
     own, count = d.constraints, len(w)
-    own.target[:count] = rng.choice([0.0, 0.5], count) * np.abs(own.unforced[:count])
-    expected = complementary_impulses(w, own.unforced[:count], own.target[:count])
+    own.target_motion[:count] = rng.choice([0.0, 0.5], count) * np.abs(own.unforced_motion[:count])
+    expected = complementary_impulses(w, own.unforced_motion[:count], own.target_motion[:count])
     constraints.factorize_free(d)
-    complementarity.solve_lcp(d, np.abs(own.unforced[:count]).max())
+    complementarity.solve_lcp(d, np.abs(own.unforced_motion[:count]).max())
     scale = np.linalg.cond(w) * max(1.0, np.abs(expected).max())
     np.testing.assert_allclose(own.impulse[:count], expected, atol=1e-14 * scale)
     np.testing.assert_allclose(own.change, response @ expected, atol=1e-13 * scale)
@@ -35,10 +35,10 @@ def test_a_link_jammed_between_two_walls_has_a_solution_of_many():
     d.candidate.place[second] = d.candidate.place[first]
     for normal in (d.candidate.normal_x, d.candidate.normal_y):
         normal[second] = -normal[first]
-    own.unforced[:2], own.target[:2] = (-1.0, 1.0), 0.0
+    own.unforced_motion[:2], own.target_motion[:2] = (-1.0, 1.0), 0.0
     constraints.factorize_free(d)
     complementarity.solve_lcp(d, 1.0)
-    np.testing.assert_allclose(own.reached[:2], 0.0, atol=1e-14)
+    np.testing.assert_allclose(own.reached_motion[:2], 0.0, atol=1e-14)
     assert (own.impulse[:2] >= 0.0).all()
 
 
@@ -46,16 +46,16 @@ def test_a_contact_that_pulls_or_falls_short_is_wrong_beyond_round_off():
     d, *_ = problem(pressed=(1, 1, 0, 0))
     own = d.constraints
     scale = 3.0
-    own.target[:4] = 0.5
+    own.target_motion[:4] = 0.5
     for pull, short in ((2.0, 2.0), (0.5, 2.0), (2.0, 0.5), (0.5, 0.5)):
-        own.violated[:] = 7
+        own.is_violated[:] = 7
         own.impulse[:4] = 4.0, -pull * constraints.SIGN_TOLERANCE * 4.0, 0.0, 0.0
-        own.reached[:4] = -9.0, 0.5, 0.7, 0.5 - short * constraints.SIGN_TOLERANCE * scale
+        own.reached_motion[:4] = -9.0, 0.5, 0.7, 0.5 - short * constraints.SIGN_TOLERANCE * scale
         expected = [0, int(pull > 1.0), 0, int(short > 1.0)]
         assert complementarity.count_violations(d, scale) == sum(expected)
-        assert own.violated[:4].tolist() == expected
+        assert own.is_violated[:4].tolist() == expected
     # the largest error may be a pulling contact
-    own.impulse[:4], own.reached[:4] = (1.0, -4.0, 0.0, 0.0), 1.0
+    own.impulse[:4], own.reached_motion[:4] = (1.0, -4.0, 0.0, 0.0), 1.0
     assert complementarity.count_violations(d, scale) == 1
     assert holding.least_impulse(d) == -4.0
     own.impulse[:4] = 1.0
@@ -70,7 +70,7 @@ def test_wrong_contacts_change_together_and_after_stalls_one_by_one(monkeypatch)
     def told(_, __):
         sets.append(own.in_active_set[:4].copy())
         count = wrong.pop(0)
-        own.violated[:4] = [k < count for k in range(4)]
+        own.is_violated[:4] = [k < count for k in range(4)]
         return count
 
     monkeypatch.setattr(complementarity, "solve_equality", lambda *_: None)

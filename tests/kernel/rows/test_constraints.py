@@ -19,7 +19,7 @@ def test_masses_that_differ_by_a_million_are_no_hindrance(ratio):
     d, *_ = problem(pressed=(1, 1, 1, 1), masses=(1.0, ratio, 1.0, 1.0))
     constraints.factorize_free(d)
     constraints.solve_equality(d, 1.0)
-    np.testing.assert_allclose(d.constraints.reached[:4], d.constraints.target[:4], atol=1e-10)
+    np.testing.assert_allclose(d.constraints.reached_motion[:4], d.constraints.target_motion[:4], atol=1e-10)
 
 
 def test_only_the_pressed_have_an_impedance_and_miss_their_aims():
@@ -30,13 +30,13 @@ def test_only_the_pressed_have_an_impedance_and_miss_their_aims():
     assert not own.change.any()
     assert not own.impulse[:4].any()
     assert (own.impulse[4:] == 9.0).all()
-    np.testing.assert_array_equal(own.reached[:4], own.unforced[:4])
-    own.target[1] = 1e3  # target of a contact that is not pressed
+    np.testing.assert_array_equal(own.reached_motion[:4], own.unforced_motion[:4])
+    own.target_motion[1] = 1e3  # target of a contact that is not pressed
     for amount in (0.0, 4.5):
         constraints.set_impedance(d, amount)
         assert own.impedance[:5].tolist() == [amount, 0.0, amount, amount, 9.0]
     for sign in (1.0, -1.0):
-        own.reached[:4] = own.target[:4] - sign * np.array([0.3, 7.0, 0.5, 0.1])
+        own.reached_motion[:4] = own.target_motion[:4] - sign * np.array([0.3, 7.0, 0.5, 0.1])
         assert constraints.find_residual(d) == pytest.approx(0.5, rel=1e-9)
         np.testing.assert_allclose(own.residual[:4], sign * np.array([0.3, 0.0, 0.5, 0.1]), atol=1e-9)
 
@@ -70,10 +70,12 @@ def test_all_pressed_contacts_reach_their_targets(base, pressed):
     constraints.factorize_free(d)
     constraints.solve_equality(d, 2.0)
     expected, off = np.zeros(4), 1e-12 if alone else 1e-9
-    expected[rows] = np.linalg.solve(w[np.ix_(rows, rows)], (own.target - own.unforced)[rows])
+    expected[rows] = np.linalg.solve(w[np.ix_(rows, rows)], (own.target_motion - own.unforced_motion)[rows])
     np.testing.assert_allclose(own.impulse[:4], expected, rtol=off, atol=off * (not alone))
     np.testing.assert_allclose(own.change, response @ expected, rtol=10 * off, atol=off)
-    np.testing.assert_allclose(own.reached[:4], own.unforced[:4] + w @ expected, rtol=10 * off, atol=off)
+    np.testing.assert_allclose(
+        own.reached_motion[:4], own.unforced_motion[:4] + w @ expected, rtol=10 * off, atol=off
+    )
     if alone:
         assert d.budget.other_cost == before + 1
     elif any(pressed):
@@ -88,7 +90,9 @@ def test_a_contact_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
         before = d.budget.other_cost
         constraints.factorize_free(d)
         constraints.solve_equality(d, 2.0)
-        assert own.impulse[1] == pytest.approx((own.target - own.unforced)[1] / w[1, 1], rel=1e-12)
+        assert own.impulse[1] == pytest.approx(
+            (own.target_motion - own.unforced_motion)[1] / w[1, 1], rel=1e-12
+        )
         assert d.budget.other_cost >= before + 4 if iterates else d.budget.other_cost == before + 1
 
 
@@ -113,18 +117,18 @@ def test_points_that_cannot_be_held_are_told_by_what_is_left():
     d, *_ = problem(pressed=(1, 1, 0, 0))
     own = d.constraints
     d.contacts.active_index[1] = d.contacts.active_index[0]
-    own.unforced[:2], own.target[:2] = 0.0, (1.0, -1.0)
+    own.unforced_motion[:2], own.target_motion[:2] = 0.0, (1.0, -1.0)
     before = d.budget.other_cost
     constraints.factorize_free(d)
     assert constraints.solve_equality(d, 1.0) == pytest.approx(1.0, rel=1e-6)
     assert d.budget.other_cost - before <= 20
     for tolerated, noted in ((2.0, constraints.SOLVED), (0.5, constraints.MOVING)):
-        constraints.clear_unsolved(d)
+        constraints.clear_outcome(d)
         constraints.note_moving(d, tolerated)
-        assert d.constraints.unsolved == noted
+        assert d.constraints.outcome == noted
     constraints.note_unsolved(d)
     constraints.note_moving(d, 0.5)
-    assert d.constraints.unsolved == constraints.UNSOLVED
+    assert d.constraints.outcome == constraints.UNSOLVED
 
 
 @pytest.mark.parametrize("part", [0.5, 1.0, 2.0])
@@ -139,5 +143,5 @@ def test_a_point_that_hardly_moves_is_held_in_a_few_iterations(monkeypatch, part
     assert constraints.solve_equality(d, 2.0) <= 2e-15
     assert d.budget.other_cost - before <= 22
     assert d.constraints.impulse[1] == pytest.approx(
-        (d.constraints.target - d.constraints.unforced)[1] / w[1, 1], rel=1e-12
+        (d.constraints.target_motion - d.constraints.unforced_motion)[1] / w[1, 1], rel=1e-12
     )

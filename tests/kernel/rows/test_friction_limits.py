@@ -37,7 +37,7 @@ def set_limits(chain, limits):
             d.law.static_friction[e] = d.law.friction[e] = limit / d.contacts.force[e]
         else:
             d.drive.friction[e - d.candidates] = limit * d.chain.longest_link
-            d.element.limit[e] = limit
+            d.element.friction_limit[e] = limit
 
 
 def solve(d):

@@ -18,7 +18,7 @@ def t():
     one = SimpleNamespace(candidates=2, elements=3)
     one.friction = SimpleNamespace(count=2)
     one.element = SimpleNamespace(index=[1, 2, 9], event=[NO_EVENT] * 3, mode=[1] * 3, undecided=[1] * 3)
-    one.element.limit, one.element.force = [dual(9.0)] * 3, [dual(0.0)] * 3
+    one.element.friction_limit, one.element.force = [dual(9.0)] * 3, [dual(0.0)] * 3
     one.law = SimpleNamespace(friction=[dual(0.3)] * 2, static_friction=[dual(0.3)] * 2)
     one.scratch = SimpleNamespace(velocity="velocity", acceleration="acceleration", rate="rate")
     one.step = SimpleNamespace(start=dual(1.0), end=dual(1.5))
@@ -157,7 +157,7 @@ def test_a_speed_is_negligible_as_long_as_all_that_was_left_open_is(monkeypatch,
 
 def test_a_stopped_element_has_no_derivative_of_its_speed(monkeypatch, t):
     """Element 2 has just stopped: only the derivatives of its speed become zero."""
-    t.friction.stuck_count, t.element.stuck = 2, [1, 2]
+    t.friction.stuck_count, t.element.stuck_index = 2, [1, 2]
     t.element.mode_before = [STICKS, STICKS, 1]
     assert friction.any_begins_to_stick(t)
     t.element.mode_before = [STICKS, NO_FRICTION, STICKS]
@@ -221,7 +221,7 @@ def test_two_that_break_loose_at_one_moment_must_do_so_for_all_parameters(
     t.law.static_friction = [dual(0.4)] * 2
     t.candidates, restored = 3, []
     t.law.friction, t.law.static_friction = [dual(0.3)] * 3, [dual(0.4)] * 3
-    t.element.force, t.element.limit = [dual(9.0, 1.0, 0.0)] * 3, [dual(9.0, 1.0, 0.0)] * 3
+    t.element.force, t.element.friction_limit = [dual(9.0, 1.0, 0.0)] * 3, [dual(9.0, 1.0, 0.0)] * 3
     monkeypatch.setattr(friction, "DIRECTIONS", 2)
     monkeypatch.setattr(friction, "largest_displacement", lambda _t, _k: 0.0)
     monkeypatch.setattr(friction, "margin_after", lambda _t, e, _time: dual(0.0, margins[e - 1], 0.0))
@@ -252,7 +252,7 @@ def test_a_mode_is_open_where_the_limit_is_almost_reached(monkeypatch, t, ended,
     monkeypatch.setattr(friction, "settling_time", lambda _t: 0.5)
     monkeypatch.setattr(friction, "is_negligible", lambda *_: False)
     t.friction.stuck_count = 0
-    t.element.mode_before, t.element.mode, t.element.chosen = [mode] * 3, [mode] * 3, [mode] * 3
+    t.element.mode_before, t.element.mode, t.element.chosen_mode = [mode] * 3, [mode] * 3, [mode] * 3
     t.element.undecided, t.element.force[1], t.step.state_end = [0, 1, 0], dual(known), "state"
     friction.make_modes_consistent(t)
     assert t.element.mode == [mode] * 3

@@ -102,7 +102,7 @@ def test_given_values_hold_with_their_derivatives(both):
     d.given.law, d.given.stiffness, d.given.restitution = number, 5e5, 0.25
     d.given.friction, d.given.static_friction = 0.25, 0.5
     d.given.motor[:], d.given.tip_force[:] = 1.5, (2.0, 3.0)
-    d.given.piece.degree, d.given.piece.until = 1, 6.5
+    d.given.piece.degree, d.given.piece.end = 1, 6.5
     before = {name: slopes(getattr(t.given, name)) for name in GIVEN}
     assert candidate_laws.update_laws(d) == OK
     replay.copy_given_and_modes(d, t)
@@ -111,7 +111,7 @@ def test_given_values_hold_with_their_derivatives(both):
     assert (t.law.number == number).all()
     assert t.given.law == number
     assert t.contact_settings.any_friction == 1
-    assert (t.inputs.piece.degree, t.inputs.piece.until) == (1, 6.5)
+    assert (t.inputs.piece.degree, t.inputs.piece.end) == (1, 6.5)
     for name in GIVEN[:4]:
         for number in getattr(t.law, name):
             assert number.value == d.given[name]

@@ -58,7 +58,7 @@ def apply_inputs(d):
     """
     d.given.pending = 0
     given, piece, used = d.given, d.given.piece, d.inputs.piece
-    used.degree, used.change_rate, used.until = piece.degree, piece.change_rate, piece.until
+    used.degree, used.change_rate, used.end = piece.degree, piece.change_rate, piece.end
     used.middle, used.scale = piece.middle, piece.scale
     for i in range(len(given.drive_damping)):
         d.inputs.drive_damping[i] = given.drive_damping[i]
@@ -176,7 +176,7 @@ def limit_to_piece(d, h):
     """
     if d.inputs.piece.degree == 0 or d.step.regularized >= 0:
         return h
-    return limit_to_time(d, d.inputs.piece.until, h)
+    return limit_to_time(d, d.inputs.piece.end, h)
 
 
 def limit_to_time(d, time, h):
@@ -204,17 +204,17 @@ def begin_prescribed_motions(d, time):
     velocity and acceleration, and a belt with that of its given velocity; else the given polynomials stay.
     """
     given, channel, piece = d.given_channel, d.channel, d.given.piece
-    channel.run_start, channel.until, channel.contradiction = time, time, 0
+    channel.run_start, channel.cubic_end, channel.contradiction = time, time, 0
     for j in range(d.channels):
         channel.given_position[j], channel.given_velocity[j] = given.position[j], given.velocity[j]
         channel.given_acceleration[j] = given.acceleration[j]
-        channel.given_at[j] = time
+        channel.given_time[j] = time
         channel.mean_velocity[j] = 0.0
-        channel.from_position[j], channel.from_velocity[j] = given.position[j], given.velocity[j]
+        channel.start_position[j], channel.start_velocity[j] = given.position[j], given.velocity[j]
         channel.anchored[j] = 1 - given.belt[j]
     if not given.interpolates:
         return
-    piece.degree, piece.middle, piece.scale, piece.until = 0, time, 1.0, math.inf
+    piece.degree, piece.middle, piece.scale, piece.end = 0, time, 1.0, math.inf
     piece.change_rate = 0.0
     given.jumps = 0
     for j in range(d.channels):
@@ -242,14 +242,14 @@ def interpolate_prescribed_motions(d, time):
     given, channel, piece = d.given_channel, d.channel, d.given.piece
     if d.channels == 0 or not given.interpolates or not time > d.step.communication_point:
         return OK
-    if time == channel.until and d.given.pending != REINITIALIZE:
+    if time == channel.cubic_end and d.given.pending != REINITIALIZE:
         return OK  # the same communication step continues after a pause, so all is set
     now, h = d.step.communication_point, time - d.step.communication_point
     move_channels(d, now)
     for j in range(d.channels):
         if not has_signal(d, j) and not store_given_motion(d, j, now):
             return refuse_channel(d, j)
-    channel.until = time
+    channel.cubic_end = time
     moves, jumps = False, False
     for j in range(d.channels):
         if has_signal(d, j):
@@ -260,7 +260,7 @@ def interpolate_prescribed_motions(d, time):
     if not moves and d.inputs.piece.degree == 0:
         return OK
     piece.degree, piece.middle, piece.scale = 3 if moves else 0, now + 0.5 * h, 2.0 / h
-    piece.until = time + TIME_ROUND_OFF / 4.0 * abs(time) if moves else math.inf
+    piece.end = time + TIME_ROUND_OFF / 4.0 * abs(time) if moves else math.inf
     piece.change_rate = CUBIC_CHANGE / h if moves else 0.0
     given.jumps = 0
     if d.given.pending != REINITIALIZE:
@@ -283,11 +283,11 @@ def set_cubic(d, j, time, h):
     Return whether the acceleration at the cubic's start equals the present acceleration of the channel.
     """
     given, channel = d.given_channel, d.channel
-    s, v, lasted = channel.position[j], channel.velocity[j], time - channel.given_at[j]
-    speed = channel.from_velocity[j] + channel.mean_velocity[j]
+    s, v, lasted = channel.position[j], channel.velocity[j], time - channel.given_time[j]
+    speed = channel.start_velocity[j] + channel.mean_velocity[j]
     v_end = speed + lasted * given.acceleration[j]
     if channel.anchored[j]:
-        s_end = channel.from_position[j] + lasted * (speed + 0.5 * lasted * given.acceleration[j])
+        s_end = channel.start_position[j] + lasted * (speed + 0.5 * lasted * given.acceleration[j])
     else:
         s_end = s + 0.5 * h * (v + v_end)
     v, v_end = 0.5 * h * v, 0.5 * h * v_end
@@ -316,21 +316,21 @@ def store_given_motion(d, j, now):
     as_before = s == channel.given_position[j] and channel.mean_velocity[j] == 0.0
     if as_before and v == channel.given_velocity[j] and a == channel.given_acceleration[j]:
         return True
-    lasted = now - channel.given_at[j]
-    before = channel.from_velocity[j]
-    displacement = s - channel.from_position[j]
+    lasted = now - channel.given_time[j]
+    before = channel.start_velocity[j]
+    displacement = s - channel.start_position[j]
     at_rest, v_anew = v == 0.0 and a == 0.0 and before == 0.0, v != channel.given_velocity[j]
     channel.given_position[j], channel.given_velocity[j], channel.given_acceleration[j] = s, v, a
-    channel.given_at[j] = now
+    channel.given_time[j] = now
     channel.mean_velocity[j] = 0.0
-    channel.from_position[j] = s
-    channel.from_velocity[j] = v
+    channel.start_position[j] = s
+    channel.start_velocity[j] = v
     channel.anchored[j] = 1
     if as_before:
         # no new position is given: the position continues from its present value, and so does the velocity
         # if only an acceleration is new
-        channel.from_position[j], channel.anchored[j] = channel.position[j], 0
-        channel.from_velocity[j] = v if v_anew else channel.velocity[j]
+        channel.start_position[j], channel.anchored[j] = channel.position[j], 0
+        channel.start_velocity[j] = v if v_anew else channel.velocity[j]
         return True
     unexplained = abs(displacement - 0.5 * lasted * (before + v)) - 0.5 * lasted * abs(v - before)
     speeds, ignored = lasted * (abs(before) + abs(v)), UNEXPLAINED_DISPLACEMENT * d.chain.longest_link
@@ -339,8 +339,8 @@ def store_given_motion(d, j, now):
     of_base = d.chain.base_moves and j < 2  # a moving base has the first two channels
     is_refused = not of_base and unexplained > speeds + ignored
     if is_refused or channel.contradiction == 0:
-        channel.contradiction, channel.distance = j + 1, displacement
-        channel.lasted, channel.new_velocity = lasted, v
+        channel.contradiction, channel.contradiction_distance = j + 1, displacement
+        channel.contradiction_duration, channel.new_velocity = lasted, v
     if is_refused:
         return False
     if at_rest and lasted > 0.0:

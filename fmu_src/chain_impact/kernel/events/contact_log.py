@@ -112,7 +112,7 @@ def penetration_turns_at_end(d, c):
 
 def update_held_extremes(d):
     """Update peak forces at rigid walls with the last step, by parabolas through samples of the forces."""
-    step, samples = d.step, d.constraints.sample
+    step, samples = d.step, d.constraints.sampled_force
     ensure_dense(d, SOLVER_READER)
     first = event_fraction(d)
     length = fraction_at_time(d, step.end) - first
@@ -175,9 +175,9 @@ def list_latest(d):
     accelerated at this time, and the outputs must already contain the forces and impulses.
     """
     latest, log, rows = d.latest, d.contact_log, d.contact_log.count
-    if latest.requested == 0 or (d.contacts.active_count == 0 and latest.listed == rows):
+    if latest.requested_count == 0 or (d.contacts.active_count == 0 and latest.listed_count == rows):
         return
-    latest.listed = rows if d.contacts.active_count == 0 else -1
+    latest.listed_count = rows if d.contacts.active_count == 0 else -1
     theta, time = fraction_at_time(d, d.step.communication_point), d.step.communication_point
     for k in range(d.contacts.active_count):
         c = d.contacts.active_index[k]
@@ -194,7 +194,7 @@ def list_latest(d):
         rows += 1
     for row in range(min(rows, len(log.point))):
         entry = d.impact.count - log.impact_number[row]
-        if 0 <= entry < latest.requested:
+        if 0 <= entry < latest.requested_count:
             latest.point[entry], latest.wall[entry] = log.point[row], log.wall[row] + 1
             latest.onset[entry], latest.end[entry] = log.onset[row], log.end[row]
             latest.impact_speed[entry] = log.impact_speed[row]
@@ -237,7 +237,7 @@ largest_force, largest_penetration = maximum_of(force_at_fraction), maximum_of(p
 def clear_log(d):
     """Clear the log of contacts and the outputs ``latest`` at the start of a run."""
     latest = d.latest
-    d.contact_log.count, d.contact_log.collected, latest.listed = 0, 0, 0
+    d.contact_log.count, d.contact_log.collected, latest.listed_count = 0, 0, 0
     for row in range(len(latest.onset)):
         latest.onset[row], latest.end[row] = 0.0, 0.0
         latest.point[row], latest.wall[row] = -1, 0

@@ -149,7 +149,7 @@ def check_interval(d, a, b):
     """
     verdict = QUIET
     for k in range(d.search.suspect_count):
-        outcome = check_candidate(d, d.search.suspect[k], a, b)
+        outcome = check_candidate(d, d.search.suspect_index[k], a, b)
         if outcome == SPLIT:
             return SPLIT
         verdict = max(verdict, outcome)
@@ -225,11 +225,11 @@ def locate_crossing(d, a, b):
     """
     first, located = b, -1
     for k in range(d.search.suspect_count):
-        c = d.search.suspect[k]
+        c = d.search.suspect_index[k]
         kind = CONTACT_ENDS if d.contacts.active[c] else ONSET
         mark_contact_event(d, c, kind if check_candidate(d, c, a, b) == CROSSES else NO_EVENT)
     for k in range(d.search.suspect_count):
-        c = d.search.suspect[k]
+        c = d.search.suspect_index[k]
         # `first` is the earliest event so far; φ of all suspects (set_clearance) is known there, and a
         # candidate with φ ≥ 0 there has its event later
         if d.contacts.event[c] and d.search.phi_end[c] < 0.0:
@@ -237,7 +237,7 @@ def locate_crossing(d, a, b):
             located = c
     within = SIMULTANEOUS_TIME + 4e-16 * abs(d.step.end)
     for k in range(d.search.suspect_count):
-        c = d.search.suspect[k]
+        c = d.search.suspect_index[k]
         # The candidate `located` stays marked, because round-off alone may put the φ of a slow point above
         # the limit.
         if c != located and d.search.phi_end[c] > within * abs(d.search.phi_end_rate[c]):
@@ -307,7 +307,7 @@ def bound_curvature(d):
             p * (alpha + p * omega * omega) + change * omega
         )
     for k in range(d.search.suspect_count):
-        c = d.search.suspect[k]
+        c = d.search.suspect_index[k]
         v, a = base_motion_bounds(d, c, along_x, along_y)
         if d.channels > 0 and is_at_wall(d, c):
             speed, acceleration = prescribed_bounds(d, c)
@@ -389,4 +389,4 @@ def measure_suspects(d):
     """
     u, slope = sundman_u_now(d, d.scratch.state)
     for k in range(d.search.suspect_count):
-        set_clearance(d, d.search.suspect[k], u, slope)
+        set_clearance(d, d.search.suspect_index[k], u, slope)

@@ -35,16 +35,16 @@ NEARLY_FAST = 0.75
 
 
 def known_clearances(d):
-    """Return `search.known` for the start of the step to be searched: after a break it is NOTHING_KNOWN."""
-    return d.search.known if d.search.known_for == d.step.breaks else NOTHING_KNOWN
+    """Return `search.known_extent` for the start of the searched step; NOTHING_KNOWN after a break."""
+    return d.search.known_extent if d.search.known_at_break == d.step.break_count else NOTHING_KNOWN
 
 
 def remember_clearances(d, extent):
     """Record the ``extent`` known of clearances at the last step's end, NOTHING_KNOWN to DISTANCE_KNOWN.
 
-    The recorded value is valid until a break in the sequence of steps (``step.breaks``).
+    The recorded value is valid until a break in the sequence of steps (``step.break_count``).
     """
-    d.search.known, d.search.known_for = extent, d.step.breaks
+    d.search.known_extent, d.search.known_at_break = extent, d.step.break_count
 
 
 def excludes_events(d):
@@ -103,7 +103,7 @@ def suspect_all_candidates(d):
     """Let the search examine all candidates."""
     d.search.suspect_count = d.candidates
     for c in range(d.candidates):
-        d.search.suspect[c] = c
+        d.search.suspect_index[c] = c
 
 
 def suspect_candidates_near(d, apart, error):
@@ -121,7 +121,7 @@ def suspect_candidates_near(d, apart, error):
         else:
             suspected = not stays_positive(d, c, apart)
         if suspected:
-            search.suspect[count] = c
+            search.suspect_index[count] = c
             count += 1
     search.suspect_count = count
 

@@ -73,7 +73,7 @@ def choose_friction_modes(d, jumped):
     make_modes_consistent(d)
     clear_other_forces(d)
     for i in range(friction.stuck_count):
-        e = d.element.stuck[i]
+        e = d.element.stuck_index[i]
         if jumped or d.element.mode_before[e] != STICKS:
             set_element_anchor(d, e)
     log_changes(d)
@@ -199,7 +199,7 @@ def choose_by_limits(d):
 def any_force_over_limit(d):
     """Return whether any undecided element sticks with a force that exceeds its limit, beyond round-off."""
     for i in range(d.friction.stuck_count):
-        if is_inconsistent(d, d.element.stuck[i]):
+        if is_inconsistent(d, d.element.stuck_index[i]):
             return True
     return False
 
@@ -212,8 +212,8 @@ def slide_at_limits(d):
     """
     all_stick, worst, most = True, -1, -math.inf
     for i in range(d.friction.stuck_count):
-        e = d.element.stuck[i]
-        excess = abs(d.element.force[e]) - d.element.limit[e]
+        e = d.element.stuck_index[i]
+        excess = abs(d.element.force[e]) - d.element.friction_limit[e]
         if d.limited_forces.at_limit[i] != 0:
             set_friction_mode(d, e, sliding_sign(float(d.limited_forces.at_limit[i])))
             all_stick = False
@@ -236,7 +236,7 @@ def is_inconsistent(d, e):
     if not d.element.undecided[e]:
         return False
     if d.element.mode[e] == STICKS:
-        return abs(d.element.force[e]) > d.element.limit[e] + 0.5 * friction_round_off(d, e)
+        return abs(d.element.force[e]) > d.element.friction_limit[e] + 0.5 * friction_round_off(d, e)
     acceleration = d.element.mode[e] * tangential_acceleration(d, e)
     return acceleration < -acceleration_error(d)
 
@@ -249,7 +249,7 @@ def acceleration_error(d):
     """
     left = 0.0
     for i in range(d.friction.stuck_count):
-        left = max(left, abs(tangential_acceleration(d, d.element.stuck[i])))
+        left = max(left, abs(tangential_acceleration(d, d.element.stuck_index[i])))
     return (
         ACCELERATION_ERROR
         * (largest_component(d, d.scratch.acceleration) + d.chain.gravity_magnitude + d.chain.longest_link)

@@ -46,7 +46,7 @@ from chain_impact.kernel.forces.holding import (
     LEAST_RISE,
     add_change,
     project_state,
-    set_start_to_accelerations,
+    set_unforced_to_accelerations,
     set_unforced_to_state,
     solve_positions,
     work_of_impulses,
@@ -213,18 +213,22 @@ def find_impulses(d, fraction):
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
         c = d.contacts.active_index[k]
         least = d.law.minimum_impact_speed[c]
-        arrives = -constraints.unforced[k] >= least and d.contacts.event[c] in (ONSET, NEIGHBOUR)
+        arrives = -constraints.unforced_motion[k] >= least and d.contacts.event[c] in (ONSET, NEIGHBOUR)
         # for a point that arrives with u⁻ < 0, the speed u⁺ after the impact is at least the restitution e
         # times the approach speed: u⁺ ≥ −e u⁻
-        rebound = -fraction * d.law.restitution[c] * constraints.unforced[k] if arrives else 0.0
+        rebound = -fraction * d.law.restitution[c] * constraints.unforced_motion[k] if arrives else 0.0
         add_to_active_set(d, k, rebound if rebound > LEAST_REBOUND_SPEED * least else 0.0)
     factorize_free(d)
     solve_lcp(d, largest_velocity(d))
     for k in range(d.contacts.active_count):
         # the energy that an impulse p dissipates, −½ p (u⁻ + u⁺), with the speeds u⁻ before and u⁺ after the
         # impulse
-        lost -= 0.5 * constraints.impulse[k] * (constraints.unforced[k] + constraints.reached[k])
-        moved += constraints.impulse[k] * (abs(constraints.unforced[k]) + abs(constraints.reached[k]))
+        lost -= (
+            0.5 * constraints.impulse[k] * (constraints.unforced_motion[k] + constraints.reached_motion[k])
+        )
+        moved += constraints.impulse[k] * (
+            abs(constraints.unforced_motion[k]) + abs(constraints.reached_motion[k])
+        )
     return lost, moved
 
 
@@ -235,7 +239,10 @@ def lacks_rebound(d):
     """
     short, scale = False, largest_velocity(d)
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
-        short = short or d.constraints.reached[k] < d.constraints.target[k] - IMPACT_ROUND_OFF * scale
+        short = (
+            short
+            or d.constraints.reached_motion[k] < d.constraints.target_motion[k] - IMPACT_ROUND_OFF * scale
+        )
     return short
 
 
@@ -246,7 +253,7 @@ def end_rebounding_contacts(d):
     become inactive, too, without an entry in the log.
     """
     free_rate_from_inputs(d, d.step.state_end, d.scratch.rate)
-    fall = set_start_to_accelerations(d, d.step.state_end, d.scratch.rate)
+    fall = set_unforced_to_accelerations(d, d.step.state_end, d.scratch.rate)
     # A point with the speed u rises to u²/(2 a) against a, the largest component of the accelerations of all
     # places. This height must exceed LEAST_RISE times the longest link.
     slow = math.sqrt(2.0 * fall * LEAST_RISE * d.chain.longest_link)
@@ -254,7 +261,7 @@ def end_rebounding_contacts(d):
         c = d.contacts.active_index[k]
         if d.contacts.event[c] == NEIGHBOUR and d.constraints.impulse[k] <= 0.0:
             deactivate_candidate(d, c)  # this point is near its wall, but takes no part in the impact
-        elif d.constraints.reached[k] > max(slow, LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]):
+        elif d.constraints.reached_motion[k] > max(slow, LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]):
             end_contact(d, c, True)
     list_active_contacts(d)
 
@@ -276,7 +283,7 @@ def is_gentle(d):
             energy += 0.5 * d.contacts.effective_mass[c] * speed * speed
             fall = max(fall, NEAR_WALL_CLEARANCE * release_clearance(d, c, position_scale))
     for i in range(d.friction.stuck_count):
-        force += d.element.limit[d.element.stuck[i]]
+        force += d.element.friction_limit[d.element.stuck_index[i]]
     return slow or energy <= force * fall
 
 
@@ -313,7 +320,7 @@ def update_active_set(d):
         rate = d.scratch.rate
         free_rate_from_inputs(d, state, rate)
         copy_factors(d, are_joints_loaded(d))
-        scale = set_start_to_accelerations(d, state, rate)
+        scale = set_unforced_to_accelerations(d, state, rate)
         activate_all(d)
         for k in range(contacts.compliant_count, contacts.active_count):
             if contacts.event[contacts.active_index[k]] == RELEASE:
@@ -330,7 +337,7 @@ def end_unstopped_contacts(d):
     """End the held contacts whose points the projection did not stop: only a pull could stop such a point."""
     scale = largest_velocity(d)
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
-        if not d.constraints.in_active_set[k] and d.constraints.reached[k] > SIGN_TOLERANCE * scale:
+        if not d.constraints.in_active_set[k] and d.constraints.reached_motion[k] > SIGN_TOLERANCE * scale:
             end_contact(d, d.contacts.active_index[k], True)
     list_active_contacts(d)
 
@@ -365,4 +372,4 @@ def release_contacts(d):
             locate_points(d, d.step.state_end)
             list_sticking(d)
             for i in range(d.friction.stuck_count):
-                set_element_anchor(d, d.element.stuck[i])
+                set_element_anchor(d, d.element.stuck_index[i])

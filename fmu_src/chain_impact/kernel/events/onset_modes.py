@@ -46,7 +46,7 @@ def decide_onsets(d):
     solve_equality(d, scale)
     count_other_cost(d, 1)
     for i in range(friction.stuck_count):
-        e = d.element.stuck[i]
+        e = d.element.stuck_index[i]
         force = d.constraints.impulse[d.contacts.active_count + i]
         if begins_at_rest(d, e) and abs(force) > d.law.static_friction[e] * force_after_onset(d, e):
             set_friction_mode(d, e, sliding_sign(force))

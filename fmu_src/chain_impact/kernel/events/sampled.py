@@ -312,7 +312,7 @@ def rest_speed(d):
 def friction_round_off(d, e):
     """Return the excess [N] of the friction force of element e over its limit that counts as round-off."""
     return FRICTION_EXCESS * (
-        d.element.limit[e] + mean_mass(d) * (d.chain.gravity_magnitude + d.chain.longest_link)
+        d.element.friction_limit[e] + mean_mass(d) * (d.chain.gravity_magnitude + d.chain.longest_link)
     )
 
 
@@ -327,7 +327,7 @@ def element_margin(d, e, theta):
     project_state(d, d.scratch.state)
     rate_from_state(d, d.scratch.state, d.scratch.rate)
     count_evaluations(d, 1)
-    return d.element.limit[e] - abs(d.element.force[e]) + element_error(d, e)
+    return d.element.friction_limit[e] - abs(d.element.force[e]) + element_error(d, e)
 
 
 def margin_is_halved(d):

@@ -12,7 +12,7 @@ from chain_impact.kernel.function_marks import has_dual_rule
 def clear_saturation(d):
     """Set the modes of all drives to "below the limit", and remove the mark of a change of mode.
 
-    ``drive.chosen`` stays: in a tangent instance it contains the modes of the primal run.
+    ``drive.chosen_mode`` stays: in a tangent instance it contains the modes of the primal run.
     """
     for i in range(drive_count(d)):
         d.drive.mode[i] = 0

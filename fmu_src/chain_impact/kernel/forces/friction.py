@@ -121,7 +121,7 @@ def list_friction(d):
         if d.drive.friction[i] > 0.0:
             e = d.candidates + i
             d.element.index[friction.count] = e
-            d.element.limit[e] = d.drive.friction[i] / lever_of_drive(d, i)
+            d.element.friction_limit[e] = d.drive.friction[i] / lever_of_drive(d, i)
             friction.count += 1
     list_sticking(d)
 
@@ -136,7 +136,7 @@ def list_sticking(d):
     for i in range(friction.count):
         e = d.element.index[i]
         if d.element.mode[e] == STICKS:
-            d.element.stuck[friction.stuck_count] = e
+            d.element.stuck_index[friction.stuck_count] = e
             friction.stuck_count += 1
             friction.stuck_joints += e >= d.candidates
 
@@ -195,10 +195,10 @@ def apply_friction(d):
     for i in range(friction.count):
         e = d.element.index[i]
         # for a joint and the slider the limits of static and of sliding friction are equal
-        sliding = d.element.limit[e]
+        sliding = d.element.friction_limit[e]
         if e < d.candidates:
             normal = friction_load(d, e)
-            d.element.limit[e] = d.law.static_friction[e] * normal
+            d.element.friction_limit[e] = d.law.static_friction[e] * normal
             sliding = d.law.friction[e] * normal
         if d.element.mode[e] != STICKS:
             friction.power += apply_sliding_friction(d, e, sliding)
@@ -227,9 +227,9 @@ def store_static_forces(d):
     """
     friction, first = d.friction, d.contacts.active_count
     for i in range(friction.stuck_count):
-        e = d.element.stuck[i]
+        e = d.element.stuck_index[i]
         d.element.force[e] = d.constraints.impulse[first + i]
-        d.element.margin[e] = min(d.element.margin[e], d.element.limit[e] - abs(d.element.force[e]))
+        d.element.margin[e] = min(d.element.margin[e], d.element.friction_limit[e] - abs(d.element.force[e]))
 
 
 def static_power(d):
@@ -241,7 +241,7 @@ def static_power(d):
     """
     friction, dissipated = d.friction, 0.0
     for i in range(friction.stuck_count):
-        e = d.element.stuck[i]
+        e = d.element.stuck_index[i]
         dissipated -= d.element.force[e] * tangential_rate(d, e)
     friction.power += dissipated
     return dissipated
@@ -251,7 +251,7 @@ def work_of_holding(d):
     """Return the work [J] of the present sticking forces along the way from each anchor to the element."""
     work = 0.0
     for i in range(d.friction.stuck_count):
-        e = d.element.stuck[i]
+        e = d.element.stuck_index[i]
         work += d.element.force[e] * (tangential_position(d, e) - d.element.anchor[e])
     return work
 
@@ -264,7 +264,7 @@ def move_missed_anchors(d):
     """
     friction, tolerance = d.friction, ANCHOR_ROUND_OFF * largest_coordinate(d)
     for i in range(friction.stuck_count):
-        e = d.element.stuck[i]
+        e = d.element.stuck_index[i]
         if abs(tangential_position(d, e) - d.element.anchor[e]) > tolerance:
             set_element_anchor(d, e)
 

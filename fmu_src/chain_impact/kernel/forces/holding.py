@@ -1,8 +1,8 @@
 """Constraint forces of rigid walls and of sticking elements, and the projection of a state.
 
-rows/constraints.py computes the impulses that bring the motions along constraints from ``unforced`` to
-``target``. This module sets ``unforced`` to clearances, speeds or accelerations, and applies the impulses to
-the rate ẏ or to the state. Constraints are numbered as in ``constraint_row``.
+rows/constraints.py computes the impulses that bring the motions along constraints from ``unforced_motion`` to
+``target_motion``. This module sets ``unforced_motion`` to clearances, speeds or accelerations, and applies
+the impulses to the rate ẏ or to the state. Constraints are numbered as in ``constraint_row``.
 """
 
 import math
@@ -72,7 +72,7 @@ CONTACT_RESISTANCE = 1e3
 
 
 def set_unforced_to_state(d, derivative):
-    """Set ``constraints.unforced`` to clearances of contacts and distances of elements from their anchors.
+    """Set ``constraints.unforced_motion`` to clearances of contacts, and distances of elements from anchors.
 
     The contacts are the active ones, the elements are those that stick. If ``derivative`` is 1, the function
     sets the rates of these clearances and distances.
@@ -80,17 +80,17 @@ def set_unforced_to_state(d, derivative):
     constraints, first = d.constraints, d.contacts.active_count
     for k in range(first):
         clearance, clearance_rate = clearance_and_rate(d, d.contacts.active_index[k])
-        constraints.unforced[k] = clearance_rate if derivative else clearance
+        constraints.unforced_motion[k] = clearance_rate if derivative else clearance
     for i in range(d.friction.stuck_count):
-        e = d.element.stuck[i]
+        e = d.element.stuck_index[i]
         if derivative:
-            constraints.unforced[first + i] = tangential_rate(d, e)
+            constraints.unforced_motion[first + i] = tangential_rate(d, e)
         else:
-            constraints.unforced[first + i] = tangential_position(d, e) - d.element.anchor[e]
+            constraints.unforced_motion[first + i] = tangential_position(d, e) - d.element.anchor[e]
 
 
 def set_unforced_to_load_motion(d):
-    """Set ``constraints.unforced`` to the motion along each constraint that ``scratch.load`` causes.
+    """Set ``constraints.unforced_motion`` to the motion along each constraint that ``scratch.load`` causes.
 
     If the loads are impulses, the motion is a change of velocity; if the loads are forces, the motion is an
     acceleration; in both cases it is the motion of the chain without constraints. Return the largest
@@ -99,7 +99,7 @@ def set_unforced_to_load_motion(d):
     factorize_free(d)
     solve_in_space(d, d.scratch.link_vector, d.scratch, FREE, d.scratch.change)
     for k in range(constraint_count(d)):
-        d.constraints.unforced[k] = dot(constraint_row(d, k), d.scratch.place_change)
+        d.constraints.unforced_motion[k] = dot(constraint_row(d, k), d.scratch.place_change)
     return largest_component(d, d.scratch.place_change)
 
 
@@ -118,14 +118,14 @@ def add_change(d, y, first):
         y[first + j] += d.constraints.change[j]
 
 
-def set_start_to_accelerations(d, y, rate):
-    """Set ``unforced`` to the accelerations along all constraints, for the rate ẏ (``rate``) of the state y.
+def set_unforced_to_accelerations(d, y, rate):
+    """Set ``unforced_motion`` to the accelerations along all constraints, for the ``rate`` ẏ of the state y.
 
     Return the largest component of the accelerations of all places, moving walls and belts.
     """
     accelerate_points(d, y, rate)
     for k in range(constraint_count(d)):
-        d.constraints.unforced[k] = constraint_acceleration(d, k)
+        d.constraints.unforced_motion[k] = constraint_acceleration(d, k)
     return largest_acceleration(d)
 
 
@@ -141,7 +141,7 @@ def add_constraint_forces(d, y, rate):
     """
     constraints = d.constraints
     copy_factors(d, are_joints_loaded(d))
-    scale = set_start_to_accelerations(d, y, rate)
+    scale = set_unforced_to_accelerations(d, y, rate)
     activate_all(d)
     if solve_equality(d, scale) > d.solver.tolerance * scale:
         note_moving(d, d.solver.tolerance * scale)
@@ -171,7 +171,7 @@ def project_state(d, y):
 
     Near a toggle position, or where two points nearly coincide, small errors of ġ may need impulses of any
     size. So if a wall would have to pull by more than ``tolerated_momentum``, walls are only allowed to push.
-    Points may then leave their walls, and ``d.constraints.reached`` contains their ġ > 0.
+    Points may then leave their walls, and ``d.constraints.reached_motion`` contains their ġ > 0.
 
     The kinetic energy that the projection removes counts as dissipated energy. The work of moving walls,
     belts and base during the projection counts as supplied energy. At the end the points are located in the
@@ -196,12 +196,14 @@ def project_state(d, y):
     for k in range(constraint_count(d)):
         # the energy that a constraint's impulse p dissipates: −½ p (u⁻ + u⁺), with the speeds u⁻ before and
         # u⁺ after it
-        y[energy_index] -= 0.5 * constraints.impulse[k] * (constraints.unforced[k] + constraints.reached[k])
+        y[energy_index] -= (
+            0.5 * constraints.impulse[k] * (constraints.unforced_motion[k] + constraints.reached_motion[k])
+        )
     for k in range(d.contacts.compliant_count):
         # the resistance D of a contact acts with the impulse −D (u⁺ − u⁻), which also changes the energy
         squares = (
-            constraints.reached[k] * constraints.reached[k]
-            - constraints.unforced[k] * constraints.unforced[k]
+            constraints.reached_motion[k] * constraints.reached_motion[k]
+            - constraints.unforced_motion[k] * constraints.unforced_motion[k]
         )
         y[energy_index] += 0.5 * constraints.resistance[k] * squares
         constraints.resistance[k] = 0.0
@@ -245,12 +247,14 @@ def work_of_impulses(d):
     constraints, work, px, py = d.constraints, 0.0, 0.0, 0.0
     for k in range(constraint_count(d)):
         sticks = k >= d.contacts.active_count
-        e = d.element.stuck[k - d.contacts.active_count] if sticks else d.contacts.active_index[k]
+        e = d.element.stuck_index[k - d.contacts.active_count] if sticks else d.contacts.active_index[k]
         if e < d.candidates and is_at_wall(d, e):
             _, nx, ny = constraint_row(d, k)
             impulse = constraints.impulse[k]
             if k < d.contacts.compliant_count:
-                impulse -= constraints.resistance[k] * (constraints.reached[k] - constraints.unforced[k])
+                impulse -= constraints.resistance[k] * (
+                    constraints.reached_motion[k] - constraints.unforced_motion[k]
+                )
             work += impulse * (d.wall_motion.belt_velocity[e] if sticks else d.wall_motion.velocity[e])
             px, py = px + impulse * nx, py + impulse * ny
     if not d.chain.base_moves:
@@ -302,11 +306,15 @@ def solve_positions(d):
     largest_change = 0.0
     remaining_residual = 0.0
     for k in range(d.contacts.compliant_count, constraint_count(d)):
-        largest_residual = max(largest_residual, abs(constraints.target[k] - constraints.unforced[k]))
+        largest_residual = max(
+            largest_residual, abs(constraints.target_motion[k] - constraints.unforced_motion[k])
+        )
     factorize_free(d)
     solve_equality(d, position_scale)
     for k in range(d.contacts.compliant_count, constraint_count(d)):
-        remaining_residual = max(remaining_residual, abs(constraints.target[k] - constraints.reached[k]))
+        remaining_residual = max(
+            remaining_residual, abs(constraints.target_motion[k] - constraints.reached_motion[k])
+        )
     for j in range(coordinate_count(d.links)):
         largest_change = max(
             largest_change, abs(constraints.change[j]) / (longest_link if j < FIRST_ANGLE else 1.0)

@@ -133,29 +133,29 @@ def start_balance(d, time):
     balance.unit_scale = balance.weight * reach + chain.energy_scale
     balance.window_start, balance.run_start = time, time
     restart_balance(d)
-    balance.at_start, balance.origin = balance.at_end, balance.at_end
+    balance.value_start, balance.run_value = balance.value_end, balance.value_end
     begin_window(d)
     _, potential = mechanical_energy(d, d.step.state_end)
-    balance.available = 0.0
-    balance.available = largest_available_energy(d, d.step.state_end, potential)
-    balance.available_at_start = balance.available
+    balance.available_energy = 0.0
+    balance.available_energy = largest_available_energy(d, d.step.state_end, potential)
+    balance.available_energy_start = balance.available_energy
 
 
 def begin_window(d):
     """Begin a window of time at the end of the last step; WINDOW_CHANGE limits the energy change in it."""
     balance = d.balance
-    balance.reference = balance.at_end
+    balance.window_value = balance.value_end
     # `least_allowed` is the part of a step's allowed change that does not depend on the state
     energy = balance.unit_motion * balance.unit_motion + balance.unit_scale
-    balance.least_allowed = STEP_CHANGE * d.solver.tolerance * energy
-    balance.allowed = balance.least_allowed
+    balance.least_allowed_change = STEP_CHANGE * d.solver.tolerance * energy
+    balance.allowed_change = balance.least_allowed_change
 
 
 def restart_balance(d):
     """Evaluate the energy balance again at the end of the last step, where the next step begins."""
     locate_points(d, d.step.state_end)
-    d.balance.at_end = energy_balance(d, d.step.state_end)
-    d.balance.breaks = d.step.breaks
+    d.balance.value_end = energy_balance(d, d.step.state_end)
+    d.balance.break_count = d.step.break_count
 
 
 def apply_next_piece(d):
@@ -181,13 +181,13 @@ def reinit_balance(d):
     The available energy is set back to its value at the start of the last step. A new parameter may change
     the elastic energy of active contacts; this change does not count as an error of the run.
     """
-    balance, before = d.balance, d.balance.at_start
-    balance.available = balance.available_at_start
+    balance, before = d.balance, d.balance.value_start
+    balance.available_energy = balance.available_energy_start
     if d.contacts.active_count > 0:
         restart_balance(d)
-        balance.reference += balance.at_end - before
-        balance.origin += balance.at_end - before
-        balance.at_start = balance.at_end
+        balance.window_value += balance.value_end - before
+        balance.run_value += balance.value_end - before
+        balance.value_start = balance.value_end
 
 
 def check_energy(d, theta):
@@ -214,16 +214,16 @@ def check_energy(d, theta):
         ensure_points(d)
     kinetic, potential = mechanical_energy(d, y)
     present = kinetic + potential + other_energy(d, y)
-    change = present - balance.at_end
+    change = present - balance.value_end
     available = largest_available_energy(d, y, potential)
     # `not <=` is also true for a NaN; `abs(change) > allowed` would accept a NaN
-    if not abs(change) <= balance.least_allowed:
+    if not abs(change) <= balance.least_allowed_change:
         allowed = allowed_change(d, y)
         if not abs(change) <= allowed:
             reject_step(d, SPOILED)
             return present, available
-        balance.allowed = max(balance.allowed, allowed)
-    if change > SLIGHT_GAIN * available and present - balance.origin > ENERGY_GAIN * available:
+        balance.allowed_change = max(balance.allowed_change, allowed)
+    if change > SLIGHT_GAIN * available and present - balance.run_value > ENERGY_GAIN * available:
         reject_step(d, SPOILED)
         return present, available
     loss = -change / loss_allowed(d, available) if change < 0.0 else 0.0
@@ -242,8 +242,8 @@ def store_energy(d, present, available):
     Both are results of ``check_energy``.
     """
     balance = d.balance
-    balance.at_start, balance.available_at_start = balance.at_end, balance.available
-    balance.at_end, balance.available = present, available
+    balance.value_start, balance.available_energy_start = balance.value_end, balance.available_energy
+    balance.value_end, balance.available_energy = present, available
 
 
 def largest_available_energy(d, y, potential):
@@ -252,7 +252,10 @@ def largest_available_energy(d, y, potential):
     The present state y counts, too; ``potential`` is the potential energy [J] in y.
     """
     balance, supplied = d.balance, y[supplied_at(d.links)]
-    return max(balance.available, balance.least_allowed + balance.origin - potential + max(0.0, supplied))
+    return max(
+        balance.available_energy,
+        balance.least_allowed_change + balance.run_value - potential + max(0.0, supplied),
+    )
 
 
 def loss_allowed(d, available):
@@ -264,7 +267,7 @@ def loss_allowed(d, available):
     """
     balance, budget = d.balance, loss_budget(d, available)
     fraction = (d.step.end - d.step.start) / (LOSS_TIME + d.step.end - balance.run_start)
-    left = budget - (balance.origin - balance.at_end)
+    left = budget - (balance.run_value - balance.value_end)
     return max(left, fraction * budget, ENERGY_ROUND_OFF * available)
 
 
@@ -307,8 +310,11 @@ def is_middle_correct(d):
     if not dissipates_evenly(d, y[dissipated_at(d.links)]):
         return False
     locate_points(d, y)
-    change = abs(energy_balance(d, y) - d.balance.at_end)
-    return change <= MIDDLE_CHANGE * d.balance.least_allowed or change <= MIDDLE_CHANGE * allowed_change(d, y)
+    change = abs(energy_balance(d, y) - d.balance.value_end)
+    return (
+        change <= MIDDLE_CHANGE * d.balance.least_allowed_change
+        or change <= MIDDLE_CHANGE * allowed_change(d, y)
+    )
 
 
 def dissipates_evenly(d, middle):
@@ -373,15 +379,15 @@ def check_balance(d):
     far are 2 G for a gain, with G = ENERGY_GAIN × the available energy, and twice the larger of G and
     ``loss_budget`` for a loss.
     """
-    balance, most = d.balance, ENERGY_GAIN * d.balance.available
-    gain = balance.at_end - balance.origin
-    if abs(gain) > 2.0 * most and (gain > 0.0 or -gain > 2.0 * loss_budget(d, balance.available)):
+    balance, most = d.balance, ENERGY_GAIN * d.balance.available_energy
+    gain = balance.value_end - balance.run_value
+    if abs(gain) > 2.0 * most and (gain > 0.0 or -gain > 2.0 * loss_budget(d, balance.available_energy)):
         return ENERGY_NOT_KEPT
     if d.step.end >= balance.window_start + BALANCE_WINDOW:
         balance.window_start = d.step.end
         begin_window(d)
-    fraction, drift = WINDOW_CHANGE / STEP_CHANGE, abs(balance.at_end - balance.reference)
-    if drift > fraction * balance.allowed:
+    fraction, drift = WINDOW_CHANGE / STEP_CHANGE, abs(balance.value_end - balance.window_value)
+    if drift > fraction * balance.allowed_change:
         locate_points(d, d.step.state_end)
-        balance.allowed = max(balance.allowed, allowed_change(d, d.step.state_end))
-    return OK if drift <= fraction * balance.allowed else ENERGY_NOT_KEPT
+        balance.allowed_change = max(balance.allowed_change, allowed_change(d, d.step.state_end))
+    return OK if drift <= fraction * balance.allowed_change else ENERGY_NOT_KEPT

@@ -225,8 +225,7 @@ def extrapolate_polynomial(d, h, component_count):
     """Predict the stages by a polynomial through nodes of the last step; h [s] determines the degree."""
     implicit = d.implicit
     last_size, start = d.step.size, (d.step.end - d.step.start) / d.step.size
-    length = start + h / last_size - 1.0
-    first_node = 0
+    length, first_node = start + h / last_size - 1.0, 0
     while first_node < len(EXTRAPOLATED_LENGTHS) and length > EXTRAPOLATED_LENGTHS[first_node]:
         first_node += 1
     first_node = RADAU_STAGES - 1 if first_node == len(EXTRAPOLATED_LENGTHS) else first_node

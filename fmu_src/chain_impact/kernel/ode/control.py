@@ -273,7 +273,7 @@ def clear_faded(d, y):
 
 def no_step_status(d):
     """Return the status with which a run ends because the next try of a step would be too short."""
-    if d.constraints.unsolved == SQUEEZED:
+    if d.constraints.outcome == SQUEEZED:
         return NO_ROOM
     return NOT_FINITE if d.trial.outcome == INFINITE else STEP_TOO_SMALL
 

@@ -7,9 +7,9 @@ Quadratures are integrals along the motion, such as the impulses of the walls; Q
 They advance with the stages and the dense output of the state, have no effect on the motion, and are ignored
 by the error control. ``quadrature.integral`` has the value of each quadrature at the most recent
 ``commit_quadratures`` or impact. Steps integrate only some quadratures: ``quadrature.index`` lists their
-indices in ``quadrature.integral``. The fields ``state``, ``state_end``, ``rate_end``, ``tried``, ``stage``
-and ``dense`` of ``quadrature`` contain only these quadratures, in the order of the list. In a scene that does
-not request quadratures, none is integrated.
+indices in ``quadrature.integral``. The fields ``state``, ``state_end``, ``rate_end``, ``tried_state``,
+``stage`` and ``dense`` of ``quadrature`` contain only these quadratures, in the order of the list. In a scene
+that does not request quadratures, none is integrated.
 """
 
 import numpy as np
@@ -278,7 +278,7 @@ def quadrature_within(d, theta, k):
 def copy_tried_quadratures(d, z, first):
     """Set the quadratures at the end of the tried step to the entries of z from index ``first`` on."""
     for k in range(d.quadrature.count):
-        d.quadrature.tried[k] = z[first + k]
+        d.quadrature.tried_state[k] = z[first + k]
 
 
 def accept_quadratures(d):
@@ -288,7 +288,7 @@ def accept_quadratures(d):
     """
     quadrature = d.quadrature
     for k in range(quadrature.count):
-        quadrature.state[k], quadrature.state_end[k] = quadrature.state_end[k], quadrature.tried[k]
+        quadrature.state[k], quadrature.state_end[k] = quadrature.state_end[k], quadrature.tried_state[k]
 
 
 def roll_back_quadratures(d):

@@ -312,7 +312,7 @@ def make_step(d, h):
     _step_end(d.scratch.stage, d.step.state_end, h, d.trial.state)
     quadrature, count = d.quadrature, d.quadrature.count
     if count > 0:
-        _step_end(quadrature.stage, quadrature.state_end[:count], h, quadrature.tried[:count])
+        _step_end(quadrature.stage, quadrature.state_end[:count], h, quadrature.tried_state[:count])
 
 
 def step_increment(d, j):

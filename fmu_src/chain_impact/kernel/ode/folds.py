@@ -58,7 +58,7 @@ def refine_rate(d, theta, y, rate):
     true_rate_from_inputs(d, y, rate)
     count_evaluations(d, 1)
     if smooth:
-        replace_impulses(d, d.constraints.refined)
+        replace_impulses(d, d.constraints.refined_force)
         add_change(d, rate, velocity_at(d.links))
         store_constraint_forces(d)
 
@@ -67,13 +67,13 @@ def find_forces(d, theta, distance, rate):
     """Compute the forces of constraints at the fraction θ of the last step from four samples at other times.
 
     ``distance`` is the distance of the two nearer samples from θ, relative to the step; ``rate`` is
-    overwritten. The forces at θ are stored in ``refined``, and the sums of the four samples with the weights
-    DIFFERENCE_WEIGHTS in ``uneven``. Return whether all samples are far enough from the fold; if not,
-    ``refined`` and ``uneven`` are meaningless.
+    overwritten. The forces at θ are stored in ``refined_force``, and the sums of the four samples with the
+    weights DIFFERENCE_WEIGHTS in ``force_difference``. Return whether all samples are far enough from the
+    fold; if not, ``refined_force`` and ``force_difference`` are meaningless.
     """
     constraints, y = d.constraints, d.scratch.nearby
     for k in range(constraint_count(d)):
-        constraints.refined[k], constraints.uneven[k] = 0.0, 0.0
+        constraints.refined_force[k], constraints.force_difference[k] = 0.0, 0.0
     for i in range(len(SAMPLE_OFFSETS)):
         interpolate_state(d.step, theta + SAMPLE_OFFSETS[i] * distance, y)
         rate_from_state(d, y, rate)
@@ -81,8 +81,8 @@ def find_forces(d, theta, distance, rate):
         if constraints.near_fold > 0:
             return False
         for k in range(constraint_count(d)):
-            constraints.refined[k] += VALUE_WEIGHTS[i] * constraints.impulse[k]
-            constraints.uneven[k] += DIFFERENCE_WEIGHTS[i] * constraints.impulse[k]
+            constraints.refined_force[k] += VALUE_WEIGHTS[i] * constraints.impulse[k]
+            constraints.force_difference[k] += DIFFERENCE_WEIGHTS[i] * constraints.impulse[k]
     return True
 
 
@@ -90,6 +90,6 @@ def passes_smoothly(d):
     """Return whether the samples of ``find_forces`` show that all forces pass the fold smoothly."""
     constraints, largest, uneven = d.constraints, 0.0, 0.0
     for k in range(constraint_count(d)):
-        largest = max(largest, abs(constraints.refined[k]))
-        uneven = max(uneven, abs(constraints.uneven[k]))
+        largest = max(largest, abs(constraints.refined_force[k]))
+        uneven = max(uneven, abs(constraints.force_difference[k]))
     return uneven <= UNEVEN_PART * largest

@@ -91,7 +91,7 @@ def work_along(d, change):
     """Return the work [J] of all dry friction along a ``change`` of the coordinates, for located points."""
     work = work_of_sliding(d, change, d.element.force)
     for k in range(d.friction.stuck_count):
-        e = d.element.stuck[k]
+        e = d.element.stuck_index[k]
         work += d.element.force[e] * dot(tangent_row(d, e), d.scratch.place_change)
     return work
 

@@ -3,8 +3,8 @@
 Other modules change these data by the functions of this module, but explicit.py and collocation.py set the
 coefficients of the dense output. Data that other modules derive from a step, such as clearances over time,
 are valid until a break in the sequence of steps: the next step then does not start at the end of this step,
-or has another integration variable. `step.breaks` counts the breaks. An impact changes the state at the end
-of a step; the changed state belongs to the step that follows (advance.py).
+or has another integration variable. `step.break_count` counts the breaks. An impact changes the state at the
+end of a step; the changed state belongs to the step that follows (advance.py).
 """
 
 from chain_impact.kernel.chain.kinematics import (
@@ -233,7 +233,7 @@ def count_break(d):
     """Count a break; mark rate and points at the end of the last step as unknown."""
     d.step.rate_known = 0
     note_points_elsewhere(d)
-    d.step.breaks += 1
+    d.step.break_count += 1
 
 
 def choose_variable(d, size_chosen):
@@ -251,7 +251,7 @@ def choose_variable(d, size_chosen):
     step.state_end[root] = u
     step.state_end[time_at(d.links)], step.clock = 0.0, step.end
     if changed:
-        step.breaks += 1
+        step.break_count += 1
         if not size_chosen:
             scale_next_size(d, before / time_rate_for_sizes(d, step.state_end))
 

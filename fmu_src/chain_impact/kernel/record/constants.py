@@ -28,9 +28,9 @@ NO_EVENT, ONSET, CONTACT_ENDS, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5  # valu
 # of another point
 NEIGHBOUR = 6
 SLIDING_ENDS, STICKING_ENDS = 1, 2  # values of ``element.event``: the two kinds of changes of a friction mode
-# values of `search.known`, which tell what is known of φ (`search.phi_end`) at the end of the last step.
-# NOTHING_KNOWN: no φ; VALUES_KNOWN: φ and φ′ of the candidates; CURVATURES_KNOWN: also φ″; DISTANCE_KNOWN:
-# only that every candidate without contact has at least the clearance `search.safe_distance`
+# values of `search.known_extent`, which tell what is known of φ (`search.phi_end`) at the end of the last
+# step. NOTHING_KNOWN: no φ; VALUES_KNOWN: φ and φ′ of the candidates; CURVATURES_KNOWN: also φ″;
+# DISTANCE_KNOWN: only that every candidate without contact has at least the clearance `search.safe_distance`
 NOTHING_KNOWN, VALUES_KNOWN, CURVATURES_KNOWN, DISTANCE_KNOWN = 0, 1, 2, 3
 STICKS, NO_FRICTION = 0, 2  # values of `element.mode`; the values ±1 stand for sliding along ±t
 WALLS = ("x_min", "x_max", "y_min", "y_max")

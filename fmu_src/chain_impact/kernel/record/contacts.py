@@ -156,9 +156,12 @@ def latest_dtype() -> np.dtype:
     ``max_penetration`` and N·m·s for ``impulse``.
     """
     return layout(
-        ("requested", bounded_integer(0, LATEST_COUNT)),  # number of latest impacts that the scene requests
+        (
+            "requested_count",
+            bounded_integer(0, LATEST_COUNT),
+        ),  # number of latest impacts that the scene requests
         # number of ended contacts when the list was last written; −1: a contact was active at this time
-        ("listed", INTEGER),
+        ("listed_count", INTEGER),
         # point of each impact, as in `candidate.point`; −1 for no impact
         ("point", INTEGER, (LATEST_COUNT,)),
         # 1 + index of the wall in the scene's wall_names; 0 for no impact
@@ -176,19 +179,19 @@ def latest_dtype() -> np.dtype:
 
 @written_by(
     "rows/constraints.py",
-    violated="rows/complementarity.py",
-    unforced="forces/holding.py",
+    is_violated="rows/complementarity.py",
+    unforced_motion="forces/holding.py",
     resistance="forces/holding.py",
-    refined="ode/folds.py",
-    uneven="ode/folds.py",
+    refined_force="ode/folds.py",
+    force_difference="ode/folds.py",
     least_force="forces/holding.py",
-    sample="events/contact_log.py",
+    sampled_force="events/contact_log.py",
 )
 def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """Return the layout of the constraints: first the active contacts, then the sticking elements.
 
-    Contacts with a force law have entries, but are never in the active set. The unit of ``unforced``,
-    ``target`` and ``reached`` depends on the function that sets up the problem:
+    Contacts with a force law have entries, but are never in the active set. The unit of ``unforced_motion``,
+    ``target_motion`` and ``reached_motion`` depends on the function that sets up the problem:
 
     - positions [m], with impulses in kg·m: release_contacts, and project_state in its first pass
     - speeds [m/s], with impulses in N·s: find_impulses, project_state (second pass), clear_sticking_speeds
@@ -201,34 +204,34 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("change", REAL, (coordinate_count(links),)),
         # SOLVED, or the reason why the search for constraint forces has failed in the tried step or at the
         # events before it: UNSOLVED, MOVING or SQUEEZED of rows/constraints.py
-        ("unsolved", INTEGER),
+        ("outcome", INTEGER),
         # 1: the last problem was near a fold: a rigid wall held a point, and the first iteration left more
         # than FOLD_RESIDUAL (rows/constraints.py) of the residual, and more than round-off
         ("near_fold", INTEGER),
         # 1: the constraint is in the active set, so its impulse may differ from 0
         ("in_active_set", INTEGER, (count,)),
         # constraints of rigid walls in ``solve_lcp``: 1 if the impulse of one in the active set is a pull, or
-        # if ``reached`` of one outside the set is below ``target``; else 0
-        ("violated", INTEGER, (count,)),
-        ("unforced", REAL, (count,)),  # m, m/s or m/s² along the row, without any impulse
-        ("reached", REAL, (count,)),  # as ``unforced``, with the impulses of all constraints
-        # required value of ``reached``; in ``solve_lcp`` the least allowed value
-        ("target", REAL, (count,)),
-        # residual target − reached, in the unit of ``target``, of a constraint in the active set, else 0;
-        # during a correction the residual times the impedance
+        # if ``reached_motion`` of one outside the set is below ``target_motion``; else 0
+        ("is_violated", INTEGER, (count,)),
+        ("unforced_motion", REAL, (count,)),  # m, m/s or m/s² along the row, without any impulse
+        ("reached_motion", REAL, (count,)),  # as ``unforced_motion``, with the impulses of all constraints
+        # required value of ``reached_motion``; in ``solve_lcp`` the least allowed value
+        ("target_motion", REAL, (count,)),
+        # residual target − reached, in the unit of ``target_motion``, of a constraint in the active set, else
+        # 0; during a correction the residual times the impedance
         ("residual", REAL, (count,)),
         ("impulse", REAL, (count,)),  # impulse [kg·m or N·s] or force [N] of the constraint, by the problem
         ("impedance", REAL, (count,)),  # kg, impedance D of the constraint
         # kg, impedance with which a contact with a force law resists a projection if elements stick; else 0
         ("resistance", REAL, (count,)),
         # N, near a fold: force of the constraint, computed from its forces at earlier and later times
-        ("refined", REAL, (count,)),
+        ("refined_force", REAL, (count,)),
         # N, near a fold: sum of the constraint's forces at earlier and later times, with the weights
         # DIFFERENCE_WEIGHTS (ode/folds.py); small if the force is smooth
-        ("uneven", REAL, (count,)),
+        ("force_difference", REAL, (count,)),
         # N, force of the rigid wall on each held point at the last two times that the search for peaks has
         # sampled, the earlier time first; the points are in the order of ``contacts.active_index``
-        ("sample", REAL, (2, candidates)),
+        ("sampled_force", REAL, (2, candidates)),
         # N, least force of the rigid wall on each held candidate in the stages of a step; 0 if none is < 0
         ("least_force", REAL, (candidates,)),
     )
@@ -245,18 +248,22 @@ def limited_forces_dtype(links: int, elements: int) -> np.dtype:
     return layout(
         # m/s² or rad/s², accelerations of the coordinates that the constraint forces cause
         ("change", REAL, (coordinate_count(links),)),
-        ("inside", INTEGER, (count,)),  # 1: the force is between its limits; 0: the force is at a limit
+        (
+            "inside_limits",
+            INTEGER,
+            (count,),
+        ),  # 1: the force is between its limits; 0: the force is at a limit
         # ±1: the force of a sticking element is at its limit, with the sign of ``sign_at_limit``; 0: the
-        # |force| is below the limit; the elements are in the order of ``element.stuck``
+        # |force| is below the limit; the elements are in the order of ``element.stuck_index``
         ("at_limit", INTEGER, (elements,)),
         ("force", REAL, (count,)),  # N, force p⁺ of each constraint after an iteration
         # N, force p of each constraint before the iteration: 0 before the first one, else the force p⁺ of the
         # iteration before
-        ("center", REAL, (count,)),
+        ("force_before", REAL, (count,)),
         ("residual", REAL, (count,)),  # m/s², required acceleration minus the acceleration with the forces p
         # N, the force p + D m⁺, which may exceed its limits: p is the force before the iteration, D the
         # impedance, and m⁺ the residual after the iteration (rows/friction_limits.py)
-        ("unlimited", REAL, (count,)),
+        ("unlimited_force", REAL, (count,)),
         ("impedance", REAL, (count,)),  # kg, the impedance D of a constraint inside the limits, else 0
         # N, impedance times residual of a constraint inside its limits, else the force at the limit minus p
         ("correction", REAL, (count,)),
@@ -332,7 +339,7 @@ def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
         ("state", REAL, (count,)),  # values of the integrated quadratures at the last step's start
         ("state_end", REAL, (count,)),  # values of the integrated quadratures at the last step's end
         ("rate_end", REAL, (count,)),  # rates of the integrated quadratures at the last step's end
-        ("tried", REAL, (count,)),  # values of the quadratures at the end of the tried step
+        ("tried_state", REAL, (count,)),  # values of the quadratures at the end of the tried step
         # coefficients of the quadratures' dense output in the last step
         ("dense", REAL, (DENSE_COEFFICIENTS, count)),
         # derivatives dq/ds of the quadratures q by the step's integration variable s, at the stages

@@ -34,13 +34,17 @@ def element_dtype(elements: int) -> np.dtype:
         # indices of the elements with friction at present; only the first `friction.count` entries are used
         ("index", bounded_integer(0, elements - 1), (elements,)),
         # indices of the sticking elements; only the first `friction.stuck_count` entries are used
-        ("stuck", bounded_integer(0, elements - 1), (elements,)),
+        ("stuck_index", bounded_integer(0, elements - 1), (elements,)),
         # 0: sticks; ±1: slides along ±t; 2: no friction
         ("mode", bounded_integer(-1, NO_FRICTION), (elements,)),
         # the event of an element at `step.end`, which the next step applies: a mark of events/marks.py
         ("event", INTEGER, (elements,)),
         ("mode_before", INTEGER, (elements,)),  # mode before the last choice of modes; 2 for a new contact
-        ("chosen", INTEGER, (elements,)),  # in a tangent instance: the mode of an element in the primal run
+        (
+            "chosen_mode",
+            INTEGER,
+            (elements,),
+        ),  # in a tangent instance: the mode of an element in the primal run
         # 1: the element is at rest, and the forces have determined the mode; 0: the element moves, and the
         # motion has determined the mode; in a tangent instance also STOPPED = 2 of tangent/friction.py
         ("undecided", INTEGER, (elements,)),
@@ -51,7 +55,7 @@ def element_dtype(elements: int) -> np.dtype:
         ("force", REAL, (elements,)),  # N, friction force along t at the last evaluation of ẏ
         # N, largest force of static friction at the last evaluation of ẏ; constant for the slider and for a
         # joint, whose moment is divided by the lever arm
-        ("limit", REAL, (elements,)),
+        ("friction_limit", REAL, (elements,)),
         # least margin of an element to the end of its mode in the stages of the tried step; 0 if no margin is
         # negative. If the element slides, the margin is its speed in the direction of sliding [m/s]; if it
         # sticks, its limit minus the size of the friction force [N]

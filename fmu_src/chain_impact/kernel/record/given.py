@@ -161,7 +161,7 @@ def drive_dtype(links: int) -> np.dtype:
         # ---- set during the run
         # 1 or −1: the drive's torque is held at its positive or negative limit; 0: no limit holds the torque
         ("mode", INTEGER, rows),
-        ("chosen", INTEGER, rows),  # in a tangent instance: the drive's ``mode`` in the primal instance
+        ("chosen_mode", INTEGER, rows),  # in a tangent instance: the drive's ``mode`` in the primal instance
         ("mode_ends", INTEGER),  # 1: at the end of the last step the mode of some drive ends; 0: none ends
         # N·m, the least result of ``mode_margin`` (chain/drives.py) in the stages of the tried step, or 0 if
         # this is larger; a negative number says that a drive has passed the end of its mode
@@ -218,7 +218,7 @@ def piece_dtype(links: int) -> np.dtype:
         # piece with an end, −1 ≤ x ≤ 1, so that the powers of x lose no digits in a short or late piece.
         ("middle", REAL),  # s, time at which the argument x of the polynomials is 0
         ("scale", REAL),  # 1/s, rate of the argument x in time
-        ("until", REAL),  # s, end of the piece, up to round-off; without meaning if ``degree`` is 0
+        ("end", REAL),  # s, end of the piece, up to round-off; without meaning if ``degree`` is 0
         # rad/s, how fast the inputs change in the piece: the angular frequency of a sine that is as fast
         ("change_rate", REAL),
         *input_fields(links, INPUT_DEGREE + 1),  # coefficients of the polynomials of the inputs

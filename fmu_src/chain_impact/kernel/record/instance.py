@@ -200,9 +200,9 @@ def transmitted_dtype(rows: int) -> np.dtype:
         # N², ``largest_square`` after ``fill_joint_force_peaks`` (transmitted_forces.py) has last searched a
         # whole step
         ("searched_square", REAL, (rows,)),
-        # values of `step.breaks` and of `step.end` [s] when ``fill_joint_force_peaks`` last searched a whole
-        # step: the values tell which step this was
-        ("searched_breaks", INTEGER),
+        # values of `step.break_count` and of `step.end` [s] when ``fill_joint_force_peaks`` last searched a
+        # whole step: the values tell which step this was
+        ("searched_break_count", INTEGER),
         ("searched_end", REAL),
         # N, x and y of the joint forces at the last sampled time (transmitted_forces.py)
         ("x", REAL, (rows,)),

@@ -32,14 +32,14 @@ def channel_dtype(channels: int) -> np.dtype:
     """Return the layout of the present motions of base and walls, and of the given values that cause them."""
     return layout(
         ("run_start", REAL),  # s, time at which the run started
-        ("until", REAL),  # s, the communication point at which the cubics of the motions end
+        ("cubic_end", REAL),  # s, the communication point at which the cubics of the motions end
         # number, from 1, of the first channel whose given positions and velocities contradict each other; 0:
         # none. The next three fields describe the contradiction to the user
         ("contradiction", INTEGER),
         # m, displacement of the channel in ``contradiction`` between its previous and its new given values
-        ("distance", REAL),
+        ("contradiction_distance", REAL),
         # s, time from the previous to the new given values of the channel in ``contradiction``
-        ("lasted", REAL),
+        ("contradiction_duration", REAL),
         ("new_velocity", REAL),  # m/s, new given velocity of the channel in ``contradiction``
         # m, position after the last `move_channels` (chain/prescribed_motion.py)
         ("position", REAL, (channels,)),
@@ -51,12 +51,12 @@ def channel_dtype(channels: int) -> np.dtype:
         ("given_position", REAL, (channels,)),  # m, position that was given last
         ("given_velocity", REAL, (channels,)),  # m/s, velocity that was given last
         ("given_acceleration", REAL, (channels,)),  # m/s², acceleration that was given last
-        ("given_at", REAL, (channels,)),  # s, time of the most recent change of the given values
-        # m, position of a channel at ``given_at``, from which later positions are extrapolated
-        ("from_position", REAL, (channels,)),
-        # m/s, velocity of a channel at ``given_at``; later positions are extrapolated with the velocity
-        # ``from_velocity`` + ``mean_velocity`` at this time, and with the given acceleration
-        ("from_velocity", REAL, (channels,)),
+        ("given_time", REAL, (channels,)),  # s, time of the most recent change of the given values
+        # m, position of a channel at ``given_time``, from which later positions are extrapolated
+        ("start_position", REAL, (channels,)),
+        # m/s, velocity of a channel at ``given_time``; later positions are extrapolated with the velocity
+        # ``start_velocity`` + ``mean_velocity`` at this time, and with the given acceleration
+        ("start_velocity", REAL, (channels,)),
         # 1: the motion follows the given position; 0: a belt, or only a velocity or an acceleration was new
         # at the last change, and the position is the integral of the velocity
         ("anchored", INTEGER, (channels,)),

@@ -74,7 +74,7 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         ("last_method", bounded_integer(EXPLICIT, IMPLICIT)),
         # number of breaks in the sequence of steps since the run's start; data that were derived from a step
         # before the last break, such as clearances, are not valid (ode/last_step.py)
-        ("breaks", INTEGER),
+        ("break_count", INTEGER),
         # index of the candidate of the regularized contact, in whose fictitious time the step runs; −1: the
         # integration variable is time
         ("regularized", bounded_integer(NO_CONTACT, candidates - 1)),
@@ -145,25 +145,25 @@ def budget_dtype() -> np.dtype:
 def balance_dtype() -> np.dtype:
     """Return the layout of the energy balance (equations.py) and its allowed changes (ode/balance.py)."""
     return layout(
-        ("at_end", REAL),  # J, energy balance at the end of the last step
-        ("at_start", REAL),  # J, energy balance at the start of the last step
-        # value of `step.breaks` when the energy balance was last evaluated at the start of a step
-        ("breaks", INTEGER),
+        ("value_end", REAL),  # J, energy balance at the end of the last step
+        ("value_start", REAL),  # J, energy balance at the start of the last step
+        # value of `step.break_count` when the energy balance was last evaluated at the start of a step
+        ("break_count", INTEGER),
         # s, start of the window of time in which the sum of the changes of the balance has a limit
         ("window_start", REAL),
         # J, energy balance at the start of the window, plus the later changes that new parameters cause
-        ("reference", REAL),
-        ("allowed", REAL),  # J, the largest change allowed to any step in the window so far
+        ("window_value", REAL),
+        ("allowed_change", REAL),  # J, the largest change allowed to any step in the window so far
         # J, the part of a step's allowed change of the balance that does not depend on the state
-        ("least_allowed", REAL),
+        ("least_allowed_change", REAL),
         ("run_start", REAL),  # s, time at which the run started
         # J, energy balance at the start of the run, plus the later changes that new parameters cause
-        ("origin", REAL),
-        # J, value of ``available`` before the last step
-        ("available_at_start", REAL),
+        ("run_value", REAL),
+        # J, value of ``available_energy`` before the last step
+        ("available_energy_start", REAL),
         # J, the largest energy that motion, springs, walls and heat together can have had at any time up to
         # the end of the last step
-        ("available", REAL),
+        ("available_energy", REAL),
         # √J, the number √E₁ in the formula of the energy's scale S (kernel/ode/balance.py)
         ("unit_motion", REAL),
         # J, the sum M g (s + Σ L_i) + E₂ in the formula of the energy's scale S (kernel/ode/balance.py)
@@ -273,9 +273,9 @@ def search_dtype(candidates: int) -> np.dtype:
         # what is known of the candidates' φ (``phi_end``) at the last step's end: a value of
         # record/constants.py, from NOTHING_KNOWN to DISTANCE_KNOWN; the latter means that candidates without
         # contact have at least the clearance ``safe_distance``
-        ("known", bounded_integer(0, DISTANCE_KNOWN)),
-        # value of `step.breaks` for which ``known`` is valid; for other values nothing is known
-        ("known_for", INTEGER),
+        ("known_extent", bounded_integer(0, DISTANCE_KNOWN)),
+        # value of `step.break_count` for which ``known_extent`` is valid; for other values nothing is known
+        ("known_at_break", INTEGER),
         # m, lower bound on the clearances of candidates without contact, at the last step's end
         ("safe_distance", REAL),
         # rad/s, largest angular frequency at which an input changes in the searched step
@@ -285,7 +285,11 @@ def search_dtype(candidates: int) -> np.dtype:
         ("acceleration_bound", REAL),
         # number of candidates that the search examines; other candidates have no event in the step
         ("suspect_count", INTEGER),
-        ("suspect", INTEGER, (candidates,)),  # indices of the ``suspect_count`` candidates to be examined
+        (
+            "suspect_index",
+            INTEGER,
+            (candidates,),
+        ),  # indices of the ``suspect_count`` candidates to be examined
         # m/s², bound, for the whole step, on the second derivative, by the step's variable, of the clearance
         # of each candidate that the search examines
         ("curvature", REAL, (candidates,)),

@@ -40,11 +40,11 @@ def solve_lcp(d, scale):
         fewest, stalls_left = count_stalls(wrong, fewest, stalls_left)
         for i in range(count):
             k = first + count - 1 - i
-            if constraints.violated[k]:
+            if constraints.is_violated[k]:
                 if constraints.in_active_set[k]:
                     remove_from_active_set(d, k)
                 else:
-                    add_to_active_set(d, k, constraints.target[k])
+                    add_to_active_set(d, k, constraints.target_motion[k])
                 if stalls_left < 0:
                     break
     note_unsolved(d)
@@ -64,8 +64,10 @@ def count_violations(d, scale):
         largest = max(largest, abs(constraints.impulse[k]))
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
         if constraints.in_active_set[k]:
-            constraints.violated[k] = constraints.impulse[k] < -SIGN_TOLERANCE * largest
+            constraints.is_violated[k] = constraints.impulse[k] < -SIGN_TOLERANCE * largest
         else:
-            constraints.violated[k] = constraints.reached[k] < constraints.target[k] - SIGN_TOLERANCE * scale
-        wrong += constraints.violated[k]
+            constraints.is_violated[k] = (
+                constraints.reached_motion[k] < constraints.target_motion[k] - SIGN_TOLERANCE * scale
+            )
+        wrong += constraints.is_violated[k]
     return wrong

@@ -85,7 +85,7 @@ SIGN_TOLERANCE = 1e-12
 # The least impedance of a sticking element, relative to that of the element with the largest limit of
 # friction. With a smaller impedance, the element's residual would fall too slowly.
 LEAST_STICKING_IMPEDANCE = 1e-2
-# Values of d.constraints.unsolved. SOLVED: constraint forces have been found. MOVING: a held point still
+# Values of d.constraints.outcome. SOLVED: constraint forces have been found. MOVING: a held point still
 # accelerates. UNSOLVED: no forces, or no modes, satisfy all conditions. SQUEEZED: a held point is too deep.
 SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3
 
@@ -106,9 +106,9 @@ def scale_sticking_impedances(d):
     """Multiply sticking elements' impedances by max(LEAST_STICKING_IMPEDANCE, limit/largest limit) each."""
     friction, first, most = d.friction, d.contacts.active_count, 0.0
     for i in range(friction.stuck_count):
-        most = max(most, d.element.limit[d.element.stuck[i]])
+        most = max(most, d.element.friction_limit[d.element.stuck_index[i]])
     for i in range(friction.stuck_count):
-        ratio = d.element.limit[d.element.stuck[i]] / most if most > 0.0 else 1.0
+        ratio = d.element.friction_limit[d.element.stuck_index[i]] / most if most > 0.0 else 1.0
         d.constraints.impedance[first + i] *= max(LEAST_STICKING_IMPEDANCE, ratio)
 
 
@@ -128,11 +128,11 @@ def factorize_free(d):
 
 
 def solve_equality(d, scale):
-    """Find the impulses that bring the active set from ``unforced`` to ``target``; other impulses are 0.
+    """Find the impulses that move the active set from ``unforced_motion`` to ``target_motion``; others are 0.
 
     Args:
         d: the instance, with the points located and the free motion factorized. ``d.constraints`` has the
-            problem and, afterwards, p in ``impulse``, u in ``reached`` and Δ in ``change``.
+            problem and, afterwards, p in ``impulse``, u in ``reached_motion`` and Δ in ``change``.
         scale: the largest motion of any point, to which round-off is relative.
 
     Returns:
@@ -227,12 +227,14 @@ def solve_single(d, only):
         mobility = held_mobility(d, mobility)
     elif mobility * mean_mass(d) < LEAST_SINGLE_MOBILITY:
         return False
-    impulse = (constraints.target[only] - constraints.unforced[only]) / mobility
+    impulse = (constraints.target_motion[only] - constraints.unforced_motion[only]) / mobility
     for j in range(len(constraints.change)):
         constraints.change[j] *= impulse
     for k in range(constraint_count(d)):
         constraints.impulse[k] = impulse if k == only else 0.0
-        constraints.reached[k] = constraints.unforced[k] + impulse * dot(constraint_row(d, k), motion)
+        constraints.reached_motion[k] = constraints.unforced_motion[k] + impulse * dot(
+            constraint_row(d, k), motion
+        )
     count_other_cost(d, 1)
     return True
 
@@ -250,19 +252,19 @@ def iterated_enough(_d, _iterations):
 
 
 def clear_impulses(d):
-    """Set all impulses and their ``change`` to 0, and ``reached`` of each constraint to its ``unforced``."""
+    """Set all impulses and their ``change`` to 0, and each ``reached_motion`` to the ``unforced_motion``."""
     constraints = d.constraints
     for j in range(len(constraints.change)):
         constraints.change[j] = 0.0
     for k in range(constraint_count(d)):
-        constraints.impulse[k], constraints.reached[k] = 0.0, constraints.unforced[k]
+        constraints.impulse[k], constraints.reached_motion[k] = 0.0, constraints.unforced_motion[k]
 
 
 def find_residual(d):
     """Set the residuals: target − motion in the active set, else 0; return the largest |residual|."""
     constraints, worst = d.constraints, 0.0
     for k in range(constraint_count(d)):
-        left = constraints.target[k] - constraints.reached[k]
+        left = constraints.target_motion[k] - constraints.reached_motion[k]
         constraints.residual[k] = left if constraints.in_active_set[k] else 0.0
         worst = max(worst, abs(constraints.residual[k]))
     return worst
@@ -280,7 +282,7 @@ def correct_impulses(d):
     solve_contacts(d, HELD, constraints.residual, z)
     for k in range(constraint_count(d)):
         moved = dot(constraint_row(d, k), motion)
-        constraints.reached[k] += moved
+        constraints.reached_motion[k] += moved
         if constraints.in_active_set[k]:
             constraints.impulse[k] += constraints.residual[k] - constraints.impedance[k] * moved
     for j in range(len(constraints.change)):
@@ -292,14 +294,14 @@ def move_by_impulses(d):
     """Compute the change of the coordinates, and the motions along all constraints, due to the impulses.
 
     Returns:
-        The largest |difference| of these motions from those in ``reached`` before.
+        The largest |difference| of these motions from those in ``reached_motion`` before.
     """
     constraints, largest = d.constraints, 0.0
     solve_contacts(d, FREE, constraints.impulse, constraints.change)
     for k in range(constraint_count(d)):
-        motion = constraints.unforced[k] + dot(constraint_row(d, k), d.scratch.place_change)
-        largest = max(largest, abs(motion - constraints.reached[k]))
-        constraints.reached[k] = motion
+        motion = constraints.unforced_motion[k] + dot(constraint_row(d, k), d.scratch.place_change)
+        largest = max(largest, abs(motion - constraints.reached_motion[k]))
+        constraints.reached_motion[k] = motion
     count_other_cost(d, 1)
     return largest
 
@@ -314,28 +316,28 @@ def replace_impulses(d, impulse):
         constraints.impulse[k] = impulse[k]
 
 
-def clear_unsolved(d):
+def clear_outcome(d):
     """Clear the record of an unsolved problem; a tried step with such a record is rejected."""
-    d.constraints.unsolved = SOLVED
+    d.constraints.outcome = SOLVED
 
 
 def note_unsolved(d):
     """Record that forces or modes are not found: a tried step is rejected; at an event, the run ends."""
-    d.constraints.unsolved = UNSOLVED
+    d.constraints.outcome = UNSOLVED
 
 
 def note_moving(d, tolerated):
     """Record MOVING if a held point's acceleration is off its target by more than ``tolerated`` [m/s²]."""
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
-        if d.constraints.unsolved == SOLVED and abs(d.constraints.residual[k]) > tolerated:
-            d.constraints.unsolved = MOVING
+        if d.constraints.outcome == SOLVED and abs(d.constraints.residual[k]) > tolerated:
+            d.constraints.outcome = MOVING
 
 
 def note_squeezed(d, tolerated):
     """Record SQUEEZED if a held point lies deeper in its rigid wall than ``tolerated`` [m]."""
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
-        if d.constraints.target[k] - d.constraints.reached[k] > tolerated:
-            d.constraints.unsolved = SQUEEZED
+        if d.constraints.target_motion[k] - d.constraints.reached_motion[k] > tolerated:
+            d.constraints.outcome = SQUEEZED
 
 
 def any_point_held(d):
@@ -357,9 +359,9 @@ def activate_all(d):
 
 
 def add_to_active_set(d, k, target):
-    """Put constraint k into the active set; ``target`` is the value that its ``reached`` must have."""
+    """Put constraint k into the active set; ``target`` is the value that its ``reached_motion`` must have."""
     d.constraints.in_active_set[k] = 1
-    d.constraints.target[k] = target
+    d.constraints.target_motion[k] = target
 
 
 def remove_from_active_set(d, k):

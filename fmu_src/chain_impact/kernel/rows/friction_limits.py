@@ -55,11 +55,11 @@ def find_limited_forces(d):
     ``d.limited_forces`` has the forces in ``force`` and the accelerations that they cause in ``change``;
     ``at_limit`` of a sticking element is 0 if its force is below its limit, else ±1 (``sign_at_limit``).
     """
-    limited, scale = d.limited_forces, largest_start(d)
+    limited, scale = d.limited_forces, largest_unforced_acceleration(d)
     set_impedance(d, holding_impedance(d))
     for k in range(constraint_count(d)):
-        limited.center[k], limited.force[k], limited.inside[k] = 0.0, 0.0, 1
-        limited.residual[k] = d.constraints.target[k] - d.constraints.unforced[k]
+        limited.force_before[k], limited.force[k], limited.inside_limits[k] = 0.0, 0.0, 1
+        limited.residual[k] = d.constraints.target_motion[k] - d.constraints.unforced_motion[k]
     for iteration in range(MOST_LIMITED_ITERATIONS):
         minimize_within_limits(d, scale)
         update_residuals(d)
@@ -74,20 +74,20 @@ def largest_residual_inside(d):
     """Return the largest |residual| [m/s²] of the constraints whose forces are inside their limits."""
     limited, largest = d.limited_forces, 0.0
     for k in range(d.contacts.compliant_count, constraint_count(d)):
-        if limited.inside[k]:
+        if limited.inside_limits[k]:
             largest = max(largest, abs(limited.residual[k]))
     return largest
 
 
-def largest_start(d):
-    """Return the largest |acceleration| [m/s²] in ``unforced``, to which round-off is relative.
+def largest_unforced_acceleration(d):
+    """Return the largest |acceleration| [m/s²] in ``unforced_motion``, to which round-off is relative.
 
     The accelerations are those of points at rigid walls and of sticking elements, without constraint forces.
     Contacts with a force law do not count.
     """
     scale = 0.0
     for k in range(d.contacts.compliant_count, constraint_count(d)):
-        scale = max(scale, abs(d.constraints.unforced[k]))
+        scale = max(scale, abs(d.constraints.unforced_motion[k]))
     return scale
 
 
@@ -121,9 +121,9 @@ def upper_limit(d, k):
     first = d.contacts.active_count
     if k < first:
         return math.inf
-    e = d.element.stuck[k - first]
+    e = d.element.stuck_index[k - first]
     ratio = d.law.friction[e] / d.law.static_friction[e] if e < d.candidates else 1.0
-    return max(0.0, ratio * d.element.limit[e])
+    return max(0.0, ratio * d.element.friction_limit[e])
 
 
 def clip_force(d, k, force):
@@ -145,19 +145,22 @@ def minimize_within_limits(d, scale):
         solve_inside(d)
         found, part = first_at_limit(d)
         for k in range(d.contacts.compliant_count, end):
-            if limited.inside[k]:
-                limited.force[k] += part * (limited.unlimited[k] - limited.force[k])
+            if limited.inside_limits[k]:
+                limited.force[k] += part * (limited.unlimited_force[k] - limited.force[k])
         if found >= 0:
-            limited.inside[found], limited.force[found] = 0, clip_force(d, found, limited.unlimited[found])
+            limited.inside_limits[found], limited.force[found] = (
+                0,
+                clip_force(d, found, limited.unlimited_force[found]),
+            )
         else:
             found = constraint_to_release(d, scale)
             if found < 0 or is_cost_exceeded(d):
                 return
-            limited.inside[found] = 1
+            limited.inside_limits[found] = 1
 
 
 def first_at_limit(d):
-    """Return which constraint's force reaches a limit first as the forces move to those in ``unlimited``.
+    """Return whose force is first at a limit as the forces move to those in ``unlimited_force``.
 
     Returns:
         The constraint, or −1 if no force reaches a limit; and the fraction of the way at which its force
@@ -165,57 +168,57 @@ def first_at_limit(d):
     """
     limited, first, part = d.limited_forces, -1, 1.0
     for k in range(d.contacts.compliant_count, constraint_count(d)):
-        limit = clip_force(d, k, limited.unlimited[k])
-        if limited.inside[k] and limit != limited.unlimited[k]:
-            reached = (limit - limited.force[k]) / (limited.unlimited[k] - limited.force[k])
+        limit = clip_force(d, k, limited.unlimited_force[k])
+        if limited.inside_limits[k] and limit != limited.unlimited_force[k]:
+            reached = (limit - limited.force[k]) / (limited.unlimited_force[k] - limited.force[k])
             if reached < part or first < 0:
                 first, part = k, reached
     return first, part
 
 
 def constraint_to_release(d, scale):
-    """Return the constraint to release: at a limit, with the clipped ``unlimited`` farthest from the limit.
+    """Return the constraint to release: at a limit, with the clipped ``unlimited_force`` farthest from it.
 
-    The result is −1 if no clipped ``unlimited`` is farther from the limit than round-off.
+    The result is −1 if no clipped ``unlimited_force`` is farther from the limit than round-off.
     """
     limited, found, largest, most_of_all = d.limited_forces, -1, 0.0, 0.0
     for k in range(d.contacts.compliant_count, constraint_count(d)):
         largest = max(largest, abs(limited.force[k]))
     for k in range(d.contacts.compliant_count, constraint_count(d)):
-        inward = abs(clip_force(d, k, limited.unlimited[k]) - limited.force[k])
+        inward = abs(clip_force(d, k, limited.unlimited_force[k]) - limited.force[k])
         round_off = SIGN_TOLERANCE * largest + SOLVED_RESIDUAL * scale * d.constraints.impedance[k]
-        if not limited.inside[k] and inward > max(round_off, most_of_all):
+        if not limited.inside_limits[k] and inward > max(round_off, most_of_all):
             found, most_of_all = k, inward
     return found
 
 
 def solve_inside(d):
-    """Store in ``unlimited`` the forces p + D m⁺ of rigid walls and sticking, which may exceed their limits.
+    """Store in ``unlimited_force`` the forces p + D m⁺ of rigid walls and sticking; they may exceed limits.
 
     p are the forces before the iteration, D the impedances. m⁺ are the residuals if each constraint inside
-    its limits has the force in ``unlimited``, and all other constraints stay at their limits.
+    its limits has the force in ``unlimited_force``, and all other constraints stay at their limits.
     """
     limited, motion = d.limited_forces, d.scratch.place_change
     for k in range(constraint_count(d)):
         moves = k < d.contacts.compliant_count
-        limited.impedance[k] = 0.0 if moves or not limited.inside[k] else d.constraints.impedance[k]
+        limited.impedance[k] = 0.0 if moves or not limited.inside_limits[k] else d.constraints.impedance[k]
         limited.correction[k] = limited.impedance[k] * limited.residual[k]
-        if not moves and not limited.inside[k]:
-            limited.correction[k] = limited.force[k] - limited.center[k]
+        if not moves and not limited.inside_limits[k]:
+            limited.correction[k] = limited.force[k] - limited.force_before[k]
     factorize_contacts(d, HELD, limited.impedance)
     solve_contacts(d, HELD, limited.correction, limited.change)
     for k in range(d.contacts.compliant_count, constraint_count(d)):
         residual = limited.residual[k] - dot(constraint_row(d, k), motion)
-        limited.unlimited[k] = limited.center[k] + d.constraints.impedance[k] * residual
+        limited.unlimited_force[k] = limited.force_before[k] + d.constraints.impedance[k] * residual
     count_other_cost(d, 1)
 
 
 def update_residuals(d):
-    """Begin the next iteration: set p (``center``) to the present forces, and find their residuals."""
+    """Begin the next iteration: set p (``force_before``) to the present forces, and find their residuals."""
     limited = d.limited_forces
     solve_contacts(d, FREE, limited.force, limited.change)
     for k in range(d.contacts.compliant_count, constraint_count(d)):
-        limited.center[k] = limited.force[k]
-        reached = d.constraints.unforced[k] + dot(constraint_row(d, k), d.scratch.place_change)
-        limited.residual[k] = d.constraints.target[k] - reached
+        limited.force_before[k] = limited.force[k]
+        reached = d.constraints.unforced_motion[k] + dot(constraint_row(d, k), d.scratch.place_change)
+        limited.residual[k] = d.constraints.target_motion[k] - reached
     count_other_cost(d, 1)

@@ -108,12 +108,14 @@ def largest_acceleration_error(t, e):
 
     It is OPEN_DISTANCE times the tolerance times the acceleration that the friction limit of e could cause.
     """
-    return OPEN_DISTANCE * value(t.solver.tolerance) * t.element.limit[e] / mean_mass(t)
+    return OPEN_DISTANCE * value(t.solver.tolerance) * t.element.friction_limit[e] / mean_mass(t)
 
 
 # functions for φ = µ_s F_n − |F_t|, the margin of static friction, after the end of a step, and for its rate
 # φ̇
-margin_after, margin_rate = make_motion_functions(lambda t, e: t.element.limit[e] - abs(t.element.force[e]))
+margin_after, margin_rate = make_motion_functions(
+    lambda t, e: t.element.friction_limit[e] - abs(t.element.force[e])
+)
 delay_of_margin = make_delay(margin_after)
 
 
@@ -125,7 +127,7 @@ def delay_of_sliding(t, e):
     too, if the friction drops at this time and the drop matters. The derivatives of the run also end if the
     located time is wrong (NEARLY_SLIPPING_RATIO).
     """
-    limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.chain.longest_link)
+    limit, turning = value(t.element.friction_limit[e]), fastest_speed(t) / value(t.chain.longest_link)
     if t.element.undecided[e] == STOPPED and limit <= NEARLY_SLIPPING_RATIO * value(friction_round_off(t, e)):
         end_derivatives(t, SLIDES_FROM_REST, e)
     rate = margin_rate(t, e)
@@ -226,7 +228,7 @@ def slips_for_nearby_parameters(t, e, time):
     ``time`` [s] is the delay, a dual number of value 0; derivatives up to SAME_TIME_SLOPE times a scale count
     as zero.
     """
-    margin, force, limit = margin_after(t, e, time), t.element.force[e], t.element.limit[e]
+    margin, force, limit = margin_after(t, e, time), t.element.force[e], t.element.friction_limit[e]
     for k in range(DIRECTIONS):
         scale = abs(slope(force, k)) + abs(slope(limit, k)) + value(limit) * largest_displacement(t, k)
         if abs(slope(margin, k)) > SAME_TIME_SLOPE * scale:
@@ -285,7 +287,7 @@ def make_modes_consistent(t):
         # the mode of an element whose sticking has just ended is certain
         if t.element.mode_before[e] == STICKS and t.element.mode[e] != STICKS:
             t.element.undecided[e] = 0
-        t.element.mode[e] = t.element.chosen[e]
+        t.element.mode[e] = t.element.chosen_mode[e]
     list_sticking(t)
     if any_begins_to_stick(t):
         clear_sticking_speeds(t)
@@ -301,7 +303,7 @@ def make_modes_consistent(t):
 def any_begins_to_stick(t):
     """Return whether any element that has slid up to now begins to stick at this event."""
     for i in range(t.friction.stuck_count):
-        before = t.element.mode_before[t.element.stuck[i]]
+        before = t.element.mode_before[t.element.stuck_index[i]]
         if before not in (STICKS, NO_FRICTION):
             return True
     return False
@@ -347,7 +349,7 @@ def contact_resistance(t):
     result is the same as in forces/holding.py.
     """
     for i in range(t.friction.stuck_count):
-        e = t.element.stuck[i]
+        e = t.element.stuck_index[i]
         if t.element.undecided[e] == STOPPED and begins_now(t, e):
             return dual_with_slope(0.0, 0.0, t.step.end)
     return CONTACT_RESISTANCE * mean_mass(t)
@@ -373,12 +375,12 @@ def is_nearly_at_limit(t, e):
     This is so if the force that would hold e at rest nearly equals the limit of friction. If the effect of
     the choice is negligible, the result is false.
     """
-    limit, errors = value(t.element.limit[e]), OPEN_DISTANCE * value(t.solver.tolerance)
+    limit, errors = value(t.element.friction_limit[e]), OPEN_DISTANCE * value(t.solver.tolerance)
     if limit <= value(friction_round_off(t, e)):
         return False
     mass, time = value(mean_mass(t)), settling_time(t)
     if t.element.mode[e] == STICKS:
-        margin = t.element.limit[e] - abs(t.element.force[e])
+        margin = t.element.friction_limit[e] - abs(t.element.force[e])
         near = abs(value(margin)) <= errors * limit
         return near and (friction_drops(t, e) or not is_negligible(t, margin * (time / mass)))
     slow = not friction_drops(t, e) and acceleration_may_be_error(t, e)

@@ -42,7 +42,7 @@ def forget_peaks(t, delay):
         c = t.contacts.active_index[k]
         peak = t.contacts.peak_force[c]
         if k >= t.contacts.compliant_count:
-            at_end = value(t.constraints.sample[1, k])
+            at_end = value(t.constraints.sampled_force[1, k])
         else:
             # The force of a force law does not jump where the two steps meet, because position and velocity
             # of the point do not jump. If this value is the peak, the peak's derivatives get NaN below.

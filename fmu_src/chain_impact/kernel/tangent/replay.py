@@ -153,12 +153,12 @@ def copy_given_and_modes(d, t):
 
 
 def copy_modes(d, t):
-    """Store the modes of friction and drives of d in ``chosen`` of t, because t does not choose modes."""
+    """Store the modes of friction and drives of d in ``chosen_mode`` of t; t does not choose modes."""
     for e in range(d.elements):
-        t.element.chosen[e] = d.element.mode[e]
+        t.element.chosen_mode[e] = d.element.mode[e]
     if d.chain.has_drive_limits:
         for i in range(drive_count(d)):
-            t.drive.chosen[i] = d.drive.mode[i]
+            t.drive.chosen_mode[i] = d.drive.mode[i]
 
 
 # The iteration of derivatives has converged if the last correction, relative to the derivatives, is at most
@@ -287,7 +287,7 @@ def speed_by_friction(d, t, direction):
     if d.friction.stuck_count == 0:
         return 0.0
     for i in range(d.friction.stuck_count):
-        force = max(force, abs(slope(t.element.limit[d.element.stuck[i]], direction)))
+        force = max(force, abs(slope(t.element.friction_limit[d.element.stuck_index[i]], direction)))
     for j in range(velocity_at(d.links), dissipated_at(d.links)):
         weight = max(weight, d.implicit.error_weight[j])
     return force * d.step.size * weight / mean_mass(d)

@@ -111,9 +111,9 @@ def has_effect(constant):
 
 
 def choose_saturation(t):
-    """Set the modes of all drives to those of the primal instance (``drive.chosen``)."""
+    """Set the modes of all drives to those of the primal instance (``drive.chosen_mode``)."""
     for i in range(drives.drive_count(t)):
-        t.drive.mode[i] = t.drive.chosen[i]
+        t.drive.mode[i] = t.drive.chosen_mode[i]
 
 
 def shift_start(t, delay):

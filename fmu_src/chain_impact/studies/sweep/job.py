@@ -189,7 +189,7 @@ class Runner:
             part for column in (*self._columns.values(), *self._loads.values()) for part in column.record_path
         }
         if "latest" not in looked_at:
-            self._instance["latest"]["requested"] = 0
+            self._instance["latest"]["requested_count"] = 0
             self._instance["quadrature"]["computed"] = bool(
                 looked_at & {"impulse", "friction", "transmitted"}
             )
