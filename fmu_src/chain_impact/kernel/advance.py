@@ -130,12 +130,12 @@ def advance_to_onset(d, time):
     Returns:
         A status; ONSET_DUE if contacts begin at the time that is reached.
     """
-    status, fresh = reinit_if_changed(d, time), False
+    status, has_advanced = reinit_if_changed(d, time), False
     while status == OK and d.step.end < time:
-        if (fresh or d.step.end > d.step.communication_point) and ends_in_onset(d):
+        if (has_advanced or d.step.end > d.step.communication_point) and ends_in_onset(d):
             time = d.step.end
         else:
-            status, fresh = advance_one_step(d), True
+            status, has_advanced = advance_one_step(d), True
     if status == OK:
         set_communication_point(d, time)
         status = ONSET_DUE if is_onset_due(d) else OK
@@ -271,26 +271,26 @@ def check_solved(d, status):
 
 def find_step(d):
     """Try smaller and smaller steps until a step, up to its first event, is accepted; return a status."""
-    wanted = min(d.step.next_size, LONGEST_STEP)
-    limited = limit_to_piece(d, wanted)
+    size = min(d.step.next_size, LONGEST_STEP)
+    limit = limit_to_piece(d, size)
     if d.signals > 0:
-        limited = limit_to_segment(d, limited)
-    h, grow = prepare_step(d, limited), control.LARGEST_RATIO
-    if limited < wanted:
+        limit = limit_to_segment(d, limit)
+    h, growth = prepare_step(d, limit), control.LARGEST_RATIO
+    if limit < size:
         # `prepare_step` may lengthen a step, but no step may pass the end of a piece of the inputs or of a
         # signal
-        h = min(h, limited)
+        h = min(h, limit)
     while h >= SHORTEST_STEP and d.step.end + h != d.step.end:  # h must exceed the resolution of time
         try_step(d, h)
-        suggested = h * min(grow, control.next_size_factor(d))
+        next_size = h * min(growth, control.next_size_factor(d))
         if control.is_accepted(d):
             # a first try that is shortened to end with a piece or segment does not reduce the proposed size
-            control.propose_size(d, max(suggested, wanted) if limited < wanted and grow > 1.0 else suggested)
+            control.propose_size(d, max(next_size, size) if limit < size and growth > 1.0 else next_size)
             return OK
         count_rejected_step(d)
         if is_cost_exceeded(d):
             return TOO_MUCH_WORK
-        h, grow = suggested, 1.0
+        h, growth = next_size, 1.0
     return control.no_step_status(d)
 
 
@@ -350,19 +350,19 @@ def repeat_to_event(d, theta):
 
 def begin_step(d):
     """Apply events and inputs at the last step's end, set up the next step; return the number of events."""
-    events, kinked = apply_pending_events(d)
+    events, has_kink = apply_pending_events(d)
     if d.given.pending:
         apply_next_piece(d)
         if d.channels > 0:
             evaluate_start(d)
     if d.signals > 0 and begin_segments(d):
         control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
-    landed = events > 0 and d.contact_settings.any_rigid and d.contacts.compliant_count == 0
-    if landed and not is_implicit(d):
+    has_landed = events > 0 and d.contact_settings.any_rigid and d.contacts.compliant_count == 0
+    if has_landed and not is_implicit(d):
         control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
     if events > 0 or d.balance.break_count != d.step.break_count:
         restart_balance(d)
-    if not kinked:
+    if not has_kink:
         choose_method(d)  # not at a kink or limit: a force that is 0 or constant there hides the stiffness
     choose_variable(d, events > 0)
     set_first_stage(d)
@@ -374,10 +374,10 @@ def apply_pending_events(d):
 
     Return the number of events, and whether a kink of a force or the limit of a drive is among them.
     """
-    events, kinked = d.drive.mode_ends + count_pending_changes(d), d.drive.mode_ends > 0
+    events, has_kink = d.drive.mode_ends + count_pending_changes(d), d.drive.mode_ends > 0
     for c in range(d.candidates):
         events += d.contacts.event[c] != NO_EVENT
-        kinked = kinked or d.contacts.event[c] == KINK
+        has_kink = has_kink or d.contacts.event[c] == KINK
 
     ensure_rate(d)
     update_peaks(d)
@@ -386,11 +386,11 @@ def apply_pending_events(d):
         rate[j] = d.scratch.rate_end[j]
     if events > 0:
         commit_quadratures(d)
-        jumped = apply_events(d)
+        may_have_jumped = apply_events(d)
         reset_quadratures(d)
-        if jumped:
+        if may_have_jumped:
             evaluate_start(d)
-    return events, kinked
+    return events, has_kink
 
 
 def set_first_stage(d):

@@ -60,12 +60,12 @@ def read_cost_counts(d):
     return d.statistics.rhs_evaluations, d.budget.other_cost
 
 
-def restore_cost_counts(d, counted):
-    """Reset the counts of evaluations and of other cost to ``counted``, a result of ``read_cost_counts``.
+def restore_cost_counts(d, counts):
+    """Reset the counts of evaluations and of other cost to ``counts``, a result of ``read_cost_counts``.
 
     The cost since the call of ``read_cost_counts`` is the cost of outputs, which does not count.
     """
-    d.statistics.rhs_evaluations, d.budget.other_cost = counted
+    d.statistics.rhs_evaluations, d.budget.other_cost = counts
 
 
 def is_cost_exceeded(d):

@@ -149,7 +149,7 @@ def observe_trial(d):
     The result is a status; after a fault all outputs stay as they are. The function leaves ``d`` in a state
     from which no run can continue.
     """
-    counted = read_cost_counts(d)
+    counts = read_cost_counts(d)
     store_output_state(d)
     status = reinit(d)
     if status == OK:
@@ -158,7 +158,7 @@ def observe_trial(d):
         return_to_stored_state(d)
         refill_outputs_but_integrals(d)
         hooks.on_observe_trial(d)
-    restore_cost_counts(d, counted)
+    restore_cost_counts(d, counts)
     return status
 
 

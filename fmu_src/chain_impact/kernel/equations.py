@@ -97,8 +97,8 @@ def mechanical_energy(d, y):
         y_ = d.scratch.position.y[i] + cy
         potential -= m * (d.chain.gravity[0] * x + d.chain.gravity[1] * y_)
     if d.slides:
-        of_motion, of_height = carriage_energy(d, y)
-        kinetic, potential = kinetic + of_motion, potential + of_height
+        carriage_kinetic, carriage_potential = carriage_energy(d, y)
+        kinetic, potential = kinetic + carriage_kinetic, potential + carriage_potential
     return kinetic + armature_energy(d, y) if d.chain.has_armatures else kinetic, potential
 
 
@@ -169,12 +169,12 @@ def free_rate_from_loads(d, y, dissipated, rate):
     n = d.links
     supplied = 0.0
     if d.chain.has_springs_or_dampers or d.chain.has_inputs or d.chain.has_joint_places:
-        damped, supplied = set_joint_moments(d, y)
-        dissipated += damped
+        drive_dissipated, supplied = set_joint_moments(d, y)
+        dissipated += drive_dissipated
     if d.slides:
-        force, damped, of_drive = force_and_powers_of_drive(d, y, n)
+        force, drive_dissipated, drive_supplied = force_and_powers_of_drive(d, y, n)
         d.scratch.thrust = force - passive_spring_resistance(d, y, n)
-        dissipated, supplied = dissipated + damped, supplied + of_drive
+        dissipated, supplied = dissipated + drive_dissipated, supplied + drive_supplied
 
     for j in range(coordinate_count(n)):
         rate[j] = y[velocity_at(n) + j]
@@ -215,8 +215,8 @@ def set_joint_moments(d, y):
     for i in range(d.links):
         torque = 0.0
         if i >= first_joint(d):
-            torque, damped, of_drive = force_and_powers_of_drive(d, y, i)
-            dissipated, supplied = dissipated + damped, supplied + of_drive
+            torque, drive_dissipated, drive_supplied = force_and_powers_of_drive(d, y, i)
+            dissipated, supplied = dissipated + drive_dissipated, supplied + drive_supplied
         d.scratch.moment[i] = torque
         if i > 0:
             d.scratch.moment[i - 1] -= torque

@@ -57,9 +57,9 @@ def observe(d):
 
 def observe_state(d):
     """Fill the STATE_OUTPUTS of record/instance.py at the communication point; no other is valid."""
-    counted = read_cost_counts(d)
+    counts = read_cost_counts(d)
     fill_state(d, fraction_at_time(d, d.step.communication_point))
-    restore_cost_counts(d, counted)
+    restore_cost_counts(d, counts)
 
 
 def fill_outputs(d):
@@ -68,7 +68,7 @@ def fill_outputs(d):
     The active contacts are those of the step that contains this time. An event at the end of this step, which
     the solver has already found, is not visible yet.
     """
-    counted, theta = read_cost_counts(d), fraction_at_time(d, d.step.communication_point)
+    counts, theta = read_cost_counts(d), fraction_at_time(d, d.step.communication_point)
     fill_outputs_but_integrals(d, theta)
     fill_quadratures(d, theta)
     if d.transmitted_rows > 0:
@@ -79,7 +79,7 @@ def fill_outputs(d):
         combine_impulses(d)
     if d.transmitted_rows > 0:
         fill_joint_force_peaks(d)
-    restore_cost_counts(d, counted)
+    restore_cost_counts(d, counts)
 
 
 def refill_outputs_but_integrals(d):
@@ -87,11 +87,11 @@ def refill_outputs_but_integrals(d):
 
     Impulses, peaks, the list of impacts and the energy of friction do not change.
     """
-    counted = read_cost_counts(d)
+    counts = read_cost_counts(d)
     fill_outputs_but_integrals(d, fraction_at_time(d, d.step.communication_point))
     if d.chain.has_joint_stops:
         combine_forces(d)
-    restore_cost_counts(d, counted)
+    restore_cost_counts(d, counts)
 
 
 def fill_outputs_but_integrals(d, theta):

@@ -205,11 +205,11 @@ def fill_joint_impulses(d):
     out, transmitted = d.output, d.transmitted
     x = out.transmitted.impulse_x
     y = out.transmitted.impulse_y
-    lasted = d.step.communication_point - transmitted.run_start
+    duration = d.step.communication_point - transmitted.run_start
     set_link_momenta(d, x, y)
     for i in range(d.links):
-        x[i] -= transmitted.start_x[i] + d.chain.mass[i] * d.chain.gravity[0] * lasted
-        y[i] -= transmitted.start_y[i] + d.chain.mass[i] * d.chain.gravity[1] * lasted
+        x[i] -= transmitted.start_x[i] + d.chain.mass[i] * d.chain.gravity[0] * duration
+        y[i] -= transmitted.start_y[i] + d.chain.mass[i] * d.chain.gravity[1] * duration
     for c in range(d.candidates):
         subtract_contact(d, c, out.impulse, out.friction.impulse, x, y)
     sum_from_tip(d, transmitted.tip_impulse, x, y)
@@ -247,7 +247,7 @@ def raise_joint_force_peaks(d):
     (``contacts.joint_square``, with the joint's number). The evaluations do not count as cost, because they
     serve outputs only. Afterwards points and forces are those at the end of the step.
     """
-    transmitted, contacts, counted = d.transmitted, d.contacts, read_cost_counts(d)
+    transmitted, contacts, counts = d.transmitted, d.contacts, read_cost_counts(d)
     ensure_dense(d, OUTPUT_READER)
     search_step_for_peaks(d)
     for i in range(d.links):
@@ -262,7 +262,7 @@ def raise_joint_force_peaks(d):
     # the step
     set_joint_forces_at(d, fraction_at_time(d, d.step.end))
     ensure_points(d)
-    restore_cost_counts(d, counted)
+    restore_cost_counts(d, counts)
 
 
 def search_step_for_peaks(d):
@@ -272,11 +272,11 @@ def search_step_for_peaks(d):
     contact. If |f|² of the joint stays below all of these maxima in the step, the value is the least of the
     maxima instead, and raises none.
     """
-    transmitted, least = d.transmitted, math.inf
+    transmitted, least_square = d.transmitted, math.inf
     for k in range(d.contacts.active_count):
-        least = min(least, d.contacts.joint_square[d.contacts.active_index[k]])
+        least_square = min(least_square, d.contacts.joint_square[d.contacts.active_index[k]])
     for i in range(d.links):
-        transmitted.largest_square[i] = min(transmitted.peak_square[i], least)
+        transmitted.largest_square[i] = min(transmitted.peak_square[i], least_square)
     search_peaks(d, d.step.end, time_of_peak(d, d.step.end, d.step.end))
 
 
@@ -336,8 +336,8 @@ def raise_largest(d, i, square, time):
 def rises_between(left, top, right, highest):
     """Return whether a quantity with three equidistant samples may exceed ``highest`` between them.
 
-    The result is true if the parabola through the samples ``left``, ``top`` and ``right`` has a maximum
-    between the outer samples that exceeds NEAR_PEAK times ``highest``.
+    The result is true if the parabola through the samples ``left``, ``top`` and
+    ``right`` has a maximum between the outer samples that exceeds NEAR_PEAK times ``highest``.
     """
     slope_fall = 2.0 * top - left - right
     # the parabola through the samples has no maximum between the outer samples

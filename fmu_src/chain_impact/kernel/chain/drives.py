@@ -275,7 +275,7 @@ def mode_margin(d, y):
     finite limit > 0 count; without any, the result is ∞. The margin of a slider [N] is multiplied by the
     longest link, so that all margins are torques.
     """
-    least = math.inf
+    least_margin = math.inf
     for i in range(drive_count(d)):
         mode, limit = d.drive.mode[i], d.drive.limit[i]
         if 0.0 < limit < math.inf:
@@ -284,8 +284,8 @@ def mode_margin(d, y):
             margin = limit - abs(unlimited) if mode == 0 else float(mode) * unlimited - limit
             _, stiffness = slopes_below_limit(d, i)
             margin += DRIVE_EXCESS * limit + SPRING_ROUND_OFF * stiffness * coordinate_sum
-            least = min(least, margin * moment_factor(d, i))
-    return least
+            least_margin = min(least_margin, margin * moment_factor(d, i))
+    return least_margin
 
 
 def load_drive(d, load, i, force):

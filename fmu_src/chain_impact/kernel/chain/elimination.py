@@ -120,8 +120,11 @@ def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
     if d.sites > 0:
         h0 -= d.scratch.load.link[i]
     kx, ky = hx * inverse, hy * inverse
-    stored = d.scratch.elimination
-    stored.gain_x[i], stored.gain_y[i], stored.inverse[i], stored.bias[i] = kx, ky, inverse, h0 * inverse
+    elimination = d.scratch.elimination
+    elimination.gain_x[i] = kx
+    elimination.gain_y[i] = ky
+    elimination.inverse[i] = inverse
+    elimination.bias[i] = h0 * inverse
     # at the inner joint: A = A' + m 1 − h hᵀ/H, b = d − ω² m r_C − m g − h h₀/H
     return (
         (axx + m) - hx * kx,
@@ -138,9 +141,9 @@ def accelerate_link(d, y, i, outward, ax, ay, rate):
     If ``outward`` is true, the inner joint is the proximal joint. Returns x and y of the acceleration [m/s²]
     of the outer joint, at the other end of the link.
     """
-    stored, speed_index = d.scratch.elimination, omega_at(d.links) + i
+    elimination, speed_index = d.scratch.elimination, omega_at(d.links) + i
     # the variable ``a`` is α = −(h·a + h₀)/H for the acceleration a of the inner joint
-    a = -(stored.gain_x[i] * ax + stored.gain_y[i] * ay + stored.bias[i])
+    a = -(elimination.gain_x[i] * ax + elimination.gain_y[i] * ay + elimination.bias[i])
     rate[speed_index] = a
     w2 = y[speed_index] * y[speed_index]
     sign = 1.0 if outward else -1.0
@@ -195,8 +198,8 @@ def solve_along_arms(d, y, rate, middle):
         # the direction u, the coordinate s, the carriage's mass m, gravity g, the force F of the drive, the
         # load on the base, which contains dry friction, and A a + b, the force that the chain needs
         ux, uy, m = d.slider.ux, d.slider.uy, d.slider.mass
-        stored = d.scratch.elimination
-        stored.middle_xx, stored.middle_xy, stored.middle_yy = axx, axy, ayy
+        elimination = d.scratch.elimination
+        elimination.middle_xx, elimination.middle_xy, elimination.middle_yy = axx, axy, ayy
         push_x = d.scratch.load.x[0] + m * d.chain.gravity[0] - bx
         push_y = d.scratch.load.y[0] + m * d.chain.gravity[1] - by
         along = (d.scratch.thrust + ux * push_x + uy * push_y) / inertia_along(d, axx, axy, ayy)
@@ -207,8 +210,8 @@ def solve_along_arms(d, y, rate, middle):
         determinant = axx * ayy - axy * axy
         ax = (axy * by - ayy * bx) / determinant
         ay = (axy * bx - axx * by) / determinant
-        stored = d.scratch.elimination
-        stored.middle_xx, stored.middle_xy, stored.middle_yy = axx, axy, ayy
+        elimination = d.scratch.elimination
+        elimination.middle_xx, elimination.middle_xy, elimination.middle_yy = axx, axy, ayy
 
     # Accelerations from the middle outward: a is the acceleration of a joint of the arm toward the tip, c of
     # a joint of the arm toward the base; the base gets the last c. A base that inputs move is the middle

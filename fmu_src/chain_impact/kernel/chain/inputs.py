@@ -57,21 +57,23 @@ def apply_inputs(d):
     `given.pending` is cleared.
     """
     d.given.pending = 0
-    given, piece, used = d.given, d.given.piece, d.inputs.piece
-    used.degree, used.change_rate, used.end = piece.degree, piece.change_rate, piece.end
-    used.middle, used.scale = piece.middle, piece.scale
+    given, piece, piece_in_use = d.given, d.given.piece, d.inputs.piece
+    piece_in_use.degree = piece.degree
+    piece_in_use.change_rate = piece.change_rate
+    piece_in_use.end = piece.end
+    piece_in_use.middle, piece_in_use.scale = piece.middle, piece.scale
     for i in range(len(given.drive_damping)):
         d.inputs.drive_damping[i] = given.drive_damping[i]
         d.inputs.drive_stiffness[i] = given.drive_stiffness[i]
     for k in range(CHANNEL):
-        values, powers = input_field(d.inputs, k), input_field(used, k)
+        values, powers = input_field(d.inputs, k), input_field(piece_in_use, k)
         given_values, given_powers = input_field(given, k), input_field(piece, k)
         for j in range(len(values)):
             values[j] = powers[0, j] = given_values[j]
-            for m in range(1, used.degree + 1):
+            for m in range(1, piece_in_use.degree + 1):
                 powers[m, j] = given_powers[m, j]
     for j in range(d.channels):
-        for m in range(used.degree + 1):
+        for m in range(piece_in_use.degree + 1):
             d.channel.piece[m, j] = d.given_channel.piece[m, j]
     if d.signals > 0:
         set_signal_inputs(d, d.step.end)
@@ -87,8 +89,8 @@ def are_inputs_in_use(d):
 
     The result is False if the inputs in use, or the given ones, are not constant.
     """
-    given, inputs, used = d.given, d.inputs, d.inputs.piece
-    if given.piece.degree > 0 or used.degree > 0:
+    given, inputs, piece_in_use = d.given, d.inputs, d.inputs.piece
+    if given.piece.degree > 0 or piece_in_use.degree > 0:
         return False
     for j in range(d.channels):
         if d.given_channel.piece[0, j] != d.channel.piece[0, j]:
@@ -100,7 +102,7 @@ def are_inputs_in_use(d):
         ):
             return False
     for k in range(CHANNEL):
-        given_values, powers = input_field(given, k), input_field(used, k)
+        given_values, powers = input_field(given, k), input_field(piece_in_use, k)
         for j in range(len(given_values)):
             if given_values[j] != powers[0, j]:
                 return False
@@ -186,10 +188,10 @@ def limit_to_time(d, time, h):
     than half of the time until then, the step takes half of this time, so that the following step is not
     tiny. If the last step has already reached ``time``, the size is h.
     """
-    remaining = time - d.step.end
-    if remaining <= 0.0 or 2.0 * h <= remaining:
+    remaining_time = time - d.step.end
+    if remaining_time <= 0.0 or 2.0 * h <= remaining_time:
         return h
-    return remaining if h >= remaining else 0.5 * remaining
+    return remaining_time if h >= remaining_time else 0.5 * remaining_time
 
 
 def belts_jump(d):
@@ -244,22 +246,22 @@ def interpolate_prescribed_motions(d, time):
         return OK
     if time == channel.cubic_end and d.given.pending != REINITIALIZE:
         return OK  # the same communication step continues after a pause, so all is set
-    now, h = d.step.communication_point, time - d.step.communication_point
-    move_channels(d, now)
+    start, h = d.step.communication_point, time - d.step.communication_point
+    move_channels(d, start)
     for j in range(d.channels):
-        if not has_signal(d, j) and not store_given_motion(d, j, now):
+        if not has_signal(d, j) and not store_given_motion(d, j, start):
             return refuse_channel(d, j)
     channel.cubic_end = time
     moves, jumps = False, False
     for j in range(d.channels):
         if has_signal(d, j):
             continue
-        lasting = set_cubic(d, j, time, h)
-        new = given.piece[1, j] != 0.0 or given.piece[2, j] != 0.0 or given.piece[3, j] != 0.0
-        moves, jumps = moves or new, jumps or not lasting
+        is_smooth = set_cubic(d, j, time, h)
+        channel_moves = given.piece[1, j] != 0.0 or given.piece[2, j] != 0.0 or given.piece[3, j] != 0.0
+        moves, jumps = moves or channel_moves, jumps or not is_smooth
     if not moves and d.inputs.piece.degree == 0:
         return OK
-    piece.degree, piece.middle, piece.scale = 3 if moves else 0, now + 0.5 * h, 2.0 / h
+    piece.degree, piece.middle, piece.scale = 3 if moves else 0, start + 0.5 * h, 2.0 / h
     piece.end = time + TIME_ROUND_OFF / 4.0 * abs(time) if moves else math.inf
     piece.change_rate = CUBIC_CHANGE / h if moves else 0.0
     given.jumps = 0
@@ -283,28 +285,28 @@ def set_cubic(d, j, time, h):
     Return whether the acceleration at the cubic's start equals the present acceleration of the channel.
     """
     given, channel = d.given_channel, d.channel
-    s, v, lasted = channel.position[j], channel.velocity[j], time - channel.given_time[j]
+    s, v, duration = channel.position[j], channel.velocity[j], time - channel.given_time[j]
     speed = channel.start_velocity[j] + channel.mean_velocity[j]
-    v_end = speed + lasted * given.acceleration[j]
+    v_end = speed + duration * given.acceleration[j]
     if channel.anchored[j]:
-        s_end = channel.start_position[j] + lasted * (speed + 0.5 * lasted * given.acceleration[j])
+        s_end = channel.start_position[j] + duration * (speed + 0.5 * duration * given.acceleration[j])
     else:
         s_end = s + 0.5 * h * (v + v_end)
     v, v_end = 0.5 * h * v, 0.5 * h * v_end
     term_sum = abs(s) + abs(s_end) + abs(v) + abs(v_end)
-    third = 0.25 * (s - s_end + v + v_end)
-    if not abs(third) > ACCELERATION_ROUND_OFF * term_sum:
-        third = 0.0
-    given.piece[3, j] = third
+    cubic = 0.25 * (s - s_end + v + v_end)
+    if not abs(cubic) > ACCELERATION_ROUND_OFF * term_sum:
+        cubic = 0.0
+    given.piece[3, j] = cubic
     given.piece[2, j] = 0.25 * (v_end - v)
-    given.piece[1, j] = 0.5 * (s_end - s) - third
+    given.piece[1, j] = 0.5 * (s_end - s) - cubic
     given.piece[0, j] = 0.5 * (s + s_end) - given.piece[2, j]
-    jump = (given.piece[2, j] - 3.0 * third) * 8.0 - channel.acceleration[j] * h * h
+    jump = (given.piece[2, j] - 3.0 * cubic) * 8.0 - channel.acceleration[j] * h * h
     return abs(jump) <= ACCELERATION_ROUND_OFF * term_sum
 
 
-def store_given_motion(d, j, now):
-    """Record the values that are given to channel j at the communication point ``now`` [s].
+def store_given_motion(d, j, time):
+    """Record the values that are given to channel j at the communication point ``time`` [s].
 
     Return False if the position of a wall or belt jumps, else True. A base that is given a new position
     without velocities gets the mean velocity since its previous given position. The channel of the first
@@ -313,36 +315,38 @@ def store_given_motion(d, j, now):
     """
     given, channel = d.given_channel, d.channel
     s, v, a = given.position[j], given.velocity[j], given.acceleration[j]
-    as_before = s == channel.given_position[j] and channel.mean_velocity[j] == 0.0
-    if as_before and v == channel.given_velocity[j] and a == channel.given_acceleration[j]:
+    has_same_position = s == channel.given_position[j] and channel.mean_velocity[j] == 0.0
+    if has_same_position and v == channel.given_velocity[j] and a == channel.given_acceleration[j]:
         return True
-    lasted = now - channel.given_time[j]
-    before = channel.start_velocity[j]
+    duration = time - channel.given_time[j]
+    v_before = channel.start_velocity[j]
     displacement = s - channel.start_position[j]
-    at_rest, v_anew = v == 0.0 and a == 0.0 and before == 0.0, v != channel.given_velocity[j]
+    at_rest = v == 0.0 and a == 0.0 and v_before == 0.0
+    has_new_velocity = v != channel.given_velocity[j]
     channel.given_position[j], channel.given_velocity[j], channel.given_acceleration[j] = s, v, a
-    channel.given_time[j] = now
+    channel.given_time[j] = time
     channel.mean_velocity[j] = 0.0
     channel.start_position[j] = s
     channel.start_velocity[j] = v
     channel.anchored[j] = 1
-    if as_before:
+    if has_same_position:
         # no new position is given: the position continues from its present value, and so does the velocity
         # if only an acceleration is new
         channel.start_position[j], channel.anchored[j] = channel.position[j], 0
-        channel.start_velocity[j] = v if v_anew else channel.velocity[j]
+        channel.start_velocity[j] = v if has_new_velocity else channel.velocity[j]
         return True
-    unexplained = abs(displacement - 0.5 * lasted * (before + v)) - 0.5 * lasted * abs(v - before)
-    speeds, ignored = lasted * (abs(before) + abs(v)), UNEXPLAINED_DISPLACEMENT * d.chain.longest_link
-    if not unexplained > UNEXPLAINED_PART * speeds + ignored:
+    excess = abs(displacement - 0.5 * duration * (v_before + v)) - 0.5 * duration * abs(v - v_before)
+    largest_displacement = duration * (abs(v_before) + abs(v))
+    ignored_displacement = UNEXPLAINED_DISPLACEMENT * d.chain.longest_link
+    if not excess > UNEXPLAINED_PART * largest_displacement + ignored_displacement:
         return True
-    of_base = d.chain.base_moves and j < 2  # a moving base has the first two channels
-    is_refused = not of_base and unexplained > speeds + ignored
+    moves_base = d.chain.base_moves and j < 2  # a moving base has the first two channels
+    is_refused = not moves_base and excess > largest_displacement + ignored_displacement
     if is_refused or channel.contradiction == 0:
         channel.contradiction, channel.contradiction_distance = j + 1, displacement
-        channel.contradiction_duration, channel.new_velocity = lasted, v
+        channel.contradiction_duration, channel.new_velocity = duration, v
     if is_refused:
         return False
-    if at_rest and lasted > 0.0:
-        channel.mean_velocity[j] = displacement / lasted
+    if at_rest and duration > 0.0:
+        channel.mean_velocity[j] = displacement / duration
     return True

@@ -207,15 +207,15 @@ def move_points(d, link_vectors, change, response):
 
 def largest_component(d, vectors):
     """Return the largest absolute value of all components in the vectors of all places in use."""
-    most = 0.0
+    largest = 0.0
     for k in range(d.links + 1):
-        most = max(most, abs(vectors.x[k]), abs(vectors.y[k]))
+        largest = max(largest, abs(vectors.x[k]), abs(vectors.y[k]))
     if d.chain.has_joint_places:
         for k in range(joint_place(d, 0), joint_place(d, d.links)):
-            most = max(most, abs(vectors.x[k]))
+            largest = max(largest, abs(vectors.x[k]))
     for k in range(site_place(d, 0), site_place(d, d.sites)):
-        most = max(most, abs(vectors.x[k]), abs(vectors.y[k]))
-    return most
+        largest = max(largest, abs(vectors.x[k]), abs(vectors.y[k]))
+    return largest
 
 
 def vector_at_center_of_mass(d, vectors, i):

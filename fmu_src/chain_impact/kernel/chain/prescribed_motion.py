@@ -35,7 +35,7 @@ def move_channels(d, time):
     The function also moves the walls and belts that channels move, for all candidates.
     """
     channel, piece = d.channel, d.inputs.piece
-    x, since = (time - piece.middle) * piece.scale, time - channel.run_start
+    x, run_time = (time - piece.middle) * piece.scale, time - channel.run_start
     for m in range(d.channels):
         s, v, half_a = channel.piece[piece.degree, m], 0.0 * x, 0.0 * x
         for k in range(1, piece.degree + 1):
@@ -47,10 +47,10 @@ def move_channels(d, time):
         channel.position[m] = (
             s
             + channel.added_position[m]
-            + since * (channel.added_velocity[m] + 0.5 * since * channel.added_acceleration[m])
+            + run_time * (channel.added_velocity[m] + 0.5 * run_time * channel.added_acceleration[m])
         )
         channel.velocity[m] = (
-            v * piece.scale + channel.added_velocity[m] + since * channel.added_acceleration[m]
+            v * piece.scale + channel.added_velocity[m] + run_time * channel.added_acceleration[m]
         )
         channel.acceleration[m] = 2.0 * half_a * piece.scale * piece.scale + channel.added_acceleration[m]
     for j in range(d.signals):
@@ -134,10 +134,10 @@ def travel_of_sines(d):
             amplitude = abs(signal.amplitude[i])
             # While the frequency f passes 0 at the rate ḟ, the sine turns slowly, and the integral of a sine
             # with the amplitude a changes by about a/√|ḟ|.
-            slow = math.sqrt(abs(signal.frequency_rate[i]))
-            falls = signal.frequency[i] * signal.frequency_rate[i] < 0.0
+            least_rate = math.sqrt(abs(signal.frequency_rate[i]))
+            passes_zero = signal.frequency[i] * signal.frequency_rate[i] < 0.0
             for _ in range(signal.integrals[j]):
-                amplitude /= slow if falls else max(TAU * abs(signal.frequency[i]), slow)
+                amplitude /= least_rate if passes_zero else max(TAU * abs(signal.frequency[i]), least_rate)
             amplitude_sum += amplitude
     return amplitude_sum
 

@@ -135,23 +135,23 @@ def factorize_matrix(d, link_vectors, space, slot, coupled):
     axx, axy, ayy, ex, ey, p = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     cxx, cxy, cyy, fx, fy, q = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(n - middle):
-        i, inner = n - 1 - k, k - (n - 2 * middle)
+        i, j = n - 1 - k, k - (n - 2 * middle)
         axx, axy, ayy, ex, ey, p = factorize_link(
             d, link_vectors, space, slot, coupled, i, True, impedance.joint[i], axx, axy, ayy, ex, ey, p
         )
-        if inner >= 0:
-            last = inner + 1 == middle
-            resistance = 0.0 if last else impedance.joint[inner + 1]
+        if j >= 0:
+            last = j + 1 == middle
+            resistance = 0.0 if last else impedance.joint[j + 1]
             if last and coupled:
                 # The outward arm's term e·a α couples the motion a of the middle joint with the rotation α of
-                # link `inner`. `factorize_link` needs this term in the motion a' of the link's outer joint:
+                # link j. `factorize_link` needs this term in the motion a' of the link's outer joint:
                 # a = a' − α L⊥, so e·a α = e·a' α − e·L⊥ α². The last term adds −2 e·L⊥ to p, because Z has
                 # ½ p α². L leads from the middle joint to the outer joint, and the entry in ``link_vectors``
                 # the other way: L is minus this entry.
-                q += p + cross_product(2.0 * link_vectors.x[inner], 2.0 * link_vectors.y[inner], ex, ey)
+                q += p + cross_product(2.0 * link_vectors.x[j], 2.0 * link_vectors.y[j], ex, ey)
                 fx, fy = fx + ex, fy + ey
             cxx, cxy, cyy, fx, fy, q = factorize_link(
-                d, link_vectors, space, slot, coupled, inner, False, resistance, cxx, cxy, cyy, fx, fy, q
+                d, link_vectors, space, slot, coupled, j, False, resistance, cxx, cxy, cyy, fx, fy, q
             )
     axx = axx + cxx + impedance.xx[middle]
     axy = axy + cxy + impedance.xy[middle]
@@ -256,31 +256,31 @@ def solve_response(d, link_vectors, space, slot, change):
     bx, by, t = 0.0, 0.0, 0.0
     cx, cy, u = 0.0, 0.0, 0.0
     for k in range(n - middle):
-        i, inner = n - 1 - k, k - (n - 2 * middle)
+        i, j = n - 1 - k, k - (n - 2 * middle)
         bx, by, t = gather_loads(
             d, link_vectors, space, slot, coupled, i, True, load.joint[i], bx, by, t, change
         )
-        if inner >= 0:
-            last = inner + 1 == middle
-            moment = 0.0 if last else -load.joint[inner + 1]
+        if j >= 0:
+            last = j + 1 == middle
+            moment = 0.0 if last else -load.joint[j + 1]
             u = u + t if last else u
             cx, cy, u = gather_loads(
-                d, link_vectors, space, slot, coupled, inner, False, moment, cx, cy, u, change
+                d, link_vectors, space, slot, coupled, j, False, moment, cx, cy, u, change
             )
     bx, by = bx + cx + load.x[middle], by + cy + load.y[middle]
     mobility = space.factors.middle_mobility
     x = mobility[slot, 0] * bx + mobility[slot, 1] * by
     y = mobility[slot, 1] * bx + mobility[slot, 2] * by
-    cx, cy, turned, before = x, y, 0.0, 0.0
+    cx, cy, rotation, rate_before = x, y, 0.0, 0.0
     for k in range(n - middle):
         if k < middle:
             i = middle - 1 - k
-            cx, cy, turned = spread_motion(
-                link_vectors, space, slot, coupled, i, False, cx, cy, turned, change
+            cx, cy, rotation = spread_motion(
+                link_vectors, space, slot, coupled, i, False, cx, cy, rotation, change
             )
-            before = turned if k == 0 else before
-        x, y, before = spread_motion(
-            link_vectors, space, slot, coupled, middle + k, True, x, y, before, change
+            rate_before = rotation if k == 0 else rate_before
+        x, y, rate_before = spread_motion(
+            link_vectors, space, slot, coupled, middle + k, True, x, y, rate_before, change
         )
     change[0], change[1] = cx, cy
 
@@ -311,12 +311,12 @@ def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, 
 
 
 @inlined
-def spread_motion(link_vectors, space, slot, coupled, i, outward, x, y, before, change):
+def spread_motion(link_vectors, space, slot, coupled, i, outward, x, y, rate_before, change):
     """Add to the change of ω_i the effects of the inner joint's motion and of the inward link's rotation.
 
-    ``x`` and ``y`` are the components of the inner joint's change of velocity a, and ``before`` is the change
-    β of the angular velocity of the inward link. The inner joint of link i is nearer to the middle joint;
-    beyond the inner joint lies the inward link.
+    ``x`` and ``y`` are the components of the inner joint's change of velocity a, and ``rate_before`` is the
+    change β of the angular velocity of the inward link. The inner joint of link i is nearer to the middle
+    joint; beyond the inner joint lies the inward link.
 
     Returns:
         The change of the outer joint's velocity, x and y, and the whole change of ω_i.
@@ -325,6 +325,6 @@ def spread_motion(link_vectors, space, slot, coupled, i, outward, x, y, before, 
     # change of the link's angular velocity: α = (s + μ − h·a + κ β)/(H + κ)
     alpha = change[FIRST_ANGLE + i] - factors.gain_x[slot, i] * x - factors.gain_y[slot, i] * y
     if coupled:
-        alpha += factors.coupling[slot, i] * before
+        alpha += factors.coupling[slot, i] * rate_before
     change[FIRST_ANGLE + i] = alpha
     return x - alpha * (sign * link_vectors.y[i]), y + alpha * (sign * link_vectors.x[i]), alpha

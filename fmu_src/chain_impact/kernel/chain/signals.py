@@ -184,11 +184,11 @@ def make_largest_rate(acts):
     """
 
     def rate(d):
-        most = 0.0
+        largest = 0.0
         for j in range(d.signals):
             if acts(d, j):
-                most = max(most, signal_rate(d, j))
-        return most
+                largest = max(largest, signal_rate(d, j))
+        return largest
 
     return rate
 
@@ -304,8 +304,8 @@ def derive_sine(d, i, k):
     signal = d.signal
     rises = signal.rise[i] > 0.0
     _, sine = unit_vector(signal.phase[i])
-    before = signal.mean[i] + (0.0 if rises else signal.amplitude[i] * sine)
-    set_constant_knot(d, k, signal.start[i], before)
+    mean_before = signal.mean[i] + (0.0 if rises else signal.amplitude[i] * sine)
+    set_constant_knot(d, k, signal.start[i], mean_before)
     set_constant_knot(d, k + 1, signal.start[i], signal.mean[i])
     set_constant_knot(d, k + 2, signal.start[i] + signal.rise[i], signal.mean[i])
 
@@ -348,10 +348,10 @@ def integrate_signal(d, j, time):
         knot.powers[k, 0] = 0.0
         if k > signal.first_knot[j]:
             signal.segment[j] = k - 1
-            before, _, _ = signal_at(d, j, knot.time[k])
+            value_before, _, _ = signal_at(d, j, knot.time[k])
             signal.segment[j] = k
-            after, _, _ = signal_at(d, j, knot.time[k])
-            knot.powers[k, 0] = before - after
+            value_after, _, _ = signal_at(d, j, knot.time[k])
+            knot.powers[k, 0] = value_before - value_after
     begin_signal(d, j, time)
     u, _, _ = signal_at(d, j, time)
     for k in range(signal.first_knot[j], signal.last_knot[j] + 1):
@@ -375,7 +375,7 @@ def signals_are_valid(d):
                 total += d.knot.powers[k, p]
         # sines.py has no integral of a sine that has the frequency 0 at all times: its formulas divide by the
         # frequency
-        still = signal.form[j] == SINE and signal.frequency[i] == 0.0 and signal.frequency_rate[i] == 0.0
-        if not math.isfinite(total) or (still and signal.order[j] > 0):
+        is_still = signal.form[j] == SINE and signal.frequency[i] == 0.0 and signal.frequency_rate[i] == 0.0
+        if not math.isfinite(total) or (is_still and signal.order[j] > 0):
             return False
     return True

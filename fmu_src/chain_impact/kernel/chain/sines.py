@@ -107,22 +107,22 @@ def integral_by_fraction(m, rates, s, rise):
     """
     omega, g = rates
     y = g / (omega * omega)
-    last = m + 1 + (SMOOTH_RAMP_DEGREE if rise > 0.0 else 0)
-    depth, error = last, 1.0
-    most = (FRACTION_DEPTH_IN_RISE if rise > 0.0 else FRACTION_DEPTH) + FRACTION_DEPTH_GROWTH * abs(y)
-    while error > FRACTION_ERROR and depth < most:
-        depth += 1
+    last_level = m + 1 + (SMOOTH_RAMP_DEGREE if rise > 0.0 else 0)
+    level_count, error = last_level, 1.0
+    most_levels = (FRACTION_DEPTH_IN_RISE if rise > 0.0 else FRACTION_DEPTH) + FRACTION_DEPTH_GROWTH * abs(y)
+    while error > FRACTION_ERROR and level_count < most_levels:
+        level_count += 1
         # the error of a level K_n/K_{n−1} of the fraction is at most n |y| times the error of the next level
         # K_{n+1}/K_n; the module's docstring has the symbols
-        error *= depth * abs(y)
+        error *= level_count * abs(y)
     ratio_u, ratio_v, u, v = 1.0 + 0.0 * y, 0.0 * y, 0.0 * y, 0.0 * y
-    for k in range(depth):
-        n = depth - k
+    for k in range(level_count):
+        n = level_count - k
         a, b = 1.0 - n * y * ratio_v, n * y * ratio_u
         squared_modulus = a * a + b * b
         ratio_u, ratio_v = a / squared_modulus, -b / squared_modulus
         u, v = (u * ratio_v + v * ratio_u) / omega, (v * ratio_v - u * ratio_u) / omega
-        if m < n <= last:
+        if m < n <= last_level:
             u += rise_coefficient(m, n - m - 1, s, rise)
     return u, v
 
@@ -188,17 +188,17 @@ def integral_at_standstill(d, i, begins_up):
     return middle, amplitude * cosine, amplitude * sine
 
 
-def add_fresnel_integral(middle, since, g, u, v):
-    """Add to u and v the real and imaginary part of ∫ e^{i(Φ* + ½ g t²)} dt from t = 0 to ``since`` [s].
+def add_fresnel_integral(middle, duration, g, u, v):
+    """Add to u and v the real and imaginary part of ∫ e^{i(Φ* + ½ g t²)} dt from t = 0 to ``duration`` [s].
 
-    ``middle`` is the phase Φ* [rad] at the time s* of frequency zero, ``since`` the time since s*, and ``g``
-    the rate of the angular frequency [rad/s²]. Returns the new u and v.
+    ``middle`` is the phase Φ* [rad] at the time s* of frequency zero, ``duration`` the time since s*, and
+    ``g`` the rate of the angular frequency [rad/s²]. Returns the new u and v.
     """
     for n in range(len(GAUSS_NODES)):
-        t = since * GAUSS_NODES[n]
+        t = duration * GAUSS_NODES[n]
         cosine, sine = unit_vector(middle + 0.5 * g * t * t)
-        u += GAUSS_WEIGHTS[n] * since * cosine
-        v += GAUSS_WEIGHTS[n] * since * sine
+        u += GAUSS_WEIGHTS[n] * duration * cosine
+        v += GAUSS_WEIGHTS[n] * duration * sine
     return u, v
 
 

@@ -60,30 +60,30 @@ def overlap_margin(d, c, time):
     return base_clearance(d, c) + ALLOWED_OVERLAP
 
 
-def time_of_meeting(d, c, until):
+def time_of_meeting(d, c, end):
     """Return the first time [s] in the last step at which ``base_clearance`` falls to −ALLOWED_OVERLAP.
 
-    The wall is that of candidate c. The result is ``until`` [s] if the clearance does not fall so far before
-    ``until``, and a time without meaning if the cost exceeds the limit, which ends the run.
+    The wall is that of candidate c. The result is ``end`` [s] if the clearance does not fall so far before
+    ``end``, and a time without meaning if the cost exceeds the limit, which ends the run.
     """
     _, acceleration = prescribed_bounds(d, c)
-    a, b = d.step.start, until
-    at_a, at_b = overlap_margin(d, c, a), overlap_margin(d, c, b)
-    while at_a >= 0.0 and not is_cost_exceeded(d):
+    a, b = d.step.start, end
+    margin_a, margin_b = overlap_margin(d, c, a), overlap_margin(d, c, b)
+    while margin_a >= 0.0 and not is_cost_exceeded(d):
         width = b - a
         sag = acceleration * width * width / 8.0
         # with a sag below ALLOWED_OVERLAP the clearance g falls through −ALLOWED_OVERLAP at most once in the
         # interval, up to round-off
-        short = sag < ALLOWED_OVERLAP
-        if short and at_b < 0.0:
+        is_short = sag < ALLOWED_OVERLAP
+        if is_short and margin_b < 0.0:
             return time_of_passage(d, c, a, b)
-        if short or min(at_a, at_b) >= sag:
-            if b >= until:
-                return until
-            a, at_a, b = b, at_b, min(until, b + 2.0 * width)
+        if is_short or min(margin_a, margin_b) >= sag:
+            if b >= end:
+                return end
+            a, margin_a, b = b, margin_b, min(end, b + 2.0 * width)
         else:
             b = a + 0.5 * width
-        at_b = overlap_margin(d, c, b)
+        margin_b = overlap_margin(d, c, b)
     return a
 
 

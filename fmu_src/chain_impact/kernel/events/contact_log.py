@@ -143,13 +143,13 @@ def update_instance_to_communication_point(d):
 
     The cost does not count, because the caller, not the motion, chooses the communication point.
     """
-    counted = read_cost_counts(d)
+    counts = read_cost_counts(d)
     end_at_communication_point(d)
     ensure_rate(d)
     update_peaks(d)
     commit_quadratures(d)
     log_active_contacts(d)
-    restore_cost_counts(d, counted)
+    restore_cost_counts(d, counts)
 
 
 def end_at_communication_point(d):
@@ -159,12 +159,12 @@ def end_at_communication_point(d):
     and changes of modes stay marked, because the next step would not find them, for example the arrival of a
     point that is already at the wall.
     """
-    due = d.step.end == d.step.communication_point
+    ends_here = d.step.end == d.step.communication_point
     truncate_to_communication_point(d)
     for c in range(d.candidates):
-        if not (due and d.contacts.event[c] == ONSET):
+        if not (ends_here and d.contacts.event[c] == ONSET):
             mark_contact_event(d, c, NO_EVENT)
-    if not due:
+    if not ends_here:
         drop_changes(d)
 
 

@@ -179,10 +179,10 @@ def check_candidate(d, c, a, b):
     falls = end < (-harmless if near else 0.0) and rate_end < 0.0
     if start > sag - harmless and end > sag - harmless and not falls:
         return QUIET
-    settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
+    is_monotonic = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
     # `not sag >= …` is true for a NaN; with `sag < …` the interval would be halved without end
     if (
-        settled
+        is_monotonic
         or not sag >= CROSSING_RESOLUTION * d.chain.longest_link
         or (b - a <= FINE_INTERVAL and skims_wall(d, c, width))
     ):
@@ -201,9 +201,9 @@ def skims_wall(d, c, width):
     This is so if the clearance and its change are below SKIMMING_CLEARANCE, relative to the longest link.
     """
     search = d.search
-    moved = width * max(abs(search.phi_start_rate[c]), abs(search.phi_end_rate[c]))
+    distance = width * max(abs(search.phi_start_rate[c]), abs(search.phi_end_rate[c]))
     return (
-        max(abs(search.phi_start[c]), abs(search.phi_end[c]), moved)
+        max(abs(search.phi_start[c]), abs(search.phi_end[c]), distance)
         < SKIMMING_CLEARANCE * d.chain.longest_link
     )
 
@@ -223,7 +223,7 @@ def locate_crossing(d, a, b):
     ``check_interval`` must have returned CROSSES for this interval. Events count as simultaneous up to
     SIMULTANEOUS_TIME and round-off.
     """
-    first, located = b, -1
+    first, candidate = b, -1
     for k in range(d.search.suspect_count):
         c = d.search.suspect_index[k]
         kind = CONTACT_ENDS if d.contacts.active[c] else ONSET
@@ -234,13 +234,13 @@ def locate_crossing(d, a, b):
         # candidate with φ ≥ 0 there has its event later
         if d.contacts.event[c] and d.search.phi_end[c] < 0.0:
             first = find_root(d, c, a, first)
-            located = c
-    within = SIMULTANEOUS_TIME + 4e-16 * abs(d.step.end)
+            candidate = c
+    simultaneous_time = SIMULTANEOUS_TIME + 4e-16 * abs(d.step.end)
     for k in range(d.search.suspect_count):
         c = d.search.suspect_index[k]
         # The candidate `located` stays marked, because round-off alone may put the φ of a slow point above
         # the limit.
-        if c != located and d.search.phi_end[c] > within * abs(d.search.phi_end_rate[c]):
+        if c != candidate and d.search.phi_end[c] > simultaneous_time * abs(d.search.phi_end_rate[c]):
             mark_contact_event(d, c, NO_EVENT)
     return first
 
@@ -314,8 +314,8 @@ def bound_curvature(d):
             # v and a are bounds on |ġ| and |dġ/ds|. A channel is a function of time t, so its acceleration
             # times the bound p on dt/ds adds to the bound on |dġ/ds|.
             v, a = v + speed, a + p * acceleration
-        of_links = links_curvature(d, c) if not is_at_joint_stop(d, c) else 0.0
-        d.search.curvature[c] = p * a + change * v + of_links
+        curvature_by_links = links_curvature(d, c) if not is_at_joint_stop(d, c) else 0.0
+        d.search.curvature[c] = p * a + change * v + curvature_by_links
     if was_implicit(d):
         bound_curvatures(d, d.step.size)
 

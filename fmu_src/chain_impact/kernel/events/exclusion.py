@@ -73,30 +73,30 @@ def excludes_events(d):
     # The interpolant of a clearance φ has the error h⁶ φ⁽⁶⁾/46080, with the step size h. `error` is ten times
     # this for the tip of a stretched chain in uniform rotation. If the motion may decay or oscillate with a
     # rate ρ above the angular velocity of the rotation, |φ⁽⁶⁾| = ρ⁴ |φ̈| counts, with the φ̈ of the rotation.
-    fade = (d.step.end - d.step.start) * d.chain.joint_rate_bound
-    way = distance_per_radian(d)
+    decay = (d.step.end - d.step.start) * d.chain.joint_rate_bound
+    distance = distance_per_radian(d)
     if d.channels > 0:
-        way += travel_of_piece(d)
-    turns, larger = turn * turn, max(turn, fade)
-    larger *= larger
-    error = way * turns * (larger * larger) / 4608.0
-    clear, apart = turn < SMALL_TURN, error + allowed_position_error(d)
+        distance += travel_of_piece(d)
+    turn_square, larger_square = turn * turn, max(turn, decay)
+    larger_square *= larger_square
+    error = distance * turn_square * (larger_square * larger_square) / 4608.0
+    is_excluded, clearance_error = turn < SMALL_TURN, error + allowed_position_error(d)
     for c in range(d.candidates):
         # The loop has no branches, so that the compiler can use vector instructions: both conditions are
         # evaluated for all candidates. The second condition is true for every contact: contacts with a force
         # are tested below, and held points have no crossings.
-        clear = clear & (stays_positive(d, c, apart) | (d.contacts.active[c] != 0))
+        is_excluded = is_excluded & (stays_positive(d, c, clearance_error) | (d.contacts.active[c] != 0))
     for k in range(d.contacts.compliant_count):
         # `allowed_position_error` is not added: the errors of a penetration are far smaller than the errors
         # of a position
         c = d.contacts.active_index[k]
-        clear = clear and stays_in_contact(d, c, error) and force_stays_smooth(d, c)
-    if not clear:
+        is_excluded = is_excluded and stays_in_contact(d, c, error) and force_stays_smooth(d, c)
+    if not is_excluded:
         if turn < SMALL_TURN:
-            suspect_candidates_near(d, apart, error)
+            suspect_candidates_near(d, clearance_error, error)
         else:
             suspect_all_candidates(d)
-    return clear
+    return is_excluded
 
 
 def suspect_all_candidates(d):
@@ -106,21 +106,21 @@ def suspect_all_candidates(d):
         d.search.suspect_index[c] = c
 
 
-def suspect_candidates_near(d, apart, error):
+def suspect_candidates_near(d, clearance_error, penetration_error):
     """Let the search examine the candidates that the test at the step's ends does not exclude.
 
     Args:
         d: the instance, with φ, φ′ and φ″ at both ends.
-        apart: the error [m] of the clearances of candidates without contact.
-        error: the error [m] of the penetrations of candidates in contact.
+        clearance_error: the error [m] of the clearances of candidates without contact.
+        penetration_error: the error [m] of the penetrations of candidates in contact.
     """
     search, count = d.search, 0
     for c in range(d.candidates):
         if d.contacts.active[c]:
-            suspected = not d.law.impulsive[c] and not stays_in_contact(d, c, error)
+            is_suspect = not d.law.impulsive[c] and not stays_in_contact(d, c, penetration_error)
         else:
-            suspected = not stays_positive(d, c, apart)
-        if suspected:
+            is_suspect = not stays_positive(d, c, clearance_error)
+        if is_suspect:
             search.suspect_index[count] = c
             count += 1
     search.suspect_count = count
@@ -154,27 +154,29 @@ def remains_far(d):
     force law, except a regularized contact that lasts, keeps its latched speed v₀ and crosses no kink. If the
     result is true, DISTANCE_KNOWN is remembered.
     """
-    step, search, lasted = d.step, d.search, d.step.end - d.step.start
+    step, search, duration = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed_bound, search.acceleration_bound
     search.speed_bound = length_bound(d, d.scratch.velocity)
     search.acceleration_bound = length_bound(d, d.scratch.acceleration)
     if d.channels > 0:
-        rate, rate_change = fastest_wall(d)
-        search.speed_bound = search.speed_bound + rate
-        search.acceleration_bound = search.acceleration_bound + rate_change
+        wall_speed, wall_acceleration = fastest_wall(d)
+        search.speed_bound = search.speed_bound + wall_speed
+        search.acceleration_bound = search.acceleration_bound + wall_acceleration
     # `way` estimates how far any place moves relative to walls in the step, from the speeds and accelerations
     # at both ends; the acceleration counts double, as a margin
-    way = lasted * (max(speed, search.speed_bound) + lasted * max(acceleration, search.acceleration_bound))
-    search.safe_distance -= way
+    distance = duration * (
+        max(speed, search.speed_bound) + duration * max(acceleration, search.acceleration_bound)
+    )
+    search.safe_distance -= distance
     if not (known_clearances(d) >= CURVATURES_KNOWN and search.safe_distance > allowed_position_error(d)):
         return False
     if step.regularized == NO_CONTACT:
-        far = d.contacts.compliant_count == 0
+        is_far = d.contacts.compliant_count == 0
     else:
-        far = step.state_end[sundman_u_at(d.links)] > 0.0 and force_stays_smooth(d, step.regularized)
-    if far:
+        is_far = step.state_end[sundman_u_at(d.links)] > 0.0 and force_stays_smooth(d, step.regularized)
+    if is_far:
         remember_clearances(d, DISTANCE_KNOWN)
-    return far
+    return is_far
 
 
 def force_stays_smooth(d, c):
@@ -206,9 +208,9 @@ def stays_positive(d, c, error):
     b2 = 2.0 * b1 - d.search.phi_start[c] + h * h * d.search.phi_start_curvature[c] / 20.0
     b4 = d.search.phi_end[c] - h * d.search.phi_end_rate[c] / 5.0
     b3 = 2.0 * b4 - d.search.phi_end[c] + h * h * d.search.phi_end_curvature[c] / 20.0
-    least = min(b1, b2, b3, b4, d.search.phi_end[c])
-    most = max(b1, b2, b3, b4, d.search.phi_end[c])
-    return least > BERNSTEIN_MARGIN * (most - least) + error - d.law.harmless_depth[c]
+    least_b = min(b1, b2, b3, b4, d.search.phi_end[c])
+    largest_b = max(b1, b2, b3, b4, d.search.phi_end[c])
+    return least_b > BERNSTEIN_MARGIN * (largest_b - least_b) + error - d.law.harmless_depth[c]
 
 
 def stays_in_contact(d, c, error):
@@ -233,14 +235,14 @@ def measure_all_candidates(d, y):
     """
     slope = set_clearances(d, y)
     u = y[sundman_u_at(d.links)]
-    p, change = time_rate_at(d, u), regularized_time_rate_change(u, slope)
-    least = math.inf
+    p, rate_change = time_rate_at(d, u), regularized_time_rate_change(u, slope)
+    least_clearance = math.inf
     for c in range(d.candidates):
         # derivatives of a clearance φ in the step's variable s, with p = dt/ds: φ′ = p φ̇, φ″ = p² φ̈ + p′ φ̇
         _, clearance_rate = clearance_and_rate(d, c)
-        d.search.phi_end_curvature[c] = p * p * clearance_acceleration(d, c) + change * clearance_rate
-        least = min(least, math.inf if d.contacts.active[c] else d.search.phi_end[c])
-    d.search.safe_distance = least
+        d.search.phi_end_curvature[c] = p * p * clearance_acceleration(d, c) + rate_change * clearance_rate
+        least_clearance = min(least_clearance, math.inf if d.contacts.active[c] else d.search.phi_end[c])
+    d.search.safe_distance = least_clearance
     for k in range(d.contacts.compliant_count):
         c = d.contacts.active_index[k]
         if c == d.step.regularized:

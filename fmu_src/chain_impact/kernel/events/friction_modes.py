@@ -50,7 +50,7 @@ ACCELERATION_ERROR = 1e-9
 SPEED_ERROR_AT_REST = 1e-3
 
 
-def choose_friction_modes(d, jumped):
+def choose_friction_modes(d, speeds_may_jump):
     """Choose the modes of friction at the end of the last step, and move sticking elements to their anchors.
 
     The changes of modes are logged. The marks of the last step that a mode ends (events/marks.py) are
@@ -58,8 +58,8 @@ def choose_friction_modes(d, jumped):
 
     Args:
         d: the instance, with the points located at the end of the last step.
-        jumped: whether speeds may have jumped. If not, an element that stuck up to now counts as at rest in
-            spite of a small speed, which is a numerical error.
+        speeds_may_jump: whether speeds may have jumped. If not, an element that stuck up to now counts as at
+            rest in spite of a small speed, which is a numerical error.
     """
     friction = d.friction
     list_friction(d)
@@ -67,14 +67,14 @@ def choose_friction_modes(d, jumped):
         d.element.mode_before[e] = NO_FRICTION if begins_now(d, e) else d.element.mode[e]
         set_friction_mode(d, e, NO_FRICTION)
     for i in range(friction.count):
-        set_friction_mode(d, d.element.index[i], first_mode(d, d.element.index[i], jumped))
+        set_friction_mode(d, d.element.index[i], first_mode(d, d.element.index[i], speeds_may_jump))
     drop_changes(d)
     decide_onsets(d)
     make_modes_consistent(d)
     clear_other_forces(d)
     for i in range(friction.stuck_count):
         e = d.element.stuck_index[i]
-        if jumped or d.element.mode_before[e] != STICKS:
+        if speeds_may_jump or d.element.mode_before[e] != STICKS:
             set_element_anchor(d, e)
     log_changes(d)
     for i in range(friction.count):
@@ -85,7 +85,7 @@ def choose_friction_modes(d, jumped):
         widen_slack(d, d.element.index[i])
 
 
-def reinit_friction_modes(d, jumped):
+def reinit_friction_modes(d, speeds_may_jump):
     """Choose the modes anew (``choose_friction_modes``), after parameters, inputs or the state have been set.
 
     If the scene neither has dry friction nor had any until now, no modes are chosen; else the last step is
@@ -93,12 +93,12 @@ def reinit_friction_modes(d, jumped):
 
     Args:
         d: the instance.
-        jumped: whether speeds may have jumped, as for ``choose_friction_modes``.
+        speeds_may_jump: whether speeds may have jumped, as for ``choose_friction_modes``.
     """
     set_friction_used(d)
     if d.friction.used or d.friction.count > 0:
         locate_points(d, d.step.state_end)
-        choose_friction_modes(d, jumped)
+        choose_friction_modes(d, speeds_may_jump)
         reset_step(d, d.step.end, d.step.state_end)
 
 
@@ -125,29 +125,29 @@ def widen_slack(d, e):
         d.element.slack[e] = max(d.element.slack[e], 2.0 * backward)
 
 
-def first_mode(d, e, jumped):
+def first_mode(d, e, speeds_may_jump):
     """Return a first mode of element e; mark e as undecided if e is at rest or its sticking ends.
 
     At rest means that the speed is 0 up to a tolerance. The mode of a moving element is the sign of the
     motion. An element at rest keeps its mode, but sticks if its sliding ends or its contact begins. An
     element whose sticking ends slides against the friction force. ``make_modes_consistent`` may change the
-    mode of an undecided element. ``jumped``: whether speeds may have jumped.
+    mode of an undecided element. ``speeds_may_jump``: whether speeds may have jumped.
     """
     speed = tangential_rate(d, e)
-    before, event = d.element.mode_before[e], d.element.event[e]
+    mode_before, event = d.element.mode_before[e], d.element.event[e]
     d.element.undecided[e] = 1
     if event == STICKING_ENDS:
         return sliding_sign(d.element.force[e])
-    resting = event == SLIDING_ENDS or (before == STICKS and not jumped)
-    if resting and abs(speed) <= SPEED_ERROR_AT_REST * d.chain.longest_link:
+    is_at_rest = event == SLIDING_ENDS or (mode_before == STICKS and not speeds_may_jump)
+    if is_at_rest and abs(speed) <= SPEED_ERROR_AT_REST * d.chain.longest_link:
         return STICKS
     # an element that has been sliding counts as at rest up to its slack: a speed below the slack may be an
     # error
-    slides = abs(before) == 1 and not jumped
+    slides = abs(mode_before) == 1 and not speeds_may_jump
     if abs(speed) > rest_speed(d) + (d.element.slack[e] if slides else 0.0):
         d.element.undecided[e] = 0
         return sliding_sign(-speed)
-    return STICKS if before == NO_FRICTION else before
+    return STICKS if mode_before == NO_FRICTION else mode_before
 
 
 @has_dual_rule
@@ -159,10 +159,10 @@ def make_modes_consistent(d):
     """
     fewest, stalls_left = d.friction.count + 1, MAX_STALLED_PIVOTS
     while stalls_left >= 0:
-        wrong = count_inconsistent_now(d)
-        if wrong == 0:
+        inconsistent_count = count_inconsistent_now(d)
+        if inconsistent_count == 0:
             return
-        fewest, stalls_left = count_stalls(wrong, fewest, stalls_left)
+        fewest, stalls_left = count_stalls(inconsistent_count, fewest, stalls_left)
         for i in range(d.friction.count):
             e = d.element.index[i]
             if is_inconsistent(d, e):
@@ -210,25 +210,25 @@ def slide_at_limits(d):
     If no force is at its limit, all elements could stick, with other shares of the forces. In this case the
     element slides whose constraint force exceeds its limit most, and no other element.
     """
-    all_stick, worst, most = True, -1, -math.inf
+    all_stick, element, largest_excess = True, -1, -math.inf
     for i in range(d.friction.stuck_count):
         e = d.element.stuck_index[i]
         excess = abs(d.element.force[e]) - d.element.friction_limit[e]
         if d.limited_forces.at_limit[i] != 0:
             set_friction_mode(d, e, sliding_sign(float(d.limited_forces.at_limit[i])))
             all_stick = False
-        elif is_inconsistent(d, e) and excess > most:
-            worst, most = e, excess
+        elif is_inconsistent(d, e) and excess > largest_excess:
+            element, largest_excess = e, excess
     if all_stick:
-        set_friction_mode(d, worst, sliding_sign(d.element.force[worst]))
+        set_friction_mode(d, element, sliding_sign(d.element.force[element]))
 
 
 def count_inconsistent(d):
     """Return the number of elements with friction for which ``is_inconsistent`` is true."""
-    wrong = 0
+    inconsistent_count = 0
     for i in range(d.friction.count):
-        wrong += is_inconsistent(d, d.element.index[i])
-    return wrong
+        inconsistent_count += is_inconsistent(d, d.element.index[i])
+    return inconsistent_count
 
 
 def is_inconsistent(d, e):
@@ -247,13 +247,13 @@ def acceleration_error(d):
     It is the sum of round-off (ACCELERATION_ERROR) and of twice the largest acceleration that the constraints
     leave to a sticking element.
     """
-    left = 0.0
+    residual = 0.0
     for i in range(d.friction.stuck_count):
-        left = max(left, abs(tangential_acceleration(d, d.element.stuck_index[i])))
+        residual = max(residual, abs(tangential_acceleration(d, d.element.stuck_index[i])))
     return (
         ACCELERATION_ERROR
         * (largest_component(d, d.scratch.acceleration) + d.chain.gravity_magnitude + d.chain.longest_link)
-        + 2.0 * left
+        + 2.0 * residual
     )
 
 

@@ -97,10 +97,10 @@ def apply_events(d):
         a rigid wall holds a point or has an event; the scene has dry friction or a drive with a limit.
     """
     # ``onset``: the last candidate with a force law whose contact this function begins; −1: none begins
-    contacts, onset, jumped = d.contacts, -1, False
+    contacts, onset, may_have_jumped = d.contacts, -1, False
     # whether the proposed step size stays valid if a contact lasts and none begins: after the end of a
     # friction or drive mode and, in the loop below, after a kink or a relatch
-    goes_on = count_pending_changes(d) + d.drive.mode_ends > 0
+    keeps_size = count_pending_changes(d) + d.drive.mode_ends > 0
     # ``rigid``: a rigid wall holds a point or has an event; ``rigid_impact``: a point hits a rigid wall
     rigid, rigid_impact = any_point_held(d), has_rigid_onset(d)
     locate_points(d, d.step.state_end)
@@ -121,8 +121,8 @@ def apply_events(d):
             # ``handle_impact`` begins this contact after the impulses, because the impulses change the impact
             # speed
             continue
-        jumped = apply_event(d, c, kind) or jumped
-        goes_on = goes_on or kind in (RELATCH, KINK)
+        may_have_jumped = apply_event(d, c, kind) or may_have_jumped
+        keeps_size = keeps_size or kind in (RELATCH, KINK)
         onset = c if kind == ONSET else onset
         mark_contact_event(d, c, NO_EVENT)
     if rigid:
@@ -139,23 +139,23 @@ def apply_events(d):
             control.propose_flight_size(d)
         begin_flight(d)
     else:
-        choose_next_size(d, onset, goes_on)
+        choose_next_size(d, onset, keeps_size)
     has_modes = d.friction.used != 0 or d.chain.has_drive_limits != 0
     if has_modes:
         expect_peaks(d)
-    return jumped or rigid or has_modes
+    return may_have_jumped or rigid or has_modes
 
 
-def reinit_contacts_and_modes(d, jumped):
+def reinit_contacts_and_modes(d, speeds_may_jump):
     """Choose again what laws and inputs decide, because laws or inputs may have changed.
 
     Chosen are the contacts with rigid walls that go on, the modes of drives and of friction, and the sides of
-    kinks. ``jumped`` tells whether speeds may have jumped, such as the speed of a belt. If no speed has
-    jumped, an element that stuck counts as at rest in spite of a small speed.
+    kinks. ``speeds_may_jump`` tells whether speeds may have jumped, such as the speed of a belt. If no speed
+    has jumped, an element that stuck counts as at rest in spite of a small speed.
     """
     recompute_active_set(d)
     choose_saturation(d)
-    reinit_friction_modes(d, jumped)
+    reinit_friction_modes(d, speeds_may_jump)
     set_kink_sides(d)
     expect_peaks(d)
 
@@ -173,21 +173,21 @@ def recompute_active_set(d):
     reset_step(d, d.step.end, d.step.state_end)
 
 
-def choose_next_size(d, onset, goes_on):
+def choose_next_size(d, onset, keeps_size):
     """Choose the size and the method of the step that follows after events.
 
     Args:
         d: the instance.
         onset: the candidate with a force law whose contact has begun at these events; the last of several, −1
             if none has.
-        goes_on: whether the proposed size stays valid while contacts last; not used if ``onset`` ≥ 0.
+        keeps_size: whether the proposed size stays valid while contacts last; not used if ``onset`` ≥ 0.
     """
     if d.contacts.active_count == 0:
         clear_loads(d)
         control.propose_flight_size(d)
         control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
         begin_flight(d)
-    elif onset >= 0 or not (goes_on or is_implicit(d)):
+    elif onset >= 0 or not (keeps_size or is_implicit(d)):
         c = onset if onset >= 0 else d.contacts.active_index[0]
         control.propose_size(d, control.size_at_onset(d, c, EXPLICIT))
     if onset >= 0:

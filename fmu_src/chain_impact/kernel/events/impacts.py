@@ -103,22 +103,22 @@ def handle_impact(d):
     contacts, onset = d.contacts, -1
     # the state may be interpolated, so that it violates the constraints a little, and is projected first
     project_state(d, d.step.state_end)
-    hit = False
+    has_hit = False
     for c in range(d.candidates):
         if contacts.event[c] == ONSET and d.law.impulsive[c]:
             latch_onset(d, c)
-            hit = True
-    if hit:
+            has_hit = True
+    if has_hit:
         join_near_contacts(d)
     list_active_contacts(d)
-    if hit:
-        gentle = d.friction.stuck_count > 0 and is_gentle(d)
-        if not gentle:
+    if has_hit:
+        impact_is_gentle = d.friction.stuck_count > 0 and is_gentle(d)
+        if not impact_is_gentle:
             suspend_sticking(d)
         apply_impulses(d)
         end_rebounding_contacts(d)
         if d.friction.used:
-            stop_held_points(d, gentle)
+            stop_held_points(d, impact_is_gentle)
         set_rates_after_impulses(d)
         onset = begin_late_contacts(d)
         if d.friction.used:
@@ -183,17 +183,17 @@ def join_near_contacts(d):
 
 def apply_impulses(d):
     """Apply the impulses of an impact to the velocities; count lost energy and the work of moving walls."""
-    lost, moved = find_impulses(d, 1.0)
-    if lost < -IMPACT_ROUND_OFF * moved or lacks_rebound(d):
+    loss, exchange = find_impulses(d, 1.0)
+    if loss < -IMPACT_ROUND_OFF * exchange or lacks_rebound(d):
         # The impulses add energy, as a NEIGHBOUR that moves away from its wall can cause, or a wedged point
         # cannot rebound. In both cases the impulses are found again with the restitution 0 of all contacts.
-        lost, _ = find_impulses(d, 0.0)
+        loss, _ = find_impulses(d, 0.0)
     for k in range(d.contacts.active_count):
         c = d.contacts.active_index[k]
         if d.contacts.event[c] == NEIGHBOUR and d.constraints.impulse[k] > 0.0:
             latch_onset(d, c)
     add_change(d, d.step.state_end, velocity_at(d.links))
-    count_dissipated(d, max(0.0, lost))
+    count_dissipated(d, max(0.0, loss))
     if d.channels > 0:
         count_supplied(d, work_of_impulses(d))
     add_impulses_of_impact(d)
@@ -207,29 +207,29 @@ def find_impulses(d, fraction):
         The energy [J] that the impulses p dissipate, and Σ p (|u⁻| + |u⁺|) [J], with u⁻ and u⁺ the speeds
         before and after the impulses.
     """
-    constraints, lost, moved = d.constraints, 0.0, 0.0
+    constraints, loss, exchange = d.constraints, 0.0, 0.0
     activate_all(d)
     set_unforced_to_state(d, 1)
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
         c = d.contacts.active_index[k]
-        least = d.law.minimum_impact_speed[c]
-        arrives = -constraints.unforced_motion[k] >= least and d.contacts.event[c] in (ONSET, NEIGHBOUR)
+        least_speed = d.law.minimum_impact_speed[c]
+        arrives = -constraints.unforced_motion[k] >= least_speed and d.contacts.event[c] in (ONSET, NEIGHBOUR)
         # for a point that arrives with u⁻ < 0, the speed u⁺ after the impact is at least the restitution e
         # times the approach speed: u⁺ ≥ −e u⁻
-        rebound = -fraction * d.law.restitution[c] * constraints.unforced_motion[k] if arrives else 0.0
-        add_to_active_set(d, k, rebound if rebound > LEAST_REBOUND_SPEED * least else 0.0)
+        rebound_speed = -fraction * d.law.restitution[c] * constraints.unforced_motion[k] if arrives else 0.0
+        add_to_active_set(d, k, rebound_speed if rebound_speed > LEAST_REBOUND_SPEED * least_speed else 0.0)
     factorize_free(d)
     solve_lcp(d, largest_velocity(d))
     for k in range(d.contacts.active_count):
         # the energy that an impulse p dissipates, −½ p (u⁻ + u⁺), with the speeds u⁻ before and u⁺ after the
         # impulse
-        lost -= (
+        loss -= (
             0.5 * constraints.impulse[k] * (constraints.unforced_motion[k] + constraints.reached_motion[k])
         )
-        moved += constraints.impulse[k] * (
+        exchange += constraints.impulse[k] * (
             abs(constraints.unforced_motion[k]) + abs(constraints.reached_motion[k])
         )
-    return lost, moved
+    return loss, exchange
 
 
 def lacks_rebound(d):
@@ -237,13 +237,13 @@ def lacks_rebound(d):
 
     This happens to a wedged point, to which no impulses can give the demanded speed.
     """
-    short, scale = False, largest_velocity(d)
+    is_slow, scale = False, largest_velocity(d)
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
-        short = (
-            short
+        is_slow = (
+            is_slow
             or d.constraints.reached_motion[k] < d.constraints.target_motion[k] - IMPACT_ROUND_OFF * scale
         )
-    return short
+    return is_slow
 
 
 def end_rebounding_contacts(d):
@@ -253,15 +253,17 @@ def end_rebounding_contacts(d):
     become inactive, too, without an entry in the log.
     """
     free_rate_from_inputs(d, d.step.state_end, d.scratch.rate)
-    fall = set_unforced_to_accelerations(d, d.step.state_end, d.scratch.rate)
+    largest_acceleration = set_unforced_to_accelerations(d, d.step.state_end, d.scratch.rate)
     # A point with the speed u rises to u²/(2 a) against a, the largest component of the accelerations of all
     # places. This height must exceed LEAST_RISE times the longest link.
-    slow = math.sqrt(2.0 * fall * LEAST_RISE * d.chain.longest_link)
+    limit = math.sqrt(2.0 * largest_acceleration * LEAST_RISE * d.chain.longest_link)
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
         c = d.contacts.active_index[k]
         if d.contacts.event[c] == NEIGHBOUR and d.constraints.impulse[k] <= 0.0:
             deactivate_candidate(d, c)  # this point is near its wall, but takes no part in the impact
-        elif d.constraints.reached_motion[k] > max(slow, LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]):
+        elif d.constraints.reached_motion[k] > max(
+            limit, LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]
+        ):
             end_contact(d, c, True)
     list_active_contacts(d)
 
@@ -275,21 +277,21 @@ def is_gentle(d):
     gently again, and so on without end.
     """
     force = mean_mass(d) * d.links * (d.chain.gravity_magnitude + d.chain.longest_link)
-    slow, energy, fall, position_scale = True, 0.0, 0.0, largest_coordinate(d)
+    are_slow, energy, distance, position_scale = True, 0.0, 0.0, largest_coordinate(d)
     for c in range(d.candidates):
         if d.contacts.event[c] == ONSET and d.law.impulsive[c]:
             speed = d.contacts.impact_speed[c]
-            slow = slow and speed <= LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]
+            are_slow = are_slow and speed <= LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]
             energy += 0.5 * d.contacts.effective_mass[c] * speed * speed
-            fall = max(fall, NEAR_WALL_CLEARANCE * release_clearance(d, c, position_scale))
+            distance = max(distance, NEAR_WALL_CLEARANCE * release_clearance(d, c, position_scale))
     for i in range(d.friction.stuck_count):
         force += d.element.friction_limit[d.element.stuck_index[i]]
-    return slow or energy <= force * fall
+    return are_slow or energy <= force * distance
 
 
-def stop_held_points(d, gentle):
-    """Stop held points along their normals; in a ``gentle`` impact also stop the sticking elements."""
-    if not gentle:
+def stop_held_points(d, impact_is_gentle):
+    """Stop held points along their normals; after a gentle impact also stop the sticking elements."""
+    if not impact_is_gentle:
         suspend_sticking(d)
     locate_points(d, d.step.state_end)
     project_state(d, d.step.state_end)
@@ -355,15 +357,15 @@ def release_clearance(d, c, position_scale):
 
 def release_contacts(d):
     """End held contacts outside the active set, and give them a clearance, ``release_clearance``."""
-    parting, position_scale = False, largest_coordinate(d)
+    any_released, position_scale = False, largest_coordinate(d)
     set_unforced_to_state(d, 0)
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
-        c, released = d.contacts.active_index[k], not d.constraints.in_active_set[k]
-        add_to_active_set(d, k, release_clearance(d, c, position_scale) if released else 0.0)
-        if released:
+        c, is_released = d.contacts.active_index[k], not d.constraints.in_active_set[k]
+        add_to_active_set(d, k, release_clearance(d, c, position_scale) if is_released else 0.0)
+        if is_released:
             end_contact(d, c, True)
-            parting = True
-    if parting:
+            any_released = True
+    if any_released:
         # no element sticks while points are moved: a sticking joint could not move away from its stop
         suspend_sticking(d)
         solve_positions(d)

@@ -37,12 +37,12 @@ def drop_changes(d):
     mark_saturation(d, 0)
 
 
-def mark_saturation(d, ends):
-    """Set the one mark of all drives: ``ends`` is 1 if the mode of any drive ends, else 0.
+def mark_saturation(d, mode_ends):
+    """Set the one mark of all drives: ``mode_ends`` is 1 if the mode of any drive ends, else 0.
 
     With the mark 1, the modes of all drives are chosen again at the start of the next step.
     """
-    d.drive.mode_ends = ends
+    d.drive.mode_ends = mode_ends
 
 
 def copy_marks(d, t):

@@ -92,13 +92,13 @@ def turn_sample_count(d):
 
 
 def make_search(
-    value, suspected, mark, members=ONE_MEMBER, samples=lambda _d: SAMPLES, resolution=SIMULTANEOUS_TIME
+    value, is_suspect, mark, members=ONE_MEMBER, samples=lambda _d: SAMPLES, resolution=SIMULTANEOUS_TIME
 ):
     """Return a search of the last step for one kind of event.
 
     Args:
         value: function of (d, c, θ) that falls below zero at the event; c is a candidate or an element.
-        suspected: function of (d, c): whether stages and located points show that c may have an event.
+        is_suspect: function of (d, c): whether stages and located points show that c may have an event.
         mark: function of (d, c, θ) that marks the event of c at θ, and other events at the same time.
         members: two functions: of d, the number of searched c; of (d, k), the k-th c. ONE_MEMBER: c = 0.
         samples: function of d that returns the number of samples of the step.
@@ -115,18 +115,18 @@ def make_search(
     passage = make_passage_search(value, samples, resolution)
 
     def find(d, earliest):
-        first, at = earliest if earliest >= 0.0 else 1.0, -1
+        first, event_member = earliest if earliest >= 0.0 else 1.0, -1
         for k in range(count(d)):
             c = member(d, k)
-            if suspected(d, c):
+            if is_suspect(d, c):
                 theta = passage(d, c, first)
                 if theta >= 0.0:
-                    first, at = theta, c
+                    first, event_member = theta, c
                 locate_at_fraction(d, first)
-        if at < 0:
+        if event_member < 0:
             return earliest
         drop_events(d)
-        mark(d, at, first)
+        mark(d, event_member, first)
         return first
 
     return find
@@ -207,12 +207,12 @@ def check_pull(d, _c):
     Round-off (``pull_limit``) does not count. If a wall has pulled by more than ``plausible_pull``, and the
     step is longer than LEAST_REJECTED_STEP, the function rejects the step and returns False.
     """
-    least = 0.0
+    least_force = 0.0
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
-        least = min(least, d.constraints.least_force[d.contacts.active_index[k]])
-    if not least < -pull_limit(d):
+        least_force = min(least_force, d.constraints.least_force[d.contacts.active_index[k]])
+    if not least_force < -pull_limit(d):
         return False
-    if least < -plausible_pull(d) and d.step.size > LEAST_REJECTED_STEP:
+    if least_force < -plausible_pull(d) and d.step.size > LEAST_REJECTED_STEP:
         reject_step(d, SPOILED)
         return False
     return True
@@ -234,15 +234,15 @@ def plausible_pull(d):
     If a wall pulls more strongly in a stage, the stage has passed a toggle position, where forces go to
     infinity. The step and its time of release are then wrong.
     """
-    first, turning, carriage = omega_at(d.links), 1.0, 0.0
+    first, turn_rate, carriage = omega_at(d.links), 1.0, 0.0
     if d.slides:
         carriage = abs(drive_component(d, d.scratch.rate_start, velocity_at(d.links), d.links))
     for i in range(d.links):
         omega, alpha = d.step.state[first + i], d.scratch.rate_start[first + i]
-        turning = max(turning, omega * omega + abs(alpha))
+        turn_rate = max(turn_rate, omega * omega + abs(alpha))
     longest_link = d.chain.longest_link
     mass = d.chain.energy_scale / (longest_link * longest_link)
-    return mass * (d.chain.gravity_magnitude + carriage + d.links * longest_link * turning)
+    return mass * (d.chain.gravity_magnitude + carriage + d.links * longest_link * turn_rate)
 
 
 def least_force(d, _c, theta):
@@ -337,13 +337,13 @@ def margin_is_halved(d):
     output of a long implicit step has errors: it may show an end of a mode that a shorter step does not have.
     Without this check, steps with such false ends could follow each other without end.
     """
-    near = False
+    is_halved = False
     for i in range(d.friction.count):
         e = d.element.index[i]
         if d.element.event[e]:
-            near = near or element_margin(d, e, 1.0) <= 0.5 * element_margin(d, e, 0.0)
+            is_halved = is_halved or element_margin(d, e, 1.0) <= 0.5 * element_margin(d, e, 0.0)
     locate_at_fraction(d, 1.0)
-    return near
+    return is_halved
 
 
 def may_always_change(_d, _e):

@@ -154,14 +154,14 @@ def is_credible_crossing(d, theta):
         return True
     for c in range(d.candidates):
         if d.contacts.event[c] == ONSET:
-            deep = d.search.phi_end[c] < -DEEPEST_ONSET * d.chain.longest_link
-            if deep or d.search.phi_end_rate[c] > 0.0:
+            is_deep = d.search.phi_end[c] < -DEEPEST_ONSET * d.chain.longest_link
+            if is_deep or d.search.phi_end_rate[c] > 0.0:
                 return False
     return True
 
 
-def starts_clear(d, lasted):
-    """Return whether any candidate is far from its marked crossing, ``lasted`` [s] after the step's start.
+def starts_clear(d, time):
+    """Return whether any candidate is far from its marked crossing, ``time`` [s] after the step's start.
 
     Far means that over half of the clearance at the start of the step is left; the crossing is then an error.
     The clearance (in contact, the penetration) at this time is extrapolated from the motion at the start of
@@ -169,16 +169,16 @@ def starts_clear(d, lasted):
     """
     locate_points(d, d.step.state)
     accelerate_points(d, d.step.state, d.scratch.rate_start)
-    clear = False
+    is_clear = False
     for c in range(d.candidates):
         if d.contacts.event[c] in (ONSET, CONTACT_ENDS) and c != d.step.regularized:
             sign = -1.0 if d.contacts.active[c] else 1.0
             clearance, clearance_rate = clearance_and_rate(d, c)
             # the change of the clearance g, also of a candidate in contact: ġ t + ½ g̈ t²
-            move = lasted * (clearance_rate + 0.5 * lasted * clearance_acceleration(d, c))
-            clear = clear or (sign * clearance >= 0.0 and sign * (0.5 * clearance + move) > 0.0)
+            change = time * (clearance_rate + 0.5 * time * clearance_acceleration(d, c))
+            is_clear = is_clear or (sign * clearance >= 0.0 and sign * (0.5 * clearance + change) > 0.0)
     locate_points(d, d.scratch.state)
-    return clear
+    return is_clear
 
 
 def onset_fraction(d):
@@ -199,20 +199,20 @@ def onset_fraction(d):
     if count_pending_changes(d) and not margin_is_halved(d):
         reject_step(d, SPOILED)
         return -1.0
-    late, _ = onset_lateness(d, d.step.state_end)
-    if late == -math.inf:
+    lateness, _ = onset_lateness(d, d.step.state_end)
+    if lateness == -math.inf:
         return -1.0
-    theta = 1.0 - late
-    if not abs(late) <= LANDING_TIME:
+    theta = 1.0 - lateness
+    if not abs(lateness) <= LANDING_TIME:
         reject_step(d, SPOILED)
         return -1.0
     ensure_dense(d, SOLVER_READER)
     interpolate_state(d.step, theta, d.scratch.state)
-    late, _ = onset_lateness(d, d.scratch.state)
-    theta -= late
+    lateness, _ = onset_lateness(d, d.scratch.state)
+    theta -= lateness
     interpolate_state(d.step, theta, d.scratch.state)
-    late, deepest = onset_lateness(d, d.scratch.state)
-    if not (abs(late) <= LANDING_TIME and deepest <= DEEPEST_ONSET * d.chain.longest_link):
+    lateness, largest_depth = onset_lateness(d, d.scratch.state)
+    if not (abs(lateness) <= LANDING_TIME and largest_depth <= DEEPEST_ONSET * d.chain.longest_link):
         reject_step(d, SPOILED)
     return theta
 
@@ -230,19 +230,21 @@ def onset_lateness(d, y):
         with an onset inside its wall; 0 if all are outside.
     """
     locate_points(d, y)
-    latest, deepest = -math.inf, 0.0
-    seconds = d.step.size * time_rate_for_sizes(d, y)
+    latest, largest_depth = -math.inf, 0.0
+    duration = d.step.size * time_rate_for_sizes(d, y)
     for c in range(d.candidates):
         if d.contacts.event[c] == ONSET:
             clearance, clearance_rate = clearance_and_rate(d, c)
-            late = clearance / (clearance_rate * seconds)
-            if abs(late) > LANDING_TIME and abs(clearance) <= CLEARANCE_ROUND_OFF * (
+            lateness = clearance / (clearance_rate * duration)
+            if abs(lateness) > LANDING_TIME and abs(clearance) <= CLEARANCE_ROUND_OFF * (
                 d.chain.longest_link + coordinate_sum(d, c, y)
             ):
-                late = 0.0
-            latest = max(latest, late if clearance_rate < 0.0 and abs(late) <= LANDING_TIME else math.inf)
-            deepest = max(deepest, -clearance)
-    return latest, deepest
+                lateness = 0.0
+            latest = max(
+                latest, lateness if clearance_rate < 0.0 and abs(lateness) <= LANDING_TIME else math.inf
+            )
+            largest_depth = max(largest_depth, -clearance)
+    return latest, largest_depth
 
 
 def drop_separating_onsets(d, theta):
@@ -250,9 +252,9 @@ def drop_separating_onsets(d, theta):
 
     Return ``theta``, or −1 if no event is left.
     """
-    left = False
+    has_event = False
     for c in range(d.candidates):
         if not d.contacts.active[c] and d.search.phi_end_rate[c] > 0.0:
             mark_contact_event(d, c, NO_EVENT)
-        left = left or d.contacts.event[c] != NO_EVENT
-    return theta if left else -1.0
+        has_event = has_event or d.contacts.event[c] != NO_EVENT
+    return theta if has_event else -1.0

@@ -109,17 +109,17 @@ def begin_segments(d):
         The largest effect of these segments on the motion, in the order NO_JUMP < ACCELERATION_JUMPS <
         SPEED_JUMPS.
     """
-    last = -1
+    last_signal = -1
     for j in range(d.signals):
         if has_segment_ended(d, j):
-            last = j
+            last_signal = j
     effect = NO_JUMP
-    for j in range(last + 1):
+    for j in range(last_signal + 1):
         if has_segment_ended(d, j):
             delay = segment_end(d, j) - d.step.end
             shift_start(d, delay)
             effect = max(effect, begin_segment(d, j))
-            if effect != NO_JUMP and j == last:
+            if effect != NO_JUMP and j == last_signal:
                 commit_quadratures(d)
                 reinit_contacts_and_modes(d, effect == SPEED_JUMPS)
                 reset_step(d, d.step.end, d.step.state_end)
@@ -136,17 +136,17 @@ def begin_segment(d, j):
     energy.
     """
     y = d.step.state_end
-    stores = d.signal.input[j] != CHANNEL
+    stores_energy = d.signal.input[j] != CHANNEL
     locate_points(d, y)
     ensure_inputs(d, y)
-    energy = energy_balance(d, y) if stores else 0.0
+    energy = energy_balance(d, y) if stores_energy else 0.0
     before, rate, curvature = signal_at(d, j, d.step.end)
     begin_next_segment(d, j)
     after, rate_after, curvature_after = signal_at(d, j, d.step.end)
     locate_points(d, y)
     ensure_inputs(d, y)
     longest_link = d.chain.longest_link
-    if stores:
+    if stores_energy:
         # a signal of a channel adds no energy here: the position and velocity of base and walls never jump,
         # and a belt stores no energy
         count_supplied(d, energy_balance(d, y) - energy)

@@ -231,12 +231,12 @@ def set_contact_extremes(d, c, peak_force, max_penetration):
     d.contacts.peak_force[c], d.contacts.max_penetration[c] = peak_force, max_penetration
 
 
-def set_joint_square(d, c, top, joint):
-    """Set the largest |f|² [N²] in any joint since the contact of candidate c began to ``top``.
+def set_joint_square(d, c, square, joint):
+    """Set the largest |f|² [N²] in any joint since the contact of candidate c began to ``square``.
 
     ``joint`` is the number 1…N of the joint with this force f; 0 if there is none.
     """
-    d.contacts.joint_square[c], d.contacts.joint[c] = top, joint
+    d.contacts.joint_square[c], d.contacts.joint[c] = square, joint
 
 
 def cross_kink(d, c):

@@ -71,9 +71,9 @@ def law_origin(d, c):
         return JOINT_STOP_LAW if is_at_joint_stop(d, c) else SLIDER_STOP_LAW
     wall = d.candidate.wall[c]
     walls = d.walls
-    own = walls.stiffness[wall] > 0.0 or walls.restitution[wall] >= 0.0
-    own = own or walls.friction[wall] >= 0.0 or walls.static_friction[wall] >= 0.0
-    return wall if own else COMMON_LAW
+    has_own_material = walls.stiffness[wall] > 0.0 or walls.restitution[wall] >= 0.0
+    has_own_material = has_own_material or walls.friction[wall] >= 0.0 or walls.static_friction[wall] >= 0.0
+    return wall if has_own_material else COMMON_LAW
 
 
 def update_laws(d):

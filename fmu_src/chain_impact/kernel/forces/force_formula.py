@@ -144,8 +144,8 @@ def turning_margin(d, c):
     one longest link per second is added to the result.
     """
     tolerance = d.solver.tolerance
-    least = math.sqrt(tolerance / max(1.0, damping_over_elastic(d, c)))
-    return TURNING_RATE * least * d.contacts.latched_speed[c] + tolerance * d.chain.longest_link
+    relative_speed = math.sqrt(tolerance / max(1.0, damping_over_elastic(d, c)))
+    return TURNING_RATE * relative_speed * d.contacts.latched_speed[c] + tolerance * d.chain.longest_link
 
 
 def law_force(d, c, penetration, rate):
@@ -166,11 +166,11 @@ def continued_force(d, c, penetration, rate):
     side by more than a margin, the function sets ``contacts.kink_crossed``, so that the step is repeated to
     end at the kink.
     """
-    beyond = d.contacts.beyond_kink[c] != 0
-    force, elastic = uncut_force(d, c, penetration, rate, beyond)
+    is_beyond_kink = d.contacts.beyond_kink[c] != 0
+    force, elastic = uncut_force(d, c, penetration, rate, is_beyond_kink)
     approach_only = d.law.approach_only[c] != 0
     note_crossing(d, c, rate if approach_only else force)
-    return 0.0 if beyond and not approach_only else force, elastic
+    return 0.0 if is_beyond_kink and not approach_only else force, elastic
 
 
 def force_on_side(d, c, penetration, rate):
@@ -179,8 +179,8 @@ def force_on_side(d, c, penetration, rate):
     For a law that damps on approach only, ``contacts.beyond_kink`` tells whether the damping acts. The sign
     of the rate δ̇ cannot tell this, because δ̇ is 0 up to errors in a contact without motion.
     """
-    leaves = d.contacts.beyond_kink[c] != 0 if d.law.approach_only[c] else rate < 0.0
-    force, _ = uncut_force(d, c, penetration, rate, leaves)
+    moves_outward = d.contacts.beyond_kink[c] != 0 if d.law.approach_only[c] else rate < 0.0
+    force, _ = uncut_force(d, c, penetration, rate, moves_outward)
     return 0.0 if force < 0.0 else force
 
 
@@ -219,16 +219,17 @@ def is_cut_off(d, c):
 
 
 @inlined
-def uncut_force(d, c, penetration, rate, leaves):
+def uncut_force(d, c, penetration, rate, moves_outward):
     """Return force and elastic part [N] as ``law_force`` does, but without the cut at 0.
 
-    ``leaves``: whether a law that damps on approach only has no damping, because the point moves outward.
+    ``moves_outward``: whether a law that damps on approach only has no damping, because the point moves
+    outward.
     """
     spring = power_of_penetration(penetration, d.law.exponent[c])
     elastic = d.law.stiffness[c] * spring
     if d.law.number[c] == USER_LAW and user_law.is_present():
         return user_contact_force(d, c, penetration, rate), elastic
-    return elastic + damping_slope(d, c, penetration, leaves, spring) * rate, elastic
+    return elastic + damping_slope(d, c, penetration, moves_outward, spring) * rate, elastic
 
 
 def user_contact_force(d, c, penetration, rate):
@@ -265,18 +266,18 @@ def force_may_jump(d, c):
     return d.law.number[c] == USER_LAW or d.law.rate_exponent[c] == 0.0
 
 
-def damping_slope(d, c, penetration, leaves, spring):
+def damping_slope(d, c, penetration, moves_outward, spring):
     """Return the slope ∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c, before F is cut off at 0; ``spring`` is δⁿ.
 
     F is the contact force, δ the ``penetration``, d the damping. The result is 0 if the point moves
-    outward (``leaves``) and the law damps on approach only.
+    outward (``moves_outward``) and the law damps on approach only.
     """
     law = d.law
-    if law.approach_only[c] and leaves:
+    if law.approach_only[c] and moves_outward:
         return 0.0
-    same = law.rate_exponent[c] == law.exponent[c]
+    has_same_exponent = law.rate_exponent[c] == law.exponent[c]
     return d.contacts.damping[c] * (
-        spring if same else power_of_penetration(penetration, law.rate_exponent[c])
+        spring if has_same_exponent else power_of_penetration(penetration, law.rate_exponent[c])
     )
 
 
@@ -290,9 +291,9 @@ def law_slopes(d, c, penetration, rate):
     if d.law.number[c] == USER_LAW and user_law.is_present():
         return user_slopes(d, c, penetration, rate)
     exponent = d.law.exponent[c]
-    beyond = d.contacts.beyond_kink[c] != 0
-    force, elastic = uncut_force(d, c, penetration, rate, beyond)
-    damping = damping_slope(d, c, penetration, beyond, power_of_penetration(penetration, exponent))
+    is_beyond_kink = d.contacts.beyond_kink[c] != 0
+    force, elastic = uncut_force(d, c, penetration, rate, is_beyond_kink)
+    damping = damping_slope(d, c, penetration, is_beyond_kink, power_of_penetration(penetration, exponent))
     # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ for the force F and the penetration δ. For n ≥ p and F ≥ 0 this is at
     # least (n−p) K δⁿ⁻¹, but near the kink F and the slope may be < 0. Such a slope is replaced by 0.
     stiffness = exponent * elastic + d.law.rate_exponent[c] * (force - elastic)
@@ -305,13 +306,13 @@ def user_slopes(d, c, penetration, rate):
     A negative slope counts as 0, as does ∂F/∂δ at δ = 0.
     """
     step = RELATIVE_INCREMENT * penetration
-    low, _ = law_force(d, c, penetration - step, rate)
-    high, _ = law_force(d, c, penetration + step, rate)
-    stiffness = (high - low) / (2.0 * step) if step > 0.0 else 0.0
+    low_force, _ = law_force(d, c, penetration - step, rate)
+    high_force, _ = law_force(d, c, penetration + step, rate)
+    stiffness = (high_force - low_force) / (2.0 * step) if step > 0.0 else 0.0
     step = RELATIVE_INCREMENT * (abs(rate) + d.contacts.latched_speed[c])
-    low, _ = law_force(d, c, penetration, rate - step)
-    high, _ = law_force(d, c, penetration, rate + step)
-    return max(0.0, stiffness), max(0.0, (high - low) / (2.0 * step))
+    low_force, _ = law_force(d, c, penetration, rate - step)
+    high_force, _ = law_force(d, c, penetration, rate + step)
+    return max(0.0, stiffness), max(0.0, (high_force - low_force) / (2.0 * step))
 
 
 def damping_over_elastic(d, c):

@@ -319,10 +319,10 @@ def solve_positions(d):
         largest_change = max(
             largest_change, abs(constraints.change[j]) / (longest_link if j < FIRST_ANGLE else 1.0)
         )
-    in_vain = remaining_residual > max(
+    leaves_residual = remaining_residual > max(
         LARGEST_REMAINING_RESIDUAL * largest_residual, ANCHOR_ROUND_OFF * position_scale
     ) and not any_point_held(d)
-    if in_vain or largest_change > LARGEST_CORRECTION * (
+    if leaves_residual or largest_change > LARGEST_CORRECTION * (
         d.solver.tolerance + largest_residual / longest_link
     ):
         if any_point_held(d):
@@ -346,10 +346,10 @@ def solve_stopping_impulses(d):
 
 def least_impulse(d):
     """Return the least of 0 and the held points' last solved impulses [N·s] or constraint forces [N]."""
-    least = 0.0
+    least_value = 0.0
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
-        least = min(least, d.constraints.impulse[k])
-    return least
+        least_value = min(least_value, d.constraints.impulse[k])
+    return least_value
 
 
 def tolerated_momentum(d, speed):

@@ -169,10 +169,10 @@ def apply_next_piece(d):
         return
     y = d.step.state_end
     locate_points(d, y)
-    before = energy_balance(d, y)
+    balance_before = energy_balance(d, y)
     apply_inputs(d)
     locate_points(d, y)
-    count_supplied(d, energy_balance(d, y) - before)
+    count_supplied(d, energy_balance(d, y) - balance_before)
 
 
 def reinit_balance(d):
@@ -181,12 +181,12 @@ def reinit_balance(d):
     The available energy is set back to its value at the start of the last step. A new parameter may change
     the elastic energy of active contacts; this change does not count as an error of the run.
     """
-    balance, before = d.balance, d.balance.value_start
+    balance, value_before = d.balance, d.balance.value_start
     balance.available_energy = balance.available_energy_start
     if d.contacts.active_count > 0:
         restart_balance(d)
-        balance.window_value += balance.value_end - before
-        balance.run_value += balance.value_end - before
+        balance.window_value += balance.value_end - value_before
+        balance.run_value += balance.value_end - value_before
         balance.value_start = balance.value_end
 
 
@@ -213,19 +213,19 @@ def check_energy(d, theta):
         ensure_rate(d)
         ensure_points(d)
     kinetic, potential = mechanical_energy(d, y)
-    present = kinetic + potential + other_energy(d, y)
-    change = present - balance.value_end
+    present_value = kinetic + potential + other_energy(d, y)
+    change = present_value - balance.value_end
     available = largest_available_energy(d, y, potential)
     # `not <=` is also true for a NaN; `abs(change) > allowed` would accept a NaN
     if not abs(change) <= balance.least_allowed_change:
         allowed = allowed_change(d, y)
         if not abs(change) <= allowed:
             reject_step(d, SPOILED)
-            return present, available
+            return present_value, available
         balance.allowed_change = max(balance.allowed_change, allowed)
-    if change > SLIGHT_GAIN * available and present - balance.run_value > ENERGY_GAIN * available:
+    if change > SLIGHT_GAIN * available and present_value - balance.run_value > ENERGY_GAIN * available:
         reject_step(d, SPOILED)
-        return present, available
+        return present_value, available
     loss = -change / loss_allowed(d, available) if change < 0.0 else 0.0
     if loss > 1.0 and not -change > allowed_round_off(d, y):
         loss = 1.0
@@ -233,17 +233,17 @@ def check_energy(d, theta):
         set_outcome(d, max(d.trial.error, loss), d.trial.cost_factor)
     if is_accepted(d) and d.step.rate_known and may_err_in_middle(d) and not is_middle_correct(d):
         reject_step(d, SPOILED)
-    return present, available
+    return present_value, available
 
 
-def store_energy(d, present, available):
-    """Store the energy balance ``present`` [J] and the energy ``available`` [J] at an accepted step's end.
+def store_energy(d, present_value, available):
+    """Store the energy balance ``present_value`` [J] and the energy ``available`` [J] at a step's end.
 
     Both are results of ``check_energy``.
     """
     balance = d.balance
     balance.value_start, balance.available_energy_start = balance.value_end, balance.available_energy
-    balance.value_end, balance.available_energy = present, available
+    balance.value_end, balance.available_energy = present_value, available
 
 
 def largest_available_energy(d, y, potential):
@@ -267,8 +267,8 @@ def loss_allowed(d, available):
     """
     balance, budget = d.balance, loss_budget(d, available)
     fraction = (d.step.end - d.step.start) / (LOSS_TIME + d.step.end - balance.run_start)
-    left = budget - (balance.run_value - balance.value_end)
-    return max(left, fraction * budget, ENERGY_ROUND_OFF * available)
+    remaining_loss = budget - (balance.run_value - balance.value_end)
+    return max(remaining_loss, fraction * budget, ENERGY_ROUND_OFF * available)
 
 
 def loss_budget(d, available):
@@ -279,8 +279,8 @@ def loss_budget(d, available):
     (``loss_allowed``).
     """
     balance, speed = d.balance, math.sqrt(2.0 * available)
-    most = ENERGY_LOSS * d.solver.tolerance * (speed * (speed + balance.unit_motion) + balance.unit_scale)
-    return most * (1.0 + (d.step.end - balance.run_start) / LOSS_TIME)
+    loss = ENERGY_LOSS * d.solver.tolerance * (speed * (speed + balance.unit_motion) + balance.unit_scale)
+    return loss * (1.0 + (d.step.end - balance.run_start) / LOSS_TIME)
 
 
 def may_err_in_middle(d):
@@ -294,8 +294,8 @@ def may_err_in_middle(d):
         return True
     if d.step.dense_for == SOLVER_READER and largest_turn(d) > LONG_TURN:
         return True
-    resisted = d.chain.has_springs_or_dampers and not was_implicit(d)
-    return resisted and find_joint_stiffness(d, d.step.end - d.step.start) > STABLE_STEP
+    is_resisted = d.chain.has_springs_or_dampers and not was_implicit(d)
+    return is_resisted and find_joint_stiffness(d, d.step.end - d.step.start) > STABLE_STEP
 
 
 def is_middle_correct(d):
@@ -379,9 +379,11 @@ def check_balance(d):
     far are 2 G for a gain, with G = ENERGY_GAIN × the available energy, and twice the larger of G and
     ``loss_budget`` for a loss.
     """
-    balance, most = d.balance, ENERGY_GAIN * d.balance.available_energy
+    balance, largest_gain = d.balance, ENERGY_GAIN * d.balance.available_energy
     gain = balance.value_end - balance.run_value
-    if abs(gain) > 2.0 * most and (gain > 0.0 or -gain > 2.0 * loss_budget(d, balance.available_energy)):
+    if abs(gain) > 2.0 * largest_gain and (
+        gain > 0.0 or -gain > 2.0 * loss_budget(d, balance.available_energy)
+    ):
         return ENERGY_NOT_KEPT
     if d.step.end >= balance.window_start + BALANCE_WINDOW:
         balance.window_start = d.step.end

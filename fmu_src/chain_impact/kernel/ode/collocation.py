@@ -233,9 +233,9 @@ def extrapolate_polynomial(d, h, component_count):
         for j in range(component_count):
             implicit.stages[i, j] = 0.0
     for m in range(max(1, first_node), RADAU_STAGES + 1):
-        before = lagrange_polynomial(first_node, m, start)
+        start_weight = lagrange_polynomial(first_node, m, start)
         for i in range(RADAU_STAGES):
-            weight = lagrange_polynomial(first_node, m, start + h * RADAU_NODES[i] / last_size) - before
+            weight = lagrange_polynomial(first_node, m, start + h * RADAU_NODES[i] / last_size) - start_weight
             for j in range(component_count):
                 implicit.stages[i, j] += weight * implicit.last_stages[m - 1, j]
 

@@ -159,11 +159,11 @@ def size_in_flight(d, y, rate):
     It is the time in which a link turns by FIRST_TURN × tolerance^(1/8) [rad], with the largest |ω| or √|α|
     of all links as the angular velocity; but at most 1 s.
     """
-    n, fastest = d.links, 0.0
+    n, largest_speed = d.links, 0.0
     for i in range(n):
-        fastest = max(fastest, abs(y[omega_at(n) + i]), math.sqrt(abs(rate[omega_at(n) + i])))
+        largest_speed = max(largest_speed, abs(y[omega_at(n) + i]), math.sqrt(abs(rate[omega_at(n) + i])))
     turn = FIRST_TURN * power(d.solver.tolerance, -SIZE_EXPONENT[EXPLICIT])
-    return turn / max(fastest, turn)
+    return turn / max(largest_speed, turn)
 
 
 def size_at_onset(d, c, method):
@@ -249,8 +249,8 @@ def raise_scales(d, y, scale, contact_count):
     for k in range(contact_count):
         c = d.contacts.active_index[k]
         frequency = d.contacts.latched_speed[c] / d.contacts.expected_penetration[c]
-        lasts = frequency * (d.step.end - d.contacts.onset[c]) > AGE_AT_REST
-        round_off = round_off_length * (POSITION_ROUND_OFF_AT_REST if lasts else POSITION_ROUND_OFF)
+        is_at_rest = frequency * (d.step.end - d.contacts.onset[c]) > AGE_AT_REST
+        round_off = round_off_length * (POSITION_ROUND_OFF_AT_REST if is_at_rest else POSITION_ROUND_OFF)
         scale[sundman_u_at(n) + k] = max(scale[sundman_u_at(n) + k], round_off)
         speed = max(speed, frequency * round_off)
     for j in range(velocity_at(n), dissipated_at(n)):

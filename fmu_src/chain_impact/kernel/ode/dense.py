@@ -231,13 +231,13 @@ def correct_falling_impulses(d):
     """
     quadrature = d.quadrature
     for k in range(min(quadrature.count, d.contacts.active_count)):
-        c, fallen = quadrature.index[k], quadrature.state[k] - quadrature.state_end[k]
-        if fallen > 0.0:
+        c, fall = quadrature.index[k], quadrature.state[k] - quadrature.state_end[k]
+        if fall > 0.0:
             quadrature.state_end[k] = quadrature.state[k]
             # stops are left out: stops of different joints have the same wall number, though each is a wall
             # of its own
             if k >= d.contacts.compliant_count and is_at_wall(d, c):
-                reduce_largest_impulse(d, d.candidate.wall[c], fallen)
+                reduce_largest_impulse(d, d.candidate.wall[c], fall)
 
 
 def reduce_largest_impulse(d, wall, amount):
@@ -246,13 +246,13 @@ def reduce_largest_impulse(d, wall, amount):
     This impulse loses ``amount`` [N·s], but does not become negative. ``wall`` is the index of this wall, as
     in `candidate.wall`. If no impulse on these points is positive, nothing changes.
     """
-    quadrature, most, largest = d.quadrature, 0.0, -1
+    quadrature, largest_impulse, index = d.quadrature, 0.0, -1
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
-        given = quadrature.state_end[k] - quadrature.state[k]
-        if d.candidate.wall[quadrature.index[k]] == wall and given > most:
-            most, largest = given, k
-    if largest >= 0:
-        quadrature.state_end[largest] -= min(amount, most)
+        impulse = quadrature.state_end[k] - quadrature.state[k]
+        if d.candidate.wall[quadrature.index[k]] == wall and impulse > largest_impulse:
+            largest_impulse, index = impulse, k
+    if index >= 0:
+        quadrature.state_end[index] -= min(amount, largest_impulse)
 
 
 def quadrature_within(d, theta, k):

@@ -220,8 +220,8 @@ def size_toward_end(d, h):
     accelerate_points(d, d.step.state_end, d.scratch.rate_start)
     # the contact ends after the fictitious time s at which u is zero: u + u′ s + ½ u″ s² = 0
     square = slope * slope - 2.0 * u * root_curvature(d, u, slope)
-    left = 2.0 * u / (math.sqrt(max(0.0, square)) - slope)
-    return size_up_to_end(h, left)
+    time_left = 2.0 * u / (math.sqrt(max(0.0, square)) - slope)
+    return size_up_to_end(h, time_left)
 
 
 def size_toward_ends(d, h):
@@ -231,27 +231,27 @@ def size_toward_ends(d, h):
     covers at most half of the time until then (``size_up_to_end``).
     """
     accelerate_points(d, d.step.state_end, d.scratch.rate_start)
-    left = math.inf
+    time_left = math.inf
     for k in range(d.contacts.compliant_count):
         c = d.contacts.active_index[k]
         clearance, clearance_rate = clearance_and_rate(d, c)
         if clearance < 0.0 < clearance_rate:
             # the clearance g is zero after the time t: g + ġ t + ½ g̈ t² = 0
             square = clearance_rate * clearance_rate - 2.0 * clearance * clearance_acceleration(d, c)
-            left = min(left, -2.0 * clearance / (clearance_rate + math.sqrt(max(0.0, square))))
-    return size_up_to_end(h, left)
+            time_left = min(time_left, -2.0 * clearance / (clearance_rate + math.sqrt(max(0.0, square))))
+    return size_up_to_end(h, time_left)
 
 
-def size_up_to_end(h, left):
-    """Return the size of the next step if the errors allow h and a contact ends after about ``left``.
+def size_up_to_end(h, time_left):
+    """Return the size of the next step if the errors allow h and a contact ends after ``time_left``.
 
-    Both h and ``left`` are in the step's integration variable.
+    Both h and ``time_left``, an estimate, are in the step's integration variable.
     """
-    if left < UNRESOLVED_PART * h:
+    if time_left < UNRESOLVED_PART * h:
         return h
-    if PAST_END * left < LARGEST_STRETCH * h:
-        return PAST_END * left
-    return min(h, 0.5 * left)
+    if PAST_END * time_left < LARGEST_STRETCH * h:
+        return PAST_END * time_left
+    return min(h, 0.5 * time_left)
 
 
 def attempt_step(d, h):

@@ -329,15 +329,15 @@ def project_clearances(d, z, y):
         by the tolerance. The second is the largest difference, before the move, between a clearance that
         follows from y and the same clearance in z, divided by the difference that CLEARANCE_MISMATCH allows.
     """
-    implicit, change, worst = d.implicit, d.scratch.change, 0.0
-    apart = largest_mismatch(d, z) / CLEARANCE_MISMATCH
+    implicit, change, error = d.implicit, d.scratch.change, 0.0
+    mismatch = largest_mismatch(d, z) / CLEARANCE_MISMATCH
     for derivative in range(2):
         for k in range(clearance_count(d)):
             implicit.normal[k] = z[rate_at(d, k) if derivative else clearance_at(d, k)]
         project_coordinates(d, y, derivative, change)
         for j in range(coordinate_count(d.links)):
-            worst = max(worst, abs(change[j]) * implicit.error_weight[derivative * velocity_at(d.links) + j])
-    return worst, apart
+            error = max(error, abs(change[j]) * implicit.error_weight[derivative * velocity_at(d.links) + j])
+    return error, mismatch
 
 
 def largest_mismatch(d, z):
@@ -346,10 +346,10 @@ def largest_mismatch(d, z):
     Each difference is divided by the contact's penetration at the located points, or by its expected
     penetration δ* if this is larger.
     """
-    worst = 0.0
+    mismatch = 0.0
     for k in range(clearance_count(d)):
         c = d.contacts.active_index[k]
         clearance, _ = clearance_and_rate(d, c)
         penetration = max(d.contacts.expected_penetration[c], -clearance)
-        worst = max(worst, abs(z[clearance_at(d, k)] - clearance) / penetration)
-    return worst
+        mismatch = max(mismatch, abs(z[clearance_at(d, k)] - clearance) / penetration)
+    return mismatch

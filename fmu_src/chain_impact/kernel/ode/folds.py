@@ -48,16 +48,16 @@ def refine_rate(d, theta, y, rate):
     """
     if not any_point_held(d) or d.constraints.near_fold == 0:
         return
-    distance, found = LEAST_DISTANCE, False
-    while distance <= LARGEST_DISTANCE and not found:
-        found = find_forces(d, theta, distance, rate)
+    distance, has_forces = LEAST_DISTANCE, False
+    while distance <= LARGEST_DISTANCE and not has_forces:
+        has_forces = find_forces(d, theta, distance, rate)
         distance *= 2.0
-    smooth = found and passes_smoothly(d)
+    is_smooth = has_forces and passes_smoothly(d)
     locate_points(d, y)
     ensure_inputs(d, y)
     true_rate_from_inputs(d, y, rate)
     count_evaluations(d, 1)
-    if smooth:
+    if is_smooth:
         replace_impulses(d, d.constraints.refined_force)
         add_change(d, rate, velocity_at(d.links))
         store_constraint_forces(d)
@@ -88,8 +88,8 @@ def find_forces(d, theta, distance, rate):
 
 def passes_smoothly(d):
     """Return whether the samples of ``find_forces`` show that all forces pass the fold smoothly."""
-    constraints, largest, uneven = d.constraints, 0.0, 0.0
+    constraints, largest_force, largest_difference = d.constraints, 0.0, 0.0
     for k in range(constraint_count(d)):
-        largest = max(largest, abs(constraints.refined_force[k]))
-        uneven = max(uneven, abs(constraints.force_difference[k]))
-    return uneven <= UNEVEN_PART * largest
+        largest_force = max(largest_force, abs(constraints.refined_force[k]))
+        largest_difference = max(largest_difference, abs(constraints.force_difference[k]))
+    return largest_difference <= UNEVEN_PART * largest_force

@@ -121,12 +121,12 @@ def count_holding_work(d, h):
     elements back to their anchors, and does the opposite work.
     """
     implicit = d.implicit
-    before = holding_work_at(d, implicit.z_start, 0.0)
+    work_before = holding_work_at(d, implicit.z_start, 0.0)
     for i in range(RADAU_STAGES):
         for j in range(sundman_u_at(d.links)):
             implicit.z[j] = implicit.z_start[j] + implicit.stages[i, j]
         implicit.stages[i, dissipated_at(d.links)] -= (
-            holding_work_at(d, implicit.z, h * RADAU_NODES[i]) - before
+            holding_work_at(d, implicit.z, h * RADAU_NODES[i]) - work_before
         )
 
 

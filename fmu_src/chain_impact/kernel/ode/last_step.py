@@ -99,8 +99,8 @@ def make_last_step(d):
     step.remainder_whole = step.remainder_end
     # Coordinates and rates that have faded almost to 0 are set to 0. Only contacts, friction, springs and
     # dampers make them fade, so without these no value is set to 0.
-    resisted = d.contacts.active_count > 0 or d.friction.count > 0 or d.chain.has_springs_or_dampers != 0
-    faded = clear_faded(d, y) if resisted else False
+    is_resisted = d.contacts.active_count > 0 or d.friction.count > 0 or d.chain.has_springs_or_dampers != 0
+    faded = clear_faded(d, y) if is_resisted else False
     for j in range(len(step.state)):
         step.state[j] = step.state_end[j]
         step.state_end[j] = y[j]
@@ -128,20 +128,20 @@ def project_trial(d):
     loses is therefore stored in ``remainder_end``, and added in the next step; otherwise the losses of many
     steps would add up.
     """
-    step, y, lost = d.step, d.trial.state, dissipated_at(d.links)
+    step, y, index = d.step, d.trial.state, dissipated_at(d.links)
     if d.friction.count == 0:
         project_state(d, y)
         return
-    y[lost] = step.remainder_end + change_in_step(d, lost)
+    y[index] = step.remainder_end + change_in_step(d, index)
     project_state(d, y)
-    add_dissipated(d, y, y[lost] - uncounted_work(d), step.state_end[lost])
+    add_dissipated(d, y, y[index] - uncounted_work(d), step.state_end[index])
 
 
 def add_dissipated(d, y, change, before):
     """Set the dissipated energy in y to ``before`` + ``change`` [J]; store the sum's error of rounding."""
-    lost = dissipated_at(d.links)
-    y[lost] = before + change
-    d.step.remainder_end = change - (y[lost] - before)
+    energy_index = dissipated_at(d.links)
+    y[energy_index] = before + change
+    d.step.remainder_end = change - (y[energy_index] - before)
 
 
 def count_dissipated(d, energy):
@@ -184,14 +184,16 @@ def end_at_fraction(d, theta):
 
     The function also sets ``step.end_fraction`` and counts a break; the caller sets ``step.end``.
     """
-    step, lost = d.step, dissipated_at(d.links)
+    step, energy_index = d.step, dissipated_at(d.links)
     interpolate_state(step, theta, step.state_end)
     # Rounding has made the dissipated energy too small by ``remainder`` at the start of the step, and by
-    # ``remainder_whole`` at its end. At θ the interpolant is too small by ``grown``, a number between these
-    # two: ``part`` is θ or, in an explicit step, where the slopes at both ends are exact, a cubic of θ.
+    # ``remainder_whole`` at its end. At θ the interpolant is too small by ``remainder``, a number between
+    # these two: ``part`` is θ or, in an explicit step, where the slopes at both ends are exact, a cubic of θ.
     part = theta if was_implicit(d) else theta * theta * (3.0 - 2.0 * theta)
-    grown = step.remainder + part * (step.remainder_whole - step.remainder)
-    add_dissipated(d, step.state_end, change_up_to(step, theta, lost) + grown, step.state[lost])
+    remainder = step.remainder + part * (step.remainder_whole - step.remainder)
+    add_dissipated(
+        d, step.state_end, change_up_to(step, theta, energy_index) + remainder, step.state[energy_index]
+    )
     truncate_quadratures(d, theta)
     step.end_fraction = theta
     count_break(d)
@@ -245,7 +247,7 @@ def choose_variable(d, size_chosen):
             have begun or ended; otherwise a change of the variable converts the size.
     """
     step, root = d.step, sundman_u_at(d.links)
-    before, (contact, u) = time_rate_for_sizes(d, step.state_end), find_lone_contact(d)
+    rate_before, (contact, u) = time_rate_for_sizes(d, step.state_end), find_lone_contact(d)
     changed = contact != step.regularized
     step.regularized = contact
     step.state_end[root] = u
@@ -253,7 +255,7 @@ def choose_variable(d, size_chosen):
     if changed:
         step.break_count += 1
         if not size_chosen:
-            scale_next_size(d, before / time_rate_for_sizes(d, step.state_end))
+            scale_next_size(d, rate_before / time_rate_for_sizes(d, step.state_end))
 
 
 def ensure_rate(d):
@@ -262,16 +264,16 @@ def ensure_rate(d):
         find_rate(d, False)
 
 
-def find_rate(d, located):
+def find_rate(d, are_points_located):
     """Evaluate the rates of the state and of the quadratures at the end of the last step.
 
-    In a scene with candidates, the points are then located and accelerated there. ``located`` tells whether
-    they are already located at the call.
+    In a scene with candidates, the points are then located and accelerated there. ``are_points_located``
+    tells whether they are already located at the call.
     """
     y, rate = d.step.state_end, d.scratch.rate_end
     touching = d.contacts.active_count > 0 or d.friction.count > 0
     if touching:
-        if not located:
+        if not are_points_located:
             locate_points(d, y)
         rate_from_points(d, y, rate)
     else:
@@ -305,12 +307,12 @@ def largest_turn(d):
     The estimate is not below the rotation if |ω| and |α| of each link are largest at an end of the step. The
     rates at both ends must be known.
     """
-    first, lasted, scratch = omega_at(d.links), d.step.end - d.step.start, d.scratch
+    first, duration, scratch = omega_at(d.links), d.step.end - d.step.start, d.scratch
     turn = 0.0
     for i in range(d.links):
         omega = max(abs(d.step.state[first + i]), abs(d.step.state_end[first + i]))
         alpha = max(abs(scratch.rate_start[first + i]), abs(scratch.rate_end[first + i]))
-        turn = max(turn, lasted * (omega + 0.5 * lasted * alpha))
+        turn = max(turn, duration * (omega + 0.5 * duration * alpha))
     return turn
 
 
@@ -325,13 +327,13 @@ def ensure_dense(d, reader):
         reader: the user of the dense output, OUTPUT_READER or SOLVER_READER.
     """
     step = d.step
-    present, step.dense_for = step.dense_for, max(step.dense_for, reader)
-    if present == NO_READER:
-        counted = read_cost_counts(d)
+    present_reader, step.dense_for = step.dense_for, max(step.dense_for, reader)
+    if present_reader == NO_READER:
+        counts = read_cost_counts(d)
         if was_implicit(d):
             collocation.match_clearances(d)
         else:
             explicit.set_dense_output(d, step.size)
-        restore_cost_counts(d, counted)
-    if present < SOLVER_READER <= reader and not was_implicit(d):
+        restore_cost_counts(d, counts)
+    if present_reader < SOLVER_READER <= reader and not was_implicit(d):
         count_evaluations(d, explicit.DENSE_EVALUATIONS)

@@ -230,13 +230,13 @@ def fastest_contact(d):
     The rate of a contact is max(c/m, √(k/m)), with c = ∂F/∂δ̇, k = ∂F/∂δ and the effective mass m at the
     onset. The points must be located.
     """
-    fastest = 0.0
+    largest_rate = 0.0
     for k in range(d.contacts.compliant_count):
         c = d.contacts.active_index[k]
         stiffness, damping = contact_slopes(d, c)
         mass = d.contacts.effective_mass[c]
-        fastest = max(fastest, damping / mass, math.sqrt(stiffness / mass))
-    return fastest
+        largest_rate = max(largest_rate, damping / mass, math.sqrt(stiffness / mass))
+    return largest_rate
 
 
 def prepare_step(d, h):

@@ -104,15 +104,15 @@ def shift_of(pair, h):
 
 def _transformed(i):
     """Return a function that sets row i of the right-hand sides to row i of LEFT · R, R = h Q F − U."""
-    of_rates, of_stages = LEFT_Q[i], LEFT[i]
+    rate_weights, stage_weights = LEFT_Q[i], LEFT[i]
 
     def transformed(d, h, component_count):
         implicit = d.implicit
         for j in range(component_count):
             rates, stages = 0.0, 0.0
             for m in range(RADAU_STAGES):
-                rates += of_rates[m] * implicit.rates[m, j]
-                stages += of_stages[m] * implicit.stages[m, j]
+                rates += rate_weights[m] * implicit.rates[m, j]
+                stages += stage_weights[m] * implicit.stages[m, j]
             implicit.parts[i, j] = h * rates - stages
 
     return transformed
@@ -175,17 +175,17 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
         _transform(d, h, component_count)
 
     def correct_stages(d, _h, component_count):
-        implicit, worst, total = d.implicit, 0.0, 0.0
+        implicit, largest_correction, total = d.implicit, 0.0, 0.0
         _correct(d, component_count)
         for j in range(component_count):
             # a NaN in a solution reaches this sum through the last stage; max() could hide the NaN
             total += implicit.error_weight[j] * implicit.stages[RADAU_STAGES - 1, j]
-            worst = max(worst, implicit.error_weight[j] * implicit.z[j])
-        implicit.relative_correction = worst if math.isfinite(total) else math.inf
+            largest_correction = max(largest_correction, implicit.error_weight[j] * implicit.z[j])
+        implicit.relative_correction = largest_correction if math.isfinite(total) else math.inf
 
     def converge(d, h, component_count):
         implicit = d.implicit
-        before = 0.0
+        correction_before = 0.0
         for k in range(1, MOST_ITERATIONS + 1):
             find_residuals(d, h, component_count)
             if k == 1:
@@ -197,8 +197,8 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
             if not implicit.relative_correction < FAILED_CORRECTION:
                 implicit.contraction = math.inf
                 return False
-            theta = implicit.relative_correction / before if before > 0.0 else 0.0
-            before, implicit.contraction = implicit.relative_correction, theta
+            theta = implicit.relative_correction / correction_before if correction_before > 0.0 else 0.0
+            correction_before, implicit.contraction = implicit.relative_correction, theta
             # The first correction does not show the convergence rate, so there is always a second one: while
             # the chain is at rest, the first correction is small, but the remaining error may be larger than
             # this correction.

@@ -127,7 +127,7 @@ def find_lone_contact(d):
     c = d.contacts.active_index[0]
     clearance, clearance_rate = clearance_and_rate(d, c)
     u = math.sqrt(max(0.0, -clearance) / d.contacts.expected_penetration[c])
-    over = u == 0.0 and clearance_rate >= 0.0
-    if over or u + abs(clearance_rate) / d.contacts.latched_speed[c] <= RESTING_SUM:
+    is_over = u == 0.0 and clearance_rate >= 0.0
+    if is_over or u + abs(clearance_rate) / d.contacts.latched_speed[c] <= RESTING_SUM:
         return NO_CONTACT, 1.0
     return c, u

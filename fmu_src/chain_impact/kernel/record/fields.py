@@ -50,10 +50,10 @@ def written_by(*writers, **fields):
     """
 
     def declare(dtype_of_part):
-        of_fields = {
+        writers_of_fields = {
             name: (modules,) if isinstance(modules, str) else modules for name, modules in fields.items()
         }
-        WRITERS[dtype_of_part.__name__.removesuffix("_dtype")] = {"": writers, **of_fields}
+        WRITERS[dtype_of_part.__name__.removesuffix("_dtype")] = {"": writers, **writers_of_fields}
         return dtype_of_part
 
     return declare

@@ -34,10 +34,10 @@ def solve_lcp(d, scale):
     fewest, stalls_left = count + 1, MAX_STALLED_PIVOTS
     for _ in range(EXTRA_PIVOTS + 4 * count):
         solve_equality(d, scale)
-        wrong = count_violations(d, scale)
-        if wrong == 0 or is_cost_exceeded(d):
+        violation_count = count_violations(d, scale)
+        if violation_count == 0 or is_cost_exceeded(d):
             return
-        fewest, stalls_left = count_stalls(wrong, fewest, stalls_left)
+        fewest, stalls_left = count_stalls(violation_count, fewest, stalls_left)
         for i in range(count):
             k = first + count - 1 - i
             if constraints.is_violated[k]:
@@ -50,16 +50,16 @@ def solve_lcp(d, scale):
     note_unsolved(d)
 
 
-def count_stalls(wrong, fewest, stalls_left):
+def count_stalls(violation_count, fewest, stalls_left):
     """Return the least number of violations so far, and how many pivots may still fail to reduce it."""
-    if wrong < fewest:
-        return wrong, MAX_STALLED_PIVOTS
+    if violation_count < fewest:
+        return violation_count, MAX_STALLED_PIVOTS
     return fewest, stalls_left - 1
 
 
 def count_violations(d, scale):
     """Count and mark violations above round-off: impulses < 0 in the active set, motions < target outside."""
-    constraints, largest, wrong = d.constraints, 0.0, 0
+    constraints, largest, violation_count = d.constraints, 0.0, 0
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
         largest = max(largest, abs(constraints.impulse[k]))
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
@@ -69,5 +69,5 @@ def count_violations(d, scale):
             constraints.is_violated[k] = (
                 constraints.reached_motion[k] < constraints.target_motion[k] - SIGN_TOLERANCE * scale
             )
-        wrong += constraints.is_violated[k]
-    return wrong
+        violation_count += constraints.is_violated[k]
+    return violation_count

@@ -70,10 +70,10 @@ def held_mobility(d, mobility):
     can hardly be constrained: in a toggle position, where W = 0, W′ is 1/(n D).
     """
     compliance = 1.0 / holding_impedance(d)
-    left = compliance / (compliance + max(0.0, mobility))
+    fraction = compliance / (compliance + max(0.0, mobility))
     total = 1.0
     for _ in range(STICKING_ITERATIONS - 1):
-        total = 1.0 + left * total
+        total = 1.0 + fraction * total
     return (compliance + max(0.0, mobility)) / total
 
 
@@ -138,9 +138,9 @@ def solve_accelerations_with_armatures(d, y, rate):
     afterwards; the factors of M stay in ``scratch.factors``.
     """
     scratch, n = d.scratch, d.links
-    load, link, before = scratch.load, scratch.link_vector, scratch.place_change
+    load, link, motion = scratch.load, scratch.link_vector, scratch.place_change
     for k in range(n + 1):
-        before.x[k], before.y[k] = load.x[k], load.y[k]
+        motion.x[k], motion.y[k] = load.x[k], load.y[k]
     ax, ay, moment = 0.0, 0.0, 0.0
     if d.channels > 0 and d.chain.base_moves:
         ax, ay = d.channel.acceleration[0], d.channel.acceleration[1]
@@ -177,7 +177,7 @@ def solve_accelerations_with_armatures(d, y, rate):
     for j in range(coordinate_count(n)):
         rate[velocity_at(n) + j] = scratch.change[j]
     for k in range(n + 1):
-        load.x[k], load.y[k] = before.x[k], before.y[k]
+        load.x[k], load.y[k] = motion.x[k], motion.y[k]
 
 
 def effective_mass(d, c):

@@ -104,11 +104,13 @@ def set_impedance(d, amount):
 
 def scale_sticking_impedances(d):
     """Multiply sticking elements' impedances by max(LEAST_STICKING_IMPEDANCE, limit/largest limit) each."""
-    friction, first, most = d.friction, d.contacts.active_count, 0.0
+    friction, first, largest_limit = d.friction, d.contacts.active_count, 0.0
     for i in range(friction.stuck_count):
-        most = max(most, d.element.friction_limit[d.element.stuck_index[i]])
+        largest_limit = max(largest_limit, d.element.friction_limit[d.element.stuck_index[i]])
     for i in range(friction.stuck_count):
-        ratio = d.element.friction_limit[d.element.stuck_index[i]] / most if most > 0.0 else 1.0
+        ratio = (
+            d.element.friction_limit[d.element.stuck_index[i]] / largest_limit if largest_limit > 0.0 else 1.0
+        )
         d.constraints.impedance[first + i] *= max(LEAST_STICKING_IMPEDANCE, ratio)
 
 
@@ -139,16 +141,18 @@ def solve_equality(d, scale):
         The largest residual after the iteration; 0 without an iteration, or if no rigid wall holds a point.
     """
     d.constraints.near_fold = 0
-    only = single_active(d)
-    if only >= 0 and solve_single(d, only):
+    single = single_active(d)
+    if single >= 0 and solve_single(d, single):
         return 0.0
     clear_impulses(d)
-    worst = iterate_impulses(d, scale)
+    residual = iterate_impulses(d, scale)
     if any_point_held(d):
-        return worst
-    if worst > max(SOLVED_RESIDUAL * scale, UNDERFLOW_RESIDUAL):
-        least = NEGLIGIBLE_MOTION * d.solver.tolerance * d.solver.tolerance * scale
-        reduce_free_impulses(d, least * least / (least * least + worst * worst), RESIDUAL_ROUND_OFF * scale)
+        return residual
+    if residual > max(SOLVED_RESIDUAL * scale, UNDERFLOW_RESIDUAL):
+        limit = NEGLIGIBLE_MOTION * d.solver.tolerance * d.solver.tolerance * scale
+        reduce_free_impulses(
+            d, limit * limit / (limit * limit + residual * residual), RESIDUAL_ROUND_OFF * scale
+        )
     return 0.0
 
 
@@ -170,25 +174,34 @@ def iterate_impulses(d, scale):
     impedance = holding_impedance(d) if has_walls else FIRST_IMPEDANCE * mean_mass(d)
     set_impedance(d, impedance)
     factorize_contacts(d, HELD, constraints.impedance)
-    before, worst, relative_error, iterations = math.inf, find_residual(d), math.inf, 0 if has_walls else -1
-    while worst > round_off or not iterated_enough(d, iterations):
-        slow = has_walls and worst > round_off and not worst < SLOW_DECREASE * before
-        if has_walls and iterations == 1 and worst > max(FOLD_RESIDUAL * before, SIGN_TOLERANCE * scale):
+    residual_before, residual, relative_error, iterations = (
+        math.inf,
+        find_residual(d),
+        math.inf,
+        0 if has_walls else -1,
+    )
+    while residual > round_off or not iterated_enough(d, iterations):
+        slow = has_walls and residual > round_off and not residual < SLOW_DECREASE * residual_before
+        if (
+            has_walls
+            and iterations == 1
+            and residual > max(FOLD_RESIDUAL * residual_before, SIGN_TOLERANCE * scale)
+        ):
             constraints.near_fold = 1
-        grows = slow and worst > SIGN_TOLERANCE * scale and impedance < LARGEST_IMPEDANCE * mean_mass(d)
-        before = worst
+        grows = slow and residual > SIGN_TOLERANCE * scale and impedance < LARGEST_IMPEDANCE * mean_mass(d)
+        residual_before = residual
         if grows or (iterations == 0 and not has_walls):
-            before = relative_error = math.inf
+            residual_before = relative_error = math.inf
             impedance *= IMPEDANCE_GROWTH
             set_impedance(d, impedance)
             factorize_contacts(d, HELD, constraints.impedance)
         elif (slow and iterated_enough(d, iterations)) if has_walls else iterations == STICKING_ITERATIONS:
             break
         correct_impulses(d)
-        if may_exceed(relative_error * worst, round_off):
-            relative_error = move_by_impulses(d) / max(worst, UNDERFLOW_RESIDUAL)
-        worst, iterations = find_residual(d), iterations + 1
-    return worst
+        if may_exceed(relative_error * residual, round_off):
+            relative_error = move_by_impulses(d) / max(residual, UNDERFLOW_RESIDUAL)
+        residual, iterations = find_residual(d), iterations + 1
+    return residual
 
 
 def reduce_free_impulses(d, fraction, noise):
@@ -207,31 +220,31 @@ def reduce_free_impulses(d, fraction, noise):
 
 def single_active(d):
     """Return the index of the only constraint in the active set, or −1 if the set has none or several."""
-    only = -1
+    single = -1
     for k in range(constraint_count(d)):
         if d.constraints.in_active_set[k]:
-            if only >= 0:
+            if single >= 0:
                 return -1
-            only = k
-    return only
+            single = k
+    return single
 
 
-def solve_single(d, only):
-    """Solve the equality problem for constraint ``only``; return False if a wall's mobility is too small."""
+def solve_single(d, single):
+    """Solve the equality problem for constraint ``single``; return False if a mobility is too small."""
     constraints, motion = d.constraints, d.scratch.place_change
     clear_used_loads(d, d.scratch.load)
-    add_along_row(constraint_row(d, only), d.scratch.load, 1.0)
+    add_along_row(constraint_row(d, single), d.scratch.load, 1.0)
     solve_in_space(d, d.scratch.link_vector, d.scratch, FREE, constraints.change)
-    mobility = dot(constraint_row(d, only), motion)
-    if only >= d.contacts.active_count:
+    mobility = dot(constraint_row(d, single), motion)
+    if single >= d.contacts.active_count:
         mobility = held_mobility(d, mobility)
     elif mobility * mean_mass(d) < LEAST_SINGLE_MOBILITY:
         return False
-    impulse = (constraints.target_motion[only] - constraints.unforced_motion[only]) / mobility
+    impulse = (constraints.target_motion[single] - constraints.unforced_motion[single]) / mobility
     for j in range(len(constraints.change)):
         constraints.change[j] *= impulse
     for k in range(constraint_count(d)):
-        constraints.impulse[k] = impulse if k == only else 0.0
+        constraints.impulse[k] = impulse if k == single else 0.0
         constraints.reached_motion[k] = constraints.unforced_motion[k] + impulse * dot(
             constraint_row(d, k), motion
         )
@@ -262,12 +275,12 @@ def clear_impulses(d):
 
 def find_residual(d):
     """Set the residuals: target − motion in the active set, else 0; return the largest |residual|."""
-    constraints, worst = d.constraints, 0.0
+    constraints, largest_residual = d.constraints, 0.0
     for k in range(constraint_count(d)):
-        left = constraints.target_motion[k] - constraints.reached_motion[k]
-        constraints.residual[k] = left if constraints.in_active_set[k] else 0.0
-        worst = max(worst, abs(constraints.residual[k]))
-    return worst
+        residual = constraints.target_motion[k] - constraints.reached_motion[k]
+        constraints.residual[k] = residual if constraints.in_active_set[k] else 0.0
+        largest_residual = max(largest_residual, abs(constraints.residual[k]))
+    return largest_residual
 
 
 @inlined
@@ -281,10 +294,10 @@ def correct_impulses(d):
         constraints.residual[k] *= constraints.impedance[k]
     solve_contacts(d, HELD, constraints.residual, z)
     for k in range(constraint_count(d)):
-        moved = dot(constraint_row(d, k), motion)
-        constraints.reached_motion[k] += moved
+        change = dot(constraint_row(d, k), motion)
+        constraints.reached_motion[k] += change
         if constraints.in_active_set[k]:
-            constraints.impulse[k] += constraints.residual[k] - constraints.impedance[k] * moved
+            constraints.impulse[k] += constraints.residual[k] - constraints.impedance[k] * change
     for j in range(len(constraints.change)):
         constraints.change[j] += z[j]
     count_other_cost(d, 1)
@@ -296,14 +309,14 @@ def move_by_impulses(d):
     Returns:
         The largest |difference| of these motions from those in ``reached_motion`` before.
     """
-    constraints, largest = d.constraints, 0.0
+    constraints, largest_difference = d.constraints, 0.0
     solve_contacts(d, FREE, constraints.impulse, constraints.change)
     for k in range(constraint_count(d)):
         motion = constraints.unforced_motion[k] + dot(constraint_row(d, k), d.scratch.place_change)
-        largest = max(largest, abs(motion - constraints.reached_motion[k]))
+        largest_difference = max(largest_difference, abs(motion - constraints.reached_motion[k]))
         constraints.reached_motion[k] = motion
     count_other_cost(d, 1)
-    return largest
+    return largest_difference
 
 
 def replace_impulses(d, impulse):

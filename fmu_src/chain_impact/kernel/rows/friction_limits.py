@@ -63,8 +63,10 @@ def find_limited_forces(d):
     for iteration in range(MOST_LIMITED_ITERATIONS):
         minimize_within_limits(d, scale)
         update_residuals(d)
-        solved = iteration + 1 >= STICKING_ITERATIONS and largest_residual_inside(d) <= SOLVED_WITHIN * scale
-        if solved or is_cost_exceeded(d):
+        is_solved = (
+            iteration + 1 >= STICKING_ITERATIONS and largest_residual_inside(d) <= SOLVED_WITHIN * scale
+        )
+        if is_solved or is_cost_exceeded(d):
             break
     for i in range(d.friction.stuck_count):
         limited.at_limit[i] = sign_at_limit(d, d.contacts.active_count + i)
@@ -143,20 +145,18 @@ def minimize_within_limits(d, scale):
     limited, end = d.limited_forces, constraint_count(d)
     for _ in range(EXTRA_PIVOTS + 4 * end):
         solve_inside(d)
-        found, part = first_at_limit(d)
+        constraint, part = first_at_limit(d)
         for k in range(d.contacts.compliant_count, end):
             if limited.inside_limits[k]:
                 limited.force[k] += part * (limited.unlimited_force[k] - limited.force[k])
-        if found >= 0:
-            limited.inside_limits[found], limited.force[found] = (
-                0,
-                clip_force(d, found, limited.unlimited_force[found]),
-            )
+        if constraint >= 0:
+            limited.inside_limits[constraint] = 0
+            limited.force[constraint] = clip_force(d, constraint, limited.unlimited_force[constraint])
         else:
-            found = constraint_to_release(d, scale)
-            if found < 0 or is_cost_exceeded(d):
+            constraint = constraint_to_release(d, scale)
+            if constraint < 0 or is_cost_exceeded(d):
                 return
-            limited.inside_limits[found] = 1
+            limited.inside_limits[constraint] = 1
 
 
 def first_at_limit(d):
@@ -181,15 +181,15 @@ def constraint_to_release(d, scale):
 
     The result is −1 if no clipped ``unlimited_force`` is farther from the limit than round-off.
     """
-    limited, found, largest, most_of_all = d.limited_forces, -1, 0.0, 0.0
+    limited, released, largest_force, largest_distance = d.limited_forces, -1, 0.0, 0.0
     for k in range(d.contacts.compliant_count, constraint_count(d)):
-        largest = max(largest, abs(limited.force[k]))
+        largest_force = max(largest_force, abs(limited.force[k]))
     for k in range(d.contacts.compliant_count, constraint_count(d)):
         inward = abs(clip_force(d, k, limited.unlimited_force[k]) - limited.force[k])
-        round_off = SIGN_TOLERANCE * largest + SOLVED_RESIDUAL * scale * d.constraints.impedance[k]
-        if not limited.inside_limits[k] and inward > max(round_off, most_of_all):
-            found, most_of_all = k, inward
-    return found
+        round_off = SIGN_TOLERANCE * largest_force + SOLVED_RESIDUAL * scale * d.constraints.impedance[k]
+        if not limited.inside_limits[k] and inward > max(round_off, largest_distance):
+            released, largest_distance = k, inward
+    return released
 
 
 def solve_inside(d):

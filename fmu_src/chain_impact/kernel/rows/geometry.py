@@ -136,13 +136,13 @@ def first_stop(d, c):
     If the joint has no lower stop, or c is any other candidate, the result is c.
     """
     candidate = d.candidate
-    second = (
+    is_upper = (
         c > 0
         and candidate.stop[c] == JOINT_MAX
         and candidate.stop[c - 1] == JOINT_MIN
         and candidate.point[c - 1] == candidate.point[c]
     )
-    return c - 1 if second else c
+    return c - 1 if is_upper else c
 
 
 def candidate_within_bounds(d, c):
@@ -151,15 +151,15 @@ def candidate_within_bounds(d, c):
     A record from outside may contain any numbers.
     """
     # the numbers of joints begin at 1; the numbers of stops follow the numbers of the walls
-    first, last = (1, d.links) if is_at_joint_stop(d, c) else (0, d.links + d.sites)
-    most = len(WALLS) + d.candidates - 1
+    first_point, last_point = (1, d.links) if is_at_joint_stop(d, c) else (0, d.links + d.sites)
+    last_wall = len(WALLS) + d.candidates - 1
     if is_at_stop(d, c):
-        most += STOP_COUNT
+        last_wall += STOP_COUNT
     return (
         SLIDER_MAX <= d.candidate.stop[c] <= SLIDER_MIN
-        and first <= d.candidate.point[c] <= last
+        and first_point <= d.candidate.point[c] <= last_point
         and 0 <= d.candidate.place[c] < site_place(d, d.sites)
-        and 0 <= d.candidate.wall[c] <= most
+        and 0 <= d.candidate.wall[c] <= last_wall
     )
 
 
@@ -307,11 +307,11 @@ def clear_used_loads(d, load):
 
 def largest_velocity(d):
     """Return the largest |component| [m/s] of the velocities of all places, moving walls and belts."""
-    fastest = largest_component(d, d.scratch.velocity)
+    largest = largest_component(d, d.scratch.velocity)
     if d.channels > 0:
         speed, _ = fastest_wall(d)
-        fastest = max(fastest, speed)
-    return fastest
+        largest = max(largest, speed)
+    return largest
 
 
 def largest_coordinate(d):
@@ -324,11 +324,11 @@ def largest_coordinate(d):
 
 def largest_acceleration(d):
     """Return the largest |component| [m/s²] of the accelerations of all places, moving walls and belts."""
-    most = largest_component(d, d.scratch.acceleration)
+    largest = largest_component(d, d.scratch.acceleration)
     if d.channels > 0:
         _, acceleration = fastest_wall(d)
-        most = max(most, acceleration)
-    return most
+        largest = max(largest, acceleration)
+    return largest
 
 
 def length_bound(d, vectors):
@@ -336,15 +336,15 @@ def length_bound(d, vectors):
 
     Points and sites have clearances; so do joints, if any joint has a stop. ``vectors`` belong to all places.
     """
-    most = 0.0
+    bound = 0.0
     for k in range(d.links + 1):
-        most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
+        bound = max(bound, abs(vectors.x[k]) + abs(vectors.y[k]))
     if d.chain.has_joint_stops:
         for k in range(joint_place(d, 0), joint_place(d, d.links)):
-            most = max(most, abs(vectors.x[k]))
+            bound = max(bound, abs(vectors.x[k]))
     for k in range(site_place(d, 0), site_place(d, d.sites)):
-        most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
-    return most
+        bound = max(bound, abs(vectors.x[k]) + abs(vectors.y[k]))
+    return bound
 
 
 def coordinate_sum(d, c, y):

@@ -51,9 +51,9 @@ def make_motion_functions(function):
         return function(t, c)
 
     def rate_at_end(t, c):
-        part, none = TIME_DIFFERENCE * step_length(t), dual_with_slope(0.0, 0.0, t.step.end)
-        later, before = after(t, c, none + part), after(t, c, none - part)
-        return (value(later) - value(before)) / (2.0 * part) if part > 0.0 else 0.0
+        part, no_delay = TIME_DIFFERENCE * step_length(t), dual_with_slope(0.0, 0.0, t.step.end)
+        value_later, value_before = after(t, c, no_delay + part), after(t, c, no_delay - part)
+        return (value(value_later) - value(value_before)) / (2.0 * part) if part > 0.0 else 0.0
 
     return after, rate_at_end
 

@@ -127,11 +127,11 @@ def delay_of_sliding(t, e):
     too, if the friction drops at this time and the drop matters. The derivatives of the run also end if the
     located time is wrong (NEARLY_SLIPPING_RATIO).
     """
-    limit, turning = value(t.element.friction_limit[e]), fastest_speed(t) / value(t.chain.longest_link)
+    limit, turn_rate = value(t.element.friction_limit[e]), fastest_speed(t) / value(t.chain.longest_link)
     if t.element.undecided[e] == STOPPED and limit <= NEARLY_SLIPPING_RATIO * value(friction_round_off(t, e)):
         end_derivatives(t, SLIDES_FROM_REST, e)
     rate = margin_rate(t, e)
-    if not -rate > math.sqrt(value(t.solver.tolerance)) * limit * turning:
+    if not -rate > math.sqrt(value(t.solver.tolerance)) * limit * turn_rate:
         if friction_drops(t, e) and step_length(t) > 0.0:
             drop = limit * (1.0 - value(t.law.friction[e]) / value(t.law.static_friction[e]))
             # The friction drops at this time, and a delay of the drop changes the speed of the element. If
@@ -153,18 +153,18 @@ def is_negligible(t, speed):
     ``trust.neglected``; and if the share is not 0, the derivatives of friction impulses count as unknown
     (``mark_split``).
     """
-    time, most = settling_time(t), 0.0
+    time, largest_part = settling_time(t), 0.0
     for k in range(DIRECTIONS):
         change = time * abs(slope(speed, k))
         if change != 0.0:
             largest_of_all = largest_slope(t.scratch.position, k)
             if not change <= MOST_NEGLECTED * largest_of_all:
                 return False
-            most = max(most, change / largest_of_all)
-    if t.trust.neglected + most > MOST_NEGLECTED:
+            largest_part = max(largest_part, change / largest_of_all)
+    if t.trust.neglected + largest_part > MOST_NEGLECTED:
         return False
-    if most > 0.0:
-        t.trust.neglected += most
+    if largest_part > 0.0:
+        t.trust.neglected += largest_part
         mark_split(t)
     return True
 
@@ -194,23 +194,23 @@ def check_changes(t, time):
         t: the tangent instance, with the points located at the end of the last step.
         time: the delay of one of the changes, a dual number of value 0.
     """
-    stopped, slowly = 0, False
+    stopped_count, any_slow = 0, False
     for i in range(t.friction.count):
         e = t.element.index[i]
         if t.element.mode[e] != STICKS:
             speed = tangential_rate(t, e)
             stops = t.element.event[e] == SLIDING_ENDS or abs(value(speed)) <= value(rest_speed(t))
-            stopped += stops
-            slowly = slowly or (stops and acceleration_may_be_error(t, e))
-            after = speed + value(tangential_acceleration(t, e)) * time
-            if stops and not stays_at_rest(t, after, time) and not is_negligible(t, after):
+            stopped_count += stops
+            any_slow = any_slow or (stops and acceleration_may_be_error(t, e))
+            speed_after = speed + value(tangential_acceleration(t, e)) * time
+            if stops and not stays_at_rest(t, speed_after, time) and not is_negligible(t, speed_after):
                 end_derivatives(
                     t, SLOW_CHANGE if acceleration_may_be_error(t, e) else SIMULTANEOUS_CHANGES, e
                 )
     # If several elements stop, or if an acceleration may be an error, the derivatives of friction impulses
     # are not known: for example, the friction at each end of a rod on a floor depends on the times at which
     # the two ends stop.
-    if stopped > 1 or slowly:
+    if stopped_count > 1 or any_slow:
         mark_split(t)
     if count_pending_changes(t) > 1:
         for i in range(t.friction.count):
@@ -244,16 +244,18 @@ def any_stops_sliding(t):
     return False
 
 
-def stays_at_rest(t, after, time):
+def stays_at_rest(t, speed_after, time):
     """Return whether an element at rest is at rest after a delay ``time`` [s] for nearby parameters, too.
 
-    ``after`` is the element's speed after the delay, a dual number of the value 0. The result is true if the
-    derivatives of ``after`` are almost zero (SAME_TIME_SLOPE).
+    ``speed_after`` is the element's speed after the delay, a dual number of the value 0. The result is true
+    if the derivatives of ``speed_after`` are almost zero (SAME_TIME_SLOPE).
     """
-    most = value(largest_component(t, t.scratch.acceleration))
+    largest_acceleration = value(largest_component(t, t.scratch.acceleration))
     for k in range(DIRECTIONS):
         scale = largest_slope(t.scratch.velocity, k) + fastest_speed(t) * largest_displacement(t, k)
-        if abs(slope(after, k)) > SAME_TIME_SLOPE * (scale + most * abs(slope(time, k))):
+        if abs(slope(speed_after, k)) > SAME_TIME_SLOPE * (
+            scale + largest_acceleration * abs(slope(time, k))
+        ):
             return False
     return True
 
@@ -263,10 +265,10 @@ def largest_slope(vectors, direction):
 
     ``direction`` is the index, from 0, of a parameter or input.
     """
-    most = 0.0
+    largest = 0.0
     for k in range(len(vectors.x)):
-        most = max(most, abs(slope(vectors.x[k], direction)), abs(slope(vectors.y[k], direction)))
-    return most
+        largest = max(largest, abs(slope(vectors.x[k], direction)), abs(slope(vectors.y[k], direction)))
+    return largest
 
 
 def largest_displacement(t, direction):
@@ -303,8 +305,8 @@ def make_modes_consistent(t):
 def any_begins_to_stick(t):
     """Return whether any element that has slid up to now begins to stick at this event."""
     for i in range(t.friction.stuck_count):
-        before = t.element.mode_before[t.element.stuck_index[i]]
-        if before not in (STICKS, NO_FRICTION):
+        mode_before = t.element.mode_before[t.element.stuck_index[i]]
+        if mode_before not in (STICKS, NO_FRICTION):
             return True
     return False
 
@@ -381,10 +383,10 @@ def is_nearly_at_limit(t, e):
     mass, time = value(mean_mass(t)), settling_time(t)
     if t.element.mode[e] == STICKS:
         margin = t.element.friction_limit[e] - abs(t.element.force[e])
-        near = abs(value(margin)) <= errors * limit
-        return near and (friction_drops(t, e) or not is_negligible(t, margin * (time / mass)))
-    slow = not friction_drops(t, e) and acceleration_may_be_error(t, e)
-    return slow and not is_negligible(t, tangential_acceleration(t, e) * time)
+        is_near = abs(value(margin)) <= errors * limit
+        return is_near and (friction_drops(t, e) or not is_negligible(t, margin * (time / mass)))
+    is_slow = not friction_drops(t, e) and acceleration_may_be_error(t, e)
+    return is_slow and not is_negligible(t, tangential_acceleration(t, e) * time)
 
 
 def end_derivatives(t, reason, e):

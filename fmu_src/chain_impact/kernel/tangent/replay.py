@@ -222,7 +222,7 @@ def iterate_slopes(d, t, h, component_count):
     ``component_count`` is the length of the extended state z, here and in ``solve_slopes`` and
     ``last_correction``.
     """
-    least, stalled = math.inf, 0
+    least_correction, stalled_count = math.inf, 0
     for _ in range(MOST_SLOPE_ITERATIONS):
         find_residuals(t, h, component_count)
         solve_slopes(d, t, h, component_count)
@@ -231,10 +231,10 @@ def iterate_slopes(d, t, h, component_count):
         correction = last_correction(d, t, component_count)
         if correction <= CONVERGED_SLOPES * d.solver.tolerance:
             return True
-        stalled += 1
-        if correction < LARGEST_FALL_FACTOR * least:
-            least, stalled = correction, 0
-        if stalled == STALLED_ITERATIONS:
+        stalled_count += 1
+        if correction < LARGEST_FALL_FACTOR * least_correction:
+            least_correction, stalled_count = correction, 0
+        if stalled_count == STALLED_ITERATIONS:
             return correction <= SLOPE_ROUND_OFF
     return False
 
@@ -259,22 +259,22 @@ def last_correction(d, t, component_count):
 
     Correction and derivatives belong to the same direction, a parameter or input.
     """
-    implicit, weight, worst = t.implicit, d.implicit.error_weight, 0.0
+    implicit, weight, correction = t.implicit, d.implicit.error_weight, 0.0
     for k in range(DIRECTIONS):
-        largest, whole, total = 0.0, LEAST_SLOPE * speed_by_friction(d, t, k), 0.0
+        largest, slope_scale, total = 0.0, LEAST_SLOPE * speed_by_friction(d, t, k), 0.0
         for j in range(component_count):
-            whole = max(
-                whole, weight[j] * abs(slope(implicit.z_start[j] + implicit.stages[LAST_STAGE, j], k))
+            slope_scale = max(
+                slope_scale, weight[j] * abs(slope(implicit.z_start[j] + implicit.stages[LAST_STAGE, j], k))
             )
             for i in range(RADAU_STAGES):
                 part = weight[j] * abs(slope(implicit.parts[i, j], k))
                 largest = max(largest, part)
                 total += part  # max() can lose a NaN; this sum, which is tested below, cannot
-        if not math.isfinite(total + whole):
+        if not math.isfinite(total + slope_scale):
             return UNLIMITED_CORRECTION
-        if largest > worst * whole:
-            worst = largest / whole if whole > 0.0 else UNLIMITED_CORRECTION
-    return worst
+        if largest > correction * slope_scale:
+            correction = largest / slope_scale if slope_scale > 0.0 else UNLIMITED_CORRECTION
+    return correction
 
 
 def speed_by_friction(d, t, direction):
@@ -315,10 +315,10 @@ def replay(d, t):
     t.step.method = d.step.last_method
     choose_variable(t, True)
     set_first_stage(t)
-    lands = ends_regularized(d)
-    repeat_step(d, t, d.step.size * d.step.end_fraction if lands else d.step.size)
+    lands_on_event = ends_regularized(d)
+    repeat_step(d, t, d.step.size * d.step.end_fraction if lands_on_event else d.step.size)
     check_turns(t)
-    if lands:
+    if lands_on_event:
         copy_end_values(d, t)
         count_break(t)
     else:

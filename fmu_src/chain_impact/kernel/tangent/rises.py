@@ -90,12 +90,12 @@ def is_linear(t):
 
 def nearest_clearance(t):
     """Return the least clearance [m] of all candidates at the end of the last step, without derivatives."""
-    least = math.inf
+    least_clearance = math.inf
     locate_points(t, t.step.state_end)
     for c in range(t.candidates):
         clearance, _ = clearance_and_rate(t, c)
-        least = min(least, value(clearance))
-    return least
+        least_clearance = min(least_clearance, value(clearance))
+    return least_clearance
 
 
 def delay_jumps(t):

@@ -183,7 +183,7 @@ def user_force(penetration, rate, speed, mass, stiffness, exponent, restitution)
 
     Differences of the law give the derivatives with respect to each argument.
     """
-    at = (
+    values = (
         value(penetration),
         value(rate),
         value(speed),
@@ -192,38 +192,45 @@ def user_force(penetration, rate, speed, mass, stiffness, exponent, restitution)
         value(exponent),
         value(restitution),
     )
-    total = dual_with_slope(user_law.force(*at), slope_along(0, ARGUMENT_DIFFERENCE * at[0], at), penetration)
-    total += dual_with_slope(0.0, slope_along(1, ARGUMENT_DIFFERENCE * (abs(at[1]) + at[2]), at), rate)
-    total += dual_with_slope(0.0, slope_along(2, ARGUMENT_DIFFERENCE * at[2], at), speed)
-    total += dual_with_slope(0.0, slope_along(3, ARGUMENT_DIFFERENCE * at[3], at), mass)
-    total += dual_with_slope(0.0, slope_along(4, ARGUMENT_DIFFERENCE * at[4], at), stiffness)
-    total += dual_with_slope(0.0, slope_along(5, ARGUMENT_DIFFERENCE * at[5], at), exponent)
-    return total + dual_with_slope(0.0, slope_along(6, ARGUMENT_DIFFERENCE * at[6], at), restitution)
+    total = dual_with_slope(
+        user_law.force(*values), slope_along(0, ARGUMENT_DIFFERENCE * values[0], values), penetration
+    )
+    total += dual_with_slope(
+        0.0, slope_along(1, ARGUMENT_DIFFERENCE * (abs(values[1]) + values[2]), values), rate
+    )
+    total += dual_with_slope(0.0, slope_along(2, ARGUMENT_DIFFERENCE * values[2], values), speed)
+    total += dual_with_slope(0.0, slope_along(3, ARGUMENT_DIFFERENCE * values[3], values), mass)
+    total += dual_with_slope(0.0, slope_along(4, ARGUMENT_DIFFERENCE * values[4], values), stiffness)
+    total += dual_with_slope(0.0, slope_along(5, ARGUMENT_DIFFERENCE * values[5], values), exponent)
+    return total + dual_with_slope(0.0, slope_along(6, ARGUMENT_DIFFERENCE * values[6], values), restitution)
 
 
-def slope_along(argument, h, at):
+def slope_along(argument, h, values):
     """Return the derivative of the user's law with respect to one ``argument``, by central differences.
 
-    The differences are of order 4, with the increment h; ``at`` has the values of all arguments. 0 if h = 0.
+    The differences are of order 4, with the increment h; ``values`` has the values of all arguments. 0 if
+    h = 0.
     """
     if h == 0.0:
         return 0.0
     # with the forces F_j after changes by j h, the derivative is (8 (F₁ − F₋₁) − (F₂ − F₋₂))/(12 h)
-    near = force_after_change(argument, h, at) - force_after_change(argument, -h, at)
-    far = force_after_change(argument, 2.0 * h, at) - force_after_change(argument, -2.0 * h, at)
-    return (8.0 * near - far) / (12.0 * h)
+    near_difference = force_after_change(argument, h, values) - force_after_change(argument, -h, values)
+    far_difference = force_after_change(argument, 2.0 * h, values) - force_after_change(
+        argument, -2.0 * h, values
+    )
+    return (8.0 * near_difference - far_difference) / (12.0 * h)
 
 
-def force_after_change(argument, by, at):
-    """Return the result of the user's law with ``by`` added to entry ``argument``, from 0, of ``at``."""
+def force_after_change(argument, change, values):
+    """Return the force of a user's law with ``change`` added to entry ``argument``, from 0, of ``values``."""
     return user_law.force(
-        at[0] + by * (argument == 0),
-        at[1] + by * (argument == 1),
-        at[2] + by * (argument == 2),
-        at[3] + by * (argument == 3),
-        at[4] + by * (argument == 4),
-        at[5] + by * (argument == 5),
-        at[6] + by * (argument == 6),
+        values[0] + change * (argument == 0),
+        values[1] + change * (argument == 1),
+        values[2] + change * (argument == 2),
+        values[3] + change * (argument == 3),
+        values[4] + change * (argument == 4),
+        values[5] + change * (argument == 5),
+        values[6] + change * (argument == 6),
     )
 
 

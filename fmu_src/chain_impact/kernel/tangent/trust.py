@@ -45,20 +45,20 @@ def check_onsets(t):
     law, or if several contacts begin at the same time. The points must be located at the end of the step.
     Coefficients of friction at the onsets are checked, too (``check_coefficient``).
     """
-    onsets, least, first = 0, math.inf, -1
+    onsets, least_speed, first = 0, math.inf, -1
     for c in range(t.candidates):
         if t.contacts.event[c] == ONSET:
             onsets += 1
             _, clearance_rate = clearance_and_rate(t, c)
-            if -value(clearance_rate) < least:
-                least, first = -value(clearance_rate), c
+            if -value(clearance_rate) < least_speed:
+                least_speed, first = -value(clearance_rate), c
             check_coefficient(t, t.law.static_friction[c])
     # ``first`` is negative if no contact has begun, and also if the rates of the clearances are not finite
     if first < 0 or t.trust.reason != TRUSTED:
         return
-    if least <= math.sqrt(value(t.solver.tolerance)) * fastest_speed(t):
+    if least_speed <= math.sqrt(value(t.solver.tolerance)) * fastest_speed(t):
         mark_untrusted(t, GRAZING, first, value(t.step.end))
-    elif not t.law.impulsive[first] and near_least_speed(t, first, least):
+    elif not t.law.impulsive[first] and near_least_speed(t, first, least_speed):
         mark_untrusted(t, AT_LEAST_SPEED, first, value(t.step.end))
     elif onsets > 1:
         mark_untrusted(t, SIMULTANEOUS_ONSETS, first, value(t.step.end))
@@ -87,13 +87,13 @@ def check_coefficient(t, friction):
 
 def fastest_speed(t):
     """Return the speed [m/s] of the fastest point or site, without derivatives."""
-    most, velocity = 0.0, t.scratch.velocity
+    largest_speed, velocity = 0.0, t.scratch.velocity
     for k in range(len(velocity.x)):
         # the places of joints are left out, because no point moves with their velocities
         if not t.links < k <= 2 * t.links:
             x, y = value(velocity.x[k]), value(velocity.y[k])
-            most = max(most, math.sqrt(x * x + y * y))
-    return most
+            largest_speed = max(largest_speed, math.sqrt(x * x + y * y))
+    return largest_speed
 
 
 def check_turns(t):
@@ -109,8 +109,8 @@ def check_turns(t):
     for k in range(t.contacts.compliant_count):
         c = t.contacts.active_index[k]
         clearance, clearance_rate = clearance_and_rate(t, c)
-        turned = value(t.contacts.penetration_rate[c]) * value(clearance_rate) > 0.0
-        if turned and t.law.number[c] == USER_LAW and jumps_at_rest(t, c, max(0.0, -clearance)):
+        has_turned = value(t.contacts.penetration_rate[c]) * value(clearance_rate) > 0.0
+        if has_turned and t.law.number[c] == USER_LAW and jumps_at_rest(t, c, max(0.0, -clearance)):
             mark_untrusted(t, FORCE_JUMPS, c, value(t.step.start))
 
 
@@ -120,9 +120,11 @@ def jumps_at_rest(t, c, penetration):
     ``penetration`` [m] is that of the contact.
     """
     rate = NEAR_REST * t.contacts.latched_speed[c]
-    rising, _ = uncut_force(t, c, penetration, rate, False)
-    falling, _ = uncut_force(t, c, penetration, -rate, False)
-    return abs(value(rising) - value(falling)) > RELATIVE_JUMP * max(abs(value(rising)), abs(value(falling)))
+    force_in, _ = uncut_force(t, c, penetration, rate, False)
+    force_out, _ = uncut_force(t, c, penetration, -rate, False)
+    return abs(value(force_in) - value(force_out)) > RELATIVE_JUMP * max(
+        abs(value(force_in)), abs(value(force_out))
+    )
 
 
 def mark_untrusted(t, reason, c, time):
@@ -162,9 +164,12 @@ def mark_split(t):
 
 def copy_reason(t, other):
     """If the derivatives of tangent instance ``other`` end before those of t, copy time and cause to t."""
-    mine, given = t.trust, other.trust
-    if given.reason != TRUSTED and (mine.reason == TRUSTED or given.time < mine.time):
-        mine.reason, mine.time, mine.point, mine.wall = given.reason, given.time, given.point, given.wall
+    trust, source = t.trust, other.trust
+    if source.reason != TRUSTED and (trust.reason == TRUSTED or source.time < trust.time):
+        trust.reason = source.reason
+        trust.time = source.time
+        trust.point = source.point
+        trust.wall = source.wall
 
 
 def is_trusted(t):
