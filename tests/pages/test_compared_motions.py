@@ -535,3 +535,22 @@ def test_forces_and_impulses_are_not_compared_and_angles_are_in_degrees(show):
     until(page, "/^[0-9]+ → [0-9]+$/.test(document.getElementById('impacts-before').textContent)")
     page.get_by_role("button", name="Pin").click()
     assert "Initial angle of link 2 = −123.76\u202f°" in page.locator(".pin-text").last.inner_text()
+
+
+def test_a_pin_has_the_name_that_the_reader_gives_it_also_in_a_link(show):
+    page = show()
+    page.get_by_role("button", name="Pin").click()
+    page.get_by_title("Give this pin a name").click()
+    field = page.get_by_role("textbox", name="Name of this pin")
+    for text, key, kept in (("hard wall: 1", "Enter", "hard wall: 1"), ("another", "Escape", "hard wall: 1")):
+        field.fill(text)
+        field.press(key)
+        page.locator("#pins .pin-name").get_by_text(kept, exact=True).click()
+    field.press("Escape")
+    until(page, "location.hash.includes('hard')")
+    other = show(hash_=page.evaluate("location.hash"))
+    other.locator("#pins .pin-name").get_by_text("hard wall: 1", exact=True).wait_for()
+    other.get_by_title("Give this pin a name").click()
+    other.get_by_role("textbox", name="Name of this pin").fill("")
+    other.keyboard.press("Enter")
+    other.locator("#pins .pin-name").get_by_text("as in the scene").wait_for()

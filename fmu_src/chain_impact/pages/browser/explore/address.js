@@ -10,8 +10,8 @@ import { savedState } from "./saved_page.js";
 
 const REST = 300; // [ms] the changes are put into the address when nothing has changed for this time
 
-// signs in an address that need no "%": BETWEEN_PINS separates pins, and AFTER_LETTER a pin's letter from its changes
-const [BETWEEN_PINS, AFTER_LETTER] = ["!", "~"];
+// signs in an address: BETWEEN_PINS separates pins, AFTER_LETTER a pin's letter from its changes, BEFORE_NAME its letter from its name
+const [BETWEEN_PINS, AFTER_LETTER, BEFORE_NAME] = ["!", "~", ":"];
 
 // the switches of the page by their ids, besides the speed: those that differ from a new page are in the address
 const SWITCHES = ["force-loop", "zoom-impact", "at-contact", "slow", "trace", "loop"];
@@ -62,7 +62,7 @@ export class Address {
     const hash = hashOf(changes, {
       scene: openScene.text,
       curves: choice.names.join(),
-      pins: pins.map((pin) => pin.letter + AFTER_LETTER + hashOf(changes, {}, pin)).join(BETWEEN_PINS),
+      pins: pins.map((pin) => pin.letter + nameInAddress(pin) + AFTER_LETTER + hashOf(changes, {}, pin)).join(BETWEEN_PINS),
       time: time && numberText(Number(time.toFixed(7))),
       view: this.#awaited.view ?? this.#view,
     });
@@ -138,9 +138,14 @@ function changedBy(texts, changes) {
   return { values: new Changes(changes.scene).with(others), inputSteps };
 }
 
-/** Return the letter and the changes of a pin in an address, such as A~contact.restitution=0.5. */
+/** Return the name of a pin as it stands in an address, after its letter; "" without a name. */
+function nameInAddress({ name }) {
+  return name ? BEFORE_NAME + encodeURIComponent(name.replaceAll(/[!~]/g, "")) : "";
+}
+
+/** Return the letter, the name and the changes of a pin in an address, such as A~gravity.y=-9 or A:moon~gravity.y=-1.6. */
 function pinIn(text, changes) {
-  const [, letter, hash = ""] = new RegExp(`^([A-E])(?:${AFTER_LETTER}(.*))?$`).exec(text) ?? [];
+  const [, letter, name = "", hash = ""] = new RegExp(`^([A-E])(?:${BEFORE_NAME}([^~]*))?(?:${AFTER_LETTER}(.*))?$`).exec(text) ?? [];
   if (!letter) throw new RangeError(`the pin ${text} must be a letter from A to E, ${AFTER_LETTER} and changes`);
-  return { letter, ...changedBy(changesIn(hash), changes) };
+  return { letter, name: decodeURIComponent(name), ...changedBy(changesIn(hash), changes) };
 }

@@ -45,15 +45,16 @@ export class ComparedMotions {
     return this.pinned.map(({ recording }) => recording);
   }
 
-  /** Return the pinned motions of a scene, each with its `letter` and the changes that it has from the scene (`values`, `inputSteps`). */
+  /** Return the pinned motions of a scene, each with its `letter`, `name` and changes from the scene (`values`, `inputSteps`). */
   pinsOf(scene) {
     return this.pinned.filter(({ recording }) => recording.scene === scene)
-      .map(({ recording: { values, inputSteps }, colour }) => ({ letter: LETTERS[colour - 1], values, inputSteps }));
+      .map(({ recording: { values, inputSteps }, colour, name }) => ({ letter: LETTERS[colour - 1], name, values, inputSteps }));
   }
 
-  /** Pin motions in place of those that are pinned; each has a `letter`, its `parts` and facts `about` it (simulation.js). */
+  /** Pin motions in place of those that are pinned; each has a `letter`, a `name` or none, `parts`, and facts `about` it. */
   pinAll(motions) {
-    this.#use(motions.map(({ letter, parts, about }) => ({
+    this.#use(motions.map(({ letter, name, parts, about }) => ({
+      name,
       recording: Object.assign(new Recording({ ...parts, ownView: parts.view }), about),
       colour: LETTERS.indexOf(letter) + 1,
     })));
@@ -76,8 +77,9 @@ export class ComparedMotions {
     this.player.drawSoon();
   }
 
-  /** Return words for a pinned motion: its scene, if the shown motion has another, and its changes, as `#changesOf` gives them. */
-  #textOf({ recording }) {
+  /** Return the reader's name for a pinned motion or, without one, words: its scene, if the shown motion has another, and its changes. */
+  #textOf({ recording, name: given }) {
+    if (given) return given;
     const { name, scene } = recording;
     const { name: shownName, scene: shown } = this.player.recording;
     const text = this.#changesOf(recording);
@@ -184,6 +186,21 @@ export class ComparedMotions {
     return [dot, make("span", { className: "pin-text", textContent: text })];
   }
 
+  /** Let the reader write a name for a pinned motion in place of the `button` with its text; without a name it has words again. */
+  #rename({ recording, name = "" }, button) {
+    const field = make("input", { className: "pin-field", value: name, placeholder: "Name", maxLength: 40, ariaLabel: "Name of this pin" });
+    field.addEventListener("keydown", ({ key }) => {
+      if (key === "Escape") field.value = name;
+      if (["Enter", "Escape"].includes(key)) field.blur();
+    });
+    field.addEventListener("blur", () => {
+      const given = field.value.trim();
+      this.#use(this.pinned.map((one) => (one.recording === recording ? { ...one, name: given } : one)));
+    }, { once: true });
+    button.replaceWith(field);
+    field.select();
+  }
+
   #title(motion) {
     const { text, colour } = motion;
     const title = make("span", { className: "pin-title" }, ...this.#nameOf(motion));
@@ -191,9 +208,12 @@ export class ComparedMotions {
       title.prepend(make("span", { className: `dashes pin-${colour}`, title: "In the charts" }));
       const button = make("button", { type: "button", className: "unpin", textContent: "×", title: "Take this pin away" });
       button.addEventListener("click", () => this.unpin(motion));
-      title.append(button);
+      const words = title.querySelector(".pin-text");
+      const name = make("button", { type: "button", className: "pin-name", title: "Give this pin a name" }, words);
+      name.addEventListener("click", () => this.#rename(motion, name));
+      title.append(name, button);
     }
-    return make("th", { scope: "row", title: text }, title);
+    return make("th", { scope: "row", title: motion.name ? this.#changesOf(motion.recording) : text }, title);
   }
 }
 
