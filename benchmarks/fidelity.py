@@ -39,8 +39,9 @@ FIRST = ("separation_speed", "peak_force", "max_penetration")
 HOPELESS = 5e3  # [mm] upper end of the chart's axis
 GRID = "stiffness and tolerance"
 # ROOM_FOR_NAMES: the end of the axis of time relative to the largest time, for the names of stiffnesses;
-# NAMES_APART: the least ratio of the heights of two names
-ROOM_FOR_NAMES, NAMES_APART = 1.25, 1.9
+# NAMES_APART: the least ratio of the heights of two names, so that names of nearer heights share a line
+ROOM_FOR_NAMES, NAMES_APART = 1.6, 2.3
+MARKS = (0.72, 0.75)  # the ends of the marks at the errors of other stiffnesses, relative to the axis of time
 
 
 def scene_with(changes: Mapping[Any, Any], tolerance: float) -> Scene:
@@ -153,28 +154,30 @@ def draw(figure: Any, record: dict[str, Any]) -> None:
 
 
 def draw_stiffness(axes: Any, rows: list[dict[str, Any]]) -> None:
-    """Draw a curve over the tolerances for steel, and for each other stiffness a line with its name.
+    """Draw a curve over the tolerances for steel, and for each other stiffness a mark with its name.
 
-    The tolerance hardly changes the error with another stiffness. A name that has no room is left out.
+    The tolerance hardly changes the error with another stiffness.
     """
     errors: dict[float, list[float]] = {stiffness: [] for stiffness in STIFFNESSES if stiffness != STEEL}
-    times = [1e3 * row["seconds"] for row in rows if row["choice"] == GRID and row["stiffness"] != STEEL]
     for row in rows:
         if row["choice"] == GRID and row["stiffness"] in errors:
             errors[row["stiffness"]].append(row["tip"])
-    named = math.inf
-    label: str | None = "other stiffness K, all tolerances"
-    for stiffness, tips in sorted(errors.items(), key=lambda entry: -np.median(entry[1])):
-        height = float(np.median(tips))
-        axes.hlines(height, min(times), max(times), color=GREY, linewidth=3.0, label=label)
-        label = None
-        if height < named / NAMES_APART:
-            first = "K = " if named == math.inf else ""
-            look: dict[str, Any] = {"va": "center", "fontsize": "small", "color": INK, "xytext": (3, 0)}
-            axes.annotate(
-                f"{first}{number_text(stiffness)}", (max(times), height), textcoords="offset points", **look
-            )
-            named = height
+    heights = {stiffness: float(np.median(tips)) for stiffness, tips in errors.items()}
+    groups: list[list[float]] = []
+    for stiffness in sorted(heights, key=lambda each: -heights[each]):
+        if groups and heights[groups[-1][-1]] < NAMES_APART * heights[stiffness]:
+            groups[-1].append(stiffness)
+        else:
+            groups.append([stiffness])
+    across, label = axes.get_yaxis_transform(), "other stiffness K, all tolerances"
+    axes.hlines(list(heights.values()), *MARKS, color=GREY, linewidth=3.0, label=label, transform=across)
+    for group in groups:
+        numbers = [number_text(stiffness) for stiffness in sorted(group)]
+        joined = " to ".join(numbers[:: len(numbers) - 1]) if len(numbers) > 2 else ", ".join(numbers)
+        name = f"{'K = ' * (group is groups[0])}{joined}"
+        middle = math.exp(np.mean([math.log(heights[stiffness]) for stiffness in group]))
+        look: dict[str, Any] = {"va": "center", "fontsize": "small", "color": INK, "transform": across}
+        axes.text(MARKS[1] + 0.015, middle, name, **look)
     mine = [row for row in rows if (row["choice"], row["stiffness"]) == (GRID, STEEL)]
     look = {"color": OURS, "marker": "o", "markersize": 4, "linewidth": 2.0, "zorder": 4}
     label = f"zhang_sharf, K = {number_text(STEEL)} N/m$^{{1.5}}$ (steel), with its tolerances"

@@ -30,6 +30,7 @@ from chain_impact.pictures.drawing.style import INK, write_headline
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.instance import Instance
+from chain_impact.text import prefixed_unit
 
 STIFFNESSES = tuple(10.0**k for k in range(4, 13))
 RESTITUTIONS = (0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)
@@ -301,6 +302,15 @@ SIZE = (WIDTH, 7.4)  # [inch] of the chart
 DEAREST, FAILED, EDGES = 1000.0, "0.9", "#f4f4f4"
 
 
+def title_of(method: str) -> str:
+    """Return the name of a method, with its step in a readable unit: "RK4 10 µs" for "RK4 1e-05 s"."""
+    *name, step, unit = method.split()
+    if unit != "s":
+        return method
+    factor, readable = prefixed_unit(float(step), unit)
+    return " ".join([*name, f"{factor * float(step):g}", readable])
+
+
 def draw(figure: Any, record: Any) -> None:
     """Draw one map for each method, ours first, then those with more completed runs and less cost first.
 
@@ -339,7 +349,7 @@ def draw(figure: Any, record: Any) -> None:
         edges = [np.arange(len(one) + 1) - 0.5 for one in (stiffnesses, restitutions)]
         look = {"edgecolors": EDGES, "linewidth": 0.8}
         mesh = axes.pcolormesh(*edges, costs, cmap="viridis", norm=cost, **look)
-        axes.set_title(f"{method}: {done[method]}", fontsize="small")
+        axes.set_title(f"{title_of(method)}: {done[method]}", fontsize="small")
         decades = [f"$10^{{{round(np.log10(k))}}}$" for k in stiffnesses[::2]]
         axes.set_xticks(range(0, len(stiffnesses), 2), decades)
         axes.set_yticks(range(len(restitutions)), [f"{e:g}" for e in restitutions])

@@ -38,7 +38,7 @@ from benchmarks.problems import PROBLEMS
 peers.contenders(PROBLEMS["four"], 1e-8, 1.2, [{family!r}])[0][{name!r}].run()
 """
 SIZE = (WIDTH, 6.4)  # [inch] of the chart
-NAMES_IN_ROW = 5  # number of names in a row of the legend
+NAMES_IN_ROW = 4  # number of names in a row of the legend
 TOLD = 24  # the largest number of characters in a line of the reason why a contender is absent
 ALL_ROUNDS: dict[str, Any] = {"linewidth": 3.0, "alpha": 0.3}
 """The look of the vertical line from the least to the largest time of all rounds."""
@@ -140,9 +140,10 @@ def draw(figure: Any, record: Any) -> None:
                 axes.set_title(f"{PROBLEMS[name].title}, {PROBLEMS[name].times[-1]:g} s\n{impacts} impacts")
     for axes in panels:
         number_few_decades(axes.yaxis)
-    keys = highest_first(panels)
+    # a column of the legend has the own programs, then two columns have the others
+    keys = sorted(highest_first(panels), key=lambda line: line.get_color() != LOOKS["chain-impact"][0])
     keys.append(Line2D([], [], color=INK, marker="x", linestyle="", label="other impacts"))
-    keys.append(Line2D([], [], color=INK, label="all rounds", **ALL_ROUNDS))
+    keys.append(Line2D([], [], color=INK, label="pale bar: all rounds", **ALL_ROUNDS))
     figure.legend(handles=keys, loc="outside lower center", ncols=NAMES_IN_ROW)
     title, factors = factors_told(results["at equal error"])
     told = [

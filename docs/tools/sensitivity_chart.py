@@ -14,16 +14,14 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from chain_impact import Result, simulate
-from chain_impact.pictures.drawing.dark_ground import is_dark
 from chain_impact.pictures.drawing.style import BLACK, DPI, PALETTE, STYLE, write_headline
 from chain_impact.pictures.over_time.time_axis import mark_impacts
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts
+from chain_impact.pictures.sensitivity_table import SIGNED_COLOURS, cell_text
 from chain_impact.recording.sensitivity import Sensitivities
-from chain_impact.text import number_text
 from docs.tools import DOCS
 
 WIDTH = 190.0 / 25.4  # [inch] that of a printed page
@@ -38,15 +36,13 @@ KINDS = {
     "an initial angle": tuple(f"initial.angle[{i}]" for i in range(1, 5)),
     "gravity": ("gravity.y",),
 }
-TITLE = "Effect of 1 % of each parameter: on the tip [m] and on peak forces [%]"
+LABELS_APART = 2.2  # the least ratio of the heights of two names at the ends of curves
 COLOURS = dict(zip(KINDS, (*PALETTE, BLACK), strict=True))
 LEAST_DISPLACEMENT = 1e-6  # [m] lower limit of the axis of displacements
-# [%] range of the colours; the first order does not predict a change above COLOUR_RANGE
-COLOUR_RANGE = 10.0
-RANGE = (1e-2, COLOUR_RANGE)
+COLOUR_RANGE = 10.0  # [%] end of the colours; the first order does not predict a larger change
 CONDITIONS = (
     "default scene; + 1 %, to first order; of masses, rates and angles the one that matters most; "
-    f"> {COLOUR_RANGE:g} %: too large for a prediction to first order"
+    f"beyond ± {COLOUR_RANGE:g} %: too large for a prediction to first order"
 )
 
 
@@ -57,12 +53,17 @@ def slopes_of(result: Result) -> Sensitivities:
 
 
 def by_kind(changes: np.ndarray, result: Result) -> dict[str, np.ndarray]:
-    """Return kind → the largest of its parameters' changes, shape (…), from ``changes``, shape (…, P)."""
+    """Return kind → that of its parameters' changes with the largest size, shape (…), with its sign.
+
+    ``changes``: shape (…, P).
+    """
     names = list(slopes_of(result).parameters)
-    return {
-        kind: np.abs(changes[..., [names.index(name) for name in members]]).max(axis=-1)
-        for kind, members in KINDS.items()
-    }
+    found = {}
+    for kind, members in KINDS.items():
+        own = changes[..., [names.index(name) for name in members]]
+        largest = np.abs(np.nan_to_num(own)).argmax(axis=-1)[..., np.newaxis]
+        found[kind] = np.take_along_axis(own, largest, axis=-1)[..., 0]
+    return found
 
 
 def moved(result: Result) -> dict[str, np.ndarray]:
@@ -78,38 +79,38 @@ def message(result: Result) -> str:
     ends = {kind: size[-1] for kind, size in moved(result).items()}
     most, least = max(ends, key=ends.__getitem__), min(ends, key=ends.__getitem__)
     ratio = float(f"{ends[most] / ends[least]:.2g}")
-    return f"after {len(result.impacts)} impacts, the effect of {most} is {ratio:.0f} times that of {least}"
+    after = f"after {len(result.impacts)} impacts"
+    return f"1 % of {most} moves the tip {ratio:.0f} times as far as 1 % of {least} {after}"
 
 
 def draw_motion(axes: Axes, result: Result) -> None:
-    """Draw the displacement of the tip over time; ``draw_forces`` writes the kinds in the same colours."""
-    for kind, size in moved(result).items():
-        axes.plot(result.time, size, color=COLOURS[kind], linewidth=1.5)
+    """Draw the displacement of the tip over time, with the name of each kind at the end of its curve."""
+    sizes, height = moved(result), 0.0
+    for kind in sorted(sizes, key=lambda each: sizes[each][-1]):
+        axes.plot(result.time, sizes[kind], color=COLOURS[kind], linewidth=1.5)
+        height = max(sizes[kind][-1], LABELS_APART * height)
+        look: dict[str, Any] = {"textcoords": "offset points", "va": "center", "fontsize": "small"}
+        axes.annotate(kind, (result.time[-1], height), (4.0, 0.0), color=COLOURS[kind], **look)
     mark_impacts(axes, result)
-    axes.set(
-        yscale="log",
-        ylim=(LEAST_DISPLACEMENT, 5.0),
-        xlabel="time [s]",
-        ylabel=f"how far point {TIP} moves [m]",
-    )
+    axes.set(yscale="log", ylim=(LEAST_DISPLACEMENT, 5.0), xlabel="time [s]")
+    axes.set_title(f"how far point {TIP} moves [m]", fontsize="medium", loc="left")
     axes.margins(x=0.0)
 
 
+def far_text(share: float) -> str:
+    """Return the text of a change beyond the end of the colours: "> +10" or "< −10" [%]."""
+    return f"> +{COLOUR_RANGE:g}" if share > 0.0 else f"< −{COLOUR_RANGE:g}"
+
+
 def draw_forces(axes: Axes, result: Result) -> None:
-    """Draw the change of each peak force in percent, as colours and numbers."""
+    """Draw the change of each peak force in percent, as the table of a picture of derivatives."""
     shares = by_kind(100.0 * slopes_of(result).relative("peak_force"), result)
     table = np.array(list(shares.values()))
-    image = axes.imshow(table, "Greys", aspect="auto", norm=LogNorm(*RANGE))
+    axes.imshow(table, SIGNED_COLOURS, aspect="auto", vmin=-COLOUR_RANGE, vmax=COLOUR_RANGE)
     for (row, column), share in np.ndenumerate(table):
-        look: dict[str, Any] = {
-            "ha": "center",
-            "va": "center",
-            "fontsize": "small",
-            "color": "white" if is_dark(image.to_rgba(share)) else BLACK,
-        }
-        axes.text(
-            column, row, number_text(share, 2) if share <= COLOUR_RANGE else f"> {COLOUR_RANGE:g}", **look
-        )
+        look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "small", "color": BLACK}
+        is_known = abs(share) <= COLOUR_RANGE
+        axes.text(column, row, cell_text(share) if is_known else far_text(share), **look)
     names = [f"{k + 1}\n{hit['onset']:.2f} s" for k, hit in enumerate(result.impacts)]
     axes.set_xticks(range(len(names)), names)
     axes.set_yticks(range(len(KINDS)), list(KINDS))
@@ -128,10 +129,10 @@ def draw(path: Path) -> None:
     assert result.sensitivity_limits == ()
     with mpl.rc_context(STYLE):
         page = Figure(figsize=(WIDTH, 4.4), dpi=DPI, layout="constrained")
-        motion, forces = page.subplots(1, 2, width_ratios=(1.25, 1.0))
+        motion, forces = page.subplots(1, 2, width_ratios=(1.0, 1.05))
         draw_motion(motion, result)
         draw_forces(forces, result)
-        write_headline(page, TITLE, f"{CONDITIONS}; {message(result)}")
+        write_headline(page, message(result), CONDITIONS)
         page.savefig(path, dpi="figure")
 
 

@@ -22,7 +22,7 @@ from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.bars import Bars, bars_size, draw_bars
 from chain_impact.pictures.curve_words import axis_unit
-from chain_impact.pictures.drawing.figures import draw_figure, settle
+from chain_impact.pictures.drawing.figures import draw_figure, name_above, settle
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
@@ -73,8 +73,7 @@ FIT_DOT, DATA_ABOVE = 3.0, 5.0
 MODEL_DASH: dict[str, Any] = {"markersize": 16.0, "markeredgewidth": 1.8}  # the model's value of an impact
 PANEL_PARTS = (5, 2)  # the relative heights of values and residuals
 ROW_WIDTHS = [3, 3, 2]  # the relative widths of two panels over time and one of impacts in a row
-# largest number of dots of a data set over time; of more values only every n-th is drawn
-MOST_DOTS = 40
+MOST_DOTS = 40  # largest number of dots of a data set over time; of more values every n-th is drawn
 # the colour of the model's quantities of impacts, and of the model's curve if there is a single data set; the
 # curves of several data sets have the palette's colours
 MODEL = VERMILLION
@@ -111,8 +110,7 @@ def plot_fit(
     if fit.ranking:
         return draw_figure(partial(fill_ranking, fit=fit), path, size, bars_size([len(fit.ranking)]))
     names = list(fit.columns)[:MOST_FIT_PANELS]
-    width = 1.5 * FIT_PANEL_WIDTH if len(names) == 1 else 2.0 * FIT_PANEL_WIDTH
-    rows = math.ceil(len(names) / len(_widths(names)))
+    width, rows = (1.5 if len(names) == 1 else 2.0) * FIT_PANEL_WIDTH, -(-len(names) // len(_widths(names)))
     return draw_figure(partial(fill, fit=fit), path, size, (width, 0.7 + rows * FIT_PANEL_HEIGHT))
 
 
@@ -121,7 +119,7 @@ def fill(figure: Figure, fit: Estimates) -> None:
     """Draw a panel for each of the first MOST_FIT_PANELS columns, and the headline, on an empty figure."""
     names = list(fit.columns)[:MOST_FIT_PANELS]
     widths = [1] if is_narrow(figure) else _widths(names)
-    columns, rows = len(widths), math.ceil(len(names) / len(widths))
+    columns, rows = len(widths), -(-len(names) // len(widths))
     # one grid for all panels: then their axes stand exactly below each other
     shape = {"width_ratios": widths, "height_ratios": [*PANEL_PARTS] * rows}
     grid = figure.add_gridspec(len(PANEL_PARTS) * rows, columns, **shape)
@@ -140,6 +138,7 @@ def fill(figure: Figure, fit: Estimates) -> None:
             neighbour is not axes and neighbour.get_xlabel() == axes.get_xlabel() for neighbour in neighbours
         ):
             axes.set_xlabel("")
+            axes.tick_params(labelbottom=False)
     poor = ", ".join(alike_neighbours(fit))
     warning = f"errors are too small: neighbouring residuals of {poor} are correlated"
     notes = [f"rms residual {number_text(misfit(fit, fit), 3)} σ", strongest_correlation(fit)]
@@ -147,17 +146,19 @@ def fill(figure: Figure, fit: Estimates) -> None:
         notes.append(f"{len(names)} of {len(fit.columns)} columns")
     if len(fit.estimated) < len(fit.columns):
         notes.append(f"χ² per degree of freedom {number_text(fit.reduced_chi_squared, 3)}")
-    marks = "bars and bands" if any(name in MEASURED_OF_IMPACT for name in names) else "bands"
-    notes.append(f"±: standard error; Δ: model − data; {marks}: ± {USUAL_RESIDUAL:g} σ")
+    marks = "bars and bands" if {*names} & {*MEASURED_OF_IMPACT} else "bands"
+    notes.append(f"±: standard error; {marks}: ± {USUAL_RESIDUAL:g} σ")
     if any(line.get_label() == MEAN for axes in figure.axes for line in axes.lines):
         notes.append("line through Δ: its running mean")
     if has_lines:
         notes.append("grey lines: impacts of the model")
-    texts = _estimate_texts(fit)
+    texts, size = _estimate_texts(fit), heading(fit, ": ").partition(": ")[2]
     note_count = 1 if is_narrow(figure) else MOST_IN_TITLE
-    size = heading(fit, ": ").partition(": ")[2]
     title = f"{fit.scene.name}: {', '.join(texts[:note_count])}"
-    lines = [(warning, PEAK_COLOUR)] if poor else []
+    lines = [(warning, PEAK_COLOUR)] * bool(poor)
+    if is_narrow(figure) and len(texts) > 1:  # all estimates stand together below a headline on the fit
+        title = f"{fit.scene.name}: {count_text(len(fit.values), 'parameter')} fitted, {notes.pop(0)}"
+        lines, note_count = lines + [(text, INK) for text in texts], len(texts)
     write_headline(figure, title, SEPARATOR.join(filter(None, [*texts[note_count:], *notes, size])), *lines)
     figure.align_ylabels()
     settle(figure)
@@ -268,7 +269,7 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
     reach = float(np.nanmax(np.abs(fit.residuals / fit.sigma)[fit.columns[name]], initial=USUAL_RESIDUAL))
     residuals.set(ylim=(-1.15 * reach, 1.15 * reach))
     residuals.axhspan(-USUAL_RESIDUAL, USUAL_RESIDUAL, color=PALE_GREY, zorder=0, linewidth=0)
-    spread = Line2D([], [], linestyle="", label=f"σ = {sigma_of(fit, name)}")
+    name_above(residuals, f"Δ = model − data, σ = {sigma_of(fit, name)}")
     for colour, part in zip(_colours(len(parts)), parts, strict=True):
         dots_label = f"data set {part.data_set + 1}" if has_several else "measured"
         mark_style: dict[str, Any] = {"linestyle": "", "marker": "o", "color": colour, "zorder": DATA_ABOVE}
@@ -304,7 +305,7 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
         handles = values.get_legend_handles_labels()[0]
         if over_impacts and not has_several:
             handles = [Line2D([], [], color=MODEL, linewidth=1.8, label="model"), *handles]
-        legend_above(values, [*handles, spread])
+        legend_above(values, handles)
     return has_lines
 
 
