@@ -133,10 +133,10 @@ def fill(figure: Figure, fit: Estimates) -> None:
         has_lines |= _panel(values, figure.add_subplot(cells[1], sharex=values), fit, name, results)
     residuals = figure.axes[1::2]
     for k, axes in enumerate(residuals):
-        neighbours = residuals[k + columns : k + columns + 1] or residuals[-1:] * (len(names) % columns == 1)
-        if any(
-            neighbour is not axes and neighbour.get_xlabel() == axes.get_xlabel() for neighbour in neighbours
-        ):
+        # a panel below with the same times has their numbers and name
+        below = residuals[k + columns : k + columns + 1]
+        ends = [(each.get_xlabel(), each.get_position().x1) for each in (axes, *below)]
+        if below and ends[0] == ends[1]:
             axes.set_xlabel("")
             axes.tick_params(labelbottom=False)
     poor = ", ".join(alike_neighbours(fit))
