@@ -279,7 +279,11 @@ def test_the_largest_force_is_the_largest_finite_one():
 
 def test_the_lower_one_of_two_close_curves_has_its_number_below_it():
     lines = [(size * np.array([0.0, 1.0, 0.0]), {"color": "k"}) for size in (10.0, 9.5, 2.0)]
-    assert [label.away for label in extremes(np.arange(3.0), lines, "N", 1.0)] == [(0, 1), (0, -1), (0, 1)]
+    assert [label.direction for label in extremes(np.arange(3.0), lines, "N", 1.0)] == [
+        (0, 1),
+        (0, -1),
+        (0, 1),
+    ]
 
 
 @pytest.mark.parametrize(

@@ -116,10 +116,10 @@ def show_hints() -> Iterator[None]:
 class Parser(argparse.ArgumentParser):
     """A parser that reports an error in one line, with a hint on what may be meant.
 
-    ``elsewhere`` is option → the names of all verbs that have this option.
+    ``verbs_by_option`` is option → the names of all verbs that have this option.
     """
 
-    elsewhere: Mapping[str, Sequence[str]] = MappingProxyType({})
+    verbs_by_option: Mapping[str, Sequence[str]] = MappingProxyType({})
 
     def error(self, message: str) -> NoReturn:
         """Print the error ``message`` as one line, without the usage of the command, and exit with code 2."""
@@ -153,7 +153,7 @@ class Parser(argparse.ArgumentParser):
         # names are compared without dashes, because dashes would make all short names similar
         long_names = [name[2:] for name in self._option_string_actions if name.startswith("--")]
         near_option = nearest_name(option.strip("-"), long_names)
-        verbs = ", ".join(self.elsewhere.get(option, ()))
+        verbs = ", ".join(self.verbs_by_option.get(option, ()))
         hint = (
             f"; it belongs to {verbs}"
             if verbs
@@ -197,7 +197,7 @@ def parser() -> argparse.ArgumentParser:
         command.add_argument("-q", "--quiet", action="store_true", help=quiet_help)
     verbs_of_options: dict[str, list[str]] = {}
     for name, command in verbs.choices.items():
-        command.elsewhere = verbs_of_options
+        command.verbs_by_option = verbs_of_options
         for option in command._option_string_actions:
             verbs_of_options.setdefault(option, []).append(name)
     return main_parser

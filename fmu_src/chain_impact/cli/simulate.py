@@ -89,19 +89,20 @@ class PictureChoice:
         rank: the quantity by whose change the parameters and inputs in ``sensitivities`` are ranked; if
             ``sensitivities`` is empty, all of the scene are ranked. None for no ranking.
         curves: names or patterns of outputs whose curves over time are drawn.
-        around: number, from 1, of the impact around which the curves are drawn; None for the whole run.
+        impact: number, from 1, of the impact around which the curves are drawn; None for the whole
+        run.
     """
 
     sensitivities: Sequence[str] = ()
     rank: str | None = None
     curves: Sequence[str] = ()
-    around: int | None = None
+    impact: int | None = None
 
     def check(self, *, is_drawn: bool) -> None:
         """Refuse options that do not fit together.
 
-        Curves need a picture, and exclude derivatives and a ranking; ``around`` needs curves. ``is_drawn`` is
-        whether there is a picture, in a file or a window.
+        Curves need a picture, and exclude derivatives and a ranking; ``impact`` needs curves.
+        ``is_drawn`` is whether there is a picture, in a file or a window.
         """
         if self.curves and not is_drawn:
             raise UsageError("--curves: curves are drawn: give --plot FILE or --show too")
@@ -109,9 +110,9 @@ class PictureChoice:
             raise UsageError(
                 "--curves: a picture has curves or derivatives; leave out --rank and --sensitivity"
             )
-        if self.around is not None and not self.curves:
+        if self.impact is not None and not self.curves:
             raise UsageError(
-                f"--around {self.around}: only curves are drawn around an impact; give --curves NAMES too"
+                f"--around {self.impact}: only curves are drawn around an impact; give --curves NAMES too"
             )
 
 
@@ -271,7 +272,7 @@ def simulate_and_tell(
     if columns and not csv:
         raise UsageError("--columns (--output): they are columns of a table: give --csv FILE too")
     choice.check(is_drawn=bool(canvas))
-    tighter_source = source.tighter() if check else None
+    tighter_source = source.with_less_tolerance() if check else None
     sensitivities = choice.sensitivities
     fault, ranking = None, source.ranking(choice.rank, sensitivities) if choice.rank else None
     try:
@@ -320,8 +321,8 @@ def curves_in(recording: Recording, source: Source, choice: PictureChoice) -> Cu
     """
     try:
         if isinstance(recording, Result):
-            return recording.curves(choice.curves, choice.around)
-        return curves_of(recording, choice.curves, source.units(), around=choice.around)
+            return recording.curves(choice.curves, choice.impact)
+        return curves_of(recording, choice.curves, source.units(), around=choice.impact)
     except ValueError as error:
         raise error if isinstance(error, SceneError) else UsageError(str(error)) from None
 

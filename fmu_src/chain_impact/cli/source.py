@@ -120,7 +120,7 @@ class Source:
         """Return name → unit of each variable of the FMU that is the source; "" for no unit."""
         return {variable.name: variable.unit or "" for variable in read_fmu(Path(self.name)).modelVariables}
 
-    def tighter(self) -> Source:
+    def with_less_tolerance(self) -> Source:
         """Return this source with a tenth of its tolerance ``solver.tolerance``.
 
         Raises:
@@ -150,7 +150,7 @@ class Source:
         return float(tolerance)
 
     def differences(self, recording: Recording) -> Differences:
-        """Simulate this source, a result of ``tighter``, and return how the run differs from a recording."""
+        """Simulate this source, from ``with_less_tolerance``; return how the run differs from a recording."""
         return differences(recording, self.record())
 
 

@@ -42,7 +42,7 @@ def scene_of_robot(path: Path, choices: ConversionChoices = ALL_CHOICES) -> tupl
 
         @cache
         def read_embedded() -> EmbeddedScene | None:
-            data = robot.embedded
+            data = robot.embedded_data
             return None if data is None else read_embedded_scene(data, robot.name, str(path))
 
         def with_embedded(chain_result: ConversionResult) -> ConversionResult:

@@ -37,11 +37,11 @@ class EmbeddedScene(NamedTuple):
 
     Attributes:
         scene: the scene, from the data in the file.
-        written: the conversion to a scene of the MJCF elements that this package writes for ``scene``.
+        written_result: the conversion to a scene of the MJCF elements that this package writes for ``scene``.
     """
 
     scene: Scene
-    written: ConversionResult
+    written_result: ConversionResult
 
 
 def read_embedded_scene(data: Mapping[str, Any], name: str, source: str) -> EmbeddedScene:
@@ -108,7 +108,7 @@ class _Merger:
         found_data: Mapping[str, Any],
         choices: ConversionChoices,
     ) -> None:
-        self.scene, self.written, self.found = scene, written_data, found_data
+        self.scene, self.written_result, self.found = scene, written_data, found_data
         self.changed: list[str] = []
         self.lost: list[str] = []
         self.missing: list[str] = []
@@ -126,7 +126,7 @@ class _Merger:
         """Return the data of the merged scene, and fill ``changed``, ``lost`` and ``missing``."""
         own_data = scene_to_dict(self.scene)
         data: dict[str, Any] = self._merge_value(
-            "", *map(_mergeable_data, (own_data, self.written, self.found))
+            "", *map(_mergeable_data, (own_data, self.written_result, self.found))
         )
         if self.found["chain"]["base"] != "slider":
             data["chain"].pop("slider", None)
@@ -215,7 +215,7 @@ class _Merger:
         A coefficient that the file's elements change is written to the wall's table in ``contact.wall``. The
         table of a wall that the file lacks is left out.
         """
-        written_frictions, found_frictions = _frictions(self.written), _frictions(self.found)
+        written_frictions, found_frictions = _frictions(self.written_result), _frictions(self.found)
         removed_names = written_frictions.keys() - found_frictions.keys()
         walls = {
             name: dict(table) for name, table in own_data.get("wall", {}).items() if name not in removed_names
@@ -235,7 +235,7 @@ class _Merger:
         The second result is None if the file's elements have the same lengths and points as those written for
         the scene: then ``contact.points`` of the scene holds. ``own_links`` are the scene's tables of links.
         """
-        written_links, found_links = (data["chain"]["links"] for data in (self.written, self.found))
+        written_links, found_links = (data["chain"]["links"] for data in (self.written_result, self.found))
         points = [link.get("points", []) for link in found_links]
         if self.alike:
             links_without_points = [
@@ -282,7 +282,7 @@ class _Merger:
         first = len(self.scene.chain.links) + 1
         points_before = {
             self.numbers.get(table.get("name", ""), -1): table
-            for link in self.written["chain"]["links"]
+            for link in self.written_result["chain"]["links"]
             for table in link.get("points", [])
         }
         for table in tables:

@@ -53,20 +53,20 @@ class ChosenJoints(NamedTuple):
         poses: rotation and position of each body in space, with held joints at their start and all other
             joints at zero.
         hinges: the hinges, from the base to the tip.
-        slides: the sliding joints before the hinges: two for a free base, one for a base on a slider, none
+        sliders: the sliding joints before the hinges: two for a free base, one for a base on a slider, none
             for a pinned base.
-        held: names of the joints that do not move.
+        held_names: names of the joints that do not move.
     """
 
     poses: list[tuple[np.ndarray, np.ndarray]]
     hinges: list[MovingJoint]
-    slides: list[MovingJoint]
-    held: set[str]
+    sliders: list[MovingJoint]
+    held_names: set[str]
 
     @property
     def base(self) -> str:
         """The kind of the scene's base: pinned, slider or free."""
-        return ("pinned", "slider", "free")[len(self.slides)]
+        return ("pinned", "slider", "free")[len(self.sliders)]
 
 
 def chosen_joints(robot: Robot, wanted_names: Sequence[str], source: str) -> ChosenJoints:

@@ -111,9 +111,9 @@ class _Reader:
     def __init__(self, mujoco: Any, file: CompiledModel, start: Start, source: str) -> None:
         self.mujoco, self.spec, self.model, self.start = mujoco, file.spec, file.model, start
         texts = (text.data for text in self.spec.texts if text.name == TEXT_NAME)
-        self.embedded = next((_embedded_data(text, source) for text in texts), None)
+        self.embedded_data = next((_embedded_data(text, source) for text in texts), None)
         self.drives = Drives(mujoco, self.model, start.control, start.activation)
-        self.contacts = Contacts(mujoco, self.model, file.stand_ins, self.embedded is not None)
+        self.contacts = Contacts(mujoco, self.model, file.stand_ins, self.embedded_data is not None)
         self.differences = list(file.differences)
 
     def robot(self, name: str, notes: list[str]) -> Robot:
@@ -132,8 +132,8 @@ class _Reader:
             name=self.spec.modelname or name,
             bodies=bodies,
             gravity=np.zeros(3) if has_no_gravity else np.array(model.opt.gravity),
-            planes=[] if not self.contacts.works else list(self.contacts.planes()),
-            embedded=self.embedded,
+            planes=[] if not self.contacts.has_contacts else list(self.contacts.planes()),
+            embedded_data=self.embedded_data,
             notes=[*notes, *flag_notes(self.mujoco, model)],
             differences=self.differences,
         )

@@ -35,19 +35,19 @@ class Contacts:
             stand_ins: names of meshes that replace missing files; their corners have no meaning.
             is_own: whether this package wrote the file.
         """
-        self.mujoco, self.model, self.ours = mujoco, model, is_own
+        self.mujoco, self.model, self.is_own = mujoco, model, is_own
         self.stand_ins = {m for m in range(model.nmesh) if model.mesh(m).name in stand_ins}
         flags, bits = model.opt.disableflags, mujoco.mjtDisableBit
-        self.works = not flags & (bits.mjDSBL_CONTACT | bits.mjDSBL_CONSTRAINT)
+        self.has_contacts = not flags & (bits.mjDSBL_CONTACT | bits.mjDSBL_CONSTRAINT)
         override = model.opt.enableflags & mujoco.mjtEnableBit.mjENBL_OVERRIDE
         self.friction = float(model.opt.o_friction[0]) if override else None
         self.pairs = {
             frozenset((int(model.pair_geom1[p]), int(model.pair_geom2[p]))): p for p in range(model.npair)
         }
         self.excluded = {int(signature) for signature in model.exclude_signature}
-        self.still = [g for g in range(model.ngeom) if self._is_still(g)]
-        self.moving = [g for g in range(model.ngeom) if not self._is_still(g)]
-        self.walls = [g for g in self.still if model.geom_type[g] == mujoco.mjtGeom.mjGEOM_PLANE]
+        self.still_geoms = [g for g in range(model.ngeom) if self._is_still(g)]
+        self.moving_geoms = [g for g in range(model.ngeom) if not self._is_still(g)]
+        self.walls = [g for g in self.still_geoms if model.geom_type[g] == mujoco.mjtGeom.mjGEOM_PLANE]
 
     def _is_still(self, g: int) -> bool:
         return bool(self.model.body_weldid[self.model.geom_bodyid[g]] == 0)
@@ -60,7 +60,7 @@ class Contacts:
         common, and their bodies are neither an excluded pair nor fixed to each other.
         """
         model = self.model
-        if not self.works:
+        if not self.has_contacts:
             return False
         if frozenset((geom, other_geom)) in self.pairs:
             return True
@@ -98,14 +98,14 @@ class Contacts:
         for g in self.walls:
             touching_geoms = [
                 (int(model.geom_bodyid[other_geom]) - 1, self._sliding_friction(g, other_geom))
-                for other_geom in self.moving
+                for other_geom in self.moving_geoms
                 if self._can_touch(g, other_geom)
             ]
             yield Plane(
                 name=model.geom(g).name or f"{g}",
                 point=np.array(data.geom_xpos[g]),
                 normal=np.array(data.geom_xmat[g].reshape(3, 3)[:, 2]),
-                touching=touching_geoms,
+                contacts=touching_geoms,
             )
 
     def shapes(self, b: int) -> list[LinkShape]:
@@ -130,10 +130,10 @@ class Contacts:
         else:  # for a kind that ``outline`` does not know, such as an ellipsoid, it returns a box
             corners, radius, disc = outline(word, model.geom_size[g])
         axes, name = rotation.reshape(3, 3), model.geom(g).name
-        other_geoms = self.moving if self._is_still(g) else range(model.ngeom)
+        other_geoms = self.moving_geoms if self._is_still(g) else range(model.ngeom)
         # if a scene of this package has no walls, its points touch nothing, but must be kept
-        is_point = self.ours and bool(POINT.fullmatch(name))
-        is_alone = is_point and not self.walls and self.works
+        is_point = self.is_own and bool(POINT.fullmatch(name))
+        is_alone = is_point and not self.walls and self.has_contacts
         return LinkShape(
             kind=word,
             touches=is_alone
@@ -154,8 +154,10 @@ class Contacts:
         """
         model = self.model
         walls = False
-        for g in self.still:
-            bodies = frozenset(int(model.geom_bodyid[o]) - 1 for o in self.moving if self._can_touch(g, o))
+        for g in self.still_geoms:
+            bodies = frozenset(
+                int(model.geom_bodyid[o]) - 1 for o in self.moving_geoms if self._can_touch(g, o)
+            )
             walls |= g in self.walls and bool(bodies)
             if bodies and g not in self.walls:
                 kind = self.mujoco.mjtGeom(model.geom_type[g]).name.removeprefix("mjGEOM_").lower()

@@ -63,13 +63,13 @@ class Drives:
         """
         self.mujoco, self.model, self.control, self.activation = mujoco, model, control, activation
         self.differences: list[Difference] = []
-        self.at: dict[int, list[int]] = {}
-        self.works = not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_ACTUATION
+        self.actuators_by_joint: dict[int, list[int]] = {}
+        self.has_actuation = not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_ACTUATION
         self.damps = not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_DAMPER
         kinds = mujoco.mjtTrn
         for a in range(model.nactuator):
             if kinds(model.actuator_trntype[a]) in (kinds.mjTRN_JOINT, kinds.mjTRN_JOINTINPARENT):
-                self.at.setdefault(int(model.actuator_trnid[a, 0]), []).append(a)
+                self.actuators_by_joint.setdefault(int(model.actuator_trnid[a, 0]), []).append(a)
             elif self._is_active(a):
                 self._tell_other(a)
 
@@ -77,7 +77,7 @@ class Drives:
         """Return whether actuator ``a`` can act: the file disables neither all actuators nor its group."""
         group = int(self.model.actuator_group[a])
         is_off = 0 <= group < 31 and self.model.opt.disableactuator >> group & 1  # noqa: PLR2004
-        return self.works and not is_off
+        return self.has_actuation and not is_off
 
     def _name(self, a: int) -> str:
         start = self.model.name_actuatoradr[a]
@@ -107,13 +107,13 @@ class Drives:
         Active actuators that a scene cannot have are reported. ``zero_position`` is MuJoCo's angle [rad] or
         position [m] of the joint in the pose of the file, in which the angle or position of ``joint`` is 0.
         """
-        for a in self.at.get(j, []):
+        for a in self.actuators_by_joint.get(j, []):
             joint = self._with_gear(joint, a)
         if joint.kind not in ("hinge", "slide"):
-            for a in filter(self._is_active, self.at.get(j, [])):
+            for a in filter(self._is_active, self.actuators_by_joint.get(j, [])):
                 self._tell(a, f"acts on a {joint.kind}: is not in the scene", SceneAspect.MOTION, joint.name)
             return joint
-        actuators = [self._drive(joint, a) for a in self.at.get(j, []) if self._is_active(a)]
+        actuators = [self._drive(joint, a) for a in self.actuators_by_joint.get(j, []) if self._is_active(a)]
         drives = [drive for drive in actuators if drive is not None]
         if drives:
             joint = self._with_drives(joint, j, drives, zero_position)
@@ -280,7 +280,7 @@ class Drives:
                 text = f"the target angle is {drive.gain / drive.stiffness:.6g} times its control"
                 yield _servo_difference(drive.name, text, joint_names)
         servos = {drive.name for drive in drives if drive.is_servo}
-        for a in self.at[j]:
+        for a in self.actuators_by_joint[j]:
             if self._clamps(a) and self._name(a) in servos:
                 low, high = self.model.actuator_ctrlrange[self.model.actuator_ctrladr[a]]
                 text = f"its control is from {low:.6g} to {high:.6g}; targets of a scene have no limits"

@@ -84,7 +84,7 @@ class _Conversion:
     def __init__(self, robot: Robot, choices: ConversionChoices, source: str) -> None:
         self.robot, self.choices, self.source = robot, choices, source
         self.chosen: ChosenJoints = chosen_joints(robot, choices.joints, source)
-        self.poses, self.hinges, self.slides, self.held = self.chosen
+        self.poses, self.hinges, self.sliders, self.held_names = self.chosen
         self.plan: Plan = plan_of(self.hinges[0].axis, choices.plane, source)
         self.link_of, self.parts = self._parts()
         self.carriage = self._carriage()
@@ -121,9 +121,9 @@ class _Conversion:
             **self._inputs(),
             "initial": {"angles": angles, "angular_velocities": speeds, **start},
         }
-        if self.held:
-            self.notes.append(difference_line("joint", sorted(self.held), "held at the start"))
-        findings = [finding for finding in self.robot.differences if finding.matters(self.held, self.link_of)]
+        if names := self.held_names:
+            self.notes.append(difference_line("joint", sorted(names), "held at the start"))
+        findings = [finding for finding in self.robot.differences if finding.matters(names, self.link_of)]
         unheld = self._unheld_joints()
         findings = [finding for finding in findings if not (finding.differs and finding.joints & unheld)]
         findings += [*self.differences, *differences]
@@ -134,18 +134,18 @@ class _Conversion:
         """Return ``{"inputs": {key: True, …}}`` for the inputs that drives of the scene need; {} for none."""
         is_free, has_slider = self.chosen.base == "free", self.chosen.base == "slider"
         inputs = {name for hinge in self.hinges[is_free:] for name in hinge.joint.inputs}
-        for name in self.slides[0].joint.inputs if has_slider else ():
+        for name in self.sliders[0].joint.inputs if has_slider else ():
             inputs.add("slider_force" if name == "joint_torques" else name)
         return {"inputs": dict.fromkeys(sorted(inputs), True)} if inputs else {}
 
     def _unheld_joints(self) -> set[str]:
         """Return the names of the joints that move a free base: the scene lacks these; else no names."""
         is_free = self.chosen.base == "free"
-        return {mover.joint.name for mover in (*self.slides, self.hinges[0])} if is_free else set()
+        return {mover.joint.name for mover in (*self.sliders, self.hinges[0])} if is_free else set()
 
     def _carriage(self) -> list[int]:
         """Return the indices of the bodies that move with a slide of the base, and belong to no link."""
-        bodies_before = {slide.body for slide in self.slides}
+        bodies_before = {slide.body for slide in self.sliders}
         bodies = range(len(self.robot.bodies))
         return [b for b in bodies if self.link_of[b] < 0 and bodies_before & {*ancestors(self.robot, b)}]
 
@@ -354,20 +354,20 @@ class _Conversion:
 
         ``anchor`` is the place of joint 1 with the joints at zero [m], ``gravity`` the scene's [m/s²].
         """
-        ways = [self.plan.project(slide.axis) for slide in self.slides]
+        ways = [self.plan.project(slide.axis) for slide in self.sliders]
         if self.chosen.base == "slider":
-            (way,), joint = ways, self.slides[0].joint
+            (way,), joint = ways, self.sliders[0].joint
             slider_position = self._start_within_stops(joint, joint.low, joint.start, joint.high, "m")
             start = {"position": (anchor + way * slider_position).tolist(), "slider_velocity": joint.speed}
             return {"slider": self._slider(joint, way, slider_position, gravity)}, start
         position, velocity = anchor.copy(), np.zeros(2)
-        for slide, way in zip(self.slides, ways, strict=True):
+        for slide, way in zip(self.sliders, ways, strict=True):
             self._tell_unheld(slide.joint)
             position = position + way * slide.joint.start
             velocity = velocity + way * slide.joint.speed
         return {}, {
             "position": position.tolist(),
-            **({"velocity": velocity.tolist()} if self.slides else {}),
+            **({"velocity": velocity.tolist()} if self.sliders else {}),
         }
 
     def _slider(self, joint: Joint, way: np.ndarray, start: float, gravity: list[float]) -> dict[str, Any]:

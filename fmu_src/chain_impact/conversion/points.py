@@ -28,8 +28,8 @@ class Ball(NamedTuple):
     """A ball that may touch a wall; its centre and radius become those of a point.
 
     Attributes:
-        at: centre in the scene's axes, with the joints of the chain at zero and all other joints at their
-            start, shape (2,) [m].
+        position: centre in the scene's axes, with the joints of the chain at zero and all other joints at
+            their start, shape (2,) [m].
         radius: radius [m].
         name: name of the shape from which the ball comes; "" without a name.
         blur: distance up to which positions count as equal [m].
@@ -37,7 +37,7 @@ class Ball(NamedTuple):
             wall touches another ball first.
     """
 
-    at: np.ndarray
+    position: np.ndarray
     radius: float
     name: str
     blur: float = ZERO_LENGTH
@@ -93,7 +93,7 @@ def reach_of_oblique(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan
 
 def reach(balls: Sequence[Ball]) -> np.ndarray:
     """Return how far [m] each ball extends from the origin in DIRECTIONS, shape (directions, balls)."""
-    centers = np.array([ball.at for ball in balls])
+    centers = np.array([ball.position for ball in balls])
     return np.asarray(DIRECTIONS @ centers.T + np.array([ball.radius for ball in balls]))
 
 
@@ -120,7 +120,9 @@ def is_within(inner_ball: Ball, outer_ball: Ball, joint: np.ndarray) -> bool:
     The angles are those of the joint between both links, at the position ``joint`` [m]. ``inner_ball`` may
     reach beyond ``outer_ball`` by the larger ``blur`` of both balls.
     """
-    distance = float(np.linalg.norm(inner_ball.at - joint) + np.linalg.norm(outer_ball.at - joint))
+    distance = float(
+        np.linalg.norm(inner_ball.position - joint) + np.linalg.norm(outer_ball.position - joint)
+    )
     return distance + inner_ball.radius <= outer_ball.radius + max(inner_ball.blur, outer_ball.blur)
 
 
@@ -158,7 +160,7 @@ def tables_of(balls: Sequence[Ball], joint: np.ndarray, axis: np.ndarray) -> lis
     for ball in balls:
         name = ball.name
         name_counts[name] += 1
-        x, y = ball.at - joint
+        x, y = ball.position - joint
         table = {
             "x": rounded_to_zero(float(axis @ (x, y))),
             "y": rounded_to_zero(float(axis[0] * y - axis[1] * x)),

@@ -203,14 +203,14 @@ class Plane:
         name: the name in the file.
         point: a point on the plane, in space [m].
         normal: unit vector at right angles to the plane, in space.
-        touching: pairs (index of a body in ``Robot.bodies``, coefficient of sliding friction), one for each
+        contacts: pairs (index of a body in ``Robot.bodies``, coefficient of sliding friction), one for each
             shape that can touch the plane.
     """
 
     name: str
     point: np.ndarray
     normal: np.ndarray
-    touching: Sequence[tuple[int, float]]
+    contacts: Sequence[tuple[int, float]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -222,7 +222,7 @@ class Robot:
         bodies: the bodies.
         gravity: acceleration by gravity in the world's axes [m/s²].
         planes: the planes that are fixed to the world; empty if the file disables contacts.
-        embedded: the data of the scene from which this package wrote the file; None for any other file.
+        embedded_data: the data of the scene from which this package wrote the file; None for any other file.
         notes: sentences on how the file was read.
         differences: the parts of the file that no scene has, or that scenes have in another form.
     """
@@ -231,6 +231,6 @@ class Robot:
     bodies: Sequence[Body]
     gravity: np.ndarray
     planes: Sequence[Plane] = ()
-    embedded: dict[str, Any] | None = None
+    embedded_data: dict[str, Any] | None = None
     notes: Sequence[str] = ()
     differences: Sequence[Difference] = ()

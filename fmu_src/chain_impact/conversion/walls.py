@@ -40,7 +40,7 @@ class Walls:
 
     Attributes:
         robot: the robot, with planes and shapes.
-        chosen: the joints of the chain.
+        joints: the joints of the chain.
         plan: the plane of the motion.
         parts: the indices of the bodies of each link.
         places: positions of the joints, then of the tip, with the joints of the chain at zero [m].
@@ -50,7 +50,7 @@ class Walls:
     """
 
     robot: Robot
-    chosen: ChosenJoints
+    joints: ChosenJoints
     plan: Plan
     parts: Sequence[list[int]]
     places: Sequence[np.ndarray]
@@ -116,14 +116,14 @@ class Walls:
 
     def _touching_links(self, plane: Plane) -> set[int]:
         """Return the indices of the links whose bodies can touch a plane."""
-        return {self.link_of[b] for b, _ in plane.touching if b in self.link_of}
+        return {self.link_of[b] for b, _ in plane.contacts if b in self.link_of}
 
     def _friction(self, plane: Plane) -> float:
         """Return the coefficient of sliding friction between a plane and the links that can touch it.
 
         If the coefficient differs between shapes, the largest is returned, and the difference is reported.
         """
-        coefficients = sorted({friction for b, friction in plane.touching if b in self.link_of})
+        coefficients = sorted({friction for b, friction in plane.contacts if b in self.link_of})
         if len(coefficients) > 1:
             text = (
                 f"its friction is from {coefficients[0]:.6g} to {coefficients[-1]:.6g}, depending on the "
@@ -149,14 +149,14 @@ class Walls:
             contact_links if self.robot.planes else {i for i in range(len(self.parts)) if self._can_touch(i)}
         )
         ends = {end for i in able_links if not balls[i] for end in (i, i + 1)}
-        ends -= {0} if self.chosen.base == "pinned" else set()
+        ends -= {0} if self.joints.base == "pinned" else set()
         return {"points": [end for end in sorted(ends) if not self._is_covered(end, balls)]}
 
     def _is_covered(self, end: int, balls: Sequence[list[Ball]]) -> bool:
         """Return whether point ``end`` of the chain lies in a ball of a link that begins or ends there."""
         point = Ball(self.places[end], 0.0, "")
         nearby_balls = chain(*balls[max(end - 1, 0) : end + 1])
-        return any(is_within(point, ball, point.at) for ball in nearby_balls)
+        return any(is_within(point, ball, point.position) for ball in nearby_balls)
 
     def _can_touch(self, i: int) -> bool:
         """Return whether the link with index ``i`` has a shape that can touch another shape in the file."""
@@ -183,14 +183,18 @@ class Walls:
         """
         if self.robot.planes and i not in contact_links:
             return []
-        fixed = i == 0 and self.chosen.base == "pinned"
+        fixed = i == 0 and self.joints.base == "pinned"
         balls = [
             ball
             for b in self.parts[i]
             for shape in filter(self._is_point, self.robot.bodies[b].shapes)
-            for ball in balls_of(shape, self.chosen.poses[b], self.plan)
+            for ball in balls_of(shape, self.joints.poses[b], self.plan)
         ]
-        return [ball for ball in balls if not fixed or np.linalg.norm(ball.at - self.places[0]) > ZERO_LENGTH]
+        return [
+            ball
+            for ball in balls
+            if not fixed or np.linalg.norm(ball.position - self.places[0]) > ZERO_LENGTH
+        ]
 
     def _points_at_start(self, balls: Sequence[list[Ball]]) -> list[Points]:
         """Return the tables of the points of each link for its ``balls``; no point may start in a wall.
@@ -234,7 +238,7 @@ class Walls:
             start_text = f"point {table.get('name', '')} starts {depth:.4g} m deep in {name}".replace(
                 "  ", " "
             )
-            hinge = self.chosen.hinges[i].joint.name
+            hinge = self.joints.hinges[i].joint.name
             if clearance < 0.0:
                 text, effect = f"{start_text}: it is left out", SceneAspect.MOTION
             else:
@@ -281,7 +285,7 @@ class Walls:
         for i in sorted(contact_links):
             self._tell_reach(i, balls[i])
         for b, body in enumerate(self.robot.bodies):
-            slid = {slide.body for slide in self.chosen.slides} & {*ancestors(self.robot, b)}
+            slid = {slide.body for slide in self.joints.sliders} & {*ancestors(self.robot, b)}
             if b not in self.link_of and slid and any(shape.walls for shape in body.shapes):
                 self._tell(
                     "body",
@@ -298,7 +302,7 @@ class Walls:
         if kinds:
             shape_text = f"outlines of shapes ({', '.join(kinds)})"
             text = f"{shape_text} are not known: the {contact_text} of the link touch walls in their place"
-            self._tell("link of joint", self.chosen.hinges[i].joint.name, text, differs=True)
+            self._tell("link of joint", self.joints.hinges[i].joint.name, text, differs=True)
 
     def _tell_reach(self, i: int, balls: Sequence[Ball]) -> None:
         """Report how far the shapes of the link with index ``i`` reach beyond its points in the scene.
@@ -311,7 +315,7 @@ class Walls:
         other_shapes = []
         for b in self.parts[i]:
             for shape in self.robot.bodies[b].shapes:
-                shape_place = shape, self.chosen.poses[b], self.plan
+                shape_place = shape, self.joints.poses[b], self.plan
                 if shape.touches and not self._is_point(shape):
                     other_shapes += (
                         [reach(outline).max(axis=1)] if (outline := list(balls_of(*shape_place))) else []
@@ -327,7 +331,7 @@ class Walls:
         )
         if excess > ZERO_LENGTH:
             length = float(np.linalg.norm(ends[1] - ends[0]))
-            name, points_text = self.chosen.hinges[i].joint.name, "points" if balls else "two ends"
+            name, points_text = self.joints.hinges[i].joint.name, "points" if balls else "two ends"
             text = (
                 f"its shapes reach {excess:.4g} m, {100 * excess / length:.3g} % of the length, beyond its "
                 f"{points_text}, which alone touch walls"

@@ -86,7 +86,9 @@ class ModelStructure:
         variables, derivatives = self.by_reference, set(self.references_in(DERIVATIVE_LIST))
         states = {variables[reference].attributes.get("derivative", "") for reference in derivatives} - {""}
         outputs = {reference for reference in variables if variables[reference].causality == "output"}
-        start = {reference for reference in outputs | states | derivatives if not variables[reference].exact}
+        start = {
+            reference for reference in outputs | states | derivatives if not variables[reference].is_exact
+        }
         start |= {
             reference for reference in variables if variables[reference].causality == "calculatedParameter"
         }
@@ -160,7 +162,7 @@ class ModelStructure:
             state = not states or name in states or variable.attributes.get("variability") == "discrete"
             if not (
                 variable.causality in _OUTSIDE_CAUSALITIES
-                or (variable.exact if is_initial else state)
+                or (variable.is_exact if is_initial else state)
                 or debugging
             ):
                 known_words = "known at the start" if is_initial else "an input, a parameter or a state"

@@ -55,7 +55,7 @@ class DescribedVariable:
         return [text] if self.type in TEXTS or (self.size == 1 and " " not in text.strip()) else text.split()
 
     @property
-    def exact(self) -> bool:
+    def is_exact(self) -> bool:
         """Whether the start value holds at the start of a run, and is not only a guess for a computation."""
         initial_text = self.attributes.get("initial", "")
         is_given = self.causality in ("parameter", "structuralParameter", "input")

@@ -267,12 +267,12 @@ class _Table(NamedTuple):
     Attributes:
         time: communication points, shape (T,) [s].
         columns: name of an input or output → its values, shape (T,); NaN where an output is not compared.
-        allowed: name → allowed error, in the unit of the output; NaN for an input and for the time.
+        tolerances: name → allowed error, in the unit of the output; NaN for an input and for the time.
     """
 
     time: np.ndarray
     columns: dict[str, np.ndarray]
-    allowed: dict[str, float]
+    tolerances: dict[str, float]
 
 
 def check_references(path: Path) -> tuple[bool, str] | None:
@@ -337,7 +337,7 @@ def _verdict(table: _Table, results: dict[str, np.ndarray]) -> tuple[bool, str]:
     errors = {name: np.abs(values - table.columns[name]) for name, values in results.items()}
     # written with `~(... <= ...)`, so that a NaN of the FMU counts as a deviation
     deviations = {
-        name: np.flatnonzero(~(error <= table.allowed[name]) & ~np.isnan(table.columns[name]))
+        name: np.flatnonzero(~(error <= table.tolerances[name]) & ~np.isnan(table.columns[name]))
         for name, error in errors.items()
     }
     deviating = {name: rows[0] for name, rows in deviations.items() if rows.size}
@@ -349,6 +349,6 @@ def _verdict(table: _Table, results: dict[str, np.ndarray]) -> tuple[bool, str]:
     return (
         False,
         f"{name} is not {table.columns[name][row]:.9g} at t = {table.time[row]:.9g} s: "
-        f"{errors[name][row]:.2g} off, {table.allowed[name]:.2g} allowed; "
+        f"{errors[name][row]:.2g} off, {table.tolerances[name]:.2g} allowed; "
         f"of {len(results)} outputs {len(deviating)} deviate",
     )

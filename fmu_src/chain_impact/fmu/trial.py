@@ -162,7 +162,7 @@ class Trial:
         """
         values = self.values()
         for variable in self.variables:
-            if variable.exact and variable.start and variable.name in values:
+            if variable.is_exact and variable.start and variable.name in values:
                 start_values = values[variable.name]
                 expected_values = [variable.value(text) for text in variable.start]
                 expected_values = (

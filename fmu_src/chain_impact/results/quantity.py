@@ -31,7 +31,7 @@ class RankedQuantity(NamedTuple):
     Attributes:
         value: the value, in the ``unit``.
         unit: the unit.
-        where: words for the impact, the joint or the time of the value.
+        place_text: words for the impact, the joint or the time of the value.
         slopes: the derivatives of the value with respect to the P parameters of the run, shape (P,).
         size: the size, in the ``unit``, to which a change is compared: a change that is tiny beside this size
             is round-off.
@@ -41,7 +41,7 @@ class RankedQuantity(NamedTuple):
 
     value: float
     unit: str
-    where: str
+    place_text: str
     slopes: np.ndarray
     size: float
     value_in: Callable[[Recording], float]
@@ -154,7 +154,7 @@ def _joint_force(recording: Recording, sensitivities: Sensitivities) -> RankedQu
     name = max(names, key=lambda column: recording.columns[column][-1])
     place_text = f"joint[{name_parts(name).n}], the largest of the run"
     end_quantity = _final_output(recording, sensitivities, name)
-    return end_quantity._replace(where=place_text, value_in=partial(_largest_end_in, names=names))
+    return end_quantity._replace(place_text=place_text, value_in=partial(_largest_end_in, names=names))
 
 
 def _is_joint_force(name: str) -> bool:

@@ -357,7 +357,7 @@ def ranking_of(
         quantity,
         found_quantity.value,
         found_quantity.unit,
-        found_quantity.where,
+        found_quantity.place_text,
         effects,
         names_without_effect,
         unknown_names,

@@ -98,25 +98,26 @@ class Approximator:
             resolved: round-off of a time, relative to the time, which makes the functions' values inaccurate;
                 shape (M,), or one number.
         """
-        self._functions, self._shortest, self._fine = functions, SHORTEST_PIECE * stop, SHORT_PIECE * stop
+        self._functions = functions
+        self._shortest, self._short_piece = SHORTEST_PIECE * stop, SHORT_PIECE * stop
         self._times = np.linspace(0.0, stop, CHECKED_TIMES + 1)
         self._values = functions(self._times)
         self._scale = np.abs(self._values).max(axis=0)
-        self._resolved = resolved
+        self._resolution = resolved
         self._accuracy = np.maximum(accuracy, FUNCTION_ROUND_OFF)
         self._calls_left = MOST_CALLS
         # for each function, how often a polynomial has failed because of this function; an error names the
         # function with the largest number
-        self._refused = np.zeros(len(self._scale), dtype=int)
+        self._refusal_counts = np.zeros(len(self._scale), dtype=int)
         self._last: Piece | None = None
         # [s] length of the last interval for which a polynomial failed or, by ``_is_vain``, was not tried; ∞:
         # there was no such interval yet
         self._failed = math.inf
         self._count = 0  # number of pieces found so far
-        # _again: binary exponent of a length → number of found pieces at which this length is tried again;
-        # _patience: the same exponent → number of pieces by which the last failure has delayed the next
-        # trial, or 1 after a success
-        self._again: dict[int, int] = {}
+        # _retry_counts: binary exponent of a length → number of found pieces at which this length is tried
+        # again; _patience: the same exponent → number of pieces by which the last failure has delayed the
+        # next trial, or 1 after a success
+        self._retry_counts: dict[int, int] = {}
         self._patience: dict[int, int] = {}
         # start and end of an interval [s] → its piece, computed in advance, or None if that failed;
         # _foreseen_until is the end [s] of the last of these intervals
@@ -228,7 +229,7 @@ class Approximator:
             self._failed = end - start
         if not is_far and not vain:
             self._patience[length] = min(2 * self._patience.get(length, 1), RETRY_PIECES)
-            self._again[length] = self._count + self._patience[length]
+            self._retry_counts[length] = self._count + self._patience[length]
         a, b = (self._break_times(start, end) if simple and not is_far else None) or (middle, middle)
         for part in itertools.pairwise((start, a, b, end)):
             if part[0] < part[1]:
@@ -239,7 +240,7 @@ class Approximator:
 
         ``length`` is the binary exponent of the interval's length in [s]; similar lengths have the same one.
         """
-        return self._count < self._again.get(length, 0)
+        return self._count < self._retry_counts.get(length, 0)
 
     def _break_times(self, start: float, end: float) -> tuple[float, float] | None:
         """Return two times [s], just before and just after the only jump or kink of an interval.
@@ -257,7 +258,7 @@ class Approximator:
             right = self._simple_piece(b, b + quarter) if left_piece is not None else None
             if left_piece is None or right is None:
                 return None
-            a, b = self._narrow(left_piece, right, shortest)
+            a, b = self._narrow_gap(left_piece, right, shortest)
             if b - a > shortest:
                 return None
             if a == b:
@@ -288,7 +289,7 @@ class Approximator:
         piece = self._fit_piece(start, end)
         return None if piece is None or piece.powers[MOST_DEGREE + 1 :].any() else piece
 
-    def _narrow(self, left: Piece, right: Piece, width: float) -> tuple[float, float]:
+    def _narrow_gap(self, left: Piece, right: Piece, width: float) -> tuple[float, float]:
         """Return the last time [s] known before a jump or kink, and the first time known after it.
 
         The left piece has the functions' values before the jump or kink, the right piece after it. The
@@ -324,7 +325,7 @@ class Approximator:
         return self._functions(times)
 
     def _not_smooth(self, time: float) -> NotSmoothError:
-        return NotSmoothError(time, int(self._refused.argmax()))
+        return NotSmoothError(time, int(self._refusal_counts.argmax()))
 
     def _fit_piece(self, start: float, end: float) -> Piece | None:
         """Return the piece between two times [s] if it is accurate; else None."""
@@ -360,14 +361,14 @@ class Approximator:
         # shows there
         inset = np.minimum(0.1 * self._shortest, 0.002 * half)
         times = np.hstack([middle + half * _NODES, start + inset, end - inset])
-        called = self._call(times.ravel(), costly=bool(2.0 * half[0, 0] < self._fine))
+        called = self._call(times.ravel(), costly=bool(2.0 * half[0, 0] < self._short_piece))
         called = called.reshape(*times.shape, -1)
         values = called[:, :POINTS]
         series = _SERIES @ (values - values[:, :1])
         series[:, 0] += values[:, 0]
         low, high = values.min(axis=1), values.max(axis=1)
         self._scale = np.maximum(self._scale, np.maximum(high, -low).max(axis=0))
-        bound = self._accuracy * self._scale + self._resolved * np.abs(end) / half * (high - low)
+        bound = self._accuracy * self._scale + self._resolution * np.abs(end) / half * (high - low)
         exponents, head = np.arange(INPUT_DEGREE + 1), series[:, : INPUT_DEGREE + 1]
         is_rough = np.abs(series[:, INPUT_DEGREE + 1 :]).sum(axis=1) > bound
         counts = (np.abs(head) > DROPPED_SHARE * bound[:, np.newaxis]).any(axis=2)
@@ -384,7 +385,7 @@ class Approximator:
             if points.start < points.stop:
                 errors = pieces[k].values_at(self._times[points]) - self._values[points]
                 is_rough[k] |= (np.abs(errors) > 2.0 * bound[k]).any(axis=0)
-        self._refused += is_rough.sum(axis=0)
+        self._refusal_counts += is_rough.sum(axis=0)
         return [None if failed else piece for failed, piece in zip(is_rough.any(axis=1), pieces, strict=True)]
 
 

@@ -63,7 +63,7 @@ class Chain:
         """
         self.scene: Scene = scene_of(scene)
         prepared_scene = PreparedScene(self.scene)
-        self._prepared, self._record = prepared_scene, record
+        self._prepared_scene, self._record = prepared_scene, record
         self._rows = ChainRows(prepared_scene, record) if record is not False else None
         self._instance = Instance(prepared_scene)
         self._reals = self._instance.words
@@ -77,12 +77,12 @@ class Chain:
         self._ended_word = word_index(dtype, ("contact_log", "count"))
         self._collected_word = word_index(dtype, ("contact_log", "collected"))
         self._contradiction_word = word_index(dtype, ("channel", "contradiction"))
-        self._warned = False
+        self._has_warned = False
         self._friction_changes_word = word_index(dtype, ("friction_changes", "count"))
         self._selections: dict[str | tuple[str, ...], Selection] = {}
         self._instant = np.zeros(1)
         self._no_words = spans_of(np.zeros(0, int))
-        self._stepped, self._initialized, self._observed = False, True, False
+        self._has_stepped, self._initialized, self._observed = False, True, False
         self._impacts: list[np.ndarray] = []
 
     @property
@@ -131,7 +131,7 @@ class Chain:
         if self._rows is None:
             raise SceneError(f"{self.scene.name}: result() needs rows: create Chain(…, record=True)")
         self._begin_rows(self._rows)
-        prepared_scene = with_present_values(self._prepared, self._accesses, self._start, self._reals)
+        prepared_scene = with_present_values(self._prepared_scene, self._accesses, self._start, self._reals)
         statistics = self._instance.statistics
         return self._rows.result(prepared_scene, self.impacts, self.stick_slip, statistics)
 
@@ -165,7 +165,7 @@ class Chain:
         if self._rows is not None:
             self._begin_rows(self._rows)
             row, spans = self._rows.new_row(), self._rows.spans
-        self._stepped, self._observed = True, False
+        self._has_stepped, self._observed = True, False
         self._instant[0] = time
         while not self._instance.trajectory(self._instant, row, spans):
             # the kernel also returns when a fault occurs, when the log of contacts is full, and from time to
@@ -179,8 +179,8 @@ class Chain:
         self._observed = True
         if self._rows is not None:
             self._rows.add(self._instance, row[0])
-        if not self._warned and self._integers[self._contradiction_word]:
-            self._warned = True
+        if not self._has_warned and self._integers[self._contradiction_word]:
+            self._has_warned = True
             warn(self.scene.name, self._instance.contradictions)
 
     def get(self, names: str | Iterable[str]) -> Any:
@@ -229,7 +229,7 @@ class Chain:
             if memory[access.row.set_word] != number:
                 memory[access.row.word] = memory[access.row.set_word] = number
                 self._observed = False
-                if self._stepped:
+                if self._has_stepped:
                     self._integers[self._pending_word] = REINITIALIZE
                 else:
                     self._initialized = False
@@ -245,7 +245,7 @@ class Chain:
         self._collect()
         impacts = np.concatenate([np.zeros(0, LOG_DTYPE), *self._impacts])
         changes = self._instance.all_changes
-        return ChainState(self._stepped, impacts, changes, self._reals).as_bytes(self._digest)
+        return ChainState(self._has_stepped, impacts, changes, self._reals).as_bytes(self._digest)
 
     def restore(self, state: bytes) -> None:
         """Return to a saved state.
@@ -262,20 +262,20 @@ class Chain:
             raise SceneError(f"{subject}: {DAMAGED}")
         self._reals[:] = saved.words
         self._impacts, self._instance.changes = [saved.impacts], [saved.changes]
-        self._stepped, self._initialized, self._observed = saved.stepped, True, False
+        self._has_stepped, self._initialized, self._observed = saved.has_stepped, True, False
         if self._rows is not None:
             self._rows.restore(self._instance)
 
     def reset(self) -> None:
         """Return to the start of the scene, with all values as the scene gives them."""
         self._reals[:] = self._start
-        self._impacts, self._instance.changes, self._warned = [], [], False
+        self._impacts, self._instance.changes, self._has_warned = [], [], False
         self._clear_rows()
-        self._stepped, self._initialized, self._observed = False, True, False
+        self._has_stepped, self._initialized, self._observed = False, True, False
 
     def __reduce__(self) -> tuple[Callable[..., Chain], tuple[Any, ...]]:
         """Pickle scene, state and rows, so that the chain can be copied or sent to another process."""
-        return _restored, (self.scene, self.save(), self._record, self._rows and self._rows.kept)
+        return _restored, (self.scene, self.save(), self._record, self._rows and self._rows.stored_rows)
 
     def __repr__(self) -> str:
         """Return a text with the name of the scene, its number of links and the present time."""
@@ -335,7 +335,7 @@ class Chain:
         access = self._accesses.get(name)
         if access is None:
             raise UnknownNameError(self.scene.name, name, self._accesses, "not a variable", self._hint(name))
-        if access.row.role == "output" or (access.row.role == "fixed" and self._stepped):
+        if access.row.role == "output" or (access.row.role == "fixed" and self._has_stepped):
             fault = "is a fixed parameter and cannot be set after the first step"
             if access.row.role == "output":
                 signal_name = self._signal_of.get(name)
@@ -378,5 +378,5 @@ def _restored(scene: Scene, state: bytes, record: Any, rows: Any) -> Chain:
     chain = Chain(scene, record=record)
     chain.restore(state)
     if chain._rows is not None:
-        chain._rows.kept = rows
+        chain._rows.stored_rows = rows
     return chain

@@ -62,12 +62,12 @@ class ChainRows:
         self._keep(row_numbers[0] + 1 if row_numbers and self.marks[row_numbers[0]] == _mark(instance) else 0)
 
     @property
-    def kept(self) -> tuple[list[float], list[np.ndarray], list[int]]:
+    def stored_rows(self) -> tuple[list[float], list[np.ndarray], list[int]]:
         """The rows: times, numbers and marks."""
         return self.times, self.numbers, self.marks
 
-    @kept.setter
-    def kept(self, rows: tuple[list[float], list[np.ndarray], list[int]]) -> None:
+    @stored_rows.setter
+    def stored_rows(self, rows: tuple[list[float], list[np.ndarray], list[int]]) -> None:
         times, numbers, marks = rows
         self.times, self.numbers, self.marks = [*times], [*numbers], [*marks]
 
@@ -76,7 +76,7 @@ class ChainRows:
         self._keep(0)
 
     def _keep(self, count: int) -> None:
-        for rows in self.kept:
+        for rows in self.stored_rows:
             del rows[count:]
 
     def result(

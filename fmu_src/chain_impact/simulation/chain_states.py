@@ -25,20 +25,20 @@ class ChainState(NamedTuple):
     """The whole present state of a chain.
 
     Attributes:
-        stepped: whether the chain has made a step.
+        has_stepped: whether the chain has made a step.
         impacts: the contacts that have ended, see LOG_DTYPE.
         changes: the changes of friction modes, see CHANGE_DTYPE.
         words: the record of the instance, as numbers of 8 bytes.
     """
 
-    stepped: bool
+    has_stepped: bool
     impacts: np.ndarray
     changes: np.ndarray
     words: np.ndarray
 
     def as_bytes(self, digest: bytes) -> bytes:
         """Return the state as bytes, for a chain of the scene with this digest."""
-        head = STATE.pack(MAGIC, 0, digest, self.stepped, len(self.impacts), len(self.changes))
+        head = STATE.pack(MAGIC, 0, digest, self.has_stepped, len(self.impacts), len(self.changes))
         contents = (self.impacts, self.changes, self.words)
         return with_checksum(MAGIC, head[CHECKED_FROM:] + b"".join(content.tobytes() for content in contents))
 

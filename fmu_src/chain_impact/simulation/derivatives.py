@@ -176,7 +176,7 @@ class DifferentiatedInstance(Instance):
         """Store the derivatives of the impacts in ``rows``; ``slots``: the impacts' indices in the logs.
 
         A derivative is NaN if the impact is not ``valid``, if the quantity is not finite, if the quantity
-        becomes known when derivatives cannot be trusted, or for a parameter in ``_missing``.
+        becomes known when derivatives cannot be trusted, or for a parameter in ``_is_missing``.
         """
         kept_slopes = np.zeros(len(rows), self._impact_layout)
         trust = self._tangents["trust"][0]
@@ -190,7 +190,7 @@ class DifferentiatedInstance(Instance):
                 else np.where(np.isnan(rows["end"]), self.time, rows["end"])
             )
             kept_slopes[name][~valid | (end_rows >= distrusted) | ~np.isfinite(rows[name])] = np.nan
-            kept_slopes[name][:, self._missing] = np.nan
+            kept_slopes[name][:, self._is_missing] = np.nan
         self._impact_slopes.append(kept_slopes)
 
     def slopes_of_impacts(self, order: np.ndarray) -> dict[str, np.ndarray]:
@@ -199,7 +199,7 @@ class DifferentiatedInstance(Instance):
         return {name: all_slopes[name] for name in DIFFERENTIABLE_COLUMNS}
 
     @property
-    def _missing(self) -> np.ndarray:
+    def _is_missing(self) -> np.ndarray:
         """Whether derivatives by each parameter are missing from some time up to the present, shape (P,)."""
         is_missing: np.ndarray = self._tangents["trust"]["missing"].ravel()[: len(self.parameters)] != 0
         return is_missing
@@ -219,7 +219,9 @@ class DifferentiatedInstance(Instance):
         """Sentences for users: which derivatives are NaN, one-sided or, by dry friction, inexact, and why."""
         trust, share = self._tangents["trust"][0], float(self._tangents["trust"]["neglected"].max())
         missing_parameters = [
-            parameter for parameter, is_missing in zip(self.varied, self._missing, strict=True) if is_missing
+            parameter
+            for parameter, is_missing in zip(self.varied, self._is_missing, strict=True)
+            if is_missing
         ]
         sentences = [
             *([LEFT_OPEN.format(share=share)] if share > LEAST_REPORTED_SHARE else []),
@@ -305,15 +307,15 @@ class DifferentiatedRun:
             SceneError: when the scene or a table of inputs is invalid, or ``parameters`` is empty.
             SimulationError: when the scene cannot start.
         """
-        self._prepared = PreparedScene(scene_of(scene))
-        stop = self._prepared.scene.simulation.stop_time
+        self._prepared_scene = PreparedScene(scene_of(scene))
+        stop = self._prepared_scene.scene.simulation.stop_time
         self._inputs = {} if inputs is None else dict(inputs_by_name(inputs, stop))
         self._interpolation = interpolation
-        varied = varied_by(self._prepared, parameters)
+        varied = varied_by(self._prepared_scene, parameters)
         self._paths = [variable.set_path for variable in varied]
-        columns = columns_named(self._prepared, outputs)
-        self._words = self._prepared.output_words[[columns[name] for name in outputs]]
-        self._instance = DifferentiatedInstance(self._prepared, varied)
+        columns = columns_named(self._prepared_scene, outputs)
+        self._words = self._prepared_scene.output_words[[columns[name] for name in outputs]]
+        self._instance = DifferentiatedInstance(self._prepared_scene, varied)
 
     def run(self, values: np.ndarray, times: np.ndarray) -> Differentiated:
         """Run from the start with some values of the parameters.
@@ -331,7 +333,7 @@ class DifferentiatedRun:
         """
         instance = self._instance
         times = np.ascontiguousarray(times, float)
-        schedule = input_schedule(self._prepared, self._inputs, self._interpolation, times)
+        schedule = input_schedule(self._prepared_scene, self._inputs, self._interpolation, times)
         rows = instance.rows(len(schedule.times), self._words)
         asked_rows = np.searchsorted(schedule.times, times)
         schedule.set(instance.record, 0)

@@ -95,7 +95,7 @@ class Pieces:
         return np.asarray(total * self.scale[piece_numbers][:, np.newaxis] ** order)
 
     @cached_property
-    def _largest(self) -> np.ndarray:
+    def _largest_values(self) -> np.ndarray:
         """An upper bound of each signal's absolute values in all pieces, shape (M,); 1 where the bound is 0.
 
         For a motion, the bound is without the constant terms, so it is the size of the motion.
@@ -110,11 +110,11 @@ class Pieces:
         """The degree of each piece, and how fast its signals change in x at the middle; both of shape (P,).
 
         The second number is the largest (|u⁽ᵐ⁾|/U)^(1/m) of all signals u and all orders m of derivatives in
-        x; U is the bound ``_largest`` of u.
+        x; U is the bound ``_largest_values`` of u.
         """
         count = self.powers.shape[1]
         used_degrees = self.powers.any(axis=2) * np.arange(count)
-        shares = (np.abs(self.powers) / self._largest).max(axis=2, initial=0.0)
+        shares = (np.abs(self.powers) / self._largest_values).max(axis=2, initial=0.0)
         rates = [(math.factorial(m) * shares[:, m]) ** (1.0 / m) for m in range(1, count)]
         return used_degrees.max(axis=1, initial=0), np.max(rates, axis=0, initial=0.0) + np.zeros(
             len(used_degrees)

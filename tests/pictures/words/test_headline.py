@@ -162,9 +162,9 @@ def test_a_knee_that_stays_at_its_stop_tells_joint_time_speed_and_impulse():
 def test_none_of_equal_impulses_is_singled_out():
     run = recorded("bouncing_table")
     (told,) = peaks(run)
-    assert told.equal == len(run.impacts)
+    assert told.equal_count == len(run.impacts)
     assert marked_peaks(run) == []
-    assert told.text == f"{told.equal} equal impulses of {run.impacts['impulse'].max():.3f} N·s"
+    assert told.text == f"{told.equal_count} equal impulses of {run.impacts['impulse'].max():.3f} N·s"
     assert f": {told.text}, " in headline(run)
     page = run.plot(panels=["motion", "impacts"])
     assert not any(line.get_color() == PEAK_COLOUR for axes in page.axes for line in axes.lines)

@@ -51,7 +51,7 @@ def test_rows_of_impacts_beside_samples():
     assert found.of_impact.tolist() == [False, True, True, False, True]
     np.testing.assert_array_equal(found.value_times, [0.1, 0.15, 0.15, 0.2, np.nan])
     second, third = found.impacts
-    assert (second.number, second.wall, second.alike) == (2, SCENE.wall_names.index("y_min"), False)
+    assert (second.number, second.wall, second.is_alike) == (2, SCENE.wall_names.index("y_min"), False)
     assert (third.number, third.wall) == (3, None)
     assert [MEASURED_OF_IMPACT[found.column[k]] for k in (1, 2)] == ["onset", "peak_force"]
 

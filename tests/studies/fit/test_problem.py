@@ -34,7 +34,7 @@ def both():
 def test_the_true_parameters_leave_nothing(both):
     found = both.evaluate(both.start)
     assert both.values(both.start) == pytest.approx(TRUE)
-    assert found.usable.all()
+    assert found.is_usable.all()
     assert np.abs(found.residuals / both.size).max() < 1e-6  # tolerance of the measured run
 
 
@@ -44,7 +44,7 @@ def test_slopes_are_those_of_the_residuals(both):
     for p, h in enumerate((1e-4, 1e-5, 1e-5)):
         axis = np.eye(3)[p]
         right = slope(lambda by, axis=axis: both.evaluate(place + by * axis).residuals, 0.0, h)
-        scale = np.abs(right[found.usable]).max()
+        scale = np.abs(right[found.is_usable]).max()
         np.testing.assert_allclose(found.slopes[:, p], right, rtol=1e-3, atol=1e-4 * scale)
 
 

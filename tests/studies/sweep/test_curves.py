@@ -17,7 +17,7 @@ from tests.studies.sweep.drawn_sweeps import SCENE, TEN, drawn, labels_of
 def test_lines_are_the_columns():
     found = sweep(SCENE, {"contact.restitution": "0.8,0.4,0.0", "contact.model": "flores,hertz"})
     page = drawn(found)
-    quantities = results_of(found).every
+    quantities = results_of(found).all_quantities
     assert [label.partition(",")[0] for label in labels_of(page)] == [each.label for each in quantities]
     for axes, quantity in zip(page.axes, quantities, strict=True):
         assert [line.get_marker() for line in axes.lines[:2]] == ["o", "s"]  # in all panels

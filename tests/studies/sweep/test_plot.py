@@ -55,7 +55,7 @@ def test_a_page_of_any_width_has_all_panels(kind, width):
     assert page.get_figwidth() == width / 25.4
     told = [(axes.get_ylabel(), axes.get_xlabel(), axes.get_title()) for axes in page.axes]
     labels = {label.replace("\n", " ").partition(", ")[0] for texts in told for label in texts}
-    assert {quantity.label for quantity in results_of(found).every} <= labels
+    assert {quantity.label for quantity in results_of(found).all_quantities} <= labels
     if kind in {"two choices", "number and all choices"}:
         numbers = {text.get_text() for axes in page.axes for text in axes.get_yticklabels()}
         assert {"two choices": {"auto", "explicit"}}.get(kind, {*CONTACT_LAWS}) <= numbers

@@ -19,7 +19,11 @@ def test_a_scene_with_stops_has_panels_for_them():
     # joint forces are unknown without loads
     assert (
         labels[:6]
-        == [quantity.label for quantity in results_of(found).every if quantity.column != "joint_force"][:6]
+        == [
+            quantity.label
+            for quantity in results_of(found).all_quantities
+            if quantity.column != "joint_force"
+        ][:6]
     )
     assert len(labels) == 6 + len(changing)
     assert all(name in page.texts[1].get_text() for name in {*outputs} - {*changing})
@@ -44,7 +48,7 @@ def test_rigid_walls_have_no_panel_for_a_force():
 
 def test_stops_of_a_slider_have_panels_for_their_forces():
     scene = load_scene("cart_pole").with_values({"outputs.loads": True, "simulation.stop_time": 1.0})
-    quantities = results_of(sweep(scene, {"slider.max": "0.2,0.3"})).every
+    quantities = results_of(sweep(scene, {"slider.max": "0.2,0.3"})).all_quantities
     assert {"peak_force", "joint_force"} <= {quantity.column for quantity in quantities}
 
 
@@ -77,7 +81,7 @@ def test_results_that_never_change_still_have_a_picture():
 def test_forces_of_a_sweep_have_one_unit():
     scene = load_scene("carried_arm").with_values({"simulation.stop_time": 0.6})
     found = sweep(scene, {"contact.restitution": "0.1,0.9"}, outputs=["joint[1].force.y", "point[2].y"])
-    units = {quantity.column: quantity.unit for quantity in results_of(found).every}
+    units = {quantity.column: quantity.unit for quantity in results_of(found).all_quantities}
     forces = {unit for name, unit in units.items() if "force" in name}
     assert forces <= {"N", "kN"}
     assert len(forces) == 1

@@ -40,7 +40,7 @@ def test_choices_by_name_and_by_number():
     for values in ("flores,hertz", "10,1", ["flores", "hertz"], [10, "hertz"]):
         variation = one("contact.model", values)
         assert variation.values.tolist() == [CONTACT_LAWS["flores"].number, CONTACT_LAWS["hertz"].number]
-        assert variation.shown(variation.values).tolist() == ["flores", "hertz"]
+        assert variation.shown_values(variation.values).tolist() == ["flores", "hertz"]
 
 
 def test_an_interval_gives_values_at_fractions():

@@ -32,14 +32,14 @@ class Number(NamedTuple):
         size: the force [N] or moment [N·m]; large numbers are written first.
         words: the text, a number with its unit.
         position: the head of the arrow, or the mark [m].
-        away: unit vector of the best direction from ``position`` to the number.
+        direction: unit vector of the best direction from ``position`` to the number.
         colour: the colour of the text.
     """
 
     size: float
     words: str
     position: np.ndarray
-    away: np.ndarray
+    direction: np.ndarray
     colour: str
 
 
@@ -86,7 +86,7 @@ def write_numbers(
             axes.transData.transform(number.position),
         )
         for avoided, distance in product(avoided_points, DISTANCES):
-            middles = number_point + directions((float(number.away[0]), float(number.away[1]))) * (
+            middles = number_point + directions((float(number.direction[0]), float(number.direction[1]))) * (
                 distance * point + half
             )
             boxes = [Bbox([middle - half, middle + half]).padded(NUMBER_MARGIN * point) for middle in middles]

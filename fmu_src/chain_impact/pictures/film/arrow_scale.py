@@ -40,7 +40,7 @@ class ArrowScale:
         # the length is LONGEST_ARROW · side · ∛(F / F_max) for the force F
         return self.side * max(SHORTEST_ARROW, LONGEST_ARROW * math.cbrt(force / self.peak))
 
-    def shows(self, force: float) -> bool:
+    def is_shown(self, force: float) -> bool:
         """Return whether the arrow of a force [N] is longer than the least length (SHORTEST_ARROW)."""
         return self.length(force) > SHORTEST_ARROW * self.side
 

@@ -87,7 +87,7 @@ class Caption:
         """Return words for the largest value of all impacts, and for the energies, the longest first."""
         recording = self.recording
         largest_words = [
-            f"{peak.text} in impact {peak.row + 1}" if peak.equal == 1 else peak.text
+            f"{peak.text} in impact {peak.row + 1}" if peak.equal_count == 1 else peak.text
             for peak in peaks(recording)[:1]
         ]
         count, energies = impact_count_text(recording), energy_texts(recording)[:1]

@@ -86,7 +86,7 @@ class Film:
         )
         self.loads = {joint: self._frame_values(force) for joint, force in recording.loads.items()}
         self.rows = np.searchsorted(recording.time, times, side="right") - 1
-        self.interactions, self.moving = recording.interactions, list[Any]()
+        self.interactions, self.moving_artists = recording.interactions, list[Any]()
         self.numbers, self.arrows = list[Number](), list[np.ndarray]()
         is_wide = bool((figure.get_size_inches() > 0.99 * np.array(SIZE_WITH_CHARTS)).all())
         self.tells_energies = is_wide and bool(recording.energies)
@@ -298,9 +298,9 @@ class Film:
         has a mark, and so has a joint or slider that sticks. If there is room, numbers tell the forces at
         walls and stops of the slider, the moments, and the largest force in a joint.
         """
-        for artist in self.moving:
+        for artist in self.moving_artists:
             artist.remove()
-        self.moving.clear()
+        self.moving_artists.clear()
         self.numbers.clear()
         self.arrows.clear()
         self.plane = self.recording.sides_at(float(self.times[frame]))
@@ -322,10 +322,10 @@ class Film:
                 tangent = np.array([dy, -dx])
                 self.numbers.append(Number(force, force_text(force, "N·m"), mark, tangent, FORCE))
         self._add_loads(frame)
-        self.moving += write_numbers(self.scene, self.numbers, self._outlines(frame), self.traced)
+        self.moving_artists += write_numbers(self.scene, self.numbers, self._outlines(frame), self.traced)
         if self.ground:
-            self.ground.suit(self.moving)
-        yield from self.moving
+            self.ground.suit(self.moving_artists)
+        yield from self.moving_artists
 
     def _suited_colour(self, colour: Any) -> Any:
         """Return the colour that replaces ``colour`` if the ground is dark; else ``colour`` itself."""
@@ -334,13 +334,13 @@ class Film:
     def _add_loads(self, frame: int) -> None:
         """Add an arrow for the force in each joint in a frame; a number is wanted for the largest only.
 
-        A force that is too small for ``ArrowScale.shows`` has neither arrow nor number.
+        A force that is too small for ``ArrowScale.is_shown`` has neither arrow nor number.
         """
         forces = {joint: force[frame] for joint, force in self.loads.items()}
         peak_joint = max(forces, key=lambda joint: np.hypot(*forces[joint]), default=0)
         for joint, force in forces.items():
             size = float(np.hypot(*force))
-            if size > 0.0 and self.scale.shows(size):
+            if size > 0.0 and self.scale.is_shown(size):
                 joint_position = self.points[frame, joint - 1]
                 self._add_arrow(joint_position, force / size, size, LOAD, with_size=joint == peak_joint)
 
@@ -380,13 +380,13 @@ class Film:
         head = foot + self.scale.length(force_size) * direction
         style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
         arrow = FancyArrowPatch(tuple(foot), tuple(head), color=colour, linewidth=2.2, **style)
-        self.moving.append(self.scene.add_patch(arrow))
+        self.moving_artists.append(self.scene.add_patch(arrow))
         self.arrows.append(np.stack([foot, head]))
         if with_size:
             self.numbers.append(Number(force_size, force_text(force_size, "N"), head, direction, colour))
 
     def _add_line(self, points: np.ndarray, *marker: str, **style: Any) -> None:
-        self.moving += self.scene.plot(*points, *marker, color=FORCE, **style)
+        self.moving_artists += self.scene.plot(*points, *marker, color=FORCE, **style)
 
     def _outlines(self, frame: int) -> list[np.ndarray]:
         """Return the lines that numbers in a frame must not cover: chain, bodies, walls, rail and arrows."""

@@ -127,7 +127,7 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
     """Search the parameters of a problem, whose scenes have one contact law, and return the fit."""
     search_result = search_parameters(problem, progress)
     evaluation = _on_bounds(problem, search_result)
-    rows = evaluation.usable
+    rows = evaluation.is_usable
     _check_rigid(problem, rows)
     if rows.sum() < len(problem.parameters):
         few_text = (
@@ -201,7 +201,7 @@ def _on_bounds(problem: Problem, search_result: SearchSeries) -> Evaluation:
     """
     evaluation = search_result.last_search.best
     alone_errors = information(
-        evaluation.slopes[evaluation.usable], search_result.sigma[evaluation.usable]
+        evaluation.slopes[evaluation.is_usable], search_result.sigma[evaluation.is_usable]
     ).alone
     reached_bounds = problem.bounds_reached(evaluation.coordinates, alone_errors)
     if not reached_bounds:
@@ -210,7 +210,7 @@ def _on_bounds(problem: Problem, search_result: SearchSeries) -> Evaluation:
     for p, bound in reached_bounds.items():
         coordinates[p] = problem.low[p] if bound == "lower" else problem.high[p]
     on_bounds = problem.evaluate(coordinates)
-    return on_bounds if np.array_equal(on_bounds.usable, evaluation.usable) else evaluation
+    return on_bounds if np.array_equal(on_bounds.is_usable, evaluation.is_usable) else evaluation
 
 
 def _runs(
@@ -342,7 +342,7 @@ def _fit_remarks(
 def _few_values_remarks(problem: Problem, evaluation: Evaluation) -> Iterator[str]:
     """Yield a remark for each column whose σ is estimated from 1 to ROUGH_BELOW − 1 fitted values."""
     for name in problem.estimated:
-        count = int((evaluation.usable & (problem.group == problem.names.index(name))).sum())
+        count = int((evaluation.is_usable & (problem.group == problem.names.index(name))).sum())
         if 0 < count < ROUGH_BELOW:
             yield (
                 f"{name} has {count_text(count, 'value')}: a σ that is estimated from fewer "
@@ -355,7 +355,7 @@ def _left_out_remarks(problem: Problem, evaluation: Evaluation) -> list[str]:
     count, notes = len(problem.value), []
     missing_count, blind_count = (
         int((~evaluation.exists).sum()),
-        int((evaluation.exists & ~evaluation.usable).sum()),
+        int((evaluation.exists & ~evaluation.is_usable).sum()),
     )
     if missing_count:
         fault = problem.fault(evaluation)

@@ -106,7 +106,7 @@ def _search_with_growing_horizon(
         result, sigma = _search_to_horizon(
             problem, evaluation, sigma, horizons[-1], enough_decrease=ROUGH_CHANGE, most_steps=ROUGH_STEPS
         )
-        if result.best.usable.sum() >= MANY_VALUES:
+        if result.best.is_usable.sum() >= MANY_VALUES:
             best = min(best, _mean_square(result.best, sigma))
         evaluation = problem.evaluate(result.best.coordinates)
         horizons.append(_next_horizon(problem, evaluation, horizons[-1], far_ratio))
@@ -126,7 +126,7 @@ def _search_with_growing_horizon(
 
 def _mean_square(evaluation: Evaluation, sigma: np.ndarray) -> float:
     """Return the mean square of a model's usable residuals r/σ; infinity if no residual is usable."""
-    rows = evaluation.usable
+    rows = evaluation.is_usable
     return float(np.mean((evaluation.residuals[rows] / sigma[rows]) ** 2)) if rows.any() else math.inf
 
 
@@ -162,7 +162,7 @@ def estimate_sigma(problem: Problem, evaluation: Evaluation, sigma: np.ndarray) 
     at least LEAST_SIGMA times the size of the column. If ν (``freedom_of_columns``) is at most NO_FREEDOM, σ
     stays as in ``sigma``.
     """
-    estimated_sigma, rows = sigma.copy(), evaluation.usable
+    estimated_sigma, rows = sigma.copy(), evaluation.is_usable
     freedom = freedom_of_columns(problem, evaluation, sigma)
     for group, least_sigma in _columns_without_sigma(problem):
         group_rows = problem.group == group
@@ -178,7 +178,7 @@ def freedom_of_columns(problem: Problem, evaluation: Evaluation, sigma: np.ndarr
     A column with n usable values has ν = n − h. Here h, the sum of the leverages of these values, is the
     number of parameters that the column determines; it need not be whole.
     """
-    rows = np.flatnonzero(evaluation.usable)
+    rows = np.flatnonzero(evaluation.is_usable)
     left_vectors, singular, _ = np.linalg.svd(
         evaluation.slopes[rows] / sigma[rows, None], full_matrices=False
     )
@@ -245,11 +245,11 @@ def _first_horizon(problem: Problem, evaluation: Evaluation, far_ratio: float) -
 def _next_horizon(problem: Problem, evaluation: Evaluation, horizon: float, far_ratio: float) -> float:
     """Return the next horizon [s], the later one of two times; infinity if no value is later than both.
 
-    One time is GROWTH × ``horizon``. The other is the first time of a value in ``Problem.followed`` that the
-    model lacks, or from which it differs by more than ``far_ratio`` × the size of the column; infinity if no
-    value is such. If ``horizon`` and both times are 0, the next horizon is the first time > 0 of a value.
+    One time is GROWTH × ``horizon``. The other is the first time of a value in ``Problem.is_followed`` that
+    the model lacks, or from which it differs by more than ``far_ratio`` × the size of the column; infinity if
+    no value is such. If ``horizon`` and both times are 0, the next horizon is the first time > 0 of a value.
     """
-    is_far = problem.followed & ~(np.abs(evaluation.residuals) <= far_ratio * problem.size)
+    is_far = problem.is_followed & ~(np.abs(evaluation.residuals) <= far_ratio * problem.size)
     times = problem.value_times
     last = float(np.nanmax(times))
     reached_time = float(np.min(times[is_far], initial=math.inf, where=np.isfinite(times[is_far])))

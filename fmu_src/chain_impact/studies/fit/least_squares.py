@@ -58,7 +58,7 @@ def minimize(
             ``enough_decrease`` × the sum.
         most_steps: the largest number of ``Search.steps``; a search that needs more has not converged.
     """
-    rows = first.usable
+    rows = first.is_usable
     # a parameter on which no fitted value depends stays fixed, because SciPy would vary it in many steps
     is_moved = first.slopes[rows].any(axis=0)
     if not is_moved.any():
@@ -79,7 +79,7 @@ def minimize(
     @np.errstate(over="ignore")
     def residuals(coordinates: np.ndarray) -> np.ndarray:
         solution = model(coordinates)
-        if not solution.usable[rows].all() or not np.isfinite(np.square(slopes(coordinates)).sum()):
+        if not solution.is_usable[rows].all() or not np.isfinite(np.square(slopes(coordinates)).sum()):
             return np.full(int(rows.sum()), np.inf)
         return np.asarray(solution.residuals[rows] / sigma[rows])
 

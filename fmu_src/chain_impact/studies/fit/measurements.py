@@ -26,17 +26,18 @@ class ImpactRow:
 
     Attributes:
         number: number of the impact in the order of onsets, from 1: among all impacts of the run, or, if
-            ``alike``, among the impacts with the row's ``point`` and ``wall``, as far as these are not None.
+            ``is_alike``, among the impacts with the row's ``point`` and ``wall``, as far as these are not
+            None.
         point: number of the point, or of the joint at a stop; None if the row gives no point.
         wall: index in ``scene.wall_names``; None if the row gives no wall.
-        alike: whether the row gives no number, so that ``number`` counts impacts with its point and wall.
+        is_alike: whether the row gives no number, so that ``number`` counts impacts with its point and wall.
         time: the measured onset, or else the measured end [s]; NaN if neither is measured.
     """
 
     number: int
     point: int | None
     wall: int | None
-    alike: bool
+    is_alike: bool
     time: float
 
     def find(self, impacts: np.ndarray) -> int | None:
@@ -48,7 +49,7 @@ class ImpactRow:
         for name, value in ((POINT, self.point), (WALL, self.wall)):
             if value is not None:
                 same &= impacts[name] == value
-        if self.alike:
+        if self.is_alike:
             rows = np.flatnonzero(same)
             return int(rows[self.number - 1]) if self.number <= len(rows) else None
         row = self.number - 1

@@ -94,13 +94,13 @@ class Column:
     Attributes:
         data_set: index of the data set.
         rows: indices of these values among the values of all data sets, shape (K,).
-        at: position of each value on the horizontal axis, shape (K,): for an output the time [s]; for a
+        places: position of each value on the horizontal axis, shape (K,): for an output the time [s]; for a
             quantity of an impact the number of the model's impact, NaN if the model lacks the impact.
     """
 
     data_set: int
     rows: np.ndarray
-    at: np.ndarray
+    places: np.ndarray
 
 
 def plot_fit(
@@ -276,28 +276,28 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
         mark_style |= {"markersize": FIT_DOT, "markeredgewidth": 0, "label": dots_label}
         if over_impacts:
             mark_style |= {"yerr": scale * USUAL_RESIDUAL * fit.sigma[part.rows], "capsize": 2}
-            values.errorbar(part.at, scale * measured[part.rows], **mark_style)
+            values.errorbar(part.places, scale * measured[part.rows], **mark_style)
             model = scale * (measured[part.rows] + fit.residuals[part.rows])
-            values.plot(part.at, model, "_", color=MODEL, **MODEL_DASH)
+            values.plot(part.places, model, "_", color=MODEL, **MODEL_DASH)
         else:
             look = {"color": colour} if has_several else {"color": MODEL, "label": "model"}
             run = results[part.data_set]
-            has_lines |= _curve((values, residuals), run, scale * run[name], part.at.max(), look)
+            has_lines |= _curve((values, residuals), run, scale * run[name], part.places.max(), look)
             step = math.ceil(len(part.rows) / MOST_DOTS)
             mark_style |= {"markevery": step} | ({"label": f"{dots_label} (1 of {step})"} if step > 1 else {})
-            values.plot(part.at, scale * measured[part.rows], **mark_style)
+            values.plot(part.places, scale * measured[part.rows], **mark_style)
         ratios = fit.residuals[part.rows] / fit.sigma[part.rows]
-        residuals.plot(part.at, ratios, ".", color=colour, markersize=3)
+        residuals.plot(part.places, ratios, ".", color=colour, markersize=3)
         if not over_impacts and len(ratios) >= LEAST_FOR_MEAN:
-            means = running_means(part.at, ratios)
+            means = running_means(part.places, ratios)
             residuals.plot(*means, color=colour if has_several else MODEL, linewidth=1.4, label=MEAN)
     values.set_ylabel(f"{name}{bracketed_unit(unit)}")
     values.tick_params(labelbottom=False)
     residuals.set_ylabel("Δ [σ]")
-    last = max((float(np.nanmax(part.at, initial=0.0)) for part in parts), default=0.0)
+    last = max((float(np.nanmax(part.places, initial=0.0)) for part in parts), default=0.0)
     residuals.set_xlabel("number of the impact" if over_impacts else name_time(residuals, last))
     if over_impacts:
-        numbers = np.concatenate([part.at for part in parts])
+        numbers = np.concatenate([part.places for part in parts])
         if np.isfinite(numbers).any():  # False if the model has none of the measured impacts
             residuals.set_xlim(np.nanmin(numbers) - AXIS_MARGIN, np.nanmax(numbers) + AXIS_MARGIN)
         residuals.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))

@@ -56,7 +56,7 @@ class Evaluation:
         return np.asarray(np.isfinite(self.residuals))
 
     @property
-    def usable(self) -> np.ndarray:
+    def is_usable(self) -> np.ndarray:
         """Whether each value can be fitted, shape (M,): the model has the value and all its derivatives."""
         is_usable: np.ndarray = self.exists & np.isfinite(self.slopes).all(axis=1)
         return is_usable
@@ -78,7 +78,7 @@ class Problem:
             largest absolute value, but at least EMPTY_COLUMN_SIZE.
         group: index in ``names`` of the column to which each value belongs, shape (M,).
         names: the names of the measured columns.
-        used: for each data set, the indices of the parameters on which its model depends.
+        used_parameters: for each data set, the indices of the parameters on which its model depends.
         evaluations: how often ``evaluate`` was called; each call runs every data set once.
     """
 
@@ -106,7 +106,7 @@ class Problem:
         self.low, self.high = np.array([parameter.ends for parameter in self.parameters]).T
         self.size = self._sizes()
         self.evaluations = 0
-        self.used = [
+        self.used_parameters = [
             [p for p, parameter in enumerate(self.parameters) if parameter.data_set in (None, k)]
             for k in range(len(self.data))
         ]
@@ -119,7 +119,7 @@ class Problem:
                     data_set.inputs,
                     interpolation,
                 )
-                for scene, data_set, used in zip(self.scenes, self.data, self.used, strict=True)
+                for scene, data_set, used in zip(self.scenes, self.data, self.used_parameters, strict=True)
             ]
         except SimulationError as error:
             raise SceneError(f"{self.scenes[0].name}: {error.fault}") from None
@@ -146,7 +146,7 @@ class Problem:
         return replace(evaluation, residuals=np.where(is_beyond, np.nan, evaluation.residuals))
 
     @property
-    def followed(self) -> np.ndarray:
+    def is_followed(self) -> np.ndarray:
         """Whether each value counts for the time up to which the model follows the data, shape (M,).
 
         Values of outputs count or, if no output was measured, the onsets and ends of impacts.
@@ -184,7 +184,7 @@ class Problem:
         scale = self.scale(values)
         model_values, slopes = np.full(len(self.value), np.nan), np.zeros((len(self.value), len(coordinates)))
         runs = []
-        for k, (own_columns, part) in enumerate(zip(self.used, self._parts, strict=True)):
+        for k, (own_columns, part) in enumerate(zip(self.used_parameters, self._parts, strict=True)):
             differentiated_run = self._run(k, values[own_columns], horizon)
             model_values[part], slopes[part, own_columns] = _select(self.data[k], differentiated_run)
             runs.append(differentiated_run)

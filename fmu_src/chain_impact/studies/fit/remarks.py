@@ -93,7 +93,7 @@ def labels_of(data_set: Measurements) -> Iterator[str]:
     for name, row, of_impact in zip(data_set.quantity, data_set.row, data_set.of_impact, strict=True):
         if of_impact:
             impact = data_set.impacts[row]
-            impact_text = f"impact {impact.number}" + (" of its point and wall" if impact.alike else "")
+            impact_text = f"impact {impact.number}" + (" of its point and wall" if impact.is_alike else "")
         else:
             impact_text = f"t = {data_set.times[row]:.6g} s"
         yield f"{name} ({impact_text})"

@@ -40,8 +40,8 @@ class Batches:
     def __init__(self, spans: Sequence[Span], workers: int) -> None:
         """Store ``spans``, the missing runs in ascending order, and the number of workers."""
         self._spans, self._workers = list(reversed(spans)), workers
-        self._left = sum(end - first for first, end in spans)
-        self._size, self._least, self._elapsed = FIRST_BATCH, 1, 0.0
+        self._rest_count = sum(end - first for first, end in spans)
+        self._size, self._least_size, self._elapsed = FIRST_BATCH, 1, 0.0
 
     def take(self) -> Span | None:
         """Return the next batch as a span of runs, or None if all runs have been taken.
@@ -51,11 +51,11 @@ class Batches:
         if not self._spans:
             return None
         first, end = self._spans.pop()
-        size = min(self._size, max(self._left // (2 * self._workers), self._least))
+        size = min(self._size, max(self._rest_count // (2 * self._workers), self._least_size))
         middle = min(end, first + size)
         if middle < end:
             self._spans.append((middle, end))
-        self._left -= middle - first
+        self._rest_count -= middle - first
         return first, middle
 
     def record_time(self, batch: Span, seconds: float) -> None:
@@ -64,7 +64,7 @@ class Batches:
         a_second = (batch[1] - batch[0]) / max(seconds, 1e-6)
         wanted_time = min(max(SHORTEST_BATCH_TIME, SHARE * self._elapsed), LONGEST_BATCH_TIME)
         self._size = max(1, min(int(wanted_time * a_second), BATCH_RATIO * self._size, LONGEST_BATCH))
-        self._least = max(1, int(wanted_time / BATCH_RATIO * a_second))
+        self._least_size = max(1, int(wanted_time / BATCH_RATIO * a_second))
 
 
 def run_batches(

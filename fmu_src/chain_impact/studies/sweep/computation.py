@@ -47,7 +47,9 @@ def columns_of(design: Design, rows: np.ndarray, first: int, names: Iterable[str
             columns[name] = rows[name]
         else:
             values = design.values(first, first + len(rows)) if values is None else values
-            columns[name] = design.variations[indices_by_name[name]].shown(values[:, indices_by_name[name]])
+            columns[name] = design.variations[indices_by_name[name]].shown_values(
+                values[:, indices_by_name[name]]
+            )
     return columns
 
 

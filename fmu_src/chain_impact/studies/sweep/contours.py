@@ -41,14 +41,14 @@ class Scale:
     names: list[str]
     middles: np.ndarray
 
-    def scaled(self, values: Any) -> np.ndarray:
+    def axis_values(self, values: Any) -> np.ndarray:
         """Return values, or their logarithms on a logarithmic axis."""
         return np.asarray(np.log(values) if self.logarithmic else values)
 
     def cell_at(self, value: float) -> int | None:
         """Return the index of the cell whose middle part (MIDDLE_SHARE) has a value, if there is one."""
-        edges = self.scaled(self.edges)
-        distances = np.abs(self.scaled(self.middles) - self.scaled(value)) / np.diff(edges)
+        edges = self.axis_values(self.edges)
+        distances = np.abs(self.axis_values(self.middles) - self.axis_values(value)) / np.diff(edges)
         return int(distances.argmin()) if distances.min() < 0.5 * MIDDLE_SHARE else None
 
 
@@ -114,7 +114,7 @@ def _axes_fractions(points: np.ndarray, scales: tuple[Scale, Scale]) -> np.ndarr
     """Return points of a map, shape (S, 2), as fractions of its width and height."""
     fractions = []
     for part, scale in zip(points.T, scales, strict=True):
-        low, high, scaled_part = map(scale.scaled, (*scale.edges[[0, -1]], part))
+        low, high, scaled_part = map(scale.axis_values, (*scale.edges[[0, -1]], part))
         fractions.append((scaled_part - low) / (high - low))
     return np.transpose(fractions)
 

@@ -177,8 +177,8 @@ def lines_of(
     rows = np.argsort(runs[abscissa.name], kind="stable")
     if choice is None:
         return {(): rows}
-    names = [*dict.fromkeys(choice.shown(choice.values))]
-    results = np.array([quantity.values_in(runs) for quantity in results_of(runs).every])
+    names = [*dict.fromkeys(choice.shown_values(choice.values))]
+    results = np.array([quantity.values_in(runs) for quantity in results_of(runs).all_quantities])
     lines: list[tuple[list[str], np.ndarray]] = []
     for name, text in zip(names, names if choice.choices else distinct_texts(names), strict=True):
         choice_rows = rows[runs[choice.name][rows] == name]

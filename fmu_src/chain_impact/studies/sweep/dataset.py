@@ -114,12 +114,12 @@ class Dataset:
         """
         if not (self.path / MANIFEST).is_file():
             return False
-        self.files = self._listed()
+        self.files = self._listed_chunks()
         return not missing_spans(list(self.files.values()), self.runs) and not any(
             map(self._fault, self.files)
         )
 
-    def read(self) -> None:
+    def read_manifest(self) -> None:
         """Put the complete files of an earlier call into ``files``, and write the manifest.
 
         Other files of rows are removed. The runs in a damaged file are then computed again.
@@ -132,7 +132,7 @@ class Dataset:
         for left_file in self.path.glob(f".{MANIFEST}-*"):
             rmtree(left_file, ignore_errors=True)
         if (self.path / MANIFEST).exists():
-            self.files = self._listed()
+            self.files = self._listed_chunks()
         elif any(path.name != LOCK for path in self.path.iterdir()):
             raise SceneError(f"{self.path} has files, but no manifest of a sweep: choose another name")
         for name in list(self.files):
@@ -158,7 +158,7 @@ class Dataset:
         with written_atomically(self.path / MANIFEST) as new_file:
             new_file.write_text(json.dumps(self._head | {"files": self.files}), encoding="utf-8")
 
-    def _listed(self) -> dict[str, Span]:
+    def _listed_chunks(self) -> dict[str, Span]:
         """Return the files that the manifest on the disk lists: name → span of runs.
 
         Raises:
@@ -201,7 +201,7 @@ def locked_dataset(path: Path, job: Job, design: Design) -> Iterator[Dataset]:
         yield dataset
         return
     with _lock_folder(path):
-        dataset.read()
+        dataset.read_manifest()
         try:
             yield dataset
         finally:

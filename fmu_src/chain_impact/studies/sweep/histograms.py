@@ -178,7 +178,8 @@ def influence_words(runs: Runs, quantities: Sequence[Quantity], variations: Sequ
             trend = trend_over(runs, quantity, drawn_parameters(runs, variations)[0])
             values = quantity.values_or_nan(runs) if trend is None else quantity.values_or_nan(runs) / trend
             words_of_quantities = [
-                (name, values[runs[choice.name] == name]) for name in choice.shown(np.unique(choice.values))
+                (name, values[runs[choice.name] == name])
+                for name in choice.shown_values(np.unique(choice.values))
             ]
             medians = [
                 f"{printed_number(float(f'{np.nanmedian(correlations):.3g}'))} with {name}"
@@ -225,7 +226,7 @@ def _scatter(
     shown_values, parameter_values = quantity.values_or_nan(runs), runs[variation.name]
     shown_values = shown_values if trend is None else shown_values / trend
     if variation.choices:
-        names = variation.shown(np.unique(variation.values)).tolist()
+        names = variation.shown_values(np.unique(variation.values)).tolist()
         # the dots of a choice lie side by side, at places that repeat in each run of the program
         sideways_shifts = (np.arange(len(runs)) * GOLDEN) % 1.0 - 0.5
         places = np.array([names.index(name) for name in parameter_values])

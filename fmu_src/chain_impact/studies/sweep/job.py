@@ -37,22 +37,22 @@ class Job:
     """The data that all runs of a sweep share.
 
     Attributes:
-        prepared: the prepared scene; the runs differ from this scene only in the values that vary.
-        varied: the path of each varied parameter in the instance record; an empty path stands for the stop
-            time.
+        prepared_scene: the prepared scene; the runs differ from this scene only in the values that vary.
+        varied_paths: the path of each varied parameter in the instance record; an empty path stands for the
+            stop time.
         kinds: the type of each varied parameter: ``real`` or ``enumeration``.
         outputs: names of the additional outputs, whose values at the end of each run are columns.
     """
 
-    prepared: PreparedScene
-    varied: tuple[DataPath, ...]
+    prepared_scene: PreparedScene
+    varied_paths: tuple[DataPath, ...]
     kinds: tuple[str, ...]
     outputs: tuple[str, ...]
 
     @property
     def scene(self) -> Scene:
         """The scene, which has the values of all parameters that do not vary."""
-        return self.prepared.scene
+        return self.prepared_scene.scene
 
     @property
     def peaks(self) -> dict[str, DataPath]:
@@ -76,7 +76,7 @@ class Job:
     @property
     def columns(self) -> dict[str, Variable]:
         """The columns with the value of an output of the FMU at the end of each run: name → output."""
-        outputs = self.prepared.outputs_by_name
+        outputs = self.prepared_scene.outputs_by_name
         standard = [name for name in outputs if outputs[name].kind.parts.owner in ("energy", "solver")]
         wanted_columns = dict.fromkeys(["impact.count", *standard, *self.outputs])
         return {name: outputs[name] for name in wanted_columns}
@@ -88,7 +88,7 @@ class Job:
         If a column is a derivative, the list has all that the scene asks for; otherwise the list is empty.
         """
         asks_sensitivities = any(name.startswith(SENSITIVITY) for name in self.columns)
-        return self.prepared.varied if asks_sensitivities else []
+        return self.prepared_scene.varied if asks_sensitivities else []
 
     @property
     def loads(self) -> dict[str, Variable]:
@@ -96,12 +96,12 @@ class Job:
 
         The column ``joint_force`` has the largest of these forces.
         """
-        outputs = self.prepared.outputs_by_name
+        outputs = self.prepared_scene.outputs_by_name
         names = (f"joint[{n}].peak_force" for n in range(1, len(self.scene.chain.links) + 1))
         return {name: outputs[name] for name in names if name in outputs}
 
     @property
-    def largest(self) -> tuple[str, ...]:
+    def largest_columns(self) -> tuple[str, ...]:
         """The columns with the largest values of a run: the peaks and, with loads, JOINT_FORCE."""
         return (*self.peaks, *((JOINT_FORCE,) if self.loads else ()))
 
@@ -109,11 +109,11 @@ class Job:
     def dtype(self) -> np.dtype:
         """The NumPy type of a run's row of results.
 
-        The fields are ``largest``, ``time``, and ``columns``.
+        The fields are ``largest_columns``, ``time``, and ``columns``.
         """
         kinds = {"integer": np.int64, "real": np.float64}
         columns = [(name, kinds[variable.type]) for name, variable in self.columns.items()]
-        return np.dtype([*((name, np.float64) for name in (*self.largest, END_COLUMN)), *columns])
+        return np.dtype([*((name, np.float64) for name in (*self.largest_columns, END_COLUMN)), *columns])
 
 
 def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outputs: Sequence[str]) -> Job:
@@ -177,10 +177,10 @@ class Runner:
         Raises:
             BuildError: when the kernel cannot be compiled.
         """
-        varied_paths = job.differentiated
-        self._instance = job.prepared.new_instance(varied_paths)
-        scope = counts_and_flags(self._instance) if own_kernel and not varied_paths else None
-        self._kernel = kernel_for(job.scene, derivatives=bool(varied_paths), scope=scope)
+        parameters = job.differentiated
+        self._instance = job.prepared_scene.new_instance(parameters)
+        scope = counts_and_flags(self._instance) if own_kernel and not parameters else None
+        self._kernel = kernel_for(job.scene, derivatives=bool(parameters), scope=scope)
         layout, self._job, self._dtype = self._instance.dtype, job, job.dtype
         self._columns, self._loads = job.columns, job.loads
         # lists of impacts, and integrals over time such as the impulse at a wall, take time: if no column
@@ -193,9 +193,11 @@ class Runner:
             self._instance["quadrature"]["computed"] = bool(
                 looked_at & {"impulse", "friction", "transmitted"}
             )
-        in_record = [k for k, path in enumerate(job.varied) if path]
+        in_record = [k for k, path in enumerate(job.varied_paths) if path]
         self._in_record, self._is_choice = in_record, [job.kinds[k] == "enumeration" for k in in_record]
-        self._varied_indices = np.array([word_index(layout, job.varied[k]) for k in in_record], np.int64)
+        self._varied_indices = np.array(
+            [word_index(layout, job.varied_paths[k]) for k in in_record], np.int64
+        )
         paths = [
             *job.peaks.values(),
             ("step", "communication_point"),
@@ -224,8 +226,8 @@ class Runner:
             if is_choice:
                 words[:, k] = words[:, k].astype(np.int64).view(np.float64)
         stops = np.full(len(values), self._job.scene.simulation.stop_time)
-        if () in self._job.varied:
-            stops = np.ascontiguousarray(values[:, self._job.varied.index(())], np.float64)
+        if () in self._job.varied_paths:
+            stops = np.ascontiguousarray(values[:, self._job.varied_paths.index(())], np.float64)
         rows = np.zeros(len(values), self._words)
         finished_count, continued_count = 0, 0
         while finished_count < len(rows):
@@ -280,5 +282,5 @@ class Runner:
             for name, variable in self._columns.items()
             if variable.record_path[0] in {"output", TANGENTS}
         ]
-        for name in (*self._job.largest, *outputs):
+        for name in (*self._job.largest_columns, *outputs):
             rows[name][failed] = np.nan

@@ -132,7 +132,7 @@ def nearest_map(runs: Runs, third_variation: Variation) -> tuple[int, bool] | No
     for a value outside of the varied range or for a choice that does not vary.
     """
     scene_value, choice = own_value(runs, third_variation), runs.scene.values.get(third_variation.name)
-    values = third_variation.shown(third_variation.values[axis_of(third_variation).order]).tolist()
+    values = third_variation.shown_values(third_variation.values[axis_of(third_variation).order]).tolist()
     if third_variation.choices:
         return next(((k, True) for k, value in enumerate(values) if value == choice), None)
     if scene_value is None:
@@ -154,7 +154,7 @@ def _name_maps(
     name_around(panels, name_below=first_label, name_beside=second_label, name_above="".join(third_labels))
     if not third_labels:
         return None
-    values = variations[2].shown(variations[2].values[axis_of(variations[2]).order]).tolist()
+    values = variations[2].shown_values(variations[2].values[axis_of(variations[2]).order]).tolist()
     for axes, value in zip(panels, values, strict=True):
         axes.set_title(value if variations[2].choices else printed_number(value), fontsize="small")
     nearest, own_values = (
@@ -244,7 +244,7 @@ def axis_of(variation: Variation) -> Scale:
     """
     if variation.choices:
         order = np.sort(np.unique(variation.values, return_index=True)[1])
-        names = variation.shown(variation.values[order]).tolist()
+        names = variation.shown_values(variation.values[order]).tolist()
         return Scale(order, np.arange(len(names) + 1) - 0.5, False, names, np.arange(len(names)))
     order = np.unique(variation.values, return_index=True)[1]
     logarithmic = is_logarithmic(variation)

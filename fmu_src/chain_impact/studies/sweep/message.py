@@ -35,9 +35,11 @@ def headline_parts(runs: Runs, results: Results, mark: str, *, is_small: bool = 
     brackets after ``mark``: "×: ", or "" if the picture has no mark for failed runs.
     """
     loads = [
-        load for load in results.every if load.in_headline and np.nan_to_num(load.values_or_nan(runs)).any()
+        load
+        for load in results.all_quantities
+        if load.in_headline and np.nan_to_num(load.values_or_nan(runs)).any()
     ]
-    quantities, parts = loads or results.drawn[:1], list[str]()
+    quantities, parts = loads or results.drawn_quantities[:1], list[str]()
     for quantity in quantities[:1] if is_small else quantities:
         values = quantity.values_or_nan(runs)
         if np.isfinite(values).any():

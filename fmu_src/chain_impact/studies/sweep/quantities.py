@@ -154,18 +154,18 @@ class Results:
     """The quantities that the picture of a sweep tells.
 
     Attributes:
-        every: all quantities that the picture tells; see ``results_of``.
-        drawn: the quantities in ``every`` that have a panel. All other quantities in ``every`` are the same
-            in all runs, and are told in words.
+        all_quantities: all quantities that the picture tells; see ``results_of``.
+        drawn_quantities: the quantities in ``all_quantities`` that have a panel. All other quantities in
+            ``all_quantities`` are the same in all runs, and are told in words.
     """
 
-    every: list[Quantity]
-    drawn: list[Quantity]
+    all_quantities: list[Quantity]
+    drawn_quantities: list[Quantity]
 
     @property
     def same(self) -> list[Quantity]:
-        """The quantities in ``every`` without a panel, because they are the same in all runs."""
-        return [quantity for quantity in self.every if quantity not in self.drawn]
+        """The quantities in ``all_quantities`` without a panel, because they are the same in all runs."""
+        return [quantity for quantity in self.all_quantities if quantity not in self.drawn_quantities]
 
 
 def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
@@ -246,8 +246,10 @@ def outputs_for(job: Job, panels: Sequence[str]) -> list[str]:
         SceneError: when there are too many panels.
     """
     standard = job.dtype.names or ()
-    available_columns = [*dict.fromkeys((*standard, *job.prepared.outputs_by_name))]
-    return [name for name in columns_named(job.prepared, panels, available_columns) if name not in standard]
+    available_columns = [*dict.fromkeys((*standard, *job.prepared_scene.outputs_by_name))]
+    return [
+        name for name in columns_named(job.prepared_scene, panels, available_columns) if name not in standard
+    ]
 
 
 def constant_quantities_words(runs: Runs, results: Results) -> str:

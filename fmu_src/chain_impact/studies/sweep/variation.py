@@ -60,7 +60,7 @@ class Variation:
         """The names of an enumeration's choices, in the order of their numbers; empty for a number."""
         return [item.name for item in self.variable.items]
 
-    def shown(self, values: np.ndarray) -> np.ndarray:
+    def shown_values(self, values: np.ndarray) -> np.ndarray:
         """Return values as a table shows them: of an enumeration, the names of the choices."""
         return np.array(["", *self.choices])[values.astype(int)] if self.choices else values
 
