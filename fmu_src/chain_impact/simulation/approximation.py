@@ -98,9 +98,8 @@ class Approximator:
             resolved: round-off of a time, relative to the time, which makes the functions' values inaccurate;
                 shape (M,), or one number.
         """
-        self._functions = functions
         self._shortest, self._short_piece = SHORTEST_PIECE * stop, SHORT_PIECE * stop
-        self._times = np.linspace(0.0, stop, CHECKED_TIMES + 1)
+        self._functions, self._times = functions, np.linspace(0.0, stop, CHECKED_TIMES + 1)
         self._values = functions(self._times)
         self._scale = np.abs(self._values).max(axis=0)
         self._resolution = resolved
