@@ -12,7 +12,7 @@ from chain_impact.recording.impacts import impacts_of as impacts_of
 from chain_impact.recording.recording import Recording as Recording
 from chain_impact.recording.sensitivity import Sensitivities as Sensitivities
 from chain_impact.recording.stick_slip import STICK_SLIP_DTYPE as STICK_SLIP_DTYPE
-from chain_impact.results.animate import AnimationError as AnimationError
+from chain_impact.results.animation import AnimationError as AnimationError
 from chain_impact.results.effects import Effect as Effect
 from chain_impact.results.ranking import Ranking as Ranking
 from chain_impact.results.result import Result as Result
@@ -33,8 +33,8 @@ from chain_impact.simulation.errors import SimulationError as SimulationError
 from chain_impact.simulation.inputs import Signal as Signal
 from chain_impact.simulation.simulate import simulate as simulate
 from chain_impact.simulation.simulate import with_law as with_law
-from chain_impact.studies.animate import animate as animate
-from chain_impact.studies.animate import record_slowly as record_slowly
+from chain_impact.studies.slow_recording import animate as animate
+from chain_impact.studies.slow_recording import record_slowly as record_slowly
 from chain_impact.studies.compare.compare import Comparison as Comparison
 from chain_impact.studies.compare.compare import compare as compare
 from chain_impact.studies.compare.runs import LawRun as LawRun

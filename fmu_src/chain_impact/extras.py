@@ -20,7 +20,7 @@ class MissingExtraError(ImportError):
     """
 
 
-def require(package: str, extra: str) -> Any:
+def require(package: str, extra_name: str) -> Any:
     """Import a package that belongs to an extra, and return it.
 
     Raises:
@@ -32,17 +32,17 @@ def require(package: str, extra: str) -> Any:
         # if the package is installed, but lacks another package, the error is raised unchanged
         if error.name != package.partition(".")[0]:
             raise
-        advice = how_to_install(extra)
+        advice = how_to_install(extra_name)
         raise MissingExtraError(f"{package} is not installed: {advice}", name=package) from None
 
 
-def how_to_install(extra: str) -> str:
+def how_to_install(extra_name: str) -> str:
     """Return the command that adds an extra to this installation of chain-impact."""
     origin = json.loads(distribution("chain-impact").read_text("direct_url.json") or "{}")
     url = origin.get("url", "")
     if url.startswith("file:"):
-        wanted_package = f"{url2pathname(urlsplit(url).path)}[{extra}]"
+        wanted_package = f"{url2pathname(urlsplit(url).path)}[{extra_name}]"
     else:
         prefix = f"{origin['vcs_info']['vcs']}+" if "vcs_info" in origin else ""
-        wanted_package = f"chain-impact[{extra}]" + (f" @ {prefix}{url}" if url else "")
+        wanted_package = f"chain-impact[{extra_name}]" + (f" @ {prefix}{url}" if url else "")
     return f"{quoted_word(sys.executable)} -m pip install {quoted_word(wanted_package)}"

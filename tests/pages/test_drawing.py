@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.results.animate import write_animation
-from chain_impact.studies.animate import record_slowly
+from chain_impact.results.animation import write_animation
+from chain_impact.studies.slow_recording import record_slowly
 from tests.helpers.scenes.friction import SLOPE, pendulum, sled
 from tests.helpers.scenes.stops import knee
 from tests.pages.in_pages import (

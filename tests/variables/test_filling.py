@@ -1,6 +1,6 @@
 """Records of scenes that differ only in numbers: only the differing numbers are written again."""
 
-# Tests: variables/cache.py
+# Tests: variables/shared_data.py
 
 from dataclasses import replace
 
@@ -9,14 +9,14 @@ import pytest
 
 from chain_impact import load_scene
 from chain_impact.scene.asked_inputs import with_inputs
-from chain_impact.variables import cache
+from chain_impact.variables import shared_data
 from chain_impact.variables.prepared import PreparedScene
 
 MODELS = ("four_link_box", "pinned_arm", "kneed_leg", "ramp", "sliding_rod", "controlled_arm")
 
 
 def from_nothing(scene):
-    cache._cache.clear()
+    shared_data._cache.clear()
     return PreparedScene(scene)
 
 
@@ -91,9 +91,9 @@ def test_a_scene_finds_what_is_kept_of_an_earlier_one():
     outputs = from_nothing(first).outputs
     assert PreparedScene(other).outputs
     assert PreparedScene(first.with_values({"contact.restitution": 0.5})).outputs is outputs
-    for number in range(2 * cache.MOST_CACHED):
+    for number in range(2 * shared_data.MOST_CACHED):
         PreparedScene(other.with_values({"outputs.impacts": number}))
-    assert len(cache._cache) == cache.MOST_CACHED
+    assert len(shared_data._cache) == shared_data.MOST_CACHED
 
 
 def test_each_new_instance_has_its_own_memory():

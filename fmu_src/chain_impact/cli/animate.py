@@ -26,7 +26,7 @@ from chain_impact.fmu.run import record_fmu
 from chain_impact.recording.csv_file import NeedsSceneError, read_csv
 from chain_impact.recording.pacing import IMPACT_TIME
 from chain_impact.recording.recording import Recording
-from chain_impact.results.animate import FILM_SIZE, FORMATS, LEAST_SIDE, MOST_SIDE, write_animation
+from chain_impact.results.animation import FILM_SIZE, FORMATS, LEAST_SIDE, MOST_SIDE, write_animation
 from chain_impact.scene.scene import load_scene
 from chain_impact.scene.settings import with_settings
 from chain_impact.simulation.errors import RunError
@@ -127,7 +127,7 @@ def record(options: argparse.Namespace) -> Recording:
     A scene is simulated with more rows near impacts, for slow motion. An FMU gives a row for each
     communication step, a CSV file a row for each line after the head.
     """
-    from chain_impact.studies.animate import record_slowly
+    from chain_impact.studies.slow_recording import record_slowly
 
     settings, inputs = settings_of(options.set), inputs_of(options)
     if inputs and is_csv(options.source):

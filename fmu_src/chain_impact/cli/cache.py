@@ -13,9 +13,9 @@ from chain_impact.compilation import cache, folders, ready
 
 def add(verbs: Verbs) -> None:
     """Add the verb ``cache``, with its arguments and options, to the parser of the command line."""
-    kept = add_verb(verbs, "cache", "list the compiled kernels and their folders, or remove them", "--clear")
-    kept.add_argument("--clear", action="store_true", help="remove all kernels from the cache")
-    kept.set_defaults(run=run, only_prints=True)
+    verb = add_verb(verbs, "cache", "list the compiled kernels and their folders, or remove them", "--clear")
+    verb.add_argument("--clear", action="store_true", help="remove all kernels from the cache")
+    verb.set_defaults(run=run, only_prints=True)
 
 
 def run(options: argparse.Namespace) -> int:

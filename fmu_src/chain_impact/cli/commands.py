@@ -36,7 +36,7 @@ from chain_impact.cli.progress import complain, out, say
 from chain_impact.compilation.errors import BuildError
 from chain_impact.console import prepare_console
 from chain_impact.extras import MissingExtraError
-from chain_impact.results.animate import AnimationError
+from chain_impact.results.animation import AnimationError
 from chain_impact.scene.errors import SceneError, SceneWarning
 from chain_impact.scene.words.similar_names import nearest_name
 from chain_impact.simulation.errors import RunError

@@ -47,10 +47,10 @@ def complete(
             return []
         name, equals, value = prefix.partition("=")
         if is_valued and equals:
-            done = value[: value.rfind(",") + 1]
-            return [f"{name}={done}{choice}" for choice in choices.get(name, [])]
-        done = prefix[: prefix.rfind(",") + 1] if is_listed else ""
-        return [f"{done}{name}{'=' if is_valued else ''}" for name in names]
+            beginning = value[: value.rfind(",") + 1]
+            return [f"{name}={beginning}{choice}" for choice in choices.get(name, [])]
+        beginning = prefix[: prefix.rfind(",") + 1] if is_listed else ""
+        return [f"{beginning}{name}{'=' if is_valued else ''}" for name in names]
 
     # argcomplete looks for the completer of an option in this attribute
     vars(argument)["completer"] = completer

@@ -46,8 +46,12 @@ def scene_of_robot(path: Path, choices: ConversionChoices = ALL_CHOICES) -> tupl
             return None if data is None else read_embedded_scene(data, robot.name, str(path))
 
         def with_embedded(chain_result: ConversionResult) -> ConversionResult:
-            ours = read_embedded()
-            return chain_result if ours is None else merge_embedded_scene(chain_result, ours, choices)
+            embedded_scene = read_embedded()
+            return (
+                chain_result
+                if embedded_scene is None
+                else merge_embedded_scene(chain_result, embedded_scene, choices)
+            )
 
         result = with_embedded(
             chain_of(

@@ -295,19 +295,19 @@ class _Conversion:
         absolute angles of the links with the joints of the chain at zero [rad].
         """
         angle, speed, angle_before = 0.0, 0.0, 0.0
-        angles, speeds, turns = [], [], []
+        angles, speeds, link_turns = [], [], []
         for i, (link, hinge, direction) in enumerate(zip(links, self.hinges, directions, strict=True)):
             sign = 1.0 if np.dot(hinge.axis, self.plan.axis) > 0.0 else -1.0
             if sign < 0.0:
-                turns.append(hinge.joint.name)
+                link_turns.append(hinge.joint.name)
             offset = rounded_to_zero(math.remainder(direction - angle_before, 2.0 * math.pi))
             start = self._joint(link, hinge.joint, offset, sign, grounded=i > 0 or self.chosen.base != "free")
             angle, speed, angle_before = angle + start, speed + sign * hinge.joint.speed, direction
             angles.append(angle)
             speeds.append(speed)
-        if turns:
+        if link_turns:
             text = "angles and torques have the other sign in the scene"
-            self.notes.insert(1, difference_line("joint", turns, text, shown_count=len(turns)))
+            self.notes.insert(1, difference_line("joint", link_turns, text, shown_count=len(link_turns)))
         return angles, speeds
 
     def _joint(self, link: dict[str, Any], joint: Joint, offset: float, sign: float, grounded: bool) -> float:

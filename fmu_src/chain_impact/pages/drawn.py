@@ -45,8 +45,8 @@ COLUMN_OF_QUANTITY = {
 NEEDED_QUANTITIES = {"contacts": {"force"}, "loads": {"x", "y"}}
 """Group → the quantities without which an entry cannot be drawn."""
 
-if unknown := DRAWN_COLUMNS.keys() - _QUANTITIES:
-    raise KeyError(f"no outputs: {sorted(unknown)}")
+if missing_outputs := DRAWN_COLUMNS.keys() - _QUANTITIES:
+    raise KeyError(f"no outputs: {sorted(missing_outputs)}")
 
 
 def drawn_entries(columns: Mapping[str, np.ndarray]) -> dict[str, list[dict[str, Any]]]:

@@ -57,7 +57,7 @@ COUNT_NAMES = {
 """Kind of owner of variables → what its number counts, if the removal of a link or point can change this
 number."""
 PATHS: dict[str, DataPath] = {
-    **{name: written.path for name, written in RECORD_NUMBERS.items()},
+    **{name: row.path for name, row in RECORD_NUMBERS.items()},
     **{f"signal_{key}": ("signal", key, INDEX_PLACE) for key in signal_dtype(1, 1).names or ()},
     **{f"knot_{key}": ("knot", key, INDEX_PLACE) for key in ("given_time", "given_value", "time")},
     **{f"knot_power_{p}": ("knot", "powers", INDEX_PLACE, p) for p in range(SIGNAL_DEGREE + 1)},

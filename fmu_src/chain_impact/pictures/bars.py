@@ -102,7 +102,7 @@ class Bars:
 
 
 def axis_ends(
-    values: Sequence[float], marks: Sequence[float | None] = (), hollow: Sequence[bool] = ()
+    values: Sequence[float], marks: Sequence[float | None] = (), hollow_bars: Sequence[bool] = ()
 ) -> tuple[float, float]:
     """Return the ends of the axis for bars: the least and the largest of 0, all ``values`` and all ``marks``.
 
@@ -116,7 +116,7 @@ def axis_ends(
         value if mark is None else mark for value, mark in zip(values, marks or values, strict=True)
     ]
     reach = max((abs(value) for value in marked_values if math.isfinite(value)), default=0.0)
-    if 2 * sum(hollow) > len(values) and 0.0 < CUT_RATIO * reach < max(-low, high):
+    if 2 * sum(hollow_bars) > len(values) and 0.0 < CUT_RATIO * reach < max(-low, high):
         return max(low, -ROOM_BESIDE * reach), min(high, ROOM_BESIDE * reach)
     return low, high
 

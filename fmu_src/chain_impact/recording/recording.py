@@ -368,12 +368,12 @@ class Recording(OlderNames):
         slopes = self.sensitivities.named if self.sensitivities else {}
         columns = {"time": self.time, **self.columns, **slopes}
         if output is not None:
-            wanted = [output] if isinstance(output, str) else list(output)
-            matches = (
+            wanted_names = [output] if isinstance(output, str) else list(output)
+            matching_names = (
                 names_matching(self.name, pattern, columns, "not a column", self.output_hint)
-                for pattern in wanted
+                for pattern in wanted_names
             )
-            columns = {name: columns[name] for name in ("time", *chain.from_iterable(matches))}
+            columns = {name: columns[name] for name in ("time", *chain.from_iterable(matching_names))}
         save_columns(Path(path), columns)
 
 

@@ -323,7 +323,7 @@ class SceneRecording(Recording):
             UnknownNameError: when ``simulate(output=…)`` left out the positions of the points.
             AnimationError, MissingExtraError, OSError: as ``chain_impact.animate``.
         """
-        from chain_impact.results.animate import write_animation
+        from chain_impact.results.animation import write_animation
 
         return write_animation(self, path, **options)
 

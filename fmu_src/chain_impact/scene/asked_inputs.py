@@ -16,13 +16,17 @@ from chain_impact.scene.words.names import INPUTS_OF, input_key, input_request
 from chain_impact.scene.words.similar_names import nearest_name
 
 
-def inputs_of(scene: Contents, *, asked: bool = True) -> Iterator[str]:
+def inputs_of(scene: Contents, *, are_asked: bool = True) -> Iterator[str]:
     """Yield the names of the inputs that the keys of [inputs] add to the scene, driven by signals or not.
 
-    If ``asked`` is False, also yield the inputs that other keys of [inputs] than ``wall_motion`` would add.
+    If ``are_asked`` is False, also yield the inputs that other keys of [inputs] than ``wall_motion`` would
+    add.
     """
     templates = [
-        name for key, names in INPUTS_OF.items() if getattr(scene.inputs, key) or not asked for name in names
+        name
+        for key, names in INPUTS_OF.items()
+        if getattr(scene.inputs, key) or not are_asked
+        for name in names
     ]
     if not templates:
         return
@@ -64,7 +68,11 @@ def request_hint(scene: Contents, name: str) -> str:
     key, possible_inputs = input_key(name), list(inputs_of(scene))
     possible = [
         *possible_inputs,
-        *(asked_name for asked_name in inputs_of(scene, asked=False) if asked_name not in possible_inputs),
+        *(
+            asked_name
+            for asked_name in inputs_of(scene, are_asked=False)
+            if asked_name not in possible_inputs
+        ),
     ]
     if lacking := _lacking_owner(scene, name):
         return lacking

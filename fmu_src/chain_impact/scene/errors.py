@@ -114,8 +114,8 @@ class UnknownNameError(SceneError, KeyError):
         if len(parts) > 1 and {*parts} <= {*names}:
             hint = f"it is {len(parts)} names: separate them by commas, or in Python give a list"
         if hint is None:
-            near = proposed_name(name, names) if isinstance(name, str) else None
-            hint = f"the nearest is {near}" if near else _names_of_owner(name, names) or otherwise
+            near_name = proposed_name(name, names) if isinstance(name, str) else None
+            hint = f"the nearest is {near_name}" if near_name else _names_of_owner(name, names) or otherwise
         text = name if isinstance(name, str) else value_text(name)
         super().__init__(f"is {what}; {hint}", name=text)
         self.source = source
@@ -137,7 +137,7 @@ def names_matching(
     source: str,
     name: str,
     names: Iterable[str],
-    what: str,
+    fault: str,
     hint: Callable[[str], str | None],
 ) -> list[str]:
     """Return the names that ``find_names`` finds for ``name``, in which ``*`` stands for any text.
@@ -149,7 +149,7 @@ def names_matching(
     is_text = isinstance(name, str)
     matched = find_names(name, names) if is_text else []
     if not matched:
-        raise UnknownNameError(source, name, names, what, hint(name) if is_text else None)
+        raise UnknownNameError(source, name, names, fault, hint(name) if is_text else None)
     return matched
 
 

@@ -140,10 +140,12 @@ def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signa
 
 
 @lru_cache(16)
-def _read_samples(path: Path, _changed: int, _size: int, stop: float) -> tuple[Numbers, dict[str, Numbers]]:
+def _read_samples(
+    path: Path, _change_time: int, _size: int, stop: float
+) -> tuple[Numbers, dict[str, Numbers]]:
     """Return the times [s] of a table file, and its other columns by name; the results are cached.
 
-    ``_changed`` is the time of the file's last change, ``_size`` the size of the file [byte]: with other
+    ``_change_time`` is the time of the file's last change, ``_size`` the size of the file [byte]: with other
     values of these, the file is read again. ``stop`` is the end of the run [s].
     """
     times, columns = samples_of(read_table(path), stop)

@@ -78,16 +78,16 @@ for _m in range(2, INPUT_DEGREE + 1):
 class NotSmoothError(Exception):
     """Raised when a function cannot be approximated by polynomials near a time."""
 
-    def __init__(self, time: float, which: int) -> None:
+    def __init__(self, time: float, function_number: int) -> None:
         """Store the time [s] and the index of the function."""
-        super().__init__(time, which)
-        self.time, self.which = time, which
+        super().__init__(time, function_number)
+        self.time, self.function_number = time, function_number
 
 
 class Approximator:
     """Finds the pieces that approximate M functions of time from 0 to the end of a run."""
 
-    def __init__(self, functions: Sampled, stop: float, accuracy: Any, resolved: Any = TIME_ERROR) -> None:
+    def __init__(self, functions: Sampled, stop: float, accuracy: Any, resolution: Any = TIME_ERROR) -> None:
         """Prepare the search, and call the functions at times spread over the run.
 
         Args:
@@ -95,14 +95,14 @@ class Approximator:
             stop: end of the run, which begins at 0 [s].
             accuracy: allowed error of a piece, relative to each function's largest absolute value; shape
                 (M,), or one number for all functions.
-            resolved: round-off of a time, relative to the time, which makes the functions' values inaccurate;
-                shape (M,), or one number.
+            resolution: round-off of a time, relative to the time, which makes the functions' values
+                inaccurate; shape (M,), or one number.
         """
         self._shortest, self._short_piece = SHORTEST_PIECE * stop, SHORT_PIECE * stop
         self._functions, self._times = functions, np.linspace(0.0, stop, CHECKED_TIMES + 1)
         self._values = functions(self._times)
         self._scale = np.abs(self._values).max(axis=0)
-        self._resolution = resolved
+        self._resolution = resolution
         self._accuracy = np.maximum(accuracy, FUNCTION_ROUND_OFF)
         self._calls_left = MOST_CALLS
         # for each function, how often a polynomial has failed because of this function; an error names the
@@ -141,37 +141,37 @@ class Approximator:
                 self._join(pieces, piece)
         return pieces
 
-    def with_held(self, holds: Pieces, columns: np.ndarray) -> Pieces:
-        """Return ``holds``, pieces of all signals, with polynomials of the functions in their ``columns``.
+    def with_held(self, steps: Pieces, columns: np.ndarray) -> Pieces:
+        """Return ``steps``, pieces of all signals, with polynomials of the functions in their ``columns``.
 
-        In a piece of ``holds`` all signals are constant or linear. This piece is divided where the
+        In a piece of ``steps`` all signals are constant or linear. This piece is divided where the
         functions need more than one polynomial.
 
         Raises:
             NotSmoothError: when a function cannot be approximated.
         """
         joins, powers = [], []
-        for k, (start, end) in enumerate(zip(holds.start.tolist(), holds.end.tolist(), strict=True)):
+        for k, (start, end) in enumerate(zip(steps.start.tolist(), steps.end.tolist(), strict=True)):
             self._calls_left += CALLS_PER_PIECE
             pieces = self.pieces(start, end)
             starts = np.array([start, *(piece.start for piece in pieces[1:])])
             joins.append((starts, [(piece.start, piece.end) for piece in pieces]))
             for piece in pieces:
-                row = np.zeros((INPUT_DEGREE + 1, holds.powers.shape[2]))
-                row[0] = holds.powers[k, 0]
-                if holds.powers.shape[1] > 1:  # true with the interpolation ``linear``
+                row = np.zeros((INPUT_DEGREE + 1, steps.powers.shape[2]))
+                row[0] = steps.powers[k, 0]
+                if steps.powers.shape[1] > 1:  # true with the interpolation ``linear``
                     middle, half = 0.5 * (piece.start + piece.end), 0.5 * (piece.end - piece.start)
-                    row[0] += holds.powers[k, 1] * (middle - holds.middle[k]) * holds.scale[k]
-                    row[1] = holds.powers[k, 1] * half * holds.scale[k]
+                    row[0] += steps.powers[k, 1] * (middle - steps.middle[k]) * steps.scale[k]
+                    row[1] = steps.powers[k, 1] * half * steps.scale[k]
                 row[:, columns] = piece.powers
                 powers.append(row)
         start = np.concatenate([starts for starts, _ in joins])
         edges = np.array([ends for _, pairs in joins for ends in pairs])
-        same = holds.same * JUMP_RATIO if holds.powers.shape[1] > 1 else np.zeros(holds.powers.shape[2])
+        same = steps.same * JUMP_RATIO if steps.powers.shape[1] > 1 else np.zeros(steps.powers.shape[2])
         same[columns] = JUMP_RATIO * self._accuracy * self._scale
         return Pieces(
             start=start,
-            end=np.append(start[1:], holds.end[-1]),
+            end=np.append(start[1:], steps.end[-1]),
             middle=0.5 * edges.sum(axis=1),
             scale=2.0 / np.diff(edges, axis=1)[:, 0],
             powers=np.array(powers),

@@ -60,31 +60,31 @@ class DifferentiatedInstance(Instance):
     """An initialized instance with tangent instances, which have its derivatives.
 
     Attributes:
-        varied: the P parameters and inputs with respect to which there are derivatives.
-        parameters: the names of ``varied``.
+        variables: the P parameters and inputs with respect to which there are derivatives.
+        parameters: the names of ``variables``.
     """
 
     def __init__(
         self,
-        prepared: PreparedScene,
-        varied: Sequence[Variable],
+        prepared_scene: PreparedScene,
+        parameters: Sequence[Variable],
         schedule: InputSchedule | None = None,
     ) -> None:
         """Make the instance as ``Instance`` does, with derivatives with respect to P parameters and inputs.
 
         Raises:
-            SceneError: when ``varied`` is empty.
+            SceneError: when ``parameters`` is empty.
             SimulationError: when the scene cannot start.
         """
-        if not varied:
-            raise SceneError(f"{prepared.scene.name}: name at least one parameter for the derivatives")
-        self.varied = varied
-        self.parameters = tuple(variable.name for variable in varied)
+        if not parameters:
+            raise SceneError(f"{prepared_scene.scene.name}: name at least one parameter for the derivatives")
+        self.variables = parameters
+        self.parameters = tuple(variable.name for variable in parameters)
         self._impact_slopes: list[np.ndarray] = []
         self._impact_layout = np.dtype(
             [(name, np.float64, (len(self.parameters),)) for name in DIFFERENTIABLE_COLUMNS]
         )
-        super().__init__(prepared, schedule, varied)
+        super().__init__(prepared_scene, schedule, parameters)
 
     def initialize(self) -> None:
         """Set the instance and its tangent instances to the start of the run.
@@ -220,7 +220,7 @@ class DifferentiatedInstance(Instance):
         trust, share = self._tangents["trust"][0], float(self._tangents["trust"]["neglected"].max())
         missing_parameters = [
             parameter
-            for parameter, is_missing in zip(self.varied, self._is_missing, strict=True)
+            for parameter, is_missing in zip(self.variables, self._is_missing, strict=True)
             if is_missing
         ]
         sentences = [
@@ -311,11 +311,11 @@ class DifferentiatedRun:
         stop = self._prepared_scene.scene.simulation.stop_time
         self._inputs = {} if inputs is None else dict(inputs_by_name(inputs, stop))
         self._interpolation = interpolation
-        varied = varied_by(self._prepared_scene, parameters)
-        self._paths = [variable.set_path for variable in varied]
+        variables = varied_by(self._prepared_scene, parameters)
+        self._paths = [variable.set_path for variable in variables]
         columns = columns_named(self._prepared_scene, outputs)
         self._words = self._prepared_scene.output_words[[columns[name] for name in outputs]]
-        self._instance = DifferentiatedInstance(self._prepared_scene, varied)
+        self._instance = DifferentiatedInstance(self._prepared_scene, variables)
 
     def run(self, values: np.ndarray, times: np.ndarray) -> Differentiated:
         """Run from the start with some values of the parameters.

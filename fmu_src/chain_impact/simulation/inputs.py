@@ -54,7 +54,7 @@ SAMPLE_ROUND_OFF = 1e-12
 LISTED_NAMES = 8  # largest number of names of inputs in an error
 NO_PIECES = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
 """The pieces of a run without inputs."""
-FIRST_ROW, NEVER = np.zeros(1, int), np.zeros(1, bool)
+FIRST_ROW, NO_FLAG = np.zeros(1, int), np.zeros(1, bool)
 PIECE = "piece"
 """The field, in the record's part ``given_channel``, of polynomials of motions that the solver follows."""
 
@@ -171,7 +171,7 @@ def input_schedule(
     run = times if begins_at_zero else np.union1d(0.0, times)
     if not inputs:
         is_requested = np.ones(len(run), bool) if begins_at_zero else np.isin(run, times)
-        return InputSchedule(run, is_requested, (), NO_PIECES, FIRST_ROW, NEVER, NEVER)
+        return InputSchedule(run, is_requested, (), NO_PIECES, FIRST_ROW, NO_FLAG, NO_FLAG)
     signals, stop = _signals_of(prepared_scene, inputs), float(run[-1])
     channels = channels_of(prepared_scene) if interpolation != "hold" and stop > 0.0 else []
     sources = {name: signals.pop(name) for channel in channels for name in channel.names if name in signals}
@@ -337,7 +337,7 @@ def _with_functions(
     try:
         return approximator.with_held(pieces, columns)
     except NotSmoothError as error:
-        name = names[error.which]
+        name = names[error.function_number]
         raise SceneError(
             f"{source}: {name}: the function cannot be followed at t = {error.time:.9g} s, as it is not "
             "smooth in pieces (noise, rounded values), or has too many jumps or kinks (a table, a switch); "

@@ -42,24 +42,24 @@ class Instance:
         self,
         source: Scene | PreparedScene,
         schedule: InputSchedule | None = None,
-        varied: Sequence[Variable] | None = None,
+        parameters: Sequence[Variable] | None = None,
     ) -> None:
         """Load or compile the kernel; set the instance to its start, with the first values of the inputs.
 
-        The derivatives are those with respect to ``varied``; None stands for the list of the scene.
+        The derivatives are those with respect to ``parameters``; None stands for the list of the scene.
 
         Raises:
             SimulationError: when the scene cannot start.
             BuildError: when the kernel cannot be compiled.
         """
         self.prepared = prepared_scene(source)
-        varied = self.prepared.varied if varied is None else varied
-        self._use(self.prepared.new_instance(varied))
+        parameters = self.prepared.varied if parameters is None else parameters
+        self._use(self.prepared.new_instance(parameters))
         self._log_at = log_words(self.prepared.counts)
         if schedule:
             schedule.set(self.record, 0)
         scope = self.prepared.kernel_scope
-        self._kernel = kernel_for(self.prepared.scene, derivatives=bool(varied), scope=scope)
+        self._kernel = kernel_for(self.prepared.scene, derivatives=bool(parameters), scope=scope)
         self.initialize()
 
     def _use(self, memory: np.ndarray) -> None:

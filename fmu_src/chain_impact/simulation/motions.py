@@ -173,12 +173,12 @@ def _integrate(
     pieces = approximator.with_held(placeholder, np.array([0]))
     powers = pieces.powers[:, :, 0] / np.arange(1.0, pieces.powers.shape[1] + 1.0)
 
-    def from_middle(times: np.ndarray, at: np.ndarray) -> np.ndarray:
-        x = (times - pieces.middle[at]) * pieces.scale[at]
+    def from_middle(times: np.ndarray, piece_numbers: np.ndarray) -> np.ndarray:
+        x = (times - pieces.middle[piece_numbers]) * pieces.scale[piece_numbers]
         total = np.zeros_like(x)
         for column in powers.T[::-1]:
-            total = (total + column[at]) * x
-        return np.asarray(total / pieces.scale[at])
+            total = (total + column[piece_numbers]) * x
+        return np.asarray(total / pieces.scale[piece_numbers])
 
     all_pieces = np.arange(len(pieces.start))
     start_integrals = from_middle(pieces.start, all_pieces)
@@ -189,8 +189,8 @@ def _integrate(
 
     def integral(times: Any) -> np.ndarray:
         times = np.asarray(times, float)
-        at = np.clip(np.searchsorted(pieces.start, times, side="right") - 1, 0, None)
-        return np.asarray(offsets[at] + from_middle(times, at))
+        piece_numbers = np.clip(np.searchsorted(pieces.start, times, side="right") - 1, 0, None)
+        return np.asarray(offsets[piece_numbers] + from_middle(times, piece_numbers))
 
     bends = jumps(pieces, np.array([0]), 0) | jumps(pieces, np.array([0]), 1)
     return integral, np.union1d(breaks, pieces.start[bends[:, 0]])
@@ -307,14 +307,12 @@ def contradictions(
             order = channel.names.index(name)
             value, _ = as_function(name, signals[name], called, joint_form="spline")
             values = derivatives(pieces, order)[0, :, column]
-            given = np.asarray(value(pieces.start))
-            k = int(np.abs(given - values).argmax())
-            if abs(given[k] - values[k]) > LEAST_CONTRADICTION * max(
-                np.abs(given).max(), np.abs(values).max()
-            ):
+            data = np.asarray(value(pieces.start))
+            k = int(np.abs(data - values).argmax())
+            if abs(data[k] - values[k]) > LEAST_CONTRADICTION * max(np.abs(data).max(), np.abs(values).max()):
                 moment = f"at t = {pieces.start[k]:.9g} s"
                 texts.append(
-                    f"{name} = {given[k]:.9g} contradicts {names[0]}, which gives {values[k]:.9g} {moment}, "
+                    f"{name} = {data[k]:.9g} contradicts {names[0]}, which gives {values[k]:.9g} {moment}, "
                     "and is not used"
                 )
     return texts

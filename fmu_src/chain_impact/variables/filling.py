@@ -1,7 +1,7 @@
 """Writes the parameters of a scene into a new record.
 
 If a scene differs from an earlier scene only in numbers of some tables, as after ``with_values``, the record
-is a copy of the earlier one, in which only these tables are written again (cache.py).
+is a copy of the earlier one, in which only these tables are written again (shared_data.py).
 The twin in JavaScript is pages/browser/scene/record.js.
 """
 
@@ -26,12 +26,12 @@ from chain_impact.scene.rules.key_rules import keys
 from chain_impact.scene.rules.rule_language import members_in, number_in, numbers_of
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import ENTRY_AT, INDEX_PLACE, DataPath
-from chain_impact.variables.cache import MOST_CACHED, SharedData, changed_numbers
 from chain_impact.variables.indices import layout_of, word_index
 from chain_impact.variables.kind import SIGNAL_OWNERS, Kind, fill_path
 from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.owners import OWNER_KINDS, RECORD_NUMBERS, values_of
 from chain_impact.variables.parameters import METHODS, PARAMETERS
+from chain_impact.variables.shared_data import MOST_CACHED, SharedData, changed_numbers
 from chain_impact.variables.signal_filling import fill_signals
 from chain_impact.variables.structure import Structure
 
@@ -79,14 +79,14 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
     These are counts and other numbers that are no parameters, the signals, and the materials of single walls.
     """
     value_of = values_of(structure.numbers, structure.lists, scene)
-    for path, rule, counted, index_name in RECORD_NUMBERS.values():
+    for path, rule, list_name, index_name in RECORD_NUMBERS.values():
         *parts, key = (step for step in path if step != INDEX_PLACE)
         part = d
         for name in parts:
             part = part[name]
         if INDEX_PLACE not in path:
             part[key] = number_in(rule, value_of)
-        elif members := members_in(counted, value_of):
+        elif members := members_in(list_name, value_of):
             entries = (
                 slice(len(members)) if index_name == "order" else numbers_of(index_name, members, value_of)
             )

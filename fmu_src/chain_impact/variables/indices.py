@@ -120,14 +120,14 @@ def indices_of(variables: Iterable[Variable], of_all: OutputIndices) -> OutputIn
     """Return the indices of the outputs ``variables``, in this order; ``of_all`` has those of all outputs."""
     paths = {variable.name: variable.record_path for variable in variables}
     motion = {name: of_all.motion[name] for name in paths if name in of_all.motion}
-    stepwise = {name: of_all.stepwise[name] for name in paths if name in of_all.stepwise}
+    stepwise_words = {name: of_all.stepwise[name] for name in paths if name in of_all.stepwise}
     row = np.dtype([(name, np.float64) for name in motion])
-    of_state = not stepwise and all(field in STATE_OUTPUTS for _, field, *_ in paths.values())
-    return OutputIndices(motion, stepwise, row, _words([*motion.values()], stepwise), of_state)
+    of_state = not stepwise_words and all(field in STATE_OUTPUTS for _, field, *_ in paths.values())
+    return OutputIndices(motion, stepwise_words, row, _words([*motion.values()], stepwise_words), of_state)
 
 
-def _words(row: Sequence[int], stepwise: Mapping[str, tuple[int, bool]]) -> np.ndarray:
-    return np.array([*row, *sorted(word for word, _ in stepwise.values())], np.int64)
+def _words(row: Sequence[int], stepwise_words: Mapping[str, tuple[int, bool]]) -> np.ndarray:
+    return np.array([*row, *sorted(word for word, _ in stepwise_words.values())], np.int64)
 
 
 @lru_cache(KEPT_STRUCTURES)
@@ -138,14 +138,14 @@ def output_indices(structure: Structure, counts: Counts) -> OutputIndices:
     """
     layout = layout_of(*counts)
     motion: dict[str, int] = {}
-    stepwise: dict[str, tuple[int, bool]] = {}
+    stepwise_words: dict[str, tuple[int, bool]] = {}
     for name, output in outputs_of(structure).items():
         word = word_index(layout, output.record_path)
         if output.record_path[0] == "output":
             motion[name] = word
         else:
-            stepwise[name] = word, output.type == "real"
+            stepwise_words[name] = word, output.type == "real"
     # with all outputs, a row is the whole part ``output`` of the record, in the record's order of fields
     row, first = layout["output"], first_word(layout, "output")
-    words = _words(range(first, first + row.itemsize // WORD), stepwise)
-    return OutputIndices(motion, stepwise, row, words)
+    words = _words(range(first, first + row.itemsize // WORD), stepwise_words)
+    return OutputIndices(motion, stepwise_words, row, words)

@@ -20,7 +20,6 @@ from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import driven_by
 from chain_impact.scene.words.names import DataPath
-from chain_impact.variables.cache import shared_by_structure, shared_data_of
 from chain_impact.variables.filling import new_record, with_tangents
 from chain_impact.variables.indices import (
     OutputIndices,
@@ -32,6 +31,7 @@ from chain_impact.variables.indices import (
 )
 from chain_impact.variables.listing import derivatives, inputs, outputs_of, parameters
 from chain_impact.variables.selection import outputs_named, varied_by
+from chain_impact.variables.shared_data import shared_by_structure, shared_data_of
 from chain_impact.variables.structure import Structure, structure_of
 from chain_impact.variables.variable import TableRow, Variable, variable_row
 

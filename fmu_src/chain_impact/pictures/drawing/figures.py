@@ -73,10 +73,12 @@ class NoRoomError(ValueError):
         least: a height [inches] that is enough for the refused width; None if no tried height is enough.
     """
 
-    def __init__(self, width: float, height: float, requirement: str, least: float | None = None) -> None:
-        """Make the message from the refused size [inches] and the words ``requirement``; store ``least``."""
+    def __init__(
+        self, width: float, height: float, requirement: str, least_height: float | None = None
+    ) -> None:
+        """Make the message from the refused size [inches] and ``requirement``; store ``least_height``."""
         super().__init__(f"size = ({width:g}, {height:g}) must be {requirement}")
-        self.least = least
+        self.least = least_height
 
 
 def draw_figure(

@@ -95,9 +95,9 @@ class Film:
         place = places_for(figure, framing[0], is_wide=is_wide, has_charts=self.tells_energies)
         self.scene, sizes = figure.add_axes(place.scene), (13, 15) if is_wide else (10, 10)
         figure.text(place.scene[0], 0.94, recording.name, fontsize=sizes[0], fontweight="bold", va="center")
-        moving: dict[str, Any] = {"animated": True, "va": "center"}
-        self.clock = figure.text(*place.clock, "", fontsize=sizes[1], fontweight="bold", **moving)
-        self.rate = figure.text(*place.rate, "", fontsize=10, **moving)
+        artist_style: dict[str, Any] = {"animated": True, "va": "center"}
+        self.clock = figure.text(*place.clock, "", fontsize=sizes[1], fontweight="bold", **artist_style)
+        self.rate = figure.text(*place.rate, "", fontsize=10, **artist_style)
         listed_times = times if self.tells_energies else times[:0]
         self.caption = Caption(figure, place.caption, recording, listed_times)
         self._draw_ground(*framing)

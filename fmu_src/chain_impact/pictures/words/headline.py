@@ -180,7 +180,7 @@ def peaks(recording: Recording) -> list[Peak]:
     Stops of a slider count as walls. Where ``impact_values`` gives impulses, the largest impulse replaces the
     largest force or moment. The list has at most two entries, walls first.
     """
-    found = []
+    found_peaks = []
     for is_stop in (False, True):
         words, unit, values = impact_values(recording, is_stop=is_stop)
         top = float(values.max(initial=0.0))
@@ -189,8 +189,8 @@ def peaks(recording: Recording) -> list[Peak]:
                 order = "largest " if np.count_nonzero(values) > 1 else ""
                 words = f"{order}{words}{' at a stop' if is_stop else ''}"
             rows = np.flatnonzero(values >= (1.0 - SAME_PEAK) * top)
-            found.append(Peak(words, force_text(top, unit), int(rows[0]), len(rows)))
-    return found
+            found_peaks.append(Peak(words, force_text(top, unit), int(rows[0]), len(rows)))
+    return found_peaks
 
 
 def marked_peaks(recording: Recording) -> list[Peak]:

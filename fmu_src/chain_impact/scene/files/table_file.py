@@ -66,13 +66,13 @@ class Table:
         value = value.strip() if isinstance(value, str) else value
         return None if str(value) in EMPTY_TEXTS else value
 
-    def number(self, row: int, name: str, otherwise: str = ", or empty if not measured") -> float:
+    def number(self, row: int, name: str, alternative: str = ", or empty if not measured") -> float:
         """Return a cell as a number; NaN if the cell is empty, or if the table lacks the column.
 
         Args:
             row: the index of the row.
             name: the name of the column.
-            otherwise: the end of the error: ", or …", which tells what a cell may be other than a number.
+            alternative: the end of the error: ", or …", which tells what a cell may be other than a number.
 
         Raises:
             SceneError: when the cell is neither empty nor a finite number.
@@ -86,7 +86,7 @@ class Table:
             number = math.inf
         if not math.isfinite(number):
             raise SceneError(
-                f"{self.cell_place(row, name)} = {value_text(value)} must be a finite number{otherwise}"
+                f"{self.cell_place(row, name)} = {value_text(value)} must be a finite number{alternative}"
                 f"{decimal_comma(value)}"
             )
         return number
@@ -209,7 +209,7 @@ def _column(table: Table, name: str) -> np.ndarray:
             raise SceneError(
                 f"{table.cell_place(row, name)} is empty: a table of inputs has a number in each cell"
             )
-    return np.array([table.number(row, name, otherwise="") for row in range(len(table.rows))])
+    return np.array([table.number(row, name, alternative="") for row in range(len(table.rows))])
 
 
 def _checked_table(source: str, names: tuple[str, ...], rows: list[list[Any]], lines: list[str]) -> Table:

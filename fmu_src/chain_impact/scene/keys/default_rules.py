@@ -32,14 +32,14 @@ MIDDLE = _quotient("length / 2", ("length",), divisor=2)
 _LENGTH_FACTORS, _HEIGHT_FACTORS = ("mass", "length", "length"), ("mass", "height", "height")
 _RECTANGLE = _quotient("mass * (length^2 + height^2) / 12", _LENGTH_FACTORS, _HEIGHT_FACTORS, divisor=12)
 ROD = _quotient("mass * length^2 / 12", _LENGTH_FACTORS, divisor=12, of_box=_RECTANGLE)
-MOVABLE = Derived("all that move", lambda known: tuple(known["chain"].movable_points))
+MOVABLE = Derived("all that move", lambda values: tuple(values["chain"].movable_points))
 JOINT_SUMS = Derived(
     "the sums of joint_angles",
-    lambda known: tuple(accumulate(known["joint_angles"])) if known["joint_angles"] else MISSING,
+    lambda values: tuple(accumulate(values["joint_angles"])) if values["joint_angles"] else MISSING,
     or_key="joint_angles",
 )
 ZERO_RULE = Derived("0", lambda _: 0.0, constant=True, off=0.0)
-ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links), constant=True)
+ZEROS = Derived("zeros", lambda values: (0.0,) * len(values["chain"].links), constant=True)
 
 
 def as_in_contact(key: str) -> Derived:
@@ -70,4 +70,4 @@ def with_stops(value: float) -> Derived:
 # The rule gives None, because the reader reads [contact] after the links; ``with_radii`` in
 # scene/complete_scene.py sets the radius when the whole file has been read.
 CONTACT_RADIUS = Derived("contact.radius", lambda _: None, (("contact.radius",),))
-SLIDER_TABLE = Derived("", lambda known: {} if known["base"] == "slider" else None, constant=True)
+SLIDER_TABLE = Derived("", lambda values: {} if values["base"] == "slider" else None, constant=True)

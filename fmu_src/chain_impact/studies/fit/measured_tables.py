@@ -79,10 +79,10 @@ class _Book:
 
     def __init__(self, scene: Scene, sigma: Mapping[str, float | str]) -> None:
         self._scene, self._sigma = scene, sigma
-        prepared = PreparedScene(scene)
+        prepared_scene = PreparedScene(scene)
         self._outputs, self._inputs = (
-            list(prepared.output_index),
-            [variable.name for variable in prepared.inputs],
+            list(prepared_scene.output_index),
+            [variable.name for variable in prepared_scene.inputs],
         )
         self._signals: dict[str, list[tuple[float, float]]] = {}
         self._seen: dict[str, str] = {}

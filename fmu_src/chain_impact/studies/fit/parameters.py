@@ -82,14 +82,14 @@ class Parameter:
 
 
 def parameters_of(
-    scenes: Sequence[Scene], free: Sequence[str], free_each: Sequence[str], bounds: Bounds
+    scenes: Sequence[Scene], free_names: Sequence[str], free_each: Sequence[str], bounds: Bounds
 ) -> tuple[Parameter, ...]:
-    """Return the parameters to fit: those of ``free``, then those of ``free_each``, one for each data set.
+    """Return the parameters to fit: those of ``free_names``, then ``free_each`` for each data set.
 
     Args:
         scenes: one scene for each data set, with the start values; the first scene has the start values of
             shared parameters.
-        free: names of parameters and inputs with one value for all data sets.
+        free_names: names of parameters and inputs with one value for all data sets.
         free_each: names of parameters and inputs with a value for each data set.
         bounds: name → bounds in addition to the limits of the scene's keys: text such as ``0.1:0.9``, in
             which a bound may be missing, or a pair, in which a bound may be None.
@@ -100,17 +100,17 @@ def parameters_of(
     """
     scene = scenes[0]
     variables = PreparedScene(scene).differentiable
-    names = [*free, *free_each]
+    names = [*free_names, *free_each]
     if not names:
         raise SceneError(f"{scene.name}: no parameter is free; name at least one")
-    free, free_each = [*map(fmu_name, free)], [*map(fmu_name, free_each)]
+    free_names, free_each = [*map(fmu_name, free_names)], [*map(fmu_name, free_each)]
     bounds = {fmu_name(name): values for name, values in bounds.items()}
     for typed_name in names:
         if fmu_name(typed_name) not in variables:
             fault, hint = "not a parameter that can be fitted", absent_hint(typed_name)
             hint = hint or fixed_hint(scene, fmu_name(typed_name)) or start_hint(typed_name)
             raise UnknownNameError(scene.name, typed_name, variables, fault, hint)
-    names = [*free, *free_each]
+    names = [*free_names, *free_each]
     for k, name in enumerate(names):
         if name in names[:k]:
             raise SceneError(f"{scene.name}: {name} is named twice among the free parameters")
@@ -120,7 +120,7 @@ def parameters_of(
             raise SceneError(
                 f"{scene.name}: bounds of {name}: the parameter is not free; free is {near_names}"
             )
-    shared_parameters = [_parameter(variables[name], scene, bounds.get(name), None) for name in free]
+    shared_parameters = [_parameter(variables[name], scene, bounds.get(name), None) for name in free_names]
     own_parameters = [
         _parameter(variables[name], own_scene, bounds.get(name), k)
         for name in free_each

@@ -264,8 +264,8 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
     parts = _columns(fit, name, results)
     over_impacts, has_lines = name in MEASURED_OF_IMPACT, False
     has_several = len(fit.data) > 1
-    measured = np.concatenate([data_set.value for data_set in fit.data])
-    scale, unit = axis_unit(fit.unit(name), [measured[fit.columns[name]]])
+    values_of_data = np.concatenate([data_set.value for data_set in fit.data])
+    scale, unit = axis_unit(fit.unit(name), [values_of_data[fit.columns[name]]])
     reach = float(np.nanmax(np.abs(fit.residuals / fit.sigma)[fit.columns[name]], initial=USUAL_RESIDUAL))
     residuals.set(ylim=(-1.15 * reach, 1.15 * reach))
     residuals.axhspan(-USUAL_RESIDUAL, USUAL_RESIDUAL, color=PALE_GREY, zorder=0, linewidth=0)
@@ -276,8 +276,8 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
         mark_style |= {"markersize": FIT_DOT, "markeredgewidth": 0, "label": dots_label}
         if over_impacts:
             mark_style |= {"yerr": scale * USUAL_RESIDUAL * fit.sigma[part.rows], "capsize": 2}
-            values.errorbar(part.places, scale * measured[part.rows], **mark_style)
-            model = scale * (measured[part.rows] + fit.residuals[part.rows])
+            values.errorbar(part.places, scale * values_of_data[part.rows], **mark_style)
+            model = scale * (values_of_data[part.rows] + fit.residuals[part.rows])
             values.plot(part.places, model, "_", color=MODEL, **MODEL_DASH)
         else:
             look = {"color": colour} if has_several else {"color": MODEL, "label": "model"}
@@ -285,12 +285,12 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
             has_lines |= _curve((values, residuals), run, scale * run[name], part.places.max(), look)
             step = math.ceil(len(part.rows) / MOST_DOTS)
             mark_style |= {"markevery": step} | ({"label": f"{dots_label} (1 of {step})"} if step > 1 else {})
-            values.plot(part.places, scale * measured[part.rows], **mark_style)
+            values.plot(part.places, scale * values_of_data[part.rows], **mark_style)
         ratios = fit.residuals[part.rows] / fit.sigma[part.rows]
         residuals.plot(part.places, ratios, ".", color=colour, markersize=3)
         if not over_impacts and len(ratios) >= LEAST_FOR_MEAN:
-            means = running_means(part.places, ratios)
-            residuals.plot(*means, color=colour if has_several else MODEL, linewidth=1.4, label=MEAN)
+            mean_line = running_means(part.places, ratios)
+            residuals.plot(*mean_line, color=colour if has_several else MODEL, linewidth=1.4, label=MEAN)
     values.set_ylabel(f"{name}{bracketed_unit(unit)}")
     values.tick_params(labelbottom=False)
     residuals.set_ylabel("Δ [σ]")

@@ -114,12 +114,14 @@ class Problem:
             self._runs = [
                 DifferentiatedRun(
                     scene,
-                    [self.parameters[p].name for p in used],
+                    [self.parameters[p].name for p in used_numbers],
                     data_set.outputs,
                     data_set.inputs,
                     interpolation,
                 )
-                for scene, data_set, used in zip(self.scenes, self.data, self.used_parameters, strict=True)
+                for scene, data_set, used_numbers in zip(
+                    self.scenes, self.data, self.used_parameters, strict=True
+                )
             ]
         except SimulationError as error:
             raise SceneError(f"{self.scenes[0].name}: {error.fault}") from None

@@ -34,7 +34,12 @@ def is_complete(table: Path) -> bool:
 
 
 def store_finished_runs(
-    table: Path, head: Mapping[str, Any], rows: np.ndarray, finished_spans: Sequence[Span], *, complete: bool
+    table: Path,
+    head: Mapping[str, Any],
+    rows: np.ndarray,
+    finished_spans: Sequence[Span],
+    *,
+    is_complete_table: bool,
 ) -> None:
     """Write the finished runs of an interrupted sweep to the file ``partial_path`` beside the table.
 
@@ -43,14 +48,14 @@ def store_finished_runs(
         head: the data that identify the sweep (``sweep_identity``).
         rows: the rows of all runs of the sweep; those of runs that have not finished have no meaning.
         finished_spans: the spans of the finished runs.
-        complete: whether the file of the table is complete (``is_complete``).
+        is_complete_table: whether the file of the table is complete (``is_complete``).
 
     Raises:
         OSError: when the file cannot be written.
     """
     spans = np.array(finished_spans, np.int64)
     with written_atomically(partial_path(table)) as new_file, new_file.open("wb") as file:
-        np.savez(file, head=json.dumps(head), rows=rows, done=spans, beside_complete_table=complete)
+        np.savez(file, head=json.dumps(head), rows=rows, done=spans, beside_complete_table=is_complete_table)
 
 
 def restore_runs(table: Path, head: Mapping[str, Any], rows: np.ndarray) -> list[Span]:

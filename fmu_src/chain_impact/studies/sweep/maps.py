@@ -85,10 +85,10 @@ def draw_maps(
                 axis.set_ticks(range(len(scale.names)), scale.names)
         if scales[0].names:
             axes.tick_params(axis="x", rotation=90)
-    nearest = _name_maps(panels, runs, variations)
+    nearest_index = _name_maps(panels, runs, variations)
     # a map with numbers in its cells has no room for the name of the mark
     is_named = bool(third_variations) or not has_numbers(value_tables[0])
-    marked_panels = [panels[nearest[0]]] if nearest else [] if third_variations else panels
+    marked_panels = [panels[nearest_index[0]]] if nearest_index else [] if third_variations else panels
     for axes in marked_panels if None not in own_values else ():
         mark_scene(axes, own_values, is_named=is_named)
     blank = max(
@@ -100,8 +100,8 @@ def draw_maps(
     entries: list[Any] = [Patch(facecolor=FAILED_COLOUR, label=" or ".join(causes))] if blank else []
     if marked_panels and None not in own_values and not is_named:
         entries.append(Line2D([], [], **SCENE_MARK | {"label": "scene"}))
-    if nearest and (None in own_values or not nearest[1]):
-        label = "scene" if nearest[1] else "nearest to the scene"
+    if nearest_index and (None in own_values or not nearest_index[1]):
+        label = "scene" if nearest_index[1] else "nearest to the scene"
         entries.append(Patch(facecolor="none", edgecolor=INK, linewidth=NEAREST_FRAME, label=label))
     if any(cells.any() for cells in missed_tables):
         entries.append(Patch(label=NO_IMPACT, **HATCHED_STYLE))
@@ -137,8 +137,8 @@ def nearest_map(runs: Runs, third_variation: Variation) -> tuple[int, bool] | No
         return next(((k, True) for k, value in enumerate(values) if value == choice), None)
     if scene_value is None:
         return None
-    scaled = np.log if is_logarithmic(third_variation) else np.asarray
-    k = int(np.abs(scaled(values) - scaled(scene_value)).argmin())
+    to_scale = np.log if is_logarithmic(third_variation) else np.asarray
+    k = int(np.abs(to_scale(values) - to_scale(scene_value)).argmin())
     return k, math.isclose(values[k], scene_value)
 
 
@@ -157,13 +157,13 @@ def _name_maps(
     values = variations[2].shown_values(variations[2].values[axis_of(variations[2]).order]).tolist()
     for axes, value in zip(panels, values, strict=True):
         axes.set_title(value if variations[2].choices else printed_number(value), fontsize="small")
-    nearest, own_values = (
+    nearest_index, own_values = (
         nearest_map(runs, variations[2]),
         [own_value(runs, variation) for variation in variations[:2]],
     )
-    if nearest and (None in own_values or not nearest[1]):
-        panels[nearest[0]].spines[:].set(visible=True, color=INK, linewidth=NEAREST_FRAME)
-    return nearest
+    if nearest_index and (None in own_values or not nearest_index[1]):
+        panels[nearest_index[0]].spines[:].set(visible=True, color=INK, linewidth=NEAREST_FRAME)
+    return nearest_index
 
 
 def _draw_group(

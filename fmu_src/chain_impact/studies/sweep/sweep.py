@@ -163,7 +163,7 @@ def _store_when_interrupted(
         yield
     except BaseException:
         if finished_spans:
-            store_finished_runs(table, head, rows, finished_spans, complete=was_complete)
+            store_finished_runs(table, head, rows, finished_spans, is_complete_table=was_complete)
         if finished_spans and not was_complete:
             write_table(
                 table, (columns_of(design, rows[slice(*batch)], batch[0]) for batch in sorted(finished_spans))

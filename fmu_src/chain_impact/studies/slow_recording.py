@@ -20,7 +20,7 @@ from chain_impact.recording.pacing import (
     slow_spans,
 )
 from chain_impact.recording.recording import Recording
-from chain_impact.results.animate import FILM_SIZE, write_animation
+from chain_impact.results.animation import FILM_SIZE, write_animation
 from chain_impact.results.result import Result
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.simulation.inputs import GivenInputs, Interpolation, input_schedule
@@ -121,7 +121,7 @@ def record_slowly(
         interpolation,
         np.union1d(shown_times, contact_times.clip(0.0, stop)),
     )
-    instance = Instance(result.prepared, schedule, varied=())
+    instance = Instance(result.prepared, schedule, parameters=())
     rows = WordRows(len(schedule.times), result.prepared.output_words)
     share, _ = instance.run(schedule, rows, lambda part: show(0.5 + part / 2))
     return Result(

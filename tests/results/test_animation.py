@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact.extras import MissingExtraError
 from chain_impact.recording.recording import Recording
-from chain_impact.results.animate import AnimationError, write_animation
+from chain_impact.results.animation import AnimationError, write_animation
 
 BEGINNINGS = {".html": b"<!doctype html>", ".gif": b"GIF89a"}
 
