@@ -153,18 +153,18 @@ def fill_bars(
     grid = figure.subplots(len(blocks), 1, height_ratios=heights, squeeze=False).ravel()
     for axes, block in zip(grid, blocks, strict=True):
         draw_bars(axes, block, block.ends, is_small=is_narrow(figure), is_pale=axes is not grid[0])
-    for axes, block, below in zip(grid, blocks, blocks[1:], strict=False):
-        if block.label == below.label:
+    for axes, block, lower_block in zip(grid, blocks, blocks[1:], strict=False):
+        if block.label == lower_block.label:
             axes.set_xlabel("")
     start_at_headline(figure)
     settle(figure)
-    for axes, below in pairwise(grid):
-        _draw_rule(figure, axes, below)
+    for axes, lower_block in pairwise(grid):
+        _draw_rule(figure, axes, lower_block)
 
 
-def _draw_rule(figure: Figure, above: Axes, below: Axes) -> None:
+def _draw_rule(figure: Figure, upper_axes: Axes, lower_axes: Axes) -> None:
     """Draw a thin line between two blocks of bars, which cannot be compared."""
-    upper_box, lower_box = above.get_tightbbox(), below.get_tightbbox()
+    upper_box, lower_box = upper_axes.get_tightbbox(), lower_axes.get_tightbbox()
     assert upper_box is not None
     assert lower_box is not None
     height = 0.5 * (upper_box.y0 + lower_box.y1) / figure.bbox.height
@@ -230,8 +230,8 @@ def _raise_title(axes: Axes, title: Text, column: Sequence[Text]) -> None:
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
-    beside = figure.bbox.width - max(text.get_window_extent().width for text in column)
-    has_room = title.get_window_extent().width < beside - 3.0 * LEFT_MARGIN * figure.dpi
+    room_beside = figure.bbox.width - max(text.get_window_extent().width for text in column)
+    has_room = title.get_window_extent().width < room_beside - 3.0 * LEFT_MARGIN * figure.dpi
     axes.set_title(
         title.get_text(), loc="left", fontsize="small", pad=HEADING_SPACE if has_room else TITLE_SPACE
     )

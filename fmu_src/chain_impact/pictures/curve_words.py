@@ -50,8 +50,8 @@ def values_at_onset(curves: Curves, names: Sequence[str]) -> dict[str, float]:
     if curves.onset is None or curves.units[names[0]] in MARKED_UNITS:
         return {}
     values = np.array([curves.values[name] for name in names])
-    largest = float(np.abs(values).max(initial=0.0))
-    if not np.isfinite(values).all() or not np.ptp(values, axis=-1).max() < LITTLE_CHANGE * largest:
+    largest_value = float(np.abs(values).max(initial=0.0))
+    if not np.isfinite(values).all() or not np.ptp(values, axis=-1).max() < LITTLE_CHANGE * largest_value:
         return {}
     return {name: float(np.interp(curves.onset, curves.time, curves.values[name])) for name in names}
 
@@ -79,7 +79,7 @@ def axis_unit(unit: str, curves: Sequence[np.ndarray], *, is_close: bool = False
     and the unit m if all |values| are below PREFIX_BELOW; if ``is_close``, the axis is that of a close
     view, and the units in CLOSE_UNITS also get a prefix.
     """
-    largest = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
-    has_prefix = unit in LOAD_UNITS or (unit == "m" and largest < PREFIX_BELOW)
-    has_prefix |= is_close and unit in CLOSE_UNITS and largest < PREFIX_BELOW
-    return load_unit(largest, unit) if has_prefix else (1.0, unit)
+    largest_value = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
+    has_prefix = unit in LOAD_UNITS or (unit == "m" and largest_value < PREFIX_BELOW)
+    has_prefix |= is_close and unit in CLOSE_UNITS and largest_value < PREFIX_BELOW
+    return load_unit(largest_value, unit) if has_prefix else (1.0, unit)

@@ -95,7 +95,9 @@ def curves_of(
     matching_names = (
         names_matching(recording.name, pattern, recording.columns, "not an output", hint) for pattern in names
     )
-    chosen_names = list(dict.fromkeys(name for matches in matching_names for name in matches))
+    chosen_names = list(
+        dict.fromkeys(name for names_of_pattern in matching_names for name in names_of_pattern)
+    )
     onset, low, high = window(recording, around)
     time = recording.time
     if rerun:
@@ -163,22 +165,22 @@ def bends(time: np.ndarray, curves: Iterable[np.ndarray]) -> np.ndarray:
     return bent
 
 
-def window(recording: Recording, around: int | None) -> tuple[float | None, float, float]:
+def window(recording: Recording, impact_number: int | None) -> tuple[float | None, float, float]:
     """Return the onset of an impact, and start and end of its close view, all in [s].
 
-    ``around`` is the number of the impact, from 1. If it is None, the onset is None, and the view is the
-    whole run. Of a contact much longer than its first pulse (LEAST_PULSES), the view shows this pulse.
+    ``impact_number`` is the number of the impact, from 1. If it is None, the onset is None, and the view is
+    the whole run. Of a contact much longer than its first pulse (LEAST_PULSES), the view shows this pulse.
     """
     start, end = float(recording.time[0]), float(recording.time[-1])
-    if around is None:
+    if impact_number is None:
         return None, start, end
     count = len(recording.impacts)
-    if not 1 <= around <= count:
-        raise ValueError(f"{recording.name}: around = {around!r} must be {impact_numbers(count)}")
-    impact = recording.impacts[around - 1]
+    if not 1 <= impact_number <= count:
+        raise ValueError(f"{recording.name}: around = {impact_number!r} must be {impact_numbers(count)}")
+    impact = recording.impacts[impact_number - 1]
     onset, run = float(impact["onset"]), end - start
     duration = LASTING_SHARE * run if lasts(impact) else float(impact["end"]) - onset
-    pulse = float(impact_ends(recording.impacts[[around - 1]], end)[0]) - onset
+    pulse = float(impact_ends(recording.impacts[[impact_number - 1]], end)[0]) - onset
     if 0.0 < LEAST_PULSES * pulse < duration:
         duration = pulse
     if not duration > 0.0:

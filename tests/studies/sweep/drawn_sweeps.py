@@ -16,7 +16,7 @@ TEN = [law for law in CONTACT_LAWS if law not in ("kelvin_voigt", "newton_impact
 
 def drawn(found):
     results = results_of(found)
-    page = Figure(figsize=usual_size(found.design, len(results.drawn)), layout="constrained")
+    page = Figure(figsize=usual_size(found.design, len(results.drawn_quantities)), layout="constrained")
     fill(page, found, results, partial(headline_and_conditions, found, results))
     page.draw_without_rendering()
     return page

@@ -83,18 +83,18 @@ class Ground(NamedTuple):
             return lightened_colour(colour, least_luminance(self.ground, READABLE_CONTRAST))
         grey = (red + green + blue) / 3.0
         low, high = np.array(to_rgb(self.ground)), np.array(to_rgb(self.text))
-        needed = (
+        needed_luminance = (
             READABLE_CONTRAST
             if grey <= LIGHTEST_TEXT
             else VISIBLE_CONTRAST
             if grey <= LIGHTEST_LINE
             else min(FAINT_CONTRAST, 1.0 + FAINT_GROWTH * (1.0 - grey))
         )
-        least = least_luminance(self.ground, needed) if grey < 1.0 else 0.0
+        least_part = least_luminance(self.ground, needed_luminance) if grey < 1.0 else 0.0
         mixed = [
             low + part * (high - low) for part in np.linspace((1.0 - grey) ** SPREAD, 1.0, GREY_MIXTURES)
         ]
-        red, green, blue = next((mix for mix in mixed if luminance(mix) >= least), mixed[-1]).tolist()
+        red, green, blue = next((mix for mix in mixed if luminance(mix) >= least_part), mixed[-1]).tolist()
         return red, green, blue, alpha
 
     def suit(self, artists: Iterable[Artist]) -> None:
@@ -112,8 +112,8 @@ class Ground(NamedTuple):
                 alpha = to_rgba(artist.get_color())[3]
                 opacity = artist.get_alpha()
                 if (opacity := alpha if opacity is None else opacity) < 1.0:
-                    needed = FAINT_CONTRAST if artist.get_marker() in NO_MARK else VISIBLE_CONTRAST
-                    artist.set_alpha(self._opacity(opacity, artist.get_color(), needed))
+                    contrast = FAINT_CONTRAST if artist.get_marker() in NO_MARK else VISIBLE_CONTRAST
+                    artist.set_alpha(self._opacity(opacity, artist.get_color(), contrast))
             elif isinstance(artist, Collection | AxesImage):
                 self._suit_mapped(artist)
             elif isinstance(artist, Patch):
@@ -134,15 +134,17 @@ class Ground(NamedTuple):
                     if is_coloured(colour):
                         label.set_color(colour)
 
-    def _opacity(self, least: float, colour: Any, contrast: float) -> float:
-        """Return the least opacity, from ``least`` on, with which a ``colour`` has a contrast to the ground.
+    def _opacity(self, least_opacity: float, colour: Any, contrast: float) -> float:
+        """Return the least opacity ≥ ``least_opacity`` with which ``colour`` has a contrast to the ground.
 
         The result is 1 if no opacity is enough.
         """
         low, high = np.array(to_rgb(self.ground)), np.array(to_rgb(colour))
-        needed = least_luminance(self.ground, contrast)
-        tried = np.linspace(least, 1.0, MIXTURES).tolist()
-        return next((part for part in tried if luminance(low + part * (high - low)) >= needed), 1.0)
+        needed_luminance = least_luminance(self.ground, contrast)
+        opacities = np.linspace(least_opacity, 1.0, MIXTURES).tolist()
+        return next(
+            (part for part in opacities if luminance(low + part * (high - low)) >= needed_luminance), 1.0
+        )
 
     def _suited_colour_or_none(self, colour: Any) -> Any:
         return colour if isinstance(colour, str) and colour == "none" else self.suited_colour(colour)

@@ -73,12 +73,10 @@ class NoRoomError(ValueError):
         least: a height [inches] that is enough for the refused width; None if no tried height is enough.
     """
 
-    def __init__(
-        self, width: float, height: float, requirement: str, least_height: float | None = None
-    ) -> None:
-        """Make the message from the refused size [inches] and ``requirement``; store ``least_height``."""
+    def __init__(self, width: float, height: float, requirement: str, enough: float | None = None) -> None:
+        """Make the message from the refused size [inches] and the words ``requirement``; store ``enough``."""
         super().__init__(f"size = ({width:g}, {height:g}) must be {requirement}")
-        self.least = least_height
+        self.least = enough
 
 
 def draw_figure(

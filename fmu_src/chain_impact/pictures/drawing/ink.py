@@ -40,18 +40,18 @@ class Ink:
         grounds += [faint_colour(axes, SHADE) for axes in figure.axes]
         parts = np.ascontiguousarray(canvas.buffer_rgba())[::-1]
         colours = parts.view(np.uint32)[..., 0]
-        self._strong: np.ndarray = np.any(parts[..., :3] < STRONG_COLOUR, axis=-1)
-        self._strong_counts = cumulative_counts(self._strong)
+        self._is_strong: np.ndarray = np.any(parts[..., :3] < STRONG_COLOUR, axis=-1)
+        self._strong_counts = cumulative_counts(self._is_strong)
         # strong pixels and their neighbours, so that a leader does not pass through the white rim between a
         # mark and a link
-        self._near_strong = widened_mask(self._strong)
-        self._drawn = np.ones(colours.shape, bool)
+        self._near_strong = widened_mask(self._is_strong)
+        self._is_drawn = np.ones(colours.shape, bool)
         for ground in {*map(_pixel, grounds)}:
-            self._drawn &= colours != ground
-        self._labels, self._leaders = np.zeros_like(self._drawn), np.zeros_like(self._drawn)
-        self._barred = np.zeros_like(self._drawn)
-        self._counts = cumulative_counts(self._drawn)
-        self.apart = int(LABEL_SPACE * figure.dpi / 72.0)
+            self._is_drawn &= colours != ground
+        self._labels, self._leaders = np.zeros_like(self._is_drawn), np.zeros_like(self._is_drawn)
+        self._barred = np.zeros_like(self._is_drawn)
+        self._counts = cumulative_counts(self._is_drawn)
+        self.label_space = int(LABEL_SPACE * figure.dpi / 72.0)
 
     def bar(self, lines: Sequence[np.ndarray], radius: float = 0.0) -> None:
         """Let no leader cross some lines, except in the first part of the leader, ``own_length`` in ``take``.
@@ -62,29 +62,29 @@ class Ink:
         barred = np.zeros_like(self._barred)
         for line in lines:
             for start, end in pairwise(line):
-                along: Any = _line_between(start, end, 0.0)[0]
-                barred[self._pixels_inside(*along)] = True
+                line_pixels: Any = _line_between(start, end, 0.0)[0]
+                barred[self._pixels_inside(*line_pixels)] = True
             if len(line) == 1:
                 way = np.arange(-math.ceil(radius), math.ceil(radius) + 1)
-                x, y = (along.ravel() for along in np.meshgrid(way, way))
-                near = np.hypot(x, y) <= radius
-                at = np.round(line[0]).astype(int)
-                barred[self._pixels_inside(at[1] + y[near], at[0] + x[near])] = True
+                x, y = (line_pixels.ravel() for line_pixels in np.meshgrid(way, way))
+                is_near = np.hypot(x, y) <= radius
+                end_pixels = np.round(line[0]).astype(int)
+                barred[self._pixels_inside(end_pixels[1] + y[is_near], end_pixels[0] + x[is_near])] = True
         self._barred |= widened_mask(barred)
 
     def _pixels_inside(self, rows: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return those pixels, given by rows and columns, that are in the figure."""
-        height, width = len(self._drawn), len(self._drawn[0])
-        inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
-        return rows[inside], columns[inside]
+        height, width = len(self._is_drawn), len(self._is_drawn[0])
+        is_inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
+        return rows[is_inside], columns[is_inside]
 
     def pixels(self) -> list[np.ndarray]:
         """Return copies of the arrays that change when a label is written; ``restore`` takes them."""
-        return [self._drawn.copy(), self._strong.copy(), self._labels.copy(), self._leaders.copy()]
+        return [self._is_drawn.copy(), self._is_strong.copy(), self._labels.copy(), self._leaders.copy()]
 
     def restore(self, pixels: list[np.ndarray]) -> None:
         """Forget the labels that were written since ``pixels`` were copied."""
-        self._drawn, self._strong, self._labels, self._leaders = (part.copy() for part in pixels)
+        self._is_drawn, self._is_strong, self._labels, self._leaders = (part.copy() for part in pixels)
 
     def were_free(self, lows: np.ndarray, highs: np.ndarray, *, on_pale: bool = False) -> np.ndarray:
         """Return whether each box had no drawn pixel before any label was written, shape (B,).
@@ -102,7 +102,7 @@ class Ink:
         The first ``own_length`` pixels of the line do not count.
         """
         _, leader_pixels = _line_between(position, end, own_length)
-        return bool(self._strong[leader_pixels].any())
+        return bool(self._is_strong[leader_pixels].any())
 
     def take(
         self,
@@ -126,8 +126,8 @@ class Ink:
         at strong pixels (CROSSING_DISTANCE), and none of the pixels that ``bar`` has barred.
         """
         (x0, y0), (x1, y1) = np.floor(low).astype(int), np.ceil(high).astype(int)
-        box, labels = self._drawn[y0:y1, x0:x1], self._labels[y0:y1, x0:x1]
-        met_pixels = self._strong if on_pale else self._drawn
+        box, labels = self._is_drawn[y0:y1, x0:x1], self._labels[y0:y1, x0:x1]
+        met_pixels = self._is_strong if on_pale else self._is_drawn
         if labels.any() or met_pixels[y0:y1, x0:x1].any():
             return False
         if position is not None:
@@ -138,12 +138,12 @@ class Ink:
                 return False
             if self._leaders[leader_pixels].any() or self._near_strong[leader_pixels].sum() > crossed:
                 return False
-            self._drawn[line] = self._strong[line] = True
-            led = np.zeros_like(self._drawn)
+            self._is_drawn[line] = self._is_strong[line] = True
+            led = np.zeros_like(self._is_drawn)
             led[line] = True
             self._leaders |= widened_mask(led)
         box[:] = True
-        self._labels[y0:y1, max(x0 - self.apart, 0) : x1 + self.apart] = True
+        self._labels[y0:y1, max(x0 - self.label_space, 0) : x1 + self.label_space] = True
         return True
 
 

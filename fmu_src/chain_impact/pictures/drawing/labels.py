@@ -54,17 +54,18 @@ class Label(NamedTuple):
     Attributes:
         text: the text of the label.
         position: the position, in data coordinates.
-        away: unit vector, in the plane of the page, of the best direction from the position to the label.
+        direction: unit vector, in the plane of the page, of the best direction from the position to the
+        label.
         short: the text that is written if ``text`` has no room; "" for none.
         look: properties of the text of this label alone, with matplotlib's names.
-        is_on_side: whether the label has no room behind its position, as seen in the direction ``away``.
-        least_cosine: the least cosine of the angle between ``away`` and the way from the position to the
+        is_on_side: whether the label has no room behind its position, as seen in the direction ``direction``.
+        least_cosine: the least cosine of the angle between ``direction`` and the way from the position to the
             label, from -1 to 1.
     """
 
     text: str
     position: tuple[float, float]
-    away: tuple[float, float] = (0.0, 1.0)
+    direction: tuple[float, float] = (0.0, 1.0)
     short: str = ""
     look: dict[str, Any] = {}  # noqa: RUF012 - no one changes it
     is_on_side: bool = False
@@ -129,11 +130,11 @@ def place_labels(
         retries = [*misses, *(k for k in order if k not in misses)]
         from_left = np.lexsort(marks.T[::-1]).tolist()
         best = (order, False)
-        for short, tried in product((False, True), (retries, from_left, from_left[::-1])):
+        for short, trial_order in product((False, True), (retries, from_left, from_left[::-1])):
             remove_texts()
-            fewer_misses = write_labels(tried, short=short)
+            fewer_misses = write_labels(trial_order, short=short)
             if len(fewer_misses) < len(misses):
-                misses, best = fewer_misses, (tried, short)
+                misses, best = fewer_misses, (trial_order, short)
             if not misses:
                 break
         else:
@@ -151,7 +152,7 @@ def _usual_box(axes: Axes, label: Label, half: np.ndarray) -> np.ndarray:
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
-    middle = axes.transData.transform(label.position) + np.array(label.away) * (
+    middle = axes.transData.transform(label.position) + np.array(label.direction) * (
         LABEL_OFFSET * figure.dpi / 72.0 + half
     )
     return np.array([middle - half, middle + half])
@@ -204,7 +205,7 @@ def _place(
         "in_layout": False,
     }
     grounds = (False, True) if may_lead else (False,)
-    shift = np.array([ink.apart, 0.0])
+    shift = np.array([ink.label_space, 0.0])
     outline: Any = {
         True: {"path_effects": [withStroke(linewidth=TEXT_OUTLINE, foreground="white")]},
         False: {},
@@ -212,13 +213,15 @@ def _place(
     tries = product(CROSSED_LENGTHS, grounds, sizes, (homes, homes[:0]))
     for crossed, on_pale, words, spared in tries:
         half = sizes[words]
-        ways = directions(label.away) * (steps[:, None, None] * LABEL_OFFSET * point + half)
+        ways = directions(label.direction) * (steps[:, None, None] * LABEL_OFFSET * point + half)
         low, high = label_point + ways - half - PAD * point, label_point + ways + half + PAD * point
         is_inside = ((low >= axes_box.min) & (high <= highest)).all(axis=-1)
         is_inside &= (high[..., 0] <= axes_box.x1) | (low[..., 0] >= axes_box.x1)
         if label.is_on_side:
-            is_inside &= ways @ label.away > -LABEL_OFFSET
-        is_inside &= ways @ label.away >= label.least_cosine * np.hypot(*np.moveaxis(ways, -1, 0)) - ROUND_OFF
+            is_inside &= ways @ label.direction > -LABEL_OFFSET
+        is_inside &= (
+            ways @ label.direction >= label.least_cosine * np.hypot(*np.moveaxis(ways, -1, 0)) - ROUND_OFF
+        )
         for home in spared:
             is_inside &= ~((low < home[1] + shift) & (home[0] - shift < high)).all(axis=-1)
         tried_places = np.argwhere(is_inside)

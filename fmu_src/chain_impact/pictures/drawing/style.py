@@ -310,9 +310,9 @@ def start_at_headline(figure: Figure) -> None:
     """Let nothing beside the axes of a figure start farther left than the headline."""
     engine = figure.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
-        left, low, width, height = engine.get()["rect"]
+        left, bottom_edge, width, height = engine.get()["rect"]
         shift = (LEFT_MARGIN - mpl.rcParams["figure.constrained_layout.w_pad"]) / figure.get_figwidth() - left
-        engine.set(rect=(left + shift, low, width - shift, height))
+        engine.set(rect=(left + shift, bottom_edge, width - shift, height))
 
 
 def start_left(axes: Axes, text: Text, upward: Transform | None = None) -> None:
@@ -323,10 +323,10 @@ def start_left(axes: Axes, text: Text, upward: Transform | None = None) -> None:
     figure = axes.get_figure(root=True)
     assert figure is not None
     is_small = is_narrow(figure)
-    above: Any = axes.titleOffsetTrans  # type: ignore[attr-defined]  # matplotlib's type lacks it
+    offset: Any = axes.titleOffsetTrans  # type: ignore[attr-defined]  # matplotlib's type lacks it
     text.set_x(LEFT_MARGIN / figure.get_figwidth() if is_small else 0.0)
-    across = figure.transFigure if is_small else axes.transAxes
-    text.set_transform(blended_transform_factory(across, upward or axes.transAxes + above))
+    horizontal = figure.transFigure if is_small else axes.transAxes
+    text.set_transform(blended_transform_factory(horizontal, upward or axes.transAxes + offset))
 
 
 def words_of(figure: Figure) -> dict[str, str]:

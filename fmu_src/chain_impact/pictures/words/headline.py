@@ -65,22 +65,22 @@ class Peak(NamedTuple):
         words: the quantity in words: "peak force".
         value: the value of the quantity with its unit: "12.6 kN".
         row: the row of the impact in ``impacts``, from 0.
-        equal: how many impacts have this value, if ``peaks`` gives it (SAME_PEAK): ``row`` is then the first
-            of these impacts. Otherwise 1.
+        equal_count: how many impacts have this value, if ``peaks`` gives it (SAME_PEAK): ``row`` is then the
+            first of these impacts. Otherwise 1.
     """
 
     words: str
     value: str
     row: int
-    equal: int = 1
+    equal_count: int = 1
 
     @property
     def text(self) -> str:
         """The quantity and its value: "peak force 12.6 kN", "30 equal impulses of 0.981 N·s"."""
-        if self.equal == 1:
+        if self.equal_count == 1:
             return f"{self.words} {self.value}"
         quantity, *place = self.words.removeprefix("largest ").split(" at ")
-        return f"{self.equal} equal {' at '.join([f'{quantity}s', *place])} of {self.value}"
+        return f"{self.equal_count} equal {' at '.join([f'{quantity}s', *place])} of {self.value}"
 
 
 def headline(recording: Recording, first: str | None = None, *, short: bool = False) -> str:
@@ -159,10 +159,13 @@ def write_head(
     if not (lead or title or told_peaks) and load and "motion" in panels and recording.loads:
         lead, load = load_text(recording, digits=3).replace(" in the run, ", " "), ""
     valued = [bool(title) or lead != peak.text for peak in told_peaks]
-    hits = [peak_impact_words(recording, *each) for each in zip(told_peaks, valued, strict=True)]
+    hits = [
+        peak_impact_words(recording, *peak_and_value)
+        for peak_and_value in zip(told_peaks, valued, strict=True)
+    ]
     lines: list[tuple[str, str]] = []
     if short and told_peaks and not title:
-        is_marked = told_peaks[0].equal == 1 and not {*panels}.isdisjoint(MARKING)
+        is_marked = told_peaks[0].equal_count == 1 and not {*panels}.isdisjoint(MARKING)
         first_text = hits.pop(0).removeprefix(f"{told_peaks[0].words} in ")  # the title tells the peak
         lines.append((first_text, PEAK_COLOUR if is_marked else INK))
     if short and load:
@@ -195,7 +198,7 @@ def peaks(recording: Recording) -> list[Peak]:
 
 def marked_peaks(recording: Recording) -> list[Peak]:
     """Return those of ``peaks`` that only one impact reaches: only these impacts have PEAK_COLOUR."""
-    return [peak for peak in peaks(recording) if peak.equal == 1]
+    return [peak for peak in peaks(recording) if peak.equal_count == 1]
 
 
 def peak_of(recording: Recording, row: int) -> list[Peak]:
@@ -272,7 +275,7 @@ def peak_impact_words(recording: Recording, peak: Peak, valued: bool) -> str:
     For example "peak force in impact 1: point 4 hits y_min at 0.5 s with 2 m/s". If several impacts have the
     value of the peak, the words tell the first of these impacts. ``valued``: whether the value is told, too.
     """
-    if peak.equal > 1:
+    if peak.equal_count > 1:
         beginning = f"{peak.text}, the first in " if valued else "the first in "
         return f"{beginning}{place_words(recording, peak.row)}"
     return f"{peak.words}{f' {peak.value}' if valued else ''} in {place_words(recording, peak.row)}"
@@ -306,10 +309,10 @@ def load_text(recording: Recording, digits: int = 5) -> str:
     if largest_name is None or not largest_name.force > 0.0:
         return ""
     factor, unit = time_unit(recording.duration)
-    when = f"{factor * largest_name.time:.{digits}g} {unit}"
+    time_text = f"{factor * largest_name.time:.{digits}g} {unit}"
     return (
         f"joint {largest_name.joint} bears up to {force_text(largest_name.force, 'N')} in the run, "
-        f"{'by' if largest_name.kind == LARGEST_OF_ROWS else 'at'} {when}"
+        f"{'by' if largest_name.kind == LARGEST_OF_ROWS else 'at'} {time_text}"
     )
 
 

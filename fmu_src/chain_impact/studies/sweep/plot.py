@@ -121,12 +121,12 @@ def plot_sweep(
     check_picture(runs.design.variations, runs.design.samples, len(runs), runs.scene.name)
     results = results_of(runs, panels)
     if has_map_series(varying_in(runs.design), picture_form(runs.design)):
-        if panels and len(results.drawn) > 1:
-            raise SceneError(
-                f"{runs.scene.name}: {len(results.drawn)} panels must be 1 if {MOST_VARIED} parameters vary"
-            )
-        results = Results(results.drawn[:1], results.drawn[:1])
-    usual_figure_size = usual_size(runs.design, len(results.drawn), figure_size(size)[0] if size else None)
+        if panels and (count := len(results.drawn_quantities)) > 1:
+            raise SceneError(f"{runs.scene.name}: {count} panels must be 1 if {MOST_VARIED} parameters vary")
+        results = Results(results.drawn_quantities[:1], results.drawn_quantities[:1])
+    usual_figure_size = usual_size(
+        runs.design, len(results.drawn_quantities), figure_size(size)[0] if size else None
+    )
     # a picture is drawn anew for each height that is tried, with the same texts
     texts = cache(partial(headline_and_conditions, runs, results))
     return draw_figure(partial(fill, runs=runs, results=results, texts=texts), path, size, usual_figure_size)
@@ -138,7 +138,7 @@ def fill(figure: Figure, runs: Runs, results: Results, texts: Callable[..., tupl
 
     ``texts``: a function that returns the result of ``headline_and_conditions``.
     """
-    quantities, kind = results.drawn, picture_form(runs.design)
+    quantities, kind = results.drawn_quantities, picture_form(runs.design)
     variations = varying_in(runs.design)
     write_headline(figure, *texts(is_small=is_narrow(figure)))
     # the parameter ``first_variation`` gets the horizontal axis
@@ -170,7 +170,7 @@ def headline_and_conditions(runs: Runs, results: Results, *, is_small: bool) -> 
     if has_lines and len({*runs[COUNT][~runs.failed].tolist()}) > 1:
         parts.append("lines break where the number of impacts changes")
     if kind == HISTOGRAMS:
-        parts.insert(0, influence_words(runs, results.drawn, variations))
+        parts.insert(0, influence_words(runs, results.drawn_quantities, variations))
     mark = "×: " if kind == CURVES else ""
     headline = ", ".join(headline_parts(runs, results, mark, is_small=is_small))
     return headline, "; ".join(filter(None, parts)).replace("; ", SEPARATOR)
@@ -243,7 +243,9 @@ def conditions(runs: Runs, variations: list[Variation]) -> str:
         count = f"{variation.name}: {count_text(count_of(variation), 'choice')}"
         choice = str(runs.scene.values.get(variation.name, ""))
         if variation.choices:
-            scene_text = f", {choice} in the scene" if choice in variation.shown(variation.values) else ""
+            scene_text = (
+                f", {choice} in the scene" if choice in variation.shown_values(variation.values) else ""
+            )
         scene_text += ", no panel" if is_sampled and variation not in marked_variations else ""
         if is_sampled and variation in marked_variations:
             scene_text = scene_text.removeprefix(", ")
@@ -274,7 +276,7 @@ def _draw_dots(panels: list[Axes], runs: Runs, quantities: list[Quantity], choic
     A row without a value has a word in place of the dot: "failed" if the run failed, "impulse" for a load at
     a rigid wall. ``choice``: the only varied parameter, which names the rows.
     """
-    names = choice.shown(choice.values).tolist()
+    names = choice.shown_values(choice.values).tolist()
     rows = np.arange(len(runs))
     for axes, quantity in zip(panels, quantities, strict=True):
         shown_values, is_missed = quantity.values_or_nan(runs), quantity.is_without_touch(runs)
