@@ -159,10 +159,7 @@ def write_head(
     if not (lead or title or told_peaks) and load and "motion" in panels and recording.loads:
         lead, load = load_text(recording, digits=3).replace(" in the run, ", " "), ""
     valued = [bool(title) or lead != peak.text for peak in told_peaks]
-    hits = [
-        peak_impact_words(recording, *peak_and_value)
-        for peak_and_value in zip(told_peaks, valued, strict=True)
-    ]
+    hits = [peak_impact_words(recording, *pair) for pair in zip(told_peaks, valued, strict=True)]
     lines: list[tuple[str, str]] = []
     if short and told_peaks and not title:
         is_marked = told_peaks[0].equal_count == 1 and not {*panels}.isdisjoint(MARKING)
