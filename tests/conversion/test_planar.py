@@ -142,11 +142,11 @@ def test_joints_with_upright_axes_bear_gravity():
 
 def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
     planes = [
-        Plane(name="y_min", point=np.zeros(3), normal=np.array([0.0, 0.0, 1.0]), touching=[(0, 0.4)]),
+        Plane(name="y_min", point=np.zeros(3), normal=np.array([0.0, 0.0, 1.0]), contacts=[(0, 0.4)]),
         Plane(
-            name="", point=np.array([2.0, 0.0, 0.0]), normal=np.array([-1.0, 0.0, 0.0]), touching=[(0, 0.0)]
+            name="", point=np.array([2.0, 0.0, 0.0]), normal=np.array([-1.0, 0.0, 0.0]), contacts=[(0, 0.0)]
         ),
-        Plane(name="side", point=np.zeros(3), normal=np.array([0.0, 1.0, 0.0]), touching=[(0, 0.0)]),
+        Plane(name="side", point=np.zeros(3), normal=np.array([0.0, 1.0, 0.0]), contacts=[(0, 0.0)]),
     ]
     found, done = scene(arm(hinge("a", start=0.1, low=0.2, high=0.5), planes=planes))
     assert found.box.y_min == 0.0
