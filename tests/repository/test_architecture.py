@@ -164,48 +164,6 @@ def test_no_name_begins_with_a_preposition(room):
     assert found == set()
 
 
-ADJECTIVES = """
-above across after again ahead alike allowed alone along apart around asked away before behind below
-beside between beyond both by changed chosen done drawn driven each either every exact expected far fast
-few fewer filled finite found free fresh given held here hidden how inner inside kept known largest later
-least like lost made marked matches meant met mine missing more most moved moves moving named near nearest
-needed new nothing numbered of off often old one only other others otherwise ours own prepared reached
-relative relevant rests said scaled seen several shown small some sorted still taken there told tried
-turned turns typed unknown until up usable used usual varied varying wanted what where which whole
-why wide within without written wrong
-"""
-"""Adjectives, verb forms, pronouns and prepositions: alone, none of them says what a variable holds."""
-PUBLIC_PARAMETERS = {("plot", "around"), ("curves", "around"), ("curves_of", "around"), ("fit", "free")}
-PUBLIC_PARAMETERS |= {(function, "like") for function in ("save", "write_scene")}
-PUBLIC_PARAMETERS |= {("__eq__", "other"), ("__init__", "what"), ("__init__", "otherwise")}
-
-
-def variables(file):
-    """Yield (function or "", name) of each parameter and variable of a file, without attributes."""
-    code = [*ast.walk(ast.parse(file.read_text("utf-8")))]
-    attributes = {
-        id(getattr(line, "target", None))
-        for node in code
-        if isinstance(node, ast.ClassDef)
-        for line in node.body
-    }
-    for node in code:
-        if isinstance(node, (ast.FunctionDef, ast.Lambda)):
-            arguments = (*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs)
-            yield from ((getattr(node, "name", ""), argument.arg) for argument in arguments)
-        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store) and id(node) not in attributes:
-            yield "", node.id
-
-
-@pytest.mark.parametrize("room", sorted(ROOMS_OF_NAMES.keys() - {"kernel", "compilation", "user_laws"}))
-def test_no_variable_is_a_bare_adjective(room):
-    """A name such as kept does not say what is kept: kept_rows does."""
-    found = {pair for file in ROOMS_OF_NAMES[room] for pair in variables(file)}
-    assert {
-        pair for pair in found if pair[1].lower().strip("_") in ADJECTIVES.split()
-    } - PUBLIC_PARAMETERS == set()
-
-
 def needs(file):
     """Yield the modules of the package that a file imports, for types, too."""
     for node in nodes(file):

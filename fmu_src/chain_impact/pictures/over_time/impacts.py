@@ -136,8 +136,8 @@ def plot_copies(axes: Axes, marks: np.ndarray, look: dict[str, Any]) -> None:
     figure = axes.get_figure(root=True)
     assert figure is not None
     for shift in np.unique(marks[2][marks[2] > 0.0]):
-        moved = axes.transData + ScaledTranslation(-shift / 72.0, 0.0, figure.dpi_scale_trans)
-        axes.plot(*marks[:2, marks[2] == shift], **look, label="_", zorder=1.9, transform=moved)
+        shifted_transform = axes.transData + ScaledTranslation(-shift / 72.0, 0.0, figure.dpi_scale_trans)
+        axes.plot(*marks[:2, marks[2] == shift], **look, label="_", zorder=1.9, transform=shifted_transform)
 
 
 def legend_names(names: Sequence[str], *, is_narrow: bool) -> list[str]:
