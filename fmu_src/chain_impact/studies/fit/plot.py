@@ -134,9 +134,9 @@ def fill(figure: Figure, fit: Estimates) -> None:
     residuals = figure.axes[1::2]
     for k, axes in enumerate(residuals):
         # a panel below with the same times has their numbers and name
-        below = residuals[k + columns : k + columns + 1]
-        ends = [(each.get_xlabel(), each.get_position().x1) for each in (axes, *below)]
-        if below and ends[0] == ends[1]:
+        neighbours = residuals[k + columns : k + columns + 1]
+        ends = [(panel.get_xlabel(), panel.get_position().x1) for panel in (axes, *neighbours)]
+        if neighbours and ends[0] == ends[1]:
             axes.set_xlabel("")
             axes.tick_params(labelbottom=False)
     poor = ", ".join(alike_neighbours(fit))
