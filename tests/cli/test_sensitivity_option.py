@@ -94,7 +94,7 @@ def test_the_window_shows_them(run, monkeypatch):
     monkeypatch.setattr(pyplot, "show", lambda: shown.append(window.get_suptitle()))
     run("simulate", "rod_drop", "--stop-time", "0.5", "--sensitivity", "gravity.y", "--show")
     assert shown == [window.get_suptitle()]
-    assert "gravity.y" in shown[0]
+    assert "gravity y + 1 %" in shown[0]
 
 
 def test_rank_orders_all_parameters_and_draws_bars(run, here):

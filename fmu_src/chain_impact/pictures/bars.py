@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -151,15 +151,19 @@ def fill_bars(
         return
     heights = [len(block.names) for block in blocks]
     grid = figure.subplots(len(blocks), 1, height_ratios=heights, squeeze=False).ravel()
-    for axes, block in zip(grid, blocks, strict=True):
+    titles = [
         draw_bars(axes, block, block.ends, is_small=is_narrow(figure), is_pale=axes is not grid[0])
+        for axes, block in zip(grid, blocks, strict=True)
+    ]
     for axes, block, lower_block in zip(grid, blocks, blocks[1:], strict=False):
         if block.label == lower_block.label:
             axes.set_xlabel("")
     start_at_headline(figure)
     settle(figure)
-    for axes, lower_block in pairwise(grid):
-        _draw_rule(figure, axes, lower_block)
+    _raise_titles(grid, titles)
+    settle(figure)
+    for axes, lower_axes in pairwise(grid):
+        _draw_rule(figure, axes, lower_axes)
 
 
 def _draw_rule(figure: Figure, upper_axes: Axes, lower_axes: Axes) -> None:
@@ -174,8 +178,8 @@ def _draw_rule(figure: Figure, upper_axes: Axes, lower_axes: Axes) -> None:
 
 def draw_bars(
     axes: Axes, block: Bars, ends: tuple[float, float], *, is_small: bool, is_pale: bool = False
-) -> None:
-    """Draw a block of bars into axes, with the texts in a column at the right.
+) -> Text:
+    """Draw a block of bars into axes, with the texts in a column at the right; return its title.
 
     ``ends``: the least and the largest value of the axis. ``is_small``: whether the figure is narrow, so that
     the names must be small, and the ticks few. ``is_pale``: whether the bars are pale, as those of a block
@@ -201,15 +205,12 @@ def draw_bars(
             if mark is not None:
                 axes.plot([mark], [row], **DIAMOND)
     offset_style: dict[str, Any] = {"textcoords": "offset points", "fontsize": "small"}
-    column = []
     for row, text in zip(rows, block.texts, strict=True):
         place: dict[str, Any] = {"xy": (1.0, row), "xycoords": axes.get_yaxis_transform(), "va": "center"}
-        column.append(axes.annotate(text.replace("-", "−"), xytext=(4.0, 0.0), **place, **offset_style))
+        axes.annotate(text.replace("-", "−"), xytext=(4.0, 0.0), **place, **offset_style)
     title = axes.set_title(block.title, fontsize="small", color=INK, loc="left", wrap=True)
     if block.heading:
-        heading = (1.0, 1.0), (4.0, HEADING_SPACE), "axes fraction"
-        column.append(axes.annotate(block.heading, *heading, **offset_style))
-        _raise_title(axes, title, column)
+        axes.annotate(block.heading, (1.0, 1.0), (4.0, HEADING_SPACE), "axes fraction", **offset_style)
     start_left(axes, title)
     axes.set_yticks(rows, block.names, fontsize="small" if is_small else None)
     axes.set_ylim(len(rows) - 0.4, -0.6)
@@ -221,20 +222,15 @@ def draw_bars(
     low, high = ends
     margin = BAR_MARGIN * (high - low)
     axes.set_xlim(low - margin * (low < 0.0), high + margin * (high > 0.0))
+    return title
 
 
-def _raise_title(axes: Axes, title: Text, column: Sequence[Text]) -> None:
-    """Put a title above the heading of a column of texts if both lack room beside each other.
-
-    The title starts at the left edge of a narrow figure (``start_left``), the column ends at the right edge.
-    """
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    room_beside = figure.bbox.width - max(text.get_window_extent().width for text in column)
-    has_room = title.get_window_extent().width < room_beside - 3.0 * LEFT_MARGIN * figure.dpi
-    axes.set_title(
-        title.get_text(), loc="left", fontsize="small", pad=HEADING_SPACE if has_room else TITLE_SPACE
-    )
+def _raise_titles(grid: Iterable[Axes], titles: Iterable[Text]) -> None:
+    """Put the title of a block above the heading of its column if the title extends to this heading."""
+    for axes, title in zip(grid, titles, strict=True):
+        if title.get_window_extent().x1 > axes.bbox.x1:
+            axes.set_title(title.get_text(), loc="left", fontsize="small", pad=TITLE_SPACE)
+            start_left(axes, title)
 
 
 def _draw_arrow(axes: Axes, row: int, colour: str, *, to_right: bool) -> None:
