@@ -26,7 +26,7 @@ def test_arrow_lengths_go_with_the_cube_root_of_the_force():
     scale = ArrowScale(2000.0, 1.0)
     assert scale.length(2000.0) == pytest.approx(LONGEST_ARROW)
     assert scale.length(250.0) == pytest.approx(LONGEST_ARROW / 2.0)
-    assert not scale.shows(1e-3)
+    assert not scale.is_shown(1e-3)
     marks = scale.marks()
     assert [text for _, text in marks] == ["2.00 kN", "100 N"]
     for at, text in marks:
