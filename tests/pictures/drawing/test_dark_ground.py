@@ -138,7 +138,7 @@ def test_colours_and_texts_have_enough_contrast_on_a_dark_ground(ground, text):
     assert contrast(dark.suited_colour(style.INK), ground) >= 4.5
     assert contrast(dark.suited_colour(style.BLACK), ground) >= 4.5
     assert contrast(dark.suited_colour(style.GREY), ground) >= 3.0
-    assert contrast(dark.suited_colour(style.PALE), ground) >= 1.99
+    assert contrast(dark.suited_colour(style.PALE_GREY), ground) >= 1.99
     for faint in (1.0 - style.IMPACT_LINE, 1.0 - 2.0 * style.SHADE):
         assert contrast(dark.suited_colour(f"{faint}"), ground) >= 1.99
     for area in (style.OUTSIDE_COLOUR, f"{1.0 - style.SHADE}"):
