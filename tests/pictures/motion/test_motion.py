@@ -297,15 +297,18 @@ def test_the_sample_of_the_tip_in_the_legend_has_the_colours_of_its_path():
 
 
 @pytest.mark.parametrize("model", ["ramp", "sphere_on_wall"])
-def test_a_ball_is_drawn_as_its_centre_with_a_thin_line_and_has_a_path(model):
+def test_a_ball_is_drawn_as_its_centre_with_a_thin_line_and_its_path(model):
     recording = recorded(model)
     assert ball_of(recording) == 0
     motion = motion_of(recording)
     (end,) = (line for line in motion.lines if line.get_label().startswith("end"))
     assert end.get_markevery() == [0]
     assert end.get_linewidth() < 1.0
-    (path,) = (lines for lines in motion.collections if lines.get_label().startswith("path"))
-    np.testing.assert_array_equal(path.get_segments()[0][0], recording.points[0, 0])
+    paths = [lines for lines in motion.collections if lines.get_label().startswith("path")]
+    if model == "sphere_on_wall":  # the mark of the centre covers its path
+        assert not paths
+    else:
+        np.testing.assert_array_equal(paths[0].get_segments()[0][0], recording.points[0, 0])
 
 
 @pytest.mark.parametrize("model", ["rod_drop", "pinned_arm", "thrown_brick", "cart_pole"])

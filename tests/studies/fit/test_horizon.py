@@ -64,7 +64,7 @@ def test_an_exactly_fitted_column_keeps_its_deviation(seed):
     one = SimpleNamespace(
         names=["few", "many"], estimated=["few", "many"], group=group.astype(int), size=np.ones(12)
     )
-    at = SimpleNamespace(usable=np.ones(12, bool), slopes=slopes, residuals=np.full(12, 0.5))
+    at = SimpleNamespace(is_usable=np.ones(12, bool), slopes=slopes, residuals=np.full(12, 0.5))
     found = estimate_sigma(one, at, np.full(12, 0.01))
     assert found[:2].tolist() == [0.01, 0.01]
     assert found[2:] == pytest.approx(math.sqrt(10 * 0.25 / 8))

@@ -144,13 +144,7 @@ def next_size_factor(d):
     if outcome == INFINITE:
         return LEAST_RATIO
     error = EQUIVALENT_ERROR[outcome] if outcome >= SPOILED else max(d.trial.error, LEAST_ERROR)
-    # the ratio of sizes is error^(−1/q) for an error of order q; for q = 8, three square roots take less time
-    # than a power
-    if method == EXPLICIT:
-        ratio = 1.0 / math.sqrt(math.sqrt(math.sqrt(error)))
-    else:
-        ratio = power(error, SIZE_EXPONENT[method])
-    return max(LEAST_RATIO, SAFETY_FACTOR[method] * d.trial.cost_factor * ratio)
+    return max(LEAST_RATIO, SAFETY_FACTOR[method] * d.trial.cost_factor * power(error, SIZE_EXPONENT[method]))
 
 
 def size_in_flight(d, y, rate):
