@@ -220,8 +220,8 @@ class Certificate:
         balls = [arb(0, size) for size in self.spread(c)]
         parts = [part for part in self.parts if c in self.step.marked or part.high <= self.step.kept]
         waiting = [(part, part.low, part.high, 0) for part in reversed(parts)]
-        # whether the event function is positive at the start of the interval, and whether it began to fall
-        # there
+        # above: the event function is known to be positive at the start of the interval; falling: it was
+        # positive before, has fallen up to this start, and its sign there is not known
         above, falling = False, False
         while waiting:
             part, low, high, depth = waiting.pop()

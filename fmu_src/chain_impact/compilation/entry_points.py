@@ -60,9 +60,9 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
 ):
     """Run from the start once for each row of parameters, and fill a row of outputs at the end of each run.
 
-    If ``continuing`` is 1, the run of the first row goes on from the present state. Return the number of
-    complete runs, which is below ``runs`` after about a second of computing. kernel/entry.py describes the
-    arguments.
+    If ``continuing`` is 1, the run of the first row goes on from the present state. Return the number of runs
+    that have ended, also by a fault; it is below ``runs`` after about a second of computing. kernel/entry.py
+    describes the arguments.
     """
     return entry.run_each(
         d,

@@ -57,7 +57,8 @@ class Contacts:
 
         The result is False if the file disables contacts, else True if the file lists the shapes as a pair.
         For other shapes it is True if ``contype`` of one shape and ``conaffinity`` of the other have a bit in
-        common, and their bodies are neither an excluded pair nor fixed to each other.
+        common, and their bodies are neither an excluded pair nor fixed to each other. MuJoCo's rule that a
+        body does not touch its parent is left out.
         """
         model = self.model
         if not self.has_contacts:

@@ -102,7 +102,7 @@ class Drives:
         )
 
     def with_actuators(self, joint: Joint, j: int, zero_position: float) -> Joint:
-        """Return ``joint``, MuJoCo's joint ``j``, with damping, rotor inertia and drives of its actuators.
+        """Return ``joint``, MuJoCo's joint ``j``, with what its actuators add: damping, inertia and drives.
 
         Active actuators that a scene cannot have are reported. ``zero_position`` is MuJoCo's angle [rad] or
         position [m] of the joint in the pose of the file, in which the angle or position of ``joint`` is 0.

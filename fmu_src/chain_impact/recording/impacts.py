@@ -92,7 +92,7 @@ def _names(walls: tuple[str, ...]) -> np.ndarray:
 
 
 def sorted_impacts(parts: Sequence[np.ndarray], walls: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Join logs of contacts; return the indices that sort their rows, and the sorted table (``named``).
+    """Join logs of contacts; return the indices that sort their joined rows, and the sorted table of impacts.
 
     The order is by onset; at the same onset, by point and then wall.
     """

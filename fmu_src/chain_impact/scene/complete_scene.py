@@ -57,7 +57,7 @@ def with_angles(scene: AnyScene) -> AnyScene:
 
 
 def with_radii(scene: AnyScene) -> AnyScene:
-    """Return the scene with a radius for each point that a link has beside its ends.
+    """Return the scene with a radius for each additional point of a link.
 
     A point without a given radius gets ``contact.radius``, and this radius counts as derived.
     """

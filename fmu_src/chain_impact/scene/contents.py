@@ -111,8 +111,8 @@ class Contents:
     def touching_points(self) -> tuple[int, ...]:
         """The numbers of the points that may touch walls.
 
-        These are ``contact.points``, then all points of links beside their ends. A point of link 1 at a
-        pinned base is left out, because walls do not act on a pinned base.
+        These are ``contact.points``, then the additional points of all links. A point of link 1 at a pinned
+        base is left out, because walls do not act on a pinned base.
         """
         first, pinned = len(self.chain.links) + 1, self.chain.base == "pinned"
         sites = enumerate(self.chain.sites, first)

@@ -103,7 +103,7 @@ def _ground(structure: Structure) -> str:
 
 
 def _label(structure: Structure, point: int) -> str:
-    """Return " (heel, link 2)" or " (link 2)" for a point of a link beside its ends; "" for an end."""
+    """Return " (heel, link 2)" or " (link 2)" for an additional point of a link; "" for an end."""
     links = structure.numbers["links"]
     if point <= links:
         return ""

@@ -87,8 +87,8 @@ def excludes_events(d):
         # are tested below, and held points have no crossings.
         is_excluded = is_excluded & (stays_positive(d, c, clearance_error) | (d.contacts.active[c] != 0))
     for k in range(d.contacts.compliant_count):
-        # `allowed_position_error` is not added: the errors of a penetration are far smaller than the errors
-        # of a position
+        # ``error`` lacks the `allowed_position_error` of ``clearance_error``: errors of a penetration are far
+        # smaller than those of a position
         c = d.contacts.active_index[k]
         is_excluded = is_excluded and stays_in_contact(d, c, error) and force_stays_smooth(d, c)
     if not is_excluded:

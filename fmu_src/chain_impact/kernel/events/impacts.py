@@ -85,9 +85,9 @@ IMPACT_ROUND_OFF = 1e-9
 # times the size of the coordinates whose round-off enters the clearance.
 RELEASE_CLEARANCE, RELEASE_OF_COORDINATES = 1e-13, 1e-14
 # The distance NEAR_WALL_CLEARANCE × ``release_clearance`` has two uses, both against endless impacts. A point
-# with a smaller clearance almost touches its wall (``join_near_contacts``). And arriving points come to rest
-# if their kinetic energy is at most the work of weight and dry friction over this distance (``is_gentle``).
-# So both uses include a point that has just been released.
+# with a smaller clearance almost touches its wall (``join_near_contacts``). And in an impact whose points
+# have at most the energy that weight and dry friction take over this distance, elements that stick continue
+# to stick (``is_gentle``). So both uses include a point that has just been released.
 NEAR_WALL_CLEARANCE = 10.0
 
 
@@ -269,10 +269,10 @@ def end_rebounding_contacts(d):
 
 
 def is_gentle(d):
-    """Return whether all arriving points are so slow, or together have so little energy, that they stop.
+    """Return whether an impact is gentle: all arriving points are slow, or have little energy together.
 
     The limit of the speeds follows from LEAST_REBOUND_SPEED, the limit of the kinetic energy from
-    NEAR_WALL_CLEARANCE. Such an impact is gentle: elements that stick continue to stick. If the small
+    NEAR_WALL_CLEARANCE. In a gentle impact, elements that stick continue to stick. If the small
     impulses could make a joint slide, the joint's friction would lift points, these points would arrive
     gently again, and so on without end.
     """

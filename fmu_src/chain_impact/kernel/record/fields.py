@@ -28,9 +28,9 @@ LIMIT_REAL = ranged_real(0.0, float("inf"))
 def bounded_integer(least: int, most: int) -> np.dtype:
     """Return the type of an integer field whose values must be ≥ ``least`` and ≤ ``most``.
 
-    The kernel uses the integer as an index or as a number of iterations: with a value beyond the bounds the
-    kernel could access memory outside the record. ``within_bounds`` in kernel/entry.py checks these fields in
-    a record from outside. Each bound is an integer that must depend affinely on the record's
+    The kernel uses most of these integers as an index or a number of iterations: with a value beyond the
+    bounds the kernel could access memory outside the record. ``within_bounds`` in kernel/entry.py checks
+    these fields in a record from outside. Each bound is an integer that must depend affinely on the record's
     counts (counts.py).
     """
     return np.dtype(INTEGER, metadata={"least": least, "most": most})
@@ -114,7 +114,7 @@ def place_count(links: int, sites: int) -> int:
 
 
 def loads_dtype(links: int, sites: int, scalar: type = REAL) -> np.dtype:
-    """Return the layout of loads: forces x, y at places, and moments in joints and on links; or impulses."""
+    """Return the layout of loads: forces at places, moments of joints and links; or of impulses."""
     places = place_count(links, sites)
     numbers = ((name, scalar, (links,)) for name in ("joint", "link"))
     return layout(("x", scalar, (places,)), ("y", scalar, (places,)), *numbers)

@@ -19,8 +19,7 @@ def given_channel_dtype(channels: int) -> np.dtype:
         ("position", REAL, (channels,)),  # m, given position of each channel; 0 for a belt
         ("velocity", REAL, (channels,)),  # m/s, given velocity of each channel
         ("acceleration", REAL, (channels,)),  # m/s², given acceleration of each channel; 0 for a belt
-        # m, polynomial coefficients (rows) of each channel's position in the next piece of the inputs, which
-        # follows the piece in use; the coefficients of the piece in use are in `channel.piece`
+        # m, as `channel.piece`, for the next piece of the inputs, which follows the piece in use
         ("piece", REAL, (INPUT_DEGREE + 1, channels)),
     )
 
@@ -45,7 +44,8 @@ def channel_dtype(channels: int) -> np.dtype:
         ("position", REAL, (channels,)),
         ("velocity", REAL, (channels,)),  # m/s, velocity after the last `move_channels`
         ("acceleration", REAL, (channels,)),  # m/s², acceleration after the last `move_channels`
-        # m, polynomial coefficients (rows) of each channel's position in the present piece of the inputs
+        # m, coefficients of each channel's position in the piece of the inputs in use: row k belongs to x^k,
+        # with x = (t − `inputs.piece.middle`) × `inputs.piece.scale`
         ("piece", REAL, (INPUT_DEGREE + 1, channels)),
         # ---- values that were given to each channel at their most recent change
         ("given_position", REAL, (channels,)),  # m, position that was given last

@@ -53,8 +53,9 @@ from chain_impact.kernel.tangent.trust import (
     mark_untrusted,
 )
 
-# Two events are simultaneous also for nearby parameters if, at the delayed time of one event, the derivatives
-# of the speed or margin that causes the other event are at most SAME_TIME_SLOPE, relative to a scale.
+# Two events are simultaneous also for nearby parameters if, at the time of one event for these parameters,
+# the derivatives of the speed or margin that causes the other event are at most SAME_TIME_SLOPE, relative to
+# a scale of these derivatives.
 SAME_TIME_SLOPE = 1e-5
 # The end of sticking is located where the friction force exceeds its limit by a small excess. If the limit
 # itself is at most NEARLY_SLIPPING_RATIO times the excess, and the element is marked STOPPED, the located

@@ -29,7 +29,8 @@ MUCH_LONGER = 2.0
 # If a run cannot be repeated, the force of a contact is drawn from the recording's rows within the contact,
 # if there are at least LEAST_CONTACT_ROWS such rows.
 LEAST_CONTACT_ROWS = 20
-# the places of two strokes on an axis that is cut, relative to its length; their form and their look
+# An axis that is cut has two strokes: BREAK has their places, relative to the length of the axis, and SLASH
+# the corners of a stroke.
 BREAK, SLASH = (0.97, 0.985), [(-0.4, -1.0), (0.4, 1.0)]
 BREAK_LOOK: dict[str, Any] = {"linestyle": "", "color": "black", "markersize": 8.0, "clip_on": False}
 OPACITY = 0.15  # the opacity of the area below the curve, from 0 to 1

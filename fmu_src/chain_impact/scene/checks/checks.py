@@ -209,7 +209,7 @@ def coefficients(contact: Contact, material: Material | Contact) -> tuple[float,
 def check_start(scene: Contents) -> None:
     """Refuse a start in which a point penetrates an existing wall by more than ALLOWED_OVERLAP.
 
-    Checked are the points in ``contact.points``, and all points of links beside their ends, with their radii.
+    Checked are the points in ``contact.points``, and the additional points of links, with their radii.
     """
     walls, start, links = scene.walls_at_start, scene.start, len(scene.chain.links)
     candidates = {k: start[k] for k in start if k > links or k in scene.contact.points}

@@ -67,7 +67,7 @@ def _half_hull(corners: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 
 def discs_of_links(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
-    """Return number of a link → discs of the points of this link, for each link with points beside its ends.
+    """Return number of a link → discs of the points of this link, for each link with additional points.
 
     ``values`` has value by name of a parameter. The discs are in the order of the numbers of the points, so
     the corners of a box come first; these have the radius ``contact.radius``.
@@ -89,7 +89,7 @@ def discs_of_links(values: Mapping[str, Any]) -> dict[int, list[Disc]]:
 
 
 def outlines_from(values: Mapping[str, Any], contact_points: Container[int]) -> dict[int, np.ndarray]:
-    """Return number of a link → outline of the link, for each link that has points beside its ends.
+    """Return number of a link → outline of the link, for each link that has additional points.
 
     An outline has the corners of a polygon, shape (C, 2) [m]: x along the link from its proximal end, y to
     the left.

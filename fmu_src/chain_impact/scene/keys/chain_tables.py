@@ -58,7 +58,7 @@ class Link:
     inertia: float = scene_key(
         "kg.m2", "inertia about the centre of mass", ROD, minimum=0.0, alone=True, label="Inertia"
     )
-    points: tuple[Site, ...] = scene_key("", "points of the link, beside its ends, that may touch", ())
+    points: tuple[Site, ...] = scene_key("", "additional points of the link that may touch", ())
     joint_damping: float = scene_key(
         "N.m.s/rad", "viscous damping of the joint nearer to the base", 0.0, minimum=0.0, alone=True
     )
@@ -160,7 +160,7 @@ class ChainTable:
 
     @property
     def sites(self) -> tuple[tuple[int, Site], ...]:
-        """All points of links beside their ends, as pairs: index of the link, from 0, and the point.
+        """The additional points of all links, as pairs: index of the link, from 0, and the point.
 
         The pairs are in the order of the points' numbers, which begin at N + 1.
         """

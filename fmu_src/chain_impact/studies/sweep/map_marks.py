@@ -23,7 +23,7 @@ SCENE_MARK: dict[str, Any] = {"marker": "P", "markersize": 7.0, "color": "white"
 SCENE_MARK |= {"markeredgewidth": 0.9, "linestyle": "", "clip_on": False, "zorder": 5.0, "label": "_"}
 """The mark of the scene's own values in a map, with matplotlib's names."""
 HATCHED_STYLE: dict[str, Any] = {"facecolor": "white", "edgecolor": "0.6", "hatch": "////", "linewidth": 0.0}
-"""The look of the cells of runs without an impact, with matplotlib's names."""
+"""The look of the cells of runs in which nothing touches that the map's quantity could measure."""
 SCENE = "scene"  # the name of the mark
 # the places of the name from which ``place_names`` chooses, the first free one: its distance from the mark
 # [points] to the right and up, and how it is aligned
@@ -83,7 +83,7 @@ def _put(name: Annotation, place: tuple[tuple[float, float], str, str]) -> None:
 
 
 def hatch(axes: Axes, scales: tuple[Scale, Scale], cells: np.ndarray) -> None:
-    """Hatch the cells of a map, shape (rows, columns), whose runs have no impact."""
+    """Hatch those cells of a map, shape (rows, columns), in whose runs nothing touches for its quantity."""
     (left, right), (low, high) = ((scale.edges[:-1], scale.edges[1:]) for scale in scales)
     corners = [
         [(left[k], low[row]), (right[k], low[row]), (right[k], high[row]), (left[k], high[row])]
