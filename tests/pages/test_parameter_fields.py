@@ -121,6 +121,7 @@ def test_an_empty_field_and_a_wrong_word_for_degrees_are_told(show):
             'the unit "N/cm" is not understood; write N/m¹·⁵, kN/m¹·⁵, N/mm¹·⁵',
         ),
         ("contact.restitution", "", "Restitution is empty"),
+        ("contact.restitution", "1e", '1e: this value has no unit "e". It must be a finite number'),
         ("initial.angle[1]", "45 grad", "[°]; an angle in rad ends with rad"),
     ):
         field = page.locator(f"#list-of-parameters input[data-parameter='{name}']")
@@ -157,3 +158,8 @@ def test_typing_after_tab_replaces_a_rounded_angle_in_degrees(show):
     page.keyboard.type("25")
     page.keyboard.press("Enter")
     until(page, "Math.abs(chainImpact.parameters['initial.angle[1]'] - 25 * Math.PI / 180) < 1e-9")
+
+
+def test_a_ratio_takes_percents(show):
+    page = show("pinned_arm")
+    assert enter(page, "contact.restitution", "50 %").input_value() == "0.5"

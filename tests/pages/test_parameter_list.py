@@ -11,6 +11,7 @@ from tests.tiers import needs_browser
 pytestmark = needs_browser
 
 
+BOX_OF = "((element) => element.getBoundingClientRect())"
 IN_SIGHT = function_of("parameter_list", "rowsInSight")
 
 
@@ -129,3 +130,21 @@ def test_a_law_without_friction_offers_to_take_it_away(show):
     }
     assert frictions == {"0"}
     assert values["contact.model"] == "newton_impact"
+
+
+def test_a_field_with_the_focus_is_above_the_fade_of_the_panel(show):
+    page = show()
+    page.locator("#list-of-parameters summary").click()
+    search = page.get_by_role("searchbox")
+    panel = page.locator("#parameters").bounding_box()
+    page.locator("#parameters").evaluate("panel => panel.scrollTo(0, 0)")
+    search.fill("link")
+    until(page, f"{BOX_OF}(document.querySelector('[type=search]')).top < {panel['y']} + 80")
+    rows = page.locator(".parameter:visible")
+    bottoms = rows.evaluate_all(f"rows => rows.map((row) => {BOX_OF}(row).bottom)")
+    fade = panel["y"] + panel["height"] - 22
+    place = next(k for k, bottom in enumerate(bottoms) if bottom > fade)
+    field = rows.nth(place).locator("input, select")
+    field.evaluate("field => field.focus()")
+    row = rows.nth(place).bounding_box()
+    assert row["y"] + row["height"] <= fade

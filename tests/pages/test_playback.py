@@ -339,3 +339,22 @@ def test_the_motion_pauses_behind_a_dialog_and_goes_on_after_it(show, name):
     page.keyboard.press("Escape")
     page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
     assert not page.evaluate(playing), "a motion that the reader has paused stays paused"
+
+
+def test_the_reader_can_turn_off_keys_of_one_letter(show_recording):
+    page = show_recording()
+    slow, box = page.locator("#slow"), page.locator("#shortcuts")
+    page.keyboard.press("?")
+    box.uncheck()
+    page.keyboard.press("Escape")
+    page.keyboard.press("s")
+    assert slow.is_checked()
+    page.keyboard.press("End")
+    assert page.locator("#scrub").input_value() == "2"
+    page.reload()
+    assert not box.is_checked()
+    page.locator("#help-open").click()
+    box.check()
+    page.keyboard.press("Escape")
+    page.keyboard.press("s")
+    assert not slow.is_checked()

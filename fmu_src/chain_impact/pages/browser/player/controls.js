@@ -44,7 +44,8 @@ export function connect(clock, drawing, zoom) {
     const name = event.shiftKey && event.key.startsWith("Arrow") ? `Shift${event.key}` : event.key;
     const action = actions[name.length === 1 ? name.toLowerCase() : name];
     const isReady = (clock.recording && !document.querySelector("footer").inert) || "emx/".includes(name);
-    if (!action || !isReady || event.ctrlKey || event.altKey || event.metaKey || keepsKey(event)) return;
+    const isOff = name.length === 1 && name !== " " && !find("shortcuts").checked;
+    if (!action || isOff || !isReady || event.ctrlKey || event.altKey || event.metaKey || keepsKey(event)) return;
     event.preventDefault();
     action();
   });
@@ -60,6 +61,7 @@ export function connect(clock, drawing, zoom) {
     clock.set({});
   });
   find("help-open").addEventListener("click", () => find("help").showModal());
+  keepShortcuts();
   pauseBehindDialogs(clock);
   connectSpeed(clock);
   return connectSlider(clock);
@@ -72,6 +74,17 @@ function keepsKey({ target, key }) {
   if (target.closest("input:not([type=checkbox], [type=range])")) return true;
   if (target.closest("select")) return true;
   return key === " " && target.closest("summary, button, input[type=checkbox]") !== null;
+}
+
+/** Keep in the browser whether keys of one letter, digit or sign act: each may be pressed by chance, or by voice control. */
+function keepShortcuts() {
+  const [box, key] = [find("shortcuts"), "chain-impact-shortcuts"];
+  try {
+    box.checked = localStorage.getItem(key) !== "off";
+    box.addEventListener("change", () => localStorage.setItem(key, box.checked ? "on" : "off"));
+  } catch {
+    // the browser lets this page store nothing: the box holds until the page closes
+  }
 }
 
 /** Pause while a dialog covers the motion, and go on afterwards. */

@@ -51,6 +51,7 @@ function factorOf(word, unit) {
   const [plain, whole] = [word, unit].map((text) => raised(text).replaceAll("·", ".").replace(/[⁰¹²³⁴-⁹]/g, digitOf));
   if (unit in IN_DEGREES) return plain === unit ? 1 : ["", IN_DEGREES[unit].word, unit.replace("rad", "°")].includes(plain) ? DEGREE : NaN;
   if (plain === "") return 1;
+  if (plain === "%" && ["", "1"].includes(unit)) return 0.01;
   if (plain === "g" && whole === "m/s2") return STANDARD_GRAVITY;
   const [words, parts] = [plain, whole].map((text) => text.split("/"));
   if (words.length !== parts.length) return NaN;
@@ -93,13 +94,13 @@ function typedParts(given, unit) {
   return { tokens, word, factor: factorOf(word, unit) };
 }
 
-/** Return the end of a refusal of what a reader types: the comma or the unit that is not understood; else "". */
+/** Return words for what is wrong in what a reader types: the comma or the unit that is not understood; else "". */
 export function notUnderstood(given, unit) {
-  if (/\d,\d/.test(withPoint(given))) return "; this comma may separate thousands; the decimal sign is a point";
+  if (/\d,\d/.test(withPoint(given))) return "this comma may separate thousands; the decimal sign is a point";
   const { tokens, word, factor } = typedParts(given, unit);
   if (!Number.isNaN(factor) || !Number.isFinite(calculated(tokens))) return "";
   const known = understood(unit);
-  return `; the unit "${word}" is not understood${known ? `; write ${known}` : "; this value has no unit"}`;
+  return known ? `the unit "${word}" is not understood; write ${known}` : `this value has no unit "${word}"`;
 }
 
 /**

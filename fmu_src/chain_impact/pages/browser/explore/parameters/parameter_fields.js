@@ -26,7 +26,8 @@ export function attempt(changes, field, change) {
   } catch (error) {
     const { parameter } = field.dataset;
     const advice = parameter && field.type === "text" ? notUnderstood(field.value, typedUnit(changes, parameter)) : "";
-    field.setCustomValidity(inShownUnit(withControls(error.message, changes)) + advice);
+    const told = inShownUnit(withControls(error.message, changes));
+    field.setCustomValidity(advice ? told.replace(" must be ", `: ${advice}. It must be `) : told);
   }
   const row = field.closest(".main-parameter, .parameter");
   explain(row);
@@ -117,6 +118,7 @@ export function valueField(changes, parameter) {
   const rewrite = () => field.checkValidity() && write();
   field.addEventListener("blur", rewrite);
   field.addEventListener("focus", () => {
+    field.closest(".main-parameter, .parameter").scrollIntoView({ block: "nearest" }); // above the fade of the panel
     rewrite();
     if (!items.length) field.select(); // so that a typed value replaces the present one
   });

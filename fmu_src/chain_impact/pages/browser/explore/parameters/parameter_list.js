@@ -88,7 +88,12 @@ export function showParameterList(details, changes, keys) {
     isByReader = false;
     details.open = true;
   });
-  search.addEventListener("input", filter);
+  const showResults = () => details.firstElementChild.scrollIntoView(); // the results have the height of the panel
+  search.addEventListener("focus", showResults);
+  search.addEventListener("input", () => {
+    filter();
+    showResults();
+  });
   changes.onOpen(() => {
     rows = undefined;
     if (details.open) fill();
