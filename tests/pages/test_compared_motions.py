@@ -554,3 +554,17 @@ def test_a_pin_has_the_name_that_the_reader_gives_it_also_in_a_link(show):
     other.get_by_role("textbox", name="Name of this pin").fill("")
     other.keyboard.press("Enter")
     other.locator("#pins .pin-name").get_by_text("as in the scene").wait_for()
+
+
+def test_a_motion_is_pinned_once(show):
+    page = show()
+    pin, told = page.get_by_role("button", name="Pin", exact=True), page.locator("#pin-equal")
+    pin.click()
+    until(page, "document.querySelectorAll('#pin-table tbody tr').length === 2")
+    for value in (0.4, 0.7):
+        page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
+        until_told(page, impacts_of({"contact.restitution": value}))
+    assert not told.is_visible()
+    pin.click()
+    assert "same as pin A" in told.inner_text()
+    assert page.locator("#pin-table tbody tr").count() == 2

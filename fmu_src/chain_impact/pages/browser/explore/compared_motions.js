@@ -60,10 +60,17 @@ export class ComparedMotions {
     })));
   }
 
-  /** Pin the shown motion, unless it is pinned already, and show it in the table, where words for its changes are its name. */
+  /**
+   * Pin the shown motion, and show it in the table, where words for its changes are its name. If a pin has an equal motion, a sentence
+   * tells this instead.
+   */
   pin() {
     const { recording } = this.player;
-    if (this.pinned.some((motion) => motion.recording === recording)) return;
+    const equal = this.pinned.find((motion) => isSameRun(motion.recording, recording));
+    if (equal) {
+      find("pin-equal").textContent = `The present motion is the same as pin ${LETTERS[equal.colour - 1]}, so it is not pinned again.`;
+      return;
+    }
     const used = this.pinned.map(({ colour }) => colour);
     const colour = Array.from({ length: COLOURS }, (_, k) => k + 1).find((k) => !used.includes(k)) ?? 1;
     this.#use([...this.pinned, { recording, colour }]);
@@ -153,6 +160,7 @@ export class ComparedMotions {
   /** Show the curves of the pinned motions in the charts, and list the impacts of the present and the pinned motions side by side. */
   show() {
     const { pinned, panel, table, player } = this;
+    find("pin-equal").textContent = "";
     find("impacts-before").textContent = differenceText(this.before, player.recording);
     const lines = pinned.map(({ recording, colour }) => ({ recording, stroke: `pin-${colour}`, letter: LETTERS[colour - 1] }));
     player.panels.forEach(([, , chart]) => chart.compare(lines));
@@ -204,6 +212,7 @@ export class ComparedMotions {
   #title(motion) {
     const { text, colour } = motion;
     const title = make("span", { className: "pin-title" }, ...this.#nameOf(motion));
+    if (!colour) title.classList.add("without-name"); // only a pin has a name
     if (colour) {
       title.prepend(make("span", { className: `dashes pin-${colour}`, title: "In the charts" }));
       const button = make("button", { type: "button", className: "unpin", textContent: "×", title: "Take this pin away" });
@@ -242,7 +251,7 @@ function isSame(file, other) {
 
 /** Return whether two recordings are of one run: of the same scene with the same changes. */
 function isSameRun(one, other) {
-  const keyOf = ({ values, inputSteps }) => JSON.stringify([values, inputSteps]);
+  const keyOf = ({ values, inputSteps }) => JSON.stringify([Object.entries(values).sort(), inputSteps]);
   return one === other || (one.scene === other.scene && keyOf(one) === keyOf(other));
 }
 
