@@ -400,6 +400,8 @@ def test_a_map_tells_when_where_and_how_hard_the_first_impact_is(show):
         enter(page, "Limit", text)
         page.locator("#map-text").get_by_text("50\u202f% of them are within the limit").wait_for()
         assert page.locator(".map-contour").count() == 2, "in the map and on the scale of colours"
+    enter(page, "Limit", "1e9")
+    page.locator("#map-text").get_by_text("All of them are within the limit, so there is no line").wait_for()
     for kind in ("linear", "logarithmic"):
         page.locator("#map-scale").select_option(kind)
         titles = page.locator("#map-scales text:not(.map-value)").all_text_contents()

@@ -29,5 +29,6 @@ export function withinText(field, map) {
   const known = map.results.filter(Number.isFinite);
   if (limit === undefined || !known.length) return "";
   const share = known.filter((value) => value <= limit).length / known.length;
+  if (share === 0 || share === 1) return ` ${share ? "All" : "None"} of them are within the limit, so there is no line.`;
   return ` ${Math.round(100 * share)}\u202f% of them are within the limit, the white line.`;
 }

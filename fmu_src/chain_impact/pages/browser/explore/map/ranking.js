@@ -152,28 +152,31 @@ export class Ranking {
     }).filter(({ all }) => all.length);
     this.csv = csvOfRanking(this.changes, effects, output, base);
     const listed = groups.flatMap((group) => group.listed);
-    const rowsOf = (group) => group.map((effect) => this.#row(effect, { base, write, largest: Math.abs(group[0].change) }));
+    const rowsOf = (group) => group.map((effect) => this.#row(effect, { base, write, output, largest: Math.abs(group[0].change) }));
     this.#fill(groups.flatMap((group) => [make("h3", { textContent: group.head }), ...rowsOf(group.listed)]));
     if (listed.length) this.#addHead(some.length > listed.length ? some.length : 0);
     const others = [effects.length > some.length && `${effects.length - some.length} without any effect`,
       shown.refused && `${shown.refused} not varied, because the scene refuses both steps`].filter(Boolean).join(", ");
     const effect = "Effects of a small step of a parameter, each from a run";
-    const told = `${effect}${others && `; ${others}`}. Choose one to vary it in the map, to the right.`;
+    const jumps = output.integer ? " A count jumps: a step that is a little larger may have another effect." : "";
+    const told = `${effect}${others && `; ${others}`}.${jumps} Choose one to vary it in the map, to the right.`;
     text.textContent = base === null ? `${quantityOf(output.name)} is not known ${output.isPlace ? "as a number" : "in this run"}.`
       : `${quantityOf(output.name)} = ${write(base, 4)}. ${told}`;
   }
 
   /**
    * Return the row of an effect, a button that varies its parameter in the map. `base`: the output without a step; `write`: a function that
-   * writes an output; `largest`: the largest change in the row's group, which the longest bar stands for.
+   * writes the `output`; `largest`: the largest change in the row's group, which the longest bar stands for.
    */
-  #row({ name, change, text: step }, { base, write, largest }) {
+  #row({ name, sign: direction, change, text: step }, { base, write, output, largest }) {
     const ends = [50, 50 + (50 * change) / largest].sort((a, b) => a - b).map((end) => `${end}%`);
     const bar = make("span", { className: `effect-bar ${change < 0 ? "less" : ""}` });
     ["--from", "--to"].forEach((key, k) => bar.style.setProperty(key, ends[k]));
     const sign = change > 0 ? "+" : "";
     const share = base ? `${sign}${withMinus(digits((100 * change) / Math.abs(base), 2))}\u202f%` : "";
-    const texts = [this.wordsOf(name), step, sign + write(change, 2), share].map((textContent) => make("span", { textContent }));
+    const counts = direction > 0 ? `${write(base)} → ${write(base + change)}` : ""; // the run had the opposite step: no count is known
+    const told = output.integer ? counts : share; // a count jumps, so that percents tell nothing about a larger step
+    const texts = [this.wordsOf(name), step, sign + write(change, 2), told].map((textContent) => make("span", { textContent }));
     texts.splice(2, 0, bar);
     const row = make("button", { type: "button", className: "effect", title: `Vary ${name} in the map, to the right` }, ...texts);
     row.addEventListener("click", () => {
