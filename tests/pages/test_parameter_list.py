@@ -18,13 +18,13 @@ IN_SIGHT = function_of("parameter_list", "rowsInSight")
 @pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
 def test_the_list_of_all_parameters_comes_into_sight_when_it_opens(show, viewport):
     page = show(viewport=viewport)
-    page.locator("summary").get_by_text("All parameters").click()
+    page.locator("summary", has_text="All parameters").click()
     until(page, f"({IN_SIGHT})() > 4")
 
 
 def test_the_row_of_a_refused_value_is_marked_in_the_list(show):
     page = show()
-    page.get_by_text("All parameters").click()
+    page.locator("summary", has_text="All parameters").click()
     row = page.locator(".parameter", has=page.get_by_role("textbox", name="link[2].mass"))
     styles = "[row, row.querySelector('.parameter-name')].map((one) => getComputedStyle(one))"
     look = f"row => {styles}.map(({{ boxShadow, color }}, k) => (k ? color : boxShadow))"
@@ -39,7 +39,7 @@ def test_the_row_of_a_refused_value_is_marked_in_the_list(show):
 
 def test_the_list_has_every_parameter_and_is_searched(show):
     page = show()
-    page.get_by_text("All parameters").click()
+    page.locator("summary", has_text="All parameters").click()
     rows = page.locator(".parameter")
     rows.first.wait_for()
     assert rows.count() == page.evaluate("Object.keys(chainImpact.parameters).length") > 50
@@ -74,7 +74,7 @@ def test_the_list_has_every_parameter_and_is_searched(show):
 )
 def test_words_and_keys_find_a_parameter(show, typed, found):
     page = show()
-    page.get_by_text("All parameters").click()
+    page.locator("summary", has_text="All parameters").click()
     page.get_by_role("searchbox").fill(typed)
     seen = page.locator(".parameter:visible .key")
     assert found <= {key.replace("\u200b", "") for key in seen.all_inner_texts()}
@@ -83,7 +83,7 @@ def test_words_and_keys_find_a_parameter(show, typed, found):
 
 def test_the_list_has_groups_with_titles_and_the_changed_ones_first(show):
     page = show("pinned_arm", hash_="#link[2].mass=2")
-    page.get_by_text("All parameters").click()
+    page.locator("summary", has_text="All parameters").click()
     titles = page.locator(".parameters h2:visible")
     expected = [
         "Changed",
