@@ -16,7 +16,7 @@ from chain_impact.cli.progress import out, say
 from chain_impact.cli.screen import headline, variable_lines
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.platforms import platforms_of
-from chain_impact.fmu.run import TIMES
+from chain_impact.fmu.run import EXPERIMENT_SETTINGS
 from chain_impact.fmu.scene_data import read_scene_data
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.files.models import model_names
@@ -66,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
         facts += [("platforms", ", ".join(platforms_of(options.source)))]
         if fmu_data.defaultExperiment:
             times = (fmu_data.defaultExperiment.stopTime, fmu_data.defaultExperiment.stepSize)
-            facts += zip(TIMES, times, strict=True)
+            facts += zip(EXPERIMENT_SETTINGS, times, strict=True)
         facts += [(v.name, _start_and_rule(v, rules)) for v in variables if v.causality == "parameter"]
     else:
         scene = load_scene(options.source)

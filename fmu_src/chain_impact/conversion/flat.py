@@ -15,7 +15,7 @@ NUMBER_ROUND_OFF = 1e-14
 X, Y, Z = np.eye(3)
 
 
-class Plan(NamedTuple):
+class MotionPlane(NamedTuple):
     """The plane in which a chain moves, by the directions of the scene's axes.
 
     Attributes:
@@ -39,7 +39,7 @@ class Plan(NamedTuple):
         return f"plane: x of the scene is ({axes[0]}) of the robot, y is ({axes[1]})"
 
 
-def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
+def motion_plane_of(axis: np.ndarray, directions: str | None, source: str) -> MotionPlane:
     """Return the plane at right angles to ``axis``, the direction of the joints' axes, and the scene's axes.
 
     By default the scene's y axis points along the robot's z axis, upwards, as far as the plane allows, and
@@ -61,7 +61,7 @@ def plan_of(axis: np.ndarray, directions: str | None, source: str) -> Plan:
         x = np.cross(y, axis)
         x = x * (_sign(x[0]) or _sign(x[1]))
     x, y = _without_round_off(x), _without_round_off(y)
-    return Plan(x, y, np.cross(x, y))
+    return MotionPlane(x, y, np.cross(x, y))
 
 
 def _component_across(direction: np.ndarray, axis: np.ndarray) -> np.ndarray:

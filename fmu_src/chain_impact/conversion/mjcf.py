@@ -15,7 +15,7 @@ import numpy as np
 from chain_impact.conversion.differences import Difference, SceneAspect, joint_difference
 from chain_impact.conversion.mjcf_contacts import Contacts
 from chain_impact.conversion.mjcf_couplings import couplings
-from chain_impact.conversion.mjcf_drives import Drives
+from chain_impact.conversion.mjcf_drives import ActuatorReader
 from chain_impact.conversion.mjcf_fields import flag_notes, unsupported_fields
 from chain_impact.conversion.mjcf_files import CompiledModel, collect_mujoco_warnings, compile_model
 from chain_impact.conversion.robot import Body, Joint, Robot
@@ -112,7 +112,7 @@ class _Reader:
         self.mujoco, self.spec, self.model, self.start = mujoco, file.spec, file.model, start
         texts = (text.data for text in self.spec.texts if text.name == TEXT_NAME)
         self.embedded_data = next((_embedded_data(text, source) for text in texts), None)
-        self.drives = Drives(mujoco, self.model, start.control, start.activation)
+        self.drives = ActuatorReader(mujoco, self.model, start.control, start.activation)
         self.contacts = Contacts(mujoco, self.model, file.stand_ins, self.embedded_data is not None)
         self.differences = list(file.differences)
 

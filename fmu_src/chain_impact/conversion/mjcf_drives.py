@@ -50,7 +50,7 @@ class Drive:
         return self.stiffness > 0.0 or self.damping > 0.0
 
 
-class Drives:
+class ActuatorReader:
     """The actuators of a model as drives of a scene.
 
     ``differences`` collects what a scene does not have of the actuators, or has in another form.

@@ -19,10 +19,10 @@ from chain_impact.conversion.differences import (
     difference_line,
     difference_lines,
 )
-from chain_impact.conversion.flat import ZERO_LENGTH, Plan, plan_of, rounded_to_zero
+from chain_impact.conversion.flat import ZERO_LENGTH, MotionPlane, motion_plane_of, rounded_to_zero
 from chain_impact.conversion.joints import ChosenJoints, MovingJoint, NoChainError, ancestors, chosen_joints
 from chain_impact.conversion.robot import JOINT_KEYS, Body, Joint, Robot, scene_values
-from chain_impact.conversion.walls import Walls
+from chain_impact.conversion.walls import WallConversion
 from chain_impact.scene.errors import UnknownNameError
 from chain_impact.text import names_text
 
@@ -38,7 +38,7 @@ class ConversionChoices(NamedTuple):
         joints: names of the joints that move; all other joints are held at their start. Without names all
             joints move.
         plane: directions, in the robot's axes, of the scene's x and y axes, such as ``-x,z``; None for the
-            default of ``plan_of``.
+            default of ``motion_plane_of``.
         tip: name of the frame at which the last link ends; None for the frame farthest from the last joint.
         keyframe: name of the keyframe of MJCF at which the robot starts, or "none" for the pose of the file's
             elements; None for the first keyframe.
@@ -85,16 +85,16 @@ class _Conversion:
         self.robot, self.choices, self.source = robot, choices, source
         self.chosen: ChosenJoints = chosen_joints(robot, choices.joints, source)
         self.poses, self.hinges, self.sliders, self.held_names = self.chosen
-        self.plan: Plan = plan_of(self.hinges[0].axis, choices.plane, source)
+        self.motion_plane: MotionPlane = motion_plane_of(self.hinges[0].axis, choices.plane, source)
         self.link_of, self.parts = self._parts()
         self.carriage = self._carriage()
         self.differences: list[Difference] = []
-        self.notes = [self.plan.remark, *robot.notes]
+        self.notes = [self.motion_plane.remark, *robot.notes]
 
     def run(self) -> ConversionResult:
         """Return the data of the scene, and the remarks on the conversion."""
-        gravity = [rounded_to_zero(float(part)) for part in self.plan.project(self._gravity())]
-        places = [self.plan.project(hinge.anchor) for hinge in self.hinges]
+        gravity = [rounded_to_zero(float(part)) for part in self.motion_plane.project(self._gravity())]
+        places = [self.motion_plane.project(hinge.anchor) for hinge in self.hinges]
         places.append(places[-1] + self._tip())
         links: list[dict[str, Any]] = []
         directions = []
@@ -108,8 +108,8 @@ class _Conversion:
         angles, speeds = self._state(links, directions)
         base, start = self._base(places[0], gravity)
         began = start["position"], angles
-        walls, points, differences = Walls(
-            self.robot, self.chosen, self.plan, self.parts, places=places, start=began
+        walls, points, differences = WallConversion(
+            self.robot, self.chosen, self.motion_plane, self.parts, places=places, start=began
         ).convert()
         bodies = ({"points": tables} if tables else {} for tables in points)
         links = [link | body for link, body in zip(links, bodies, strict=True)]
@@ -185,7 +185,7 @@ class _Conversion:
         if still_names:
             self.notes.append(difference_line("body", still_names, "no motion, so no effect of the mass"))
         gravity = self.robot.gravity
-        axis_part = float(np.dot(gravity, self.plan.axis))
+        axis_part = float(np.dot(gravity, self.motion_plane.axis))
         if abs(axis_part) > ZERO_LENGTH:
             self.notes.append(
                 f"gravity: its part along the axes, {abs(axis_part):.6g} m/s², is borne by the joints"
@@ -255,7 +255,7 @@ class _Conversion:
         ``point`` has the coordinates in the body's axes [m]. The joints of the chain are at zero.
         """
         rotation, position = self.poses[b]
-        return self.plan.project(position - hinge.anchor + rotation @ point)
+        return self.motion_plane.project(position - hinge.anchor + rotation @ point)
 
     def _inertia(self, part: list[int], hinge: MovingJoint) -> tuple[float, np.ndarray, float]:
         """Return mass [kg], centre of mass [m] and moment of inertia [kg·m²] of the bodies ``part`` together.
@@ -270,7 +270,7 @@ class _Conversion:
         center = masses @ centers / mass if mass > 0.0 else centers[0]
         inertia = 0.0
         for b, body, point in zip(part, bodies, centers, strict=True):
-            axis = self.poses[b][0].T @ self.plan.axis
+            axis = self.poses[b][0].T @ self.motion_plane.axis
             inertia += float(axis @ body.inertia @ axis) + body.mass * float(np.sum((point - center) ** 2))
         return mass, center, inertia
 
@@ -297,7 +297,7 @@ class _Conversion:
         angle, speed, angle_before = 0.0, 0.0, 0.0
         angles, speeds, link_turns = [], [], []
         for i, (link, hinge, direction) in enumerate(zip(links, self.hinges, directions, strict=True)):
-            sign = 1.0 if np.dot(hinge.axis, self.plan.axis) > 0.0 else -1.0
+            sign = 1.0 if np.dot(hinge.axis, self.motion_plane.axis) > 0.0 else -1.0
             if sign < 0.0:
                 link_turns.append(hinge.joint.name)
             offset = rounded_to_zero(math.remainder(direction - angle_before, 2.0 * math.pi))
@@ -354,7 +354,7 @@ class _Conversion:
 
         ``anchor`` is the place of joint 1 with the joints at zero [m], ``gravity`` the scene's [m/s²].
         """
-        ways = [self.plan.project(slide.axis) for slide in self.sliders]
+        ways = [self.motion_plane.project(slide.axis) for slide in self.sliders]
         if self.chosen.base == "slider":
             (way,), joint = ways, self.sliders[0].joint
             slider_position = self._start_within_stops(joint, joint.low, joint.start, joint.high, "m")

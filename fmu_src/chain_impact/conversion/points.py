@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from chain_impact.conversion.flat import ZERO_LENGTH, Plan, rounded_to_zero
+from chain_impact.conversion.flat import ZERO_LENGTH, MotionPlane, rounded_to_zero
 from chain_impact.conversion.joints import PARALLEL_ANGLE
 from chain_impact.conversion.robot import LinkShape
 
@@ -44,21 +44,23 @@ class Ball(NamedTuple):
     is_point: bool = False
 
 
-def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> Iterator[Ball]:
+def balls_of(
+    shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], motion_plane: MotionPlane
+) -> Iterator[Ball]:
     """Yield balls whose convex hull is the projection of a shape onto the plane of the motion.
 
     For an oblique disc, the hull is only near the projection, because points (RIM) replace its rim. ``pose``
     is the rotation matrix and the position [m] of the shape's body.
     """
     rotation, position = pose
-    centers, radius = plan.project(position + shape.corners @ rotation.T), shape.radius
+    centers, radius = motion_plane.project(position + shape.corners @ rotation.T), shape.radius
     # no two corners are farther apart than twice the largest distance from the first corner
     size = max(np.linalg.norm(shape.corners - shape.corners[:1], axis=1), default=0.0)
     blur = max(ZERO_LENGTH, 2.0 * PARALLEL_ANGLE * float(size))
     if shape.disc is not None:
         # the vector `disc` is along the axis of the disc, and as long as the radius; `disc_axis` is its
         # projection onto the plane
-        disc_axis = plan.project(rotation @ shape.disc)
+        disc_axis = motion_plane.project(rotation @ shape.disc)
         size, seen_size = float(np.linalg.norm(shape.disc)), float(np.linalg.norm(disc_axis))
         if seen_size < PARALLEL_ANGLE * size:
             radius += size
@@ -73,7 +75,9 @@ def balls_of(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) 
         yield Ball(center, radius, shape.name, blur, shape.is_point)
 
 
-def reach_of_oblique(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan: Plan) -> np.ndarray | None:
+def reach_of_oblique(
+    shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], motion_plane: MotionPlane
+) -> np.ndarray | None:
     """Return how far the oblique discs of a shape extend from the origin in each of DIRECTIONS [m].
 
     The result has the shape (directions,). It is None for a shape without oblique discs, of which the balls
@@ -83,10 +87,10 @@ def reach_of_oblique(shape: LinkShape, pose: tuple[np.ndarray, np.ndarray], plan
     if shape.disc is None:
         return None
     rotation, position = pose
-    disc_axis, size = plan.project(rotation @ shape.disc), float(np.linalg.norm(shape.disc))
+    disc_axis, size = motion_plane.project(rotation @ shape.disc), float(np.linalg.norm(shape.disc))
     if not PARALLEL_ANGLE < float(np.linalg.norm(disc_axis)) / size < math.sqrt(1.0 - PARALLEL_ANGLE**2):
         return None
-    centers = plan.project(position + shape.corners @ rotation.T)
+    centers = motion_plane.project(position + shape.corners @ rotation.T)
     rim_reach = np.sqrt(np.maximum(size**2 - (DIRECTIONS @ disc_axis) ** 2, 0.0))
     return np.asarray((DIRECTIONS @ centers.T).max(axis=1) + rim_reach + shape.radius)
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.conversion.differences import Difference, SceneAspect
-from chain_impact.conversion.flat import ZERO_LENGTH, Plan
+from chain_impact.conversion.flat import ZERO_LENGTH, MotionPlane
 from chain_impact.conversion.joints import PARALLEL_ANGLE, ChosenJoints, ancestors
 from chain_impact.conversion.points import (
     OUTLINED_SHAPES,
@@ -35,13 +35,13 @@ Points = list[dict[str, Any]]
 
 
 @dataclass
-class Walls:
+class WallConversion:
     """The conversion of planes and shapes of a robot to walls and points of a scene.
 
     Attributes:
         robot: the robot, with planes and shapes.
         joints: the joints of the chain.
-        plan: the plane of the motion.
+        motion_plane: the plane of the motion.
         parts: the indices of the bodies of each link.
         places: positions of the joints, then of the tip, with the joints of the chain at zero [m].
         start: position of the base [m] and absolute angles of the links [rad] at the start.
@@ -51,7 +51,7 @@ class Walls:
 
     robot: Robot
     joints: ChosenJoints
-    plan: Plan
+    motion_plane: MotionPlane
     parts: Sequence[list[int]]
     places: Sequence[np.ndarray]
     start: tuple[Sequence[float], Sequence[float]]
@@ -72,7 +72,7 @@ class Walls:
         materials: dict[str, dict[str, float]] = {}
         contact_links: set[int] = set()
         for number, plane in enumerate(self.robot.planes, 1):
-            if abs(float(np.dot(plane.normal, self.plan.axis))) > PARALLEL_ANGLE:
+            if abs(float(np.dot(plane.normal, self.motion_plane.axis))) > PARALLEL_ANGLE:
                 self._tell(
                     "plane", plane.name, "is not at right angles to the plane of the motion: it is not a wall"
                 )
@@ -82,7 +82,7 @@ class Walls:
                 self._tell("plane", plane.name, "nothing that moves touches it: it is not a wall")
                 continue
             contact_links |= links
-            point, normal = self.plan.project(plane.point), self.plan.project(plane.normal)
+            point, normal = self.motion_plane.project(plane.point), self.motion_plane.project(plane.normal)
             self.walls.append((plane.name, point, normal))
             name, is_box_wall = plane.name, plane.name in WALLS
             is_box_wall = is_box_wall and np.allclose(
@@ -188,7 +188,7 @@ class Walls:
             ball
             for b in self.parts[i]
             for shape in filter(self._is_point, self.robot.bodies[b].shapes)
-            for ball in balls_of(shape, self.joints.poses[b], self.plan)
+            for ball in balls_of(shape, self.joints.poses[b], self.motion_plane)
         ]
         return [
             ball
@@ -315,7 +315,7 @@ class Walls:
         other_shapes = []
         for b in self.parts[i]:
             for shape in self.robot.bodies[b].shapes:
-                shape_place = shape, self.joints.poses[b], self.plan
+                shape_place = shape, self.joints.poses[b], self.motion_plane
                 if shape.touches and not self._is_point(shape):
                     other_shapes += (
                         [reach(outline).max(axis=1)] if (outline := list(balls_of(*shape_place))) else []

@@ -30,10 +30,10 @@ from chain_impact.system import HOST, PLATFORMS
 
 # the number of the status fmi2Warning; messages up to this status are dropped, because they report no fault
 WARNING = 1
-SLAVES = "chain_impact.fmu"
+SLAVE_LOGGER = "chain_impact.fmu"
 """The name of the logger to which the slaves in Python (slave.py) write their errors."""
 # two lists of the errors that FMUs report while ``collect_messages`` lasts in the calling thread: `logged`
-# has those sent by FMI's callback, `slave_messages` those of slaves in Python, which the logger SLAVES gets
+# has those sent by FMI's callback, `slave_messages` those of slaves in Python (of SLAVE_LOGGER)
 _thread = threading.local()
 
 
@@ -131,7 +131,7 @@ def _collect_record(record: logging.LogRecord) -> bool:
     return messages is None
 
 
-logging.getLogger(SLAVES).addFilter(_collect_record)
+logging.getLogger(SLAVE_LOGGER).addFilter(_collect_record)
 
 
 def load_fmu(description: Any, folder: str) -> Any:

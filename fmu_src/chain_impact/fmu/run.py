@@ -40,7 +40,7 @@ from chain_impact.simulation.errors import RunError
 from chain_impact.simulation.simulate import check_result_size
 from chain_impact.variables.parameters import SIMULATION_KINDS
 
-TIMES = tuple(kind.name for kind in SIMULATION_KINDS)
+EXPERIMENT_SETTINGS = tuple(kind.name for kind in SIMULATION_KINDS)
 """Names of the values of an FMU's default experiment that can be set like parameters: stop time, step
 size."""
 
@@ -71,15 +71,15 @@ def record_fmu(
         OSError: when a file cannot be read.
     """
     path, show = Path(path), progress or no_progress
-    description, data = _chain_of(path), read_scene_data(path)
+    description, data = _checked_description(path), read_scene_data(path)
     parameters, outputs = _parameters(description), _outputs(description)
     experiment, start_values = _settings(path, description.defaultExperiment, parameters, settings)
     stop_time, step_size = experiment
     check_result_size(str(path), stop_time, step_size, len(outputs))
     values = {name: float(start_values.get(name, variable.start)) for name, variable in parameters.items()}
-    driven_description, rows_given = description, None
+    driven_description, input_rows = description, None
     if inputs:
-        driven_description, rows_given = driven_rows(description, *inputs, experiment, values)
+        driven_description, input_rows = driven_rows(description, *inputs, experiment, values)
     recording = partial(_recording, description, data, variables=parameters, outputs=outputs, values=values)
     # holds fmpy's recorder after the first step, so that the rows up to a fault can be returned
     recorders: list[Any] = []
@@ -97,7 +97,7 @@ def record_fmu(
             output=[*outputs, *data.rules],
             stop_time=stop_time,
             output_interval=step_size,
-            input=rows_given,
+            input=input_rows,
             step_finished=step_finished,
         )
     except RunError as error:
@@ -105,7 +105,7 @@ def record_fmu(
     return recording(rows)
 
 
-def _chain_of(path: Path) -> Any:
+def _checked_description(path: Path) -> Any:
     """Return the model description of an FMU of a chain that has the outputs of points and of energies.
 
     Any other FMU is refused.
@@ -138,12 +138,14 @@ def _settings(
     path: Path, default: Any, parameters: Mapping[str, Any], settings: Mapping[str, Any]
 ) -> tuple[tuple[float, float], dict[str, float]]:
     """Return stop time and step size [s], and name → start value of each parameter that is set."""
-    given_settings = dict(zip(TIMES, (default.stopTime, default.stepSize), strict=True)) | dict(settings)
+    given_settings = dict(zip(EXPERIMENT_SETTINGS, (default.stopTime, default.stepSize), strict=True)) | dict(
+        settings
+    )
     values: dict[str, float] = {}
     for typed_name, text in given_settings.items():
         name, value = fmu_name(typed_name), value_of(text)
         try:
-            is_time = name in TIMES
+            is_time = name in EXPERIMENT_SETTINGS
             values[name] = (
                 _positive_number(value)
                 if is_time
@@ -152,7 +154,7 @@ def _settings(
         except SceneError as error:
             error.source, error.name = str(path), typed_name
             raise
-    stop_time, step_size = (values.pop(name) for name in TIMES)
+    stop_time, step_size = (values.pop(name) for name in EXPERIMENT_SETTINGS)
     return (stop_time, step_size), values
 
 
@@ -222,7 +224,7 @@ def _known_parameter(name: str, parameters: Mapping[str, Any]) -> Any:
         advice = input_hint(name, "in a table, --inputs FILE")
         signals = {label for owner, _, label in grouped_by_owner(parameters) if owner == "signal"}
         hint = advice if input_key(name) else start_hint(name) or signal_hint(name, signals)
-        raise UnknownNameError("", name, [*parameters, *TIMES], "not a parameter", hint)
+        raise UnknownNameError("", name, [*parameters, *EXPERIMENT_SETTINGS], "not a parameter", hint)
     return parameters[name]
 
 

@@ -45,7 +45,7 @@ _DEFAULT_KEYS = {
 scene, but is missing for a rule."""
 
 
-class Members(NamedTuple):
+class ListRule(NamedTuple):
     """One of LISTS: the meaning of a list, and the rules that find its members and their values.
 
     Attributes:
@@ -63,26 +63,26 @@ class Members(NamedTuple):
 
 
 LISTS = {
-    "sites": Members(
+    "sites": ListRule(
         "points of links beside the ends; link and entry: indices; corner: its number, from 1, if it is a "
         "corner of a box, else 0; label: its name"
     ),
-    "candidates": Members(
+    "candidates": ListRule(
         "pairs, stops, slider_stops; n: number of the point or joint, 0 at the slider; wall: index; "
         "name: of the wall or the slider's stop, missing at a joint; stop: STOP_CODES, 0 for a wall; "
         "at_joint: it is a joint's stop"
     ),
-    "walls": Members(
+    "walls": ListRule(
         "walls and stops in the order of wall_names; name; exists: it is an existing wall; touched: a point "
         "can touch it, and it is no stop"
     ),
-    "sloped_walls": Members("walls at any angle; name"),
-    "laws": Members("contact laws, a user's law last; name"),
-    "signals": Members("driven inputs; name: of the signal; input; knot_count"),
-    "steps": Members(
+    "sloped_walls": ListRule("walls at any angle; name"),
+    "laws": ListRule("contact laws, a user's law last; name"),
+    "signals": ListRule("driven inputs; name: of the signal; input; knot_count"),
+    "steps": ListRule(
         "steps of each driven input; name: of the signal; input; entry: index; knot: index in record"
     ),
-    "links": Members(
+    "links": ListRule(
         "jointed: a joint holds it; has_friction: this joint may have dry friction",
         over="chain.links",
         values={
@@ -90,7 +90,7 @@ LISTS = {
             "has_friction": "jointed and given(joint_friction)",
         },
     ),
-    "moving_walls": Members(
+    "moving_walls": ListRule(
         "walls that inputs move; name; number: index among the walls",
         over="walls",
         where="exists and ('*' in inputs.wall_motion or name in inputs.wall_motion)",
@@ -215,7 +215,7 @@ class SceneFacts(dict[str, Any]):
         links = self.scene.chain.links
         return tuple(replace(link, **missing_links.get(i, {})) for i, link in enumerate(links))
 
-    def _members(self, row: Members) -> list[dict[str, Any]]:
+    def _members(self, row: ListRule) -> list[dict[str, Any]]:
         """Return the members of the list ``row``, each as a table from the names in ``row.values`` to values.
 
         The members are those of the list ``row.over`` for which the rule ``row.where`` is true. Each value is

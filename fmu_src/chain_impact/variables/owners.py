@@ -76,13 +76,13 @@ class OwnerKind:
     conditions: Mapping[str, str] = field(default_factory=dict)
 
 
-_COUNT_RULES = {"n": "order + 1", "at": "order"}
+_NUMBERED_BY_ORDER = {"n": "order + 1", "at": "order"}
 _CHANNEL = "2*inputs.base_motion + 2*order"
 OWNER_KINDS = {
     "one": OwnerKind(over="1"),
     "link": OwnerKind(
         over="links",
-        numbers=_COUNT_RULES,
+        numbers=_NUMBERED_BY_ORDER,
         conditions={
             "has_target": "inputs.joint_targets and jointed",
             "target_is_parameter": "not has_target",
@@ -94,8 +94,8 @@ OWNER_KINDS = {
         numbers={"n": "order", "at": "order"},
         conditions={"base_at_rest": "pinned and not inputs.base_motion and not order"},
     ),
-    "joint": OwnerKind(over="links", where="jointed", numbers=_COUNT_RULES),
-    "joint with friction": OwnerKind(over="links", where="has_friction", numbers=_COUNT_RULES),
+    "joint": OwnerKind(over="links", where="jointed", numbers=_NUMBERED_BY_ORDER),
+    "joint with friction": OwnerKind(over="links", where="has_friction", numbers=_NUMBERED_BY_ORDER),
     # the outputs for both stops of a joint are at one index of the record: that of the joint's first stop
     "stop": OwnerKind(over="candidates", where="at_joint", numbers={"at": "order"}),
     "contact": OwnerKind(
@@ -125,7 +125,7 @@ OWNER_KINDS = {
     "touched wall": OwnerKind(over="walls", where="touched", numbers={"at": "links + order"}),
     "signal": OwnerKind(over="signals", numbers={"at": "order"}),
     "step": OwnerKind(over="steps", numbers={"n": "entry + 1", "at": "knot"}),
-    "impact": OwnerKind(over="outputs.impacts", numbers=_COUNT_RULES),
+    "impact": OwnerKind(over="outputs.impacts", numbers=_NUMBERED_BY_ORDER),
 }
 """Kind of owner → the rules that find the owners of this kind."""
 

@@ -40,13 +40,13 @@ class Job:
         prepared_scene: the prepared scene; the runs differ from this scene only in the values that vary.
         varied_paths: the path of each varied parameter in the instance record; an empty path stands for the
             stop time.
-        kinds: the type of each varied parameter: ``real`` or ``enumeration``.
+        types: the type of each varied parameter: ``real`` or ``enumeration``.
         outputs: names of the additional outputs, whose values at the end of each run are columns.
     """
 
     prepared_scene: PreparedScene
     varied_paths: tuple[DataPath, ...]
-    kinds: tuple[str, ...]
+    types: tuple[str, ...]
     outputs: tuple[str, ...]
 
     @property
@@ -194,7 +194,7 @@ class Runner:
                 looked_at & {"impulse", "friction", "transmitted"}
             )
         in_record = [k for k, path in enumerate(job.varied_paths) if path]
-        self._in_record, self._is_choice = in_record, [job.kinds[k] == "enumeration" for k in in_record]
+        self._in_record, self._is_choice = in_record, [job.types[k] == "enumeration" for k in in_record]
         self._varied_indices = np.array(
             [word_index(layout, job.varied_paths[k]) for k in in_record], np.int64
         )
