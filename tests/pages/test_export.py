@@ -202,7 +202,7 @@ def test_the_command_repeats_the_motion_and_a_picture_shows_it(show, tmp_path, m
 
 
 def test_pictures_of_motion_and_charts_name_the_pins(show):
-    """The picture of the charts has the curves, the colours of a legend and, below them, three lines."""
+    """The picture of the charts has three lines and, below them, the curves and the colours of a legend."""
     page = show(hash_="#contact.restitution=0.5")
     page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({'contact.restitution': 0.6})")
@@ -212,19 +212,20 @@ def test_pictures_of_motion_and_charts_name_the_pins(show):
     page.get_by_role("button", name="Export…").click()
     heights = {
         "Picture as PNG": 2 * (int(drawing["height"]) + 3 * CAPTION),
-        "Charts as PNG": sum(card["height"] + 8 for card in cards) + 3 * CAPTION,
+        "Charts as PNG": 3 * (sum(card["height"] + 8 for card in cards) + 3 * CAPTION),
     }
     for button, height in heights.items():
         picture = np.asarray(Image.open(io.BytesIO(saved(page, button).read_bytes())).convert("RGB")).astype(
             int
         )
         assert picture.shape[0] == pytest.approx(height, abs=1.0)
-        pin = abs(picture[-2 * CAPTION :, :60] - [0xD2, 0x00, 0xB4]).max(axis=-1) < 8
+        caption = picture[: 3 * 3 * CAPTION] if button == "Charts as PNG" else picture[-2 * CAPTION :]
+        pin = abs(caption[:, :60] - [0xD2, 0x00, 0xB4]).max(axis=-1) < 8
         assert pin.sum() > 100, "the letter of the pin stands in a dot of its colour"
     colours = ([0xD9, 0x48, 0x0F], [0x7A, 0x3F, 0xA8], [0xD2, 0x00, 0xB4])  # force, dissipated, pin A
     for colour in colours:
         assert (abs(picture - colour).max(axis=-1) < 8).sum() > 100
-    title = picture[:26, 10:200].max(axis=-1)
+    title = picture[9 * CAPTION : 9 * CAPTION + 78, 30:600].max(axis=-1)
     assert (title < 90).sum() > 150, "the titles are drawn"
     page.keyboard.press("Escape")
     page.get_by_role("region", name="Energy").get_by_role("button", name="Enlarge").click()
@@ -232,8 +233,8 @@ def test_pictures_of_motion_and_charts_name_the_pins(show):
     alone = Image.open(io.BytesIO(saved(page, "Charts as PNG").read_bytes()))
     large = page.locator("#energy-card").bounding_box()
     assert alone.size == (
-        pytest.approx(large["width"], abs=1.0),
-        pytest.approx(large["height"] + 8 + 3 * CAPTION, abs=1.0),
+        pytest.approx(3 * large["width"], abs=1.0),
+        pytest.approx(3 * (large["height"] + 8 + 3 * CAPTION), abs=1.0),
     )
 
 

@@ -3,29 +3,58 @@
 import { styleColour } from "../charts/chart.js";
 import { captionHeight, drawCaption } from "./export.js";
 
+const DENSITY = 3; // least number of pixels of the picture for a CSS pixel, so that a report can show it
 const BETWEEN_CARDS = 8; // [pixels] free space between two cards
 const LEGEND_LINE = 3; // [pixels] height of the line of a curve in a legend
 
-/** Return a picture of cards as a Blob with a PNG: one card below the other, and below them the `caption`, as `drawCaption` takes it. */
-export function pictureOfCards(cards, caption) {
+/**
+ * Call `draw` while canvases of charts have `factor` times their pixels in each direction. The plots draw themselves anew when the event
+ * of uPlot for another density of the screen arrives, and the canvases enlarge all that they draw.
+ */
+async function withSharpCanvases(canvases, factor, draw) {
+  const { width, height } = Object.getOwnPropertyDescriptors(HTMLCanvasElement.prototype);
+  const redraw = async () => {
+    dispatchEvent(new Event("dppxchange"));
+    await new Promise((done) => setTimeout(done)); // uPlot draws at the end of the present task
+  };
+  canvases.forEach((canvas) => Object.entries({ width, height }).forEach(([name, property]) => {
+    const set = (length) => {
+      property.set.call(canvas, Math.round(factor * length));
+      canvas.getContext("2d").setTransform(factor, 0, 0, factor, 0, 0);
+    };
+    Object.defineProperty(canvas, name, { configurable: true, get: property.get, set });
+  }));
+  try {
+    await redraw();
+    draw();
+  } finally {
+    canvases.forEach((canvas) => ["width", "height"].forEach((name) => delete canvas[name]));
+    await redraw();
+  }
+}
+
+/** Return a picture of cards as a Blob with a PNG: the `caption`, as `drawCaption` takes it, and below it one card below the other. */
+export async function pictureOfCards(cards, caption) {
+  const density = Math.max(DENSITY, devicePixelRatio);
   const boxes = cards.map((card) => card.getBoundingClientRect());
   const width = Math.max(...boxes.map((box) => box.width));
   const height = boxes.reduce((sum, box) => sum + box.height + BETWEEN_CARDS, 0);
-  const size = [width, height + captionHeight(caption)].map((length) => Math.ceil(length * devicePixelRatio));
+  const size = [width, height + captionHeight(caption)].map((length) => Math.ceil(length * density));
   const canvas = Object.assign(document.createElement("canvas"), { width: size[0], height: size[1] });
   const context = canvas.getContext("2d");
-  context.scale(devicePixelRatio, devicePixelRatio);
+  context.scale(density, density);
   context.fillStyle = styleColour("panel");
   context.fillRect(0, 0, ...size);
-  let top = 0;
-  cards.forEach((card, k) => {
+  drawCaption(context, caption, width, 0);
+  let top = captionHeight(caption);
+  const canvases = cards.flatMap((card) => [...card.querySelectorAll("canvas")]);
+  await withSharpCanvases(canvases, density / devicePixelRatio, () => cards.forEach((card, k) => {
     context.save();
     context.translate(-boxes[k].left, top - boxes[k].top);
     drawCard(context, card, boxes[k]);
     context.restore();
     top += boxes[k].height + BETWEEN_CARDS;
-  });
-  drawCaption(context, caption, width, height);
+  }));
   return new Promise((done) => canvas.toBlob(done, "image/png"));
 }
 
