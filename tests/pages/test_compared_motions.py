@@ -176,7 +176,7 @@ def test_pins_tell_the_change_of_the_largest_force_and_align_impacts(show):
     assert heads[-2:] == ["Δ time", "Δ peak"]
     assert "Δ: from pin to present" in heads[0]
     counts = f"{len(pinned)} → {len(present)}"
-    assert page.inner_text("#impacts-before") == f"{counts}, largest {largest[1]} → {largest[0]}"
+    assert page.inner_text("#impacts-before") == f"from A: {counts}, {largest[1]} → {largest[0]}"
 
 
 def test_each_impact_of_each_pin_has_one_cell(show):
@@ -480,6 +480,7 @@ def test_pins_are_named_by_the_changes_in_which_they_differ(show, size):
     ]
     assert names.evaluate_all("all => all.every((one) => one.scrollWidth <= one.clientWidth)")
     assert names.evaluate_all("all => all.every((one) => one.scrollHeight <= one.clientHeight + 1)")
+    assert page.locator("#pins").evaluate("list => list.scrollWidth <= list.clientWidth"), "no column is cut"
     page.keyboard.press("Escape")
     page.evaluate("location.hash = '#'")
     until(page, "document.querySelector('.pin-text').textContent === 'present'")

@@ -350,6 +350,12 @@ def test_a_narrow_list_of_impacts_has_whole_rows_and_the_present_one(show):
     assert page.locator("#impacts").evaluate(place) == [0, 20], "without a gap below the title"
     page.goto("about:blank")
     page = show(viewport=DESK)
+    bottom, *bottoms = page.locator("#impacts, #impacts tbody tr").evaluate_all(
+        "all => all.map((one) => one.getBoundingClientRect().bottom)"
+    )
+    seen = sum(row <= bottom + 1 for row in bottoms)
+    assert seen < 14
+    assert page.inner_text("#impacts-seen") == f"{seen} of 14"
     page.keyboard.press("End")
     page.keyboard.press("p")  # the rows of the pin take the place of rows of the list
     page.locator("#pins tbody tr").first.wait_for()
@@ -368,7 +374,7 @@ def test_impacts_stay_in_sight_below_chosen_curves(show):
     row, pins = (page.locator(name).first.bounding_box() for name in ("#impacts tbody tr", "#pins"))
     assert row["y"] + row["height"] < pins["y"]
     page.evaluate("chainImpact.show({'contact.restitution': 0.5})")
-    until(page, "/largest/.test(document.getElementById('impacts-before').textContent)")
+    until(page, "/^from A: 14 → 52, /.test(document.getElementById('impacts-before').textContent)")
     page.get_by_role("button", name="All 52 impacts").wait_for()
     assert page.evaluate(CLASHES) == []
 

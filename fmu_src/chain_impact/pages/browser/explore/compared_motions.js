@@ -157,11 +157,19 @@ export class ComparedMotions {
     }
   }
 
+  /** Words for what the last change did to the impacts; with pins they name the pin before the change, and are "" if it is not pinned. */
+  get #changeText() {
+    const text = differenceText(this.before, this.player.recording);
+    if (!text || !this.pinned.length) return text;
+    const pin = this.pinned.find(({ recording }) => isSameRun(recording, this.before));
+    return pin ? `from ${LETTERS[pin.colour - 1]}: ${text.replace(", largest", ",")}` : ""; // one line has no room for the word
+  }
+
   /** Show the curves of the pinned motions in the charts, and list the impacts of the present and the pinned motions side by side. */
   show() {
     const { pinned, panel, table, player } = this;
     find("pin-equal").textContent = "";
-    find("impacts-before").textContent = differenceText(this.before, player.recording);
+    find("impacts-before").textContent = this.#changeText;
     const lines = pinned.map(({ recording, colour }) => ({ recording, stroke: `pin-${colour}`, letter: LETTERS[colour - 1] }));
     player.panels.forEach(([, , chart]) => chart.compare(lines));
     panel.hidden = pinned.length === 0;

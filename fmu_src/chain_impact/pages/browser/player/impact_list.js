@@ -63,7 +63,10 @@ export class ImpactList {
     element.after(this.more);
     element.addEventListener("focusin", ({ target }) => target.matches("td button") && this.#reach(target));
     element.addEventListener("keydown", (event) => this.#press(event));
-    new ResizeObserver(() => this.#reveal()).observe(element);
+    new ResizeObserver(() => {
+      this.#reveal();
+      this.#tellSeen();
+    }).observe(element);
   }
 
   /** Let the key Tab reach only this button of the list, so that Tab passes a long list in one step. */
@@ -135,6 +138,7 @@ export class ImpactList {
     const others = recording.impacts.length - this.rows.length;
     if (others > 0) element.append(make("p", { textContent: `and ${others} more, which the animation shows` }));
     this.#showAll(element.classList.contains("whole"));
+    this.#tellSeen();
   }
 
   /**
@@ -198,6 +202,14 @@ export class ImpactList {
     this.current = contact;
     this.rows?.[contact?.number - 1]?.setAttribute("aria-current", "true");
     this.#reveal();
+  }
+
+  /** Tell in the title how many of all impacts a list that scrolls shows at a time. */
+  #tellSeen() {
+    const { scrollHeight, clientHeight } = this.element;
+    const [row] = this.rows ?? [];
+    const seen = row ? Math.floor((clientHeight - row.parentElement.previousElementSibling.offsetHeight + 1) / row.offsetHeight) : 0;
+    find("impacts-seen").textContent = row && scrollHeight > clientHeight + 1 ? `${seen} of ${this.count}` : "";
   }
 
   /** Scroll the list, but not the page, to the row of the present contact, with one more row below it, which lies in the shadow. */
