@@ -58,7 +58,7 @@ ARROW_HEAD = 6.0  # [points] the size of the arrow at the end of a bar that is c
 
 @dataclass(frozen=True)
 class Bars:
-    """A block of horizontal bars, the first one at the top; the block has an axis of its own.
+    """A block of horizontal bars, the first one at the top; blocks with one label have one scale.
 
     Attributes:
         names: the name of each bar, at its left.
@@ -94,11 +94,19 @@ class Bars:
         """The ends of the axis without margins (``axis_ends``)."""
         return axis_ends(self.values, self.marks, self.hollow)
 
-    @property
-    def are_cut(self) -> bool:
-        """Whether a bar extends beyond the ``ends`` of the axis."""
-        low, high = self.ends
+    def are_cut(self, ends: tuple[float, float]) -> bool:
+        """Whether a bar extends beyond the ``ends`` of an axis."""
+        low, high = ends
         return any(not low <= value <= high for value in self.values if math.isfinite(value))
+
+
+def shared_ends(blocks: Sequence[Bars]) -> list[tuple[float, float]]:
+    """Return the ends of the axis of each block; blocks with the same label have the same ends."""
+    ends = {}
+    for label in {block.label for block in blocks}:
+        lows, highs = zip(*(block.ends for block in blocks if block.label == label), strict=True)
+        ends[label] = min(lows), max(highs)
+    return [ends[block.label] for block in blocks]
 
 
 def axis_ends(
@@ -139,7 +147,8 @@ def fill_bars(
         blocks: the blocks, each with at least one bar; without a block the picture says "no effect".
         warning: a text in PEAK_COLOUR between title and conditions; "" for none.
     """
-    if any(block.are_cut for block in blocks):
+    ends = shared_ends(blocks)
+    if any(map(Bars.are_cut, blocks, ends)):
         warning += CUT_BARS
     write_headline(figure, title, conditions, *([(warning, PEAK_COLOUR)] if warning else []))
     if any(mark is not None and math.isfinite(mark) for block in blocks for mark in block.marks):
@@ -152,8 +161,8 @@ def fill_bars(
     heights = [len(block.names) for block in blocks]
     grid = figure.subplots(len(blocks), 1, height_ratios=heights, squeeze=False).ravel()
     titles = [
-        draw_bars(axes, block, block.ends, is_small=is_narrow(figure), is_pale=axes is not grid[0])
-        for axes, block in zip(grid, blocks, strict=True)
+        draw_bars(axes, block, axis, is_small=is_narrow(figure), is_pale=axes is not grid[0])
+        for axes, block, axis in zip(grid, blocks, ends, strict=True)
     ]
     for axes, block, lower_block in zip(grid, blocks, blocks[1:], strict=False):
         if block.label == lower_block.label:

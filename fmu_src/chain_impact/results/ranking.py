@@ -42,6 +42,7 @@ LARGE_SHARE = 0.2
 LEAST_EFFECT = 1e-12
 NAMED_STEPS = 2  # the largest number of different steps that the heading of a block of bars lists
 MOST_BARS = 16  # largest number of bars in the picture of a ranking
+MOST_RATIO = 100.0  # [1] the largest ratio of the longest bars of two blocks whose axes have the same unit
 
 
 @dataclass(frozen=True, repr=False)
@@ -202,6 +203,8 @@ class Ranking(PrintedResult):
         reach = [max(map(abs, ends)) for ends in map(pictures.axis_ends, changes, marks, hollow_bars)]
         longest_bars = [max(map(abs, values)) for values in changes]
         sizes = list(map(min, reach, longest_bars))
+        if sizes and max(sizes) <= MOST_RATIO * min(sizes):  # one unit, and so one scale
+            sizes = [max(sizes)] * len(sizes)
         omitted_count = max(len(self.effects) - MOST_BARS, 0)
         parts = [
             self.where,
