@@ -208,7 +208,7 @@ def small_reach(recording: Recording, corners: np.ndarray) -> str:
     reach = float(np.ptp(recording.points, axis=0).max())
     if is_flat(recording) or not 0.0 < reach < HIDDEN_REACH * np.ptp(corners, axis=0).max():
         return ""
-    return f",\nmoves within {force_text(reach, 'm')}"
+    return f",\nmoves within\n{force_text(reach, 'm')}"
 
 
 def last_time_seen(path: np.ndarray, time: np.ndarray, size: float) -> float:
