@@ -525,7 +525,7 @@ def test_energies_of_the_summary_are_rounded_to_the_range_of_the_runs(show):
     page = show("rod_drop", {"contact.restitution": 0.3})
     page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({'contact.restitution': 0.8})")
-    until(page, "document.querySelector('#pins tbody tr:nth-child(2) td:nth-child(4) small').textContent")
+    until(page, "document.querySelector('#pins tr:nth-child(2) td:nth-child(4) small').textContent !== '0'")
     cells = page.locator("#pins tbody td:nth-child(4)").all_text_contents()
     assert cells == ["0.071\u202fJ", "0.000\u202fJ+0.071\u202fJ"]
 

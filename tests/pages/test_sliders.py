@@ -72,6 +72,8 @@ def test_space_plays_and_a_question_mark_helps_beside_a_slider(show):
 @pytest.mark.parametrize("size", [ON_ITS_SIDE, {"width": 768, "height": 1024}], ids=["side", "tablet"])
 def test_no_label_is_broken_within_its_word(show, size):
     page = show(viewport=size, has_touch=True)
+    if size is ON_ITS_SIDE:
+        page.get_by_role("button", name="Parameters").click()
     label = page.locator("label[for='main-contact.restitution']")
     line = label.evaluate("label => parseFloat(getComputedStyle(label).lineHeight)")
     assert label.bounding_box()["height"] < 1.6 * line
