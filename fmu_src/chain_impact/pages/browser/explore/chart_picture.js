@@ -3,7 +3,7 @@
 import { styleColour } from "../charts/chart.js";
 import { captionHeight, drawCaption } from "./export.js";
 
-const DENSITY = 3; // least number of pixels of the picture for a CSS pixel, so that a report can show it
+const DENSITY = 3; // least number of pixels of the picture for a pixel of the page, so that a report can show it
 const BETWEEN_CARDS = 8; // [pixels] free space between two cards
 const LEGEND_LINE = 3; // [pixels] height of the line of a curve in a legend
 
