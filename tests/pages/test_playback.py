@@ -268,7 +268,7 @@ def test_the_labels_of_a_force_are_not_cut_off(show_recording):
 
 def test_a_long_list_ends_with_how_many_more_there_are(open_page):
     page = open_page("about:blank", begins=False)
-    page.set_content(f"<script>{program('player/impact_list.js')}</script>")
+    page.set_content(f"<small id='impacts-seen'></small><script>{program('player/impact_list.js')}</script>")
     made = function_of("playback", "longList")
     assert page.evaluate(made, 2345) == [2000, "and 345 more, which the animation shows"]
     rows, table = page.evaluate(made, 2000)
@@ -350,7 +350,7 @@ def test_the_reader_can_turn_off_keys_of_one_letter(show_recording):
     page.keyboard.press("s")
     assert slow.is_checked()
     page.keyboard.press("End")
-    assert page.locator("#scrub").input_value() == "2"
+    until(page, "document.getElementById('scrub').value === '2'")
     page.reload()
     assert not box.is_checked()
     page.locator("#help-open").click()
