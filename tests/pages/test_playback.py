@@ -347,6 +347,7 @@ def test_the_reader_can_turn_off_keys_of_one_letter(show_recording):
     page.keyboard.press("?")
     box.uncheck()
     page.keyboard.press("Escape")
+    until(page, "!document.getElementById('help').open")
     page.keyboard.press("s")
     assert slow.is_checked()
     page.keyboard.press("End")

@@ -69,7 +69,7 @@ export function connect(clock, drawing, zoom) {
 
 /** Return whether a key is left to the element with the focus or to an open dialog: a text field, for example, uses most keys itself. */
 function keepsKey({ target, key }) {
-  if (find("help").open || target.closest("dialog")) return true;
+  if (find("help").open || target.closest("dialog[open]")) return true;
   if (target.closest("input[type=range]:not(#scrub)")) return /^(Arrow|Page|Home$|End$)/.test(key); // these keys move the slider
   if (target.closest("input:not([type=checkbox], [type=range])")) return true;
   if (target.closest("select")) return true;
