@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact import explore, load_scene
+from chain_impact import explore, load_scene, simulate
 from chain_impact.pages.assembly import program, text_of
 from chain_impact.pages.explore import TOML
 from chain_impact.results.animation import write_animation
@@ -184,6 +184,12 @@ def kernel(worker):
         return {**result, "time": bits(result["time"][0]), "columns": columns}
 
     return run
+
+
+@pytest.fixture(scope="session")
+def result():
+    """The motion of the default scene of the pages, as Python simulates it."""
+    return simulate("four_link_box")
 
 
 @pytest.fixture(scope="session")

@@ -27,6 +27,8 @@ TEXTS = function_of("in_pages", "textsOf")
 """The numbers of typed arrays as texts, which ``bits`` reads: single numbers would take far longer."""
 ON_OTHERS = function_of("drawing", "onOthers")
 """Pairs of an overlapping text and object. The boxes of texts include space above the letters."""
+LATER = "performance.now = ((now) => () => now() + 900)(performance.now.bind(performance))"
+"""A script after which the page believes that 900 ms more have passed."""
 SUBTITLE = "document.getElementById('subtitle').textContent"
 TIME_TEXT = "document.getElementById('time').textContent"
 LOCAL_LINK = "The link works on this computer only: to send it, save this page."
@@ -118,3 +120,29 @@ def pixels(page):
 
 def count_of(picture, colour):
     return int((abs(picture - 255 * np.array(mpl.colors.to_rgb(colour))).max(axis=-1) < 6).sum())
+
+
+def alike(impacts, impact):
+    """Return the numbers of the impacts of one point and wall."""
+    return [
+        k for k in range(len(impacts)) if all(impacts[key][k] == impact[key] for key in ("point", "wall"))
+    ]
+
+
+def partners(present, other):
+    """Return for each impact the other one of its point and wall, if time and order are near."""
+
+    def nearest(impact, impacts):
+        return min(
+            alike(impacts, impact), key=lambda k: abs(impacts["onset"][k] - impact["onset"]), default=None
+        )
+
+    def is_pair(n, k):
+        if k is None or nearest(other[k], present) != n:
+            return False
+        order = alike(present, present[n]).index(n) - alike(other, other[k]).index(k)
+        onsets = sorted((present["onset"][n], other["onset"][k]))
+        return abs(order) <= 1 and onsets[1] <= 1.1 * onsets[0]
+
+    found = [nearest(impact, other) for impact in present]
+    return [k if is_pair(n, k) else None for n, k in enumerate(found)]

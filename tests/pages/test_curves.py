@@ -2,7 +2,6 @@
 
 # Tests: pages/browser/charts/curve_charts.js, pages/browser/explore/curve_choice.js
 # Tests: pages/browser/charts/chart.js, pages/browser/charts/time_chart.js
-# Tests: pages/browser/player/enlarged_cards.js
 
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ from tests.pages.in_pages import (
     PHONE,
     PIXELS,
     ROWS,
-    go_to,
     impacts_of,
     packed_module,
     page_contents,
@@ -30,28 +28,7 @@ NOW = function_of("curves", "now")
 """The place of the line at the present time, over the width of the chart."""
 TEXTS = function_of("curves", "texts")
 """The texts of the first chart at another width, and their places over the width of its curves."""
-COURSE = function_of("curves", "course")
 MOTION = function_of("curves", "motionInPage")
-
-
-@pytest.fixture(scope="module")
-def result():
-    return simulate("four_link_box")
-
-
-def test_a_slow_contact_that_lasts_has_its_peak_in_the_course_of_its_force(worker):
-    """The last impact is too slow for slow motion, and lasts until the end."""
-    given = {"module": packed_module(), **page_contents(load_scene("four_link_box"))}
-    found = worker.evaluate(COURSE, {**given, "values": {"contact.restitution": 0.5}})
-    peaks, highest = np.array(found).T
-    assert peaks[-1] < 20.0  # N
-    assert highest == pytest.approx(peaks, rel=0.01)
-
-
-def test_a_peak_soon_after_the_onset_of_a_long_contact_has_a_row(worker):
-    given = {"module": packed_module(), **page_contents(load_scene("rocking_block"))}
-    peaks, highest = np.array(worker.evaluate(COURSE, {**given, "values": {}})).T
-    assert highest[0] == pytest.approx(peaks[0], rel=0.005)
 
 
 def told(page, name):
@@ -70,89 +47,6 @@ def test_outputs_of_a_link_are_drawn_and_told_at_each_time(show, result):
     for name in names:
         known = np.interp(0.9, result.time, result[name])
         assert told(page, name) == pytest.approx(known, abs=1e-3 * np.ptp(result[name]))
-
-
-CHARTS = ("#force", ".curve-chart", "#energy")
-
-
-def show_enlarged(show, chart):
-    """Return a page with an enlarged chart, or the first of several."""
-    page = show(hash_="#curves=point[4].y,impact.count")
-    page.locator(f"section:has({chart}) .enlarge").click()
-    until(page, f"document.querySelector('{chart}').clientWidth > 400")
-    return page
-
-
-def zoom_in(page, chart):
-    """Drag over a fifth of an enlarged chart, which then shows this part of the time; return its box."""
-    plot = page.locator(f"{chart} .u-over").first.bounding_box()
-    left, width, y = plot["x"], plot["width"], plot["y"] + 20
-    page.mouse.move(left + 0.2 * width, y)
-    page.mouse.down()
-    page.mouse.move(left + 0.4 * width, y, steps=2)
-    page.mouse.up()
-    until(page, f"document.querySelector('{chart}').classList.contains('zoomed')")
-    return plot
-
-
-@pytest.mark.parametrize("chart", CHARTS)
-def test_an_enlarged_chart_stands_below_a_smaller_motion(show, chart):
-    page = show(hash_="#curves=point[4].y,impact.count")
-    small, stage = (page.locator(where).first.bounding_box() for where in (chart, "#stage"))
-    page.locator(f"section:has({chart}) .enlarge").click()
-    until(page, f"document.querySelector('{chart}').clientWidth > 400")
-    plot, below = (page.locator(where).first.bounding_box() for where in (f"{chart} .u-over", "#stage"))
-    assert below["y"] + below["height"] < plot["y"] < stage["y"] + stage["height"]
-    page.keyboard.press("Escape")
-    until(page, f"document.querySelector('{chart}').clientWidth < 400")
-    assert page.locator(chart).first.bounding_box() | {"y": 0} == small | {"y": 0}
-
-
-@pytest.mark.parametrize("chart", CHARTS)
-def test_a_drag_and_keys_show_a_part_of_the_time(show, chart):
-    page = show_enlarged(show, chart)
-    zoom_in(page, chart)
-    page.keyboard.press("Escape")
-    page.locator(f"{chart}.zoomed").first.wait_for(state="detached")
-    page.locator(chart).first.focus()
-    page.keyboard.press("+")
-    page.locator(f"{chart}.zoomed").first.wait_for()
-    page.keyboard.press("-")
-    page.locator(f"{chart}.zoomed").first.wait_for(state="detached")
-
-
-def test_charts_of_outputs_show_the_same_part_and_tell_the_present_values(show):
-    page = show_enlarged(show, ".curve-chart")
-    zoom_in(page, ".curve-chart")  # the present time, 0, is outside
-    assert page.locator(".curve-chart.zoomed").count() == 2
-    assert page.locator("#outputs-over-time dd").first.inner_text() == "1.591\u202fm"
-    assert set(page.locator("#outputs-over-time .unit").all_inner_texts()) == {"at 0.00000\u202fs"}
-
-
-def test_a_click_into_a_part_of_the_time_goes_there(show):
-    page = show_enlarged(show, "#energy")
-    plot, before = zoom_in(page, "#energy"), page.locator("#time").inner_text()
-    page.mouse.click(plot["x"] + 0.5 * plot["width"], plot["y"] + 20)
-    until(page, f"document.getElementById('time').textContent !== '{before}'")
-    assert time_of(page) == pytest.approx(0.6, abs=0.01)
-
-
-def test_a_click_on_a_term_hides_its_curve(show):
-    page = show_enlarged(show, "#energy")
-    term = page.get_by_role("button", name="dissipated")
-    for is_shown in (False, True):
-        term.click()
-        assert (page.evaluate(PIXELS, ["energy", "dissipated"]) > 20) is is_shown
-
-
-def test_an_enlarged_list_of_impacts_has_more_columns(show, result):
-    page = show()
-    page.locator("#list .enlarge").click()
-    heads, row = page.locator("#impacts thead th"), page.locator("#impacts tbody tr").first.locator("td")
-    assert heads.all_inner_texts()[-3:] == ["duration, ms", "penetration, mm", "impulse, N·s"]
-    first = result.impacts[0]
-    known = [1e3 * first["duration"], 1e3 * first["max_penetration"], first["impulse"]]
-    assert [float(text) for text in row.all_inner_texts()[-3:]] == pytest.approx(known, rel=5e-3)
 
 
 def test_an_angle_is_drawn_in_degrees(show, result):
@@ -473,40 +367,6 @@ def test_a_chart_is_read_by_mouse_and_keys_while_the_motion_stays(show, result):
     page.keyboard.press("Enter")
     assert time_of(page) == pytest.approx(float(reading.removesuffix(" s")), abs=1e-4)
     assert page.locator(".reading:visible").count() == 0
-
-
-def test_the_chart_of_a_force_has_the_number_of_its_peak(show, result):
-    page = show()
-    page.locator("#impacts tbody tr button").nth(1).click()
-    peak = page.locator("#impacts tbody tr").nth(1).locator("td").last.inner_text()
-    head, unit = page.locator("#impacts th").last.inner_text().split(", ")
-    assert (head, float(peak)) == ("peak", pytest.approx(result.impacts["peak_force"][1] / 1e3, rel=5e-3))
-    text, present = page.locator("#force .peak"), page.locator("#force .now")
-    until(page, f"document.querySelector('#force .peak').textContent === '{peak}\u202f{unit}'")
-    for onset in result.impacts["onset"][:3]:
-        for later in np.linspace(0.0, 2e-3, 9):  # the line at the present time passes the peak
-            go_to(page, onset + later)
-            box, line = text.bounding_box(), present.bounding_box()
-            assert line is None or not box["x"] < line["x"] < box["x"] + box["width"]
-
-
-def test_a_contact_that_lasts_is_the_present_one(show):
-    """The card shows its force around the present time, with the force of the arrow in the drawing."""
-    page = show("pinned_arm", {"initial.angle[1]": np.pi / 3})
-    name, row = page.locator("#contact-name"), page.locator("#impacts [aria-current] td")
-    go_to(page, 0.438)
-    assert name.text_content() == "impact 7: point 1 at the right wall, 1.6\u202fs, its beginning"
-    for time in (1.2, 2.0):
-        assert go_to(page, time) == time
-        assert name.text_content() == "impact 7: point 1 at the right wall, 1.6\u202fs, around now"
-        assert page.inner_text("#caption").startswith("Impact 7 of 10, in contact since 0.433\u202fs: ")
-        assert row.first.inner_text() == "7"
-        assert page.inner_text("#force .peak") == page.text_content("#scene .force-text")
-    now = page.locator("#force .now").bounding_box()
-    dot = page.locator("#force .loop-now").bounding_box()
-    assert dot["x"] + dot["width"] / 2 == pytest.approx(now["x"] + now["width"] / 2, abs=0.6)
-    go_to(page, 1.867)
-    assert name.text_content().startswith("impact 10: ")
 
 
 def test_a_part_in_which_a_curve_turns_seldom_shows_the_curve(show):

@@ -1,6 +1,6 @@
 """Which of the two methods of integration a step has.
 
-Only these functions, and the choice of the method in ode/methods.py, know the codes of the methods.
+Modules ask these functions, and do not compare the codes of the methods; only ode/methods.py chooses a code.
 """
 
 from chain_impact.kernel.function_marks import inlined

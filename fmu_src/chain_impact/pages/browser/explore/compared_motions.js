@@ -220,8 +220,9 @@ export class ComparedMotions {
   #title(motion) {
     const { text, colour } = motion;
     const title = make("span", { className: "pin-title" }, ...this.#nameOf(motion));
-    if (!colour) title.classList.add("without-name"); // only a pin has a name
-    if (colour) {
+    if (!colour) {
+      title.classList.add("without-name"); // only a pin has a name
+    } else {
       title.prepend(make("span", { className: `dashes pin-${colour}`, title: "In the charts" }));
       const button = make("button", { type: "button", className: "unpin", textContent: "×", title: "Take this pin away" });
       button.addEventListener("click", () => this.unpin(motion));

@@ -9,12 +9,11 @@ import { MapDrawing } from "./map_drawing.js";
 import { connectFiles } from "./map_files.js";
 import { limitIn } from "./map_limit.js";
 import { mainOutput, outputIn, outputsOf, presentOutputs, runIn, takeOutput, wordsOfRun } from "./map_outputs.js";
-import { completed, hasAreaOf, packedMap, rowOrder, unpackedMap, valuesAt } from "./map_rows.js";
+import { COARSE_POINTS, completed, hasAreaOf, packedMap, POINTS, rowOrder, unpackedMap, valuesAt } from "./map_rows.js";
 import { areaOf, axisScale, isLogarithmic, limitOf, quantityOf, rangeOf, refused, titleOf } from "./map_scales.js";
-import { doneText, POINTS, runText } from "./map_text.js";
+import { doneText, runText } from "./map_text.js";
 import { Ranking } from "./ranking.js";
 
-const COARSE_POINTS = 9; // number of values of each parameter in the preview
 const WORKERS = 8; // largest number of workers that compute a map
 
 export class GridMap {

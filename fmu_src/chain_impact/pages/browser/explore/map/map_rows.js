@@ -2,6 +2,9 @@
 
 import { areaOf } from "./map_scales.js";
 
+export const POINTS = 41; // number of values of each parameter in the map
+export const COARSE_POINTS = 9; // number of values of each parameter in the preview
+
 /**
  * Return the indices of the rows of a map in the order of their simulation: row 0, then the rows ordered by the largest power of 2 that
  * divides their index, beginning with the largest power.

@@ -5,10 +5,9 @@ import { lawText } from "../../scene/words.js";
 import { presentlyShown } from "../parameters/parameter_fields.js";
 import { withinText } from "./map_limit.js";
 import { failureOf } from "./map_outputs.js";
-import { valuesAt } from "./map_rows.js";
+import { POINTS, valuesAt } from "./map_rows.js";
 import { quantityOf, scaledTo } from "./map_scales.js";
 
-export const POINTS = 41; // number of values of each parameter in a map that is no preview
 const BY_FINGER = "Tap a run to read it, and once more to open it.";
 const BY_MOUSE = "Point at a run to read it, and click to open it; or use the arrow keys and Enter.";
 

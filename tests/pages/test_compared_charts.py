@@ -1,0 +1,122 @@
+"""The curves of pinned motions in charts: their axes, letters, and the sentences in place of a curve."""
+
+# Tests: pages/browser/charts/letters.js
+# Tests: pages/browser/charts/contact_course.js
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, simulate
+from tests.pages.in_pages import PIXELS, ROWS, impacts_of, partners, until, until_told
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+BELOW_PEAK = 30
+"""The pixels at the top of the chart that have the number of the peak, not the curve."""
+
+
+def test_a_chart_of_force_tells_why_it_has_no_curve_of_a_pin(show):
+    page, changes = show(), {"contact.restitution": 0.4}
+    first, other = (simulate(load_scene("four_link_box").with_values(one)).impacts for one in ({}, changes))
+    expected = [k is not None for k in partners(other, first)]
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("changes => chainImpact.show(changes)", changes)
+    until_told(page, impacts_of(changes))
+    for number in (expected.index(True) + 1, expected.index(False) + 1):
+        page.get_by_role("button", name=f"Go to impact {number}, ").click()
+        until(page, f"document.getElementById('contact-name').textContent.startsWith('impact {number}: ')")
+        assert (page.evaluate(PIXELS, ["force", "pin-1"]) > 20) is expected[number - 1]
+        assert ("; A: " not in page.text_content("#contact-name")) is expected[number - 1]
+        assert page.locator("#contact-name").evaluate("one => one.scrollWidth <= one.clientWidth"), (
+            "it is not cut off"
+        )
+
+
+def test_a_chart_with_curves_of_pins_alone_is_titled_by_their_letters(show):
+    """The letters of pins without a curve at an impact stand together before their common reason."""
+    page = show()
+    for changes in ({"contact.restitution": 0.4}, {"contact.restitution": 0.2}):
+        page.evaluate("changes => chainImpact.show(changes)", changes)
+        until_told(page, impacts_of(changes))
+        page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.model': 'newton_impact'})")
+    until_told(page, impacts_of({"contact.model": "newton_impact", "contact.restitution": 0.2}))
+    assert page.inner_text("#contact-quantity") == "Contact force of A, B"
+    name = page.text_content("#contact-name")
+    assert "N·s, present: an impulse only" in name
+    assert "no force over time is known" not in name
+    names = set()
+    for number in range(1, 15):
+        page.get_by_role("button", name=f"Go to impact {number}, ").click()
+        until(page, f"document.getElementById('contact-name').textContent.startsWith('impact {number}: ')")
+        names.add(page.text_content("#contact-name").partition("; ")[2])
+    assert "A, B: no such impact near" in names
+    assert "A: no such impact near; B: no such impact near" not in names
+
+
+def test_the_card_of_the_force_stays_at_a_stop_with_impulses_alone(show):
+    page = show("kneed_leg", {"stop.restitution": 0.5})
+    assert page.text_content("#contact-name").startswith(
+        "impact 1: joint 3 at max (point 2), 6.35\u202fmN·m·s, "
+    )
+    assert page.locator("#contact").is_visible()
+
+
+def test_a_stiff_pin_does_not_flatten_the_curve_of_the_present_contact(show):
+    page = show("rod_drop", hash_="#contact.stiffness=1e8")
+    page.get_by_role("button", name="Pin").click()
+    for stiffness, is_cut in ((3e7, False), (1e6, True)):
+        page.evaluate("value => chainImpact.show({'contact.stiffness': value})", stiffness)
+        until_told(page, impacts_of({"contact.stiffness": stiffness}, "rod_drop"))
+        rows = [row for row in page.evaluate(ROWS, ["force", "force"]) if row > BELOW_PEAK]
+        height = page.evaluate("document.querySelector('#force canvas').height")
+        assert max(rows) - min(rows) > 0.25 * height
+        assert page.evaluate(PIXELS, ["force", "pin-1"]) > 20
+        peak = simulate(load_scene("rod_drop").with_values({"contact.stiffness": 1e8})).impacts["peak_force"][
+            0
+        ]
+        told = f"; A: up to {peak / 1e3:.2f}\u202fkN"
+        assert page.text_content("#contact-name").endswith(told) is is_cut
+        page.get_by_role("button", name="F(δ)").click()
+        assert page.text_content("#contact-name").endswith(told) is is_cut
+        page.get_by_role("button", name="F(δ)").click()
+
+
+def test_an_axis_of_square_roots_holds_a_far_higher_pin(show, script):
+    page = show("rod_drop", hash_="#contact.stiffness=1e8")
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.stiffness': 1e6})")
+    until_told(page, impacts_of({"contact.stiffness": 1e6}, "rod_drop"))
+    assert page.inner_text("#contact-quantity") == "Contact force (square roots)"
+    rows = [page.evaluate(ROWS, ["force", name]) for name in ("pin-1", "force")]
+    top, peak = (min(row for row in some if row > BELOW_PEAK - 10) for some in rows)
+    bottom = max(rows[1])
+    scenes = [load_scene("rod_drop").with_values({"contact.stiffness": k}) for k in (1e8, 1e6)]
+    peaks = [simulate(scene).impacts["peak_force"][0] for scene in scenes]
+    assert (bottom - top) / (bottom - peak) == pytest.approx(np.sqrt(peaks[0] / peaks[1]), rel=0.1)
+    ticks = script.evaluate("([...of]) => rootTicks(...of)", [{"height": 140}, 2100.0])
+    assert ticks == [0, 100, 500, 1000, 2000]
+
+
+def test_letters_stand_where_their_curve_is_far_from_others(script):
+    """A leaves the present curve at the right, and B is far from it; C is nowhere."""
+    box = {"left": 0, "top": 0, "width": 300, "height": 100}
+    own = [[[0, 90], [300, 90]]]
+    courses = {"A": [[0, 90], [200, 90], [300, 60]], "B": [[0, 50], [300, 50]], "C": [[0, 90], [300, 90]]}
+    compared = [{"letter": letter, "course": course} for letter, course in courses.items()]
+    find = "([...of]) => letterPositions(...of, [], {box}, 1)".replace("{box}", str(box))
+    a, b, c = script.evaluate(find, [compared, own])
+    assert a[0] > 250
+    assert b[1] == 50
+    assert abs(b[0] - 0.29 * 300) < 30, "equally good places are at different times for different letters"
+    assert abs(c[0] - a[0]) > 15
+
+
+def test_a_chart_of_inputs_tells_why_it_has_no_curve_of_a_pin(show):
+    page = show("pinned_arm")
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("location.hash = '#joint[1].torque@=0.1:5'")
+    page.locator("#inputs-note").get_by_text("curves of A:").wait_for()
+    page.get_by_role("button", name="Pin").click()
+    page.locator(".unpin").first.click()
+    page.locator("#inputs-note").wait_for(state="hidden")

@@ -1,0 +1,130 @@
+"""The table of pinned motions, and the dialog with the impacts of all of them side by side."""
+
+# Tests: pages/browser/explore/compared_table.js
+# Tests: pages/browser/recording/partners.js
+
+import operator
+import re
+
+import pytest
+
+from chain_impact import load_scene, simulate
+from tests.pages.in_pages import LATER, alike, impacts_of, partners, until, until_told
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+SECONDS = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9}
+FIRST = operator.itemgetter(0)
+
+
+def test_pins_tell_the_change_of_the_largest_force_and_align_impacts(show):
+    page = show()
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.restitution': 0.5})")
+    scene = load_scene("four_link_box")
+    runs = [simulate(scene.with_values({"contact.restitution": e})) for e in (0.5, 0.7)]
+    until_told(page, f"{len(runs[0].impacts)} impact")
+    rows = page.locator("#pins tbody tr").all()
+    assert "present: Restitution = 0.5" in rows[0].inner_text()
+    peaks = [run.impacts["peak_force"].max() for run in runs]
+    largest = [f"{peak / 1e3:.1f}\u202fkN" for peak in peaks]
+    told = [row.locator("td").nth(1) for row in rows]
+    changes = [cell.locator("small").inner_text() for cell in told]
+    assert [cell.text_content() for cell in told] == [
+        force + change for force, change in zip(largest, changes, strict=True)
+    ]
+    assert changes[0] == ""
+    percent = float(changes[1].removesuffix("\u202f%").replace("\u2212", "-"))
+    assert percent == pytest.approx(100 * (peaks[0] / peaks[1] - 1), abs=0.5)
+    present, pinned = (run.impacts for run in runs)
+    expected = partners(present, pinned)
+    assert any(k is None for k in expected)
+    assert any(k not in (None, n) for n, k in enumerate(expected))
+    page.get_by_role("button", name="Impact by impact…").click()
+    pairs = [(present["onset"][n], n, k) for n, k in enumerate(expected)]
+    pairs += [(pinned["onset"][k], None, k) for k in range(len(pinned)) if k not in expected]
+    shown = sorted(pairs, key=FIRST)
+    table = page.locator("#pairs tbody tr").all()
+    numbers = [row.locator("td").first.inner_text() for row in table]
+    assert numbers == ["" if n is None else str(n + 1) for _, n, _ in shown]
+    cells = [row.locator("td").last.inner_text() for row in table]
+    greys = [row.locator("td").last.get_attribute("class") == "doubtful" for row in table]
+    for cell, is_grey, (_, n, k) in zip(cells, greys, shown, strict=True):
+        assert cell.startswith("–") if k is None else f"{pinned['onset'][k]:.4f}" in cell
+        if None in (n, k):
+            continue
+        gap = present["onset"][n] - pinned["onset"][k]
+        change = 100 * (present["peak_force"][n] / pinned["peak_force"][k] - 1)
+        time, unit, percent = re.search(
+            r"→ now ([+−]?[\d.]+)\u202f(\w+), ([+−]?[\d.]+)\u202f%", cell
+        ).groups()
+        told = [float(text.replace("\u2212", "-")) for text in (time, percent)]
+        assert told == pytest.approx([gap / SECONDS[unit], change], rel=0.05, abs=0.06)
+        is_other = alike(present, present[n]).index(n) != alike(pinned, pinned[k]).index(k)
+        assert is_grey == (is_other or abs(gap) > 0.03 * min(present["onset"][n], pinned["onset"][k]))
+    page.keyboard.press("Escape")
+    is_clear = [
+        k is None
+        or abs(present["onset"][n] / pinned["onset"][k] - 1) > 0.01
+        or abs(present["peak_force"][n] / pinned["peak_force"][k] - 1) > 0.01
+        for _, n, k in shown
+        if n is not None
+    ]
+    assert rows[1].locator("td").nth(3).inner_text() == f"impact {is_clear.index(True) + 1}"
+    heads = page.locator("#pins thead th").all_inner_texts()
+    assert heads[-2:] == ["Δ time", "Δ peak"]
+    assert "Δ: from pin to present" in heads[0]
+    counts = f"{len(pinned)} → {len(present)}"
+    assert page.inner_text("#impacts-before") == f"from A: {counts}, {largest[1]} → {largest[0]}"
+
+
+def test_each_impact_of_each_pin_has_one_cell(show):
+    page = show(hash_="#contact.restitution=0.7")
+    for value in (0.8, 0.6, 0.75):
+        page.get_by_role("button", name="Pin").click()
+        page.evaluate(LATER)
+        page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
+        until_told(page, impacts_of({"contact.restitution": value}))
+    page.get_by_role("button", name="Impact by impact…").click()
+    rows = [row.locator("td").all_inner_texts()[1:] for row in page.locator("#pairs tbody tr").all()]
+    for value, column in zip((0.75, 0.7, 0.8, 0.6), zip(*rows, strict=True), strict=True):
+        run = simulate(load_scene("four_link_box").with_values({"contact.restitution": value}))
+        told = [re.search(r"(\d\.\d{4})\u202fs", text)[1] for text in column if not text.startswith("–")]
+        assert sorted(told) == [f"{onset:.4f}" for onset in run.impacts["onset"]]
+    lacking = [[cell.startswith("–") for cell in row] for row in rows]
+    assert any(one[0] and one.count(False) > 1 for one in lacking), "partners of two pins share a row"
+
+
+def test_a_change_to_many_times_the_force_is_told_as_a_factor(show):
+    page = show()
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.stiffness': 1e11})")
+    change = page.locator("#pins tbody tr:nth-child(2) td:nth-child(3) small")
+    change.filter(has_text=re.compile(r"^×\u202f[1-9]\d(\.\d)?$")).wait_for()
+
+
+def test_an_energy_of_round_off_is_0_in_the_summary(show):
+    page = show("simple_pendulum")
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'gravity.y': -5})")
+    until(page, "document.querySelector('.pin-text').textContent.includes('−5')")
+    rows = [row.locator("td").all_text_contents() for row in page.locator("#pins tbody tr").all()]
+    assert rows == [["0", "–", "0\u202fJ", "", "", ""], ["00", "–", "0\u202fJ0", "none", "", ""]]
+
+
+def test_energies_of_the_summary_are_rounded_to_the_range_of_the_runs(show):
+    """At the end the energy is −25 µJ, of 3.6 J at the start."""
+    page = show("rod_drop", {"contact.restitution": 0.3})
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.restitution': 0.8})")
+    until(page, "document.querySelector('#pins tr:nth-child(2) td:nth-child(4) small').textContent !== '0'")
+    cells = page.locator("#pins tbody td:nth-child(4)").all_text_contents()
+    assert cells == ["0.071\u202fJ", "0.000\u202fJ+0.071\u202fJ"]
+
+
+def test_forces_and_impulses_are_not_compared_and_angles_are_in_degrees(show):
+    page = show()
+    page.evaluate("chainImpact.show({'contact.model': 'newton_impact', 'initial.angle[2]': -2.16})")
+    until(page, "/^[0-9]+ → [0-9]+$/.test(document.getElementById('impacts-before').textContent)")
+    page.get_by_role("button", name="Pin").click()
+    assert "Initial angle of link 2 = −123.76\u202f°" in page.locator(".pin-text").last.inner_text()

@@ -1,0 +1,123 @@
+"""The places of the parts of a page on a phone."""
+
+# Tests: pages/browser/explore/explore.css
+
+import pytest
+
+from chain_impact import load_scene, simulate
+from tests.pages.in_pages import ON_ITS_SIDE, PHONE, until, until_told
+from tests.pages.javascript import function_of
+from tests.tiers import needs_browser
+
+pytestmark = needs_browser
+OVERLAPPING_CARDS = function_of("layout", "overlappingCards")
+IS_CUT_OFF = function_of("layout", "isCutOff")
+
+
+@pytest.mark.parametrize("size", [(844, 390), (932, 430), (844, 500)])
+def test_cards_lie_side_by_side_on_a_phone_on_its_side(show, size):
+    """The list of impacts has the width of its table."""
+    page = show(viewport=dict(zip(("width", "height"), size, strict=True)), has_touch=True)
+    for _ in range(2):
+        for scrolled in (0, 200, 400):
+            page.evaluate("to => scrollTo(0, to)", scrolled)
+            assert page.evaluate(OVERLAPPING_CARDS) == [], scrolled
+        assert not page.evaluate(IS_CUT_OFF, "impacts")
+        page.evaluate("document.getElementById('pin').click()")
+
+
+@pytest.mark.parametrize("size", [PHONE, ON_ITS_SIDE], ids=["upright", "on its side"])
+def test_a_tap_on_an_impact_shows_the_motion(show, size):
+    """The rows that a phone scrolls into view are not below the motion, which stays, or the controls."""
+    page = show("hopper", viewport=size, has_touch=True)
+    for number in (1, 3):
+        page.get_by_role("button", name=f"Go to impact {number}, ").tap(timeout=4000)
+        until(page, f"document.querySelector('#impacts [aria-current]').rowIndex === {number}")
+        view = page.locator("#view").bounding_box()
+        assert view["y"] >= 0.0
+        assert view["y"] + view["height"] <= page.locator("footer").bounding_box()["y"] + 1.0
+
+
+def test_a_phone_has_links_to_the_parts_of_the_page(show):
+    page = show("cart_pole", viewport=PHONE, has_touch=True)
+    parts = {"Impacts": "#list", "Charts": "#inputs-card", "Parameters": "#parameters", "Motion": "h1"}
+    for name, part in parts.items():
+        page.locator("#jumps").get_by_role("link", name=name).tap()
+        until(page, f"document.querySelector('{part}').getBoundingClientRect().top >= 0")
+        stage, place = (page.locator(one).bounding_box() for one in ("#stage", part))
+        assert place["y"] < (stage["y"] if name == "Motion" else PHONE["height"] - 200.0)
+        assert name == "Motion" or place["y"] >= stage["y"] + stage["height"]
+        until(page, f"document.querySelector('#jumps [aria-current]').textContent === '{name}'")
+
+
+@pytest.mark.parametrize("size", [PHONE, ON_ITS_SIDE], ids=["upright", "on its side"])
+def test_the_list_of_impacts_scrolls_with_the_page_of_a_phone(show, size):
+    page = show(viewport=size, has_touch=True)
+    rows = page.locator("#impacts tbody tr:visible")
+    assert rows.count() == 10
+    page.evaluate("document.querySelectorAll('#impacts tbody tr')[12].click()")
+    until(page, "document.querySelector('#impacts [aria-current]').rowIndex === 13")
+    assert rows.count() == 11, "the row of the present impact is shown, too"
+    page.get_by_role("button", name="All 14 impacts").click()
+    assert rows.count() == 14
+    box = page.locator("#impacts")
+    assert box.evaluate("one => one.scrollHeight <= one.clientHeight")
+
+
+def test_a_phone_shows_force_and_result_beside_the_slider_that_moves(show):
+    page = show(viewport=PHONE)
+    tops = [page.locator(name).bounding_box()["y"] for name in ("#stage", "#contact", "#parameters", "#list")]
+    assert tops == sorted(tops)
+    slider = page.get_by_role("slider", name="Restitution", exact=True)
+    slider.press("PageDown")
+    row = page.locator(".main-parameter").filter(has=slider)
+    until(page, "/largest/.test(document.querySelector('.outcome')?.textContent)")
+    restitution = float(page.evaluate("chainImpact.parameters['contact.restitution']"))
+    run = simulate(load_scene("four_link_box").with_values({"contact.restitution": restitution}))
+    until_told(page, f"{len(run.impacts)} impact")
+    largest = f"{run.impacts['peak_force'].max() / 1e3:.1f}\u202fkN"
+    assert row.locator(".outcome").inner_text() == f"{len(run.impacts)} impacts, largest {largest}"
+
+
+@pytest.mark.parametrize("pins", [False, True])
+def test_a_phone_on_its_side_shows_force_and_motion_beside_a_slider(show, pins):
+    page = show(viewport=ON_ITS_SIDE, has_touch=True)
+    if pins:
+        page.get_by_role("button", name="Pin").click()
+    whole = page.locator("#view").bounding_box()
+    assert whole["width"] > 560.0
+    assert whole["height"] > 290.0, "folded parameters leave their room to the motion"
+    page.get_by_role("button", name="Parameters").click()
+    names = ("#parameters", "#stage", "#contact", "footer", "#energy")
+    parameters, stage, contact, foot, energy = (page.locator(name).bounding_box() for name in names)
+    assert parameters["x"] < stage["x"] < contact["x"]
+    for box in (stage, contact):
+        assert box["y"] + box["height"] <= foot["y"] + 1.0
+    name, button = (page.locator(name).bounding_box() for name in ("#contact-name", "#force-loop"))
+    assert name["x"] + name["width"] <= button["x"] or name["y"] >= button["y"] + button["height"]
+    chart = page.locator("#force").bounding_box()
+    assert chart["y"] + chart["height"] <= contact["y"] + contact["height"]
+    assert energy["width"] > 700.0, "the other charts have the whole width below"
+    page.evaluate("chainImpact.show({'simulation.stop_time': 0.2})")
+    until(page, "document.querySelector('#impacts.none')")
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_phone_has_motion_pins_and_force_above_the_parameters(show, scheme):
+    page = show(
+        "cart_pole", hash_="#curves=energy.total", viewport=PHONE, has_touch=True, color_scheme=scheme
+    )
+    until(page, "document.getElementById('outputs-card').checkVisibility()")
+    below = ["parameters", "outputs-card", "inputs-card", "energy-card", "list"]
+    sections = function_of("layout", "sectionsDownwards")
+    assert page.evaluate(sections) == ["stage", "contact", *below]
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.restitution': 0.5})")
+    until(page, "document.querySelector('#pins td small')")
+    assert page.evaluate(sections) == ["stage", "pins", "contact", *below]
+    sizes = "({ scrollWidth, clientWidth, scrollHeight, clientHeight }) =>"
+    card = page.locator("#pins")
+    assert card.evaluate(f"{sizes} [scrollWidth - clientWidth, scrollHeight - clientHeight]") == [0, 0]
+    cells = card.locator("tbody tr").last.locator(":is(th, td):visible")
+    assert len({cell.bounding_box()["y"] for cell in cells.all()}) == 1, "a pin is one row"
