@@ -38,13 +38,18 @@ from chain_impact.pictures.drawing.style import (
     drawing_style,
     faint_colour,
     is_narrow,
-    raise_exponents,
     write_headline,
 )
 from chain_impact.pictures.over_time.time_axis import name_time
 from chain_impact.results.result import Result
-from chain_impact.scene.words.unit_text import bracketed_unit, scene_unit, with_unit
+from chain_impact.scene.words.unit_text import bracketed_unit
 from chain_impact.simulation.simulate import simulate
+from chain_impact.studies.fit.estimate_texts import (
+    estimate_ranges,
+    estimate_text,
+    estimate_texts,
+    strongest_correlation,
+)
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.measurements import MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.remarks import alike_neighbours
@@ -52,16 +57,13 @@ from chain_impact.studies.fit.report import (
     count_of_best,
     fits_equally,
     heading,
+    least_certain_of,
     misfit,
-    rounded_text,
     sigma_of,
 )
-from chain_impact.studies.fit.unknown import size_of
 from chain_impact.text import count_text, number_text
 
 MOST_FIT_PANELS = 8  # the largest number of panels; further measured columns are not drawn
-MOST_IN_TITLE = 2  # largest number of parameters in the headline
-MOST_ESTIMATES = 10  # largest number of parameters that are listed below the headline
 CURVE_POINTS = 1500  # number of equal intervals of time between the points of the model's curve
 FIT_PANEL_WIDTH, FIT_PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
 # free space before the first and after the last number on an axis of impact numbers; successive numbers have
@@ -81,7 +83,6 @@ SUPPORT_LIMIT = 10.0  # the ΔAIC from which on the data hardly support a law (B
 # MEAN_PARTS: each point of the running mean of residuals over time is the mean of 1/MEAN_PARTS of the values;
 # LEAST_FOR_MEAN: the least number of values for a running mean; MEAN: the label of its line in matplotlib
 MEAN_PARTS, LEAST_FOR_MEAN, MEAN = 20, 100, "_running mean"
-ERROR_DECIMALS = 7  # the largest number of decimals with which a standard error and its value are written
 # bars, and the grey band of usual residuals, extend from −USUAL_RESIDUAL to USUAL_RESIDUAL standard
 # deviations
 USUAL_RESIDUAL = 2.0
@@ -141,25 +142,27 @@ def fill(figure: Figure, fit: Estimates) -> None:
             axes.tick_params(labelbottom=False)
     poor = ", ".join(alike_neighbours(fit))
     warning = f"errors are too small: neighbouring residuals of {poor} are correlated"
-    notes = [f"rms residual {number_text(misfit(fit, fit), 3)} σ", strongest_correlation(fit)]
+    notes = [strongest_correlation(fit)]
+    if not fit.estimated:  # with an estimated σ, both are about 1 for any model
+        notes.insert(0, f"rms residual {number_text(misfit(fit, fit), 3)} σ")
+        notes.append(f"χ² per degree of freedom {number_text(fit.reduced_chi_squared, 3)}")
     if len(names) < len(fit.columns):
         notes.append(f"{len(names)} of {len(fit.columns)} columns")
-    if len(fit.estimated) < len(fit.columns):
-        notes.append(f"χ² per degree of freedom {number_text(fit.reduced_chi_squared, 3)}")
     marks = "bars and bands" if {*names} & {*MEASURED_OF_IMPACT} else "bands"
     notes.append(f"±: standard error; {marks}: ± {USUAL_RESIDUAL:g} σ")
     if any(line.get_label() == MEAN for axes in figure.axes for line in axes.lines):
         notes.append("line through Δ: its running mean")
     if has_lines:
         notes.append("grey lines: impacts of the model")
-    texts, size = _estimate_texts(fit), heading(fit, ": ").partition(": ")[2]
-    note_count = 1 if is_narrow(figure) else MOST_IN_TITLE
-    title = f"{fit.scene.name}: {', '.join(texts[:note_count])}"
+    size, least_certain = heading(fit, ": ").partition(": ")[2], least_certain_of(fit)
+    texts = estimate_texts(fit, omitted_label=least_certain)
+    title = f"{fit.scene.name}: {estimate_text(fit, least_certain)}"
+    if texts and least_certain not in fit.at_bounds:
+        title += f", least certain of {len(fit.values)}"
     lines = [(warning, PEAK_COLOUR)] * bool(poor)
-    if is_narrow(figure) and len(texts) > 1:  # all estimates stand together below a headline on the fit
-        title = f"{fit.scene.name}: {count_text(len(fit.values), 'parameter')} fitted, {notes.pop(0)}"
-        lines, note_count = lines + [(text, INK) for text in texts], len(texts)
-    write_headline(figure, title, SEPARATOR.join(filter(None, [*texts[note_count:], *notes, size])), *lines)
+    if is_narrow(figure):
+        lines, texts = lines + [(text, INK) for text in texts], []
+    write_headline(figure, title, SEPARATOR.join(filter(None, [*texts, *notes, size])), *lines)
     figure.align_ylabels()
     settle(figure)
 
@@ -200,7 +203,7 @@ def fill_ranking(figure: Figure, fit: Estimates) -> None:
         colours=[PALETTE[0] if fits_equally(entry, fit) else GREY for entry in fit.ranking],
     )
     tied = [entry.fit for entry in fit.ranking if entry.fit and fits_equally(entry, fit)]
-    texts = _ranges(fit, tied) if len(tied) > 1 else _estimate_texts(fit)
+    texts = estimate_ranges(fit, tied) if len(tied) > 1 else estimate_texts(fit)
     texts.append("blue: as good as the best law")
     open_ended = ", ".join(entry.law for entry in fit.ranking if entry.fit and not entry.fit.converged)
     texts += [f"did not converge: {open_ended}"] if open_ended else []
@@ -216,31 +219,6 @@ def fill_ranking(figure: Figure, fit: Estimates) -> None:
         axes.set_xscale("symlog", linthresh=SUPPORT_LIMIT)
         axes.set_xlim(0.0, 2.0 * largest_excess)
     settle(figure)
-
-
-def _ranges(fit: Estimates, tied: Sequence[Estimates]) -> list[str]:
-    """Return texts with the least and the largest estimate of a parameter in the fits ``tied``.
-
-    There is a text for each of the first MOST_ESTIMATES parameters.
-    """
-    value_ranges = []
-    for parameter in fit.parameters[:MOST_ESTIMATES]:
-        values = [tied_fit.values[parameter.label] for tied_fit in tied]
-        ends = " to ".join(dict.fromkeys(number_text(end(values), 3) for end in (min, max)))
-        unit = scene_unit(parameter.unit, fit.scene)
-        value_ranges.append(f"{parameter.label} {raise_exponents(with_unit(ends, unit))} under these laws")
-    return value_ranges
-
-
-def strongest_correlation(fit: Estimates) -> str:
-    """Return words for the largest absolute correlation of two estimates; "" without a correlation."""
-    pairs = np.triu(np.nan_to_num(fit.correlation), 1)
-    if not pairs.any():
-        return ""
-    i, j = np.unravel_index(int(np.abs(pairs).argmax()), pairs.shape)
-    first_name, second_name = (list(fit.values)[k] for k in (i, j))
-    value = f"{pairs[i, j]:.2f}".replace("-", "−")
-    return f"correlation {value} of {first_name} and {second_name}"
 
 
 def _model(fit: Estimates, k: int) -> Result:
@@ -366,34 +344,3 @@ def _numbers(data: Measurements, rows: np.ndarray, result: Result) -> np.ndarray
 def _colours(count: int) -> list[str]:
     """Return the colour of the data of each data set; that of a single one has the colour of text."""
     return [BLACK] if count == 1 else [PALETTE[k % len(PALETTE)] for k in range(count)]
-
-
-def _estimate_texts(fit: Estimates) -> list[str]:
-    """Return a text for each of the first MOST_ESTIMATES parameters.
-
-    If there are more parameters, the last text has the number of these.
-    """
-    texts = [_estimate_text(fit, label) for label in fit.values]
-    rest_count = len(texts) - MOST_ESTIMATES
-    return texts[:MOST_ESTIMATES] + ([f"{rest_count} more parameters"] if rest_count > 0 else [])
-
-
-def _estimate_text(fit: Estimates, label: str) -> str:
-    """Return a parameter with its standard error as text: "contact.restitution 0.7000 ± 0.0013".
-
-    For a parameter at a bound, the text has the bound in place of value and error. If ``size_of`` gives the
-    error in percent, or if the error is 0, not finite, at least 100 or needs more than ERROR_DECIMALS
-    decimals, ``rounded_text`` and ``size_of`` write value and error. Otherwise both have the decimals of the
-    error's first two digits.
-    """
-    parameter = next(parameter for parameter in fit.parameters if parameter.label == label)
-    value, error = fit.values[label], fit.standard_errors[label]
-    if bound := fit.at_bounds.get(label):
-        text = with_unit(number_text(value, 4), scene_unit(parameter.unit, fit.scene))
-        return f"{label} at its {bound} bound {raise_exponents(text)}"
-    size = size_of(parameter, value, error / parameter.slope(value))
-    unit = scene_unit(parameter.unit, fit.scene)
-    decimals = 1 - math.floor(math.log10(error)) if 0.0 < error < math.inf else -1
-    if size.endswith("%") or not 0 <= decimals <= ERROR_DECIMALS:
-        return f"{label} {raise_exponents(with_unit(rounded_text(value, error), unit))} ± {size}"
-    return f"{label} {value:.{decimals}f} ± {raise_exponents(with_unit(f'{error:.{decimals}f}', unit))}"

@@ -58,6 +58,20 @@ def count_of_best(fit: Estimates) -> int:
     return sum(fits_equally(law_fit, fit) for law_fit in fit.ranking)
 
 
+def least_certain_of(fit: Estimates) -> str:
+    """Return the label of the parameter whose standard error is the largest part of its value.
+
+    A parameter at a bound, or without a standard error, comes before the others.
+    """
+
+    def part(label: str) -> float:
+        value, error = abs(fit.values[label]), fit.standard_errors[label]
+        is_unknown = label in fit.at_bounds or not (value and math.isfinite(error))
+        return math.inf if is_unknown else error / value
+
+    return max(fit.values, key=part)
+
+
 def misfit(fit: Estimates, best: Estimates) -> float:
     """Return the root mean square of a fit's residuals, each divided by the σ of its value in ``best``."""
     return math.sqrt(float(np.nanmean((fit.residuals / best.sigma) ** 2)))
