@@ -10,7 +10,7 @@ from chain_impact import SceneError, SimulationError, load_scene, model_names, s
 from chain_impact.kernel import status
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.recording.pacing import frame_rate, frame_times, slow_spans
-from chain_impact.recording.view import ball_of, film_view, pin_mark, radius_of
+from chain_impact.recording.view import ball_of, film_view, pin_lines, radius_of
 from chain_impact.scene.asked_inputs import with_inputs
 from chain_impact.scene.candidates import parts_in_words
 from chain_impact.studies.slow_recording import record_slowly
@@ -208,7 +208,7 @@ def test_the_page_shows_what_an_animation_shows(motions, scene):
     size = np.ptp(view, axis=0).max()
     np.testing.assert_allclose(found["view"], view, atol=0.01 * size)
     assert found["anchor"] == anchor.tolist()
-    lines = pin_mark(known.points) if known.pinned else []
+    lines = pin_lines(known.points) if known.pinned else []
     for here, there in zip(found["pin"], lines, strict=True):
         np.testing.assert_allclose(here, there, atol=0.01 * size)
     assert set(found["energies"]) == {name for name, energy in known.energies.items() if energy.any()}

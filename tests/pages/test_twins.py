@@ -35,7 +35,7 @@ from chain_impact.pictures.film.film import FORCE, MUTED
 from chain_impact.pictures.over_time.energies import ENERGIES, without_gap
 from chain_impact.recording.joint_stops import ranges_of
 from chain_impact.recording.pacing import frame_rate, frame_times, rate_text, slow_spans
-from chain_impact.recording.view import film_view, free_room, pin_mark, places_of, radius_of
+from chain_impact.recording.view import film_view, free_region_within, pin_lines, positions_of, radius_of
 from chain_impact.scene.display.bodies import outlines_from, rail_from
 from chain_impact.scene.half_planes import half_planes
 from chain_impact.scene.words.angles import radians_of
@@ -158,7 +158,7 @@ def test_the_view_of_a_motion(script, seed):
     view, anchor = film_view(places, walls, radius, pinned=pinned)
     close(found["view"], view, size=10.0)
     assert found["anchor"] == anchor.tolist()
-    lines = pin_mark(points) if pinned else []
+    lines = pin_lines(points) if pinned else []
     assert len(found["pin"]) == len(lines)
     for here, there in zip(found["pin"], lines, strict=True):
         close(here, there, size=10.0)
@@ -169,7 +169,7 @@ def test_the_free_region_between_walls(script, seed):
     walls = some_walls(random(seed))
     around = [[-5.0, -4.0], [6.0, 5.0]]
     corners = script.evaluate(ROOM, [free_sides(walls), around])
-    known = free_room(walls.values(), np.array(around))
+    known = free_region_within(walls.values(), np.array(around))
     assert len(corners) == len(known)
     if corners:
         close(corners, known, size=10.0)
@@ -228,7 +228,7 @@ def test_the_page_of_a_recording_shows_the_frames_and_the_view_of_a_film(script,
     points = np.stack([found["x"], found["y"]], axis=-1).reshape(len(times), -1, 2)
     known = [[np.interp(times, result.time, column) for column in rows] for rows in result.all_points.T]
     np.testing.assert_allclose(points, np.array(known).transpose(2, 1, 0), atol=1e-3)
-    view, anchor = film_view(places_of(result), result.walls, radius_of(result), pinned=result.pinned)
+    view, anchor = film_view(positions_of(result), result.walls, radius_of(result), pinned=result.pinned)
     np.testing.assert_allclose(found["view"], view, atol=1e-3 * np.ptp(view))
     assert found["anchor"] == anchor.tolist()
 

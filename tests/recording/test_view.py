@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.recording.view import PIN_HEIGHT, WALL_DISTANCE, pin_mark, view_corners
+from chain_impact.recording.view import PIN_HEIGHT, WALL_DISTANCE, pin_lines, view_corners
 from chain_impact.scene.display.bodies import Rail
 from chain_impact.scene.half_planes import half_planes
 
@@ -47,7 +47,7 @@ def hanging(angles, side=-1.0):
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_a_pinned_base_has_a_ground_mark_away_from_the_chain_and_in_view(side):
     points = hanging([-0.5, 0.0, 0.5], side)
-    lines = np.concatenate(pin_mark(points))
+    lines = np.concatenate(pin_lines(points))
     assert lines[0].tolist() == [1.0, 2.0]
     heights = -side * (lines[:, 1] - 2.0)
     assert heights.min() == 0.0
@@ -61,7 +61,7 @@ def test_the_ground_mark_of_a_base_that_moves_is_in_view_all_the_time():
     way = np.array([[[0.0, 0.0]], [[3.0, 1.0]], [[1.0, 4.0]]])
     points = hanging([-0.5, 0.0, 0.5]) + way
     view, _ = view_corners(points, {}, pinned=True)
-    lines = np.concatenate([np.concatenate(pin_mark(points)) + place for place in way[:, 0]])
+    lines = np.concatenate([np.concatenate(pin_lines(points)) + place for place in way[:, 0]])
     assert (lines >= view[0]).all()
     assert (lines <= view[1]).all()
 

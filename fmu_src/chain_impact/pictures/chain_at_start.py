@@ -20,7 +20,7 @@ from chain_impact.pictures.drawing.style import BLUE, COLOURS, INK, STYLE, VERMI
 from chain_impact.pictures.motion.bodies import body_look
 from chain_impact.pictures.motion.poses import draw_chain
 from chain_impact.pictures.motion.walls import draw_pin, draw_room
-from chain_impact.recording.view import pin_mark
+from chain_impact.recording.view import pin_lines
 from chain_impact.scene.display.bodies import outlines_from, placed_corners, rail_from
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.scene import Scene
@@ -113,7 +113,7 @@ def _chain_figure(
     axes = Figure(figsize=size).add_axes((0.0, 0.0, 1.0, 1.0), xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
     draw_room(axes, centre + 0.5 * scale * np.array([[-1.0], [1.0]]) * size, planes)
-    draw_pin(axes, pin_mark(joints[None]) if scene.chain.base == "pinned" else [])
+    draw_pin(axes, pin_lines(joints[None]) if scene.chain.base == "pinned" else [])
     outlines = outlines_from(scene.values, scene.contact.points)
     bodies = [placed_corners(corners, joints[n - 1], joints[n]) for n, corners in outlines.items()]
     if rail := rail_from(points[None], None, scene.values):

@@ -46,7 +46,7 @@ Key = TypeVar("Key", bound=Hashable)
 several positions."""
 
 
-def pin_mark(points: np.ndarray) -> list[np.ndarray]:
+def pin_lines(points: np.ndarray) -> list[np.ndarray]:
     """Return the lines of the ground mark of a pinned base, a support on hatched ground, at time 0.
 
     If the mean height of all other points is below that of the base, the mark is above the base, else below.
@@ -98,9 +98,9 @@ def view_corners(
     shown_points = np.concatenate(reach[:, None])
     if pinned:
         ways = points[:, 0] - points[0, 0]
-        lines = [line + way for line in pin_mark(points) for way in (ways.min(axis=0), ways.max(axis=0))]
+        lines = [line + way for line in pin_lines(points) for way in (ways.min(axis=0), ways.max(axis=0))]
         shown_points = np.concatenate([shown_points, *lines])
-    if corners := closed_room(walls, reach + room * width * np.array([[-1.0], [1.0]])) if room else []:
+    if corners := enclosure_of(walls, reach + room * width * np.array([[-1.0], [1.0]])) if room else []:
         shown_points = np.concatenate([shown_points, corners])
     view, visible_walls = (
         np.array([shown_points.min(axis=0), shown_points.max(axis=0)]),
@@ -123,34 +123,40 @@ def film_view(
     """Return the view of a film: the rectangle of ``view_corners`` with ROOM_DISTANCE, and a margin.
 
     Returns:
-        The view with its margin, and the first result of ``open_shares`` for the near walls.
+        The view with its margin, and ``anchor_of`` the near walls.
     """
     view, near_walls = view_corners(points, walls, radius, room=ROOM_DISTANCE, pinned=pinned)
     margin = FILM_MARGIN * max(np.ptp(view, axis=0).max(), LEAST_VIEW)
-    return view + margin * np.array([[-1.0], [1.0]]), open_shares(near_walls.values())[0]
+    return view + margin * np.array([[-1.0], [1.0]]), anchor_of(near_walls.values())
 
 
-def open_shares(walls: Iterable[HalfPlane]) -> tuple[np.ndarray, np.ndarray]:
-    """Return how a view is extended: towards sides without a wall.
+def anchor_of(walls: Iterable[HalfPlane]) -> np.ndarray:
+    """Return, for x and for y, the fraction of an extension of a view that goes to the left or down.
 
-    The first result is, for x and for y, the fraction of an extension that goes to the left or down: 1 if
-    only this side has no wall, 0 if only the opposite side has none, 0.5 if both sides have a wall, or none.
-    The second result is, for x and for y, whether at least one of the two sides has no wall.
+    It is 1 if only this side has no wall, 0 if only the opposite side has none, 0.5 if both sides have a
+    wall, or none.
     """
-    # 1 for a side without a wall, else 0: [[left, below], [right, above]]
-    open_sides = np.ones((2, 2))
+    open_sides = _open_sides(walls)
+    shares: np.ndarray = 0.5 + 0.5 * (open_sides[0] - open_sides[1])
+    return shares
+
+
+def has_open_side(walls: Iterable[HalfPlane]) -> np.ndarray:
+    """Return, for x and for y, whether at least one of the two sides of a view has no wall."""
+    is_open: np.ndarray = _open_sides(walls).max(axis=0) > 0.0
+    return is_open
+
+
+def _open_sides(walls: Iterable[HalfPlane]) -> np.ndarray:
+    """Return 1 for a side without a wall, else 0: [[left, below], [right, above]]."""
+    open_sides: np.ndarray = np.ones((2, 2))
     for wall in walls:
         normal = np.array(wall.normal)
         open_sides[0][normal > LEAST_NORMAL_COMPONENT] = open_sides[1][normal < -LEAST_NORMAL_COMPONENT] = 0.0
-    return 0.5 + 0.5 * (open_sides[0] - open_sides[1]), open_sides.max(axis=0) > 0.0
+    return open_sides
 
 
-def size_of(recording: Recording) -> float:
-    """Return the longer side [m] of the rectangle around all positions in a motion."""
-    return size_of_motion(recording.all_points)
-
-
-def places_of(recording: Recording) -> np.ndarray:
+def positions_of(recording: Recording) -> np.ndarray:
     """Return the positions of all points and, if there is a carriage, of its corners, shape (T, M, 2) [m]."""
     if recording.rail is None:
         return recording.all_points
@@ -164,22 +170,22 @@ def radius_of(recording: Recording) -> float:
     The result is 0 if no point can touch, or if the radius is too small to be seen (LEAST_SEEN_RADIUS).
     """
     radius = max(recording.touching_radii.values(), default=0.0)
-    return radius if radius > LEAST_SEEN_RADIUS * size_of(recording) else 0.0
+    return radius if radius > LEAST_SEEN_RADIUS * size_of_motion(recording.all_points) else 0.0
 
 
-def closed_room(walls: Mapping[Key, HalfPlane], view: np.ndarray) -> list[np.ndarray]:
-    """Return the corners of the room that walls enclose, if all of it lies inside a rectangle; else [].
+def enclosure_of(walls: Mapping[Key, HalfPlane], view: np.ndarray) -> list[np.ndarray]:
+    """Return the corners of the free region between walls, if all of it lies inside a rectangle; else [].
 
     Args:
         walls: name → free side.
         view: the rectangle.
     """
-    corners = free_room(walls.values(), view)
+    corners = free_region_within(walls.values(), view)
     is_inside = all(((view[0] < corner) & (corner < view[1])).all() for corner in corners)
     return corners if is_inside else []
 
 
-def free_room(walls: Iterable[HalfPlane], view: np.ndarray) -> list[np.ndarray]:
+def free_region_within(walls: Iterable[HalfPlane], view: np.ndarray) -> list[np.ndarray]:
     """Return the corners of the part of the rectangle ``view`` on the free sides of all walls; [] if none."""
     corners = [view[[i, j], [0, 1]] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
     for wall in walls:

@@ -126,7 +126,7 @@ def test_positions_alone_make_a_film():
 
 def test_a_pinned_base_stands_on_ground(monkeypatch):
     (with_mark,) = pictures(swing(-1.0), 0.0)
-    monkeypatch.setattr("chain_impact.pictures.film.film.pin_mark", lambda _: [])
+    monkeypatch.setattr("chain_impact.pictures.film.film.pin_lines", lambda _: [])
     (without,) = pictures(swing(-1.0), 0.0)
     assert (abs(with_mark.astype(float) - without).max(axis=-1) > 100).sum() > 30
 

@@ -26,7 +26,8 @@ from chain_impact.pictures.words.headline import marked_peaks, peaks
 from chain_impact.pictures.words.impact_numbers import number_list, numbers_of
 from chain_impact.recording.joint_peaks import joint_peaks
 from chain_impact.recording.joint_stops import range_lines
-from chain_impact.recording.view import ball_of, size_of
+from chain_impact.recording.view import ball_of
+from chain_impact.scene.display.bodies import size_of_motion
 from tests.pictures.pictures import boxes, crowd, drawn, hit, motion_of, recorded, swing, texts
 
 
@@ -69,7 +70,7 @@ def test_strong_poses_are_start_end_and_those_of_strong_impacts_apart(model):
     for onset in recording.impacts["onset"][rows_by_speed(recording)]:
         pose = recording.pose_at(onset)
         gap = min(np.hypot(*(pose - other).T).mean() for other in kept)
-        if onset == fastest or gap >= 0.1 * size_of(recording):
+        if onset == fastest or gap >= 0.1 * size_of_motion(recording.all_points):
             kept.append(pose)
             expected.append(onset)
     assert times == sorted(expected)

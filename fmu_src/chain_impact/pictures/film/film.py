@@ -41,7 +41,7 @@ from chain_impact.recording.interactions import FRICTION, JOINT_STOP
 from chain_impact.recording.joint_stops import range_lines, touching_place
 from chain_impact.recording.pacing import SLOW_RATE, TAIL, rate_text
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.view import film_view, pin_mark, places_of, radius_of
+from chain_impact.recording.view import film_view, pin_lines, positions_of, radius_of
 from chain_impact.scene.display.bodies import placed_corners
 
 MUTED = "#566076"
@@ -91,7 +91,7 @@ class Film:
         is_wide = bool((figure.get_size_inches() > 0.99 * np.array(SIZE_WITH_CHARTS)).all())
         self.tells_energies = is_wide and bool(recording.energies)
         radius = radius_of(recording)
-        framing = film_view(places_of(recording), recording.walls, radius, pinned=recording.pinned)
+        framing = film_view(positions_of(recording), recording.walls, radius, pinned=recording.pinned)
         place = places_for(figure, framing[0], is_wide=is_wide, has_charts=self.tells_energies)
         self.scene, sizes = figure.add_axes(place.scene), (13, 15) if is_wide else (10, 10)
         figure.text(place.scene[0], 0.94, recording.name, fontsize=sizes[0], fontweight="bold", va="center")
@@ -195,7 +195,7 @@ class Film:
         self.scene.set(xticks=[], yticks=[])
         self.scene.spines[:].set_visible(False)
         self.view = lower_corner + np.array([np.zeros(2), seen_size])
-        self.pin = pin_mark(self.recording.all_points) if pinned else []
+        self.pin = pin_lines(self.recording.all_points) if pinned else []
         self.room_moves = bool(self.recording.moved_walls) or (
             pinned and has_motion(self.recording.points[:, 0])
         )

@@ -13,7 +13,7 @@ from chain_impact.pictures.drawing.style import INK
 from chain_impact.pictures.motion.view import View
 from chain_impact.pictures.motion.walls import has_motion, moving_walls, wall_line
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.view import pin_mark
+from chain_impact.recording.view import pin_lines
 
 FAINT_WALLS = 8  # the number of faint positions of a moving wall, at equal distances in time
 FAINT_MARKS = 8  # the number of faint ground marks of a moving base, from rows with equally spaced indices
@@ -63,7 +63,7 @@ def _draw_base(axes: Axes, recording: Recording, shade: Any) -> None:
     If the base moves less than the size of its mark, only the mark at the start is drawn, because several
     marks would cover each other.
     """
-    bases, mark = recording.points[:, 0], pin_mark(recording.all_points)
+    bases, mark = recording.points[:, 0], pin_lines(recording.all_points)
     line_style: dict[str, Any] = {"linewidths": 1.2, "capstyle": "round", "zorder": 3}
     if np.ptp(bases, axis=0).max() < np.ptp(np.concatenate(mark), axis=0).max():
         _add(axes, mark, colors=INK, **line_style)

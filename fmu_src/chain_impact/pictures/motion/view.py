@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.view import open_shares, places_of, size_of, view_corners
+from chain_impact.recording.view import anchor_of, has_open_side, positions_of, view_corners
+from chain_impact.scene.display.bodies import size_of_motion
 from chain_impact.scene.half_planes import HalfPlane
 
 # VIEW_MARGIN: the margin of the view around the motion; BAND: how far the view reaches beyond a wall by
@@ -52,7 +53,7 @@ def is_flat(recording: Recording) -> bool:
     """
     if recording.pinned or recording.rail or recording.outlines:
         return False
-    places = drawn_places(recording)
+    places = drawn_positions(recording)
     width, height = np.ptp(places, axis=(0, 1))
     return bool(len(places) > 1 and 0.0 < height < FLATTEST * width)
 
@@ -61,9 +62,11 @@ def seen_size(recording: Recording) -> float:
     """Return the size [m] with which distances between poses are compared.
 
     The size of a motion that ``is_flat`` is the height of its points, because y is drawn enlarged; the size
-    of any other motion is ``size_of``.
+    of any other motion is ``size_of_motion``.
     """
-    return float(np.ptp(recording.points[..., 1])) if is_flat(recording) else size_of(recording)
+    if is_flat(recording):
+        return float(np.ptp(recording.points[..., 1]))
+    return size_of_motion(recording.all_points)
 
 
 def view_of(
@@ -87,7 +90,7 @@ def view_of(
         for name, wall in walls.items()
         if end == 0 or name in recording.moved_walls
     }
-    everywhere, visible_places = dict(places), drawn_places(recording)
+    everywhere, visible_places = dict(places), drawn_positions(recording)
     view, near_walls = view_corners(visible_places, places, pinned=recording.pinned)
     if recording.moved_walls:
         names = {name for name, _ in near_walls}
@@ -105,11 +108,11 @@ def view_of(
     least_sides = np.full(2, LEAST_SIDE_RATIO * sides.max())
     wanted_sides = least_sides if shape is None else np.array([sides[1] / shape, shape * sides[0]])
     wanted_sides = np.minimum(wanted_sides, np.array(growth_factors) * np.maximum(sides, least_sides))
-    earlier_share, is_open = open_shares(near_walls.values())
+    anchor, is_open = anchor_of(near_walls.values()), has_open_side(near_walls.values())
     extra_sides = np.maximum(
         0.0, np.where(is_open, wanted_sides, np.minimum(wanted_sides, least_sides)) - sides
     )
-    view = view + extra_sides * np.stack([-earlier_share, 1.0 - earlier_share])
+    view = view + extra_sides * np.stack([-anchor, 1.0 - anchor])
     met_walls = dict(near_walls)
     for wall_key, wall in everywhere.items():
         normal = np.array(wall.normal)
@@ -129,9 +132,9 @@ def view_of(
     return View(view, list(dict.fromkeys(name for name, _ in met_walls)))
 
 
-def drawn_places(recording: Recording) -> np.ndarray:
+def drawn_positions(recording: Recording) -> np.ndarray:
     """Return the positions of points, corners of a carriage, and DISC_ENDS of discs, shape (T, M, 2) [m]."""
-    places, points = places_of(recording), recording.all_points
+    places, points = positions_of(recording), recording.all_points
     rims = [
         points[:, [point]] + radius * DISC_ENDS
         for point, radius in recording.touching_radii.items()

@@ -14,7 +14,7 @@ from matplotlib.patches import Polygon
 from chain_impact.pictures.drawing.style import INK, OUTSIDE_COLOUR, SHORT_TIMES_COLOUR
 from chain_impact.pictures.motion.view import View, view_of, wall_extremes
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.view import free_room, pin_mark
+from chain_impact.recording.view import free_region_within, pin_lines
 from chain_impact.scene.half_planes import HalfPlane
 
 # a corner of the room in view lies on a wall if its distance from the wall, relative to the size of the view,
@@ -37,7 +37,7 @@ def draw_walls(axes: Axes, recording: Recording, view: View | None = None) -> No
     still_walls = [wall for name, wall in zip(near_walls, at_least, strict=True) if name not in moving_names]
     draw_room(axes, corners, at_least, still_walls)
     if recording.pinned and not has_motion(recording.points[:, 0]):
-        draw_pin(axes, pin_mark(recording.all_points))
+        draw_pin(axes, pin_lines(recording.all_points))
 
 
 def moving_walls(recording: Recording, names: Iterable[str]) -> list[str]:
@@ -52,11 +52,11 @@ def has_motion(places: np.ndarray) -> bool:
 
 def _corners(walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
     """Return the corners of the part of a view on the free side of all ``walls``, shape (C, 2) [m]."""
-    return np.reshape(free_room(walls, view), (-1, 2))
+    return np.reshape(free_region_within(walls, view), (-1, 2))
 
 
 def draw_pin(axes: Axes, lines: list[np.ndarray]) -> list[Artist]:
-    """Draw the ground mark of a pinned base, the ``lines`` of ``pin_mark``; return the artists."""
+    """Draw the ground mark of a pinned base, the ``lines`` of ``pin_lines``; return the artists."""
     line_style: dict[str, Any] = {"colors": INK, "linewidths": 1.2, "capstyle": "round", "zorder": 3}
     if not lines:
         return []

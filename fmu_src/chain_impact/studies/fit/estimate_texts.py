@@ -11,7 +11,7 @@ from chain_impact.pictures.drawing.style import raise_exponents
 from chain_impact.scene.words.unit_text import scene_unit, with_unit
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.report import rounded_text
-from chain_impact.studies.fit.unknown import size_of
+from chain_impact.studies.fit.unknown import error_text
 from chain_impact.text import number_text
 
 MOST_ESTIMATES = 10  # largest number of parameters that are listed below the headline
@@ -31,17 +31,17 @@ def estimate_texts(fit: Estimates, omitted_label: str = "") -> list[str]:
 def estimate_text(fit: Estimates, label: str) -> str:
     """Return a parameter with its standard error as text: "contact.restitution 0.7000 ± 0.0013".
 
-    For a parameter at a bound, the text has the bound in place of value and error. If ``size_of`` gives the
-    error in percent, or if the error is 0, not finite, at least 100 or needs more than ERROR_DECIMALS
-    decimals, ``rounded_text`` and ``size_of`` write value and error. Otherwise both have the decimals of the
-    error's first two digits.
+    For a parameter at a bound, the text has the bound in place of value and error. If ``error_text`` gives
+    the error in percent, or if the error is 0, not finite, at least 100 or needs more than ERROR_DECIMALS
+    decimals, ``rounded_text`` and ``error_text`` write value and error. Otherwise both have the decimals of
+    the error's first two digits.
     """
     parameter = next(parameter for parameter in fit.parameters if parameter.label == label)
     value, error = fit.values[label], fit.standard_errors[label]
     if bound := fit.at_bounds.get(label):
         text = with_unit(number_text(value, 4), scene_unit(parameter.unit, fit.scene))
         return f"{label} at its {bound} bound {raise_exponents(text)}"
-    size = size_of(parameter, value, error / parameter.slope(value))
+    size = error_text(parameter, value, error / parameter.slope(value))
     unit = scene_unit(parameter.unit, fit.scene)
     decimals = 1 - math.floor(math.log10(error)) if 0.0 < error < math.inf else -1
     if size.endswith("%") or not 0 <= decimals <= ERROR_DECIMALS:

@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.scene.words.unit_text import scene_unit, with_unit
 from chain_impact.studies.fit.estimates import Estimates, LawEstimates
 from chain_impact.studies.fit.parameters import LOG_SCALE_REACH, Parameter
-from chain_impact.studies.fit.unknown import size_of
+from chain_impact.studies.fit.unknown import error_text
 from chain_impact.text import TextTable, count_text, number_text, prefixed_unit
 
 # the report names two parameters if the absolute value of their correlation exceeds HIGH_CORRELATION
@@ -106,7 +106,7 @@ def _parameters(fit: Estimates) -> list[Sequence[str]]:
                 parameter.label,
                 number_text(parameter.start, 6),
                 with_unit(rounded_text(value, error), scene_unit(parameter.unit, fit.scene)),
-                size_of(parameter, value, relative_error),
+                error_text(parameter, value, relative_error),
                 _interval(parameter, value, error, fit.intervals[parameter.label]),
             )
         )

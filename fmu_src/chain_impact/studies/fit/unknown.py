@@ -44,14 +44,14 @@ def unknown_parameter_remarks(
         if fisher_information.matrix[p, p] == 0.0:
             yield f"{parameter.label} has no effect on the measured values."
             continue
-        size_text = size_of(parameter, values[p], errors[p])
+        size_text = error_text(parameter, values[p], errors[p])
         text = f"{parameter.label} is not determined by these data: its standard error is {size_text}."
         other_errors = [
             (float(fisher_information.with_held(q).errors[p - (q < p)]), q) for q in weak_indices if q != p
         ]
         error, q = min(other_errors, default=(math.inf, -1))
         if error < ERROR_RATIO * errors[p] and not is_weak(p, error):
-            fixed, left_size = problem.parameters[q].label, size_of(parameter, values[p], error)
+            fixed, left_size = problem.parameters[q].label, error_text(parameter, values[p], error)
             text += f" It acts together with {fixed}: with that held, it would be {left_size}."
         yield text
 
@@ -73,7 +73,7 @@ def is_unknown(parameter: Parameter, value: float, error: float) -> bool:
     return parameter.low == 0.0 and error > UNKNOWN_ERROR * abs(value)
 
 
-def size_of(parameter: Parameter, value: float, error: float) -> str:
+def error_text(parameter: Parameter, value: float, error: float) -> str:
     """Return words for the standard error of a parameter's coordinate.
 
     The words for an infinite error are "infinite". If the coordinate is a logarithm, the words are a
