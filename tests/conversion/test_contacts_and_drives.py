@@ -319,7 +319,7 @@ def test_a_held_joint_has_no_remark(tmp_path):
 def test_a_keyframe_is_chosen(tmp_path):
     keys = '<keyframe><key name="low" qpos=".1 .2"/><key name="high" qpos="-1 .5"/></keyframe>'
     first, done = read(tmp_path, arm(rest=keys))
-    assert "start: keyframe low; --keyframe can take high, none" in done.notes
+    assert "start: keyframe low; keyframe can be high, none" in done.notes
     assert first.initial.angles == pytest.approx((-0.1, -0.3))
     high, _ = read(tmp_path, arm(rest=keys), keyframe="high")
     assert high.initial.angles == pytest.approx((1.0, 0.5))
@@ -356,12 +356,12 @@ def test_a_proposal_converts(tmp_path):
         parent, place = ("base", "0 0 1") if i == 0 else (f"l{i - 1}", "0 0 0" if i == 6 else ".2 0 0")
         parts.append(joint(f"j{i + 1}", parent, f"l{i}", place, axis=axis))
     told = refused(tmp_path, urdf(*parts))
-    names = told.partition("--joints ")[2].partition(" takes")[0].split(",")
+    names = told.partition("choose joints ")[2].partition(":")[0].split(",")
     assert names[:2] == ["j2", "j4"]
     scene, _ = read(tmp_path, urdf(*parts), joints=names)
     assert len(scene.chain.links) == len(names) == 3
     told = refused(tmp_path, urdf(*parts), joints=["j2", "j4", "j6", "j7"])
-    assert "joints j6 and j7 have the same axis; --joints j2,j4,j7 takes" in told
+    assert "joints j6 and j7 have the same axis; choose joints j2,j4,j7: these make" in told
 
 
 def test_the_command_tells_warnings_first_and_quietly_nothing(tmp_path, capfd):

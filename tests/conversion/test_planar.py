@@ -165,7 +165,7 @@ def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
             arm(hinge("a"), hinge("b", (0.0, 0.0, 1.0)), hinge("c")),
             (),
             "arm.urdf: the axes of the joints are not parallel: the robot is not a planar chain; "
-            "--joints a,c",
+            "choose joints a,c:",
         ),
         (arm(hinge("a")), ("c",), "arm.urdf: c is not a joint; joints: a"),
         (
@@ -192,7 +192,7 @@ def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
                 gravity=DOWN,
             ),
             (),
-            "joints a and b have the same axis; --joints b takes joints that make a chain",
+            "joints a and b have the same axis; choose joints b: these make a chain",
         ),
     ],
 )

@@ -19,16 +19,16 @@ def cart(axis="1 0 0", more="", **parts):
 
 def test_a_slide_out_of_plane_or_after_a_hinge_is_refused(tmp_path):
     assert "joint rail slides" in (told := refused(tmp_path, cart("0 1 0")))
-    assert "--joints a,b takes joints" in told
+    assert "choose joints a,b: these" in told
     finger = '<body pos=".3 0 0"><joint name="finger" type="slide" axis="1 0 0"/><geom size=".02"/></body>'
     text = arm().replace('<site name="tip" pos=".3 0 0"/>', f'<site name="tip" pos=".3 0 0"/>{finger}')
     assert "joint finger slides" in (told := refused(tmp_path, text))
-    assert "--joints a,b takes joints" in told
+    assert "choose joints a,b: these" in told
 
 
 def test_joints_about_several_axes_give_a_proposal_of_a_slide_and_hinges(tmp_path):
     text = cart().replace('<joint name="b" axis="0 1 0"', '<joint name="b" axis="0 0 1"')
-    assert "--joints rail,a takes" in refused(tmp_path, text)
+    assert "choose joints rail,a:" in refused(tmp_path, text)
 
 
 def test_a_slide_is_a_slider_with_what_its_joint_and_drives_have(tmp_path):

@@ -22,7 +22,7 @@ def test_equal_limits_name_the_joint_and_what_converts(tmp_path):
     parts = [link("u"), link("l"), joint("a", "base", "u", **limited(0, 0)), joint("b", "u", "l", ".3 0 0")]
     told = refused(tmp_path, urdf(*parts))
     assert "joint a: its limits are equal, 0 rad, so it cannot move" in told
-    assert "--joints b takes joints that make a chain" in told
+    assert "choose joints b: these make a chain" in told
     scene, _ = read(tmp_path, urdf(*parts), joints=["b"])
     assert len(scene.chain.links) == 1
     parts[2] = joint("a", "base", "u", **limited(1, -1))

@@ -36,8 +36,7 @@ from chain_impact.cli.progress import complain, out, say
 from chain_impact.compilation.errors import BuildError
 from chain_impact.console import prepare_console
 from chain_impact.extras import MissingExtraError
-from chain_impact.results.animation import AnimationError
-from chain_impact.scene.errors import SceneError, SceneWarning
+from chain_impact.scene.errors import RefusalError, SceneWarning
 from chain_impact.scene.words.similar_names import nearest_name
 from chain_impact.simulation.errors import RunError
 
@@ -73,8 +72,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with show_hints(), drawing_in_style(options):
             code: int = options.run(options)
-    except (AnimationError, SceneError, UsageError, BuildError, RunError) as error:
-        complain(with_option(str(error), typed_names))
+    except (RefusalError, BuildError, RunError) as error:
+        complain(with_option(error, typed_names))
         return 3 if isinstance(error, BuildError | RunError) else 2
     except ImportError as error:
         damaged = not isinstance(error, MissingExtraError)
@@ -85,7 +84,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         remedy = (
             similar_file_hint(error.filename) if error.errno == ENOENT else REMEDIES.get(error.errno or 0)
         )
-        complain(with_option(f"{fault}; {remedy}" if remedy else fault, typed_names))
+        complain(with_option(UsageError(f"{fault}; {remedy}" if remedy else fault), typed_names))
         return 2
     except KeyboardInterrupt:
         complain("interrupted")

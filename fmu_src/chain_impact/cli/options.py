@@ -14,6 +14,7 @@ from chain_impact.cli.completers import DEFAULT_SCENE, complete, settings
 from chain_impact.cli.progress import say
 from chain_impact.fmu.inputs import InputTable
 from chain_impact.scene.asked_inputs import with_inputs
+from chain_impact.scene.errors import RefusalError
 from chain_impact.scene.files.models import model_names, scene_file_path
 from chain_impact.scene.scene import Scene, load_scene
 from chain_impact.scene.settings import with_settings
@@ -32,7 +33,7 @@ SETTING = "contact.stiffness=1e9"  # the example of a setting in errors
 MILLIMETRES = (51, 1500)  # the least and the largest width or height of a picture [mm]
 
 
-class UsageError(ValueError):
+class UsageError(RefusalError):
     """Raised for an argument of the command that cannot be used; the message is one line."""
 
 

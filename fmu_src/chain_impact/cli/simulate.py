@@ -35,7 +35,7 @@ from chain_impact.recording.curves import Curves, curves_of
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.tables import SUFFIXES
 from chain_impact.results.result import Result
-from chain_impact.scene.errors import SceneError
+from chain_impact.scene.errors import RefusalError
 from chain_impact.simulation.errors import RunError
 from chain_impact.studies.accuracy import Differences
 from chain_impact.text import count_text
@@ -324,7 +324,7 @@ def curves_in(recording: Recording, source: Source, choice: PictureChoice) -> Cu
             return recording.curves(choice.curves, choice.impact)
         return curves_of(recording, choice.curves, source.units(), around=choice.impact)
     except ValueError as error:
-        raise error if isinstance(error, SceneError) else UsageError(str(error)) from None
+        raise error if isinstance(error, RefusalError) else UsageError(str(error)) from None
 
 
 def draw_curves(canvas: Canvas, recording: Recording, curves: Curves) -> None:

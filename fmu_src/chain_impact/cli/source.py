@@ -146,7 +146,7 @@ class Source:
             raise UsageError(f"--check: {self.name} has no parameter {TOLERANCE}")
         tolerance = value_of(values.get(TOLERANCE, starts[TOLERANCE]))
         if not isinstance(tolerance, int | float):
-            raise UsageError(f"{self.name}: {TOLERANCE} = {tolerance} must be a number")
+            raise UsageError("must be a number", source=self.name, name=TOLERANCE, value=str(tolerance))
         return float(tolerance)
 
     def differences(self, recording: Recording) -> Differences:

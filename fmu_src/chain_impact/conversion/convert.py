@@ -77,7 +77,7 @@ def read_robot(path: Path, keyframe: str | None = None) -> Robot:
     if root != "robot":
         raise SceneError(f"{path}: its root element is {root!r}, must be 'robot' (URDF) or 'mujoco' (MJCF)")
     if keyframe is not None:
-        raise SceneError(f"{path}: --keyframe {keyframe}: URDF has no keyframes")
+        raise SceneError(": URDF has no keyframes", source=str(path), argument="keyframe", value=keyframe)
     return read_urdf(path)
 
 

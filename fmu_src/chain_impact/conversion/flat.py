@@ -82,13 +82,16 @@ def _chosen_axes(axis: np.ndarray, directions: str, source: str) -> tuple[np.nda
     names = [part.strip() for part in directions.split(",")]
     allowed_text = f"must be two of {', '.join(axes)}, for example x,z"
     if len(names) != 2 or any(name not in axes for name in names):  # noqa: PLR2004
-        raise SceneError(f"--plane {directions}: {allowed_text}")
+        raise SceneError(allowed_text, argument="plane", value=directions)
     x, y = (axes[name] for name in names)
     if abs(np.dot(x, y)) > PARALLEL_ANGLE or max(abs(np.dot(x, axis)), abs(np.dot(y, axis))) > PARALLEL_ANGLE:
         turning = " ".join(f"{part:.4g}" for part in _without_round_off(axis))
         raise SceneError(
-            f"{source}: --plane {directions}: x and y must be at right angles to each other and to the "
-            f"axes of the joints, which point along ({turning})"
+            ": x and y must be at right angles to each other and to the axes of the joints, which point "
+            f"along ({turning})",
+            source=source,
+            argument="plane",
+            value=directions,
         )
     return x, y
 

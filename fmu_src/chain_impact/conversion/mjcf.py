@@ -88,7 +88,7 @@ def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[
         mujoco.mj_resetDataKeyframe(model, data, names.index(wanted_name))
     state = (data.qpos, data.qvel, data.ctrl, data.act, data.mocap_pos, data.mocap_quat)
     other_names = [name for name in names if name != wanted_name]
-    more_text = f"; --keyframe can take {', '.join([*other_names[:4], NO_KEYFRAME])}" if names else ""
+    more_text = f"; keyframe can be {', '.join([*other_names[:4], NO_KEYFRAME])}" if names else ""
     note = [f"start: keyframe {wanted_name}{more_text}"] if names else []
     return Start(*map(np.array, state)), note
 

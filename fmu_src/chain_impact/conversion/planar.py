@@ -230,7 +230,7 @@ class _Conversion:
         if tip is not None or reach[name] > ZERO_LENGTH:
             rivals = [end for end in reach if reach[end] > ZERO_LENGTH and end != name]
             rivals.sort(key=lambda end_name: -reach[end_name])
-            hint = f"; --tip can take {names_text(rivals, LINE_NAMES)}" if rivals and tip is None else ""
+            hint = f"; tip can be {names_text(rivals, LINE_NAMES)}" if rivals and tip is None else ""
             self.notes.append(f"tip: the last link ends at {name}, {reach[name]:.6g} m from its joint{hint}")
             return ends[name]
         self.notes.append(

@@ -40,7 +40,7 @@ def chain_of(
         names = _propose_joints(robot, choices, source, check)
         if names is None:
             raise
-        proposal = f"--joints {','.join(names)} takes joints that make a chain, and holds the others"
+        proposal = f"choose joints {','.join(names)}: these make a chain, and the others are held"
         raise NoChainError(f"{error}; {proposal}", names) from None
     check(result)
     return result

@@ -230,7 +230,7 @@ def _known_parameter(name: str, parameters: Mapping[str, Any]) -> Any:
 
 def _positive_number(value: Any) -> float:
     if not _is_number(value) or not 0.0 < value < float("inf"):
-        raise SceneError(f"= {value} must be a finite number > 0 [s]")
+        raise SceneError("must be a finite number > 0 [s]", value=str(value))
     return float(value)
 
 
@@ -249,9 +249,9 @@ def _start_value(variable: Any, value: Any) -> float | int:
         if isinstance(number, Integral) and number in numbers.values() and not isinstance(number, bool):
             return int(number)
         meant_text = nearest_choice(value, numbers)
-        raise SceneError(f"= {value} must be one of {', '.join(numbers)}{meant_text}")
+        raise SceneError(f"must be one of {', '.join(numbers)}{meant_text}", value=str(value))
     number = radians_of(value, variable.unit or "")
     if not _is_number(number):
         needed_text = f"a number{or_degrees(variable.unit or '')}"
-        raise SceneError(f"= {value} must be {needed_text}")
+        raise SceneError(f"must be {needed_text}", value=str(value))
     return float(number)

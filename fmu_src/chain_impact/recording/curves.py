@@ -11,7 +11,7 @@ from chain_impact.recording.course import Repeatable
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.pacing import impact_ends
 from chain_impact.recording.recording import Recording
-from chain_impact.scene.errors import names_matching
+from chain_impact.scene.errors import RefusalError, names_matching
 from chain_impact.variables.hints import series_hint
 
 # TIMES_WITHIN_IMPACT: number of additional times within an impact; MOST_REFINED_IMPACTS: largest number of
@@ -176,7 +176,8 @@ def window(recording: Recording, impact_number: int | None) -> tuple[float | Non
         return None, start, end
     count = len(recording.impacts)
     if not 1 <= impact_number <= count:
-        raise ValueError(f"{recording.name}: around = {impact_number!r} must be {impact_numbers(count)}")
+        requirement = f"must be {impact_numbers(count)}"
+        raise RefusalError(requirement, source=recording.name, argument="around", value=repr(impact_number))
     impact = recording.impacts[impact_number - 1]
     onset, run = float(impact["onset"]), end - start
     duration = LASTING_SHARE * run if lasts(impact) else float(impact["end"]) - onset

@@ -12,13 +12,14 @@ from chain_impact.pages.recorded import page
 from chain_impact.progress import Progress, no_progress
 from chain_impact.recording.pacing import IMPACT_TIME
 from chain_impact.recording.recording import Recording
+from chain_impact.scene.errors import RefusalError
 
 FORMATS = (".html", ".gif", ".mp4")
 FILM_SIZE = (960, 540)  # [pixels] default width and height of a film
 LEAST_SIDE, MOST_SIDE = 160, 4096  # [pixels] the range of the width and of the height of a film
 
 
-class AnimationError(ValueError):
+class AnimationError(RefusalError):
     """Raised when an animation cannot be made; the message is one line."""
 
 
@@ -40,11 +41,13 @@ def write_animation(
     if kind not in FORMATS:
         raise AnimationError(f"{path}: the name must end in {', '.join(FORMATS)}")
     if speed is not None and not 0.0 < speed < math.inf:
-        raise AnimationError(f"speed = {speed:g} must be a finite number > 0")
+        raise AnimationError("must be a finite number > 0", argument="speed", value=f"{speed:g}")
     if not 0.0 <= impact_time < math.inf:
-        raise AnimationError(f"impact_time = {impact_time:g} must be a finite number >= 0 [s]")
+        requirement = "must be a finite number >= 0 [s]"
+        raise AnimationError(requirement, argument="impact_time", value=f"{impact_time:g}")
     if not all(LEAST_SIDE <= length <= MOST_SIDE for length in size):
-        raise AnimationError(f"size = {size}: width and height must be {LEAST_SIDE} … {MOST_SIDE} [pixels]")
+        requirement = f": width and height must be {LEAST_SIDE} … {MOST_SIDE} [pixels]"
+        raise AnimationError(requirement, argument="size", value=str(size))
     if len(recording.time) <= 1 or not recording.points.shape[1]:
         raise AnimationError(f"{recording.name}: an animation needs two rows at least, with point[0].x")
     if path is None:

@@ -37,7 +37,7 @@ def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
     try:
         read_law(path)
     except LawError as error:
-        raise error_at(("contact", "law_file"), f"= {file!r} {error}") from None
+        raise error_at(("contact", "law_file"), str(error), repr(file)) from None
     return replace(scene, contact=replace(scene.contact, law_file=str(path)))
 
 

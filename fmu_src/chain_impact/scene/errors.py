@@ -15,7 +15,50 @@ NAMED_PARTS = 8  # a message lists quantities of only one owner: at most this nu
 SHOWN_CHARACTERS = 60  # a message has at most this number of characters of a value, then ...
 
 
-class SceneError(ValueError):
+class RefusalError(ValueError):
+    """Base of the errors on a value that a user gives: a message of parts, without names of options.
+
+    The message is "<source>: <argument> of <name> = <value> <requirement>", without the parts that are "".
+
+    Attributes:
+        source: the name of the scene or file, with which the message begins.
+        argument: the argument of the Python function that has the refused value, such as ``samples``.
+        name: the name of the refused value, such as ``contact.stiffness``.
+        value: the text of the refused value.
+        fault: the rest of the message: "= <value>", if there is a value, and what is required.
+    """
+
+    def __init__(
+        self, requirement: str, *, source: str = "", argument: str = "", name: str = "", value: str = ""
+    ) -> None:
+        """Store the parts of the message that are known where the fault is found; others can be set later."""
+        super().__init__(requirement)
+        self.source, self.argument, self.name, self.value = source, argument, name, value
+        self.fault = _joined(f"= {value}", requirement) if value else requirement
+
+    @property
+    def subject(self) -> str:
+        """What is refused: argument, name and value, as far as the message has them."""
+        equals_text = f"= {self.value}" * bool(self.value)
+        return " ".join(filter(None, [" of ".join(filter(None, [self.argument, self.name])), equals_text]))
+
+    def message(self, subject: str | None = None) -> str:
+        """Return the message; ``subject`` replaces the text ``self.subject`` in the message."""
+        subject = self.subject if subject is None else subject
+        requirement = self.fault.removeprefix(f"= {self.value}").lstrip() if self.value else self.fault
+        return f"{self.source}: " * bool(self.source) + _joined(subject, requirement)
+
+    def __str__(self) -> str:
+        """Return the message as one line, also if names or values in the message have line breaks."""
+        return " ".join(self.message().splitlines())
+
+
+def _joined(subject: str, requirement: str) -> str:
+    """Return both texts, with a space between them unless ``requirement`` begins with ":" or ","."""
+    return subject + " " * (bool(subject) and not requirement.startswith((":", ","))) + requirement
+
+
+class SceneError(RefusalError):
     """Raised when a scene, an argument or a file cannot be used.
 
     The message is one line. It tells, as far as they are known, the file, the key, the value and what is
@@ -23,30 +66,25 @@ class SceneError(ValueError):
 
     Attributes:
         path: the path of the key in the scene file; () if it is not known.
-        source: the name of the scene or file, with which the message begins; "" for none.
-        name: the name of the refused value, which follows in the message; "" for none.
-        fault: the rest of the message, such as the value and the allowed values.
-        line: the number of the line in the file, which follows in the message; None if it is not known.
+        line: the number of the line in the file, with which the message ends; None if it is not known.
         others: errors on other keys of the same file, with which the message ends.
         meant: the name of the key in the same table for which the unknown last key of the path probably
             stands; "" for none.
     """
 
-    def __init__(self, fault: str, path: DataPath = (), name: str = "") -> None:
-        """Store the parts of the message that are known where the fault is found; others can be set later."""
-        super().__init__(fault)
-        self.path, self.name, self.fault, self.source = path, name, fault, ""
+    def __init__(self, requirement: str, path: DataPath = (), name: str = "", **parts: str) -> None:
+        """Store the parts of the message; ``parts`` are other parts, as in the base class."""
+        super().__init__(requirement, name=name, **parts)
+        self.path = path
         self.line: int | None = None
         self.others: list[SceneError] = []
         self.meant = ""
 
-    def __str__(self) -> str:
-        """Return the message as one line, also if names or values in the message have line breaks."""
-        place = f"{self.source}: " * bool(self.source) + self.name
-        separator = " " * (bool(self.name) and not self.fault.startswith(":"))
+    def message(self, subject: str | None = None) -> str:
+        """Return the message; ``subject`` replaces the text ``self.subject`` in the message."""
         line_text = "" if self.line is None else f" (at line {self.line})"
         other_faults = f"; {len(self.others)} more: {'; '.join(map(str, self.others))}" if self.others else ""
-        return " ".join(f"{place}{separator}{self.fault}{line_text}{other_faults}".splitlines())
+        return f"{super().message(subject)}{line_text}{other_faults}"
 
     def __repr__(self) -> str:
         """Return the class with the whole message."""
@@ -69,12 +107,14 @@ def refusal(path: DataPath, fault: str, **words: object) -> SceneError:
 
     ``words`` replace the words in braces in the sentence.
     """
-    return error_at(path, sentence(fault, **words))
+    text, value = sentence(fault, **words), str(words.get("value", ""))
+    begins_with_value = text.startswith(f"= {value}") and value
+    return error_at(path, *((text[len(f"= {value}") :].lstrip(), value) if begins_with_value else (text,)))
 
 
-def error_at(path: DataPath, fault: str) -> SceneError:
-    """Return the error whose name is the text of ``path``, or "scene" for (), with the fault ``fault``."""
-    return SceneError(fault, path, path_text(path) or "scene")
+def error_at(path: DataPath, requirement: str, value: str = "") -> SceneError:
+    """Return the error whose name is the text of ``path``, or "scene" for ()."""
+    return SceneError(requirement, path, path_text(path) or "scene", value=value)
 
 
 def no_wall_error(path: DataPath, walls: Collection[str], value: str = "") -> SceneError:
@@ -117,8 +157,7 @@ class UnknownNameError(SceneError, KeyError):
             near_name = proposed_name(name, names) if isinstance(name, str) else None
             hint = f"the nearest is {near_name}" if near_name else _names_of_owner(name, names) or otherwise
         text = name if isinstance(name, str) else value_text(name)
-        super().__init__(f"is {what}; {hint}", name=text)
-        self.source = source
+        super().__init__(f"is {what}; {hint}", name=text, source=source)
 
 
 def _names_of_owner(name: object, names: Collection[str]) -> str:

@@ -124,14 +124,14 @@ def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signa
         status = path.stat()
         times, columns = _read_samples(path, status.st_mtime_ns, status.st_size, stop)
     except OSError as error:
-        raise error_at(key, f"= {signal.file!r} cannot be read ({error.strerror})") from None
+        raise error_at(key, f"cannot be read ({error.strerror})", repr(signal.file)) from None
     except SceneError as error:
         raise error_at(key, f": {error}") from None
     for input_name in signal.input:
         if input_name not in columns:
             near_name = nearest_name(input_name, columns)
             hint = f"; the nearest is {near_name}" if near_name else f"; it has {', '.join(columns)}"
-            raise error_at(key, f"= {signal.file!r} has no column {input_name}{hint}")
+            raise error_at(key, f"has no column {input_name}{hint}", repr(signal.file))
     return replace(
         signal,
         file=str(path),

@@ -74,7 +74,7 @@ def check_masses(chain: ChainTable) -> None:
         )
         reason = f"the link could turn about its centre of mass without moving any mass ({link_text})"
         path = ("chain", "links", first, "inertia")
-        raise error_at(path, f"= {link.inertia}{other_text} must be > 0: {reason}")
+        raise error_at(path, f"{other_text} must be > 0: {reason}".lstrip(), str(link.inertia))
     path, end = (("chain", "links", i, "inertia") for i in (first, last))
     reason = "on one line, these links could turn about their centres of mass without moving any mass"
     raise error_at(path, f"to {path_text(end)} = 0.0; one of them{other_text} must be > 0: {reason}")

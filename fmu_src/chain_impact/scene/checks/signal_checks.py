@@ -98,8 +98,8 @@ def _check_period(name: str, signal: Signal, samples: Samples) -> None:
     if period is None:
         return
     if lasts > period * (1.0 + PERIOD_TOLERANCE):
-        fault = f"= {period:g} must be >= {lasts:g} [s], the duration of its table"
-        raise error_at(("signals", name, "period"), fault)
+        requirement = f"must be >= {lasts:g} [s], the duration of its table"
+        raise error_at(("signals", name, "period"), requirement, f"{period:g}")
     for column, values in samples.columns:
         if is_closed(signal) and values[-1] != values[0] and joined_by(signal, column) != "hold":
             raise SceneError(
@@ -125,8 +125,9 @@ def check_table(name: str, signal: Signal, quantity: str, order: int) -> None:
     if signal.interpolation and forms and signal.interpolation not in forms:
         raise error_at(
             ("signals", name, "interpolation"),
-            f'= "{signal.interpolation}" must be {" or ".join(map(_quote, forms))} where {quantity} is '
-            "driven: its velocity would jump, which would be an impact of unknown strength",
+            f"must be {' or '.join(map(_quote, forms))} where {quantity} is driven: its velocity would jump, "
+            "which would be an impact of unknown strength",
+            _quote(signal.interpolation),
         )
     times = np.array(signal.samples.times if signal.samples else ())
     for jump in times[jumps_of(times)] if forms else ():
@@ -137,8 +138,9 @@ def check_table(name: str, signal: Signal, quantity: str, order: int) -> None:
     if signal.period and order == 2:  # noqa: PLR2004
         raise error_at(
             ("signals", name, "period"),
-            f"= {signal.period:g} must be left out where an acceleration is driven: the velocity would grow "
-            "with each period; drive the velocity or the position",
+            "must be left out where an acceleration is driven: the velocity would grow with each period; "
+            "drive the velocity or the position",
+            f"{signal.period:g}",
         )
 
 

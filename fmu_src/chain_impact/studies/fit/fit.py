@@ -257,7 +257,10 @@ def _check_sigma(scene: Scene, sigma: Iterable[str], data_sets: Sequence[Measure
     for name in sigma:
         if name not in names:
             raise SceneError(
-                f"{scene.name}: sigma of {name}: no such column was measured, but {', '.join(sorted(names))}"
+                f": no such column was measured, but {', '.join(sorted(names))}",
+                source=scene.name,
+                argument="sigma",
+                name=name,
             )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -118,7 +119,10 @@ def parameters_of(
         if name not in names:
             near_names = nearest_name(name, names) or ", ".join(names)
             raise SceneError(
-                f"{scene.name}: bounds of {name}: the parameter is not free; free is {near_names}"
+                f": the parameter is not free; free is {near_names}",
+                source=scene.name,
+                argument="bounds",
+                name=name,
             )
     shared_parameters = [_parameter(variables[name], scene, bounds.get(name), None) for name in free_names]
     own_parameters = [
@@ -143,25 +147,28 @@ def _parameter(
         given_low, given_high = _ends(variable, bounds)
         low, high = max(low, given_low), min(high, given_high)
         if not low < high:
-            raise SceneError(f"{scene.name}: bounds of {variable.name}: {low:g} must be < {high:g}")
+            raise SceneError(
+                f": {low:g} must be < {high:g}", source=scene.name, argument="bounds", name=variable.name
+            )
         if not low <= start <= high:
             raise SceneError(
-                f"{scene.name}: {variable.name} = {start:g}, where the search starts, must be within its "
-                f"bounds, {low:g} to {high:g}"
+                f", where the search starts, must be within its bounds, {low:g} to {high:g}",
+                source=scene.name,
+                name=variable.name,
+                value=f"{start:g}",
             )
     return Parameter(variable.name, variable.unit, start, low, high, logarithmic, data_set)
 
 
 def _ends(variable: Variable, bounds: str | tuple[float | None, float | None]) -> tuple[float, float]:
     """Return the lower and the upper bound that ``bounds`` gives a variable; ± infinity for no bound."""
+    refused_bounds = partial(SceneError, argument="bounds", name=variable.name, value=value_text(bounds))
     parts = bounds.split(":") if isinstance(bounds, str) else list(bounds)
     try:
         low, high = (sign * math.inf if part in ("", None) else float(radians_of(part, variable.unit))
                      for sign, part in zip((-1, 1), parts, strict=True))  # fmt: skip
     except (TypeError, ValueError):
-        raise SceneError(
-            f"bounds of {variable.name} = {value_text(bounds)} must be LOW:HIGH, LOW: or :HIGH"
-        ) from None
+        raise refused_bounds("must be LOW:HIGH, LOW: or :HIGH") from None
     if np.isnan([low, high]).any():
-        raise SceneError(f"bounds of {variable.name} = {value_text(bounds)} must be numbers")
+        raise refused_bounds("must be numbers")
     return low, high

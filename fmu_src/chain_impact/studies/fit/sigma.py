@@ -26,7 +26,10 @@ def standard_deviation(name: str, given_sigma: float | str, value: float) -> flo
         number = -math.inf
     if not math.isfinite(number) or number <= 0.0:
         raise SceneError(
-            f"sigma of {name} = {value_text(given_sigma)} must be a number > 0, or percent of each value: 2%"
+            "must be a number > 0, or percent of each value: 2%",
+            argument="sigma",
+            name=name,
+            value=value_text(given_sigma),
         )
     return number / 100.0 * abs(value) if text.endswith(PERCENT) else number
 

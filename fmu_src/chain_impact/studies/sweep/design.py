@@ -144,8 +144,11 @@ def grid_design(variations: Sequence[Variation], source: str) -> Design:
         if variation.interval:
             ends = ":".join(f"{end:g}" for end in variation.values)
             raise SceneError(
-                f"{source}: {variation.name} = {ends} is an interval without a number of values: write "
-                f"{ends}:9 for nine values, or ask for samples (--samples N, samples=N)"
+                f"is an interval without a number of values: write {ends}:9 for nine values, or ask for "
+                "samples",
+                source=source,
+                name=variation.name,
+                value=ends,
             )
     return Design(tuple(variations))
 
@@ -164,7 +167,7 @@ def sampled_design(
         SceneError: when an argument is not allowed.
     """
     if sampling not in SAMPLINGS:
-        raise SceneError(f"{source}: sampling = {sampling!r} must be lhs or sobol")
+        raise SceneError("must be lhs or sobol", source=source, argument="sampling", value=repr(sampling))
     most_runs = MOST_RUNS if sampling == "lhs" else MOST_SOBOL
     count = checked_integer(source, "samples", count, end=most_runs + 1)
     seed = checked_integer(source, "seed", seed, least_number=0, end=MOST_SEEDS)
@@ -184,7 +187,8 @@ def checked_integer(
     bound = "" if end is None else f" and < {end}"
     integral = isinstance(number, Integral) and not isinstance(number, bool)
     if not integral or number < least_number or (end is not None and number >= end):
-        raise SceneError(f"{source}: {name} = {number} must be a whole number >= {least_number}{bound}")
+        requirement = f"must be a whole number >= {least_number}{bound}"
+        raise SceneError(requirement, source=source, argument=name, value=str(number))
     return int(number)
 
 

@@ -135,9 +135,9 @@ def _range(variable: Variable, text: str) -> Variation:
     """
     parts = text.split(":")
     logarithmic = parts[-1].strip() == LOG
-    range_error = SceneError(f"= {text} must be {FORMS}")
+    range_error = SceneError(f"must be {FORMS}", value=text)
     if variable.items:
-        raise SceneError(f"= {text} must be a list of choices, {variable.allowed}")
+        raise SceneError(f"must be a list of choices, {variable.allowed}", value=text)
     try:
         low, high, *count = parts[: len(parts) - logarithmic]
         ends = np.array([float(radians_of(end, variable.unit)) for end in (low, high)])
@@ -147,9 +147,9 @@ def _range(variable: Variable, text: str) -> Variation:
     if len(numbers) > 1:
         raise range_error
     if numbers and not 1 < numbers[0] <= MOST_VALUES:
-        raise SceneError(f"= {text} must have 2 to {MOST_VALUES} values")
+        raise SceneError(f"must have 2 to {MOST_VALUES} values", value=text)
     if logarithmic and not (ends > 0.0).all():
-        raise SceneError(f"= {text} must have ends > 0, to be spaced by logarithm")
+        raise SceneError("must have ends > 0, to be spaced by logarithm", value=text)
     if not numbers:
         return Variation(variable, ends, interval=True, logarithmic=logarithmic)
     space = np.geomspace if logarithmic else np.linspace
@@ -173,7 +173,7 @@ def _number(variable: Variable, value: object) -> float:
         needed_text = variable.allowed + or_degrees(variable.unit) + nearest_choice(value, names)
         if RANGE.fullmatch(str(value)):
             needed_text += "; a range is written 0.1:0.9:9, with the number of its values"
-        raise SceneError(f"= {value} must be {needed_text}") from None
+        raise SceneError(f"must be {needed_text}", value=str(value)) from None
 
 
 def _check(variation: Variation) -> None:
@@ -189,4 +189,4 @@ def _check(variation: Variation) -> None:
     if variable.items:
         is_finite &= np.isin(values, np.arange(1, len(variable.items) + 1))
     for wrong_value in values[~is_finite]:
-        raise SceneError(f"= {wrong_value:.17g} must be {variable.allowed}")
+        raise SceneError(f"must be {variable.allowed}", value=f"{wrong_value:.17g}")
