@@ -5,11 +5,19 @@ from pathlib import Path
 
 import pytest
 
+from chain_impact.scene.contents import Contents
+from chain_impact.scene.reading import keys_of
+
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "fmu_src" / "chain_impact"
 PAGE = (ROOT / "docs" / "development" / "recipes.md").read_text(encoding="utf-8")
-KINDS = (".py", ".js", ".c", ".h")
-SOURCES = [file for file in PACKAGE.rglob("*") if file.suffix in KINDS and file.parent.name != "vendor"]
+KINDS = (".py", ".js", ".c", ".h", ".md", ".json", ".yml")
+FOLDERS = (PACKAGE, ROOT / "docs", ROOT / "packaging", ROOT / "tests" / "helpers")
+SOURCES = [
+    file
+    for file in (*(file for folder in FOLDERS for file in folder.rglob("*")), ROOT / "mkdocs.yml")
+    if file.suffix in KINDS and file.parent.name != "vendor" and file.name != "recipes.md"
+] + [*(ROOT / "tests").rglob("*.txt"), ROOT / "tests" / "pages" / "scene_texts.py"]
 SECTIONS = dict(re.findall(r"^## (.*)\n((?:(?!## ).*\n)*)", PAGE, re.M))
 """Heading → text."""
 RECIPES = {heading: text for heading, text in SECTIONS.items() if "`" in heading}
@@ -24,8 +32,8 @@ def examples_in(heading):
 
 def places_in(text):
     """Return the files and folders that a recipe names, with those of the recipe that comes before it."""
-    found = re.findall(r"`([\w./]*(?:/|\.(?:py|js|toml|yml)))`", text)
-    if text.startswith("\nAfter the scene key"):
+    found = re.findall(r"`([\w./]*(?:/|\.(?:py|js|toml|yml|md|json|txt)))`", text)
+    if text.startswith("\nAfter the scene key") or "step 7 of the scene key" in text:
         found += places_in(next(text for name, text in RECIPES.items() if name.startswith("Scene key")))
     return found
 
@@ -53,6 +61,7 @@ def test_a_recipe_names_all_places_of_its_example(heading, example):
     assert len(found) > 0 or (ROOT / "models" / example).is_dir()
     places = places_in(RECIPES[heading])
     assert places
+    places += places_in(SECTIONS["After each change"])
     assert [file.as_posix() for file in found if not is_named(file, places)] == []
 
 
@@ -60,3 +69,19 @@ def test_the_code_of_the_first_contribution_is_that_of_the_repository():
     blocks = re.findall(r'^```py title="(.*)"\n((?:(?!```).*\n)+)', PAGE, re.M)
     assert len(blocks) >= 3
     assert [name for name, text in blocks if text not in (ROOT / name).read_text(encoding="utf-8")] == []
+
+
+WITHOUT_RANDOM_SCENES = {
+    *("author", "copyright", "license", "version"),
+    *("box.y_max", "contact.law_file", "initial.joint_angles"),
+    *(f"signals.<name>.{key}" for key in ("file", "frequency_rate", "interpolation", "period")),
+}
+
+
+def test_random_scenes_have_the_keys_of_scenes():
+    text = "".join(
+        file.read_text(encoding="utf-8") for file in (ROOT / "tests/helpers/campaigns").glob("*.py")
+    )
+    words = {*re.findall(r"\w+", text)}
+    missing = {key for key, _ in keys_of(Contents) if re.findall(r"\w+", key)[-1] not in words}
+    assert missing == WITHOUT_RANDOM_SCENES

@@ -12,24 +12,12 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from errno import EACCES, EDQUOT, ENOENT, ENOSPC, EPERM, EROFS
+from importlib import import_module
 from importlib.metadata import version
 from types import MappingProxyType
 from typing import Any, NoReturn
 
-from chain_impact.cli import (
-    animate,
-    build,
-    cache,
-    compare,
-    completion,
-    convert,
-    explore,
-    fit,
-    info,
-    simulate,
-    sweep,
-    validate,
-)
+from chain_impact.cli import completion
 from chain_impact.cli.named_options import typed_options, with_option
 from chain_impact.cli.options import UsageError, drawing_in_style, similar_file_hint
 from chain_impact.cli.progress import complain, out, say
@@ -51,7 +39,24 @@ FIRST_STEPS = """chain-impact simulates planar chains that hit walls. First step
   chain-impact build pinned_arm                     make its FMU
 
 All commands: chain-impact --help. All models: chain-impact info --list models."""
-VERBS = (build, simulate, animate, explore, compare, sweep, fit, convert, info, validate, cache, completion)
+VERBS = tuple(
+    import_module(f"chain_impact.cli.{name}")
+    for name in (
+        "build",
+        "simulate",
+        "animate",
+        "explore",
+        "compare",
+        "sweep",
+        "fit",
+        "convert",
+        "info",
+        "validate",
+        "cache",
+        "completion",
+    )
+)
+"""The modules of the verbs, in the order of the help."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
