@@ -1,10 +1,12 @@
 """Maps while they run and after a run is opened: stopping, the time left, their size, the way back."""
 
-# Tests: pages/browser/explore/map/map.js
+# Tests: pages/browser/explore/map/map.js, pages/browser/explore/map/map_place.js
+# Tests: pages/browser/explore/map/map_pointing.js
 
 import re
+from itertools import pairwise
 
-from tests.pages.in_pages import DESK, draw_map, until
+from tests.pages.in_pages import DESK, draw_map, enter, until
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -32,7 +34,7 @@ def test_a_button_stops_a_map_whose_rest_is_told_in_seconds(show):
 
 
 def test_a_run_leaves_the_way_back_to_its_map(show):
-    page = show("rod_drop", {"simulation.stop_time": 0.3})
+    page = show("rod_drop", {"simulation.stop_time": 0.3}, viewport={"width": 1100, "height": 768})
     open_map(page)
     page.locator("#map-x-to").fill("0.9")
     page.locator("#map-x-from").fill("0.3")
@@ -69,15 +71,51 @@ def test_the_map_stays_under_the_finger_when_its_text_grows(show):
 
 
 def test_a_map_grows_with_the_window(show):
-    page, sizes = show(), []
+    page, sizes, panels = show(), [], []
+    canvas, dialog = page.locator("#map-canvas"), page.locator("#map")
     for size in (DESK, LARGE):
         page.set_viewport_size(size)
         open_map(page)
-        box = page.locator("#map-canvas").bounding_box()
+        panels.append(canvas.bounding_box()["height"])
+        page.locator("#map-enlarge").click()
+        box = canvas.bounding_box()
         sizes.append((box["width"], box["height"]))
-        dialog = page.locator("#map")
         assert dialog.evaluate("one => one.scrollHeight <= one.clientHeight")
         page.keyboard.press("Escape")
+        assert panels[-1] == canvas.bounding_box()["height"], "it stands beside the motion again"
+        page.keyboard.press("Escape")
+        assert dialog.is_hidden()
     assert sizes[0][1] > 250.0
     assert sizes[1][0] > 850.0
     assert sizes[1][1] > 500.0
+    assert panels[0] > 200.0
+    assert panels[1] > 450.0
+
+
+def test_the_map_of_a_wide_screen_stays_beside_the_motion(show):
+    page = show("rod_drop", {"simulation.stop_time": 0.3}, viewport=LARGE)
+    open_map(page)
+    boxes = [page.locator(part).bounding_box() for part in ("#parameters", "#map", "#stage", "aside")]
+    for left, right in pairwise(boxes):
+        assert left["x"] + left["width"] < right["x"], "no part covers another"
+    restitution = "chainImpact.parameters['contact.restitution']"
+    text, canvas, ring = page.locator("#map-text"), page.locator("#map-canvas"), page.locator(".map-present")
+    opened = []
+    for x in (5, 200):
+        canvas.click(position={"x": x, "y": 5})
+        text.get_by_text("Present run: Restitution = ").wait_for()
+        opened.append(page.evaluate(restitution))
+        place = canvas.bounding_box()
+        page.mouse.move(5, 5)
+        middle = ring.first.evaluate("one => one.getBoundingClientRect().x + 6.5")
+        assert abs(middle - place["x"] - x) < place["width"] / 8, "the ring marks the run that the reader has opened"
+        assert text.inner_text().startswith("Present run: ")
+    assert opened[0] != opened[1]
+    page.keyboard.press("Space")
+    assert page.locator("body.playing").count() == 1, "the motion can be played"
+    page.locator("#stage").click()
+    enter(page, "Stiffness", "1e6")
+    text.get_by_text("Other parameters have changed").wait_for()
+    text.get_by_text("The ring is the present run.").wait_for()
+    page.set_viewport_size(DESK | {"width": 1100})
+    assert page.locator("#map:modal").count() == 1, "without room it covers the page"

@@ -69,7 +69,8 @@ export function connect(clock, drawing, zoom) {
 
 /** Return whether a key is left to the element with the focus or to an open dialog: a text field, for example, uses most keys itself. */
 function keepsKey({ target, key }) {
-  if (find("help").open || target.closest("dialog[open]")) return true;
+  if (find("help").open || target.closest("dialog:modal")) return true;
+  if (target.closest("dialog[open]") && /^(Arrow|Page|Home$|End$|Enter$)/.test(key)) return true; // of the map beside the motion
   if (target.closest("input[type=range]:not(#scrub)")) return /^(Arrow|Page|Home$|End$)/.test(key); // these keys move the slider
   if (target.closest("input:not([type=checkbox], [type=range])")) return true;
   if (target.closest("select")) return true;
@@ -91,7 +92,7 @@ function keepShortcuts() {
 function pauseBehindDialogs(clock) {
   let isPaused = false;
   const watch = new MutationObserver(() => {
-    const isCovered = document.querySelector("dialog[open]") !== null;
+    const isCovered = document.querySelector("dialog:modal") !== null;
     const isNext = isCovered && (isPaused || clock.playing);
     if (isNext !== isPaused) clock.set({ playing: !isNext });
     isPaused = isNext;

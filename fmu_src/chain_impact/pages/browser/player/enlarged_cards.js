@@ -37,7 +37,8 @@ export function enlargeable(cards) {
   });
   document.addEventListener("keydown", (event) => {
     const large = cards.find(([card]) => isLarge(card));
-    if (event.key !== "Escape" || !large || document.querySelector("dialog[open]")) return;
+    if (event.key !== "Escape" || !large || document.querySelector("dialog:modal")) return;
+    event.preventDefault(); // the key closes nothing else
     if (large[0].querySelector(".zoomed")) large[1].zoom();
     else show(null);
   });

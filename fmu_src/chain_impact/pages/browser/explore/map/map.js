@@ -9,17 +9,22 @@ import { MapDrawing } from "./map_drawing.js";
 import { connectFiles } from "./map_files.js";
 import { limitIn } from "./map_limit.js";
 import { mainOutput, outputIn, outputsOf, presentOutputs, runIn, takeOutput, wordsOfRun } from "./map_outputs.js";
+import { MapPlace } from "./map_place.js";
+import { firstRun, runAt } from "./map_pointing.js";
 import { COARSE_POINTS, completed, hasAreaOf, packedMap, POINTS, rowOrder, unpackedMap, valuesAt } from "./map_rows.js";
 import { areaOf, axisScale, isLogarithmic, limitOf, quantityOf, rangeOf, refused, titleOf } from "./map_scales.js";
 import { doneText, runText } from "./map_text.js";
 import { Ranking } from "./ranking.js";
 
 const WORKERS = 8; // largest number of workers that compute a map
+const PREVIEW_DELAY = 300; // [ms] after the last change of another parameter, a preview beside the motion is simulated again
 
 export class GridMap {
   #engines = []; // the workers that are in use
   #touched; // the run that a finger has touched once
   #chosen; // the run that the reader points at, or that the arrow keys have reached
+  #opened; // the run that the reader has opened, until something changes
+  #nextPreview = 0; // the timer that starts the next preview
   #hasRing = false; // whether the present run is in the map
   #isLeft = false; // whether the reader has left the map for one of its runs
   #refuses = false; // whether the dialog's text tells that the fields' values are refused
@@ -28,6 +33,7 @@ export class GridMap {
   constructor(begin, changes) {
     Object.assign(this, { begin, changes });
     this.dialog = find("map");
+    this.place = new MapPlace(this.dialog);
     this.canvas = find("map-canvas");
     this.drawing = new MapDrawing(this.canvas, find("map-scales"), find("map-frame"));
     this.inputs = ["x", "y"].map((axis) => ["name", "from", "to"].map((part) => find(`map-${axis}-${part}`)));
@@ -35,37 +41,50 @@ export class GridMap {
     this.inputs.forEach(([name], k) => name.addEventListener("change", () => this.#range(k)));
     this.#fill();
     changes.onOpen(() => this.#fill());
+    changes.onChange(() => this.#follow());
     find("map-run").addEventListener("click", () => (this.#isRunning ? this.#stop() : this.run()));
     this.inputs.flat().forEach((field) => field.addEventListener("change", () => this.#preview()));
     this.output.addEventListener("change", () => (this.shown ? this.#recolour() : this.#preview()));
     [this.scaleKind, this.limitField].forEach((field) => field.addEventListener("change", () => this.shown && this.#recolour()));
     connectFiles(this);
     new ResizeObserver(() => this.shown && this.#drawScales()).observe(find("map-frame"));
-    this.dialog.addEventListener("close", () => this.#stop());
+    this.dialog.addEventListener("close", () => this.dialog.open || this.#stop());
     const choose = (name) => {
       this.inputs[0][0].value = name;
       this.inputs[0][0].dispatchEvent(new Event("change"));
     };
     new Ranking(changes, { startEngines: () => this.#startEngines(), wordsOf: (name) => this.wordsOf(name), choose });
     this.canvas.addEventListener("click", (event) => this.#choose(event));
-    this.canvas.addEventListener("pointermove", (event) => this.#mark(this.#runAt(event)));
+    this.canvas.addEventListener("pointermove", (event) => this.#mark(runAt(event, this.canvas, this.shown)));
     this.canvas.addEventListener("pointerleave", ({ pointerType }) => pointerType === "mouse" && this.#mark(undefined));
     this.canvas.addEventListener("keydown", (event) => this.#press(event));
   }
 
   /**
-   * Show the dialog. The ranges in the fields stay if the shown map has all its points, or if the reader has opened one of its runs.
-   * Otherwise, ranges that the reader has not changed follow from the present values again (`rangeOf`).
+   * Show the dialog, or close it if it stands beside the motion. The ranges in the fields stay if the shown map has all its points, or if the
+   * reader has opened one of its runs. Otherwise, ranges that the reader has not changed follow from the present values again (`rangeOf`).
    */
   open() {
+    if (this.place.isBeside) return this.dialog.close();
     const isKept = this.shown?.points === POINTS || this.#isLeft;
     this.#leave(false);
     this.inputs.forEach(([, from, to], k) => {
       if (!isKept && [from, to].every((field) => field.value === field.dataset.own)) this.#range(k);
     });
-    this.dialog.showModal();
+    this.place.show();
     if (this.shown) this.#drawScales();
     this.#preview();
+  }
+
+  /** Beside the motion, move the ring with a change; if the change is of another parameter, simulate a preview again soon. */
+  #follow() {
+    this.#opened = undefined;
+    clearTimeout(this.#nextPreview);
+    if (!this.place.isBeside || !this.shown) return;
+    this.#drawScales();
+    this.#tell();
+    const isOld = this.shown.points === COARSE_POINTS && !Object.keys(this.changes.inputSteps).length && !this.#isOfPresent();
+    if (isOld) this.#nextPreview = setTimeout(() => this.place.isBeside && this.#preview(), PREVIEW_DELAY);
   }
 
   /** Note whether the reader has left the map for one of its runs: then the button that opens the map tells the way back. */
@@ -130,6 +149,7 @@ export class GridMap {
     this.output.replaceChildren(...outputs.map(({ name, unit }) =>
       new Option(titleOf(quantityOf(name), name.startsWith("point") ? unit : ""), name)));
     this.output.value = mainOutput(this.changes, outputs).name;
+    if (this.place.isBeside) this.#preview();
   }
 
   /** Return the map with all its points as data of a saved page; undefined for any other map. */
@@ -183,7 +203,7 @@ export class GridMap {
       return;
     }
     this.#stop();
-    this.#touched = this.#chosen = undefined;
+    this.#touched = this.#chosen = this.#opened = undefined;
     // runs: for each run the values of all outputs, so that another colour needs no runs; null for a run that fails; known: present values
     // of both parameters, as text → their run
     const coarse = this.shown?.points === COARSE_POINTS && hasAreaOf(this.shown, request) ? this.shown : undefined;
@@ -203,12 +223,14 @@ export class GridMap {
   #tell() {
     const { shown } = this;
     if (this.#refuses || shown.seconds === undefined) return;
+    if (this.#opened !== undefined) return this.#describe(this.#opened, "Present run: ");
     const hasSteps = Object.keys(this.changes.inputSteps).length > 0;
     this.#say(doneText(shown, this.limitField, { hasRing: this.#hasRing, hasSteps, isOfPresent: this.#isOfPresent() }));
   }
 
   /** Show the same runs with the chosen output as their colour. */
   #recolour() {
+    this.#opened = undefined;
     this.#draw();
     this.#tell();
   }
@@ -324,24 +346,6 @@ export class GridMap {
     return !Object.keys(this.changes.inputSteps).length && others(this.shown.values) === others(this.changes.values);
   }
 
-  /** Return the index of the run at a pointer's position; undefined if the run is not simulated yet. */
-  #runAt({ clientX, clientY }) {
-    const { left, top, width, height } = this.canvas.getBoundingClientRect();
-    const points = this.canvas.width / 2 + 1;
-    const numberAt = (share) => Math.min(Math.max(Math.round(share * (points - 1)), 0), points - 1);
-    const [column, row] = [numberAt((clientX - left) / width), points - 1 - numberAt((clientY - top) / height)];
-    const index = row * points + column;
-    return this.shown?.results[index] === undefined ? undefined : index;
-  }
-
-  /** Return column and row of the present run, if the map has it, or else of the run in the middle. */
-  get #first() {
-    const { names, axes, points } = this.shown;
-    const shares = names.map((name, k) =>
-      axisScale(axes[k][0], axes[k].at(-1), isLogarithmic(name)).shareOf(this.changes.valueOf(name)));
-    return shares.map((share) => Math.round((points - 1) * (this.#hasRing && share >= 0 && share <= 1 ? share : 0.5)));
-  }
-
   /** Go from run to run with the arrow keys, beginning with the present run; open a run with Enter. */
   #press(event) {
     const [right, up] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key] ?? [];
@@ -349,7 +353,7 @@ export class GridMap {
     event.preventDefault();
     const { points } = this.shown;
     if (event.key === "Enter") return this.#open(this.#chosen);
-    const [column, row] = this.#chosen === undefined ? this.#first
+    const [column, row] = this.#chosen === undefined ? firstRun(this.shown, this.changes, this.#hasRing)
       : [this.#chosen % points + right, Math.floor(this.#chosen / points) + up].map((number) => Math.min(Math.max(number, 0), points - 1));
     this.#mark(row * points + column);
   }
@@ -363,14 +367,14 @@ export class GridMap {
     this.#drawScales();
   }
 
-  #describe(index) {
+  #describe(index, before = "") {
     if (this.shown?.results[index] === undefined) return;
-    this.#say(runText(this.shown, index, this.changes, this.wordsOf));
+    this.#say(before + runText(this.shown, index, this.changes, this.wordsOf));
   }
 
-  /** Open a run, that is take over its values; a finger's first touch of a run only shows the values. */
+  /** Open a run, that is take over its values, beside which the map stays if it has room; a finger's first touch only shows the values. */
   #choose(event) {
-    const index = this.#runAt(event);
+    const index = runAt(event, this.canvas, this.shown);
     if (index === undefined) return;
     const isSecond = event.pointerType !== "touch" || index === this.#touched;
     this.#touched = index;
@@ -380,13 +384,14 @@ export class GridMap {
 
   #open(index) {
     if (this.shown.results[index] === undefined) return;
+    const values = this.shown.runs[index]; // null if the run has failed
+    if (values) this.shown.known.set(Object.values(valuesAt(this.shown, index)).join(), { values });
     try {
       // the inputs get no steps, because the runs of a map have constant inputs
       this.changes.replace(this.changes.with(valuesAt(this.shown, index), this.shown.values), {});
-      const values = this.shown.runs[index]; // null if the run has failed
-      if (values) this.shown.known.set(Object.values(valuesAt(this.shown, index)).join(), { values });
-      this.#leave(true);
-      this.dialog.close();
+      this.#opened = index;
+      this.#tell();
+      this.#leave(this.place.makeRoom());
     } catch (error) {
       this.#say(`${error.message}.`, true);
     }

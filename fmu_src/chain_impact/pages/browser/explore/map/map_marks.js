@@ -66,11 +66,14 @@ export function markRuns(scales, map, place, { present, chosen }) {
     write(value, at, "");
     written.push(at);
   });
+  const isRingChosen = ring && middle(chosen).every((at, k) => Math.abs(at - present.at[k]) < 1); // the label has the same number
   if (ring) {
     ["map-present-edge", "map-present"].forEach((kind) => scales.circle(RING_SIZE).center(...present.at).addClass(kind));
     const row = points - 1 - Math.round((ring.y - place.top) / height);
     const below = results[Math.max(row, 0) * points + Math.round((ring.middle - place.left) / width)]; // the output below the number
-    if (Number.isFinite(present.value ?? NaN)) write(present.value, [ring.from, ring.y], "of-present", ring.anchor, below ?? present.value);
+    if (!isRingChosen && Number.isFinite(present.value ?? NaN)) {
+      write(present.value, [ring.from, ring.y], "of-present", ring.anchor, below ?? present.value);
+    }
   }
   if (results[chosen] === undefined) return;
   const [x, y] = middle(chosen);

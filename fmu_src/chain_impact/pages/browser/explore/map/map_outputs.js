@@ -4,6 +4,8 @@ import { idleLaw } from "../parameters/main_parameters.js";
 
 // a map first shows the first of these outputs that the scene has and no rigid law leaves unknown (`rigidLaw`)
 const MAIN_OUTPUTS = ["joint_force", "peak_force", "stop.peak_moment"];
+/** The outputs that a map tells of a run that the reader points at. */
+export const TOLD_OUTPUTS = [...MAIN_OUTPUTS, "impact.count", "energy.dissipated"];
 
 /** Return the indices, in the record, of the words (8 bytes each) of a run that a map needs: its status and the outputs. */
 export function wordsOfRun({ layout }, outputs) {
@@ -80,12 +82,12 @@ export function takeOutput(maps, name) {
 
 /**
  * Return the outputs that a map can show: the number of impacts, the onset of the last, those of the first (`ofFirst`), the largest values
- * (`largestOf`), and the total energy and the position of the tip at the end of a run.
+ * (`largestOf`), and the total and the dissipated energy and the position of the tip at the end of a run.
  */
 export function outputsOf(scene) {
   const tip = `point[${scene.links}]`;
   const first = ["impact.count", "impact.last_time"].flatMap((name) => outputsLike(scene, name));
-  const last = ["energy.total", `${tip}.x`, `${tip}.y`].flatMap((name) => outputsLike(scene, name));
+  const last = ["energy.total", "energy.dissipated", `${tip}.x`, `${tip}.y`].flatMap((name) => outputsLike(scene, name));
   return [...first, ...ofFirst(scene), ...largestOf(scene), ...last];
 }
 

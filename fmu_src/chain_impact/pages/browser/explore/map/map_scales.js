@@ -68,6 +68,7 @@ const QUANTITIES = {
   "stop.max_penetration": "Largest angle beyond a stop",
   joint_force: "Largest force in a joint",
   "energy.total": "Energy at the end",
+  "energy.dissipated": "Dissipated energy",
 };
 
 /** Return the title for the name of an output; a name without an entry in QUANTITIES is that of a coordinate of the tip. */

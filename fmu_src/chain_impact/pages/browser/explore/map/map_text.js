@@ -4,7 +4,7 @@ import { textWithUnit } from "../../base/format.js";
 import { lawText } from "../../scene/words.js";
 import { presentlyShown } from "../parameters/parameter_fields.js";
 import { withinText } from "./map_limit.js";
-import { failureOf } from "./map_outputs.js";
+import { failureOf, outputIn, TOLD_OUTPUTS } from "./map_outputs.js";
 import { POINTS, valuesAt } from "./map_rows.js";
 import { quantityOf, scaledTo } from "./map_scales.js";
 
@@ -32,14 +32,20 @@ export function doneText(shown, limitField, { hasRing, hasSteps, isOfPresent }) 
   return failureOf(shown) || `${summary}${withinText(limitField, shown)}${inputs}${others} ${pointer}`;
 }
 
-/** Return the values of both parameters of a run, in the `wordsOf` their names, and its output, or why it has none. */
+/**
+ * Return the values of both parameters of a run, in the `wordsOf` their names, its output, or why it has none, and its other important
+ * outputs (TOLD_OUTPUTS).
+ */
 export function runText(shown, index, changes, wordsOf) {
-  const { faults, output, scale, values, results: { [index]: value } } = shown;
+  const { faults, outputs, output, scale, values, runs: { [index]: run }, results: { [index]: value } } = shown;
   const at = valuesAt(shown, index);
   const textOf = ([name, given]) => `${wordsOf(name)} = ${textWithUnit(given, presentlyShown(changes, name, { ...values, ...at }))}`;
   const unknown = output.rigid ? `only impulses with ${lawText(output.rigid)}` : "no such impact";
   const reason = faults.has(index) ? `the run fails: ${faults.get(index)}` : unknown;
-  const number = textWithUnit(value, scaledTo(output, scale));
-  const told = value === null ? reason : `${quantityOf(output.name)} = ${output.places?.[value] ?? number}`;
-  return `${Object.entries(at).map(textOf).join(", ")}: ${told}`;
+  const outputText = ({ name, places }, number, unit) => `${quantityOf(name)} = ${places?.[number] ?? textWithUnit(number, unit)}`;
+  const others = outputs.filter(({ name }) => run && name !== output.name && TOLD_OUTPUTS.includes(name))
+    .map((one) => [one, outputIn(run, one)]).filter(([, number]) => number !== null)
+    .map(([one, number]) => outputText(one, number, scaledTo(one, { ends: [number] })));
+  const told = [value === null ? reason : outputText(output, value, scaledTo(output, scale)), ...others];
+  return `${Object.entries(at).map(textOf).join(", ")}: ${told.join(", ")}`;
 }

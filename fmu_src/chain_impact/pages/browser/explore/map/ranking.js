@@ -72,7 +72,7 @@ export class Ranking {
       });
     });
     find("map-output").addEventListener("change", () => this.#draw());
-    find("map").addEventListener("close", () => this.#show(false));
+    find("map").addEventListener("close", ({ target }) => target.open || this.#show(false));
     find("map-rank-csv").addEventListener("click", () =>
       save(new Blob([this.csv], { type: "text/csv" }), `${changes.scene.name}-ranking.csv`));
   }
