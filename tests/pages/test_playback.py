@@ -326,7 +326,7 @@ def test_on_a_phone_all_fits_the_width_and_the_controls_are_in_sight(show_record
 
 @pytest.mark.parametrize("name", ["help", "map"])
 def test_the_motion_pauses_behind_a_dialog_and_goes_on_after_it(show, name):
-    page = show(reduced_motion="no-preference")
+    page = show(reduced_motion="no-preference", viewport={"width": 1100, "height": 768})
     playing = "document.body.classList.contains('playing')"
     until(page, playing)
     page.locator(f"#{name}-open").click()
