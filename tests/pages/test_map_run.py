@@ -108,7 +108,7 @@ def test_the_map_of_a_wide_screen_stays_beside_the_motion(show):
         place = canvas.bounding_box()
         page.mouse.move(5, 5)
         middle = ring.first.evaluate("one => one.getBoundingClientRect().x + 6.5")
-        assert abs(middle - place["x"] - x) < place["width"] / 8, "the ring marks the run that the reader has opened"
+        assert abs(middle - place["x"] - x) < place["width"] / 8, "the ring marks the opened run"
         assert text.inner_text().startswith("Present run: ")
     assert opened[0] != opened[1]
     page.keyboard.press("Space")
