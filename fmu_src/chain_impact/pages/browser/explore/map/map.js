@@ -61,9 +61,8 @@ export class GridMap {
   }
 
   /**
-   * Show the dialog, or close it if it stands beside the motion. The ranges in the fields stay if the shown map has all its points, or if
-   * the reader has opened one of its runs. Otherwise, ranges that the reader has not changed follow from the present values again
-   * (`rangeOf`).
+   * Show the dialog, or close it if it stands beside the motion. Ranges of a map with all its points, or with an opened run, stay.
+   * Otherwise, ranges that the reader has not changed follow from the present values again (`rangeOf`).
    */
   open() {
     if (this.place.isBeside) return this.dialog.close();
