@@ -1,6 +1,6 @@
 """No label overlaps a control, and no card another one, by the drawn boxes."""
 
-# Tests: pages/explore.py, pages/browser/player/folding.js, pages/browser/explore/folded_inputs.js
+# Tests: pages/explore.py, pages/browser/player/folding.js, pages/browser/explore/folded_energies.js
 # Tests: pages/browser/explore/parameters/outcome.js, pages/browser/explore/jumps.js
 
 import pytest
@@ -150,6 +150,8 @@ def test_chosen_charts_lie_beside_five_impacts_not_below_them(show, card):
     assert page.locator("#impacts").evaluate("one => one.scrollHeight - one.clientHeight") == 0
     assert list_["y"] + list_["height"] <= chart["y"]
     assert chart["y"] + chart["height"] <= column["y"] + column["height"]
+    until(page, "document.getElementById('energy-card').matches('.folded')")
+    page.get_by_role("button", name="Energy", exact=True).click()
     page.locator("#energies").scroll_into_view_if_needed()
     energies, list_ = (page.locator(name).bounding_box() for name in ("#energies", "#list"))
     assert list_["y"] + list_["height"] <= energies["y"], "the column scrolls as one"
@@ -161,19 +163,20 @@ def test_chosen_charts_lie_beside_five_impacts_not_below_them(show, card):
 
 @pytest.mark.parametrize("size", [(1366, 768), (1280, 720)])
 def test_the_end_of_the_column_cuts_no_card_of_a_scene_with_signals(show, size):
-    """The inputs of signals are folded until the reader opens them or sets steps."""
+    """The chart of the inputs is open; the energies are folded until the reader opens them."""
     page = show("hopper", viewport=dict(zip(("width", "height"), size, strict=True)))
-    inputs, chart = page.get_by_role("button", name="Inputs", exact=True), page.locator("#inputs-over-time")
-    until(page, "document.getElementById('inputs-card').matches('.folded')")
+    energy = page.get_by_role("button", name="Energy", exact=True)
+    until(page, "document.getElementById('energy-card').matches('.folded')")
     assert page.locator("aside").evaluate("one => one.scrollHeight - one.clientHeight") == 0
-    column, energies = (page.locator(name).bounding_box() for name in ("aside", "#energies"))
-    assert energies["y"] + energies["height"] <= column["y"] + column["height"]
-    inputs.click()
-    assert chart.is_visible()
+    assert page.locator("#inputs-over-time canvas").bounding_box()["height"] > 90
+    column, title = (page.locator(name).bounding_box() for name in ("aside", "#energy-title"))
+    assert title["y"] + title["height"] <= column["y"] + column["height"]
+    energy.click()
+    assert page.locator("#energy").is_visible()
     page.reload()
-    until(page, "document.getElementById('inputs-card').matches('.folded')")
-    page.evaluate("location.hash = '#slider.target_position@=0.5:0.1'")
-    chart.wait_for()
+    until(page, "document.getElementById('energy-card').matches('.folded')")
+    page.set_viewport_size({"width": 1920, "height": 1080})
+    until(page, "!document.getElementById('energy-card').matches('.folded')")
 
 
 @pytest.mark.parametrize("hash_", ["", "#curves=point[4].y,contact[2].y_min.force"], ids=["", "outputs"])
@@ -222,6 +225,8 @@ def test_the_list_of_impacts_covers_no_part_of_a_chart(show, model, hash_):
         assert min(height for height in heights if height) >= 90 + 26 + 8, "with the axis of the time"
         force, list_ = (page.locator(name).bounding_box() for name in ("#force", "#list"))
         assert force["y"] + force["height"] <= list_["y"], "the force is in sight, whatever else is shown"
+    if page.locator("#energy-card.folded").count():
+        page.get_by_role("button", name="Energy", exact=True).click()
     page.locator("aside").evaluate("column => column.scrollTo(0, 1e4)")
     assert page.evaluate("document.getElementById('energy').clientHeight") >= 124
 

@@ -1,6 +1,6 @@
 """The sliders: the values that they give, their labels, signals, inputs and parameters without effect."""
 
-# Tests: pages/browser/explore/parameters/sliders.js
+# Tests: pages/browser/explore/parameters/sliders.js, pages/browser/explore/parameters/signal_part.js
 
 import re
 import shlex
@@ -11,7 +11,7 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.scene.words.laws import LAW_GROUPS
 from chain_impact.variables.prepared import PreparedScene
-from tests.pages.in_pages import ON_ITS_SIDE, PIXELS, SUBTITLE, impacts_of, until, until_told
+from tests.pages.in_pages import ON_ITS_SIDE, PIXELS, SUBTITLE, enter, impacts_of, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -127,6 +127,40 @@ def test_signals_drive_the_page_with_a_slider_for_each_number_and_a_chart(show):
         name for name in page.evaluate("Object.keys(chainImpact.parameters)") if name.startswith("signal")
     }
     assert names == {name for name in PreparedScene(scene).parameter_paths if name.startswith("signal")}
+
+
+def test_a_step_of_a_signal_has_a_row_and_a_point_that_the_reader_drags(show):
+    page = show("cart_pole")
+    assert page.locator(".signal .step").count() == 3
+    enter(page, "push: value 2 at time 2", "-0.3")
+    until(page, "document.querySelector('.signal small').textContent.startsWith('−0.3')")
+    box = page.locator(".signal-drawing").bounding_box()
+    point = page.locator(".signal-point").nth(1)
+    spot = point.bounding_box()
+    page.mouse.move(spot["x"] + 12, spot["y"] + 12)
+    page.mouse.down()
+    page.mouse.move(box["x"] + box["width"] / 3, box["y"] + box["height"] / 2, steps=3)
+    page.mouse.up()
+    parameters = page.evaluate("chainImpact.parameters")
+    time, value = (float(parameters[f"signal.push.{key}[2]"]) for key in ("time", "value"))
+    assert time == pytest.approx(1.0, abs=0.02)
+    assert -0.3 < value < 0.0
+    assert page.locator(".signal").get_attribute("open") is not None, "a drag does not fold the signal"
+    spot = point.bounding_box()
+    page.mouse.move(spot["x"] + 12, spot["y"] + 12)
+    page.mouse.down()
+    page.mouse.move(box["x"] + box["width"], box["y"], steps=3)
+    page.mouse.up()
+    assert float(page.evaluate("chainImpact.parameters['signal.push.time[2]']")) < 2.1, "before the next step"
+    assert page.locator("#parameters .refusal:not(:empty)").count() == 0
+
+
+def test_only_the_first_signal_is_open_and_each_has_its_drawing(show):
+    page = show("stick_slip_belt")
+    parts = page.locator(".signal")
+    assert parts.evaluate_all("all => all.map(({ open }) => open)") == [True, False]
+    courses = "all => all.map((one) => one.querySelector('.course').getAttribute('d').length > 99)"
+    assert parts.evaluate_all(courses) == [True, True]
 
 
 def test_a_torque_and_a_target_are_set_by_a_slider_as_simulate_takes_them(show):

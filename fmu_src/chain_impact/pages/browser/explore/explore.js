@@ -15,7 +15,7 @@ import { consoleInterface } from "./console.js";
 import { CurveChoice } from "./curve_choice.js";
 import { Editor } from "./editor.js";
 import { connectExport } from "./export_dialog.js";
-import { foldInputsWithoutRoom } from "./folded_inputs.js";
+import { foldEnergiesWithoutRoom } from "./folded_energies.js";
 import { Handles } from "./handles.js";
 import { UndoHistory } from "./history.js";
 import { addJumps, foldParameters } from "./jumps.js";
@@ -106,8 +106,9 @@ const editor = new Editor(changes, openScene, kit.keys);
 changes.onChange(() => {
   find("reset-all").hidden = changes.count === 0 && !openScene.isEdited;
 });
-const presentTime = () => ({ isPlaying: player.clock.playing, time: player.recording ? player.clock.time : 0 });
-player.layers.push({ draw: showMainParameters(find("main-parameters"), changes, presentTime) });
+const presentState = () =>
+  ({ isPlaying: player.clock.playing, time: player.recording ? player.clock.time : 0, inputs: player.recording?.inputs });
+player.layers.push({ draw: showMainParameters(find("main-parameters"), changes, presentState) });
 showParameterList(find("list-of-parameters"), changes, kit.keys);
 const { clock } = player;
 const address = new Address(changes, choice, { openScene, clock, comparedMotions, refuse: (fault) => simulation.notify(fault) });
@@ -154,5 +155,5 @@ changes.onOpen(tellByHand);
 tellByHand();
 addJumps();
 foldParameters();
-foldInputsWithoutRoom(changes);
+foldEnergiesWithoutRoom(changes);
 simulation.begin();

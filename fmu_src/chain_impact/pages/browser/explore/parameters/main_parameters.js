@@ -22,6 +22,8 @@ export const MAIN_PARAMETERS = [
 // keys of a signal whose default is 0: such a key has a slider only if the signal gives another value
 const TRIVIAL = Object.values(SHARED.signals.OTHER).flatMap((keys) => Object.keys(keys).filter((key) => keys[key] === 0));
 
+const OF_STEP = /\.(time|value)\[\d+\]$/; // time or value of a step
+
 /**
  * Return the entries for sliders of the inputs, each from −x to x. The unit decides x: weight of the chain [N], weight times length [N·m],
  * half a turn [rad], 10 rad/s, length of the chain [m], speed after a fall through this length [m/s]; 1 for any other unit. Weight and
@@ -51,15 +53,16 @@ function endsOfSignal({ key, unit, value }, beside, stop) {
 }
 
 /**
- * Return the entries for sliders of the signals' numbers. A number has no slider if its default and its value in the scene are 0; the list
- * of all parameters has it.
+ * Return the entries for sliders of the signals' numbers. A number has no slider if its default and its value in the scene are 0, which
+ * the list of all parameters has, or if it is of a step, which has a row and a point in the drawing.
  */
 export function signalSliders({ scene, starts }) {
   const parts = scene.parameters.flatMap(({ name, unit }) => {
     const [, signal, all, key] = /^signal\.([^.]+)\.((\w+).*)$/.exec(name) ?? [];
     return signal ? [{ name, signal, words: signalText(signal, all), key, unit, value: starts[name] }] : [];
   });
-  return parts.filter(({ key, value }) => value !== 0 || !TRIVIAL.includes(key)).map((part) => {
+  const hasSlider = ({ name, key, value }) => !OF_STEP.test(name) && (value !== 0 || !TRIVIAL.includes(key));
+  return parts.filter(hasSlider).map((part) => {
     const { name, signal, words: label } = part;
     const unit = part.unit === "Hz/s" ? "Hz" : part.unit;
     const alike = parts.filter((other) => other.signal === signal && other.unit === unit && other.key !== "phase");

@@ -2,9 +2,10 @@
 
 import { make } from "../../base/dom.js";
 import { numberText, readable, textWithUnit } from "../../base/format.js";
-import { inputText, lawText } from "../../scene/words.js";
+import { lawText } from "../../scene/words.js";
 import { idleLaw, lawOf, mainParametersOf, signalSliders } from "./main_parameters.js";
 import { attempt, explain, presentlyShown, refusal, resetButton, valueField } from "./parameter_fields.js";
+import { signalPart } from "./signal_part.js";
 
 const INPUTS_TITLE = "Forces, moments and targets that nothing else sets. While the motion plays, a slider acts from that moment on.";
 const STEPS = 400; // number of steps from one end of a slider to the other
@@ -157,12 +158,6 @@ function slider(changes, entry, { field, write, now, shown }) {
   } };
 }
 
-/** Return the heading of a signal: its inputs in words, and the name of the signal. */
-function signalHeading(changes, signal) {
-  const words = changes.scene.file.signals[signal].input.map((input) => inputText(input, changes.valueOf)).join("; ");
-  return make("h2", { title: `Signal ${signal}` }, words, " ", make("small", { textContent: signal }));
-}
-
 /**
  * Return a part of the page with the rows of inputs, which the reader can fold, and a function that tells in its heading how many inputs
  * are 0. The part is open if no signal acts, or if the reader has set more inputs.
@@ -182,29 +177,29 @@ function inputsPart(changes, rows) {
 }
 
 /**
- * Fill an element with the signals, main parameters and inputs of the scene, at once and each time that a scene is opened. `now` is a
- * function that returns the present time and whether the motion plays. Return a function that must be called when the time changes.
+ * Fill an element with the main parameters, signals and inputs of the scene, at once and each time that a scene is opened. `now` is a
+ * function that returns the present time, whether the motion plays, and the inputs of the run. Return a function that must be called when
+ * the time or the run changes.
  */
 export function showMainParameters(element, changes, now) {
-  let [rows, tellInputs] = [];
+  let [rows, signals, tellInputs] = [];
   const lawOfStops = make("p", { className: "note" }); // the law is no parameter: only the scene file can change it
   const fill = () => {
     const rowsOf = (entries) => entries.map((entry) => ({ ...mainParameter(changes, entry, now), entry }));
-    const signals = rowsOf(signalSliders(changes));
+    const ofSignals = rowsOf(signalSliders(changes));
     const others = rowsOf(mainParametersOf(changes).filter(({ isListed }) => !isListed));
     const inputs = others.filter(({ entry }) => entry.isInput);
-    rows = [...signals, ...others];
-    element.replaceChildren(...signals.flatMap(({ row, entry: { signal } }, k) =>
-      (signal === signals[k - 1]?.entry.signal ? [row] : [signalHeading(changes, signal), row])),
-    ...(signals.length ? [make("h2", { textContent: "Contact and start" })] : []),
-    ...others.filter(({ entry }) => !entry.isInput).map(({ row }) => row));
+    rows = [...ofSignals, ...others];
+    signals = Object.keys(changes.scene.file.signals).map((signal, k) =>
+      signalPart(changes, signal, ofSignals.filter(({ entry }) => entry.signal === signal), k === 0));
+    element.replaceChildren(...others.filter(({ entry }) => !entry.isInput).map(({ row }) => row), ...signals.map(({ part }) => part));
     const { part, tell } = inputsPart(changes, inputs);
     tellInputs = tell;
     if (inputs.length) element.append(part);
     element.querySelector("[id^='main-stop.']")?.closest(".main-parameter").before(lawOfStops);
   };
   const refresh = () => {
-    rows.forEach((row) => row.refresh());
+    [...rows, ...signals].forEach((row) => row.refresh());
     tellInputs();
     lawOfStops.textContent = `Contact law of stops: ${lawText(lawOf(changes, true))}`;
   };
@@ -212,5 +207,8 @@ export function showMainParameters(element, changes, now) {
   changes.onChange(refresh);
   fill();
   refresh();
-  return () => rows.forEach(({ name, follow }) => name in changes.inputSteps && follow());
+  return () => {
+    signals.forEach(({ follow }) => follow(now()));
+    rows.forEach(({ name, follow }) => name in changes.inputSteps && follow());
+  };
 }
