@@ -232,6 +232,7 @@ def test_pins_get_outputs_that_are_chosen_later_but_not_of_another_scene(show):
     until_told(page, "3 links")
     page.keyboard.press("Escape")
     page.get_by_role("button", name="Chart…").click()
+    page.get_by_text("By names").click()
     page.locator("#curves-names").fill("link[1].angle")
     page.keyboard.press("Enter")
     page.keyboard.press("Escape")

@@ -1,6 +1,7 @@
 """The chart of outputs: chosen outputs are drawn with the numbers of `simulate()`, and stored in the link."""
 
 # Tests: pages/browser/charts/curve_charts.js, pages/browser/explore/curve_choice.js
+# Tests: pages/browser/scene/output_words.js
 # Tests: pages/browser/charts/chart.js, pages/browser/charts/time_chart.js
 
 import numpy as np
@@ -108,6 +109,7 @@ def test_outputs_are_chosen_by_hand_and_go_into_the_link(show):
     page.get_by_role("searchbox", name="Search the outputs").fill("4 y_min force")
     page.get_by_role("checkbox", name="contact[4].y_min.force").check()
     until(page, f"{SHOWN}.join() === 'contact[4].y_min.force'")
+    page.get_by_text("By names").click()
     field = page.get_by_role("textbox", name="Names, with * for any text")
     for text, sentence in (
         ("nothing", "nothing is not an output."),
@@ -143,6 +145,7 @@ IN_SIGHT = function_of("curves", "inSight")
 def test_chosen_outputs_are_in_sight_when_the_dialog_closes(show, viewport):
     page = show(viewport=viewport)
     page.get_by_role("button", name="Chart…").click()
+    page.get_by_text("By names").click()
     field = page.get_by_role("textbox", name="Names, with * for any text")
     field.fill("energy.total")
     field.press("Enter")
@@ -257,9 +260,28 @@ def test_a_group_of_outputs_is_chosen_at_once(show):
 def test_outputs_are_found_by_the_meaning_beside_their_names(show):
     page = show()
     page.get_by_role("button", name="Chart…").click()
-    page.get_by_role("searchbox", name="Search the outputs").fill("y acceleration")
-    groups = page.locator(".curve-group:visible summary")
-    assert groups.all_inner_texts() == ["point[*].\u200bay y of the acceleration"]
+    search = page.get_by_role("searchbox", name="Search the outputs")
+    search.fill("y acceleration of point 4")
+    boxes = page.locator("#curves-list input:visible")
+    label = "Acceleration of a point, y, 4, point[4].ay"
+    assert boxes.evaluate_all("all => all.map((one) => one.ariaLabel)") == [label]
+    page.get_by_role("button", name="Close").click()
+    page.get_by_role("button", name="Chart…").click()
+    assert search.input_value() == "", "a search ends with the dialog"
+
+
+def test_charts_are_chosen_by_words_and_by_proposals(show):
+    page = show("cart_pole")
+    page.get_by_role("button", name="Chart…").click()
+    proposals = page.locator("#curves-proposals button")
+    told = ["Path of the tip", "Velocity of the tip", "Joint angles", "Forces at slider min", "Forces at slider max"]
+    assert proposals.all_inner_texts() == told
+    proposals.nth(1).click()
+    until(page, f"{SHOWN}.join() === 'point[1].vx,point[1].vy'")
+    assert page.get_by_role("checkbox", name="Velocity of a point, x, 1, ").is_checked()
+    page.get_by_role("button", name="Remove all").click()
+    until(page, "document.getElementById('outputs-card').hidden")
+    assert proposals.nth(1).get_attribute("aria-pressed") == "false"
 
 
 def test_each_curve_of_a_chart_has_dashes_of_its_own(show):
@@ -274,10 +296,10 @@ def test_each_curve_of_a_chart_has_dashes_of_its_own(show):
 def test_charts_are_high_enough_for_their_numbers(show, script):
     page = show("cart_pole", hash_="#curves=point[1].y,link[1].angle", viewport=DESK)
     page.get_by_role("button", name="Pin").click()
-    heights = page.locator("#energy .u-over, .curve-chart .u-over").evaluate_all(
+    heights = page.locator(".curve-chart .u-over").evaluate_all(
         "charts => charts.filter((one) => one.checkVisibility()).map((one) => one.clientHeight)"
     )
-    assert len(heights) == 3  # energies and both curves; the card of inputs is folded
+    assert len(heights) == 3  # the inputs and both curves; the card of energies is folded
     assert min(heights) >= 70
     for low, high in ((-5000, 15000), (-0.1, 1.7), (-12.0, 7.0)):
         for height in (92, 104, 178):

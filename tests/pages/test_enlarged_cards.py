@@ -40,6 +40,8 @@ def zoom_in(page, chart):
 @pytest.mark.parametrize("chart", CHARTS)
 def test_an_enlarged_chart_stands_below_a_smaller_motion(show, chart):
     page = show(hash_="#curves=point[4].y,impact.count")
+    if chart == "#energy":
+        page.get_by_role("button", name="Energy", exact=True).click()
     small, stage = (page.locator(where).first.bounding_box() for where in (chart, "#stage"))
     page.locator(f"section:has({chart}) .enlarge").click()
     until(page, f"document.querySelector('{chart}').clientWidth > 400")

@@ -117,6 +117,7 @@ def test_a_drag_of_a_handle_is_one_change(show):
 def test_an_edit_is_undone_with_what_it_has_removed(show):
     page = show(hash_="#link[3].mass=0.2")
     page.get_by_role("button", name="Chart…").click()
+    page.get_by_text("By names").click()
     page.locator("#curves-names").fill("link[3].angle")
     page.keyboard.press("Enter")
     page.keyboard.press("Escape")

@@ -1,10 +1,11 @@
 // The dialog in which the reader chooses outputs for the charts over time.
 
 import { find, make } from "../base/dom.js";
-import { breakable, readable, unitText } from "../base/format.js";
+import { readable, unitText } from "../base/format.js";
 import { nearestText } from "../base/similar_names.js";
 import { groupOf, MOST_CURVES, MOST_UNITS } from "../charts/curve_charts.js";
 import { shownIn } from "../scene/angles.js";
+import { outputWords, proposedOutputs } from "../scene/output_words.js";
 import { inputText } from "../scene/words.js";
 
 /** Return the names of the outputs (`columns`) that match a text, in which `*` stands for any text. */
@@ -62,6 +63,11 @@ export class CurveChoice {
     this.changes = changes;
     this.dialog = find("curves");
     [this.field, this.search, this.list] = ["curves-names", "curves-search", "curves-list"].map(find);
+    this.none = find("curves-clear");
+    this.none.addEventListener("click", () => {
+      this.#choose("");
+      this.search.focus();
+    });
     [find("curves-open"), find("curves-more")].forEach((button) => button.addEventListener("click", () => this.open()));
     this.field.addEventListener("change", () => this.#choose(this.field.value));
     this.field.addEventListener("input", () => this.#tell(faultIn(this.field.value, this.#columns), true));
@@ -88,43 +94,58 @@ export class CurveChoice {
   }
 
   open() {
-    this.rows = this.#columns.map(({ name, unit, text = inputText(name, this.changes.valueOf) }) => {
+    const { scene: { links }, valueOf } = this.changes;
+    this.rows = this.#columns.map(({ name, unit, text = inputText(name, valueOf) }) => {
       const box = make("input", { type: "checkbox" });
-      box.setAttribute("aria-label", name);
       box.addEventListener("change", () =>
         this.#choose([...this.names.filter((other) => other !== name), ...(box.checked ? [name] : [])].join()));
-      const words = [make("span", { textContent: breakable(name) }), make("small", { textContent: shownIn({ unit }).text })];
-      return { name, text, box, row: make("label", { title: text }, box, ...words) };
+      const words = outputWords(name, valueOf);
+      box.setAttribute("aria-label", [words.heading, words.line, words.item, name].filter(Boolean).join(", "));
+      const row = make("label", { className: "pick", title: `${name}: ${text}` }, box, make("span", { textContent: words.item }));
+      return { name, text: [text, ...Object.values(words)].join(" "), unit: shownIn({ unit }).text, ...words, box, row };
     });
-    const groups = [...new Set(this.rows.map(({ name }) => groupOf(name)))];
-    this.groups = groups.map((group) => this.#group(group, this.rows.filter(({ name }) => groupOf(name) === group)));
+    this.sets = proposedOutputs(this.#columns, links, MOST_CURVES, valueOf).map(([textContent, names]) =>
+      this.#toggle({ textContent, title: names.join(", ") }, () => names));
+    this.groups = [...new Set(this.rows.map(({ heading }) => heading))].map((heading) =>
+      this.#quantity(heading, this.rows.filter((row) => row.heading === heading)));
+    find("curves-proposals").replaceChildren(...this.sets.map(({ button }) => button));
     this.list.replaceChildren(...this.groups.map(({ part }) => part));
+    this.search.value = "";
     this.#refresh();
     this.#filter();
     this.dialog.showModal();
   }
 
-  /**
-   * Return the element for a group of outputs: a list that opens, and a button that chooses all members of the group that are listed now
-   * or, if all these members are chosen, none of them. A group of one output is its row alone.
-   */
-  #group(group, members) {
-    const rows = make("div", { className: "curve-members" }, ...members.map(({ row }) => row));
-    if (members.length === 1) return { part: rows, members };
-    const texts = [...new Set(members.map(({ text }) => text))];
-    const meaning = texts.length === 1 ? make("small", { textContent: texts[0].replace(/[,:;].*/, "") }) : "";
-    const list = make("details", {}, make("summary", { title: texts.join("; ") }, `${breakable(group)} `, meaning), rows);
-    const all = make("button", { type: "button", textContent: "All" });
-    const shown = () => members.filter(({ row }) => !row.hidden).map(({ name }) => name);
-    const areChosen = () => shown().every((name) => this.names.includes(name));
-    all.setAttribute("aria-label", `All of ${group}`);
-    all.addEventListener("click", () => {
-      const others = this.names.filter((name) => !shown().includes(name));
-      list.open = true;
-      this.#choose([...others, ...(areChosen() ? [] : shown())].join());
+  /** Return a button that chooses all outputs `names` or, if all are chosen, none of them, with a function that shows this state. */
+  #toggle(properties, namesOf) {
+    const button = make("button", { type: "button", ...properties });
+    const areChosen = () => namesOf().every((name) => this.names.includes(name));
+    button.addEventListener("click", () => {
+      const others = this.names.filter((name) => !namesOf().includes(name));
+      this.#choose([...others, ...(areChosen() ? [] : namesOf())].join());
     });
-    const showState = () => all.setAttribute("aria-pressed", areChosen());
-    return { part: make("div", { className: "curve-group" }, list, all), list, members, showState };
+    return { button, showState: () => button.setAttribute("aria-pressed", areChosen()) };
+  }
+
+  /** Return the element for a quantity: a heading and, for each axis or wall, a line of outputs with a button that chooses all of them. */
+  #quantity(heading, members) {
+    const units = [...new Set(members.map(({ unit }) => unit))];
+    const lines = [...new Set(members.map(({ line }) => line))].map((line) => {
+      const own = members.filter((member) => member.line === line);
+      const words = line ? [make("span", { className: "line-name", textContent: line })] : [];
+      const part = make("div", { className: "curve-members" }, ...words, ...own.map(({ row }) => row));
+      if (own.length === 1) return { part, members: own };
+      const shown = () => own.filter(({ row }) => !row.hidden).map(({ name }) => name);
+      const { button, showState } = this.#toggle({ textContent: "All" }, shown);
+      button.setAttribute("aria-label", `All of ${groupOf(own[0].name)}`);
+      part.append(button);
+      return { part, members: own, showState };
+    });
+    const unit = make("small", { textContent: units.length === 1 ? units[0] : "" });
+    const patterns = [...new Set(members.map(({ name }) => groupOf(name)))];
+    const pattern = make("small", { className: "pattern", textContent: patterns.join(", ") });
+    const title = make("h3", {}, heading, " ", unit, " ", pattern);
+    return { part: make("div", { className: "curve-group" }, title, ...lines.map(({ part }) => part)), lines, members };
   }
 
   /** Choose the outputs that a text names, without calling the listener; an error tells which choice is not possible. */
@@ -166,7 +187,8 @@ export class CurveChoice {
     this.rows.forEach(({ name, box }) => {
       box.checked = this.names.includes(name);
     });
-    this.groups.forEach(({ showState }) => showState?.());
+    this.#showStates();
+    this.none.hidden = !this.names.length;
     this.#tell(fault);
   }
 
@@ -175,16 +197,23 @@ export class CurveChoice {
     Object.assign(find("curves-text"), { textContent: readable(fault), className: isTyping ? "typing" : "" });
   }
 
+  #showStates() {
+    [...this.sets, ...this.groups.flatMap(({ lines }) => lines)].forEach(({ showState }) => showState?.());
+  }
+
   #filter() {
     const words = this.search.value.toLowerCase().split(/\s+/).filter(Boolean);
     this.rows.forEach(({ name, text, row }) => {
       row.hidden = !words.every((word) => `${name} ${text}`.toLowerCase().includes(word));
     });
-    this.groups.forEach(({ part, list, members, showState }) => {
-      part.hidden = members.every(({ row }) => row.hidden);
-      if (list) list.open = words.length > 0 || members.some(({ box }) => box.checked);
-      showState?.();
+    const isEmpty = (members) => members.every(({ row }) => row.hidden);
+    this.groups.forEach(({ part, lines, members }) => {
+      part.hidden = isEmpty(members);
+      lines.forEach((line) => {
+        line.part.hidden = isEmpty(line.members);
+      });
     });
+    this.#showStates();
     find("curves-none").hidden = this.rows.some(({ row }) => !row.hidden);
   }
 }

@@ -6,7 +6,8 @@ import { shownIn } from "../../scene/angles.js";
 import { inputText, signalText } from "../../scene/words.js";
 import { attempt, explain, presentlyShown, refusal, resetButton, valueField } from "./parameter_fields.js";
 
-const [SPACE_AT_CURVE, SPACE_TO_DRAG] = [0.1, 0.4]; // space above and below the curve, over the difference of its largest and smallest value
+// space above and below the curve, over the difference of its largest and smallest value
+const [SPACE_AT_CURVE, SPACE_TO_DRAG] = [0.1, 0.4];
 const DRAG_PARTS = 200; // a dragged point is rounded to about this part of the drawing
 const SIGNAL_SVG = '<svg viewBox="0 0 1 1" preserveAspectRatio="none"><path class="zero"/><path class="course"/></svg>';
 
@@ -134,7 +135,8 @@ export function signalPart(changes, signal, rows, isOpen) {
   const inputs = changes.scene.file.signals[signal].input;
   const [words, range, drawing] = [make("span"), make("small"), new SignalDrawing(changes, inputs, stepsOfSignal(changes, signal))];
   const steps = drawing.steps.map((names) => stepRow(changes, signal, names));
-  const heading = make("summary", { title: `Signal ${signal}: a change of its numbers acts on the whole run` }, words, " ", range, drawing.element);
+  const title = `Signal ${signal}: a change of its numbers acts on the whole run`;
+  const heading = make("summary", { title }, words, " ", range, drawing.element);
   const part = make("details", { className: "signal", open: isOpen }, heading, ...[...rows, ...steps].map(({ row }) => row));
   let shown;
   return {
