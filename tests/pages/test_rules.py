@@ -19,11 +19,19 @@ EVALUATED = function_of("rules", "evaluated")
 ALL_RULES = [
     *(text for rule in (*REFUSALS, *SIGNAL_REFUSALS) for text in (rule.condition, rule.least) if text),
     *(fact.rule for fact in FACTS.values()),
-    *(text for row in LISTS.values() for text in (row.over or "1", row.where, *row.values.values())),
-    *(text for row in OWNER_KINDS.values() for text in (row.over, row.where, *row.numbers.values())),
+    *(
+        text
+        for row in LISTS.values()
+        for text in (row.source_list or "1", row.condition, *row.values.values())
+    ),
+    *(
+        text
+        for row in OWNER_KINDS.values()
+        for text in (row.source_list, row.condition, *row.numbers.values())
+    ),
     *(text for row in OWNER_KINDS.values() for text in row.conditions.values()),
     *COUNT_RULES.values(),
-    *(text for row in RECORD_NUMBERS.values() for text in (row.number, row.over, row.at)),
+    *(text for row in RECORD_NUMBERS.values() for text in (row.number, row.source_list, row.at)),
 ]
 NUMBERS = (None, 0, 1, 2, -1, 0.5, False, True)
 TRIALS = 10

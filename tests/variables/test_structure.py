@@ -54,7 +54,7 @@ def test_each_fact_and_each_list_is_explained(scene):
 def test_names_in_the_tables_are_known():
     known = LISTS.keys() | FILE_KEYS
     for one, row in LISTS.items():
-        rules = [row.over, row.where, *row.values.values()] if row.over else []
+        rules = [row.source_list, row.condition, *row.values.values()] if row.source_list else []
         assert are_known(known | row.values.keys(), *rules), one
     for name, (rule, meaning) in FACTS.items():
         assert are_known(known, rule), name
@@ -64,11 +64,11 @@ def test_names_in_the_tables_are_known():
     assert names_of(*COUNT_RULES.values()) <= known
     known |= {*COUNTS}
     for kind, row in OWNER_KINDS.items():
-        rules = [row.where, row.over, *row.numbers.values(), *row.conditions.values()]
+        rules = [row.condition, row.source_list, *row.numbers.values(), *row.conditions.values()]
         assert are_known(known | row.conditions.keys(), *rules), kind
         assert row.conditions.keys() <= OWN_CONDITIONS.keys(), kind
     for name, row in RECORD_NUMBERS.items():
-        assert are_known(known, row.number, row.over, row.at), name
+        assert are_known(known, row.number, row.source_list, row.at), name
 
 
 def test_the_conditions_of_variables_are_known():
@@ -76,7 +76,7 @@ def test_the_conditions_of_variables_are_known():
     kinds = [kind for table in (PARAMETERS, INPUTS, OUTPUTS) for of_owner in table for kind in of_owner.kinds]
     for kind in kinds:
         conditions = {*kind.when, kind.tunable, kind.stores_given_if} - {""}
-        assert conditions <= known | members_of(OWNER_KINDS[kind.owner_kind].over), kind.name
+        assert conditions <= known | members_of(OWNER_KINDS[kind.owner_kind].source_list), kind.name
 
 
 def test_no_owner_changes_what_holds_for_its_scene():
@@ -99,25 +99,25 @@ def test_the_conditions_of_a_scene_are_those_that_users_read(scene):
     own = [value for wall in contact.wall.values() for value in (wall.friction, wall.static_friction)]
     coefficients = contact.friction + contact.static_friction
     rubs = bool(point_wall_pairs(scene)) and (coefficients > 0.0 or own != [None] * len(own))
-    assert known["contact_friction"] == rubs
+    assert known["has_contact_friction"] == rubs
     jointed = links if scene.chain.base != "free" else links[1:]
     in_joints = any(link.joint_friction for link in jointed)
-    assert known["friction"] == (rubs or in_joints or (slider is not None and slider.friction > 0.0))
+    assert known["has_dry_friction"] == (rubs or in_joints or (slider is not None and slider.friction > 0.0))
     assert known["skewed"] == any(link.center_of_mass_offset for link in links)
     limits = [slider and slider.force_limit, *(link.joint_torque_limit for link in links)]
     asks = [getattr(scene.inputs, key) for key in INPUTS_OF]
-    assert known["supply"] == (any(asks) or limits != [None] * len(limits))
+    assert known["has_supply"] == (any(asks) or limits != [None] * len(limits))
     assert known["has_base_joint"] == scene.chain.has_base_joint
 
 
 def test_joint_stops_are_one_owner_and_sliders_have_no_friction():
     stopped = CART.with_values({"link[3].joint_min": -2.0, "link[3].joint_max": 2.0, "slider.max": 0.1})
     structure = structure_of(stopped)
-    pairs = structure.numbers["pairs"]
+    pairs = structure.numbers["pair_count"]
     stops = [owner.values for owner in structure.owners("stop")]
     assert [(stop["n"], stop["at"]) for stop in stops] == [(2, pairs), (3, pairs + 1)]
     *contacts, end = structure.owners("contact")
     assert (len(contacts), end.values["at"], end.values["name"]) == (pairs, pairs + 3, "slider_max")
     assert all(contact.conditions["may_have_friction"] for contact in contacts)
     assert not end.conditions["may_have_friction"]
-    assert end.conditions["contact_friction"]
+    assert end.conditions["has_contact_friction"]

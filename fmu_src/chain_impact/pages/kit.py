@@ -80,22 +80,26 @@ def kit(scene: Scene) -> dict[str, Any]:
         "keys": _keys(Scene),
         "facts": {name: tree(fact.rule) for name, fact in FACTS.items()},
         "lists": {
-            name: {"over": tree(row.over), "where": tree(row.where), "values": _trees(row.values)}
+            name: {
+                "sourceList": tree(row.source_list),
+                "condition": tree(row.condition),
+                "values": _trees(row.values),
+            }
             for name, row in LISTS.items()
-            if row.over
+            if row.source_list
         },
         "counts": _trees(COUNT_RULES),
         "owners": {
             kind: {
-                "over": tree(row.over),
-                "where": tree(row.where),
+                "sourceList": tree(row.source_list),
+                "condition": tree(row.condition),
                 "numbers": _trees(row.numbers),
                 "conditions": _trees(row.conditions),
             }
             for kind, row in OWNER_KINDS.items()
         },
         "recordNumbers": {
-            name: {"number": tree(row.number), "over": tree(row.over), "at": tree(row.at)}
+            name: {"number": tree(row.number), "sourceList": tree(row.source_list), "at": tree(row.at)}
             for name, row in RECORD_NUMBERS.items()
         },
         "lawFile": scene.contact.law_file,

@@ -253,7 +253,7 @@ class Result(PrintedResult, SceneRecording):
         """
         energy = np.zeros(len(self.time), [(name, np.float64) for name in ENERGIES])
         known_numbers = self.prepared.structure.numbers
-        is_known = known_numbers["impulses"] and (self._has_all or "energy.friction" in self.names)
+        is_known = known_numbers["needs_impulses"] and (self._has_all or "energy.friction" in self.names)
         for name, kind in ENERGIES.items():
             # the scene has no such output, for example without friction or supply: this energy is 0
             if not all(known_numbers[condition] for condition in kind.when if condition in FACTS):

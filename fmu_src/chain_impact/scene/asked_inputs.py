@@ -32,8 +32,8 @@ def inputs_of(scene: Contents, *, are_asked: bool = True) -> Iterator[str]:
         return
     facts = SceneFacts(scene)
     owners: dict[str, Sequence[dict[str, Any]]] = {
-        "joint[{n}]": [{"n": n} for n, link in enumerate(facts["links"], 1) if link["jointed"]],
-        "slider": [{}] * facts["slider"],
+        "joint[{n}]": [{"n": n} for n, link in enumerate(facts["link_facts"], 1) if link["jointed"]],
+        "slider": [{}] * facts["has_slider"],
         "tip": [{}],
         "base": [{}] * facts["pinned"],
         "wall": facts["moving_walls"],

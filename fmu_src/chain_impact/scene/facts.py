@@ -3,8 +3,8 @@
 The tables FACTS and LISTS have the rules that give facts and lists; rule_language.py has the language of the
 rules. A page evaluates the same rules (pages/browser/scene/owners.js). Lists without a rule are found by
 code, in Python by LIST_FUNCTIONS. Example: if a scene gives ``joint_friction`` for a link with a proximal
-joint, the link has the value ``has_friction`` 1 in "links", so the facts "joint_friction" and "friction" are
-true. The twin in JavaScript is pages/browser/scene/owners.js.
+joint, the link has the value ``has_friction`` 1 in "link_facts", so the facts "has_joint_friction" and
+"has_dry_friction" are true. The twin in JavaScript is pages/browser/scene/owners.js.
 """
 
 from __future__ import annotations
@@ -50,15 +50,15 @@ class ListRule(NamedTuple):
 
     Attributes:
         meaning: words for the members, and for the values that each member has.
-        over: the list from which the members of this list are taken; "" for a list that LIST_FUNCTIONS and
-            the page's code find without a rule.
-        where: the rule that is true if a member of ``over`` is a member of this list.
+        source_list: the list from which the members of this list are taken; "" for a list that LIST_FUNCTIONS
+            and the page's code find without a rule.
+        condition: the rule that is true if a member of ``source_list`` is a member of this list.
         values: name of a value that each member has → the rule for this value.
     """
 
     meaning: str
-    over: str = ""
-    where: str = "1"
+    source_list: str = ""
+    condition: str = "1"
     values: Mapping[str, str] = {}
 
 
@@ -82,18 +82,18 @@ LISTS = {
     "steps": ListRule(
         "steps of each driven input; name: of the signal; input; entry: index; knot: index in record"
     ),
-    "links": ListRule(
+    "link_facts": ListRule(
         "jointed: a joint holds it; has_friction: this joint may have dry friction",
-        over="chain.links",
+        source_list="chain.links",
         values={
             "jointed": "chain.base != 'free' or order > 0",
-            "has_friction": "jointed and given(joint_friction)",
+            "has_friction": "jointed and has_value(joint_friction)",
         },
     ),
     "moving_walls": ListRule(
         "walls that inputs move; name; number: index among the walls",
-        over="walls",
-        where="exists and ('*' in inputs.wall_motion or name in inputs.wall_motion)",
+        source_list="walls",
+        condition="exists and ('*' in inputs.wall_motion or name in inputs.wall_motion)",
         values={"name": "name", "number": "order"},
     ),
 }
@@ -112,42 +112,50 @@ FACTS = {
     TRUE_FACT: Fact("1", "all scenes have this"),
     "free": Fact("chain.base == 'free'", "the base is free"),
     "pinned": Fact("chain.base == 'pinned'", "the base is pinned"),
-    "slider": Fact("chain.base == 'slider'", "the base is on a slider"),
+    "has_slider": Fact("chain.base == 'slider'", "the base is on a slider"),
     "has_base_joint": Fact("not free", "a joint connects link 1 with the base"),
     "skewed": Fact(
-        "any(chain.links, given(center_of_mass_offset))",
+        "any(chain.links, has_value(center_of_mass_offset))",
         "the centre of mass of some link may lie beside the link's line",
     ),
-    "pairs": Fact("sum(candidates, stop == 0)", "the number of pairs of a point and a wall that can touch"),
-    "stops": Fact("sum(candidates, at_joint)", "the number of stops in joints"),
-    "slider_stops": Fact("sum(candidates, stop != 0 and not at_joint)", "the number of stops of the slider"),
-    "contacts": Fact("pairs or slider_stops", "a point can touch a wall, or a slider its stop"),
-    "own_stop_law": Fact("given(stops.model)", "the file gives the law of stops in joints"),
-    "law": Fact("contacts or stops and not own_stop_law", "a contact may follow the law contact.model"),
-    "contact_friction": Fact(
-        "pairs and (given(contact.friction) or given(contact.static_friction) or "
-        "any(contact.wall, given(friction) or given(static_friction)))",
+    "pair_count": Fact(
+        "sum(candidates, stop == 0)", "the number of pairs of a point and a wall that can touch"
+    ),
+    "stop_count": Fact("sum(candidates, at_joint)", "the number of stops in joints"),
+    "slider_stop_count": Fact(
+        "sum(candidates, stop != 0 and not at_joint)", "the number of stops of the slider"
+    ),
+    "has_contacts": Fact("pair_count or slider_stop_count", "a point can touch a wall, or a slider its stop"),
+    "has_own_stop_law": Fact("has_value(stops.model)", "the file gives the law of stops in joints"),
+    "has_law": Fact(
+        "has_contacts or stop_count and not has_own_stop_law", "a contact may follow the law contact.model"
+    ),
+    "has_contact_friction": Fact(
+        "pair_count and (has_value(contact.friction) or has_value(contact.static_friction) or "
+        "any(contact.wall, has_value(friction) or has_value(static_friction)))",
         "a contact may have dry friction: a coefficient is given, even as 0",
     ),
-    "joint_friction": Fact("any(links, has_friction)", "a joint may have dry friction"),
-    "slider_friction": Fact("given(chain.slider.friction)", "the slider may have dry friction"),
-    "friction": Fact("contact_friction or joint_friction or slider_friction", "a part may have dry friction"),
+    "has_joint_friction": Fact("any(link_facts, has_friction)", "a joint may have dry friction"),
+    "has_slider_friction": Fact("has_value(chain.slider.friction)", "the slider may have dry friction"),
+    "has_dry_friction": Fact(
+        "has_contact_friction or has_joint_friction or has_slider_friction", "a part may have dry friction"
+    ),
     "has_inputs": Fact(
         " or ".join(f"inputs.{key}" for key in INPUTS_OF if key != "wall_motion"),
         "there are inputs, beside motions of walls",
     ),
     "has_limits": Fact(
-        "given(chain.slider.force_limit) or any(chain.links, given(joint_torque_limit))",
+        "has_value(chain.slider.force_limit) or any(chain.links, has_value(joint_torque_limit))",
         "a drive has a largest torque or force",
     ),
-    "motions": Fact("inputs.base_motion or moving_walls", "inputs move the base or walls"),
-    "body": Fact(
-        "skewed or slider or sites",
+    "has_motions": Fact("inputs.base_motion or moving_walls", "inputs move the base or walls"),
+    "has_bodies": Fact(
+        "skewed or has_slider or sites",
         "there is a slider, a point beside the ends of a link, or a given center_of_mass_offset",
     ),
-    "supply": Fact("has_inputs or inputs.wall_motion or has_limits", "energy may be supplied"),
-    "impulses": Fact(
-        "outputs.contacts or outputs.impacts or outputs.loads or friction and outputs.energies",
+    "has_supply": Fact("has_inputs or inputs.wall_motion or has_limits", "energy may be supplied"),
+    "needs_impulses": Fact(
+        "outputs.contacts or outputs.impacts or outputs.loads or has_dry_friction and outputs.energies",
         "some output needs the impulses of contacts",
     ),
     "knots": Fact("sum(signals, knot_count)", "the number of polynomials (knots) of all signals"),
@@ -179,7 +187,7 @@ class SceneFacts(dict[str, Any]):
         if name in FACTS:
             value = int(number_in(FACTS[name].rule, self.value_of))
         elif name in LISTS:
-            value = self._members(LISTS[name]) if LISTS[name].over else LIST_FUNCTIONS[name](self)
+            value = self._members(LISTS[name]) if LISTS[name].source_list else LIST_FUNCTIONS[name](self)
         elif "." in name:
             flag = value_at(self.scene, name)
             value = len(flag) if isinstance(flag, tuple) else int(flag)
@@ -218,12 +226,14 @@ class SceneFacts(dict[str, Any]):
     def _members(self, row: ListRule) -> list[dict[str, Any]]:
         """Return the members of the list ``row``, each as a table from the names in ``row.values`` to values.
 
-        The members are those of the list ``row.over`` for which the rule ``row.where`` is true. Each value is
-        computed by its rule in ``row.values``.
+        The members are those of the list ``row.source_list`` for which the rule ``row.condition`` is true.
+        Each value is computed by its rule in ``row.values``.
         """
         members = list[dict[str, Any]]()
-        for order, of_member in enumerate(member_lookups(members_in(row.over, self.value_of), self.value_of)):
-            if is_rule_true(row.where, of_member):
+        for order, of_member in enumerate(
+            member_lookups(members_in(row.source_list, self.value_of), self.value_of)
+        ):
+            if is_rule_true(row.condition, of_member):
                 values = dict[str, Any]()
                 for key, rule in row.values.items():
                     values[key] = number_in(rule, partial(value_within, values, order, of_member))
@@ -236,7 +246,7 @@ def friction_joints(scene: Contents) -> tuple[int, ...]:
 
     With a free base, joint 1 does not exist.
     """
-    return tuple(n for n, link in enumerate(SceneFacts(scene)["links"], 1) if link["has_friction"])
+    return tuple(n for n, link in enumerate(SceneFacts(scene)["link_facts"], 1) if link["has_friction"])
 
 
 def _sites(facts: SceneFacts) -> list[dict[str, Any]]:

@@ -78,7 +78,7 @@ class Scene(Contents):
     @property
     def has_contact_friction(self) -> bool:
         """Whether a point can touch a wall, and such a contact may have dry friction."""
-        return bool(SceneFacts(self)["contact_friction"])
+        return bool(SceneFacts(self)["has_contact_friction"])
 
     @property
     def friction_joints(self) -> tuple[int, ...]:
@@ -88,12 +88,12 @@ class Scene(Contents):
     @property
     def is_driven(self) -> bool:
         """Whether energy may be supplied: by an input, or by a drive with a limit of its torque or force."""
-        return bool(SceneFacts(self)["supply"])
+        return bool(SceneFacts(self)["has_supply"])
 
     @property
     def has_friction(self) -> bool:
         """Whether a contact, a joint or a slider may have dry friction."""
-        return bool(SceneFacts(self)["friction"])
+        return bool(SceneFacts(self)["has_dry_friction"])
 
     def with_values(self, changes: Mapping[str, Any] | Mapping[tuple[Any, ...], Any]) -> "Scene":
         """Return the scene with some values changed, for example `{"contact.restitution": 0.5}`.

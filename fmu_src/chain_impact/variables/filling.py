@@ -237,7 +237,12 @@ def _words_of(
     is the number of entries of ``walls`` in the record, ``has_slider`` says whether there is a slider, and
     ``met_conditions`` are the conditions of ``_STORES_GIVEN`` that the scene meets.
     """
-    numbers = {**counts._asdict(), "sloped_walls": sloped_walls, "slider": has_slider}
+    numbers = {
+        **counts._asdict(),
+        "link_facts": counts.links,
+        "sloped_walls": sloped_walls,
+        "has_slider": has_slider,
+    }
     layout, kinds, words, index_list = layout_of(*counts), _tables()[table], [], []
     indices_of = {name: _indices(name, numbers) for name in {kind.owner_kind for kind, _ in kinds}}
     for kind, reader in kinds:
@@ -258,7 +263,7 @@ def _indices(owner_kind: str, numbers: Mapping[str, int]) -> list[dict[str, int]
     ``numbers`` has the numbers that the rules of this kind name.
     """
     owners = OWNER_KINDS[owner_kind]
-    index, count = owners.numbers.get("at", "order"), number_in(owners.over, numbers.__getitem__)
+    index, count = owners.numbers.get("at", "order"), number_in(owners.source_list, numbers.__getitem__)
     return [{"at": number_in(index, {**numbers, "order": i}.__getitem__)} for i in range(count)]
 
 

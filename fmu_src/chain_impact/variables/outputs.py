@@ -136,9 +136,9 @@ OUTPUTS = (
         row("potential",  "J", "potential energy of gravity, zero at the origin",                        nominal="energy"),
         row("elastic",    "J", "energy stored in contacts and springs",                                  nominal="energy"),
         row("dissipated", "J", "energy lost in {losses} since the start",                                nominal="energy"),
-        row("supplied",   "J", "energy supplied by the inputs and by drives since the start",            nominal="energy", when="supply"),
+        row("supplied",   "J", "energy supplied by the inputs and by drives since the start",            nominal="energy", when="has_supply"),
         row("total",      "J", "kinetic, potential and elastic energy",                                  nominal="energy"),
-        row("friction",   "J", "energy lost in dry friction since the start, part of energy.dissipated", field="friction.dissipated", nominal="energy", when="friction"),
+        row("friction",   "J", "energy lost in dry friction since the start, part of energy.dissipated", field="friction.dissipated", nominal="energy", when="has_dry_friction"),
         when=("outputs.energies",), is_terminal=False,
     ),
     record_block(

@@ -4,7 +4,7 @@ An owner is a part of a scene that has variables, such as a link. Python (struct
 (pages/browser/scene/owners.js) evaluate the rules, which are in the language of rule_language.py and name
 facts and lists of scene/facts.py. Example: a link with ``has_friction`` is an owner of the kind "joint with
 friction", which has the outputs of dry friction; the record has room for these outputs, because the fact
-"friction" is true.
+"has_dry_friction" is true.
 The twin in JavaScript is pages/browser/scene/owners.js.
 """
 
@@ -41,10 +41,10 @@ OWN_CONDITIONS = {
 """Name of a condition that single owners meet, not the scene → its meaning. No such condition has the name of
 a fact."""
 COUNT_RULES = {
-    "links": "links",
+    "links": "link_facts",
     "candidates": "candidates",
-    "elements": "friction*links + friction*candidates + friction*slider",
-    "transmitted_rows": "outputs.loads*links + outputs.loads*walls",
+    "elements": "has_dry_friction*link_facts + has_dry_friction*candidates + has_dry_friction*has_slider",
+    "transmitted_rows": "outputs.loads*link_facts + outputs.loads*walls",
     "channels": "2*inputs.base_motion + 2*moving_walls",
     "sites": "sites",
     "signals": "signals",
@@ -58,20 +58,21 @@ products."""
 class OwnerKind:
     """The rules that find the owners of one kind, one row of the table of owners.
 
-    In the rules ``where``, ``numbers`` and ``conditions``, ``order`` is the index of the member in the list.
+    In the rules ``condition``, ``numbers`` and ``conditions``, ``order`` is the index of the member in the
+    list.
 
     Attributes:
-        over: the list whose members can be owners; or a rule for the number of members, if these have no
-            values.
-        where: the rule that is true if a member is an owner. If several such members have the same ``n``,
+        source_list: the list whose members can be owners; or a rule for the number of members, if these have
+            no values.
+        condition: the rule that is true if a member is an owner. If several such members have the same ``n``,
             ``of`` and ``name``, only the first is an owner: the two stops of joint 2 are one owner.
         numbers: name of a number → the rule for this number of an owner. ``n`` is the number in names of
             variables, ``at`` the index in the record, ``of`` the number of the owner's link.
         conditions: name in OWN_CONDITIONS → rule that is true if an owner meets the condition.
     """
 
-    over: str
-    where: str = TRUE_FACT
+    source_list: str
+    condition: str = TRUE_FACT
     numbers: Mapping[str, str] = field(default_factory=dict)
     conditions: Mapping[str, str] = field(default_factory=dict)
 
@@ -79,9 +80,9 @@ class OwnerKind:
 _NUMBERED_BY_ORDER = {"n": "order + 1", "at": "order"}
 _CHANNEL = "2*inputs.base_motion + 2*order"
 OWNER_KINDS = {
-    "one": OwnerKind(over="1"),
+    "one": OwnerKind(source_list="1"),
     "link": OwnerKind(
-        over="links",
+        source_list="link_facts",
         numbers=_NUMBERED_BY_ORDER,
         conditions={
             "has_target": "inputs.joint_targets and jointed",
@@ -90,42 +91,44 @@ OWNER_KINDS = {
         },
     ),
     "point": OwnerKind(
-        over="links + sites + 1",
+        source_list="links + sites + 1",
         numbers={"n": "order", "at": "order"},
         conditions={"base_at_rest": "pinned and not inputs.base_motion and not order"},
     ),
-    "joint": OwnerKind(over="links", where="jointed", numbers=_NUMBERED_BY_ORDER),
-    "joint with friction": OwnerKind(over="links", where="has_friction", numbers=_NUMBERED_BY_ORDER),
+    "joint": OwnerKind(source_list="link_facts", condition="jointed", numbers=_NUMBERED_BY_ORDER),
+    "joint with friction": OwnerKind(
+        source_list="link_facts", condition="has_friction", numbers=_NUMBERED_BY_ORDER
+    ),
     # the outputs for both stops of a joint are at one index of the record: that of the joint's first stop
-    "stop": OwnerKind(over="candidates", where="at_joint", numbers={"at": "order"}),
+    "stop": OwnerKind(source_list="candidates", condition="at_joint", numbers={"at": "order"}),
     "contact": OwnerKind(
-        over="candidates",
-        where="not at_joint",
+        source_list="candidates",
+        condition="not at_joint",
         numbers={"at": "order"},
-        conditions={"may_have_friction": "contact_friction and not stop"},
+        conditions={"may_have_friction": "has_contact_friction and not stop"},
     ),
     "site": OwnerKind(
-        over="sites",
+        source_list="sites",
         numbers={"n": "entry + 1", "of": "link + 1", "at": "order"},
         conditions={"in_file": "not corner"},
     ),
     "slider": OwnerKind(
-        over="slider",
+        source_list="has_slider",
         numbers={"at": "links"},
         conditions={
             "has_target": "inputs.joint_targets",
             "target_is_parameter": "not has_target",
-            "may_have_friction": "slider_friction",
+            "may_have_friction": "has_slider_friction",
         },
     ),
-    "sloped wall": OwnerKind(over="sloped_walls", numbers={"at": "order"}),
+    "sloped wall": OwnerKind(source_list="sloped_walls", numbers={"at": "order"}),
     # if a point can touch a wall, each wall of the scene has a material, also a wall that no point can touch
-    "material": OwnerKind(over="walls", where="exists and pairs", numbers={"at": "order"}),
-    "moving wall": OwnerKind(over="moving_walls", numbers={"at": _CHANNEL}),
-    "touched wall": OwnerKind(over="walls", where="touched", numbers={"at": "links + order"}),
-    "signal": OwnerKind(over="signals", numbers={"at": "order"}),
-    "step": OwnerKind(over="steps", numbers={"n": "entry + 1", "at": "knot"}),
-    "impact": OwnerKind(over="outputs.impacts", numbers=_NUMBERED_BY_ORDER),
+    "material": OwnerKind(source_list="walls", condition="exists and pair_count", numbers={"at": "order"}),
+    "moving wall": OwnerKind(source_list="moving_walls", numbers={"at": _CHANNEL}),
+    "touched wall": OwnerKind(source_list="walls", condition="touched", numbers={"at": "links + order"}),
+    "signal": OwnerKind(source_list="signals", numbers={"at": "order"}),
+    "step": OwnerKind(source_list="steps", numbers={"n": "entry + 1", "at": "knot"}),
+    "impact": OwnerKind(source_list="outputs.impacts", numbers=_NUMBERED_BY_ORDER),
 }
 """Kind of owner → the rules that find the owners of this kind."""
 
@@ -136,27 +139,28 @@ class RecordNumber(NamedTuple):
     Attributes:
         path: the path of the number in the record; with INDEX_PLACE, of several numbers.
         number: the rule for the number.
-        over: the name of a list, each member of which has a number; or a rule for the count of the numbers.
+        source_list: the name of a list, each member of which has a number; or a rule for the count of the
+            numbers.
         at: for several numbers: the rule for the index that replaces INDEX_PLACE for a member.
     """
 
     path: DataPath
     number: str
-    over: str = "1"
+    source_list: str = "1"
     at: str = "order"
 
 
 RECORD_NUMBERS = {
     **{name: RecordNumber((name,), name) for name in COUNTS},
     "skewed": RecordNumber(("skewed",), "skewed"),
-    "slides": RecordNumber(("slides",), "slider"),
+    "slides": RecordNumber(("slides",), "has_slider"),
     "has_base_joint": RecordNumber(("chain", "has_base_joint"), "has_base_joint"),
     "has_inputs": RecordNumber(("chain", "has_inputs"), "has_inputs"),
     "has_targets": RecordNumber(("chain", "has_targets"), "inputs.joint_targets"),
     "base_moves": RecordNumber(("chain", "base_moves"), "inputs.base_motion"),
     "interpolates": RecordNumber(("given_channel", "interpolates"), TRUE_FACT),
     "requested": RecordNumber(("latest", "requested_count"), "outputs.impacts"),
-    "impulses": RecordNumber(("quadrature", "computed"), "impulses"),
+    "impulses": RecordNumber(("quadrature", "computed"), "needs_impulses"),
     "site_link": RecordNumber(("site", "link", INDEX_PLACE), "link", "sites"),
     "site_corner": RecordNumber(("site", "corner", INDEX_PLACE), "corner", "sites"),
     "candidate_point": RecordNumber(("candidate", INDEX_PLACE, "point"), "n", "candidates"),
@@ -184,7 +188,7 @@ class Owner:
     """An owner of variables, such as link 2.
 
     Attributes:
-        values: the values of the owner's member of the list ``OwnerKind.over``, and the numbers in
+        values: the values of the owner's member of the list ``OwnerKind.source_list``, and the numbers in
             ``OwnerKind.numbers``.
         conditions: name of a condition → whether the owner, or the scene, meets the condition.
     """
@@ -226,9 +230,9 @@ def owners_of(
     ``scene_numbers`` and ``lists`` have the values of the names in the rules (``values_of``).
     """
     row, found_owners = OWNER_KINDS[kind], dict[Any, Owner]()
-    for order, member in enumerate(members_in(row.over, values_of(scene_numbers, lists))):
+    for order, member in enumerate(members_in(row.source_list, values_of(scene_numbers, lists))):
         member_names = {**scene_numbers, **member, "order": order}
-        if is_rule_true(row.where, member_names.__getitem__):
+        if is_rule_true(row.condition, member_names.__getitem__):
             numbers = {name: number_in(rule, member_names.__getitem__) for name, rule in row.numbers.items()}
             values = {**member, **numbers}
             for name, rule in row.conditions.items():

@@ -122,7 +122,7 @@ def _vector(
 
 _COEFFICIENT: dict[str, Any] = {
     "tunable": TRUE_FACT,
-    "when": ("contact_friction",),
+    "when": ("has_contact_friction",),
     "value_if_not_in_file": 0.0,
     "hint": HAS_FRICTION,
 }
@@ -252,7 +252,7 @@ PARAMETERS = (
             names=("angle",),
         ),
         heading=SLOPED_WALL,
-        when=("contacts",),
+        when=("has_contacts",),
     ),
     block(
         "one",
@@ -261,7 +261,7 @@ PARAMETERS = (
             scene_path=("contact", KEY),
             record_path=("given", "law"),
             names=("model",),
-            model={"when": ("law",), "tunable": TRUE_FACT, "choices": LAWS, "smooth": False},
+            model={"when": ("has_law",), "tunable": TRUE_FACT, "choices": LAWS, "smooth": False},
         ),
     ),
     block(
@@ -283,7 +283,7 @@ PARAMETERS = (
             friction=_COEFFICIENT,
             static_friction=_COEFFICIENT,
         ),
-        when=("contacts",),
+        when=("has_contacts",),
     ),
     block(
         "material",
@@ -298,7 +298,7 @@ PARAMETERS = (
             static_friction={"number_for_none": -1.0, "hint": HAS_FRICTION},
         ),
         heading=WALL,
-        when=("contacts",),
+        when=("has_contacts",),
         tunable=TRUE_FACT,
     ),
     block(
@@ -313,7 +313,7 @@ PARAMETERS = (
             restitution={"given_path": ("given", "stop_restitution"), "tunable": TRUE_FACT},
             minimum_impact_speed={"smooth": False},
         ),
-        when=("stops",),
+        when=("stop_count",),
     ),
     block(
         "one",

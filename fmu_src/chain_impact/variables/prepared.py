@@ -288,7 +288,7 @@ def kernel_scope(scene: Scene) -> int:
     (scene/facts.py): other kernels have no code for these.
     """
     facts = SceneFacts(scene)
-    is_general = scene.signals or facts["body"] or facts["motions"]
+    is_general = scene.signals or facts["has_bodies"] or facts["has_motions"]
     return GENERAL if is_general else len(scene.chain.links)
 
 

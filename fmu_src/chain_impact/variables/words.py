@@ -41,7 +41,9 @@ def scene_words(structure: Structure) -> dict[str, Any]:
     form, with texts that hold for every owner.
     """
     numbers, names = structure.numbers, [wall["name"] for wall in structure.lists["walls"]]
-    absent_words = () if numbers["contact_friction"] else (FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING)
+    absent_words = (
+        () if numbers["has_contact_friction"] else (FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING)
+    )
     statuses = {code: text for code, text in STATUS_TEXT.items() if code not in absent_words}
     walls = ", ".join(f"{w} {wall}" for w, wall in enumerate(names, 1))
     return {
@@ -53,8 +55,8 @@ def scene_words(structure: Structure) -> dict[str, Any]:
         "wall_numbers": f"0 none, {walls}",
         "wall_numbers_if_any": f"0 if there is none, {walls}",
         "statuses": "; ".join(f"{code} {text}" for code, text in statuses.items()),
-        "losses": LOSSES if numbers["friction"] else "contacts and damping",
-        **(STOP_WORDS if numbers["stops"] else dict.fromkeys(STOP_WORDS, "")),
+        "losses": LOSSES if numbers["has_dry_friction"] else "contacts and damping",
+        **(STOP_WORDS if numbers["stop_count"] else dict.fromkeys(STOP_WORDS, "")),
         "general": {
             **GENERAL,
             **({} if numbers["free"] else {"parent": f"the link before, or {_ground(structure)}"}),
@@ -99,7 +101,7 @@ there are no such words."""
 
 def _ground(structure: Structure) -> str:
     """Return words for the body to which joint 1 connects link 1: a slider's carriage, or the ground."""
-    return "the carriage" if structure.numbers["slider"] else "the ground"
+    return "the carriage" if structure.numbers["has_slider"] else "the ground"
 
 
 def _label(structure: Structure, point: int) -> str:

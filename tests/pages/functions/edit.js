@@ -12,8 +12,8 @@ export const recordInPage = ([kit, text, contents]) => {
 };
 
 export const structure = ([kit, contents]) => {
-  const { known, lists, owners } = structureOf(complete(contents, kit), kit);
-  return [known, lists, owners];
+  const { sceneNumbers, lists, owners } = structureOf(complete(contents, kit), kit);
+  return [sceneNumbers, lists, owners];
 };
 
 export const refusalInPage = ([kit, contents, more]) => {

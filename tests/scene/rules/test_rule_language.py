@@ -20,7 +20,17 @@ from chain_impact.scene.rules.rule_language import is_rule_true, names_in, numbe
 from chain_impact.scene.scene import scene_keys
 from tests.scene.rule_cases import CASES, VALUES
 
-WRONG = ("a and", "a & b", "a - b", "a and or b", "max(a, b)", "sum(a)", "a < b < c", "given(x=a)", "a[0]")
+WRONG = (
+    "a and",
+    "a & b",
+    "a - b",
+    "a and or b",
+    "max(a, b)",
+    "sum(a)",
+    "a < b < c",
+    "has_value(x=a)",
+    "a[0]",
+)
 ALL_KEYS = {key for key, _ in scene_keys()}
 OF_LINK = {entry.name for entry in keys(Link)} | {"order"}
 OF_LAW = {entry.name for entry in keys(Material)} | {"exponent"} | {f"law.{key}" for key in LAW_FACTS}

@@ -149,14 +149,14 @@ REFUSALS = (
         for key in ("friction", "static_friction")
     ),
     *(
-        RefusalRule("no_joint", key, f"chain.base == 'free' and order == 0 and given({key})", of="link")
+        RefusalRule("no_joint", key, f"chain.base == 'free' and order == 0 and has_value({key})", of="link")
         for key in ("joint_min", "joint_max")
     ),
     *(
         RefusalRule(
             "no_stops",
             f"stops.{key}",
-            f"given(stops.{key}) and not any(chain.links, given(joint_min) or given(joint_max))",
+            f"has_value(stops.{key}) and not any(chain.links, has_value(joint_min) or has_value(joint_max))",
         )
         for key in STOP_KEYS
     ),

@@ -3,7 +3,7 @@
 A rule is written like an expression of Python. From strong to weak, its parts are
 
 - numbers, texts in quotes, and names of values, such as ``chain.base``
-- ``given(name)``, true if the value is not missing; ``any(list, rule)``, true if the rule is true for at
+- ``has_value(name)``, true if the value is not missing; ``any(list, rule)``, true if the rule is true for at
   least one member of the list; ``sum(list, rule)``, the sum of the rule's numbers for all members
 - ``a*b``, then ``a + b``; a condition counts as 0 or 1
 - ``==``, ``!=``, ``<``, ``>``, ``<=``, ``>=``, ``in``
@@ -50,12 +50,12 @@ _SIGNS: dict[type, str] = {
     ast.In: "in",
 }
 """Operator of Python's syntax → its sign in a rule; a rule has no other operators."""
-_FUNCTIONS = {"given": 1, "any": 2, "sum": 2}
+_FUNCTIONS = {"has_value": 1, "any": 2, "sum": 2}
 """Name of a function in rules → its number of arguments."""
 _BOOLEAN_OPERATORS: dict[str, Callable[[Iterable[bool]], bool]] = {"and": all, "or": any}
 _UNARY_OPERATORS: dict[str, Callable[[Any], bool]] = {
     "not": lambda value: not _is_true(value),
-    "given": lambda value: value is not None,
+    "has_value": lambda value: value is not None,
 }
 _BINARY_OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
     "+": operator.add,

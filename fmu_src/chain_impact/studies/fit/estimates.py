@@ -110,7 +110,7 @@ class Estimates:
 
     @cached_property
     def _units(self) -> dict[str, str]:
-        contacts = SceneFacts(self.scene)["contacts"]
+        contacts = SceneFacts(self.scene)["has_contacts"]
         impacts = impact_units(stop=bool(self.scene.chain.stops) and not contacts)
         return {**PreparedScene(self.scene).units, **impacts}
 

@@ -194,7 +194,7 @@ def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
     scene = runs.scene
     absent_columns = (
         set()
-        if SceneFacts(scene)["contacts"]
+        if SceneFacts(scene)["has_contacts"]
         else {name for name, peak in PEAKS.items() if not peak.at_stops}
     )
     # rigid walls give runs without a force

@@ -38,7 +38,7 @@ function valuesOf(file, rows) {
  * Return the indices in the record of what the page draws: `points`, the coordinates of each point, and `groups`, the quantities of
  * `drawn.py` by group and owner.
  */
-function drawnOf(kit, known, outputs) {
+function drawnOf(kit, sceneNumbers, outputs) {
   const groups = Object.fromEntries(SHARED.drawn.GROUPS.map((group) => [group, new Map()]));
   for (const { drawn, owner: { n = 0, name = "" }, word } of outputs.filter((row) => row.drawn)) {
     const [entries, key] = [groups[drawn[0]], `${n}.${name}`];
@@ -46,7 +46,8 @@ function drawnOf(kit, known, outputs) {
     entries.get(key).words[drawn[1]] = word;
   }
   return {
-    points: range(known.links + 1 + known.sites).map((k) => kit.points.map((coordinate) => wordIndex(coordinate, known, k))),
+    points: range(sceneNumbers.links + 1 + sceneNumbers.sites).map((k) =>
+      kit.points.map((coordinate) => wordIndex(coordinate, sceneNumbers, k))),
     groups: mapped(groups, (entries) => [...entries.values()]),
   };
 }
@@ -55,7 +56,7 @@ function drawnOf(kit, known, outputs) {
  * Return the parameters of a scene in the form of the page: those of `rows` that the scene has, then `others`: inputs, stop time and
  * communication step.
  */
-function parametersOf(rows, others, values, { known }, byName) {
+function parametersOf(rows, others, values, { sceneNumbers }, byName) {
   const shown = rows.filter(({ name, has }) => has && values.has(name));
   const names = new Set(shown.map(({ name }) => name));
   return [...shown, ...others].map((parameter) => {
@@ -63,7 +64,7 @@ function parametersOf(rows, others, values, { known }, byName) {
     const { ownerKind, path, has, when, valueIfNotInFile, numberForNone, ...row } = other;
     const { steps = null, derived, number: start = number } = values.get(name) ?? {};
     const follows = derived?.terms.flat().every((factor) => names.has(factor)) ? derived : null;
-    const index = word ? wordIndex(givenWord && known[givenWordWhen] ? givenWord : word, known, owner.at) : -1;
+    const index = word ? wordIndex(givenWord && sceneNumbers[givenWordWhen] ? givenWord : word, sceneNumbers, owner.at) : -1;
     // in a row for signals the unit "1" stands for the unit of the input that the signal drives
     const unit = row.unit === "1" && owner.input ? byName.get(owner.input).unit : row.unit;
     return { ...row, name, unit, filePath: steps, word: index, text: filled(row.text, owner), start, derived: follows };
@@ -86,8 +87,8 @@ function partsInWords({ file, pairs, stops, sliderStops, wallNames }, pointNames
 /** Return the model of a scene; `command`: the words after `chain-impact simulate` in the command that repeats a run. */
 export function describe(kit, file, command) {
   const structure = structureOf(file, kit);
-  const { stops, wallNames, existingWalls, known, sites } = structure;
-  const pointNames = sites.flatMap(({ name }, s) => (name ? [[known.links + 1 + s, name]] : []));
+  const { stops, wallNames, existingWalls, sceneNumbers, sites } = structure;
+  const pointNames = sites.flatMap(({ name }, s) => (name ? [[sceneNumbers.links + 1 + s, name]] : []));
   const all = (groups) => rowsOfOwners(groups, structure).filter(({ has }) => has);
   const [motions, settable] = [all(kit.motions), all(kit.inputs)];
   const filledAll = (row, key) => row[key].map((name) => filled(name, row.owner));
@@ -102,14 +103,14 @@ export function describe(kit, file, command) {
   const reals = new Float64Array(record.buffer);
   const inputs = settable
     .filter(isFree)
-    .map((row) => ({ ...row, number: reals[wordIndex(row.word, known, row.owner.at)] }));
+    .map((row) => ({ ...row, number: reals[wordIndex(row.word, sceneNumbers, row.owner.at)] }));
   const times = kit.times.map((row) => ({ ...row, owner: {} }));
   valuesOf(file, times).forEach((value, name) => values.set(name, value));
   const driven = [...byName.values()].filter((row) => !isFree(row)).map(({ name, unit, owner }) => {
     const [row, order] = driving.get(name);
-    return { name, unit, word: wordIndex(kit.driven[order], known, row), integer: false, ownerName: owner.name };
+    return { name, unit, word: wordIndex(kit.driven[order], sceneNumbers, row), integer: false, ownerName: owner.name };
   });
-  const outputs = all(kit.outputs).map((row) => ({ ...row, word: wordIndex(row.word, known, row.owner.at) }));
+  const outputs = all(kit.outputs).map((row) => ({ ...row, word: wordIndex(row.word, sceneNumbers, row.owner.at) }));
   const columns = [...driven, ...outputs.map(({ name, unit, text, word, integer, isPeakLoad }) =>
     ({ name, unit, text, word, integer, isPeakLoad }))];
   const named = new Set(structure.driven.map(({ input }) => input));
@@ -118,7 +119,7 @@ export function describe(kit, file, command) {
     file,
     text: file.description,
     command,
-    links: known.links,
+    links: sceneNumbers.links,
     pinned: file.chain.base === "pinned",
     wallNames,
     walls: wallsAt({ walls: Object.fromEntries(existingWalls.map((name) => [name, null])) }, (name) => values.get(name)?.number),
@@ -129,14 +130,14 @@ export function describe(kit, file, command) {
     pairs: structure.pairs.map(([point, wall]) => [point, wallNames[wall]]),
     contactPoints: [...new Set(structure.pairs.map(([point]) => point))],
     record,
-    layout: wordIndices(kit.layout, known),
+    layout: wordIndices(kit.layout, sceneNumbers),
     inputs: inputs.map(({ name }) => name),
     still: motions.filter(isFree).map(({ name }) => name),
     driven: driven.filter(({ name }) => named.has(name)),
     moved: driven.filter(({ name }) => byName.get(name).displaces),
     parameters: parametersOf(rows, [...inputs, ...times], values, structure, byName),
     columns,
-    drawn: drawnOf(kit, known, outputs),
+    drawn: drawnOf(kit, sceneNumbers, outputs),
     partsInWords: partsInWords(structure, new Map(pointNames)),
   };
 }

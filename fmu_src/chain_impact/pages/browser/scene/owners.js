@@ -18,13 +18,13 @@ export function structureOf(file, kit) {
   const pairs = reached.map(([point, name]) => [point, wallNames.indexOf(name)]);
   const parts = { file, driven: drivenBy(file, kit.tables), sites, mayTouch, sliderStops, stops, existingWalls, wallNames, pairs };
   const lists = listsOf(parts, kit);
-  const known = knownOf(file, lists, kit);
-  return { ...parts, lists, known, owners: mapped(kit.owners, (row) => ownersIn(row, known, lists)) };
+  const sceneNumbers = numbersOfScene(file, lists, kit);
+  return { ...parts, lists, sceneNumbers, owners: mapped(kit.owners, (row) => ownersIn(row, sceneNumbers, lists)) };
 }
 
 /** Return a function from a name in the rules of `owners.py` to its value, as the function `values_of` in `owners.py` does. */
-export function valuesOfScene(file, lists, known) {
-  return (name) => (name.includes(".") ? inFile(file, name.split(".")) : lists[name] ?? known[name]);
+export function valuesOfScene(file, lists, sceneNumbers) {
+  return (name) => (name.includes(".") ? inFile(file, name.split(".")) : lists[name] ?? sceneNumbers[name]);
 }
 
 /** Return name of a list of a scene → its members, each a table of values, as `LISTS` in `facts.py` describes them. */
@@ -46,10 +46,10 @@ function listsOf({ file, driven, sites, sliderStops, stops, existingWalls, wallN
       signal.times.map((_, entry) => ({ name, input, entry, knot: first + entry }))),
   };
   const valueOf = valuesOfScene(file, lists, {});
-  for (const [name, { over, where, values }] of Object.entries(kit.lists)) {
-    lists[name] = valuesOfMembers(over, valueOf).flatMap((ofMember) => {
+  for (const [name, { sourceList, condition, values }] of Object.entries(kit.lists)) {
+    lists[name] = valuesOfMembers(sourceList, valueOf).flatMap((ofMember) => {
       const own = {};
-      if (!holds(where, ofMember)) return [];
+      if (!holds(condition, ofMember)) return [];
       for (const [key, rule] of Object.entries(values)) own[key] = numberIn(rule, (inner) => own[inner] ?? ofMember(inner));
       return [own];
     });
@@ -63,23 +63,23 @@ function flags(table, name) {
 }
 
 /** Return name → number for the keys of [inputs] and [outputs], the facts, the counts and the lengths of lists (owners.py). */
-function knownOf(file, lists, { facts, counts }) {
-  const known = { ...flags(file.inputs, "inputs"), ...flags(file.outputs, "outputs") };
-  const valueOf = valuesOfScene(file, lists, known);
-  for (const [name, rule] of Object.entries(facts)) known[name] = numberIn(rule, valueOf);
-  return { ...known, ...mapped(lists, ({ length }) => length), ...mapped(counts, (rule) => numberIn(rule, valueOf)) };
+function numbersOfScene(file, lists, { facts, counts }) {
+  const sceneNumbers = { ...flags(file.inputs, "inputs"), ...flags(file.outputs, "outputs") };
+  const valueOf = valuesOfScene(file, lists, sceneNumbers);
+  for (const [name, rule] of Object.entries(facts)) sceneNumbers[name] = numberIn(rule, valueOf);
+  return { ...sceneNumbers, ...mapped(lists, ({ length }) => length), ...mapped(counts, (rule) => numberIn(rule, valueOf)) };
 }
 
 /**
- * Return the owners that one row of the table of owners finds: the members of its list for which its rule `has` is true, each with its
+ * Return the owners that one row of the table of owners finds: the members of its list for which `condition` is true, each with its
  * numbers and conditions. If several of them have the same `n`, `of` and name, only the first is an owner.
  */
-function ownersIn({ over, where, numbers, conditions }, known, lists) {
+function ownersIn({ sourceList, condition, numbers, conditions }, sceneNumbers, lists) {
   const found = new Map();
-  membersIn(over, (name) => lists[name] ?? known[name]).forEach((member, order) => {
-    const here = { ...known, ...member, order };
+  membersIn(sourceList, (name) => lists[name] ?? sceneNumbers[name]).forEach((member, order) => {
+    const here = { ...sceneNumbers, ...member, order };
     const valueOf = (name) => here[name];
-    if (!holds(where, valueOf)) return;
+    if (!holds(condition, valueOf)) return;
     const owner = { ...member, ...mapped(numbers, (rule) => numberIn(rule, valueOf)) };
     for (const [name, rule] of Object.entries(conditions)) owner[name] = here[name] = holds(rule, valueOf);
     const key = [owner.n, owner.of, owner.name].join();
@@ -99,9 +99,9 @@ export function filled(text, { n, of, name }) {
 }
 
 /** Return each row of each group once for each owner of the group's kind; `has` tells whether the owner meets the row's conditions. */
-export function rowsOfOwners(groups, { owners, known }) {
+export function rowsOfOwners(groups, { owners, sceneNumbers }) {
   return groups.flatMap(({ ownerKind, rows }) => owners[ownerKind].flatMap((owner) => {
-    const here = { ...known, ...owner };
+    const here = { ...sceneNumbers, ...owner };
     return rows.map((row) =>
       ({ ...row, ownerKind, owner, name: filled(row.name, owner), has: row.when.every((condition) => here[condition]) }));
   }));

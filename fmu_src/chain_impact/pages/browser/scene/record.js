@@ -30,29 +30,29 @@ function actingOf({ acts: [number, index], owner: { at } }) {
  * all inputs, driven or not.
  */
 export function recordOf(kit, structure, driven, rows, values, byName) {
-  const { file, known, lists, mayTouch } = structure;
-  const bytes = new Uint8Array(wordIndex(kit.size, known) * SHARED.record.WORD);
+  const { file, sceneNumbers, lists, mayTouch } = structure;
+  const bytes = new Uint8Array(wordIndex(kit.size, sceneNumbers) * SHARED.record.WORD);
   const [reals, integers] = [new Float64Array(bytes.buffer), new BigInt64Array(bytes.buffer)];
   const write = (words, value, isReal, index = 0) => {
-    const at = wordIndex(words, known, index);
+    const at = wordIndex(words, sceneNumbers, index);
     if (!(at in reals)) throw new RangeError(`word ${at} is outside the record, which has ${reals.length} words`);
     if (isReal) reals[at] = value;
     else integers[at] = BigInt(value);
   };
   const put = (name, value, index = 0) => write(kit.fields[name].word, value, kit.fields[name].real, index);
-  const valueOf = valuesOfScene(file, lists, known);
-  for (const [name, { number, over, at }] of Object.entries(kit.recordNumbers)) {
-    valuesOfMembers(over, valueOf).forEach((ofMember) => put(name, numberIn(number, ofMember), numberIn(at, ofMember)));
+  const valueOf = valuesOfScene(file, lists, sceneNumbers);
+  for (const [name, { number, sourceList, at }] of Object.entries(kit.recordNumbers)) {
+    valuesOfMembers(sourceList, valueOf).forEach((ofMember) => put(name, numberIn(number, ofMember), numberIn(at, ofMember)));
   }
   putSignals(driven, kit.tables, (input) => actingOf(byName.get(input)), put);
   for (const { name, ownerKind, word, givenWord, givenWordWhen, type, owner, numberForNone } of rows) {
     const value = values.get(name) ?? (ownerKind === "link" || ownerKind === "slider" ? { number: Number(numberForNone) } : null);
     if (!value || (ownerKind === "sloped wall" && !mayTouch)) continue;
-    if (ownerKind === "sloped wall" && owner.at >= known.candidates) {
-      throw new RangeError(`walls: the record has room for ${known.candidates}`);
+    if (ownerKind === "sloped wall" && owner.at >= sceneNumbers.candidates) {
+      throw new RangeError(`walls: the record has room for ${sceneNumbers.candidates}`);
     }
     write(word, value.number, type === "real", owner.at);
-    if (givenWord && known[givenWordWhen]) write(givenWord, value.derived ? SHARED.kernel.DERIVED : value.number, true, owner.at);
+    if (givenWord && sceneNumbers[givenWordWhen]) write(givenWord, value.derived ? SHARED.kernel.DERIVED : value.number, true, owner.at);
   }
   return bytes;
 }

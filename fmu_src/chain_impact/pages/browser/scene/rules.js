@@ -16,16 +16,16 @@ const COMPARISONS = {
 
 /** Return the value of a part of a rule: 0 or 1 for a condition. Arithmetic with a missing value (null) gives null, a comparison 0. */
 function valueIn({ name, constant, operator, parts }, valueOf) {
-  if (!parts) return name ? numbered(valueOf(name)) : constant;
+  if (!parts) return name ? toNumber(valueOf(name)) : constant;
   if (operator === "any" || operator === "sum") return ofMembers(operator, valuesOfMembers(parts[0], valueOf), parts[1]);
-  if (operator === "and") return numbered(parts.every((part) => holds(part, valueOf)));
-  if (operator === "or") return numbered(parts.some((part) => holds(part, valueOf)));
-  if (operator === "not") return numbered(!holds(parts[0], valueOf));
+  if (operator === "and") return toNumber(parts.every((part) => holds(part, valueOf)));
+  if (operator === "or") return toNumber(parts.some((part) => holds(part, valueOf)));
+  if (operator === "not") return toNumber(!holds(parts[0], valueOf));
   const [first, second] = parts.map((part) => valueIn(part, valueOf));
-  if (operator === "given") return numbered(first !== null);
+  if (operator === "has_value") return toNumber(first !== null);
   if (first === null || second === null) return operator in ARITHMETIC ? null : 0;
-  if (operator === "in") return numbered(second.includes(first));
-  return numbered((ARITHMETIC[operator] ?? COMPARISONS[operator])(counted(first), counted(second)));
+  if (operator === "in") return toNumber(second.includes(first));
+  return toNumber((ARITHMETIC[operator] ?? COMPARISONS[operator])(toCount(first), toCount(second)));
 }
 
 /**
@@ -33,43 +33,43 @@ function valueIn({ name, constant, operator, parts }, valueOf) {
  * of the numbers that the rule gives for all members, null if a number is missing.
  */
 function ofMembers(operator, members, of) {
-  if (operator === "any") return numbered(members.some((valueOf) => holds(of, valueOf)));
+  if (operator === "any") return toNumber(members.some((valueOf) => holds(of, valueOf)));
   const values = members.map((valueOf) => valueIn(of, valueOf));
   return values.includes(null) ? null : values.reduce((sum, value) => sum + value, 0);
 }
 
 /** Return 0 or 1 for a condition, null for a missing value, and any other value as it is. */
-function numbered(value) {
+function toNumber(value) {
   return typeof value === "boolean" ? Number(value) : value ?? null;
 }
 
-function listed(value) {
+function toList(value) {
   return Array.isArray(value) ? value : Object.values(value ?? {});
 }
 
-function counted(value) {
+function toCount(value) {
   return Array.isArray(value) ? value.length : value;
 }
 
-function isSo(value) {
-  if (Array.isArray(value)) return value.some(isSo);
+function isTruthy(value) {
+  if (Array.isArray(value)) return value.some(isTruthy);
   return typeof value === "object" && value !== null ? Object.keys(value).length > 0 : Boolean(value);
 }
 
 /** Return whether a rule is true; `valueOf` is a function from a name in the rule to its value. */
 export function holds(rule, valueOf) {
-  return isSo(valueIn(rule, valueOf));
+  return isTruthy(valueIn(rule, valueOf));
 }
 
 /** Return the number or text that a rule gives, for a list the number of entries; null if the rule gives no value. */
 export function numberIn(rule, valueOf) {
-  return counted(valueIn(rule, valueOf));
+  return toCount(valueIn(rule, valueOf));
 }
 
 /** Return the members of the list that a rule names; if the rule gives a number, so many members without values. */
 export function membersIn(rule, valueOf) {
   const value = valueIn(rule, valueOf);
-  return typeof value === "number" ? range(value).map(() => ({})) : listed(value);
+  return typeof value === "number" ? range(value).map(() => ({})) : toList(value);
 }
 
 /**
