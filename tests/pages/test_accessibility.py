@@ -31,6 +31,9 @@ def test_the_page_that_simulates_and_its_dialogs_are_clean(show, scheme):
     for button in ("Edit…", "Map…", "Chart…", "Export…", "Help"):
         page.get_by_role("button", name=button).click()
         assert_clean(page, button)
+        for tab in page.locator("dialog[open] [role=tab][aria-selected=false]").all():
+            tab.click()
+            assert_clean(page, f"other part of {button}")
         page.keyboard.press("Escape")
 
 

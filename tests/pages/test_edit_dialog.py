@@ -1,6 +1,7 @@
 """The page's edit dialog: scenes that are edited by hand move as in Python, and faults are told."""
 
 # Tests: pages/browser/explore/editor.js, pages/browser/explore/file_fault.js
+# Tests: pages/browser/explore/scene_text.js, pages/browser/base/tabs.js
 # Tests: pages/browser/scene/edits.js
 
 import json
@@ -268,10 +269,10 @@ def test_a_dropped_file_replaces_scene_sliders_link_and_map(show, open_page, add
         ("name = 'Rod'\nmass = ", "not valid TOML: "),
         ("name = 'Rod'\n", "chain.links is missing (links from base to tip)."),
         (json.dumps({"links": 4}), "(at line 1)."),
-        ("\n[[link]]\nlength = 1\n", "link is unknown; the nearest is chain.links (line 2)."),
+        ("\n[[link]]\nlength = 1\n", "link is unknown; the nearest key is chain.links (line 2)."),
         (
             "name = 'Rod'\n[[chain.links]]\nlength = 1\nmass = 1\n[[chain.links]]\nmas = 2\n",
-            "chain.links[2].mas is unknown; the nearest is chain.links.mass (line 6).",
+            "chain.links[2].mas is unknown; the nearest key is chain.links.mass (line 6).",
         ),
     ],
 )
@@ -282,6 +283,32 @@ def test_a_dropped_file_that_is_no_scene_is_told_and_changes_nothing(show, text,
     until_told(page, "rod.toml cannot be opened: ", "edit-text")
     assert told in refusal(page)
     assert page.evaluate("chainImpact.parameters") == before
+
+
+def test_a_valid_text_of_the_scene_acts_and_a_fault_is_told_with_its_line(show):
+    page = show(hash_="#contact.restitution=0.4")
+    page.get_by_role("button", name="Edit…").click()
+    page.get_by_role("tab", name="Fields").press("ArrowRight")
+    field = page.get_by_role("textbox", name="Scene file as text")
+    text = field.input_value()
+    assert "restitution = 0.4" in text, "with the changes of the reader"
+    dialog, view = (page.locator(name).bounding_box() for name in ("#edit", "#view"))
+    assert dialog["x"] > view["x"] + 0.9 * view["width"], "the drawing is in sight"
+    field.fill(text.replace("restitution = 0.4", "restitutio = 0.4"))
+    line = text.split("\n").index("restitution = 0.4") + 1
+    until_told(
+        page,
+        f"Not taken: contact.restitutio is unknown; the nearest key is contact.restitution (line {line}).",
+        "edit-toml-text",
+    )
+    assert page.evaluate("chainImpact.parameters['contact.restitution']") == "0.4"
+    field.fill(text.replace("restitution = 0.4", "restitution = 0.6"))
+    until(page, "chainImpact.parameters['contact.restitution'] === '0.6'")
+    assert page.inner_text("#edit-toml-text") == ""
+    page.get_by_role("tab", name="Text").press("ArrowLeft")
+    assert page.get_by_role("textbox", name="link[1].mass").is_visible()
+    page.keyboard.press("Control+z")
+    until(page, "chainImpact.parameters['contact.restitution'] === '0.4'")
 
 
 def test_a_dropped_file_that_cannot_be_read_is_told(show):

@@ -11,7 +11,7 @@ from dataclasses import MISSING, Field, is_dataclass
 from numbers import Integral, Real
 from typing import Any, get_args, get_origin
 
-from chain_impact.scene.errors import SceneError, error_at, refusal, value_text
+from chain_impact.scene.errors import SceneError, refusal, value_text
 from chain_impact.scene.rules.key_rules import (
     Derived,
     allowed_words,
@@ -182,13 +182,11 @@ class Reader:
         if near_key := nearest_name(name, known_keys, at_least=SIMILAR_KEY) or name_with_one_typo(
             name, known_keys
         ):
-            error = error_at(
-                key_path, f"is unknown; the nearest key is {prefix}{'.' * bool(prefix)}{near_key}"
-            )
+            error = refusal(key_path, "near_key", near=f"{prefix}{'.' * bool(prefix)}{near_key}")
             error.meant = near_key
             return error
         if near_key := name if name in self._keys() else name_with_one_typo(name, self._keys()):
-            return error_at(key_path, f"is unknown; the nearest key is {self._keys()[near_key]}")
+            return refusal(key_path, "near_key", near=self._keys()[near_key])
         return refusal(key_path, "unknown", keys=", ".join(known_keys))
 
     def _misplaced_key_hint(self, item: Any, value: Mapping[Any, Any]) -> str:

@@ -15,6 +15,7 @@ SENTENCES = {
     "no_table": "= {value} must be a table",
     "no_tables": "= {value} must be a table of tables",
     "unknown": "is unknown; the keys here are {keys}",
+    "near_key": "is unknown; the nearest key is {near}",
     "missing": "is missing{meaning}",
     "not_allowed": "= {value} must be {allowed}",
     "no_list": "= {value} must be a list{names}{expected}",

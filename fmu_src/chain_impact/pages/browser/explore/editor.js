@@ -3,6 +3,7 @@
 import { find, make } from "../base/dom.js";
 import { numberText, readable, unitText } from "../base/format.js";
 import { inShownUnit, shownIn, typed, valueText } from "../scene/angles.js";
+import { connectTabs } from "../base/tabs.js";
 import { contentsOf } from "../scene/changed_file.js";
 import {
   addLink, addPoint, addWall, moveToLink, ownPoint, removeLink, removePoint, removeWall, setBase, setBox, setOfLink, setOrRemove,
@@ -12,6 +13,7 @@ import { boxWallText, capitalized } from "../scene/words.js";
 import { contentsIn, sitesOf } from "../scene/scene_file.js";
 import { fieldAfter, partsOf } from "./edited_scene.js";
 import { fileFault } from "./file_fault.js";
+import { SceneText } from "./scene_text.js";
 
 export class Editor {
   #edits = new Map(); // name of a field or button → the function that applies its edit to a scene file
@@ -23,6 +25,8 @@ export class Editor {
     const tables = { link, slider, point: link.points.keys, box: keys.box.keys, wall: keys.walls.keys };
     Object.assign(this, { changes, openScene, keys, tables });
     this.dialog = find("edit");
+    this.text = new SceneText(changes, openScene, keys);
+    connectTabs(find("edit-tabs"), () => this.#draw());
     find("edit-open").addEventListener("click", () => {
       this.#draw();
       this.#say("");
@@ -74,7 +78,7 @@ export class Editor {
       this.#refused.clear();
     }, `${file.name} is open.`, (error) => {
       onFault();
-      return `${file.name} cannot be opened: ${fileFault(error, String(text), this.keys)}`;
+      return `${file.name} cannot be opened: ${fileFault(error, String(text))}`;
     });
   }
 
@@ -173,6 +177,7 @@ export class Editor {
 
   #draw() {
     const { scene: { file } } = this.changes;
+    this.text.show();
     this.#edits.clear();
     find("edit-base").value = file.chain.base;
     const heads = ["Link", ...this.#heads("link", this.#keysOfLinks(file)), ""];

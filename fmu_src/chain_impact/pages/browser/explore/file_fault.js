@@ -1,11 +1,4 @@
-// Why a scene file cannot be opened, with the line of the fault and the key that the reader most likely meant.
-
-import { nearestText } from "../base/similar_names.js";
-
-/** Return the dotted names of all keys of scene files, without indices: "chain.links.mass". */
-function namesOfKeys(keys, before = "") {
-  return Object.entries(keys).flatMap(([key, { keys: inner = {} }]) => [before + key, ...namesOfKeys(inner, `${before}${key}.`)]);
-}
+// Why the text of a scene file cannot be opened, with the line of the fault.
 
 /** Return a path of a key → the first line, from 1, that names it in the text of a scene file: "chain.links[2].mass" → 12. */
 function linesOf(text) {
@@ -33,15 +26,12 @@ function linesOf(text) {
 }
 
 /**
- * Return words for the error on a scene file with the `text`: the line of the key, or of the part of the file that has it, if the text
- * names it; and for an unknown key the most similar one in place of all keys. `keys`: the rules of the keys of scene files.
+ * Return words for the error on a scene file with the `text`: with the line of the key or, if the text does not name it, of the part of the
+ * file that has it. `path`: the path of the key; an error in TOML has none, and names its line itself.
  */
-export function fileFault({ message }, text, keys) {
-  const [, path] = /^([\w.[\]]+) /.exec(message) ?? [];
-  const near = path && message.includes(" is unknown; ") ? nearestText(path.replaceAll(/\[\d+\]/g, ""), namesOfKeys(keys)) : "";
-  const told = (near ? message.replace(/; the keys here are .*/s, near) : message).replace(/\.$/, "");
+export function fileFault({ message, path = "" }, text) {
   const lines = linesOf(text);
-  const parts = (path ?? "").split(/\.|(?=\[)/);
+  const parts = path.split(/\.|(?=\[)/);
   const known = parts.map((_, k) => parts.slice(0, parts.length - k).join(".").replaceAll(".[", "[")).find((part) => lines.has(part));
-  return `${told}${known === undefined ? "" : ` (line ${lines.get(known)})`}.`;
+  return `${message.replace(/\.$/, "")}${known === undefined ? "" : ` (line ${lines.get(known)})`}.`;
 }

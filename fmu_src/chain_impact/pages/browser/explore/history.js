@@ -70,7 +70,7 @@ export class UndoHistory {
 
   #press(event) {
     const { key, ctrlKey, metaKey, altKey, shiftKey, target } = event;
-    const isElsewhere = target.closest("dialog:not(#edit), input[type=search]") || target === this.#typed;
+    const isElsewhere = target.closest("dialog:not(#edit), input[type=search], textarea") || target === this.#typed;
     if (key.toLowerCase() !== "z" || !(ctrlKey || metaKey) || altKey || isElsewhere) return;
     event.preventDefault();
     if (shiftKey) this.#step(this.#future, this.#past);

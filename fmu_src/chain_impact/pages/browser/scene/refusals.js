@@ -16,13 +16,13 @@ function written(value) {
   return `{${Object.entries(value).map(([key, inner]) => `${written(key)}: ${written(inner)}`).join(", ")}}`;
 }
 
-/** Throw the error for the value at a path of the file: the sentence of a fault, with `words` in place of words in braces. */
+/** Throw the error for the value at a `path` of the file: the sentence of a fault, with `words` in place of words in braces. */
 export function refuse(path, fault, words = {}) {
   const sentence = SHARED.refusals[fault].replace(/\{(\w+)\}/g, (_, word) => {
     if (words[word] === undefined) throw new Error(`${fault}: no word for ${word}`);
     return words[word];
   });
-  throw new RangeError(`${path || "scene"} ${sentence}`);
+  throw Object.assign(new RangeError(`${path || "scene"} ${sentence}`), { path });
 }
 
 /**

@@ -4,6 +4,7 @@
 
 import { unitText } from "../base/format.js";
 import { pathText } from "../base/paths.js";
+import { proposed } from "../base/similar_names.js";
 import { inRadians, orDegrees } from "./angles.js";
 import { BOX_WALLS, cornerOf, CORNERS, normalOf, SLIDER_STOPS, STOPS } from "./geometry.js";
 import { keepEntryRules, keepFileRules, refuse, refuseWall, shown } from "./refusals.js";
@@ -28,6 +29,11 @@ function refuseMissing(path, key, { meaning }) {
   refuse(path, "missing", { meaning: meaning === key ? "" : ` (${meaning})` });
 }
 
+/** Return the dotted names of all keys of scene files, without indices: "chain.links.mass". */
+function namesOfKeys(keys, before = "") {
+  return Object.entries(keys).flatMap(([key, { keys: inner = {} }]) => [before + key, ...namesOfKeys(inner, `${before}${key}.`)]);
+}
+
 class ContentsReader {
   constructor({ keys, laws, lawFile, inputs, motions }) {
     const units = [...inputs, ...motions].flatMap(({ rows }) => rows.map(({ name, unit }) => [name, unit]));
@@ -38,7 +44,7 @@ class ContentsReader {
     if (!isTable(data)) refuse(path, "no_table", { value: shown(data) });
     const inner = (key) => (path ? `${path}.${key}` : key);
     const unknown = Object.keys(data).find((key) => !Object.hasOwn(keys, key));
-    if (unknown !== undefined) refuse(inner(unknown), "unknown", { keys: Object.keys(keys).join(", ") });
+    if (unknown !== undefined) this.#refuseUnknown(inner(unknown), keys);
     const contents = {};
     for (const [key, keyData] of Object.entries(keys)) {
       const given = data[key] ?? (keyData.isNeeded ? undefined : { table: {}, named: {}, tables: [] }[keyData.kind] ?? keyData.default);
@@ -48,6 +54,13 @@ class ContentsReader {
       if (key === "links" && keyData.kind === "tables") contents.links = this.#repeated(contents.links);
     }
     return contents;
+  }
+
+  /** Refuse an unknown key with the most similar key of any table; if no key is similar, the error lists the `keys` of its table. */
+  #refuseUnknown(path, keys) {
+    const near = proposed(path.replaceAll(/\[\d+\]/g, ""), namesOfKeys(this.keys));
+    if (near) refuse(path, "near_key", { near });
+    refuse(path, "unknown", { keys: Object.keys(keys).join(", ") });
   }
 
   value(given, keyData, path) {

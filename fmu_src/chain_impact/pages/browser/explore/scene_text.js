@@ -1,0 +1,42 @@
+// The text of the scene in the editor: each valid text is opened at once, and a fault is told with its line and its key.
+
+import { find } from "../base/dom.js";
+import { readable } from "../base/format.js";
+import { contentsOf, tomlText } from "../scene/changed_file.js";
+import { contentsIn } from "../scene/scene_file.js";
+import { fileFault } from "./file_fault.js";
+
+const PAUSE = 400; // [ms] a text is read when the reader has not typed for this time
+
+export class SceneText {
+  #timer = 0;
+
+  constructor(changes, openScene, keys) {
+    Object.assign(this, { changes, openScene, keys, field: find("edit-toml") });
+    this.field.addEventListener("input", () => {
+      clearTimeout(this.#timer);
+      this.#timer = setTimeout(() => this.#take(), PAUSE);
+    });
+  }
+
+  /** Show the text of the present scene, unless the reader edits it. */
+  show() {
+    if (document.activeElement === this.field) return;
+    this.field.value = tomlText(contentsOf(this.changes), this.keys);
+    this.#tell("");
+  }
+
+  #take() {
+    try {
+      this.openScene.open(contentsIn(this.field.value));
+      this.#tell("");
+    } catch (error) {
+      this.#tell(`Not taken: ${fileFault(error, this.field.value)}`);
+    }
+  }
+
+  #tell(fault) {
+    this.field.setAttribute("aria-invalid", Boolean(fault));
+    find("edit-toml-text").textContent = readable(fault);
+  }
+}
