@@ -63,7 +63,7 @@ def browser():
     from playwright.sync_api import sync_playwright  # the quick tier does not need playwright
 
     with sync_playwright() as playwright:
-        # In a container root has no sandbox; the page is our own. Without the other switches, Chromium always
+        # In a container root has no sandbox; the page is our own. Without the next switches, Chromium always
         # reports 10 MB of memory.
         told = ["--enable-precise-memory-info", "--js-flags=--expose-gc"]
         started = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", *told])
@@ -80,7 +80,7 @@ def address(tmp_path_factory):
 
 @pytest.fixture(scope="package")
 def idle(browser):
-    """Return the pages that tests have left empty, each after the options that a page keeps.
+    """Return the pages that tests have left, each after the options that a page keeps.
 
     They save the start of a process for each test.
     """
@@ -114,6 +114,8 @@ def open_page(browser, idle):
         local.append(address.split("#")[0])
         if stopped:
             page.clock.install(time=0)
+        if "#" in address and page.url.split("#")[0] == address.split("#")[0]:
+            page.goto("about:blank")  # else the browser would keep the page, and change its address only
         for event, listener in listeners.items():
             page.on(event, listener)
         page.goto(address)
@@ -130,7 +132,6 @@ def open_page(browser, idle):
         if stopped:
             page.close()
         else:
-            page.goto("about:blank")
             page.mouse.move(0, 0)
             idle.append((kept, page))
     assert [text for text in said if not text.startswith(tuple(local))] == []
