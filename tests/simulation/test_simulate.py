@@ -1,6 +1,7 @@
 """Whole simulations as seen by users: outputs, one result for any options, and faults."""
 
 # Tests: scene/settings.py, simulation/errors.py, simulation/kernels.py, simulation/output_rows.py
+# Tests: simulation/run.py
 
 import math
 import subprocess

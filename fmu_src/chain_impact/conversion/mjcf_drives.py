@@ -92,9 +92,8 @@ class ActuatorReader:
     def _tell_other(self, a: int) -> None:
         """Report actuator ``a``, which acts on no joint."""
         kind = self.mujoco.mjtTrn(self.model.actuator_trntype[a]).name.removeprefix("mjTRN_").lower()
-        is_adhesion = (
-            kind == "body"
-        )  # an actuator on a body makes this body adhere to the bodies that it touches
+        # an actuator on a body makes this body adhere to the bodies that it touches
+        is_adhesion = kind == "body"
         self._tell(
             a,
             f"acts on no joint, but on a {kind}: is not in the scene",

@@ -68,21 +68,7 @@ def build_fmu(
         OSError: when the FMU cannot be written; no part of the FMU is left then.
     """
     scene = scene_of(source)
-    if fmi not in VERSIONS:
-        raise BuildError(f"fmi = {fmi!r} must be one of {', '.join(map(str, VERSIONS))}")
-    if target not in TARGETS:
-        raise BuildError(f"target = {target!r} must be one of {', '.join(TARGETS)}")
-    if fmi == FMI_3 and target != "native":
-        raise BuildError(f"target = {target!r} makes FMUs for FMI 2.0 only: FMI 3.0 needs target = 'native'")
-    supported = TARGETS[target]
-    if not all(platforms):
-        raise BuildError(no_kernel_sentence())
-    platforms = supported if list(platforms) == ["all"] else platforms
-    if not platforms or set(platforms) - set(supported):
-        target_hint = (
-            "" if target == "native" or set(platforms) - set(PLATFORMS) else "; target = 'native' has all"
-        )
-        raise BuildError(f"platforms = {list(platforms)} must be some of {', '.join(supported)}{target_hint}")
+    platforms = _checked_platforms(target, fmi, platforms)
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
     scope, law, has_sensitivities = (
@@ -110,6 +96,30 @@ def build_fmu(
         if problems:
             raise BuildError(f"{path.name} is not valid: " + "; ".join(problems))
     return fmu
+
+
+def _checked_platforms(target: str, fmi: int, platforms: Sequence[str]) -> Sequence[str]:
+    """Return the platforms of an FMU, where ``["all"]`` stands for all that the target supports.
+
+    Raises:
+        BuildError: when there is no such target, version or platform, or the three do not fit each other.
+    """
+    if fmi not in VERSIONS:
+        raise BuildError(f"fmi = {fmi!r} must be one of {', '.join(map(str, VERSIONS))}")
+    if target not in TARGETS:
+        raise BuildError(f"target = {target!r} must be one of {', '.join(TARGETS)}")
+    if fmi == FMI_3 and target != "native":
+        raise BuildError(f"target = {target!r} makes FMUs for FMI 2.0 only: FMI 3.0 needs target = 'native'")
+    supported = TARGETS[target]
+    if not all(platforms):
+        raise BuildError(no_kernel_sentence())
+    platforms = supported if list(platforms) == ["all"] else platforms
+    if not platforms or set(platforms) - set(supported):
+        target_hint = (
+            "" if target == "native" or set(platforms) - set(PLATFORMS) else "; target = 'native' has all"
+        )
+        raise BuildError(f"platforms = {list(platforms)} must be some of {', '.join(supported)}{target_hint}")
+    return platforms
 
 
 def validate_fmu(path: str | os.PathLike[str]) -> list[str]:

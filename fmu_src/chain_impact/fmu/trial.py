@@ -93,11 +93,11 @@ class Trial:
             self.values()
         self.call("FreeInstance", "", self.fmu.freeInstance)
 
-    def call(self, name: str, missing_function: str, function: Callable[..., T], *arguments: Any) -> T:
+    def call(self, name: str, missing_text: str, function: Callable[..., T], *arguments: Any) -> T:
         """Call a function of the FMU and return its result; the report names the call before it begins.
 
-        If the call fails, the error's sentence begins with "<name> gives <without>", such as "fmi2Instantiate
-        gives no instance", or with "<name> fails" if ``missing_function`` is "".
+        If the call fails, the error's sentence begins with "<name> gives <missing_text>", such as
+        "fmi2Instantiate gives no instance", or with "<name> fails" if ``missing_text`` is "".
         """
         name = name if " " in name else f"fmi{FMI_2 if self.is_fmi_2 else FMI_3}{name}"
         self.tell(call=name)
@@ -105,9 +105,9 @@ class Trial:
         try:
             return function(*arguments)
         except Exception as error:  # fmpy's errors have no common class
-            reason = SILENT_REASON if missing_function else str(error).replace(self.folder + os.sep, "")
+            reason = SILENT_REASON if missing_text else str(error).replace(self.folder + os.sep, "")
             reasons = self.reasons()[reason_count:] or [reason]
-            result = f"gives {missing_function}" if missing_function else "fails"
+            result = f"gives {missing_text}" if missing_text else "fails"
             raise CallError(f"{name} {result}: {' '.join(reasons[0].split())[:LONGEST_MESSAGE]}") from None
 
     def step_size(self) -> float:

@@ -23,7 +23,7 @@ LASTING_SAMPLES = 4000
 FIRST_SAMPLE = 1e-6
 
 
-class Repeatable(Protocol):
+class Rerun(Protocol):
     """A run that can be repeated, with rows at other times."""
 
     @property
@@ -75,11 +75,11 @@ class Course:
 
 
 @runtime_checkable
-class HasCourses(Protocol):
+class HasRerun(Protocol):
     """A recording that computes the courses of its impacts if its run can be repeated."""
 
     @property
-    def rerun(self) -> Repeatable | None:
+    def rerun(self) -> Rerun | None:
         """The run, to repeat it; None if the run cannot be repeated."""
 
     def course_of_impact(self, number: int) -> Course:
@@ -92,7 +92,7 @@ class HasCourses(Protocol):
 
 def course_of(
     prepared_scene: PreparedScene,
-    rerun: Repeatable | None,
+    rerun: Rerun | None,
     impact: np.void,
     *,
     end_time: float = math.nan,

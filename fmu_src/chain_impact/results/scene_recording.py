@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chain_impact.recording.course import Course, Repeatable, course_of
+from chain_impact.recording.course import Course, Rerun, course_of
 from chain_impact.recording.curves import Curves, curves_of, impact_numbers
 from chain_impact.recording.passed_walls import points_through_walls
 from chain_impact.recording.recording import Recording
@@ -32,7 +32,7 @@ class SceneRecording(Recording):
 
     prepared: PreparedScene
     statistics: dict[str, int]
-    rerun: Repeatable | None
+    rerun: Rerun | None
 
     @property
     def scene(self) -> Scene:

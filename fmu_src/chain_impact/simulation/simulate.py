@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +17,6 @@ from chain_impact.compilation import cache
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.status import OK
 from chain_impact.progress import Progress, no_progress
-from chain_impact.recording.impacts import sorted_impacts
-from chain_impact.recording.sensitivity import Sensitivities
-from chain_impact.recording.stick_slip import NO_PHASES, phases_of
 from chain_impact.recording.summary import hints, smallest_body
 from chain_impact.results.result import Result
 from chain_impact.scene.errors import SceneError
@@ -28,7 +24,6 @@ from chain_impact.scene.keys.tables import STEP_ROUND_OFF
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.scene.signal_inputs import quantities_driven_by
 from chain_impact.scene.warning import warn
-from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.inputs import (
     GivenInputs,
@@ -38,12 +33,11 @@ from chain_impact.simulation.inputs import (
     inputs_by_name,
 )
 from chain_impact.simulation.instance import Instance
-from chain_impact.simulation.output_rows import StepwiseColumns, WordRows, chosen_columns, structured_rows
+from chain_impact.simulation.output_rows import chosen_columns
+from chain_impact.simulation.run import Run
 from chain_impact.user_laws.law_file import LawError, parse_law, source_of
-from chain_impact.variables.indices import OutputIndices
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import varied_by
-from chain_impact.variables.variable import Variable
 
 MOST_BYTES = 2_000_000_000
 """[byte] the largest size of the outputs of a simulation; a larger result is refused before the run."""
@@ -134,103 +128,36 @@ def simulate(
         "solver.method": method,
         "solver.tolerance": tolerance,
     }
-    changes = {name: value for name, value in settings.items() if value is not None}
-    prepared_scene = PreparedScene(with_values(scene, changes) if changes else scene_of(scene))
+    prepared_scene = _with_settings(scene, settings)
     parameters = prepared_scene.varied if sensitivities is None else varied_by(prepared_scene, sensitivities)
     given_inputs = {} if inputs is None else inputs_by_name(inputs, prepared_scene.scene.simulation.stop_time)
-    known_names = {variable.name for variable in prepared_scene.inputs} if given_inputs else {}
-    # the velocity and the acceleration of a motion follow from its position, so the result has these, too
-    possible = [
-        member for name in given_inputs if name in known_names for member in quantities_driven_by(name)
-    ]
-    indices, input_names = chosen_columns(prepared_scene, output, possible)
-    words, width = indices.words, indices.row.itemsize // WORD
-    columns = len(words) + width * len(parameters)
-    schedule = _inputs_of_run(prepared_scene, given_inputs, interpolation, is_single_interval, columns)
-    differentiated = DifferentiatedInstance(prepared_scene, parameters, schedule) if parameters else None
-    instance = differentiated or Instance(prepared_scene, schedule, ())
-    wanted_words = np.append(words, differentiated.slope_words(words[:width])) if differentiated else words
-    rows = WordRows(len(schedule.times), wanted_words, of_state=indices.of_state and not differentiated)
-    row_count, impacts = instance.run(schedule, rows, progress or no_progress)
-    run = _FinishedRun(prepared_scene, parameters, schedule, indices, instance, rows, row_count, impacts)
+    indices, input_names = chosen_columns(
+        prepared_scene, output, _possible_columns(prepared_scene, given_inputs)
+    )
+    column_count = len(indices.words) + indices.width * len(parameters)
+    schedule = _inputs_of_run(prepared_scene, given_inputs, interpolation, is_single_interval, column_count)
+    run = Run(prepared_scene, parameters, schedule, indices)
+    run.execute(progress or no_progress)
     result = run.result(input_names, None if output is None else tuple(indices.motion))
-    _warn(instance, result)
-    if instance.status != OK:
-        raise SimulationError(
-            instance.status, instance.time, result, instance.part, prepared_scene.scene.name
-        )
+    _warn(run.instance, result)
+    if (status := run.instance.status) != OK:
+        raise SimulationError(status, run.instance.time, result, run.instance.part, result.scene.name)
     return result
 
 
-@dataclass(frozen=True, eq=False)
-class _FinishedRun:
-    """A run from its start to its end or fault: its inputs, and what ``Instance.run`` has computed."""
+def _with_settings(scene: SceneSource, settings: Mapping[str, Any]) -> PreparedScene:
+    """Return the prepared scene with the ``settings``, name → value; a value None is not set."""
+    changes = {name: value for name, value in settings.items() if value is not None}
+    return PreparedScene(with_values(scene, changes) if changes else scene_of(scene))
 
-    prepared_scene: PreparedScene
-    parameters: Sequence[Variable]
-    schedule: InputSchedule
-    indices: OutputIndices
-    instance: Instance
-    rows: WordRows
-    row_count: int
-    impacts: list[np.ndarray]
 
-    def result(self, input_names: Collection[str], chosen_outputs: tuple[str, ...] | None) -> Result:
-        """Return the result, with the given inputs of these names; ``chosen_outputs`` are None for all."""
-        schedule, instance, indices = self.schedule, self.instance, self.indices
-        has_all = not schedule.paths or schedule.is_requested.all()
-        is_requested = schedule.is_requested[: self.row_count]
-        requested_rows = slice(self.row_count) if has_all else np.flatnonzero(is_requested)
-        numbers, words = self.rows.numbers[requested_rows], indices.words
-        width = indices.row.itemsize // WORD
-        order, table = sorted_impacts(
-            [*self.impacts, instance.open_contacts()], self.prepared_scene.wall_names
-        )
-        input_rows = np.arange(self.row_count)[requested_rows]
-        return Result(
-            prepared=self.prepared_scene,
-            time=schedule.times[requested_rows],
-            outputs=structured_rows(numbers, indices.row),
-            impacts=table,
-            statistics=instance.statistics,
-            sensitivities=self._sensitivities(numbers[:, len(words) :], order, table, chosen_outputs),
-            stepwise=StepwiseColumns(numbers[:, width:], words[width:], indices.stepwise),
-            stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
-            rerun=Rerun(self.prepared_scene, schedule),
-            input_values=schedule.values(input_rows, input_names) if input_names else {},
-        )
+def _possible_columns(prepared_scene: PreparedScene, inputs: Iterable[str]) -> list[str]:
+    """Return the names of the inputs that the result can have: the given ones, and those that follow.
 
-    def _sensitivities(
-        self,
-        slopes: np.ndarray,
-        order: np.ndarray,
-        impacts: np.ndarray,
-        chosen_outputs: tuple[str, ...] | None,
-    ) -> Sensitivities | None:
-        """Return the derivatives of a run that computes them; None for another run.
-
-        Args:
-            slopes: the derivatives of the outputs, a column for each output and parameter.
-            order: the index in the instance's log of each row of ``impacts``.
-            impacts: the impacts of the result.
-            chosen_outputs: the names of the outputs; None for all.
-        """
-        if not isinstance(self.instance, DifferentiatedInstance):
-            return None
-        return Sensitivities(
-            prepared=self.prepared_scene,
-            varied=self.parameters,
-            chosen=chosen_outputs,
-            slopes=slopes.reshape(len(slopes), self.indices.row.itemsize // WORD, len(self.parameters)),
-            impacts=impacts,
-            impact_slopes=self.instance.slopes_of_impacts(order),
-            limits=self.instance.limits,
-            given=[
-                variable.name
-                for variable in self.prepared_scene.inputs
-                if variable.record_path in self.schedule.paths
-            ],
-        )
+    The velocity and the acceleration of a motion follow from its position.
+    """
+    known_names = {variable.name for variable in prepared_scene.inputs} if inputs else {}
+    return [member for name in inputs if name in known_names for member in quantities_driven_by(name)]
 
 
 def _inputs_of_run(
@@ -308,53 +235,6 @@ def _row_times(stop: float, step: float) -> np.ndarray:
     times *= step
     times[-1] = stop
     return times
-
-
-@dataclass(frozen=True, eq=False)
-class Rerun:
-    """A function of times that repeats the run, with rows at these times."""
-
-    prepared: PreparedScene
-    schedule: InputSchedule
-
-    def __call__(self, times: np.ndarray) -> np.ndarray:
-        """Return all outputs at the increasing ``times`` [s], shape (S,): a structured array, shape (S,).
-
-        The array is shorter if the solver cannot continue, and empty if the run cannot start.
-        """
-        schedule = self.schedule.with_times(times)
-        try:
-            instance = Instance(self.prepared, schedule, ())
-        except SimulationError:
-            return np.zeros(0, self.prepared.output_layout)
-        rows = WordRows(len(schedule.times), self.prepared.output_words)
-        finished_rows, _ = instance.run(schedule, rows)
-        outputs: np.ndarray = structured_rows(rows.numbers[:finished_rows], self.prepared.output_layout)[
-            schedule.is_requested[:finished_rows]
-        ]
-        return outputs
-
-    def inputs(self, times: np.ndarray) -> dict[str, np.ndarray]:
-        """Return name of each input that the caller gives over time → values at increasing ``times`` [s]."""
-        schedule = self.schedule.with_times(times)
-        return schedule.values(np.flatnonzero(schedule.is_requested))
-
-    def series(self, times: np.ndarray) -> dict[str, np.ndarray]:
-        """Return name → values of ``inputs`` and of each output that changes continuously at ``times`` [s].
-
-        There are fewer values than times if the solver cannot continue.
-        """
-        outputs = self(times)
-        given_inputs = {name: values[: len(outputs)] for name, values in self.inputs(times).items()}
-        return given_inputs | self.prepared.series(outputs)
-
-    def changed(self, values: Mapping[str, Any]) -> Rerun:
-        """Return the run with the same inputs over time and with other values of parameters.
-
-        Raises:
-            SceneError: when the scene cannot have one of the values, or a name is not that of a parameter.
-        """
-        return Rerun(PreparedScene(with_values(self.prepared.scene, values)), self.schedule)
 
 
 def with_law(scene: SceneSource, law: Callable[..., float]) -> Scene:

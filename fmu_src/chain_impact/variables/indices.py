@@ -115,6 +115,11 @@ class OutputIndices(NamedTuple):
     words: np.ndarray
     of_state: bool = False
 
+    @property
+    def width(self) -> int:
+        """The number of values in a row of the type ``row``."""
+        return self.row.itemsize // WORD
+
 
 def indices_of(variables: Iterable[Variable], of_all: OutputIndices) -> OutputIndices:
     """Return the indices of the outputs ``variables``, in this order; ``of_all`` has those of all outputs."""

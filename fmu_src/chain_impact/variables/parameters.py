@@ -55,10 +55,8 @@ def _parameter(
     Unit and range are those in ``metadata`` of the key. In ``text``, ``{}`` stands for the
     description in ``metadata``. ``other_fields`` are further attributes of ``Kind``.
     """
-    default, limits = (
-        metadata["default"],
-        {limit: metadata[limit] for limit in ("minimum", "above", "maximum")},
-    )
+    default = metadata["default"]
+    limits = {limit: metadata[limit] for limit in ("minimum", "above", "maximum")}
     return Kind(
         name=name_of(scene_path),
         unit=metadata["unit"],
