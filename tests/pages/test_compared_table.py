@@ -1,7 +1,7 @@
 """The table of pinned motions, and the dialog with the impacts of all of them side by side."""
 
 # Tests: pages/browser/explore/compared_table.js
-# Tests: pages/browser/recording/partners.js
+# Tests: pages/browser/recording/partners.js, pages/browser/recording/parting.js
 
 import operator
 import re
@@ -9,7 +9,7 @@ import re
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import LATER, alike, impacts_of, partners, until, until_told
+from tests.pages.in_pages import LATER, PIXELS, alike, impacts_of, partners, until, until_told
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -33,8 +33,8 @@ def test_pins_tell_the_change_of_the_largest_force_and_align_impacts(show):
     assert [cell.text_content() for cell in told] == [
         force + change for force, change in zip(largest, changes, strict=True)
     ]
-    assert changes[0] == ""
-    percent = float(changes[1].removesuffix("\u202f%").replace("\u2212", "-"))
+    assert changes[1] == "", "pin A is the reference"
+    percent = float(changes[0].removesuffix("\u202f%").replace("\u2212", "-"))
     assert percent == pytest.approx(100 * (peaks[0] / peaks[1] - 1), abs=0.5)
     present, pinned = (run.impacts for run in runs)
     expected = partners(present, pinned)
@@ -70,12 +70,43 @@ def test_pins_tell_the_change_of_the_largest_force_and_align_impacts(show):
         for _, n, k in shown
         if n is not None
     ]
-    assert rows[1].locator("td").nth(3).inner_text() == f"impact {is_clear.index(True) + 1}"
-    heads = page.locator("#pins thead th").all_inner_texts()
-    assert heads[-2:] == ["Δ time", "Δ peak"]
-    assert "Δ: from pin to present" in heads[0]
+    assert rows[0].locator("td").nth(4).inner_text().startswith(f"impact {is_clear.index(True) + 1}\n")
+    assert "Δ: from A" in page.locator("#pins thead th").first.inner_text()
     counts = f"{len(pinned)} → {len(present)}"
     assert page.inner_text("#impacts-before") == f"from A: {counts}, {largest[1]} → {largest[0]}"
+
+
+def places_of(run):
+    return list(zip(run.impacts["point"], run.impacts["wall"], strict=True))
+
+
+def test_all_motions_are_compared_with_the_one_that_the_reader_chooses(show):
+    page, values = show(hash_="#contact.restitution=0.7"), (0.7, 0.8, 0.6)
+    for value in values[1:]:
+        page.get_by_role("button", name="Pin").click()
+        page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
+        until_told(page, impacts_of({"contact.restitution": value}))
+    scene = load_scene("four_link_box")
+    runs = dict(
+        zip("AB ", (simulate(scene.with_values({"contact.restitution": e})) for e in values), strict=True)
+    )
+    for name, letter in (("A", "A"), ("B", "B"), ("present", " ")):
+        page.get_by_role("radio", name=f"Compare with {name}").check()
+        assert f"Δ: from {name}" in page.inner_text("#pins thead")
+        assert page.inner_text("#impacts-before").startswith("" if letter == " " else f"from {name}: ")
+        rows = dict(zip(" AB", page.locator("#pins tbody tr").all(), strict=True))
+        assert rows.pop(letter).locator("td").last.inner_text() == "reference"
+        for other, row in rows.items():
+            counts = [len(runs[one].impacts) for one in (letter, other)]
+            told = row.locator("td").first.locator("small").inner_text().replace("−", "-")
+            assert int(told) == counts[1] - counts[0]
+            orders = zip(*(places_of(runs[one]) for one in (letter, other)), strict=False)
+            first = next((k for k, (one, two) in enumerate(orders, 1) if one != two), min(counts) + 1)
+            assert row.locator("td").last.inner_text().startswith(f"impact {first}, ")
+            parting = float(row.locator("td").nth(3).inner_text().removesuffix("\u202fs"))
+            onset = runs[letter].impacts["onset"][0]
+            assert onset < parting < onset + 0.1, "the motions part after the first impact"
+    assert page.evaluate(PIXELS, ["energy", "pin-1"]) > 20, "with a mark in the chart"
 
 
 def test_each_impact_of_each_pin_has_one_cell(show):
@@ -99,7 +130,7 @@ def test_a_change_to_many_times_the_force_is_told_as_a_factor(show):
     page = show()
     page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({'contact.stiffness': 1e11})")
-    change = page.locator("#pins tbody tr:nth-child(2) td:nth-child(3) small")
+    change = page.locator("#pins tbody tr:nth-child(1) td:nth-child(3) small")
     change.filter(has_text=re.compile(r"^×\u202f[1-9]\d(\.\d)?$")).wait_for()
 
 
@@ -109,7 +140,8 @@ def test_an_energy_of_round_off_is_0_in_the_summary(show):
     page.evaluate("chainImpact.show({'gravity.y': -5})")
     until(page, "document.querySelector('.pin-text').textContent.includes('−5')")
     rows = [row.locator("td").all_text_contents() for row in page.locator("#pins tbody tr").all()]
-    assert rows == [["0", "–", "0\u202fJ", "", "", ""], ["00", "–", "0\u202fJ0", "none", "", ""]]
+    assert [row[:3] for row in rows] == [["00", "–", "0\u202fJ0"], ["0", "–", "0\u202fJ"]]
+    assert rows[0][4:] == ["none", "none"]
 
 
 def test_energies_of_the_summary_are_rounded_to_the_range_of_the_runs(show):
@@ -117,9 +149,9 @@ def test_energies_of_the_summary_are_rounded_to_the_range_of_the_runs(show):
     page = show("rod_drop", {"contact.restitution": 0.3})
     page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({'contact.restitution': 0.8})")
-    until(page, "document.querySelector('#pins tr:nth-child(2) td:nth-child(4) small').textContent !== '0'")
+    until(page, "!['', '0'].includes(document.querySelector('#pins td:nth-child(4) small').textContent)")
     cells = page.locator("#pins tbody td:nth-child(4)").all_text_contents()
-    assert cells == ["0.071\u202fJ", "0.000\u202fJ+0.071\u202fJ"]
+    assert cells == ["0.071\u202fJ+0.071\u202fJ", "0.000\u202fJ"]
 
 
 def test_forces_and_impulses_are_not_compared_and_angles_are_in_degrees(show):

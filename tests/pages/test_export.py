@@ -2,13 +2,15 @@
 
 # Tests: pages/browser/explore/export.js, pages/browser/explore/export_dialog.js
 # Tests: pages/browser/explore/console.js, pages/browser/explore/saved_page.js
-# Tests: pages/browser/explore/chart_picture.js
+# Tests: pages/browser/explore/chart_picture.js, pages/browser/explore/svg_recorder.js
 
+import base64
 import csv
 import io
 import re
 import shlex
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -32,6 +34,7 @@ from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
+SVG = "{http://www.w3.org/2000/svg}"
 CAPTION = 28  # pixels of the screen, height of the caption below a picture
 
 
@@ -227,6 +230,15 @@ def test_pictures_of_motion_and_charts_name_the_pins(show):
         assert (abs(picture - colour).max(axis=-1) < 8).sum() > 100
     title = picture[9 * CAPTION : 9 * CAPTION + 78, 30:600].max(axis=-1)
     assert (title < 90).sum() > 150, "the titles are drawn"
+    chart = saved(page, "Charts as SVG").read_text("utf-8")
+    texts = [one.text for one in ElementTree.fromstring(chart).iter(f"{SVG}text")]
+    assert {"Contact", "Energy", "kinetic", "A", "present: Restitution = 0.6"} <= {*texts}
+    height, width = picture.shape[:2]
+    address = page.evaluate(function_of("export", "rasterOf"), [chart, width, height])
+    drawn = Image.open(io.BytesIO(base64.b64decode(address.partition(",")[2]))).convert("RGB")
+    small = [one.reduce(6) for one in (drawn, Image.fromarray(picture.astype(np.uint8)))]
+    apart = abs(np.subtract(*(np.asarray(one).astype(int) for one in small)))
+    assert apart.mean() < 4.0, "both are from the same program; letters differ by half a pixel"
     page.keyboard.press("Escape")
     page.get_by_role("region", name="Energy").get_by_role("button", name="Enlarge").click()
     page.get_by_role("button", name="Export…").click()

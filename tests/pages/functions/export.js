@@ -10,3 +10,13 @@ export const simulated = async (changes) => {
   const columns = some.map((name) => [name, text(run.columns[name])]);
   return { names, time: text(run.time), columns, impacts };
 };
+
+// Draw the text of an SVG file as a picture with a width and a height [pixels]; return the picture as a data address.
+export const rasterOf = async ([text, width, height]) => {
+  const image = new Image();
+  image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(text)}`;
+  await image.decode();
+  const canvas = Object.assign(document.createElement("canvas"), { width, height });
+  canvas.getContext("2d").drawImage(image, 0, 0, width, height);
+  return canvas.toDataURL();
+};

@@ -13,7 +13,9 @@ const TICKS_APART = 17; // [pixels] least distance between two ticks of a vertic
 const [ABOVE_PLOT, BELOW_PLOT] = [8, 21]; // [pixels] height of the space above the plot, and height of the axis below it
 const LEAST_AXIS_WIDTH = 48; // [pixels] least width of a vertical axis, enough for most labels
 const READ_STEPS = 100; // number of steps of the arrow keys along the horizontal axis of a chart
-const DASHES_OF_PINS = [6, 3]; // lengths [pixels] that are drawn and left out in turn
+/** Lengths [pixels] of a curve of a pin that are drawn and left out in turn. */
+export const DASHES_OF_PINS = [4, 4];
+const [OWN_WIDTH, PIN_WIDTH] = [2, 1.3]; // [pixels] a curve of a pin is thin and dashed, so that an equal curve is seen below it
 const LEAST_DRAG = 6; // [pixels] a shorter drag in an enlarged chart is a click
 const LABEL_MARGIN = 4; // [pixels] free space to the left of a label of an axis
 const DECIMALS_OF_LARGEST = 3; // number of decimals with which values are written if the largest of them lies between 1 and 10
@@ -339,7 +341,7 @@ export function drawCurve({ ctx, bbox, valToPos }, [along, up], stroke, fill, da
     ctx.fill();
   }
   ctx.strokeStyle = styleColour(stroke);
-  ctx.lineWidth = 1.6 * devicePixelRatio;
+  ctx.lineWidth = (fill ? OWN_WIDTH : PIN_WIDTH) * devicePixelRatio;
   ctx.stroke();
   ctx.restore();
 }

@@ -4,7 +4,7 @@ import { find, make } from "../base/dom.js";
 import { fixed, ticksOf, withMinus } from "../base/format.js";
 import { lastBefore } from "../recording/recording.js";
 import {
-  axisOptions, Chart, drawCompared, labelledWidth, largestIn, styleColour, ticksUpwards, timeTexts, timeTicks, writerOf,
+  axisOptions, Chart, DASHES_OF_PINS, drawCompared, labelledWidth, largestIn, styleColour, ticksUpwards, timeTexts, timeTicks, writerOf,
 } from "./chart.js";
 import { energyOffset, movedBy, offsetText, shiftOf } from "./energy_zero.js";
 
@@ -15,6 +15,7 @@ const MOST_BESIDE_NAMES = 3; // with more compared motions, a legend with long n
 const ENVELOPE_STEP = 2; // [pixels] width of the strips in whose extremes the envelope of such a curve has its corners
 const ENVELOPE_TURNS = 5; // turns of the curve, more than two periods, over which the envelope takes its extremes
 const ENVELOPE_FILL = 35; // [%] opacity of the envelope's area relative to its lines
+const PARTING_MARK = 4; // [pixels] half of the width of the mark at a time at which motions part
 const CURVE_APART = 0.3; // [pixels of the screen] least distance between two points of a drawn curve
 
 /** A chart of quantities over time, with a list of their names and their values at the present time. */
@@ -112,7 +113,7 @@ export class TimeChart extends Chart {
           }),
         ],
         hooks: {
-          drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts)],
+          drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts), (plot) => drawPartings(plot, this.compared)],
           draw: [(plot) => {
             const shown = plot.data.slice(1).filter((_, k) => plot.series[k + 1].show);
             drawCompared(plot, this.comparedCurves, shown.map((values) => [plot.data[0], values]));
@@ -142,7 +143,7 @@ export class TimeChart extends Chart {
       row.cells = Array.from({ length: 1 + compared.length }, () => make("dd"));
     });
     this.unitCell = make("dt", { className: "unit" });
-    const letters = compared.map(({ letter, stroke }) => this.#termOf("dd", { name: letter, stroke, dash: [6, 3] }));
+    const letters = compared.map(({ letter, stroke }) => this.#termOf("dd", { name: letter, stroke, dash: DASHES_OF_PINS }));
     const heads = compared.length ? [make("dd", { textContent: "present" }), ...letters] : [];
     entries.classList.toggle("with-motions", compared.length > 0);
     entries.classList.toggle("many-motions", compared.length > MOST_BESIDE_NAMES);
@@ -225,8 +226,12 @@ export class EnergyChart extends TimeChart {
 
   /** Tell the offset of the chart, and which curves of pins it has. */
   #tellShown() {
-    const texts = [offsetText(this.offset), this.compared.length > 0 && "of pins: the total"];
+    const texts = [offsetText(this.offset), this.compared.length > 0 && "of pins: the total", this.#hasParting && "▾ motions part"];
     find("energy-offset").textContent = texts.filter(Boolean).join("; ");
+  }
+
+  get #hasParting() {
+    return this.compared.some(({ parting }) => parting !== undefined);
   }
 
   get comparedCurves() {
@@ -330,6 +335,25 @@ function patternOf(stroke, dash = [1]) {
   const ends = dash.map((_, k) => dash.slice(0, k + 1).reduce((sum, length) => sum + length));
   const parts = ends.map((end, k) => `${k % 2 ? "transparent" : `var(--${stroke})`} ${end - dash[k]}px ${end}px`);
   return `repeating-linear-gradient(to right, ${parts.join(", ")})`;
+}
+
+/** Draw a mark in the colour of a pin, with a dotted line below it, on a plot of uPlot for each time at which two motions part. */
+function drawPartings({ ctx, bbox: { left, top, width, height }, valToPos }, compared) {
+  compared.filter(({ parting }) => parting !== undefined).forEach(({ parting, stroke }) => {
+    const [x, half] = [valToPos(parting, "x", true), PARTING_MARK * devicePixelRatio];
+    if (x < left || x > left + width) return;
+    ctx.save();
+    Object.assign(ctx, { fillStyle: styleColour(stroke), strokeStyle: styleColour(stroke), lineWidth: devicePixelRatio });
+    ctx.beginPath();
+    [[x - half, top], [x + half, top], [x, top + 1.6 * half]].forEach((at) => ctx.lineTo(...at));
+    ctx.fill();
+    ctx.setLineDash([devicePixelRatio, 3 * devicePixelRatio]);
+    ctx.beginPath();
+    ctx.moveTo(x, top);
+    ctx.lineTo(x, top + height);
+    ctx.stroke();
+    ctx.restore();
+  });
 }
 
 /** Draw faint vertical lines at the onsets of the impacts on a plot of uPlot. */

@@ -1,7 +1,8 @@
-// A picture of cards with charts: their canvases, texts, and lines of legends, as they are on the screen.
+// A picture or an SVG drawing of cards with charts: their canvases, texts, and lines of legends, as they are on the screen.
 
 import { styleColour } from "../charts/chart.js";
 import { captionHeight, drawCaption } from "./export.js";
+import { escaped, SvgRecorder, withToldPaths } from "./svg_recorder.js";
 
 const DENSITY = 3; // least number of pixels of the picture for a pixel of the page, so that a report can show it
 const BETWEEN_CARDS = 8; // [pixels] free space between two cards
@@ -33,29 +34,61 @@ async function withSharpCanvases(canvases, factor, draw) {
   }
 }
 
+/** Return the boxes of cards on the screen, and the size of a picture [pixels] with a caption and one card below the other. */
+function placesOf(cards, caption) {
+  const boxes = cards.map((card) => card.getBoundingClientRect());
+  const height = boxes.reduce((sum, box) => sum + box.height + BETWEEN_CARDS, captionHeight(caption));
+  return { boxes, width: Math.max(...boxes.map((box) => box.width)), height };
+}
+
+/** Draw the ground of a picture and its caption, and return a function that draws the cards. */
+function drawFrame(context, cards, caption, { boxes, width, height }) {
+  fill(context, styleColour("panel"), 0, 0, Math.ceil(width), Math.ceil(height));
+  drawCaption(context, caption, width, 0);
+  return () => {
+    let top = captionHeight(caption);
+    cards.forEach((card, k) => {
+      context.save();
+      context.translate(-boxes[k].left, top - boxes[k].top);
+      drawCard(context, card, boxes[k]);
+      context.restore();
+      top += boxes[k].height + BETWEEN_CARDS;
+    });
+  };
+}
+
+const canvasesOf = (cards) => cards.flatMap((card) => [...card.querySelectorAll("canvas")]);
+
 /** Return a picture of cards as a Blob with a PNG: the `caption`, as `drawCaption` takes it, and below it one card below the other. */
 export async function pictureOfCards(cards, caption) {
   const density = Math.max(DENSITY, devicePixelRatio);
-  const boxes = cards.map((card) => card.getBoundingClientRect());
-  const width = Math.max(...boxes.map((box) => box.width));
-  const height = boxes.reduce((sum, box) => sum + box.height + BETWEEN_CARDS, 0);
-  const size = [width, height + captionHeight(caption)].map((length) => Math.ceil(length * density));
-  const canvas = Object.assign(document.createElement("canvas"), { width: size[0], height: size[1] });
+  const places = placesOf(cards, caption);
+  const size = { width: Math.ceil(places.width * density), height: Math.ceil(places.height * density) };
+  const canvas = Object.assign(document.createElement("canvas"), size);
   const context = canvas.getContext("2d");
   context.scale(density, density);
-  context.fillStyle = styleColour("panel");
-  context.fillRect(0, 0, ...size);
-  drawCaption(context, caption, width, 0);
-  let top = captionHeight(caption);
-  const canvases = cards.flatMap((card) => [...card.querySelectorAll("canvas")]);
-  await withSharpCanvases(canvases, density / devicePixelRatio, () => cards.forEach((card, k) => {
-    context.save();
-    context.translate(-boxes[k].left, top - boxes[k].top);
-    drawCard(context, card, boxes[k]);
-    context.restore();
-    top += boxes[k].height + BETWEEN_CARDS;
-  }));
+  const drawCards = drawFrame(context, cards, caption, places);
+  await withSharpCanvases(canvasesOf(cards), density / devicePixelRatio, drawCards);
   return new Promise((done) => canvas.toBlob(done, "image/png"));
+}
+
+/** Return the same picture as a Blob with an SVG drawing: the calls with which the charts draw themselves are noted as text. */
+export async function drawingOfCards(cards, caption) {
+  const places = placesOf(cards, caption);
+  const charts = canvasesOf(cards).map((canvas) => [canvas, new SvgRecorder(canvas.getContext("2d"))]);
+  const imageOf = (canvas) => charts.find(([one]) => one === canvas)[1].elements;
+  const picture = new SvgRecorder(document.createElement("canvas").getContext("2d"), imageOf);
+  picture.begin();
+  const drawCards = drawFrame(picture.context, cards, caption, places);
+  charts.forEach(([, recorder]) => recorder.begin());
+  await withToldPaths(() => withSharpCanvases(canvasesOf(cards), 1, () => {
+    charts.forEach(([, recorder]) => recorder.end());
+    drawCards();
+  }));
+  const { width, height } = places;
+  const head = `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}">`;
+  const title = `<title>${escaped(caption.map(({ text, letter }) => [letter, text].filter(Boolean).join(": ")).join("\n"))}</title>`;
+  return new Blob([head, title, ...picture.elements, "</svg>"], { type: "image/svg+xml" });
 }
 
 /** Draw a card at its place on the screen; its buttons in the corner are left out. */

@@ -3,6 +3,7 @@
 import { find, make } from "../base/dom.js";
 import { LabelSpace, positionsAround } from "../drawing/label_positions.js";
 import { STRIP } from "../drawing/scale_strip.js";
+import { partingTime } from "../recording/parting.js";
 import { Recording } from "../recording/recording.js";
 import { differenceText, pairsTable, summaryTable } from "./compared_table.js";
 import { onGesture } from "./gestures.js";
@@ -11,7 +12,8 @@ const COLOURS = 5; // number of colours for pinned motions in the style sheet
 const LETTERS = "ABCDE"; // the letters of the colours, because two colours may look alike
 const TIP = 15; // [pixels] diameter of the dot of a letter
 // distances from its tip at which a letter is tried in this order, as multiples of TIP
-const LETTER_DISTANCES = [1.1, 1.6, 2.2, 3, 4, 5, 7];
+const LETTER_DISTANCES = [1.6, 2.2, 3, 4, 5, 7];
+const [SAME_TIP, LETTERS_BESIDE] = [3, 17]; // [pixels] letters of tips that are nearer than SAME_TIP stand beside each other
 
 export class ComparedMotions {
   onPin = () => {}; // a function that is called when a motion has been pinned, or is not pinned any more
@@ -22,6 +24,7 @@ export class ComparedMotions {
     this.table = table;
     this.pinned = []; // the pinned motions: {recording, colour}
     this.before = null;
+    this.reference = undefined; // the pinned recording that the reader compares with, null for the present one; undefined: the first pin
     player.drawing.comparedNow = () => this.marks;
   }
 
@@ -94,9 +97,13 @@ export class ComparedMotions {
     return [name === shownName ? "another scene" : name, text].filter(Boolean).join(", ");
   }
 
-  /** Return words for the changes of a motion, as `differingText` compares them with those of the shown motion and of all pinned ones. */
+  /** Return words for the changes of a motion, as `valuesText` compares them with those of the shown motion and of all pinned ones. */
   #changesOf(motion) {
-    return differingText(motion, [this.player, ...this.pinned].map(({ recording }) => recording.changed));
+    return motion.changed.size ? valuesText(motion, this.#changed) : "";
+  }
+
+  get #changed() {
+    return [this.player, ...this.pinned].map(({ recording }) => recording.changed);
   }
 
   unpin({ recording }) {
@@ -105,7 +112,8 @@ export class ComparedMotions {
 
   /**
    * Return the compared motions at the present time: each with its `recording`, `frame`, `kind` (class of the style sheet), `positions` of
-   * its link ends on the screen, `letter` (undefined for the motion before the last change) and `at`, the position of the letter.
+   * its link ends on the screen, `letter` (undefined for the motion before the last change), `at`, the position of the letter, and whether
+   * a line leads there from the tip (`hasLeader`).
    */
   get #shown() {
     const { drawing: { camera, size }, clock, recording: shown } = this.player;
@@ -120,11 +128,16 @@ export class ComparedMotions {
     const isDrawn = this.before && ![shown, ...this.pins].some((other) => isSameRun(this.before, other));
     const others = pinned.filter(({ recording }) => recording !== shown);
     if (isDrawn) others.unshift({ recording: this.before, kind: "before" });
+    const placed = []; // the letters with a line to their tip
     return others.map(({ recording, kind, letter }) => {
       const frame = recording.frameAt(clock.time);
       const positions = pointsOf(recording, frame);
-      const at = letter ? placeOfLetter(positions[recording.traced], space, size) : positions[recording.traced];
-      return { recording, frame, kind, letter, positions, at };
+      const tip = positions[recording.traced];
+      const first = letter && placed.find(({ tip: [x, y] }) => Math.hypot(x - tip[0], y - tip[1]) < SAME_TIP);
+      const beside = first && placeBeside(first.at, space);
+      const at = letter ? beside ?? placeOfLetter(tip, space, size) : tip;
+      if (letter && !beside) placed.push({ tip, at });
+      return { recording, frame, kind, letter, positions, at, hasLeader: !beside };
     });
   }
 
@@ -149,20 +162,32 @@ export class ComparedMotions {
       }
       if (!recording.isPoint) behind.polyline(positions).addClass(`compared ${kind}`).fill("none");
     }
-    for (const { recording, kind, letter, positions, at: [x, y] } of shown) {
+    for (const { recording, kind, letter, positions, at: [x, y], hasLeader } of shown) {
       const [tip, group] = [positions[recording.traced], letter ? letters : behind];
-      if (Math.hypot(tip[0] - x, tip[1] - y) > 1) group.line([tip, [x, y]]).addClass(`pin-leader ${kind}`);
+      if (hasLeader && Math.hypot(tip[0] - x, tip[1] - y) > 1) group.line([tip, [x, y]]).addClass(`pin-leader ${kind}`);
       group.circle(letter ? TIP : 8).center(x, y).addClass(`compared-tip ${kind}`);
       if (letter) group.plain(letter).attr({ x, y: y + 4 }).addClass("compared-letter");
     }
   }
 
-  /** Words for what the last change did to the impacts; with pins they name the pin before the change, and are "" if it is not pinned. */
+  /** Return the index of the motion with which all others are compared: 0 for the present one, then the pinned motions. */
+  get #referenceIndex() {
+    const chosen = this.pins.indexOf(this.reference) + 1;
+    return this.reference === null ? 0 : chosen || 1;
+  }
+
+  /** Words for what the last change did to the impacts or, with pins, for how they differ from those of the reference, which they name. */
   get #changeText() {
-    const text = differenceText(this.before, this.player.recording);
-    if (!text || !this.pinned.length) return text;
-    const pin = this.pinned.find(({ recording }) => isSameRun(recording, this.before));
-    return pin ? `from ${LETTERS[pin.colour - 1]}: ${text.replace(", largest", ",")}` : ""; // one line has no room for the word
+    if (!this.pinned.length) return differenceText(this.before, this.player.recording);
+    const pin = this.pinned[this.#referenceIndex - 1];
+    const text = pin && differenceText(pin.recording, this.player.recording);
+    return text ? `from ${LETTERS[pin.colour - 1]}: ${text.replace(", largest", ",")}` : ""; // one line has no room for the word
+  }
+
+  /** Return the time at which a pinned motion parts from the reference or, for the reference itself, from the present motion. */
+  #partingOf(recording) {
+    const reference = [this.player.recording, ...this.pins][this.#referenceIndex];
+    return partingTime(reference, recording === reference ? this.player.recording : recording);
   }
 
   /** Show the curves of the pinned motions in the charts, and list the impacts of the present and the pinned motions side by side. */
@@ -170,7 +195,8 @@ export class ComparedMotions {
     const { pinned, panel, table, player } = this;
     find("pin-equal").textContent = "";
     find("impacts-before").textContent = this.#changeText;
-    const lines = pinned.map(({ recording, colour }) => ({ recording, stroke: `pin-${colour}`, letter: LETTERS[colour - 1] }));
+    const lines = pinned.map(({ recording, colour }) =>
+      ({ recording, stroke: `pin-${colour}`, letter: LETTERS[colour - 1], parting: this.#partingOf(recording) }));
     player.panels.forEach(([, , chart]) => chart.compare(lines));
     panel.hidden = pinned.length === 0;
     // while the table of pinned motions is shown, the cards beside the motion may be lower (explore.css)
@@ -185,7 +211,10 @@ export class ComparedMotions {
       find("pairs-table").replaceChildren(...pairsTable(named, isPresent));
       find("pairs").showModal();
     });
-    table.replaceChildren(...summaryTable(all.map((motion) => ({ ...motion, title: this.#title(motion) })), open, isPresent));
+    const [reference, isChosen] = [this.#referenceIndex, document.activeElement?.name === "reference"];
+    const titled = all.map((motion, k) => ({ ...motion, title: this.#title(motion, k === reference) }));
+    table.replaceChildren(...summaryTable(titled, { reference, button: open, isPresent }));
+    if (isChosen) table.querySelector(":checked").focus();
   }
 
   /** Return the names of the present motion and of the pins, {text, letter, stroke (name of a colour)}; an empty list without pins. */
@@ -199,7 +228,8 @@ export class ComparedMotions {
   /** Return the elements for the name of a motion: a dot with its letter, and its text. */
   #nameOf({ text, colour, letter = "" }) {
     const dot = make("span", { className: `dot ${colour ? `pin-${colour}` : "present"}`, textContent: letter });
-    return [dot, make("span", { className: "pin-text", textContent: text })];
+    const words = text.split(/(?<= = )(.*?)(?=, |$)/).map((part, k) => (k % 2 ? make("b", { textContent: part }) : part));
+    return [dot, make("span", { className: "pin-text" }, ...words)];
   }
 
   /** Let the reader write a name for a pinned motion in place of the `button` with its text; without a name it has words again. */
@@ -217,19 +247,30 @@ export class ComparedMotions {
     field.select();
   }
 
-  #title(motion) {
-    const { text, colour } = motion;
-    const title = make("span", { className: "pin-title" }, ...this.#nameOf(motion));
+  /** Return the first cell of a row: a switch that makes its motion the reference, its name, and what differs beside a given name. */
+  #title(motion, isReference) {
+    const { text, colour, name: given, recording } = motion;
+    const letter = colour ? LETTERS[colour - 1] : "present";
+    const reference = make("input", { type: "radio", name: "reference", checked: isReference, ariaLabel: `Compare with ${letter}` });
+    reference.title = "Compare all motions with this one";
+    reference.addEventListener("change", () => {
+      this.reference = colour ? recording : null;
+      this.show();
+    });
+    const [dot, words] = this.#nameOf(motion);
+    // a name, or the words for a motion as in the scene, do not tell the values
+    const values = given || !recording.changed.size ? valuesText(recording, this.#changed) : "";
+    const parts = [words, ...(values ? [make("small", { className: "pin-values", textContent: values })] : [])];
+    const title = make("span", { className: "pin-title" }, reference);
     if (!colour) {
       title.classList.add("without-name"); // only a pin has a name
+      title.append(dot, make("span", {}, ...parts));
     } else {
-      title.prepend(make("span", { className: `dashes pin-${colour}`, title: "In the charts" }));
       const button = make("button", { type: "button", className: "unpin", textContent: "×", title: "Take this pin away" });
       button.addEventListener("click", () => this.unpin(motion));
-      const words = title.querySelector(".pin-text");
-      const name = make("button", { type: "button", className: "pin-name", title: "Give this pin a name" }, words);
+      const name = make("button", { type: "button", className: "pin-name", title: "Give this pin a name" }, ...parts);
       name.addEventListener("click", () => this.#rename(motion, name));
-      title.append(name, button);
+      title.append(make("span", { className: `dashes pin-${colour}`, title: "In the charts" }), dot, name, button);
     }
     return make("th", { scope: "row", title: motion.name ? this.#changesOf(motion.recording) : text }, title);
   }
@@ -237,11 +278,10 @@ export class ComparedMotions {
 
 /**
  * Return words for the parameters in which a motion with the changes `changed` differs from another motion or, if it differs in none, for
- * all its changes; "" for a motion without changes. `all`: the changes of all motions; `unchangedText`: the texts of the motion's other
- * parameters. Parameters with more different values in the changed motions come first, because the end of a long text may be cut off.
+ * all its changes. `all`: the changes of all motions; `unchangedText`: the texts of the motion's other parameters. Parameters with more
+ * different values in the changed motions come first.
  */
-function differingText({ changed, unchangedText }, all) {
-  if (!changed.size) return "";
+function valuesText({ changed, unchangedText }, all) {
   const names = [...new Set(all.flatMap((one) => [...one.keys()]))];
   const valuesOf = (name) => new Set(all.filter(({ size }) => size).map((one) => one.get(name))).size;
   const differing = names.filter((name) => all.some((one) => one.get(name) !== changed.get(name)))
@@ -262,6 +302,12 @@ function isSame(file, other) {
 function isSameRun(one, other) {
   const keyOf = ({ values, inputSteps }) => JSON.stringify([Object.entries(values).sort(), inputSteps]);
   return one === other || (one.scene === other.scene && keyOf(one) === keyOf(other));
+}
+
+/** Return a free position for a letter in one row with the letter at [x, y], of which the tip is the same; undefined without one. */
+function placeBeside([x, y], space) {
+  const row = [1, -1, 2, -2, 3, -3, 4, -4].map((place) => ({ at: [x + place * LETTERS_BESIDE, y], anchor: "middle" }));
+  return space.findPosition("A", TIP, row)?.at;
 }
 
 /**

@@ -3,6 +3,7 @@
 import { make } from "../base/dom.js";
 import { digits, durationText, forceText, impulseText, unitsOf, withMinus } from "../base/format.js";
 import { writerOf } from "../charts/chart.js";
+import { partingTime } from "../recording/parting.js";
 import { partnerOf } from "../recording/partners.js";
 import { capitalized, placeText } from "../scene/words.js";
 
@@ -15,28 +16,34 @@ const LEAST_DIFFERENCE = 0.01; // least relative difference of a time since the 
 
 /**
  * Return the parts of the summary of `motions`, the present one first: each motion has a `recording`, a `title` (an element) and, if it is
- * pinned, a `letter`. The head of the table begins with the element `first`. If `isPresent` is false, the motion of the present values is
- * unknown, and dashes replace the changes to it.
+ * pinned, a `letter`. All changes are from the motion with the index `reference`. The head of the table begins with the `button`. If
+ * `isPresent` is false, the motion of the present values is unknown, and dashes replace the changes from it and to it.
  */
-export function summaryTable(motions, first, isPresent) {
-  const direction = make("small", { textContent: "Δ: from pin to present" });
-  const heads = [["impacts", "Δ"], ["largest", "Δ peak"], ["end energy", "Δ"], [`first difference > ${100 * LEAST_DIFFERENCE}\u202f%`]]
-    .map(([name, change]) => make("th", { scope: "col" }, name, ...(change ? [make("small", { textContent: change })] : [])));
-  const ofFirst = ["Δ time", "Δ peak"].map((textContent) => make("th", { scope: "col", textContent }));
-  const head = make("tr", {}, make("th", { scope: "col" }, first, direction), ...heads, ...ofFirst);
-  const present = motions[0].recording;
+export function summaryTable(motions, { reference, button, isPresent }) {
+  const { recording: from } = motions[reference];
+  const direction = make("small", { textContent: `Δ: from ${shortName(motions[reference])}` });
+  const ofFirst = `first difference > ${100 * LEAST_DIFFERENCE}\u202f%`;
+  const heads = ["impacts", "largest", "end energy", "motions part", ofFirst, "other order from"]
+    .map((textContent) => make("th", { scope: "col", textContent }));
+  const head = make("tr", {}, make("th", { scope: "col" }, button, direction), ...heads);
   const written = writerOf(motions.flatMap(({ recording: { energies } }) => Object.values(energies)));
-  const body = motions.map(({ title, recording, letter }) => {
+  const body = motions.map(({ title, recording }, k) => {
     const told = [String(recording.impacts.length), largestText(recording), energyText(endEnergy(recording), written)];
-    const changes = [countChange(recording, present), changeText(present, recording), energyChange(recording, present, written)];
-    const changeOf = (text) => (!letter ? "" : isPresent ? text : "–");
-    const cells = told.map((text, k) => make("td", {}, text, make("small", { textContent: changeOf(changes[k]), title: TO_PRESENT })));
-    const { text = "–", title: place = "", change = [] } = letter && isPresent ? firstDifference(recording, present, letter) : {};
-    const ofImpact = [make("td", { textContent: letter ? text : "", title: place })];
-    ofImpact.push(...[0, 1].map((k) => make("td", { textContent: change[k] ?? "", title: TO_PRESENT })));
-    return make("tr", {}, title, ...cells, ...ofImpact);
+    const isKnown = isPresent || (k > 0 && reference > 0);
+    const changes = [countChange(from, recording), changeText(recording, from), energyChange(from, recording, written)];
+    const titleText = `From ${shortName(motions[reference])} to ${shortName(motions[k])}`;
+    const changeOf = (text) => (k === reference ? "" : isKnown ? text : "–");
+    const cells = told.map((text, n) => make("td", {}, text, make("small", { textContent: changeOf(changes[n]), title: titleText })));
+    if (k === reference) cells.push(make("td", { colSpan: 3, className: "reference", textContent: "reference" }));
+    else cells.push(...differencesOf(motions[reference], motions[k], isKnown));
+    return make("tr", {}, title, ...cells);
   });
   return [make("thead", {}, head), make("tbody", {}, ...body)];
+}
+
+/** Return the letter of a pinned motion, or "present" for the present one. */
+function shortName({ letter = "present" }) {
+  return letter;
 }
 
 /**
@@ -85,26 +92,47 @@ function countChange({ impacts: { length: from } }, { impacts: { length: to } })
 }
 
 /**
- * Return {text, title, change} for the first impact that differs clearly (LEAST_DIFFERENCE) between a pinned recording with a `letter` and
- * the present one, or that only one of them has: words, a tooltip, and the result of `differenceOf`. Without one, the text is "none".
+ * Return {text, title, change} for the first impact that differs clearly (LEAST_DIFFERENCE) between the motion `reference` and another
+ * one, or that only one of them has: words, a tooltip, and the result of `differenceOf`. Without one, the text is "none".
  */
-function firstDifference(pinned, present, letter) {
+function firstDifference(reference, other) {
+  const [from, to] = [reference.recording, other.recording];
   const isClear = ([now, then]) => {
     if (!now || !then) return true;
-    const [gap, since] = [now.onset - then.onset, Math.min(now.onset - present.start, then.onset - pinned.start)];
+    const [gap, since] = [now.onset - then.onset, Math.min(now.onset - to.start, then.onset - from.start)];
     const key = forceKeyOf(now, then);
     const isForceClear = key !== "" && Math.abs(now[key] - then[key]) > LEAST_DIFFERENCE * then[key];
     return Math.abs(gap) > LEAST_DIFFERENCE * since + SAME_TIME || isForceClear;
   };
-  const row = alignedImpacts([present, pinned]).find(isClear);
+  const row = alignedImpacts([to, from]).find(isClear);
   if (!row) return { text: "none" };
   const [now, then] = row;
   const { number, onset } = now ?? then;
   const title = capitalized(placeText(now ?? then));
   if (now && then) return { text: `impact ${number}`, title, change: differenceOf(then, now) };
-  const text = now ? `impact ${number} (${onset.toFixed(4)}\u202fs): not in ${letter}`
-    : `${letter}'s impact ${number} (${onset.toFixed(4)}\u202fs): only in ${letter}`;
-  return { text, title };
+  return { text: `impact ${number} (${onset.toFixed(4)}\u202fs): only in ${shortName(now ? other : reference)}`, title };
+}
+
+/** Return three cells of the table, which tell where a motion begins to differ from the motion `reference`; dashes unless `isKnown`. */
+function differencesOf(reference, other, isKnown) {
+  if (!isKnown) return Array.from({ length: 3 }, () => make("td", { textContent: "–" }));
+  const parting = partingTime(reference.recording, other.recording);
+  const title = "Time from which on a point is elsewhere by 1\u202f% of the size of the motion; marked in the charts";
+  const text = parting === undefined ? "never" : `${parting.toFixed(4)}\u202fs`;
+  const first = firstDifference(reference, other);
+  const change = make("small", { textContent: (first.change ?? []).filter(Boolean).join(", ") });
+  const order = orderOf(reference, other);
+  return [[{ text, title }], [first, change], [order]].map(([one, ...more]) => make("td", { title: one.title ?? "" }, one.text, ...more));
+}
+
+/** Return {text, title} for the first impact at which point and wall differ between two motions, in the order of their impacts. */
+function orderOf(...motions) {
+  const [from, to] = motions.map(({ recording: { impacts } }) => impacts.slice(0, LISTED_COUNT));
+  const k = Array.from({ length: Math.max(from.length, to.length) }).findIndex((_, n) =>
+    !from[n] || !to[n] || placeText(from[n]) !== placeText(to[n]));
+  if (k < 0) return { text: "none" };
+  const told = motions.map((motion, n) => `${shortName(motion)}: ${[from, to][n][k] ? placeText([from, to][n][k]) : "no such impact"}`);
+  return { text: `impact ${k + 1}, ${(to[k] ?? from[k]).onset.toFixed(4)}\u202fs`, title: told.join("; ") };
 }
 
 /**

@@ -31,7 +31,7 @@ import { Simulation } from "./simulation.js";
 // The present view stays if the next view lies inside it and is larger than this fraction of it; the size of a view is its longer side.
 const KEPT = 0.5;
 const SPEED_BAR = 50; // [pixels] largest length of the bar that is the scale of the arrows of velocities
-const FILES_OF_RUN = ["csv", "impacts-csv", "png", "charts-png"]; // buttons that save what only a run has
+const FILES_OF_RUN = ["csv", "impacts-csv", "png", "charts-png", "charts-svg"]; // buttons that save what only a run has
 
 const { file, kit, command } = JSON.parse(new TextDecoder().decode(await decompressed(find("data").textContent)));
 const changes = new Changes(describe(kit, complete(file, kit), command));

@@ -3,7 +3,7 @@
 import { find } from "../base/dom.js";
 import { contentsOf, tomlText } from "../scene/changed_file.js";
 import { inputSignals } from "../scene/input_steps.js";
-import { pictureOfCards } from "./chart_picture.js";
+import { drawingOfCards, pictureOfCards } from "./chart_picture.js";
 import { commandOf, csvOf, impactsCsvOf, pictureOf, save } from "./export.js";
 import { savePage } from "./saved_page.js";
 
@@ -65,13 +65,13 @@ export function connectExport(changes, { keys, ask, address, namesOf, openScene,
     save(await pictureOf(find("scene"), background, { caption: captionOf() }), `${changes.scene.name}.png`);
     return "";
   });
-  connectFile("charts-png", async () => {
+  [["png", pictureOfCards], ["svg", drawingOfCards]].forEach(([kind, drawn]) => connectFile(`charts-${kind}`, async () => {
     const cards = [...document.querySelectorAll("aside > section:not(#list, [hidden], .folded:not(.enlarged))")];
     const large = cards.filter((card) => card.matches(".enlarged")); // then the picture has this card alone
     if (!cards.length) return "No chart is open.";
-    save(await pictureOfCards(large.length ? large : cards, captionOf()), `${changes.scene.name}-charts.png`);
+    save(await drawn(large.length ? large : cards, captionOf()), `${changes.scene.name}-charts.${kind}`);
     return "";
-  });
+  }));
 }
 
 /** Let the button with an id call `write`, which saves a file and returns "" or a sentence on a fault; show the sentence or error. */
