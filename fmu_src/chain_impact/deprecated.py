@@ -17,7 +17,7 @@ class OlderName:
         self.name = name
 
     def __set_name__(self, owner: type, older: str) -> None:
-        """Store the end of the warning, and the docstring of the attribute."""
+        """Store the warning, and as the docstring the warning after the name of the class ``owner``."""
         self.warning = f"{older} is deprecated, use {self.name}: version 1.0 removes {older}."
         self.__doc__ = f"{owner.__name__}.{self.warning}"
 

@@ -61,7 +61,12 @@ class Run:
         self.row_count, self.impacts = self.instance.run(self.schedule, self.rows, progress)
 
     def result(self, input_names: Collection[str], chosen_outputs: tuple[str, ...] | None) -> Result:
-        """Return the result, with the given inputs of these names; ``chosen_outputs`` are None for all."""
+        """Return the result of the run.
+
+        Args:
+            input_names: the names of the given inputs that the result has.
+            chosen_outputs: the names of the chosen outputs; None for all outputs.
+        """
         schedule, instance, indices = self.schedule, self.instance, self.indices
         has_all = not schedule.paths or schedule.is_requested.all()
         is_requested = schedule.is_requested[: self.row_count]
