@@ -2,6 +2,7 @@
 
 import { find } from "../base/dom.js";
 import { speedText } from "../base/format.js";
+import { connectTabs } from "../base/tabs.js";
 import { SPEEDS } from "./clock.js";
 
 // key → the button or box that it presses
@@ -60,6 +61,7 @@ export function connect(clock, drawing, zoom) {
     drawing.showTrace = target.checked;
     clock.set({});
   });
+  connectTabs(find("help-tabs"));
   find("help-open").addEventListener("click", () => find("help").showModal());
   keepShortcuts();
   pauseBehindDialogs(clock);

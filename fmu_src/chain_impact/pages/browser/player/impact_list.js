@@ -13,7 +13,7 @@ const COLUMNS = ["#", "time, s", "point", "wall", "speed", "e′", "peak"];
 const JOINT_FORCE = "in joint"; // head of the column for the largest force in a joint, which the list has if these forces are known
 const OF_LARGE_LIST = ["duration", "penetration", "impulse"]; // columns that only an enlarged list has
 const TITLES = {
-  "e′": "Speed after the impact over the speed before",
+  "e′": "Speed after the impact over the speed before; above 1, other forces act, too; lasts: no separation yet; –: unknown",
   peak: "Largest force of the contact, at a stop of a joint the largest moment; the impulse of a rigid wall or stop",
   impulse: "Impulse of the contact, at a stop of a joint the angular impulse: walls and stops are rigid",
   [JOINT_FORCE]: "Largest force in a joint while the contact lasts",
