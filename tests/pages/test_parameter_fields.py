@@ -163,3 +163,12 @@ def test_typing_after_tab_replaces_a_rounded_angle_in_degrees(show):
 def test_a_ratio_takes_percents(show):
     page = show("pinned_arm")
     assert enter(page, "contact.restitution", "50 %").input_value() == "0.5"
+
+
+def test_an_angle_of_many_turns_is_told(show):
+    page = show("pinned_arm")
+    enter(page, "initial.angle[1]", "36000")
+    told = page.locator("[id='no-effect-initial.angle[1]']")
+    assert told.inner_text() == "These are 100 turns."
+    enter(page, "initial.angle[1]", "350")
+    assert told.inner_text() == ""

@@ -1,12 +1,21 @@
 // The fields for values of parameters. Each shows why a value is refused, and has a button that restores the scene's value.
 
 import { make } from "../../base/dom.js";
-import { raised, readable, unitOfPower, unitText } from "../../base/format.js";
+import { numberText, raised, readable, unitOfPower, unitText } from "../../base/format.js";
 import { inShownUnit, notUnderstood, shortText, shownIn, typed, valueText } from "../../scene/angles.js";
 import { lawText } from "../../scene/words.js";
 import { withControls } from "./main_parameters.js";
 
 const EXAMPLES = "; sums, products and other units are taken, too: 2*0.6, 120 cm, pi/2 rad";
+
+const MOST_TURNS = 10; // an angle of more turns may have been typed in another unit
+
+/** Return a sentence on an angle of more than MOST_TURNS turns; "" for any other value. */
+export function turnsText(changes, name) {
+  const turns = Math.abs(changes.valueOf(name)) / (2 * Math.PI);
+  const isLarge = changes.parameters.get(name).unit === "rad" && turns > MOST_TURNS && Number.isFinite(turns);
+  return isLarge ? `These are ${numberText(Number(turns.toPrecision(3)))} turns.` : "";
+}
 
 /** Remove the marks of a refused and of a failing value from a field. */
 function release(field) {

@@ -5,7 +5,7 @@ import { breakable, readable } from "../../base/format.js";
 import { nearestText } from "../../base/similar_names.js";
 import { capitalized } from "../../scene/words.js";
 import { wordsFor } from "./main_parameters.js";
-import { explain, presentlyShown, refusal, resetButton, valueField } from "./parameter_fields.js";
+import { explain, presentlyShown, refusal, resetButton, turnsText, valueField } from "./parameter_fields.js";
 
 const CHANGED = "Changed"; // the title of the group of changed parameters, which comes first
 // first part of a name → title of the group of such parameters, if it is not this part with a capital letter
@@ -119,8 +119,8 @@ function listRow(changes, parameter) {
   const label = make("span", { className: "parameter-name", title: readable(`${text}; ${allowed}`) }, words, " ", key);
   const ofGroup = new RegExp(` of (the )?${groupTitle(name).replace(/s$/, "s?")}$`, "i");
   const texts = [name, "", text];
-  const unitElement = make("small");
-  const row = make("div", { className: "parameter" }, label, resetButton(changes, name, field), field, unitElement, refusal());
+  const [unitElement, turns] = [make("small"), make("p", { className: "no-effect" })];
+  const row = make("div", { className: "parameter" }, label, resetButton(changes, name, field), field, unitElement, turns, refusal());
   return {
     name,
     row,
@@ -131,6 +131,7 @@ function listRow(changes, parameter) {
       words.textContent = changes.isChanged(name) ? shown : shown.replace(ofGroup, "");
       field.setAttribute("aria-label", `${shown}, ${name}`);
       unitElement.textContent = breakable(presentlyShown(changes, name).text);
+      turns.textContent = turnsText(changes, name);
       explain(row);
       row.classList.toggle("changed", changes.isChanged(name));
     },

@@ -4,7 +4,7 @@ import { make } from "../../base/dom.js";
 import { numberText, readable, textWithUnit } from "../../base/format.js";
 import { lawText } from "../../scene/words.js";
 import { idleLaw, lawOf, mainParametersOf, signalSliders } from "./main_parameters.js";
-import { attempt, explain, presentlyShown, refusal, resetButton, valueField } from "./parameter_fields.js";
+import { attempt, explain, presentlyShown, refusal, resetButton, turnsText, valueField } from "./parameter_fields.js";
 import { signalPart } from "./signal_part.js";
 
 const INPUTS_TITLE = "Forces, moments and targets that nothing else sets. While the motion plays, a slider acts from that moment on.";
@@ -79,7 +79,7 @@ function mainParameter(changes, entry, now) {
     explain(row);
     const law = idleLaw(changes, name.split(".").at(-1), name.startsWith("stop."));
     row.classList.toggle("idle", Boolean(law));
-    noEffect.textContent = law && `No effect with ${lawText(law)}.`;
+    noEffect.textContent = law ? `No effect with ${lawText(law)}.` : turnsText(changes, name);
     row.classList.toggle("changed", changes.isChanged(name));
   } };
 }
