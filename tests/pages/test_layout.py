@@ -41,21 +41,22 @@ def test_no_label_runs_into_a_control(show, model):
     )
 
 
-@pytest.mark.parametrize("size", [(1400, 900), (1000, 700), (390, 844), (844, 390)])
-def test_the_forces_in_joints_are_within_the_list_of_impacts(show, size):
-    page = show(
-        "pinned_arm", {"outputs.loads": True}, viewport=dict(zip(("width", "height"), size, strict=True))
-    )
-    assert page.locator("#impacts th").count() == 8
-    assert not page.evaluate(IS_CUT_OFF, "impacts")
-    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+def test_the_forces_in_joints_are_within_the_list_of_impacts(show):
+    page = show("pinned_arm", {"outputs.loads": True})
+    for width, height in ((1400, 900), (1000, 700), (390, 844), (844, 390)):
+        page.set_viewport_size({"width": width, "height": height})
+        assert page.locator("#impacts th").count() == 8
+        assert not page.evaluate(IS_CUT_OFF, "impacts")
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
-@pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
-def test_the_number_of_a_joint_is_whole_in_the_list_of_impacts(show, viewport):
-    cell = show("kneed_leg", viewport=viewport).locator("#impacts td:nth-child(3)").first
-    assert cell.inner_text() == "joint 3"
-    assert cell.evaluate("({ scrollWidth, clientWidth }) => scrollWidth <= clientWidth")
+def test_the_number_of_a_joint_is_whole_in_the_list_of_impacts(show):
+    page = show("kneed_leg")
+    cell = page.locator("#impacts td:nth-child(3)").first
+    for viewport in (DESK, PHONE):
+        page.set_viewport_size(viewport)
+        assert cell.inner_text() == "joint 3"
+        assert cell.evaluate("({ scrollWidth, clientWidth }) => scrollWidth <= clientWidth")
 
 
 @pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
