@@ -38,10 +38,12 @@ ROUNDS, SPAN = 15, 0.02
 FIRST = ("separation_speed", "peak_force", "max_penetration")
 HOPELESS = 5e3  # [mm] upper end of the chart's axis
 GRID = "stiffness and tolerance"
-# ROOM_FOR_NAMES: the end of the axis of time relative to the largest time, for the names of stiffnesses;
-# NAMES_APART: the least ratio of the heights of two names, so that names of nearer heights share a line
-ROOM_FOR_NAMES, NAMES_APART = 1.6, 2.3
-MARKS = (0.72, 0.75)  # the ends of the marks at the errors of other stiffnesses, relative to the axis of time
+# ROOM_FOR_NAMES: the end of the axis of time relative to the largest time; NAMES_APART: the least ratio of
+# the heights of two names, so that names of nearer heights share a line; STRIP: the width of the strip with
+# the errors of other stiffnesses, relative to that of the panel at its left
+ROOM_FOR_NAMES, NAMES_APART, STRIP = 1.35, 2.3, 0.34
+STRIP_NAME = "other K"
+MARKS = (0.08, 0.22)  # the ends of the marks in the strip, relative to its width
 
 
 def scene_with(changes: Mapping[Any, Any], tolerance: float) -> Scene:
@@ -121,19 +123,25 @@ SIZE = (WIDTH, 5.0)  # [inch] of the chart
 
 
 def draw(figure: Any, record: dict[str, Any]) -> None:
-    """Draw error against CPU time, at both times."""
-    panels = figure.subplots(1, 2, sharey=True)
-    for stop, axes in zip(PROBLEM.times, panels, strict=True):
+    """Draw error against CPU time, at both times, each beside a strip without an axis of time."""
+    widths = {"width_ratios": (1.0, STRIP) * len(PROBLEM.times)}
+    row_of_axes = figure.subplots(1, 2 * len(PROBLEM.times), sharey=True, gridspec_kw=widths)
+    panels, strips = row_of_axes[::2], row_of_axes[1::2]
+    for stop, axes, strip in zip(PROBLEM.times, panels, strips, strict=True):
         rows = [row for row in record["results"] if row["stop"] == stop and "seconds" in row]
-        draw_stiffness(axes, rows)
+        draw_stiffness(axes, strip, rows)
         draw_laws(axes, rows)
         known = next(row["tip"] for row in rows if row.get("what") == "restitution")
-        axes.axhline(known, xmax=0.86, color="0.4", linestyle="--", linewidth=1, label="e wrong by 0.1 %")
+        for each in (axes, strip):
+            each.axhline(known, color="0.4", linestyle="--", linewidth=1, label="e wrong by 0.1 %", zorder=1)
         axes.set(xlabel="CPU time [ms]", title=f"to {stop} s", ylim=(None, HOPELESS))
         axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0)))
         axes.xaxis.set_major_formatter("{x:g}")
         axes.minorticks_off()
         axes.set_xlim(right=ROOM_FOR_NAMES * max(1e3 * row["seconds"] for row in rows))
+        strip.set(xlim=(0.0, 1.0), xticks=[], xlabel=STRIP_NAME)
+        strip.tick_params(left=False)
+        strip.spines["left"].set_visible(False)
     panels[0].set_ylabel("error of the tip [mm]")
     rows = [row for row in record["results"] if "seconds" in row]
     default = [r for r in rows if (r["choice"], r["stiffness"], r["tolerance"]) == (GRID, STEEL, DEFAULT)]
@@ -150,13 +158,19 @@ def draw(figure: Any, record: dict[str, Any]) -> None:
         f"another law or stiffness by ≥ {number_text(wrong, 1)} mm",
         f"four_link_box with the stiffness of steel: {'; '.join(parts)} of CPU time",
     )
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    entries = {
+        label: handle
+        for axes in (panels[0], strips[0])
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=3)
 
 
-def draw_stiffness(axes: Any, rows: list[dict[str, Any]]) -> None:
+def draw_stiffness(axes: Any, strip: Any, rows: list[dict[str, Any]]) -> None:
     """Draw a curve over the tolerances for steel, and for each other stiffness a mark with its name.
 
-    The tolerance hardly changes the error with another stiffness.
+    The marks stand in ``strip``, because they are for all tolerances, which take different CPU times, and
+    hardly change the error with another stiffness.
     """
     errors: dict[float, list[float]] = {stiffness: [] for stiffness in STIFFNESSES if stiffness != STEEL}
     for row in rows:
@@ -169,15 +183,13 @@ def draw_stiffness(axes: Any, rows: list[dict[str, Any]]) -> None:
             groups[-1].append(stiffness)
         else:
             groups.append([stiffness])
-    across, label = axes.get_yaxis_transform(), "other stiffness K, all tolerances"
-    axes.hlines(list(heights.values()), *MARKS, color=GREY, linewidth=3.0, label=label, transform=across)
+    label = "other stiffness K, all tolerances"
+    strip.hlines(list(heights.values()), *MARKS, color=GREY, linewidth=3.0, label=label)
     for group in groups:
         numbers = [number_text(stiffness) for stiffness in sorted(group)]
-        joined = " to ".join(numbers[:: len(numbers) - 1]) if len(numbers) > 2 else ", ".join(numbers)
-        name = f"{'K = ' * (group is groups[0])}{joined}"
+        name = " … ".join(numbers[:: len(numbers) - 1]) if len(numbers) > 2 else ", ".join(numbers)
         middle = math.exp(np.mean([math.log(heights[stiffness]) for stiffness in group]))
-        look: dict[str, Any] = {"va": "center", "fontsize": "small", "color": INK, "transform": across}
-        axes.text(MARKS[1] + 0.015, middle, name, **look)
+        strip.text(MARKS[1] + 0.08, middle, name, va="center", fontsize="small", color=INK)
     mine = [row for row in rows if (row["choice"], row["stiffness"]) == (GRID, STEEL)]
     look = {"color": OURS, "marker": "o", "markersize": 4, "linewidth": 2.0, "zorder": 4}
     label = f"zhang_sharf, K = {number_text(STEEL)} N/m$^{{1.5}}$ (steel), with its tolerances"

@@ -23,7 +23,7 @@ from matplotlib.lines import Line2D
 
 from benchmarks import common, peers
 from benchmarks.looks import LOOKS, WIDTH, highest_first, look
-from benchmarks.problems import DEFAULT, PROBLEMS
+from benchmarks.problems import PROBLEMS
 from benchmarks.race import ROUNDS, judge, race, seconds_at
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import INK, write_headline
@@ -90,11 +90,10 @@ def at_equal_error(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def factors_told(equal: list[dict[str, Any]]) -> tuple[str, str]:
-    """Return title and text on how long peers take at equal error, default tolerance; "" without times."""
-    at = [row["times as long"] for row in equal if row["setting"] == DEFAULT]
+    """Return title and text on how long peers take at equal error, at all tolerances; "" without times."""
     found = {}
     for name in LOOKS:
-        factors = [times[name] for times in at if name in times]
+        factors = [row["times as long"][name] for row in equal if name in row["times as long"]]
         if factors and peers.FAMILIES[name] != "ours":
             found[name] = sorted(factors)
     if not found:
@@ -104,11 +103,8 @@ def factors_told(equal: list[dict[str, Any]]) -> tuple[str, str]:
     first, *others = (f"as {name}" for name in order)
     ranges = [_between(found[name]) for name in order]
     parts = [f"{ranges[0]} times as fast {first}", *map(" ".join, zip(ranges[1:], others, strict=True))]
-    setting = f"chain-impact at tolerance {number_text(DEFAULT)}"
-    return (
-        f"{setting} is {_between(every)} times as fast as others at equal error",
-        ", ".join(parts),
-    )
+    title = f"chain-impact is {_between(every)} times as fast as others at equal error"
+    return f"{title}, at all tolerances", ", ".join(parts)
 
 
 def _between(factors: list[float]) -> str:
@@ -134,6 +130,7 @@ def draw(figure: Any, record: Any) -> None:
             if absent and not line:
                 reasons = [f"{each} {record['settings']['left out'][each]}" for each in sorted(absent)]
                 where = {"transform": axes.transAxes, "ha": "right", "va": "top", "color": INK}
+                where["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
                 axes.text(1.0, 1.0, textwrap.fill("; ".join(reasons), TOLD), fontsize="small", **where)
             if not line:
                 impacts = max((row["onsets"] for row in rows if row["right"]), default=0)
@@ -143,7 +140,7 @@ def draw(figure: Any, record: Any) -> None:
     # a column of the legend has the own programs, then two columns have the others
     keys = sorted(highest_first(panels), key=lambda line: line.get_color() != LOOKS["chain-impact"][0])
     keys.append(Line2D([], [], color=INK, marker="x", linestyle="", label="other impacts"))
-    keys.append(Line2D([], [], color=INK, label="pale bar: all rounds", **ALL_ROUNDS))
+    keys.append(Line2D([], [], color=INK, label="pale bar: range of all rounds", **ALL_ROUNDS))
     figure.legend(handles=keys, loc="outside lower center", ncols=NAMES_IN_ROW)
     title, factors = factors_told(results["at equal error"])
     told = [

@@ -1,7 +1,7 @@
 """The page with derivatives."""
 
 # Tests: pictures/rows_of_impacts.py, pictures/sensitivity_table.py, pictures/first_order.py
-# Tests: pictures/sensitivity_finding.py
+# Tests: pictures/sensitivity_finding.py, pictures/drawing/headings.py
 
 import re
 from dataclasses import replace
@@ -14,7 +14,9 @@ from matplotlib.colors import rgb_to_hsv, to_hex, to_rgb
 from matplotlib.figure import Figure
 
 from chain_impact import UnknownNameError, load_scene, simulate
+from chain_impact.pictures import sensitivity_finding
 from chain_impact.pictures.drawing.dark_ground import lightened_colour
+from chain_impact.pictures.drawing.headings import height_with_heading
 from chain_impact.pictures.drawing.style import PALETTE
 from chain_impact.pictures.first_order import (
     MOST_OF_ZERO,
@@ -74,14 +76,14 @@ def test_curves_are_the_changes(swing, page):
         curves = [line for line in axes.lines if len(line.get_xdata()) == len(swing.time)]
         gaps = short_contacts(swing)[:, None] | is_shifted(swing, found)
         for line, shown in zip(curves, np.where(gaps, np.nan, found.changes(name)).T, strict=True):
-            scale = 1e3 if axes.get_ylabel().endswith(("[mm]", "[mJ]")) else 1.0
+            scale = 1e3 if axes.get_title().endswith(("[mm]", "[mJ]")) else 1.0
             np.testing.assert_allclose(line.get_ydata(), scale * shown)
     (image,) = table.images
     np.testing.assert_allclose(image.get_array(), 100.0 * found.relative("peak_force").T)
 
 
 def test_axes_have_units_and_impacts_are_marked(swing, page):
-    labels = [axes.get_ylabel() for axes in page.axes]
+    labels = [axes.get_title() for axes in page.axes]
     assert [re.findall(r"\[(\w+)\]$", label) for label in labels] == [["mm"], ["mm"], ["mJ"], []]
     # the table has a place in the second row, so that each panel of the first row has its times
     assert [axes.get_xlabel() for axes in page.axes] == [*["time [s]"] * 3, "impact"]
@@ -98,7 +100,7 @@ def test_outputs_that_are_asked_for(swing, count):
     names = ["link[2].angle", "energy.kinetic", "point[1].vx", "point[1].y"][:count]
     page = drawn(swing, *names)
     *panels, table = page.axes
-    assert [axes.get_ylabel().split()[1] for axes in panels] == names
+    assert [axes.get_title().split()[1] for axes in panels] == names
     assert table.get_title(loc="left") == "change of peak force [%] by + 1 %"
     bottom = [axes for axes in panels if axes.get_xlabel()]
     assert len(bottom) == min(count, 2)  # the times stand once in each column
@@ -206,7 +208,7 @@ def test_a_curve_ends_where_the_change_exceeds_the_range_of_an_output(chaotic):
     )
     for axes, name in zip(page.axes, ("point[4].x", "point[4].y", "energy.total"), strict=False):
         values = [line.get_ydata() for line in axes.lines if len(line.get_xdata()) == len(chaotic.time)]
-        scale = 1e-3 if "[m" in axes.get_ylabel() else 1.0  # mm, mJ
+        scale = 1e-3 if "[m" in axes.get_title() else 1.0  # mm, mJ
         shown = scale * np.abs(np.where(is_outside_impacts(chaotic), values, np.nan))
         assert np.nanmax(shown) <= span_of(chaotic, name)
         assert np.isnan(shown[0, -1])  # the restitution
@@ -351,27 +353,57 @@ def test_the_headline_says_where_derivatives_end():
     assert f"known until {known:.3g} s" in said(slides.plot_sensitivities())[2]
 
 
-def test_the_headline_has_the_change_of_a_run_that_differs():
-    """Restitution shifts the last impact by 29 ms; the times next to it are not in the headline."""
+def test_the_headline_has_a_change_that_a_run_confirms():
+    """Restitution shifts the last impact by 29 ms; then first order is a third too large."""
     names = ["contact.restitution", "contact.stiffness"]
     recording = simulate("four_link_box", 1.1, sensitivities=names)
+    more = load_scene("four_link_box").with_values({names[0]: 1.01 * recording.parameters[names[0]]})
+    other = simulate(more, 1.1)
     figure = recording.plot_sensitivities()
     headline = f"{figure.get_suptitle()}; {said(figure)[2]}".replace("\n", " ")
-    pattern = r"moves point 4 by ([\d.]+) mm in (.); in a run, at ([\d.]+) s; to first order ([\d.]+) mm"
-    size, axis, time, there = re.search(pattern, headline).groups()
-    output = f"point[4].{axis}"
-    row = recording.row_at(float(time))
+    confirmed = r"moves point 4 by ([\d.]+) mm in (.); at ([\d.]+) s; "
+    pattern = r"point 4 in (.) at ([\d.]+) s: ([\d.]+) mm to first order, but ([\d.]+) mm in a run"
+    size, axis, time, *rest = re.search(confirmed + pattern, headline).groups()
     last, shift = recording.impacts["onset"][-1], recording.sensitivities.impact_changes("onset")[-1, 0]
     assert abs(float(time) - last) >= abs(shift) > 0.02
-    (first_order,) = recording.sensitivities.changes(output)[[row], 0]
-    more = load_scene("four_link_box").with_values({names[0]: 1.01 * recording.parameters[names[0]]})
-    (in_run,) = (simulate(more, 1.1)[output] - recording[output])[[row]]
-    assert 1e-3 * float(size) == pytest.approx(abs(in_run), rel=0.02)
-    assert 1e-3 * float(there) == pytest.approx(abs(first_order), rel=0.02)
-    assert abs(first_order) > 1.25 * abs(in_run)
+
+    def changes(axis, time):
+        """Return the changes [mm] to first order and in a run of point 4, and the row."""
+        output, row = f"point[4].{axis}", recording.row_at(float(time))
+        first_order = recording.sensitivities.changes(output)[row, 0]
+        return 1e3 * np.array([first_order, other[output][row] - recording[output][row]]), row
+
+    (first_order, in_run), row = changes(axis, time)
+    assert [float(size)] * 2 == pytest.approx(np.abs([first_order, in_run]), rel=0.05)
     (mark,) = (line for axes in figure.axes for line in axes.lines if line.get_marker() == "D")
-    np.testing.assert_allclose(mark.get_xydata()[0], [recording.time[row], 1e3 * in_run], rtol=1e-6)
+    np.testing.assert_allclose(mark.get_xydata()[0], [recording.time[row], in_run], rtol=1e-6)
+    first_order, in_run = np.abs(changes(*rest[:2])[0])
+    assert [*map(float, rest[2:])] == pytest.approx([first_order, in_run], rel=0.02)
+    assert first_order > 1.25 * in_run
     assert "change in a run" in [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def test_a_headline_without_a_confirmed_change_has_both_sizes(swing, monkeypatch):
+    monkeypatch.setattr(sensitivity_finding, "is_different", lambda *_: True)
+    headline = " ".join(said(drawn(swing))).replace("\n", " ")
+    assert re.search(
+        r"moves point 2 by [\d.]+ mm in . in a run, at [\d.]+ s; to first order [\d.]+ mm", headline
+    )
+
+
+@pytest.mark.parametrize("width", [84.0, 120.0, 190.0])
+def test_names_of_rows_do_not_narrow_the_panels(swing, width):
+    """The names stand between the headline's margin or the axes' left edge and the cells."""
+    page = swing.plot_sensitivities(size=(width / 25.4, None))
+    page.draw_without_rendering()
+    *panels, table = page.axes
+    assert panels[0].get_window_extent().x0 < 0.16 * page.bbox.width
+    assert all(height_with_heading(axes) > axes.bbox.height for axes in panels)
+    assert table.get_window_extent().x0 == pytest.approx(panels[1].get_window_extent().x0)
+    names = [name.get_window_extent() for name in table.get_yticklabels()]
+    cells = table.transData.transform((-0.5, 0.0))[0]
+    assert all(0.0 < name.x0 < name.x1 < cells for name in names)
+    assert cells - max(name.x1 for name in names) < 0.1 * page.dpi
 
 
 def test_a_headline_that_no_run_can_check_tells_the_change_to_first_order(swing):
@@ -391,7 +423,7 @@ def test_a_step_of_a_parameter_that_is_zero_does_not_set_the_scale():
     of_value, of_zero = (
         np.abs(result.sensitivities.changes("point[4].x")[is_outside_impacts(result)]).max(axis=0) * scale
     )
-    assert axes.get_ylabel() == "Δ point[4].x [mm]"
+    assert axes.get_title() == "Δ point[4].x [mm]"
     assert np.abs(axes.get_ylim()).max() < 2.0 * of_value < of_zero
     names = [text.get_text() for text in page.legends[0].get_texts()]
     (part,) = (

@@ -97,8 +97,12 @@ def test_an_error_is_compared_with_that_of_the_loosest_run(charts):
 
 def test_both_panels_of_the_errors_of_models_have_the_same_limits(charts):
     _, page = message(charts("fidelity"), stored("fidelity"))
-    first, second = page.axes
-    assert first.get_ylim() == second.get_ylim()
+    (first, strip, second, _), time = page.axes, "CPU time [ms]"
+    assert len({axes.get_ylim() for axes in page.axes}) == 1
+    assert [axes.get_xlabel() for axes in (first, second)] == [time] * 2
+    # marks for all tolerances have no CPU time
+    assert strip.get_xlabel() == "other K"
+    assert not len(strip.get_xticks())
     assert first.get_xlim() != second.get_xlim()
     assert len(page.legends[0].get_texts()) == 5, "stiffnesses have their names at their lines"
     assert "right" not in " ".join(text.get_text() for text in page.texts)
@@ -117,13 +121,34 @@ def test_a_peer_without_a_time_is_a_gap(charts):
     module, record = charts("work_precision"), stored("work_precision")
     results = record["results"]
     for row in results["rows"]:
-        if row["name"] == "CVODE Adams" or row["setting"] == module.DEFAULT:
+        if row["name"] == "CVODE Adams":
             row.pop("seconds", None)
     results["at equal error"] = module.at_equal_error(results["rows"])
     del results["start-up [s]"]["CVODE Adams"]
     assert not [row for row in results["at equal error"] if "CVODE Adams" in row["times as long"]]
     _, page = message(module, record)
-    assert "at equal error" not in " ".join(text.get_text() for text in page.texts)
+    assert "as CVODE Adams" not in " ".join(text.get_text() for text in page.texts)
+    assert module.factors_told([]) == ("", "")
+
+
+def test_the_title_of_the_speeds_holds_at_all_tolerances(charts):
+    module, record = charts("work_precision"), stored("work_precision")
+    title, page = message(module, record)
+    low, high = map(float, re.search(r"is ([\d.]+) to ([\d.]+) times as fast", title).groups())
+    rows = record["results"]["at equal error"]
+    factors = [
+        factor
+        for row in rows
+        for name, factor in row["times as long"].items()
+        if name in page_names(page) and not name.startswith(("chain-impact", "kernel"))
+    ]
+    assert [low, high] == pytest.approx([min(factors), max(factors)], rel=0.05)
+    assert title.endswith("at all tolerances")
+
+
+def page_names(page):
+    """Return the names in the legend of a page."""
+    return [text.get_text() for text in page.legends[0].get_texts()]
 
 
 # --- measured impacts ---------------------------------------------------------------------------------------

@@ -21,6 +21,7 @@ from matplotlib.lines import Line2D
 
 from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band
 from chain_impact.pictures.drawing.figures import settle
+from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.legends import legend_at_head
 from chain_impact.pictures.drawing.style import (
     GREY,
@@ -38,7 +39,7 @@ from chain_impact.pictures.first_order import drawn_rows, known_changes, shares,
 from chain_impact.pictures.over_time.time_axis import impact_handles, mark_impacts, name_time
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts
 from chain_impact.pictures.sensitivity_finding import NO_CHANGE, finding_of
-from chain_impact.pictures.sensitivity_table import draw_impact_changes
+from chain_impact.pictures.sensitivity_table import draw_impact_changes, name_rows_inside
 from chain_impact.pictures.words.headline import conditions
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import PART, Sensitivities
@@ -99,7 +100,7 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
         scale = draw_changes(
             axes, recording, scaled_sensitivities, name, looks, is_known=is_known, is_drawn=is_drawn
         )
-        if checked and checked.output == name:
+        if checked and checked.change is not None and checked.output == name:
             mark_run(
                 axes, float(recording.time[checked.row]), scale * checked.change, looks[checked.parameter]
             )
@@ -114,7 +115,11 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
             axes.set_xlabel(name_time(axes, float(recording.time[-1])))
     height = draw_impact_changes(table, recording, given_sensitivities, looks, is_known)
     handles = sorted(
-        panels[0].get_legend_handles_labels()[0], key=lambda handle: " + " in str(handle.get_label())
+        panels[0].get_legend_handles_labels()[0],
+        key=lambda handle: (
+            " + " in str(handle.get_label()),
+            str(handle.get_label()) not in given_sensitivities.parameters,
+        ),
     )
     if any(given_sensitivities.parameters.values()):
         handles.insert(0, Line2D([], [], linestyle="", label=f"+ {100.0 * PART:g} %:"))
@@ -129,6 +134,7 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     settle(figure)
     give_height(table, height)
     settle(figure)
+    name_rows_inside(table)
 
 
 def give_height(table: Axes, wanted_height: float) -> None:
@@ -235,10 +241,7 @@ def draw_changes(
             if not is_known[-1, k] and is_known[:, k].any():
                 end = np.flatnonzero(is_known[:, k])[-1]
                 axes.plot(recording.time[[end]], values[[end]], color=look["color"], **END_LOOK)
-    name = f"Δ {output}{bracketed_unit(unit)}"
-    figure = axes.get_figure(root=True)
-    is_small = figure is not None and is_narrow(figure)
-    axes.set_ylabel(name, fontsize="small" if is_small else None)
+    name_above(axes, f"Δ {output}{bracketed_unit(unit)}")
     axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
     if max(-low, high) > NO_CHANGE * np.ptp(recording.columns[output]):
         axes.set_ylim(scale * low, scale * high)

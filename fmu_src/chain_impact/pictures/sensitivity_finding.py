@@ -19,6 +19,9 @@ from chain_impact.text import LEAST_WHOLE, number_text, readable_unit
 
 # a change up to this, relative to the range of the output, counts as round-off
 NO_CHANGE = 1e-12
+# The headline tells a change of at least LEAST_TOLD times the largest one; for this, at most MOST_CHECKED
+# runs with the changed parameter are compared.
+LEAST_TOLD, MOST_CHECKED = 0.4, 4
 
 
 class SensitivityFinding(NamedTuple):
@@ -36,19 +39,26 @@ class SensitivityFinding(NamedTuple):
 
 
 class Checked(NamedTuple):
-    """The change of an output in a run with a changed parameter.
+    """The change of an output, to first order and in a run with a changed parameter.
 
     Attributes:
         output: the name of the output.
         parameter: the index of the parameter.
         row: the row of the recording in which the outputs are compared.
-        change: the change, in the unit of the output.
+        first_order: the change to first order, in the unit of the output.
+        change: the change in the run; None if there is no such run.
     """
 
     output: str
     parameter: int
     row: int
-    change: float
+    first_order: float
+    change: float | None
+
+    @property
+    def is_wrong(self) -> bool:
+        """Whether the run does not confirm the change to first order."""
+        return self.change is not None and is_different(self.first_order, self.change)
 
 
 def finding_of(
@@ -63,12 +73,12 @@ def finding_of(
     The most important parameter is the one whose changes end first (``known_changes``). If the changes of all
     parameters hold to the end, it is the parameter with the largest change relative to an output's range. Of
     all outputs with the unit of the output that changes so, the headline names the one with the largest
-    change by this parameter. The detail has the time of this change, and the time at which the changes end.
-    The change in the headline is that in a run with the changed parameter; if it differs from the change to
-    first order (``is_different``), the detail has the latter. Without such a run, ``checked`` is None. A
-    parameter with the value 0 is named only if no other parameter has an effect, because its step cannot be
-    compared with a change by 1 %. The headline tells if no parameter has an effect, or if there are no
-    derivatives after the start.
+    change by this parameter that a run with the changed parameter confirms: to first order, the change in
+    this run is not ``is_different``. The detail has the time of this change; if the largest change of all is
+    not confirmed, its sizes in a run and to first order; and the time at which the changes end. Without such
+    a run, ``checked`` is None. A parameter with the value 0 is named only if no other parameter has an
+    effect, because its step cannot be compared with a change by 1 %. The headline tells if no parameter has
+    an effect, or if there are no derivatives after the start.
 
     ``parts``: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P). ``is_known`` is the
     result of ``known_changes``.
@@ -87,31 +97,61 @@ def finding_of(
     if not is_known[:, k].all():
         end = factor * recording.time[is_known[:, k]].max(initial=recording.time[0])
         end_words = f"not predictable after {end:.3g} {unit}"
-    sizes = [_change_sizes(recording, sensitivities, name, k, is_known) for name in outputs]
-    relative_sizes = [
-        size.max() / span_of(recording, name) for size, name in zip(sizes, outputs, strict=True)
-    ]
-    first = outputs[int(np.argmax(relative_sizes))]
-    alike_outputs = [
-        n for n, name in enumerate(outputs) if sensitivities.units[name] == sensitivities.units[first]
-    ]
-    n = max(alike_outputs, key=lambda n: sizes[n].max())
-    output, row, of_output = outputs[n], int(sizes[n].argmax()), sensitivities.units[outputs[n]]
-    if not sizes[n][row]:
+    places = _largest_changes(recording, sensitivities, outputs, k, is_known)
+    if not places:
         return SensitivityFinding(f"{recording.name}: {step}", end_words)
-    in_run = _change_in_run(recording, sensitivities, output, parameter, row)
-    largest_text, time_text = (
-        _size_text(sizes[n][row], of_output),
-        f"at {factor * recording.time[row]:.4g} {unit}",
-    )
-    size = f"about {largest_text}" if in_run is None else _size_text(abs(in_run), of_output)
-    is_other = in_run is not None and is_different(sensitivities.changes(output)[row, k], in_run)
-    when_words = f"in a run, {time_text}; to first order {largest_text}" if is_other else time_text
+    checks = list[Checked]()
+    for output, row in places:
+        change = float(sensitivities.changes(output)[row, k])
+        in_run = _change_in_run(recording, sensitivities, output, parameter, row)
+        checks.append(Checked(output, k, row, change, in_run))
+        if not checks[-1].is_wrong:
+            break
+    largest_change, told_change = checks[0], checks[0] if checks[-1].is_wrong else checks[-1]
+    of_output = sensitivities.units[told_change.output]
+    first_order = _size_text(largest_change.first_order, of_output)
+    times = [
+        f"at {factor * recording.time[checked.row]:.4g} {unit}" for checked in (told_change, largest_change)
+    ]
+    when_words = f"in a run, {times[0]}; to first order {first_order}" if told_change.is_wrong else times[0]
+    if told_change is not largest_change and largest_change.change is not None:
+        run_text = _size_text(largest_change.change, of_output)
+        when_words += f"; {_place_words(largest_change.output)} {times[1]}: {first_order} to first order"
+        when_words += f", but {run_text} in a run"
+        first_order = _size_text(told_change.first_order, of_output)
+    size = f"about {first_order}" if told_change.change is None else _size_text(told_change.change, of_output)
     return SensitivityFinding(
-        f"{recording.name}: {step} {_change_words(output, size)}",
+        f"{recording.name}: {step} {_change_words(told_change.output, size)}",
         "; ".join(filter(None, [when_words, end_words])),
-        None if in_run is None else Checked(output, k, row, in_run),
+        None if told_change.change is None else told_change,
     )
+
+
+def _largest_changes(
+    recording: Recording,
+    sensitivities: Sensitivities,
+    outputs: Sequence[str],
+    k: int,
+    is_known: np.ndarray,
+) -> list[tuple[str, int]]:
+    """Return outputs and rows with the largest |changes| by parameter k, the largest first.
+
+    The outputs are those with the unit of the output whose change is the largest relative to its range. Each
+    part of a curve between two gaps has one row. There are at most MOST_CHECKED rows, with changes of at
+    least LEAST_TOLD times the largest one.
+    """
+    sizes = {name: _change_sizes(recording, sensitivities, name, k, is_known) for name in outputs}
+    first = max(outputs, key=lambda name: sizes[name].max() / span_of(recording, name))
+    places = []
+    for name in outputs:
+        if sensitivities.units[name] != sensitivities.units[first]:
+            continue
+        rows = np.flatnonzero(sizes[name])
+        parts = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
+        places += [(name, int(part[sizes[name][part].argmax()])) for part in parts if part.size]
+    places.sort(key=lambda place: -sizes[place[0]][place[1]])
+    least_size = LEAST_TOLD * sizes[places[0][0]][places[0][1]] if places else 0.0
+    return [place for place in places if sizes[place[0]][place[1]] >= least_size][:MOST_CHECKED]
 
 
 def _change_words(output: str, size: str) -> str:
@@ -120,6 +160,13 @@ def _change_words(output: str, size: str) -> str:
     if output.startswith("point[") and quantity in AXES:
         return f"moves {owner[0]} by {size} in {quantity}"
     return f"changes {plain_name(output)} by {size}"
+
+
+def _place_words(output: str) -> str:
+    """Return words for an output, such as "point 4 in y"."""
+    *owner, quantity = plain_name(output).rsplit(" ", 1)
+    is_place = output.startswith("point[") and quantity in AXES
+    return f"{owner[0]} in {quantity}" if is_place else plain_name(output)
 
 
 def most_important(sensitivities: Sensitivities, relative_changes: np.ndarray, is_known: np.ndarray) -> int:
@@ -150,7 +197,8 @@ def _change_in_run(
 
 
 def _size_text(size: float, unit: str) -> str:
-    """Return a |change| as text, if possible with a unit whose prefix suits the number: "362 µm"."""
+    """Return the |size| of a change as text, with a unit whose prefix suits the number: "362 µm"."""
+    size = abs(size)
     scale, shown_unit = readable_unit(size, unit)
     return with_unit(number_text(scale * size, 2 if scale * size < LEAST_WHOLE else 3), shown_unit)
 

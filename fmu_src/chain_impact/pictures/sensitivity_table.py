@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator
-from matplotlib.transforms import ScaledTranslation
+from matplotlib.transforms import ScaledTranslation, blended_transform_factory
 
 from chain_impact.pictures.drawing.dark_ground import lightened_colour, luminance
 from chain_impact.pictures.drawing.line_breaks import break_lines
@@ -51,6 +51,8 @@ CELL_HEIGHT, SCALE_HEIGHT = 0.17, 0.65
 CELL_WIDTH, ROW_NAMES_WIDTH = 0.38, 1.7
 # [inch] the distances of the word "impact" from the left and lower edges of the cells
 WORD_DISTANCE = 3.5 / 72.0
+FIRST_EDGE = -0.5  # the left edge of the cells; the cell of the first impact has its middle at 0
+MOST_NAMES = 0.7  # the largest width of the names of rows, relative to that of the table's axes
 MOST_TABLE_ROWS = 8  # the largest number of rows of the table
 # LONGEST_ROW_NAME: the largest number of characters of a name with its step in one line; if a name is longer,
 # the steps stand in second lines, and these rows have the height TWO_LINES, relative to a row of one line
@@ -153,7 +155,9 @@ def draw_impact_changes(
     # the word stands beside the numbers, below the names of the rows
     axes.set_xlabel("impact", ha="right", va="top", fontsize="small")
     offset = ScaledTranslation(-WORD_DISTANCE, -WORD_DISTANCE, figure.dpi_scale_trans)
-    axes.xaxis.set_label_coords(0.0, 0.0, transform=axes.transAxes + offset)
+    edge = blended_transform_factory(axes.transData, axes.transAxes)
+    axes.xaxis.set_label_coords(FIRST_EDGE, 0.0, transform=edge + offset)
+    name_rows_inside(axes)
     title = f"change of {quantity_words(quantity, recording.is_at_joint_stop)} [%]"
     if sensitivities.parameters[list(sensitivities.parameters)[rows[0]]]:
         title += f" by + {100.0 * PART:g} %"
@@ -166,10 +170,30 @@ def draw_impact_changes(
     return max(blocks[-1].end * CELL_HEIGHT, 0.0 if has_texts else SCALE_HEIGHT)
 
 
+def name_rows_inside(axes: Axes) -> None:
+    """Put the names of the rows between the left edge of the table's axes and the cells.
+
+    So the names do not shift the panels above the table. In a narrow figure that is arranged, the names start
+    below the start of the headline.
+    """
+    figure, names = axes.get_figure(root=True), axes.get_yticklabels()
+    assert figure is not None
+    if not axes.images or not any(name.get_text() for name in names):
+        return
+    box, pixel = axes.get_window_extent(), 72.0 / figure.dpi
+    width = max(name.get_window_extent().width for name in names)
+    start = min(box.x0, LEFT_MARGIN * figure.dpi) if is_narrow(figure) else box.x0
+    inset = min(start - box.x0 + width, MOST_NAMES * box.width)
+    axes.tick_params(axis="y", pad=-pixel * inset)
+    part = (inset + WORD_DISTANCE * figure.dpi) / box.width
+    last_edge = axes.images[0].get_extent()[1]
+    axes.set_xlim((FIRST_EDGE - part * last_edge) / (1.0 - part), last_edge)
+
+
 def _draw_block(axes: Axes, block: RowBlock, changes: np.ndarray, norm: Normalize, *, has_texts: bool) -> Any:
     """Draw a block of rows with their ``changes``; return matplotlib's image of the colours."""
     is_coloured = not (block.top and has_texts)
-    extent = (-0.5, changes.shape[1] - 0.5, block.end, block.top)
+    extent = (FIRST_EDGE, changes.shape[1] - 0.5, block.end, block.top)
     colours = SIGNED_COLOURS if is_coloured else NO_COLOURS
     image = axes.imshow(np.ma.masked_invalid(changes), colours, norm=norm, aspect="auto", extent=extent)
     for (row, column), change in np.ndenumerate(changes):

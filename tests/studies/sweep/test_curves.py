@@ -42,12 +42,9 @@ def test_lines_have_gaps_where_counts_change_and_equal_counts_are_apart():
     )
     lines = page.axes[2].lines[:2]
     first, second = (line.get_transform().transform((0.5, 2.0)) for line in lines)
-    assert first[0] == second[0]
-    assert first[1] - second[1] > 3.0
-    assert page.axes[2].get_title().replace("\n", " ") == "impacts, equal counts in one band"
-    (bands,) = page.axes[2].collections
-    assert {segment[0, 1] for segment in bands.get_segments()} == {2.0, 3.0}
-    assert bands.get_linewidth()[0] > first[1] - second[1]
+    assert first[1] == second[1], "a mark stands at its count"
+    assert second[0] - first[0] > 3.0
+    assert page.axes[2].get_title() == "impacts"
     for line in lines:  # there are no 1.5 impacts
         steps = np.diff(line.get_ydata())
         assert np.isfinite(steps).any()

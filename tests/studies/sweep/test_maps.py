@@ -11,8 +11,8 @@ from chain_impact.pictures.drawing.shared_names import framed_panels
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.colour_bars import FAILED_COLOUR, colours_of, cut_values_words
-from chain_impact.studies.sweep.contours import LEAST_ROOM
-from chain_impact.studies.sweep.quantities import QUANTITIES
+from chain_impact.studies.sweep.contours import LEAST_ROOM, has_jumps
+from chain_impact.studies.sweep.quantities import COUNT, QUANTITIES, Quantity
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.text import number_text
 from tests.studies.sweep.drawn_sweeps import SCENE, drawn
@@ -237,3 +237,24 @@ def test_only_the_map_of_the_own_value_is_marked_and_empty_maps_are_named():
     page = found.plot(panels=["peak_force"])  # a rigid wall has impulses
     assert "solver.tolerance" in [axes.get_title() for axes in page.axes]
     assert any("peak force" in text.get_text() for text in page.axes[0].texts)
+
+
+def test_values_that_jump_from_cell_to_cell_have_no_contours():
+    """Where the sequence of impacts changes from cell to cell, a contour would look like a smooth field."""
+    x, y = np.meshgrid(np.linspace(0.0, 1.0, 24), np.linspace(0.0, 1.0, 19))
+    smooth = 1.0 + x**2 + 3.0 * (y - 0.4) ** 2
+    jumps = smooth + 0.2 * np.random.default_rng(0).integers(0, 2, smooth.shape)
+    for logarithmic in (False, True):
+        assert not has_jumps(smooth, logarithmic=logarithmic)
+        assert has_jumps(jumps, logarithmic=logarithmic)
+    step = np.where(x < 0.5, 1.0, 2.0)
+    assert not has_jumps(step, logarithmic=False)
+
+
+def test_a_key_of_classes_of_counts_has_the_ends_of_all_classes():
+    _, _, ticks, _ = colours_of(Quantity(COUNT, "impacts"), np.arange(3.0, 34.0))
+    texts = list(ticks.values())
+    assert texts[0] == "3"
+    assert texts[-1] == "33"
+    assert len(texts) > 4
+    assert np.ptp(np.diff(list(ticks))) == 0.0

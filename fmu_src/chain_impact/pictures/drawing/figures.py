@@ -11,7 +11,6 @@ from functools import partial
 from itertools import combinations
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis, YAxis
@@ -21,6 +20,7 @@ from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 
+from chain_impact.pictures.drawing.headings import has_heading, height_with_heading
 from chain_impact.pictures.drawing.legends import fit_legends
 from chain_impact.pictures.drawing.line_breaks import COMMA, break_lines
 from chain_impact.pictures.drawing.row_names import lacking_for_rows
@@ -238,8 +238,9 @@ def lacking_height(fill: Fill, figure: Figure, mean: float = 0.0) -> float:
     there is no room for axes at all, or the axes are high enough, but texts are cut off or overlap.
 
     Axes are high enough if each with a label along y of its own or shared (``framed_panels``), or with a
-    heading (``name_above``), has at least LEAST_AXES_HEIGHT, and if the mean height of these axes is at least
-    ``mean`` [inches]. If ``mean`` is not 0, rows must have room, too (``lacking_for_rows``).
+    heading (``headings.name_above``), has at least LEAST_AXES_HEIGHT, and if the mean height of these axes,
+    with their headings, is at least ``mean`` [inches]. If ``mean`` is not 0, rows must have room, too
+    (``lacking_for_rows``).
     """
     with warnings.catch_warnings(), suppress(UserWarning):
         warnings.filterwarnings("error", "constrained_layout not applied")
@@ -251,7 +252,7 @@ def lacking_height(fill: Fill, figure: Figure, mean: float = 0.0) -> float:
             axes for axes in figure.axes if axes.get_ylabel() or has_heading(axes) or axes in framed
         ]
         named_axes = [axes for axes in named_axes if axes.get_gid() != FRAME]
-        sides = np.array([axes.bbox.height / figure.dpi for axes in named_axes])
+        sides = np.array([height_with_heading(axes) / figure.dpi for axes in named_axes])
         lacking = (
             len(sides) * max(LEAST_AXES_HEIGHT - sides.min(), mean - sides.mean()) if len(sides) else 0.0
         )
@@ -350,19 +351,6 @@ def break_labels(figure: Figure, wanted_axes: Sequence[Axes] | None = None) -> b
             label.set_text(label.get_text().replace("\n", " "))
             break_lines(label, longest_label, "; ")
     return labels_of(figure) != earlier_labels
-
-
-def name_above(axes: Axes, name: str) -> None:
-    """Write the name of what axes show as a heading above the axes, at their left edge.
-
-    There a long name has room; ``break_labels`` breaks it into lines that are as long as the axes are wide.
-    """
-    axes.set_title(name, x=0.0, ha="left", ma="left", fontsize=mpl.rcParams["axes.labelsize"])
-
-
-def has_heading(axes: Axes) -> bool:
-    """Return whether axes have a heading from ``name_above``."""
-    return bool(axes.get_title()) and axes.title.get_horizontalalignment() == "left"
 
 
 def thin_ticks(axes: Axes) -> None:

@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.offsetbox import HPacker, PackerBase, VPacker
 
 from chain_impact.pictures.drawing.line_breaks import HALVINGS, break_lines
-from chain_impact.pictures.drawing.style import LEFT_MARGIN, foot_of, head_of, is_narrow, reserve_margins
+from chain_impact.pictures.drawing.style import GAP, LEFT_MARGIN, foot_of, head_of, is_narrow, reserve_margins
 
 SAMPLE_PIECES = 12  # the number of pieces of the sample of a line that has many colours
 
@@ -93,7 +93,7 @@ def legend_at_head(figure: Figure, handles: Sequence[Any]) -> None:
     top = head_of(figure)
     place = (LEFT_MARGIN / figure.get_figwidth(), 1.0 - top)
     height = _legend_of_figure(figure, handles, loc="upper left", bbox_to_anchor=place, **LOOK)
-    reserve_margins(figure, top + height, 0.0)
+    reserve_margins(figure, top + height + 0.5 * GAP / figure.get_figheight(), 0.0)
 
 
 def _legend_of_figure(figure: Figure, handles: Sequence[Any], **options: Any) -> float:
@@ -167,7 +167,8 @@ def _fill_rows(legend: Any, room: float) -> None:
     figure, entries = legend.get_figure(root=True), _entries(whole_box)
     for entry, handle in zip(entries, legend.legend_handles, strict=True):
         if isinstance(handle, Line2D) and handle.get_linestyle() == handle.get_marker() == "None":
-            entry.get_children()[0].width = 0.0  # the entry is a heading of the next entries
+            # the entry is a heading of the next entries
+            entry.get_children()[0].width = entry.sep = 0.0
     em = legend.get_texts()[0].get_fontsize()
     widths, space = [entry.get_window_extent().width for entry in entries], ENTRY_GAP * em * figure.dpi / 72.0
     room -= legend.get_window_extent().width - whole_box.get_window_extent().width

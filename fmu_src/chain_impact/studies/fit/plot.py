@@ -22,7 +22,8 @@ from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.bars import Bars, bars_size, draw_bars
 from chain_impact.pictures.curve_words import axis_unit
-from chain_impact.pictures.drawing.figures import draw_figure, name_above, settle
+from chain_impact.pictures.drawing.figures import draw_figure, settle
+from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size

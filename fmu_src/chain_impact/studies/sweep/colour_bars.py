@@ -18,7 +18,7 @@ from matplotlib.colors import BoundaryNorm, Colormap, LogNorm, Normalize
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
 from chain_impact.map_colours import WIDE_COLOURS, colour_ends, count_bins, value_ratio
-from chain_impact.pictures.drawing.figures import name_above
+from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.shared_names import grid_of
 from chain_impact.pictures.drawing.style import TICK_STEPS, is_narrow
 from chain_impact.studies.sweep.quantities import Quantity
@@ -52,10 +52,13 @@ def colours_of(
     if quantity.is_count and least_value < largest_value:
         bins = count_bins(least_value, largest_value)
         norm, colours = BoundaryNorm(bins, len(bins) - 1), colours.resampled(len(bins) - 1)
-        ticks = {
-            0.5 * (low + high): f"{low + 0.5:.0f}" + (f"–{high - 0.5:.0f}" if high - low > 1.0 else "")
-            for low, high in pairwise(bins)
-        }
+        # a class of several counts has its least count at its start; the last has the largest at its end, too
+        if bins[1] - bins[0] > 1.0:
+            starts = [max(least_value, low + 0.5) for low in bins[:-1]]
+            ticks = {float(low): f"{start:.0f}" for low, start in zip(bins[:-1], starts, strict=True)}
+            ticks[float(bins[-1])] = f"{largest_value:.0f}"
+        else:
+            ticks = {0.5 * (low + high): f"{low + 0.5:.0f}" for low, high in pairwise(bins)}
     elif value_ratio(values) >= WIDE_COLOURS:
         norm = LogNorm(*(ends := colour_ends(values, logarithmic=True)))
     else:

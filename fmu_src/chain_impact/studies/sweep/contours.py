@@ -18,6 +18,9 @@ from chain_impact.pictures.drawing.dark_ground import COLOURED_GROUND
 # contours; LEAST_ROOM: the least distance of the value of a contour from the next line, and LEAST_LENGTH: the
 # least extent of a contour along an axis, both relative to the map
 MOST_PIECES, LEAST_CELLS, LEAST_ROOM, LEAST_LENGTH = 2, 5, 0.07, 0.2
+# A value jumps if it differs from the median of itself and its two neighbours along an axis by more than JUMP
+# times the range of the map. There are no contours if the part MOST_JUMPS of the values along an axis jumps.
+JUMP, MOST_JUMPS = 0.01, 0.05
 MIDDLE_SHARE = 0.6  # the part of a cell in which a mark is over the number in the cell
 
 
@@ -50,6 +53,24 @@ class Scale:
         edges = self.axis_values(self.edges)
         distances = np.abs(self.axis_values(self.middles) - self.axis_values(value)) / np.diff(edges)
         return int(distances.argmin()) if distances.min() < 0.5 * MIDDLE_SHARE else None
+
+
+def has_jumps(shown_values: Any, *, logarithmic: bool) -> bool:
+    """Return whether neighbours in a map, shape (rows, columns), differ so irregularly that contours mislead.
+
+    So it is where the sequence of impacts changes from cell to cell. ``logarithmic``: whether the logarithms
+    of the values are compared.
+    """
+    values: np.ndarray = np.ma.filled(np.ma.asarray(shown_values, float), np.nan)
+    values = np.log(values) if logarithmic else values
+    span = np.nanmax(values) - np.nanmin(values)
+    for rows in (values, values.T):
+        neighbours = np.stack([rows[:-2], rows[1:-1], rows[2:]])
+        distances = np.abs(rows[1:-1] - np.median(neighbours, axis=0))
+        distances = distances[np.isfinite(distances)]
+        if distances.size and (distances > JUMP * span).mean() > MOST_JUMPS:
+            return True
+    return False
 
 
 def draw_contours(

@@ -13,11 +13,11 @@ from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.map_colours import value_ratio
 from chain_impact.pictures.drawing.distinct_curves import merged_dashes
-from chain_impact.pictures.drawing.figures import name_above
+from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.law_looks import law_look
-from chain_impact.pictures.drawing.legends import legend_at_foot
+from chain_impact.pictures.drawing.legends import legend_at_head
 from chain_impact.pictures.drawing.row_names import POINTS_IN_INCH
-from chain_impact.pictures.drawing.style import BLACK, COUNT_STEPS, OUTSIDE_COLOUR, PALETTE, give_ticks
+from chain_impact.pictures.drawing.style import BLACK, COUNT_STEPS, PALETTE, give_ticks
 from chain_impact.studies.sweep.colour_bars import WIDE_RANGE, number_few_decades
 from chain_impact.studies.sweep.maps import (
     NO_IMPACT,
@@ -40,10 +40,7 @@ FOOT = 0.05  # the distance of the crosses from an edge of the panel, relative t
 FEW_VALUES = 40  # a curve through at most this number of values has a marker at each of them
 MARK_SIZE, DOT_SIZE = 3.0, 2.0  # [points] the sizes of a mark and of a dot
 MARKERS = "os^Dv<>phX"  # the marks of several lines, the same in all panels
-# COUNT_GAP: the largest distance of lines with equal counts [inch]; PART_FOR_LINES: the part of the distance
-# of two counts that all lines of a count take
-COUNT_GAP, PART_FOR_LINES = 0.055, 0.75
-EQUAL_COUNTS = "equal counts in one band"
+PART_FOR_MARKS = 0.75  # the part of the distance of two values that the marks of equal counts take
 # If the axis of the parameter is logarithmic, the axis of a quantity that is no count is logarithmic, too, if
 # the smallest value of the quantity is > 0, and the largest value is at least DECADE times the smallest
 # value: a power law is then a straight line.
@@ -92,10 +89,11 @@ def draw_curves(
                     marks = {"marker": ".", "markersize": DOT_SIZE}
             (line,) = axes.plot(*across_up, label=label, linewidth=1.4, **look | marks)
             drawn_lines.append(line)
-            if use and (dash := next(dashes)) and not quantity.is_count:
-                line.set(linestyle=dash, marker="None")  # marks would hide those of the line below
+            if use and (dash := next(dashes)):
+                # marks at one place would hide those of the line below
+                line.set(linestyle=dash, **{} if quantity.is_count else {"marker": "None"})
         if quantity.is_count and len(lines) > 1:
-            _stack_counts(axes, drawn_lines, shown_values)
+            _shift_counts(axes, drawn_lines, len(np.unique(values)))
         mark_at_foot(axes, values[runs.failed], CROSS)
         is_missed = quantity.is_without_touch(runs)
         has_missed |= bool(is_missed.any())
@@ -103,7 +101,7 @@ def draw_curves(
         axes.set_xscale("log" if is_logarithmic(abscissa) else "linear")
         axes.set_xlabel(label_of(runs, abscissa))
         give_ticks(axes)
-        _set_vertical_axis(axes, quantity, shown_values, EQUAL_COUNTS if len(lines) > 1 else "")
+        _set_vertical_axis(axes, quantity, shown_values)
         if (scene_value := own_value(runs, abscissa)) is not None:
             axes.axvline(scene_value, **SCENE_LINE)
     entries: list[Any] = [Line2D([], [], label=NO_IMPACT, **RING)] if has_missed else []
@@ -112,7 +110,7 @@ def draw_curves(
         entries = [Line2D([], [], linestyle="", label=f"{label_of(runs, choice)}:"), *handles, *entries]
     figure = panels[0].get_figure(root=True)
     if entries and figure is not None:
-        legend_at_foot(figure, entries)
+        legend_at_head(figure, entries)
 
 
 def broken_line(
@@ -131,21 +129,18 @@ def broken_line(
     )
 
 
-def _stack_counts(axes: Axes, lines: Sequence[Line2D], shown_values: np.ndarray) -> None:
-    """Put lines with equal counts one above the other, the first on top, on a pale band for each count.
+def _shift_counts(axes: Axes, lines: Sequence[Line2D], count: int) -> None:
+    """Shift lines sideways, each by the size of a mark, so that no mark hides that of an equal count.
 
-    Their distance is at most COUNT_GAP, and all lines of a count have room between two counts.
+    All marks of one of the ``count`` values of the parameter have room between two values.
     """
-    figure, values = axes.get_figure(root=True), np.unique(shown_values[np.isfinite(shown_values)])
+    figure = axes.get_figure(root=True)
     assert figure is not None
-    counts = float(np.ptp(values)) + 1.0 if values.size else 1.0
-    room = PART_FOR_LINES * axes.get_window_extent().height / figure.dpi / counts / len(lines)
-    gap = min(COUNT_GAP, room)
+    room = PART_FOR_MARKS * axes.get_window_extent().width / figure.dpi / count / len(lines)
+    gap = min(MARK_SIZE / POINTS_IN_INCH, room)
     for place, line in enumerate(lines):
-        shift = ScaledTranslation(0.0, (0.5 * (len(lines) - 1) - place) * gap, figure.dpi_scale_trans)
+        shift = ScaledTranslation((place - 0.5 * (len(lines) - 1)) * gap, 0.0, figure.dpi_scale_trans)
         line.set_transform(axes.transData + shift)
-    look: dict[str, Any] = {"linewidth": gap * len(lines) * POINTS_IN_INCH, "zorder": 0.5}
-    axes.hlines(values, 0.0, 1.0, OUTSIDE_COLOUR, transform=axes.get_yaxis_transform(), **look)
 
 
 def mark_at_foot(axes: Axes, values: np.ndarray, mark: dict[str, Any]) -> None:
@@ -248,15 +243,13 @@ def course_text(values: np.ndarray, shown_values: np.ndarray, name: str) -> str:
     return " and ".join(texts)
 
 
-def _set_vertical_axis(axes: Axes, quantity: Quantity, shown_values: np.ndarray, of_counts: str) -> None:
+def _set_vertical_axis(axes: Axes, quantity: Quantity, shown_values: np.ndarray) -> None:
     """Set the vertical axis of a panel; if no run has a value, write NO_VALUE_TEXT in it.
 
     ``shown_values``: the value of the quantity in each run; it is not finite if the run has no value.
-    ``of_counts``: words that the name of a count has.
     """
     finite_values = shown_values[np.isfinite(shown_values)]
-    words = of_counts if quantity.is_count else ""
-    name_above(axes, ", ".join(filter(None, (quantity.label_for(finite_values), words))))
+    name_above(axes, quantity.label_for(finite_values))
     if ends := quantity.ends_for(finite_values):
         axes.set_ylim(*ends)
     if not finite_values.size:

@@ -13,13 +13,13 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.map_colours import WIDE_COLOURS, value_ratio
-from chain_impact.pictures.drawing.figures import name_above
+from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.legends import legend_above, legend_at_foot
 from chain_impact.pictures.drawing.style import BLUE, COUNT_STEPS, INK, give_ticks
-from chain_impact.scene.words.plain_names import plain_name
 from chain_impact.scene.words.unit_text import with_unit
 from chain_impact.studies.sweep.colour_bars import WIDE_RANGE, number_few_decades
 from chain_impact.studies.sweep.curves import RING, mark_at_foot
+from chain_impact.studies.sweep.effects import DEGREES, effects_on
 from chain_impact.studies.sweep.maps import (
     NO_IMPACT,
     NO_VALUE_TEXT,
@@ -28,7 +28,7 @@ from chain_impact.studies.sweep.maps import (
     label_of,
     own_value,
 )
-from chain_impact.studies.sweep.quantities import LOADS, Quantity, printed_number
+from chain_impact.studies.sweep.quantities import LOADS, Quantity
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.text import count_text
@@ -45,8 +45,7 @@ GOLDEN, DOTS_PART = 0.618034, 0.5
 # BOX_WIDTH: that of the box of a choice, relative to the distance of two choices; BOX_LINE: [points]
 BOX_WIDTH, BOX_LINE = 0.6, 0.9
 BOX_WORDS, SPREAD = "middle half and median", "; sideways: spread only"
-# a trend counts with at least the squared rank correlation TRENDING, and LEAST_TREND runs
-TRENDING, LEAST_TREND = 0.5, 12
+TRENDING = 0.5  # a fit describes a quantity well from this part of its variance on
 FEWEST_PAIRS = 3  # the correlation of fewer than FEWEST_PAIRS pairs of values counts as 0
 # the largest number of bars; narrower bars would show mainly random differences
 MOST_BINS = 60
@@ -71,7 +70,7 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
         if logarithmic and values.max() < WIDE_RANGE * values.min():
             number_few_decades(axes.xaxis)
         edges = edges_of(values, logarithmic=logarithmic, integer=quantity.is_count)
-        axes.hist(values, edges.tolist(), color=BARS, edgecolor="white", linewidth=1.0)
+        axes.hist(values, edges.tolist(), color=BARS, edgecolor=BLUE, linewidth=0.8)
         low, middle, high = np.quantile(values, list(QUANTILES))
         range_words = with_unit(f"{low:.3g} … {high:.3g}", quantity.unit)
         labels = (
@@ -100,21 +99,23 @@ def draw_samples(
 ) -> None:
     """Draw each quantity in successive panels: a histogram, then dots over each of ``drawn_parameters``.
 
-    If the quantity follows the first of these closely (TRENDING), the dots over the others show the quantity
-    divided by its trend over the first, because this trend would hide all other effects.
+    If a sum of effects describes the quantity well (TRENDING), the dots over all parameters but the first
+    show the quantity without the effects of other parameters, which would hide that of this parameter.
     """
     panels_per_quantity, drawn_variations = len(panels) // len(quantities), drawn_parameters(runs, variations)
     draw_histograms(panels[::panels_per_quantity], runs, quantities)
     for k, quantity in enumerate(quantities):
-        for axes, variation in zip(
-            panels[panels_per_quantity * k + 1 : panels_per_quantity * (k + 1)], drawn_variations, strict=True
-        ):
-            trend = (
-                None if variation is drawn_variations[0] else trend_over(runs, quantity, drawn_variations[0])
-            )
-            _scatter(axes, runs, quantity, variation, trend)
-            if trend is not None:
-                name_above(axes, f"{quantity.name} ÷ its trend over {plain_name(drawn_variations[0].name)}")
+        effects = effects_on(runs, quantity, variations)
+        is_fitted = effects is not None and effects.explained >= TRENDING
+        places = panels[panels_per_quantity * k + 1 : panels_per_quantity * (k + 1)]
+        for axes, variation in zip(places, drawn_variations, strict=True):
+            values = quantity.values_or_nan(runs)
+            is_alone = effects is not None and is_fitted and variation is not drawn_variations[0]
+            if effects is not None and is_alone:
+                values = effects.without_others(values, variation.name)
+            _scatter(axes, runs, quantity, variation, values)
+            if is_alone:
+                name_above(axes, f"{quantity.label}, others equal")
     keys: list[Any] = []
     if any(own_value(runs, variation) is not None for variation in drawn_variations):
         keys.append(Line2D([], [], label="value in the scene", **SCENE_LINE))
@@ -130,15 +131,24 @@ def draw_samples(
 def drawn_parameters(runs: Runs, variations: Sequence[Variation]) -> list[Variation]:
     """Return the parameters over which samples are drawn: at most MOST_SCATTERS, the strongest first.
 
-    The strength of a parameter is its largest |rank correlation| with one of the LOADS, or 0 without loads.
-    Parameters that are choices come last.
+    The strength of a parameter is the largest spread of its effects on one of the LOADS, relative to the
+    standard deviation of the load or its logarithm; without a fit, |rank correlation|. Parameters that are
+    choices come last.
     """
-    loads = [runs[name].astype(float) for name in LOADS if name in runs.names] or [np.zeros(len(runs))]
+    loads = [Quantity(name, name) for name in LOADS if name in runs.names]
+    effects_of_loads = {load.column: effects_on(runs, load, variations) for load in loads}
 
     def strength(variation: Variation) -> float:
         if variation.choices:
             return -1.0
-        return max(abs(rank_correlation(runs[variation.name], load)) for load in loads)
+        sizes = [0.0]
+        for load in loads:
+            effects, values = effects_of_loads[load.column], load.values_or_nan(runs)
+            if effects is None:
+                sizes.append(abs(rank_correlation(runs[variation.name], values)))
+            else:
+                sizes.append(effects.spread(variation.name) / effects.deviation)
+        return max(sizes)
 
     return sorted(variations, key=strength, reverse=True)[:MOST_SCATTERS]
 
@@ -159,72 +169,32 @@ def rank_correlation(first_values: np.ndarray, second_values: np.ndarray) -> flo
 
 
 def influence_words(runs: Runs, quantities: Sequence[Quantity], variations: Sequence[Variation]) -> str:
-    """Return words with the number of runs and, for each quantity, rank correlations with varied numbers.
+    """Return words with the number of runs and, for each quantity, the effect of each varied parameter.
 
-    The largest |correlation| comes first. Quantities without a correlation are left out. For a choice, the
-    words have the median with each choice, of the quantity or its ratio to the trend that the panel shows.
+    The largest effect comes first. The words tell the fit (``effects_on``); they are left out for a quantity
+    without a fit.
     """
-    numbers, parts = (
-        [variation.name for variation in variations if not variation.choices],
-        [f"{len(runs)} runs"],
-    )
+    parts = [f"{len(runs)} runs"]
     for quantity in quantities:
-        correlations = {name: rank_correlation(runs[name], quantity.values_or_nan(runs)) for name in numbers}
-        order = sorted(filter(correlations.get, correlations), key=lambda name: -abs(correlations[name]))
-        if order:
-            told_text = ", ".join(f"{correlation_text(correlations[name])} with {name}" for name in order)
-            parts.append(f"rank correlation of {quantity.name}: {told_text}")
-        for choice in (variation for variation in variations if variation.choices):
-            trend = trend_over(runs, quantity, drawn_parameters(runs, variations)[0])
-            values = quantity.values_or_nan(runs) if trend is None else quantity.values_or_nan(runs) / trend
-            words_of_quantities = [
-                (name, values[runs[choice.name] == name])
-                for name in choice.shown_values(np.unique(choice.values))
-            ]
-            medians = [
-                f"{printed_number(float(f'{np.nanmedian(correlations):.3g}'))} with {name}"
-                for name, correlations in words_of_quantities
-                if np.isfinite(correlations).any()
-            ]
-            quantity_text = f"{quantity.name}" if trend is None else "the ratio"
-            parts.append(f"median of {quantity_text}: {', '.join(medians)}")
+        effects = effects_on(runs, quantity, variations)
+        if effects is None:
+            continue
+        order = sorted(effects.of_names, key=lambda name: -effects.spread(name))
+        texts = [f"{effects.spread_text(name, quantity.unit)} by {name}" for name in order]
+        parts.append(f"{quantity.name}, others equal: {', '.join(texts)}")
+        explained_text = f"explains {100.0 * effects.explained:.4g} % of the variance"
+        parts.append(f"fit {DEGREES[effects.degree]} in each number: {explained_text}")
     return "; ".join(parts)
 
 
-def correlation_text(value: float) -> str:
-    """Return a correlation as text with two decimals, but with more if it would look like ±1 and is not."""
-    texts = (f"{value:.{decimals}f}" for decimals in range(2, 6))
-    is_exact = abs(value) == 1.0
-    text = next((text for text in texts if is_exact or abs(float(text)) < 1.0), f"{value:.0f}")
-    return text.replace("-", "−") if float(text) else "0.00"
-
-
-def trend_over(runs: Runs, quantity: Quantity, variation: Variation) -> np.ndarray | None:
-    """Return the trend of a quantity over a parameter in each run: a parabola through logarithms, shape (R,).
-
-    The result is None if the parameter is a choice, if a value is not positive, for fewer than LEAST_TREND
-    values, or if the squared rank correlation is below TRENDING.
-    """
-    values, parameter_values = quantity.values_or_nan(runs), runs[variation.name]
-    is_known = np.isfinite(values)
-    if variation.choices or is_known.sum() < LEAST_TREND or (values[is_known] <= 0.0).any():
-        return None
-    if rank_correlation(parameter_values, values) ** 2 < TRENDING:
-        return None
-    abscissas = np.log(parameter_values) if is_logarithmic(variation) else parameter_values
-    parabola = np.polynomial.Polynomial.fit(abscissas[is_known], np.log(values[is_known]), 2)
-    return np.asarray(np.exp(parabola(abscissas)))
-
-
 def _scatter(
-    axes: Axes, runs: Runs, quantity: Quantity, variation: Variation, trend: np.ndarray | None
+    axes: Axes, runs: Runs, quantity: Quantity, variation: Variation, shown_values: np.ndarray
 ) -> None:
     """Draw a quantity over a varied parameter, with a dot for each run and a line at ``own_value``.
 
-    ``trend``: if given, the quantity is divided by this, shape (R,).
+    ``shown_values``: the values of the quantity in the runs, shape (R,).
     """
-    shown_values, parameter_values = quantity.values_or_nan(runs), runs[variation.name]
-    shown_values = shown_values if trend is None else shown_values / trend
+    parameter_values = runs[variation.name]
     if variation.choices:
         names = variation.shown_values(np.unique(variation.values)).tolist()
         # the dots of a choice lie side by side, at places that repeat in each run of the program

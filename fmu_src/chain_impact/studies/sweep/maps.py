@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
-from matplotlib.colors import BoundaryNorm
+from matplotlib.colors import BoundaryNorm, LogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -26,7 +26,7 @@ from chain_impact.studies.sweep.colour_bars import (
     colours_of,
     cut_values_words,
 )
-from chain_impact.studies.sweep.contours import Scale, draw_contours
+from chain_impact.studies.sweep.contours import Scale, draw_contours, has_jumps
 from chain_impact.studies.sweep.map_marks import HATCHED_STYLE, SCENE_MARK, hatch, mark_scene
 from chain_impact.studies.sweep.quantities import Quantity, printed_number
 from chain_impact.studies.sweep.runs import Runs
@@ -200,7 +200,7 @@ def _draw_group(
     for axes, table, mesh in zip(panels, tables, meshes, strict=True):
         if has_numbers(tables) and len(panels) == 1:
             _write_values(axes, scales, table, mesh, own_values)
-        elif is_smooth:
+        elif is_smooth and not has_jumps(table, logarithmic=isinstance(norm, LogNorm)):
             draw_contours(axes, scales, table, mesh, levels, own_values=own_values)
 
 

@@ -10,7 +10,13 @@ from chain_impact.scene.words.unit_text import unit_text, with_unit
 from chain_impact.studies.sweep.computation import STATUS_WORD
 from chain_impact.studies.sweep.curves import course_text
 from chain_impact.studies.sweep.histograms import rank_correlation
-from chain_impact.studies.sweep.layout import DOTS, picture_form, varying_in
+from chain_impact.studies.sweep.layout import (
+    DOTS,
+    has_map_series,
+    picture_form,
+    sorted_parameters,
+    varying_in,
+)
 from chain_impact.studies.sweep.maps import NO_IMPACT, unit_of
 from chain_impact.studies.sweep.quantities import Quantity, Results, printed_number
 from chain_impact.studies.sweep.runs import Runs
@@ -81,20 +87,26 @@ def effect_text(runs: Runs, quantity: Quantity) -> str:
 def idle_text(runs: Runs, quantity: Quantity) -> str:
     """Return words for the varied parameters of a grid that hardly matter: "initial.x has no effect".
 
-    A parameter hardly matters if its effect is at most SMALL_EFFECT. The text is "" if there is none, if only
-    one parameter varies, and for samples.
+    A parameter hardly matters if its effect is at most SMALL_EFFECT. Of three parameters, the words always
+    have the one that differs from map to map. The text is "" if there is none, if only one parameter varies,
+    and for samples.
     """
     variations, idle_names = varying_in(runs.design), list[str]()
     if len(variations) == 1 or runs.design.samples is not None:
         return ""
     values = np.ma.masked_invalid(quantity.values_or_nan(runs).reshape(runs.design.shape))
-    largest_value = float(np.abs(values).max()) if values.count() else 0.0
+    largest_value, kind = float(np.abs(values).max()) if values.count() else 0.0, picture_form(runs.design)
+    series = sorted_parameters(variations, kind)[2:] if has_map_series(variations, kind) else []
     for variation in variations if largest_value else ():
-        changes = np.ma.ptp(values, axis=runs.design.variations.index(variation))
+        axis = runs.design.variations.index(variation)
+        changes = np.ma.ptp(values, axis=axis)
         effect = float(changes.max()) / largest_value
+        if variation in series and effect > NO_EFFECT:
+            # in each place of the maps, the change is compared with the values there
+            effect = float((changes / np.ma.abs(values).max(axis=axis)).max())
         if effect <= NO_EFFECT:
             idle_names.append(f"{plain_name(variation.name)} has no effect")
-        elif effect <= SMALL_EFFECT:
+        elif effect <= SMALL_EFFECT or variation in series:
             idle_names.append(
                 f"{plain_name(variation.name)} changes it by ≤ {number_text(100.0 * effect, 2)} %"
             )

@@ -1,0 +1,104 @@
+"""The effect of each varied parameter on a result of samples, at equal other parameters, from a fit.
+
+The fit is a sum of a function of each parameter: a polynomial of a number, and a value for each choice. If
+all values of the result are positive, the fit is of their logarithms, and the effects are factors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial.legendre import legvander
+
+from chain_impact.scene.words.unit_text import with_unit
+from chain_impact.studies.sweep.maps import is_logarithmic
+from chain_impact.studies.sweep.quantities import LEADING_HYPHEN, Quantity
+from chain_impact.studies.sweep.runs import Runs
+from chain_impact.studies.sweep.variation import Variation
+from chain_impact.text import number_text
+
+DEGREES = {3: "cubic", 2: "quadratic", 1: "linear"}
+"""Degree of the polynomials → its name; the first degree is taken for which there are enough runs."""
+RUNS_PER_NUMBER = 2  # the least number of runs for each number of a fit
+LARGE_FACTOR = 2.0  # effects in a ratio below this are told in percent, others as factors
+
+
+@dataclass(frozen=True)
+class Effects:
+    """The effects of varied parameters on a result in R runs.
+
+    Attributes:
+        of_names: name of a parameter → its effect in each run, shape (R,), with the mean 0; if ``is_factor``,
+            on the logarithm of the result.
+        is_factor: whether the effects are factors.
+        degree: the degree of the polynomials.
+        explained: the part of the variance of the result, or of its logarithm, that the fit has.
+        deviation: the standard deviation of the result, or of its logarithm.
+    """
+
+    of_names: dict[str, np.ndarray]
+    is_factor: bool
+    degree: int
+    explained: float
+    deviation: float
+
+    def spread(self, name: str) -> float:
+        """Return the difference of the largest and the least effect of a parameter."""
+        return float(np.ptp(self.of_names[name]))
+
+    def without_others(self, values: np.ndarray, name: str) -> np.ndarray:
+        """Return the results ``values`` without the effects of all parameters but one, shape (R,).
+
+        The results are divided by these effects if they are factors; the mean effect is then 1.
+        """
+        effect_sum = sum(effect for parameter, effect in self.of_names.items() if parameter != name)
+        return np.asarray(values / np.exp(effect_sum) if self.is_factor else values - effect_sum)
+
+    def spread_text(self, name: str, unit: str) -> str:
+        """Return the range of a parameter's effects as text: "−4 to +13 %", "× 0.25 to 3.9"."""
+        low, high = (float(end(self.of_names[name])) for end in (np.min, np.max))
+        if self.is_factor and high - low >= np.log(LARGE_FACTOR):
+            return f"× {number_text(float(np.exp(low)), 2)} to {number_text(float(np.exp(high)), 2)}"
+        ends = 100.0 * np.expm1([low, high]) if self.is_factor else np.array([low, high])
+        words = [f"{end:+.2g}" if end else "0" for end in ends.tolist()]
+        texts = [LEADING_HYPHEN.sub("−", text) for text in words]
+        return with_unit(" to ".join(texts), "%" if self.is_factor else unit)
+
+
+def effects_on(runs: Runs, quantity: Quantity, variations: Sequence[Variation]) -> Effects | None:
+    """Return the effects of ``variations`` on a result; None for too few runs with different results."""
+    values = quantity.values_or_nan(runs)
+    is_known = np.isfinite(values)
+    if not is_known.any() or not np.ptp(values[is_known]):
+        return None
+    for degree in DEGREES:
+        terms = {variation.name: _terms(runs, variation, degree) for variation in variations}
+        number_count = 1 + sum(term.shape[1] for term in terms.values())
+        if RUNS_PER_NUMBER * number_count <= is_known.sum():
+            break
+    else:
+        return None
+    is_factor = bool((values[is_known] > 0.0).all())
+    target = np.log(values[is_known]) if is_factor else values[is_known]
+    centred_terms = {name: term - term[is_known].mean(axis=0) for name, term in terms.items()}
+    matrix = np.hstack(list(centred_terms.values()))[is_known]
+    deviation = target - target.mean()
+    numbers = np.linalg.lstsq(matrix, deviation, rcond=None)[0]
+    explained = 1.0 - float(np.sum((deviation - matrix @ numbers) ** 2) / np.sum(deviation**2))
+    ends = np.cumsum([term.shape[1] for term in terms.values()])[:-1]
+    parts = zip(centred_terms.items(), np.split(numbers, ends), strict=True)
+    effects = {name: term @ part for (name, term), part in parts}
+    return Effects(effects, is_factor, degree, explained, float(deviation.std()))
+
+
+def _terms(runs: Runs, variation: Variation, degree: int) -> np.ndarray:
+    """Return the terms of the fit for a parameter in each run, shape (R, number of terms)."""
+    values = runs[variation.name]
+    levels, places = np.unique(values, return_inverse=True)
+    if variation.choices:
+        return np.asarray(np.eye(len(levels))[places][:, 1:])
+    abscissas = (np.log(values) if is_logarithmic(variation) else values).astype(float)
+    low, span = abscissas.min(), np.ptp(abscissas) or 1.0
+    return legvander(2.0 * (abscissas - low) / span - 1.0, min(degree, max(1, len(levels) - 1)))[:, 1:]
