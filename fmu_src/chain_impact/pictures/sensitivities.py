@@ -21,7 +21,7 @@ from matplotlib.lines import Line2D
 
 from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band
 from chain_impact.pictures.drawing.figures import settle
-from chain_impact.pictures.drawing.headings import name_above
+from chain_impact.pictures.drawing.headings import HEIGHT_COUNTS, name_above
 from chain_impact.pictures.drawing.legends import legend_at_head
 from chain_impact.pictures.drawing.style import (
     GREY,
@@ -242,6 +242,7 @@ def draw_changes(
                 end = np.flatnonzero(is_known[:, k])[-1]
                 axes.plot(recording.time[[end]], values[[end]], color=look["color"], **END_LOOK)
     name_above(axes, f"Δ {output}{bracketed_unit(unit)}")
+    axes.title.set_gid(HEIGHT_COUNTS)
     axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
     if max(-low, high) > NO_CHANGE * np.ptp(recording.columns[output]):
         axes.set_ylim(scale * low, scale * high)

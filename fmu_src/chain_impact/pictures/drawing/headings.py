@@ -5,6 +5,9 @@ from __future__ import annotations
 import matplotlib as mpl
 from matplotlib.axes import Axes
 
+# the matplotlib identifier (gid) of headings whose height counts for the height of their axes
+HEIGHT_COUNTS = "height counts"
+
 
 def name_above(axes: Axes, name: str) -> None:
     """Write the name of what axes show as a heading above the axes, at their left edge.
@@ -20,6 +23,6 @@ def has_heading(axes: Axes) -> bool:
 
 
 def height_with_heading(axes: Axes) -> float:
-    """Return the height [pixels] from the lower edge of axes to the top of their heading or of the axes."""
-    top = axes.title.get_window_extent().y1 if has_heading(axes) else axes.bbox.y1
+    """Return the height [pixels] from the lower edge of axes to the top of a heading with HEIGHT_COUNTS."""
+    top = axes.title.get_window_extent().y1 if axes.title.get_gid() == HEIGHT_COUNTS else axes.bbox.y1
     return float(top - axes.bbox.y0)
