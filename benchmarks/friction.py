@@ -28,7 +28,7 @@ from benchmarks.race import ROUNDS, Entries, above_loosest, race, seconds_at
 from chain_impact import simulate
 from chain_impact.pictures.drawing.dark_ground import ORANGE, PLUM
 from chain_impact.pictures.drawing.style import BLUE, GREEN, INK, PURPLE, write_headline
-from chain_impact.scene.candidates import candidates
+from chain_impact.scene.candidates import candidates_of
 from chain_impact.scene.scene import Scene
 from chain_impact.text import number_text
 from tests.helpers.scenes.friction import SLOPE, sled, thrown
@@ -89,7 +89,7 @@ def _planes(scene: Scene) -> str:
 
 def _bodies(scene: Scene) -> str:
     """Return the links, each inside the one before."""
-    links, points = scene.chain.links, {point for point, _ in candidates(scene)}
+    links, points = scene.chain.links, {point for point, _ in candidates_of(scene)}
 
     def ball(point: int, along: float) -> str:
         if point not in points:

@@ -19,7 +19,7 @@ import numpy as np
 from benchmarks import common
 from benchmarks.problems import PROBLEMS, Problem
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.scene.candidates import candidates
+from chain_impact.scene.candidates import candidates_of
 from chain_impact.scene.scene import Scene
 from tests.helpers.models.textbook import Textbook
 
@@ -54,7 +54,7 @@ class Bouncing:
         self.contact = scene.contact
         law: Any = CONTACT_LAWS[scene.contact.model]
         self.factor = REAL(law.damping_factor(scene.contact.restitution))
-        self.pairs = candidates(scene)
+        self.pairs = candidates_of(scene)
         self.walls = [REAL(getattr(scene.box, name) or 0.0) for name in ("x_min", "x_max", "y_min", "y_max")]
         first = scene.initial
         start = [*first.position, *first.angles, *first.velocity, *first.angular_velocities]

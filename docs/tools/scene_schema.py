@@ -12,7 +12,7 @@ from typing import Any, cast, get_args, get_origin
 
 from chain_impact.scene.keys.tables import Initial, Wall
 from chain_impact.scene.reading import entry_type
-from chain_impact.scene.rules.key_rules import Derived, keys, simple_default, without_none
+from chain_impact.scene.rules.key_rules import Derived, key_fields, simple_default, without_none
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.angles import DEGREES, degrees_pattern
 from chain_impact.scene.words.unit_text import bracketed_unit
@@ -30,7 +30,7 @@ def schema() -> dict[str, Any]:
 
 
 def _table(table: Any) -> dict[str, Any]:
-    entries = keys(table)
+    entries = key_fields(table)
     rules: dict[str, Any] = {"type": "object", "additionalProperties": False}
     rules |= {"description": _sentence(table.__doc__)} if table is not Scene else {}
     rules["properties"] = {entry.name: _key(entry) for entry in entries}
@@ -51,7 +51,9 @@ def _table(table: Any) -> dict[str, Any]:
 def _is_needed(entry: Any) -> bool:
     """Return whether a key, or a key inside a table, has no default."""
     if dataclasses.is_dataclass(entry.type):
-        return entry.type in ALTERNATIVES or any(_is_needed(inner) for inner in keys(cast("Any", entry.type)))
+        return entry.type in ALTERNATIVES or any(
+            _is_needed(inner) for inner in key_fields(cast("Any", entry.type))
+        )
     return entry.metadata["default"] is dataclasses.MISSING
 
 

@@ -2,7 +2,7 @@
 
 from chain_impact import load_scene
 from chain_impact.kernel.record.constants import WALLS
-from chain_impact.scene.candidates import candidates, point_wall_pairs, stop_pairs
+from chain_impact.scene.candidates import candidates_of, point_wall_pairs, stop_pairs
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.scene import with_values
 from chain_impact.variables.prepared import PreparedScene
@@ -10,19 +10,19 @@ from chain_impact.variables.prepared import PreparedScene
 
 def test_candidates_are_the_listed_points_at_the_walls_that_are_there():
     box = load_scene("four_link_box")
-    assert candidates(box) == [(point, wall) for point in range(5) for wall in range(4)]
+    assert candidates_of(box) == [(point, wall) for point in range(5) for wall in range(4)]
     some = with_values(box, {("contact", "points"): [4, 1], ("box", "x_min"): None, ("box", "y_max"): None})
     x_max, y_min = WALLS.index("x_max"), WALLS.index("y_min")
-    assert candidates(some) == [(1, x_max), (1, y_min), (4, x_max), (4, y_min)]
+    assert candidates_of(some) == [(1, x_max), (1, y_min), (4, x_max), (4, y_min)]
     walls = [{"name": name, "point": [0.0, 0.0], "angle": angle} for name, angle in (("a", 0.0), ("b", -1.0))]
     slanted = with_values(some, {("walls",): walls})
-    assert candidates(slanted)[:4] == [(1, x_max), (1, y_min), (1, 4), (1, 5)]
+    assert candidates_of(slanted)[:4] == [(1, x_max), (1, y_min), (1, 4), (1, 5)]
     held = PreparedScene(slanted).new_instance()[0]["walls"]
     assert held["angle"].tolist() == [0.0, -1.0] + [0.0] * 6
-    assert candidates(with_values(box, {("contact", "points"): []})) == []
+    assert candidates_of(with_values(box, {("contact", "points"): []})) == []
     for scene in (box, some, slanted, with_values(box, {("contact", "points"): []})):
-        assert len(candidates(scene)) == len(scene.contact.points) * len(scene.half_planes)
-    assert candidates(with_values(box, {("box", wall): None for wall in WALLS})) == []
+        assert len(candidates_of(scene)) == len(scene.contact.points) * len(scene.half_planes)
+    assert candidates_of(with_values(box, {("box", wall): None for wall in WALLS})) == []
 
 
 def test_stops_come_last_joint_after_joint():
@@ -31,8 +31,8 @@ def test_stops_come_last_joint_after_joint():
     limits = {"link[4].joint_max": 1.5, "link[2].joint_min": -2.0, "link[2].joint_max": 2.0}
     stopped = with_values(with_values(box, {("walls",): walls}), limits)
     assert stopped.wall_names == ("x_min", "x_max", "y_min", "y_max", "ramp", "joint_min", "joint_max")
-    assert candidates(stopped) == [(4, 1), (4, 2), (4, 3), (4, 4), (2, 5), (2, 6), (4, 6)]
-    assert point_wall_pairs(stopped) + stop_pairs(stopped) == candidates(stopped)
+    assert candidates_of(stopped) == [(4, 1), (4, 2), (4, 3), (4, 4), (2, 5), (2, 6), (4, 6)]
+    assert point_wall_pairs(stopped) + stop_pairs(stopped) == candidates_of(stopped)
 
 
 def test_a_wall_with_the_name_of_a_stop_is_a_wall():

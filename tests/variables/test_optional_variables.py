@@ -10,10 +10,10 @@ import pytest
 from chain_impact import Chain
 from chain_impact.kernel.record.constants import WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
-from chain_impact.scene.candidates import candidates
+from chain_impact.scene.candidates import candidates_of
 from chain_impact.scene.keys.chain_tables import Link, Site, Slider
 from chain_impact.scene.keys.tables import Contact, Initial, Material, Solver, Stops
-from chain_impact.scene.rules.key_rules import keys, simple_default
+from chain_impact.scene.rules.key_rules import key_fields, simple_default
 from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.scenes.friction import pendulum, sled
@@ -79,7 +79,7 @@ def test_walls_that_no_point_can_touch_have_no_number():
     walls = [{"name": f"slope_{w}", "point": (0.0, -2.0 - w), "angle": 0.1} for w in range(6)]
     alone = with_values(knee(), {("walls",): walls, ("contact", "points"): (), ("contact", "wall"): {}})
     assert alone.wall_names == (*WALLS, "joint_min", "joint_max")
-    assert candidates(alone) == [(2, 4), (2, 5)]
+    assert candidates_of(alone) == [(2, 4), (2, 5)]
     assert not any(variable.name.startswith("wall.") for variable in PreparedScene(alone).variables)
     chain = Chain(alone)
     chain.step(0.5)
@@ -176,7 +176,7 @@ def rod_on_a_slider(*path, **given):
 def numbers_with_defaults():
     """Yield the path and the default of each key whose default is a number in every scene."""
     for path, table in WRITTEN.items():
-        for entry in keys(table):
+        for entry in key_fields(table):
             default = simple_default(entry.metadata)
             if isinstance(default, int | float) and not isinstance(default, bool):
                 yield (*path, entry.name), default

@@ -14,7 +14,7 @@ from chain_impact.fmu.documents import documents
 from chain_impact.fmu.native_target import native_files
 from chain_impact.kernel.chain.inertia import DERIVED
 from chain_impact.kernel.record.constants import NO_CONTACT, SOLVER_METHODS
-from chain_impact.scene.candidates import candidates
+from chain_impact.scene.candidates import candidates_of
 from chain_impact.scene.errors import UnknownNameError
 from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import with_values
@@ -33,9 +33,9 @@ def test_the_record_has_no_pointers_and_knows_its_candidates():
         assert not instance.dtype.hasobject
         assert np.frombuffer(instance.tobytes(), instance.dtype) == instance
         held = instance[0]
-        assert (held["links"], held["candidates"]) == (len(scene.chain.links), len(candidates(scene)))
+        assert (held["links"], held["candidates"]) == (len(scene.chain.links), len(candidates_of(scene)))
         pairs = zip(held["candidate"]["point"], held["candidate"]["wall"], strict=True)
-        assert list(pairs) == candidates(scene)
+        assert list(pairs) == candidates_of(scene)
 
 
 @pytest.mark.parametrize("model", model_names())
@@ -54,7 +54,7 @@ def test_each_value_of_the_scene_stands_where_its_variable_is(model):
         else:
             assert reals[word] == value, variable.name
         checked += 1
-    assert checked > (15 if candidates(scene) else 8)
+    assert checked > (15 if candidates_of(scene) else 8)
 
 
 def test_words_of_the_scene_become_numbers():
@@ -65,7 +65,7 @@ def test_words_of_the_scene_become_numbers():
     assert held["solver"]["method"] == SOLVER_METHODS.index("implicit") + 1
     assert (held["chain"]["has_base_joint"], held["chain"]["has_inputs"]) == (0, 0)
     arm = PreparedScene(load_scene("pinned_arm")).new_instance()[0]
-    assert {point for point, _ in candidates(load_scene("pinned_arm"))} == {
+    assert {point for point, _ in candidates_of(load_scene("pinned_arm"))} == {
         1,
         2,
     }  # all points except the base

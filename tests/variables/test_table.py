@@ -12,7 +12,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.constants import SOLVER_METHODS, WALLS
 from chain_impact.kernel.record.instance import output_dtype
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.scene.candidates import candidates
+from chain_impact.scene.candidates import candidates_of
 from chain_impact.scene.scene import with_values
 from chain_impact.scene.signal_inputs import driven_by
 from chain_impact.variables.indices import word_index
@@ -242,7 +242,7 @@ def test_every_status_is_in_the_description():
 def test_columns_are_those_of_the_recorded_outputs():
     for scene in SCENES.values():
         outputs = np.zeros(3, PreparedScene(scene).output_layout)
-        links, pairs = len(scene.chain.links), len(candidates(scene))
+        links, pairs = len(scene.chain.links), len(candidates_of(scene))
         rubbing = pairs + links + (scene.chain.slider is not None)
         rows = (
             rubbing if scene.has_friction else 0,

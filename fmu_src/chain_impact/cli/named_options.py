@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from chain_impact.scene.errors import RefusalError, SceneError, value_text
-from chain_impact.scene.settings import value_of
+from chain_impact.scene.settings import parsed_value
 
 
 def typed_options(words: Sequence[str], options: Iterable[str]) -> list[tuple[str, str]]:
@@ -59,7 +59,7 @@ def _is_value(error: RefusalError, given_text: str) -> bool:
     """Return whether the error refuses a whole value, as the user typed it, and not only a part of it."""
     if not error.value:
         return not error.fault.startswith("= ")
-    value = value_of(given_text)
+    value = parsed_value(given_text)
     texts = {given_text, value_text(given_text), str(value), value_text(value)}
     is_number = isinstance(value, int | float)
     return error.value in (texts | {f"{value:g}", str(float(value))} if is_number else texts)

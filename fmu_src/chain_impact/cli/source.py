@@ -23,7 +23,7 @@ from chain_impact.results.ranking import Ranking
 from chain_impact.scene.errors import SceneError, SceneWarning
 from chain_impact.scene.keys.tables import Solver
 from chain_impact.scene.scene import Scene, load_scene
-from chain_impact.scene.settings import value_of, with_settings
+from chain_impact.scene.settings import parsed_value, with_settings
 from chain_impact.scene.words.names import input_key
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.simulate import simulate
@@ -144,7 +144,7 @@ class Source:
         starts = {variable.name: variable.start for variable in read_fmu(Path(self.name)).modelVariables}
         if TOLERANCE not in starts:
             raise UsageError(f"--check: {self.name} has no parameter {TOLERANCE}")
-        tolerance = value_of(values.get(TOLERANCE, starts[TOLERANCE]))
+        tolerance = parsed_value(values.get(TOLERANCE, starts[TOLERANCE]))
         if not isinstance(tolerance, int | float):
             raise UsageError("must be a number", source=self.name, name=TOLERANCE, value=str(tolerance))
         return float(tolerance)

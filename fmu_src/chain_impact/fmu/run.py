@@ -24,7 +24,7 @@ from chain_impact.recording.stick_slip import phases_from
 from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.reading import nearest_choice
-from chain_impact.scene.settings import value_of
+from chain_impact.scene.settings import parsed_value
 from chain_impact.scene.words.angles import or_degrees, radians_of
 from chain_impact.scene.words.names import (
     SLIDER_STOPS,
@@ -143,7 +143,7 @@ def _settings(
     )
     values: dict[str, float] = {}
     for typed_name, text in given_settings.items():
-        name, value = fmu_name(typed_name), value_of(text)
+        name, value = fmu_name(typed_name), parsed_value(text)
         try:
             is_time = name in EXPERIMENT_SETTINGS
             values[name] = (

@@ -21,7 +21,7 @@ from chain_impact.pages.assembly import (
 )
 from chain_impact.pages.encoding import base64_text
 from chain_impact.pages.inline import InlinePage
-from chain_impact.pages.kit import kit
+from chain_impact.pages.kit import page_kit
 from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import Scene, SceneSource, load_scene, scene_of, scene_to_dict
 
@@ -89,13 +89,13 @@ def page(scene: Scene, command: Sequence[str]) -> str:
 
 
 def contents(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
-    """Return the data of the page: contents of the scene's file, the result of ``kit``, and ``command``."""
+    """Return the data of the page: contents of the file, the result of ``page_kit``, and ``command``."""
     file = scene_to_dict(scene)
     for signal in file.get("signals", {}).values():
         # of the path only the file's name stays, because a page must not show folders of this machine
         if "file" in signal:
             signal["file"] = Path(signal["file"]).name
-    return {"file": file, "kit": kit(scene), "command": list(command)}
+    return {"file": file, "kit": page_kit(scene), "command": list(command)}
 
 
 def compressed_text(content: bytes) -> str:

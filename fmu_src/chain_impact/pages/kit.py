@@ -29,7 +29,7 @@ from chain_impact.pages.signals import tables_of
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene.facts import FACTS, LISTS, TRUE_FACT
 from chain_impact.scene.reading import entry_type
-from chain_impact.scene.rules.key_rules import Derived, allowed_words, keys, without_none
+from chain_impact.scene.rules.key_rules import Derived, allowed_words, key_fields, without_none
 from chain_impact.scene.rules.rule_language import Tree, tree
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import driven_alone, quantities_driven_by
@@ -69,7 +69,7 @@ their knots.
 """
 
 
-def kit(scene: Scene) -> dict[str, Any]:
+def page_kit(scene: Scene) -> dict[str, Any]:
     """Return the data, ready for JSON, with which the page handles any scene.
 
     Only the user's own contact law and the tables of signals depend on this ``scene``.
@@ -130,7 +130,7 @@ def _keys(table: Any) -> dict[str, Any]:
 
     ``table`` is the table's dataclass.
     """
-    return {entry.name: _key(entry.type, entry.metadata) for entry in keys(table)}
+    return {entry.name: _key(entry.type, entry.metadata) for entry in key_fields(table)}
 
 
 def _key(kind: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:

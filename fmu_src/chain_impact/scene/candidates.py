@@ -8,7 +8,7 @@ from chain_impact.kernel.record.constants import WALLS
 from chain_impact.scene.contents import Contents
 
 
-def candidates(scene: Contents) -> list[tuple[int, int]]:
+def candidates_of(scene: Contents) -> list[tuple[int, int]]:
     """Return the candidates as pairs: a number, and an index in ``scene.wall_names``.
 
     First come the pairs of a point and an existing wall that can touch: number of the point, index of the
@@ -28,7 +28,7 @@ def parts_in_words(scene: Contents) -> list[str]:
     one; and, for each pair of a point and a wall that can touch, the base, which may be beyond this wall.
     """
     names, points = scene.wall_names, len(point_wall_pairs(scene))
-    pairs = candidates(scene)
+    pairs = candidates_of(scene)
     candidate_texts = [
         f"{scene.point_label(point)} at the wall {names[wall]}" for point, wall in pairs[:points]
     ]

@@ -16,12 +16,12 @@ from itertools import accumulate
 from typing import Any, NamedTuple
 
 from chain_impact.kernel.rows.geometry import AT_WALL, STOP_CODES
-from chain_impact.scene.candidates import candidates
+from chain_impact.scene.candidates import candidates_of
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.keys.chain_tables import Link, Slider
 from chain_impact.scene.keys.default_rules import ZERO_RULE
 from chain_impact.scene.keys.tables import Contact
-from chain_impact.scene.rules.key_rules import keys
+from chain_impact.scene.rules.key_rules import key_fields
 from chain_impact.scene.rules.rule_language import (
     is_rule_true,
     member_lookups,
@@ -38,7 +38,7 @@ TRUE_FACT = "always"
 _DEFAULT_KEYS = {
     entry.name
     for table in (Link, Slider, Contact)
-    for entry in keys(table)
+    for entry in key_fields(table)
     if entry.metadata["default"] is ZERO_RULE
 }
 """The names of keys with the default ZERO_RULE. A key of this kind that the file lacks has the value 0 in the
@@ -260,7 +260,7 @@ def _sites(facts: SceneFacts) -> list[dict[str, Any]]:
 def _candidates(facts: SceneFacts) -> list[dict[str, Any]]:
     names, members = facts.scene.wall_names, list[dict[str, Any]]()
     stops = [STOP_CODES.get(facts.scene.stop_name(wall), AT_WALL) for wall in range(len(names))]
-    for n, wall in candidates(facts.scene):
+    for n, wall in candidates_of(facts.scene):
         at_joint = stops[wall] != AT_WALL and n > 0
         label = {} if at_joint else {"name": names[wall]}
         members.append({"n": n, "wall": wall, "stop": stops[wall], "at_joint": at_joint, **label})

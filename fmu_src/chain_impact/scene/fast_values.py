@@ -18,7 +18,7 @@ from chain_impact.scene.contents import AnyScene, Contents
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.keys.chain_tables import Link
 from chain_impact.scene.keys.tables import Contact, Initial, Simulation, Solver
-from chain_impact.scene.rules.key_rules import keeps_rules, keys
+from chain_impact.scene.rules.key_rules import keeps_rules, key_fields
 from chain_impact.scene.words.angles import radians_hint
 from chain_impact.scene.words.names import AXES, DataPath, name_of
 
@@ -54,7 +54,7 @@ def _numbers() -> dict[str | DataPath, tuple[DataPath, Mapping[str, Any]]]:
 
 def _keys_checked_alone(table: Any) -> dict[str, Mapping[str, Any]]:
     """Return key → metadata for the keys of the dataclass ``table`` that have the rule ``alone``."""
-    return {entry.name: entry.metadata for entry in keys(table) if entry.metadata["alone"]}
+    return {entry.name: entry.metadata for entry in key_fields(table) if entry.metadata["alone"]}
 
 
 def with_numbers(scene: AnyScene, changes: Mapping[str, Any] | Mapping[DataPath, Any]) -> AnyScene | None:
@@ -187,7 +187,7 @@ def _slots(table: type) -> list[tuple[str, Callable[..., Any], Callable[..., Non
 
 @functools.cache
 def _metadata_of_links() -> dict[str, Mapping[str, Any]]:
-    return {entry.name: entry.metadata for entry in keys(Link)}
+    return {entry.name: entry.metadata for entry in key_fields(Link)}
 
 
 def _is_valid_start(scene: Contents) -> bool:

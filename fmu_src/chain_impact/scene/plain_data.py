@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import is_dataclass
 from typing import Any
 
-from chain_impact.scene.rules.key_rules import keys
+from chain_impact.scene.rules.key_rules import key_fields
 
 
 def plain(value: Any) -> Any:
@@ -16,7 +16,7 @@ def plain(value: Any) -> Any:
     because it copies each number.
     """
     if is_dataclass(value):
-        parts = ((entry.name, getattr(value, entry.name)) for entry in keys(value.__class__))
+        parts = ((entry.name, getattr(value, entry.name)) for entry in key_fields(value.__class__))
         return {name: plain(part) for name, part in parts if part is not None}
     if isinstance(value, Mapping):
         return {name: plain(part) for name, part in value.items()}

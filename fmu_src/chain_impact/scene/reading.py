@@ -17,7 +17,7 @@ from chain_impact.scene.rules.key_rules import (
     allowed_words,
     extended_metadata,
     keeps_rules,
-    keys,
+    key_fields,
     without_none,
 )
 from chain_impact.scene.words.angles import or_degrees, radians_of
@@ -40,7 +40,7 @@ def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
 
     ``prefix`` is the beginning of all names.
     """
-    for entry in keys(table):
+    for entry in key_fields(table):
         key = prefix + entry.name
         yield key, entry
         if is_dataclass(inner_type := entry_type(entry.type)):
@@ -77,7 +77,7 @@ class Reader:
         """
         if not isinstance(data, Mapping):
             raise refusal(path, "no_table", value=value_text(data))
-        entries = {entry.name: entry for entry in keys(table)}
+        entries = {entry.name: entry for entry in key_fields(table)}
         for name in data:
             if name not in entries:
                 raise self._unknown_key_error(table, path, name)
@@ -177,7 +177,7 @@ class Reader:
         If no key is similar, the error lists the keys of `table`.
         """
         key_path, name = (*path, name), value_text(name).strip("'")
-        known_keys = [entry.name for entry in keys(table)]
+        known_keys = [entry.name for entry in key_fields(table)]
         prefix = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
         if near_key := nearest_name(name, known_keys, at_least=SIMILAR_KEY) or name_with_one_typo(
             name, known_keys
@@ -198,7 +198,7 @@ class Reader:
         moved_keys = [
             self._keys()[key]
             for key in value
-            if key in self._keys() and key not in {entry.name for entry in keys(item)}
+            if key in self._keys() and key not in {entry.name for entry in key_fields(item)}
         ]
         return "".join(
             f"; {key.rpartition('.')[2]} belongs in [{key.rpartition('.')[0]}]" for key in moved_keys

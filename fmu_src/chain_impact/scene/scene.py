@@ -104,7 +104,7 @@ class Scene(Contents):
 
     def __repr__(self) -> str:
         """Return the values of the scene that matter most, in a few lines of text."""
-        return scene_text.text(self)
+        return scene_text.scene_as_text(self)
 
     def _repr_html_(self) -> str:
         """Return HTML for a notebook: the text of ``repr``, and a small drawing of the chain at its start."""

@@ -17,10 +17,10 @@ def with_settings(scene: Scene, settings: Mapping[str, Any]) -> Scene:
     Raises:
         SceneError: when a name is unknown or a value is out of range.
     """
-    return scene.with_values({name: value_of(value) for name, value in settings.items()})
+    return scene.with_values({name: parsed_value(value) for name, value in settings.items()})
 
 
-def value_of(text: Any) -> Any:
+def parsed_value(text: Any) -> Any:
     """Return the value that a text stands for: a number, a value as in TOML, or the text itself.
 
     Values of other types are returned unchanged.

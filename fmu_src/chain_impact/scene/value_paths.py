@@ -13,7 +13,7 @@ from chain_impact.scene.contents import Contents, named_point_hint, slider_hint
 from chain_impact.scene.errors import UnknownNameError
 from chain_impact.scene.keys.chain_tables import Link
 from chain_impact.scene.reading import keys_of
-from chain_impact.scene.rules.key_rules import keys
+from chain_impact.scene.rules.key_rules import key_fields
 from chain_impact.scene.words.names import (
     DataPath,
     fmu_name,
@@ -74,7 +74,7 @@ def single_values(
     list are left out: these are the corners of a box, which follow from its size.
     """
     if is_dataclass(value):
-        for entry in (entry for entry in keys(value.__class__) if not entry.metadata.get("file_only")):
+        for entry in (entry for entry in key_fields(value.__class__) if not entry.metadata.get("file_only")):
             inner_value, unit = getattr(value, entry.name), entry.metadata.get("unit", "")
             skipped_depth = value.corners if entry.name == "points" and isinstance(value, Link) else 0
             yield from single_values(inner_value, (*path, entry.name), unit, skipped_depth)

@@ -22,7 +22,7 @@ from chain_impact.kernel.record.constants import SOLVER_METHODS
 from chain_impact.kernel.record.counts import Counts
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
-from chain_impact.scene.rules.key_rules import keys
+from chain_impact.scene.rules.key_rules import key_fields
 from chain_impact.scene.rules.rule_language import members_in, number_in, numbers_of
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import ENTRY_AT, INDEX_PLACE, DataPath
@@ -227,7 +227,7 @@ def _write(table: str, words: np.ndarray, scene: Scene, counts: Counts) -> None:
     words[indices] = [number for reader in readers for number in reader(scene)]
 
 
-@lru_cache(MOST_CACHED * len(keys(Scene)))
+@lru_cache(MOST_CACHED * len(key_fields(Scene)))
 def _words_of(
     table: str, counts: Counts, sloped_walls: int, has_slider: bool, met_conditions: tuple[str, ...]
 ) -> tuple[np.ndarray, list[Callable[[Scene], list[Any]]]]:

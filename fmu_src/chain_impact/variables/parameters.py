@@ -19,7 +19,7 @@ from chain_impact.scene.facts import TRUE_FACT
 from chain_impact.scene.keys.chain_tables import Link, Site, Slider
 from chain_impact.scene.keys.signal_tables import NUMBERS, Signal
 from chain_impact.scene.keys.tables import Box, Contact, Initial, Material, Simulation, Solver, Stops, Wall
-from chain_impact.scene.rules.key_rules import Derived, keys
+from chain_impact.scene.rules.key_rules import Derived, key_fields
 from chain_impact.scene.words.names import AXES, ENTRY_AT, INDEX_PLACE, LINK_AT, DataPath, name_of
 from chain_impact.variables.kind import LINK, MOTION, SIGNAL, SITE, SLIDER, SLOPED_WALL, WALL, Kind, block
 
@@ -39,7 +39,7 @@ the name (x, y) of an axis."""
 @cache
 def _metadata(table: type) -> dict[str, Mapping[str, Any]]:
     """Return key → metadata for a table of the scene, without keys that only files have (``file_only``)."""
-    return {entry.name: entry.metadata for entry in keys(table) if not entry.metadata.get("file_only")}
+    return {entry.name: entry.metadata for entry in key_fields(table) if not entry.metadata.get("file_only")}
 
 
 def _parameter(

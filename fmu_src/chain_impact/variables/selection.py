@@ -9,7 +9,7 @@ from chain_impact.scene.asked_inputs import request_hint
 from chain_impact.scene.contents import named_point_hint
 from chain_impact.scene.errors import find_names, names_matching
 from chain_impact.scene.keys.tables import Outputs
-from chain_impact.scene.rules.key_rules import keys
+from chain_impact.scene.rules.key_rules import key_fields
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.words.names import DataPath, input_key, parameter_hint
 from chain_impact.variables.hints import Hint, output_hint, parts_hint, series_hint
@@ -132,7 +132,7 @@ def _hint_on_outputs(prepared_scene: SceneVariables) -> Hint:
 
 def _hint_on_more(scene: Scene, name: str) -> str | None:
     """Return a hint if the scene would have the output ``name`` with another key of [outputs]; else None."""
-    for key in keys(Outputs):
+    for key in key_fields(Outputs):
         if getattr(scene.outputs, key.name) is False:
             asked_text = f"outputs.{key.name} = true"
             more_names = all_outputs(scene.with_values({f"outputs.{key.name}": True}))

@@ -18,7 +18,7 @@ import numpy as np
 
 from chain_impact.scene.keys.chain_tables import ChainTable, Link, Slider
 from chain_impact.scene.keys.tables import Contact
-from chain_impact.scene.rules.key_rules import keys
+from chain_impact.scene.rules.key_rules import key_fields
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import INDEX_PLACE, DataPath
 from chain_impact.variables.parameters import PARAMETERS
@@ -71,7 +71,7 @@ def _decisive_keys(table: type, path: DataPath) -> list[str]:
         for kind in kinds
         if kind.scene_path and kind.scene_path[:-1] == path and not (kind.hint or kind.number_for_none)
     }
-    return [key.name for key in keys(table) if key.name not in numbers]
+    return [key.name for key in key_fields(table) if key.name not in numbers]
 
 
 _contact_values = attrgetter(*_decisive_keys(Contact, ("contact",)))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.scene.candidates import candidates
+from chain_impact.scene.candidates import candidates_of
 
 NEWTON, MOMENTUM = 1e-9, 1e-8  # allowed errors of Newton's law and of momentum, over the largest term
 # The allowed error of a peak is (SAMPLED + ROUGH × tolerance) × the largest force, as a peak is a sample.
@@ -77,7 +77,7 @@ def outside(run: Any, kind: str, at_tip: np.ndarray) -> np.ndarray:
     """Return the forces, or impulses, of walls and of the input on the links, shape (T, N, 2)."""
     outputs, scene = run.outputs, run.scene
     found = np.zeros((len(outputs), len(scene.chain.links), 2))
-    for c, (point, number) in enumerate(candidates(scene)):
+    for c, (point, number) in enumerate(candidates_of(scene)):
         if wall := scene.half_planes.get(scene.wall_names[number]):
             normal = np.array(wall.normal)
             on = np.outer(outputs[kind][:, c], normal)

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.status import OK, STATUS_TEXT, TOO_MUCH_WORK
-from chain_impact.scene.candidates import candidates
+from chain_impact.scene.candidates import candidates_of
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.errors import SimulationError
 from tests.helpers.campaigns.load_checks import load_checks
@@ -63,7 +63,7 @@ def laws(scene: Scene) -> list[Law]:
     """Return the law of each candidate."""
     contact, stops, found = scene.contact, scene.stops, []
     size = max(link.length for link in scene.chain.links)
-    for point, wall in candidates(scene):
+    for point, wall in candidates_of(scene):
         name = scene.wall_names[wall]
         stop = name in ("joint_min", "joint_max") and bool(scene.chain.stops)
         model = (stops.model or contact.model) if stop else contact.model
@@ -275,7 +275,7 @@ def left_inside(run: Account) -> np.ndarray:
     A contact ends when its point will leave the wall within LEFT of the time scale δ*/v₀.
     """
     depth = np.zeros_like(run.outputs["penetration"])
-    column = {candidate: c for c, candidate in enumerate(candidates(run.scene))}
+    column = {candidate: c for c, candidate in enumerate(candidates_of(run.scene))}
     v0, foreseen = expected(run)
     for row, speed, scale in zip(run.impacts, v0, foreseen, strict=True):
         since = run.time - row["end"]
@@ -364,7 +364,7 @@ def falls(scene: Scene, outputs: Any) -> Iterator[Row]:
     An impulse may fall by ten times the tolerance of its largest value, or by round-off of a momentum.
     """
     mass, size = sum(link.mass for link in scene.chain.links), max(link.length for link in scene.chain.links)
-    for c, (point, wall) in enumerate(candidates(scene)):
+    for c, (point, wall) in enumerate(candidates_of(scene)):
         if not scene.wall_names[wall].startswith("joint_"):  # impulses of a joint's two stops have signs
             impulse = outputs["impulse"][:, c]
             least = 10.0 * scene.solver.tolerance * float(np.abs(impulse).max()) + ROUND_OFF * mass * size

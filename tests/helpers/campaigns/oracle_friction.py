@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chain_impact.scene.candidates import candidates
+from chain_impact.scene.candidates import candidates_of
 from chain_impact.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def friction_checks(scene: Scene, outputs: Any) -> Iterator[Row]:
     mass = sum(link.mass for link in scene.chain.links)
     least = SMALL * mass * (np.hypot(*scene.gravity) + size) + state_errors(scene, outputs, size)
     excess = 0.0
-    for c, (_, number) in enumerate(candidates(scene)):
+    for c, (_, number) in enumerate(candidates_of(scene)):
         if number < len(scene.wall_names) and not scene.wall_names[number].startswith("joint_"):
             limit = _static(scene, scene.wall_names[number]) * np.maximum(outputs["force"][:, c], 0.0)
             excess = max(excess, float((np.abs(friction["force"][:, c]) - (1.0 + FORCE) * limit).max()))

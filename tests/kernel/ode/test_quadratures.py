@@ -15,7 +15,7 @@ from chain_impact.kernel.ode import dense
 from chain_impact.kernel.ode.dense import interpolate_component
 from chain_impact.kernel.record.constants import DENSE_COEFFICIENTS
 from chain_impact.kernel.record.state import time_at
-from chain_impact.scene.candidates import candidates
+from chain_impact.scene.candidates import candidates_of
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.simulation.instance import Instance
 from tests.helpers.kernel.plain import make_rigid
@@ -30,7 +30,7 @@ def unbalanced(result):
     scene = result.scene
     momentum, _ = momenta(result)
     mass = sum(link.mass for link in scene.chain.links)
-    walls = [scene.half_planes[scene.wall_names[wall]].normal for _, wall in candidates(scene)]
+    walls = [scene.half_planes[scene.wall_names[wall]].normal for _, wall in candidates_of(scene)]
     given = result.outputs["impulse"] @ np.array(walls) + mass * np.outer(result.time, scene.gravity)
     return abs(momentum - momentum[0] - given).max()
 

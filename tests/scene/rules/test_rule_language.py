@@ -7,7 +7,7 @@ import pytest
 from chain_impact.scene.keys.chain_tables import Link
 from chain_impact.scene.keys.signal_tables import Signal
 from chain_impact.scene.keys.tables import Contact, Initial, Material, Simulation, Solver, Stops
-from chain_impact.scene.rules.key_rules import keys
+from chain_impact.scene.rules.key_rules import key_fields
 from chain_impact.scene.rules.refusals import (
     LAW_FACTS,
     REFUSALS,
@@ -32,8 +32,8 @@ WRONG = (
     "a[0]",
 )
 ALL_KEYS = {key for key, _ in scene_keys()}
-OF_LINK = {entry.name for entry in keys(Link)} | {"order"}
-OF_LAW = {entry.name for entry in keys(Material)} | {"exponent"} | {f"law.{key}" for key in LAW_FACTS}
+OF_LINK = {entry.name for entry in key_fields(Link)} | {"order"}
+OF_LAW = {entry.name for entry in key_fields(Material)} | {"exponent"} | {f"law.{key}" for key in LAW_FACTS}
 NAMES = {"": ALL_KEYS | OF_LINK, "link": ALL_KEYS | OF_LINK, "law": OF_LAW}
 """Table to which a rule belongs → the names that the rule may have."""
 
@@ -60,7 +60,7 @@ def test_an_unknown_name_is_an_error():
 
 @pytest.mark.parametrize("rule", [*REFUSALS, *SIGNAL_REFUSALS], ids=lambda rule: f"{rule.fault}, {rule.key}")
 def test_the_rules_of_a_file_name_keys_and_facts(rule: RefusalRule):
-    facts = {"moves", "order", "steps_differ", "starts_fast"} | {entry.name for entry in keys(Signal)}
+    facts = {"moves", "order", "steps_differ", "starts_fast"} | {entry.name for entry in key_fields(Signal)}
     names = facts if rule in SIGNAL_REFUSALS else NAMES[rule.of]
     assert {rule.key, *names_in(tree(rule.condition))} <= names
     assert {*names_in(tree(rule.least or "0"))} <= names
@@ -68,18 +68,20 @@ def test_the_rules_of_a_file_name_keys_and_facts(rule: RefusalRule):
 
 
 def test_each_key_of_stops_has_a_rule_for_scenes_without_stops():
-    assert [entry.name for entry in keys(Stops)] == [*STOP_KEYS]
+    assert [entry.name for entry in key_fields(Stops)] == [*STOP_KEYS]
 
 
 def test_no_rule_names_a_key_that_changes_without_the_rules():
     """``with_values`` leaves a restitution of 0 and the velocity of a held base to the rules."""
-    alone = {entry.name for table in (Contact, Link) for entry in keys(table) if entry.metadata["alone"]}
+    alone = {
+        entry.name for table in (Contact, Link) for entry in key_fields(table) if entry.metadata["alone"]
+    }
     for name, table in (
         ("contact", Contact),
         ("initial", Initial),
         ("simulation", Simulation),
         ("solver", Solver),
     ):
-        alone |= {f"{name}.{entry.name}" for entry in keys(table) if entry.metadata["alone"]}
+        alone |= {f"{name}.{entry.name}" for entry in key_fields(table) if entry.metadata["alone"]}
     named = {name for rule in REFUSALS for name in (rule.key, *names_in(tree(rule.condition)))}
     assert named & alone == {"restitution", "initial.velocity"}

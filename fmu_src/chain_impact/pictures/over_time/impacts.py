@@ -22,7 +22,7 @@ from chain_impact.pictures.drawing.style import GREY, INK, PEAK_COLOUR, is_narro
 from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, rubbing_places
 from chain_impact.pictures.over_time.time_axis import show_all_time
 from chain_impact.pictures.words.headline import impact_values, marked_peaks
-from chain_impact.pictures.words.impact_numbers import choices, numbers_of, write_first_whole
+from chain_impact.pictures.words.impact_numbers import label_subsets, numbers_of, write_first_whole
 from chain_impact.pictures.words.point_names import POINT, number_of, short_names, what_touches
 from chain_impact.recording.contact_times import SEEN_CONTACT, contact_ends, impacts_at_peaks
 from chain_impact.recording.impact_words import speed_unit
@@ -300,9 +300,9 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
     """Write numbers of impacts at their marks, where ``ink`` is free.
 
     If ``numbered_step`` is a number k > 1, every k-th impact gets a number. Otherwise all impacts get one or,
-    without room for that, those with the highest marks and the last impact (``choices``); impacts whose marks
-    coincide share a label (``numbers_of``). If an impact in ``marked_peaks`` has a label of its own, this
-    label also has the force, moment or impulse, if there is room.
+    without room for that, those with the highest marks and the last impact (``label_subsets``); impacts whose
+    marks coincide share a label (``numbers_of``). If an impact in ``marked_peaks`` has a label of its own,
+    this label also has the force, moment or impulse, if there is room.
     """
     times, heights = marks_of(recording)
     if not len(times):
@@ -320,7 +320,7 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
         return Label(text, place, short=short)
 
     tries = [[label([row]) for row in range(step - 1, len(times), step)]] if step > 1 else []
-    for rows in choices(rows_by_height(heights).tolist()):
+    for rows in label_subsets(rows_by_height(heights).tolist()):
         groups = {tuple(sorted(common_rows[row], key=lambda row: -heights[row])) for row in rows}
         if len(groups) <= MOST_NUMBER_LABELS:
             tries.append([label(group) for group in sorted(groups, key=lambda group: -heights[group[0]])])

@@ -17,7 +17,7 @@ MOST_IN_LABEL = 4  # the largest number of items in a label; an item is an impac
 NUMBERED_COUNTS = (20, 16, 12, 10, 8, 6, 5, 4, 3, 2, 1)
 
 
-def choices(order: Sequence[int]) -> Iterator[list[int]]:
+def label_subsets(order: Sequence[int]) -> Iterator[list[int]]:
     """Yield the rows of the impacts that may have numbers: first all, then the largest ones and the last one.
 
     ``order`` has the rows of all impacts, the largest impact first.

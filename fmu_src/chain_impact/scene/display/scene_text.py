@@ -17,7 +17,7 @@ SHOWN_ENTRIES = 6
 TEXT_WIDTH = 100  # largest number of characters in a line of the text of a scene; a longer line is cut
 
 
-def text(scene: Contents) -> str:
+def scene_as_text(scene: Contents) -> str:
     """Return a scene in a few lines: name, chain, walls, contact, stops, signals, start and run."""
     title = f"Scene {scene.name}" + (f": {' '.join(scene.description.split())}" if scene.description else "")
     lines = [title, *(f"  {word:9}{line}" for word, line in _lines(scene))]

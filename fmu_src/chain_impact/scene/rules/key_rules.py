@@ -93,7 +93,7 @@ NO_KEY = {"key": False}
 
 
 @functools.cache
-def keys(table: Any) -> tuple[Field[Any], ...]:
+def key_fields(table: Any) -> tuple[Field[Any], ...]:
     """Return those fields of the dataclass ``table`` that are keys of the scene file."""
     return tuple(entry for entry in fields(table) if entry.metadata.get("key", True))
 

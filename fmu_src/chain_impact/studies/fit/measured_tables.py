@@ -9,7 +9,7 @@ from typing import cast
 import numpy as np
 
 from chain_impact.recording.impacts import POSITION
-from chain_impact.scene.candidates import candidates
+from chain_impact.scene.candidates import candidates_of
 from chain_impact.scene.errors import SceneError, names_matching, value_text
 from chain_impact.scene.files.table_file import Table, TableSource, is_table, read_table
 from chain_impact.scene.files.text_file import likely_time, time_like
@@ -232,7 +232,7 @@ class _Book:
                 place, columns = table.cell_place(row, name), ", ".join(known_names) or "none"
                 raise SceneError(f"{place} = {value_text(cell)} must be a wall of the scene: {columns}")
             return self._scene.wall_names.index(cell)
-        points = sorted({point for point, _ in candidates(self._scene)})
+        points = sorted({point for point, _ in candidates_of(self._scene)})
         labels = [*self._scene.point_names.values()]
         names = {label: k for k, label in self._scene.point_names.items() if labels.count(label) == 1}
         if name == POINT and cell in names:

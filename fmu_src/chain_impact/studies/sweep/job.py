@@ -15,7 +15,7 @@ import numpy as np
 from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.status import OK
 from chain_impact.progress import log
-from chain_impact.scene.candidates import candidates, stop_pairs
+from chain_impact.scene.candidates import candidates_of, stop_pairs
 from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import SENSITIVITY, DataPath
@@ -68,7 +68,7 @@ class Job:
         a candidate at one of these, and leads to the number of its latest onset, 0 before the first onset.
         """
         joints, pair_paths = stop_pairs(self.scene), dict[str, list[DataPath]]()
-        for c, pair in enumerate(candidates(self.scene)):
+        for c, pair in enumerate(candidates_of(self.scene)):
             name = "stop.peak_moment" if pair in joints else "peak_force"
             pair_paths.setdefault(name, [("law", c, "impulsive")]).append(("contacts", "impact_number", c))
         return pair_paths
