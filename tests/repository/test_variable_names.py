@@ -19,6 +19,11 @@ turned turns typed unknown until up usable used usual varied varying wanted what
 why wide within without written wrong
 """
 """Adjectives, verb forms, pronouns and prepositions: alone, none of them says what a variable holds."""
+NOUNS = """
+bodies candidates choices curves drives errors events facts inputs keys kit members names numbers places rows
+text
+"""
+"""Usual names of variables: a variable of this name hides a function of this name."""
 PUBLIC_PARAMETERS = {("plot", "around"), ("curves", "around"), ("curves_of", "around"), ("fit", "free")}
 PUBLIC_PARAMETERS |= {(function, "like") for function in ("save", "write_scene")}
 PUBLIC_PARAMETERS |= {("__eq__", "other"), ("__init__", "what"), ("__init__", "otherwise")}
@@ -48,3 +53,15 @@ def test_no_variable_is_a_bare_adjective(room):
     assert {
         pair for pair in found if pair[1].lower().strip("_") in ADJECTIVES.split()
     } - PUBLIC_PARAMETERS == set()
+
+
+@pytest.mark.parametrize("room", sorted(ROOMS))
+def test_no_function_has_the_name_of_a_usual_variable(room):
+    """A variable such as keys hides a function keys: key_fields says what the function returns."""
+    functions = {
+        node.name
+        for file in (PACKAGE / room).rglob("*.py")
+        for node in ast.parse(file.read_text("utf-8")).body
+        if isinstance(node, ast.FunctionDef)
+    }
+    assert functions & {*NOUNS.split()} == set()

@@ -103,7 +103,7 @@ def run(options: argparse.Namespace) -> int:
             data,
             names_in(*options.free),
             free_each=names_in(*options.free_each),
-            set_each={name: numbers(name, text) for name, text in set_each.items()},
+            set_each={name: parsed_numbers(name, text) for name, text in set_each.items()},
             sigma=pairs("--sigma", options.sigma, "point[4].x=1e-3"),
             bounds=pairs("--bounds", options.bounds, "contact.restitution=0.3:0.9"),
             columns=names_in(options.columns) if options.columns else None,
@@ -121,7 +121,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def numbers(name: str, text: str) -> list[float]:
+def parsed_numbers(name: str, text: str) -> list[float]:
     """Return the numbers in ``text``, the part VALUES of ``--set-each NAME=VALUES``; commas separate them.
 
     ``name`` is the part NAME, for the error.

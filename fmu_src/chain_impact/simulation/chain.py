@@ -52,7 +52,7 @@ class Chain:
 
         Args:
             scene: a scene, or an argument of ``load_scene``. The chain has the inputs that the scene asks for
-                in its table ``inputs``.
+                in its table ``input_variables``.
             record: True keeps a row of all outputs and inputs at the start and after each step, for
                 ``result``; names, in which ``*`` stands for any text, choose outputs and inputs.
 

@@ -324,8 +324,8 @@ class DifferentiatedRun:
         run fails later, the outputs and derivatives after the fault are NaN.
 
         Args:
-            values: the values of the parameters, shape (P,); the value for an input is not used if ``inputs``
-                has a signal for it.
+            values: the values of the parameters, shape (P,); the value for an input is not used if
+                ``input_variables`` has a signal for it.
             times: the increasing times of the wanted outputs, shape (T,) [s].
 
         Raises:

@@ -64,7 +64,7 @@ def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
             )
 
 
-def inputs(structure: Structure) -> Iterator[Variable]:
+def input_variables(structure: Structure) -> Iterator[Variable]:
     """Return the inputs that scenes with this structure ask for, without those that signals determine."""
     driven_names = structure.driven_quantities
     return (variable for variable in requested_inputs(structure) if variable.name not in driven_names)

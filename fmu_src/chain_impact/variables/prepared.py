@@ -29,7 +29,7 @@ from chain_impact.variables.indices import (
     output_indices,
     word_index,
 )
-from chain_impact.variables.listing import derivatives, inputs, outputs_of, parameters
+from chain_impact.variables.listing import derivatives, input_variables, outputs_of, parameters
 from chain_impact.variables.selection import outputs_named, varied_by
 from chain_impact.variables.shared_data import shared_by_structure, shared_data_of
 from chain_impact.variables.structure import Structure, structure_of
@@ -98,9 +98,9 @@ class PreparedScene:
         return list(parameters(self.scene, self.structure))
 
     @shared_by_structure
-    def inputs(self) -> list[Variable]:
+    def input_variables(self) -> list[Variable]:
         """The inputs of the FMU."""
-        return list(inputs(self.structure))
+        return list(input_variables(self.structure))
 
     @cached_property
     def signals_by_input(self) -> dict[str, str]:
