@@ -98,7 +98,7 @@ class PreparedScene:
         return list(parameters(self.scene, self.structure))
 
     @shared_by_structure
-    def input_variables(self) -> list[Variable]:
+    def inputs(self) -> list[Variable]:
         """The inputs of the FMU."""
         return list(input_variables(self.structure))
 

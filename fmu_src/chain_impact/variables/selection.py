@@ -24,7 +24,7 @@ class SceneVariables(Protocol):
     scene: Scene
 
     @property
-    def input_variables(self) -> list[Variable]: ...  # noqa: D102
+    def inputs(self) -> list[Variable]: ...  # noqa: D102
 
     @property
     def outputs_without_derivatives(self) -> dict[str, Variable]: ...  # noqa: D102
