@@ -83,6 +83,21 @@ def test_a_body_that_sticks_stays_for_an_hour(stiffness):
     assert result["contact[1].ramp.sticking"][-1] == 1.0
 
 
+@pytest.mark.parametrize("body", ["rod", "chain"])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("stiffness", [1e5, 10.0**5.24, 10.0**5.72], ids="{:.2g}".format)
+def test_contacts_that_stop_together_stick_together(body, tolerance, stiffness):
+    """Round-off of their speeds must not decide which of them slide on at zero speed."""
+    slope = math.radians(20.0)
+    table, forces = held(BODIES[body], slope, 0.5, stop_time=0.3)
+    table["contact"]["stiffness"] = stiffness
+    result = run(table, output_step=0.1, tolerance=tolerance)
+    for point in BODIES[body].points:
+        assert result[f"contact[{point}].ramp.friction_force"][-1] == pytest.approx(
+            forces.tangential, rel=1e-3
+        )
+
+
 @pytest.mark.parametrize(
     ("friction", "tolerance", "restitution", "stiffness"),
     [

@@ -292,11 +292,28 @@ def mode_may_end(d, e):
 
 
 def mark_changes(d, element, theta):
-    """Mark ``element``, whose mode ends at θ of the step, and every other element whose mode ends at θ."""
+    """Mark ``element``, whose mode ends at θ of the step, and every other element whose mode ends at θ.
+
+    The sliding of an element that comes to rest at θ ends as well, although its speed need not change its
+    sign: an element that sticks from θ on may hold it. Otherwise round-off would decide which elements of a
+    body that stops slide on at zero speed, with forces at their limits.
+    """
     for i in range(d.friction.count):
         e = d.element.index[i]
-        if e == element or element_margin(d, e, theta) < 0.0:
+        if e == element or element_margin(d, e, theta) < 0.0 or comes_to_rest(d, e, theta):
             mark_change(d, e, STICKING_ENDS if d.element.mode[e] == STICKS else SLIDING_ENDS)
+    locate_at_fraction(d, theta)
+
+
+def comes_to_rest(d, e, theta):
+    """Return whether e slides at the start of the last step, and is at rest at θ of this step."""
+    return d.element.mode[e] != STICKS and is_at_rest(d, e, theta) and not is_at_rest(d, e, 0.0)
+
+
+def is_at_rest(d, e, theta):
+    """Return whether the tangential speed of element e is at most ``rest_speed`` at θ of the last step."""
+    locate_at_fraction(d, theta)
+    return abs(tangential_rate(d, e)) <= rest_speed(d)
 
 
 def element_error(d, e):

@@ -206,7 +206,7 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         # events before it: UNSOLVED, MOVING or SQUEEZED of rows/constraints.py
         ("outcome", INTEGER),
         # 1: the last problem was near a fold: a rigid wall held a point, and the first iteration left more
-        # than FOLD_RESIDUAL (rows/constraints.py) of the residual, and more than round-off
+        # than FOLD_RESIDUAL (rows/constraints.py) of the residual
         ("near_fold", INTEGER),
         # 1: the constraint is in the active set, so its impulse may differ from 0
         ("in_active_set", INTEGER, (count,)),

@@ -182,11 +182,7 @@ def iterate_impulses(d, scale):
     )
     while residual > round_off or not iterated_enough(d, iterations):
         slow = has_walls and residual > round_off and not residual < SLOW_DECREASE * residual_before
-        if (
-            has_walls
-            and iterations == 1
-            and residual > max(FOLD_RESIDUAL * residual_before, SIGN_TOLERANCE * scale)
-        ):
+        if has_walls and iterations == 1 and residual > max(FOLD_RESIDUAL * residual_before, round_off):
             constraints.near_fold = 1
         grows = slow and residual > SIGN_TOLERANCE * scale and impedance < LARGEST_IMPEDANCE * mean_mass(d)
         residual_before = residual
