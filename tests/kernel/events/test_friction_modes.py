@@ -19,7 +19,7 @@ from chain_impact.kernel.events.friction_modes import (
     widen_slack,
 )
 from chain_impact.kernel.events.marks import count_pending_changes
-from chain_impact.kernel.events.sampled import friction_round_off, rest_speed
+from chain_impact.kernel.events.mode_changes import friction_round_off, rest_speed
 from chain_impact.kernel.forces.active_contacts import list_active_contacts
 from chain_impact.kernel.forces.friction import list_sticking, sliding_sign
 from chain_impact.kernel.record.constants import NO_EVENT, NO_FRICTION, SLIDING_ENDS, STICKING_ENDS, STICKS

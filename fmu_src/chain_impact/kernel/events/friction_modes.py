@@ -21,8 +21,8 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, largest_comp
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.marks import drop_changes
+from chain_impact.kernel.events.mode_changes import friction_round_off, rest_speed
 from chain_impact.kernel.events.onset_modes import begins_now, decide_onsets
-from chain_impact.kernel.events.sampled import friction_round_off, rest_speed
 from chain_impact.kernel.forces.friction import (
     clear_other_forces,
     joint_number,

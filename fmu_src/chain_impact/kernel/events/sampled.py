@@ -1,5 +1,7 @@
 """The events that are found by samples of a step. At each kind of event a function falls below zero.
 
+mode_changes.py has the searches for the ends of sliding and sticking, this module those for all other kinds.
+
     KINK             δ̇ or the force without the cut at 0; times −1 if the step starts beyond the kink
     RELATCH          RELATCH_RATIO v₀ − δ̇ of a contact with a force
     RELEASE          least force with which a rigid wall holds a point
@@ -34,7 +36,7 @@ from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.events.crossing import SIMULTANEOUS_TIME, locate_at_fraction, make_passage_search
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO, is_nearly_fast
-from chain_impact.kernel.events.marks import drop_events, mark_change, mark_contact_event, mark_saturation
+from chain_impact.kernel.events.marks import drop_events, mark_contact_event, mark_saturation
 from chain_impact.kernel.forces.active_contacts import kink_height
 from chain_impact.kernel.forces.force_formula import note_crossing
 from chain_impact.kernel.forces.holding import least_impulse, project_state
@@ -44,14 +46,10 @@ from chain_impact.kernel.record.constants import (
     KINK,
     RELATCH,
     RELEASE,
-    SLIDING_ENDS,
     SPOILED,
-    STICKING_ENDS,
-    STICKS,
 )
 from chain_impact.kernel.record.state import omega_at, velocity_at
-from chain_impact.kernel.rows.compliance import mean_mass
-from chain_impact.kernel.rows.geometry import clearance_and_rate, tangential_rate
+from chain_impact.kernel.rows.geometry import clearance_and_rate
 
 # SAMPLES: the number of samples in the searched part of a step in which a stage or an end shows an event. The
 # search for RELATCH takes FEW_SAMPLES: if it misses an event, the latched speed only stays too low.
@@ -69,15 +67,9 @@ MOST_SAMPLED_TURN = 1e4
 PULL_ROUND_OFF = 1e-11
 # [s] a shorter step is not rejected if a wall pulls by more than ``plausible_pull`` in a stage
 LEAST_REJECTED_STEP = 1e-9
-# the largest tangential speed that counts as rest, relative to one longest link per second
-REST_SPEED = 1e-12
-# A friction force that exceeds its limit by up to FRICTION_EXCESS is round-off, relative to a sum: the limit,
-# plus the mean mass of a link times the sum of gravity and the longest link per s².
-FRICTION_EXCESS = 1e-10
 
 
 CONTACT_MEMBERS = (lambda d: d.contacts.compliant_count, lambda d, k: d.contacts.active_index[k])
-ELEMENT_MEMBERS = (lambda d: d.friction.count, lambda d, k: d.element.index[k])
 ONE_MEMBER = (lambda _d: 1, lambda _d, _k: 0)
 
 
@@ -280,97 +272,6 @@ def may_release(d, c):
 find_release = choose_search(
     make_search(least_force, check_pull, mark_pulling),
     make_search(least_force, may_release, mark_pulling, samples=turn_sample_count),
-)
-
-
-# ---- changes of the modes of dry friction -----------------------------------------------------------------
-
-
-def mode_may_end(d, e):
-    """Return whether the margin of e's mode was below −``element_error`` at a stage of the last step."""
-    return d.element.margin[e] < -element_error(d, e)
-
-
-def mark_changes(d, element, theta):
-    """Mark ``element``, whose mode ends at θ of the step, and every other element whose mode ends at θ.
-
-    The sliding of an element that comes to rest at θ ends as well, although its speed need not change its
-    sign: an element that sticks from θ on may hold it. Otherwise round-off would decide which elements of a
-    body that stops slide on at zero speed, with forces at their limits.
-    """
-    for i in range(d.friction.count):
-        e = d.element.index[i]
-        if e == element or element_margin(d, e, theta) < 0.0 or comes_to_rest(d, e, theta):
-            mark_change(d, e, STICKING_ENDS if d.element.mode[e] == STICKS else SLIDING_ENDS)
-    locate_at_fraction(d, theta)
-
-
-def comes_to_rest(d, e, theta):
-    """Return whether e slides at the start of the last step, and is at rest at θ of this step."""
-    return d.element.mode[e] != STICKS and is_at_rest(d, e, theta) and not is_at_rest(d, e, 0.0)
-
-
-def is_at_rest(d, e, theta):
-    """Return whether the tangential speed of element e is at most ``rest_speed`` at θ of the last step."""
-    locate_at_fraction(d, theta)
-    return abs(tangential_rate(d, e)) <= rest_speed(d)
-
-
-def element_error(d, e):
-    """Return the tolerated error of element e: of friction force [N] if e sticks, else of speed [m/s]."""
-    return friction_round_off(d, e) if d.element.mode[e] == STICKS else rest_speed(d) + d.element.slack[e]
-
-
-def rest_speed(d):
-    """Return the tangential speed [m/s] up to which an element with ``slack`` 0 counts as at rest."""
-    return REST_SPEED * d.chain.longest_link
-
-
-def friction_round_off(d, e):
-    """Return the excess [N] of the friction force of element e over its limit that counts as round-off."""
-    return FRICTION_EXCESS * (
-        d.element.friction_limit[e] + mean_mass(d) * (d.chain.gravity_magnitude + d.chain.longest_link)
-    )
-
-
-def element_margin(d, e, theta):
-    """Return the margin of element e to the end of its mode at θ, plus the tolerated error ``element_error``.
-
-    The margin is the speed in the direction of sliding [m/s]; if e sticks, the limit minus |friction| [N].
-    """
-    locate_at_fraction(d, theta)
-    if d.element.mode[e] != STICKS:
-        return d.element.mode[e] * tangential_rate(d, e) + element_error(d, e)
-    project_state(d, d.scratch.state)
-    rate_from_state(d, d.scratch.state, d.scratch.rate)
-    count_evaluations(d, 1)
-    return d.element.friction_limit[e] - abs(d.element.force[e]) + element_error(d, e)
-
-
-def margin_is_halved(d):
-    """Return whether the repeated step at least halves the margin of any mode that is marked to end.
-
-    The margin (``element_margin``) at the end of the step is compared with that at its start. The dense
-    output of a long implicit step has errors: it may show an end of a mode that a shorter step does not have.
-    Without this check, steps with such false ends could follow each other without end.
-    """
-    is_halved = False
-    for i in range(d.friction.count):
-        e = d.element.index[i]
-        if d.element.event[e]:
-            is_halved = is_halved or element_margin(d, e, 1.0) <= 0.5 * element_margin(d, e, 0.0)
-    locate_at_fraction(d, 1.0)
-    return is_halved
-
-
-def may_always_change(_d, _e):
-    """Return True: in a step with a turn above TURN_OF_STAGES any mode may end between the stages."""
-    return True
-
-
-find_mode_change = choose_search(
-    make_search(element_margin, mode_may_end, mark_changes, ELEMENT_MEMBERS),
-    make_search(element_margin, may_always_change, mark_changes, ELEMENT_MEMBERS, samples=turn_sample_count),
 )
 
 

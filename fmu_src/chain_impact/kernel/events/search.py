@@ -24,14 +24,8 @@ from chain_impact.kernel.events.exclusion import (
     suspect_all_candidates,
 )
 from chain_impact.kernel.events.marks import count_pending_changes, mark_contact_event
-from chain_impact.kernel.events.sampled import (
-    find_kink,
-    find_mode_change,
-    find_relatch,
-    find_release,
-    find_saturation,
-    margin_is_halved,
-)
+from chain_impact.kernel.events.mode_changes import find_mode_change, margin_is_halved
+from chain_impact.kernel.events.sampled import find_kink, find_relatch, find_release, find_saturation
 from chain_impact.kernel.ode.control import is_accepted, reject_step
 from chain_impact.kernel.ode.dense import interpolate_component, interpolate_state
 from chain_impact.kernel.ode.last_step import ensure_dense

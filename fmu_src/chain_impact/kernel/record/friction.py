@@ -49,7 +49,7 @@ def element_dtype(elements: int) -> np.dtype:
         # motion has determined the mode; in a tangent instance also STOPPED = 2 of tangent/friction.py
         ("undecided", INTEGER, (elements,)),
         # m/s, a speed of an element against its direction of sliding counts as an error up to ``slack`` plus
-        # ``rest_speed`` (events/sampled.py)
+        # ``rest_speed`` (events/mode_changes.py)
         ("slack", REAL, (elements,)),
         ("anchor", REAL, (elements,)),  # m, the coordinate along t at which a sticking element is held
         ("force", REAL, (elements,)),  # N, friction force along t at the last evaluation of ẏ

@@ -4,7 +4,7 @@ The tangent instance takes the modes of the primal run. Sliding ends where the t
 Sticking ends where µ_s F_n − |F_t| = 0, with µ_s the coefficient of static friction, F_n the normal and F_t
 the friction force. The times of these ends depend on the parameters. If the friction force does not drop at
 the end of sticking, the time of this end has no effect on the motion, except through the small excess of the
-force at which the end is found (events/sampled.py).
+force at which the end is found (events/mode_changes.py).
 
 Derivatives do not exist where a small change of the parameters changes the order of such events, or decides
 whether an event occurs, unless the effect is negligible. The effect is a small tangential speed, which
@@ -20,8 +20,8 @@ from chain_impact.kernel.chain.drives import drive_count, first_joint
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest_component, locate_points
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.marks import count_pending_changes
+from chain_impact.kernel.events.mode_changes import friction_round_off, rest_speed
 from chain_impact.kernel.events.onset_modes import begins_now
-from chain_impact.kernel.events.sampled import friction_round_off, rest_speed
 from chain_impact.kernel.forces.friction import list_sticking
 from chain_impact.kernel.forces.holding import (
     CONTACT_RESISTANCE,

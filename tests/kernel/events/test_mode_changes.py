@@ -1,7 +1,5 @@
 """The ends of sticking and sliding, which are found by sampling a step."""
 
-# Tests: kernel/events/sampled.py
-
 import math
 
 import numpy as np
@@ -9,7 +7,7 @@ import pytest
 
 from chain_impact.kernel.advance import advance_one_step
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.events import sampled
+from chain_impact.kernel.events import mode_changes
 from chain_impact.kernel.events.marks import count_pending_changes
 from chain_impact.kernel.events.sampled import make_search
 from chain_impact.kernel.initialize import initialize
@@ -168,11 +166,13 @@ def changes(monkeypatch):
         asked.append(e)
         return -1.0 if at.get(e, 2.0) <= theta else 1.0
 
-    monkeypatch.setattr(sampled, "element_margin", margin)
+    monkeypatch.setattr(mode_changes, "element_margin", margin)
     return (
         at,
         asked,
-        make_search(margin, sampled.mode_may_end, sampled.mark_changes, sampled.ELEMENT_MEMBERS),
+        make_search(
+            margin, mode_changes.mode_may_end, mode_changes.mark_changes, mode_changes.ELEMENT_MEMBERS
+        ),
     )
 
 
@@ -182,7 +182,7 @@ def test_only_what_a_stage_has_shown_is_searched(rubbing, changes, found):
     at, asked, find = changes
     at.update(dict.fromkeys(elements, 0.1))
     for e in elements:
-        d.element.margin[e] = -0.9 * sampled.element_error(d, e)
+        d.element.margin[e] = -0.9 * mode_changes.element_error(d, e)
     d.contacts.event[3] = ONSET
     assert find(d, found) == found
     assert asked == []
@@ -218,7 +218,7 @@ def test_the_first_change_ends_the_step(rubbing, changes, case):
 def test_an_element_that_was_found_is_marked_whatever_round_off_says(rubbing, changes, monkeypatch):
     d, elements = rubbing
     changes[0][elements[2]] = 0.5
-    monkeypatch.setattr(sampled, "element_margin", lambda _d, _e, _theta: 1.0)
+    monkeypatch.setattr(mode_changes, "element_margin", lambda _d, _e, _theta: 1.0)
     d.element.margin[elements] = -1.0
     assert changes[2](d, -1.0) == pytest.approx(0.5, abs=1e-9)
     assert np.flatnonzero(d.element.event).tolist() == [elements[2]]
@@ -230,11 +230,11 @@ def test_sliding_has_ended_where_it_is_backward_by_more_than_round_off(rubbing, 
     e = elements[0]
     d.element.mode[e] = sign
     speed = sign * float(tangential_rate(d, e))
-    assert (sampled.element_margin(d, e, 1.0) < 0.0) == (speed < 0.0)
-    d.element.slack[e] = abs(speed) - 2.0 * sampled.rest_speed(d)
-    assert (sampled.element_margin(d, e, 1.0) < 0.0) == (speed < 0.0)
+    assert (mode_changes.element_margin(d, e, 1.0) < 0.0) == (speed < 0.0)
+    d.element.slack[e] = abs(speed) - 2.0 * mode_changes.rest_speed(d)
+    assert (mode_changes.element_margin(d, e, 1.0) < 0.0) == (speed < 0.0)
     d.element.slack[e] = abs(speed)
-    assert sampled.element_margin(d, e, 1.0) > 0.0
+    assert mode_changes.element_margin(d, e, 1.0) > 0.0
 
 
 def test_sticking_has_ended_where_the_force_is_beyond_the_limit():
@@ -245,7 +245,7 @@ def test_sticking_has_ended_where_the_force_is_beyond_the_limit():
     for offset, ended in ((1e-7, False), (-1e-7, True)):
         d.step.state[2:4] = d.step.state_end[2:4] = angle + offset
         d.element.anchor[joint] = 0.0
-        assert [sampled.element_margin(d, joint, theta) < 0.0 for theta in (1.0, 0.0)] == [ended, ended]
+        assert [mode_changes.element_margin(d, joint, theta) < 0.0 for theta in (1.0, 0.0)] == [ended, ended]
     assert d.statistics.rhs_evaluations == evaluations + 4
 
 
@@ -254,10 +254,10 @@ def test_round_off_is_that_of_a_speed_or_of_a_force(rubbing):
     e = elements[0]
     size, mass = d.chain.longest_link, np.mean(d.chain.mass)
     d.element.friction_limit[e], d.element.slack[e] = 7.0, 1e-9
-    assert sampled.rest_speed(d) == sampled.REST_SPEED * size
-    assert sampled.friction_round_off(d, e) == pytest.approx(
-        sampled.FRICTION_EXCESS * (7.0 + mass * (math.hypot(2.3, 9.81) + size)), rel=1e-12
+    assert mode_changes.rest_speed(d) == mode_changes.REST_SPEED * size
+    assert mode_changes.friction_round_off(d, e) == pytest.approx(
+        mode_changes.FRICTION_EXCESS * (7.0 + mass * (math.hypot(2.3, 9.81) + size)), rel=1e-12
     )
-    assert sampled.element_error(d, e) == sampled.rest_speed(d) + 1e-9
+    assert mode_changes.element_error(d, e) == mode_changes.rest_speed(d) + 1e-9
     d.element.mode[e] = STICKS
-    assert sampled.element_error(d, e) == sampled.friction_round_off(d, e)
+    assert mode_changes.element_error(d, e) == mode_changes.friction_round_off(d, e)
