@@ -101,7 +101,7 @@ def margin_is_halved(d):
 
 
 def may_always_change(_d, _e):
-    """Return True: in a step with a turn above TURN_OF_STAGES any mode may end between the stages."""
+    """Return True: in a step in which inputs turn fast, any mode may end between the stages."""
     return True
 
 
