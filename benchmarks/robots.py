@@ -182,7 +182,7 @@ def turned_in_mujoco(path: Path, robot: Robot, names: Sequence[str], keyframe: s
 
 
 def main() -> None:
-    """Compare all files, and print the table."""
+    """Compare the robot of each file with MuJoCo, and print the table."""
     arguments = argparse.ArgumentParser(description=__doc__)
     arguments.add_argument("files", nargs="+", type=Path)
     arguments.add_argument("--joints", default="")

@@ -141,7 +141,8 @@ def table_bytes(prepared_scene: PreparedScene, guid: str, further_rows: Rows) ->
 def _structure(formats: Mapping[str, str], values: Mapping[str, Any]) -> bytes:
     """Return a structure as bytes, little-endian and without gaps.
 
-    C compilers put no gaps into the same structure, because each field begins at a multiple of its size.
+    C compilers put no gaps into the same structure: each number begins at a multiple of its size, a text may
+    begin anywhere, and the size of the structure is a multiple of 8.
     """
     return struct.pack("<" + "".join(formats.values()), *(values[name] for name in formats))
 

@@ -33,9 +33,10 @@ _TABLES: dict[DataPath, Any] = {
     ("simulation",): Simulation,
     **{("chain", "links", i): Link for i in range(FAST_LINKS)},
 }
-"""Path → dataclass of each table with keys of one value and the rule ``alone``; of FAST_LINKS links.
+"""Path → dataclass of each table that has keys with the rule ``alone`` whose value is no list.
 
-``Initial`` is left out, because its keys hold lists of numbers.
+The tables of links are those of the first FAST_LINKS links. ``Initial`` is left out, because its keys hold
+lists of numbers.
 """
 
 

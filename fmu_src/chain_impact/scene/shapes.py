@@ -41,10 +41,10 @@ def with_shapes(scene: AnyScene) -> AnyScene:
 
 
 def set_corners_apart(data: Any, *, are_given: bool = False) -> None:
-    """Replace the corners or the shape of each box in ``data``, the plain data of a scene.
+    """Replace each corner of a box in ``data``, the plain data of a scene, by the mark ``_CORNER``.
 
-    The mark ``_CORNER`` replaces each corner. If ``are_given`` is true, the corners stay instead, as ordinary
-    points, and the keys ``shape`` and ``height`` of the box are removed.
+    If ``are_given`` is true, the corners become given points instead: they stay, and the keys ``shape`` and
+    ``height`` of each box are removed.
     """
     for link in data["chain"]["links"]:
         if "shape" not in link:

@@ -269,7 +269,7 @@ AT_STOPS = {
     "rigid stop, wall": stopped_chain("zhang_sharf", "newton_impact", (0.2, 0.425, 0.434)),
     "rigid stop and wall": stopped_chain("newton_impact", "newton_impact", (0.2, 0.43, 0.5)),
 }
-"""Chains with stops in their joints, and walls of another law."""
+"""Chains with stops in their joints: without a wall, or with a floor of the same or of another law."""
 
 
 def thrown_on_a_slope(seed: int, *, joints: bool = False, base: str = "free") -> Scene:

@@ -84,8 +84,8 @@ def check_picture(variations: Sequence[Variation], samples: int | None, runs: in
         source: the name of the scene, for errors.
 
     Raises:
-        SceneError: when more than MOST_VARIED parameters vary without samples, each of MOST_VARIED has more
-            than MOST_MAPS values, or there are more than MOST_DRAWN runs.
+        SceneError: when a sweep without samples varies more than MOST_VARIED parameters, or MOST_VARIED of
+            which each has more than MOST_MAPS values; or when there are more than MOST_DRAWN runs.
     """
     if len(variations) > MOST_VARIED and samples is None:
         raise SceneError(
