@@ -57,9 +57,9 @@ class Step:
             arb(float(o)) + float(d["contact_settings"]["radius"]) for o in d["candidate"]["offset"]
         ]
         self.active = touch["active_index"][: touch["active_count"]].tolist()
-        rubbing = d["element"]["index"][: d["friction"]["count"]].tolist()
+        rubbing = d["friction_element"]["index"][: d["friction"]["active_count"]].tolist()
         # element → −1 or 1: the sign of the dry friction, against the direction of sliding
-        slides = {e: -float(d["element"]["mode"][e]) for e in rubbing}
+        slides = {e: -float(d["friction_element"]["mode"][e]) for e in rubbing}
         for i, joint in enumerate(self.joints):
             joint[0] = arb(joint[0]) + slides.get(len(self.candidates) + i, 0.0) * d["drive"]["friction"][i]
         self.drags = {c: arb(slides.get(c, 0.0)) * float(d["law"]["friction"][c]) for c in self.active}

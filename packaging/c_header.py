@@ -23,7 +23,7 @@ def header() -> str:
     parts = [
         "/* What Python shares with C. packaging/c_header.py writes this file. */",
         "#ifndef shared_h\n#define shared_h\n\n#include <stdint.h>",
-        "/* fmu/table.py: values of Variable.type and Variable.kind; an enumeration is an integer */\n"
+        "/* fmu/table.py: values of Variable.type and Variable.role; an enumeration is an integer */\n"
         + f"{_indices(TABLE_TYPES)}\n{_indices(TABLE_ROLES)}",
         f'/* fmu/table.py: the structures of the file model.bin */\n#define TABLE_MAGIC "{MAGIC.decode()}"',
         _structure("Variable", VARIABLE),

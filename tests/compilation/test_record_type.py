@@ -74,11 +74,11 @@ def test_tables_of_candidates_and_elements_are_last_in_the_record():
     for path in ("step", "scratch", "statistics", "friction"):
         for place, field in TABLE.items():
             if place[:1] == (path,):
-                assert {per(field.offset, count) for count in ("candidates", "elements")} == {0}
-                assert {per(field.size, count) for count in ("candidates", "elements")} == {0}
+                assert {per(field.offset, count) for count in ("candidates", "friction_elements")} == {0}
+                assert {per(field.size, count) for count in ("candidates", "friction_elements")} == {0}
     assert per(TABLE["contacts", "active_count"].offset, "candidates") == 0
     for path in ("contacts", "law", "search", "contact_log"):
-        assert per(TABLE[path,].offset, "elements") == 0
+        assert per(TABLE[path,].offset, "friction_elements") == 0
     moving = (("given_channel",), ("channel",), ("wall_motion",), ("site",), ("signal",), ("knot",))
     for place, field in TABLE.items():
         if place[:1] not in ((), ("output",), ("transmitted",), *moving):

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints.geometry import dot, normal_row
 from chain_impact.kernel.equations import mechanical_energy
 from chain_impact.kernel.record.state import sundman_u_at, time_at
-from chain_impact.kernel.rows.geometry import dot, normal_row
 from chain_impact.scene.scene import Scene, scene_from_dict
-from tests.helpers.kernel.plain import Plain, begun, pack
+from tests.helpers.kernel.plain import Plain, initialized, pack
 from tests.helpers.models.reference import point_jacobian
 from tests.helpers.tools.differences import slope
 
@@ -73,7 +73,7 @@ def chain(
     if inputs:
         table["inputs"] = {"joint_torques": True, "tip_force": True}
     scene = scene_of(pickle.dumps(table))
-    return scene, begun(scene)
+    return scene, initialized(scene)
 
 
 @lru_cache(256)
@@ -102,25 +102,27 @@ def random_state(rng: np.random.Generator, d: Plain) -> np.ndarray:
     return y
 
 
-def touch(d: Plain, candidates: Iterable[int]) -> None:
+def mark_touching(d: Plain, candidates: Iterable[int]) -> None:
     """Let exactly these candidates be in contact, listed as the solver lists contacts."""
     d.contacts.active[:] = 0
     d.contacts.active[[int(c) for c in candidates]] = 1
     pack(d)
 
 
-def press_in(d: Plain, c: int, depth: float) -> None:
+def move_wall_to_depth(d: Plain, c: int, depth: float) -> None:
     """Move the wall of candidate c so that its located point is ``depth`` [m] inside the wall."""
     d.candidate.offset[c] = dot(normal_row(d, c), d.scratch.position) - d.contact_settings.radius + depth
 
 
-def struck(rng: np.random.Generator, d: Plain, candidates: Iterable[int], depth: float = 1e-3) -> np.ndarray:
+def locate_touching_state(
+    rng: np.random.Generator, d: Plain, candidates: Iterable[int], depth: float = 1e-3
+) -> np.ndarray:
     """Locate a random state with these contacts at this depth, and return the state."""
     y = random_state(rng, d)
     locate_points(d, y)
-    touch(d, candidates)
+    mark_touching(d, candidates)
     for c in candidates:
-        press_in(d, c, depth)
+        move_wall_to_depth(d, c, depth)
     return y
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.helpers.kernel.plain import begun
+from tests.helpers.kernel.plain import initialized
 
 
 @pytest.hookimpl(wrapper=True)
@@ -12,6 +12,6 @@ def pytest_runtest_protocol(item):
 
     A test that replaces functions initializes its records itself. A hook takes less time than fixtures.
     """
-    begun.is_shared = "monkeypatch" not in item.fixturenames
+    initialized.is_shared = "monkeypatch" not in item.fixturenames
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         return (yield)

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.constraints.geometry import tangent_row, tangential_acceleration, tangential_position
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.friction import drive_of_element, list_friction, set_friction_used
 from chain_impact.kernel.record.constants import NO_FRICTION, STICKS
-from chain_impact.kernel.rows.geometry import tangent_row, tangential_acceleration, tangential_position
 from chain_impact.scene.scene import Scene
-from tests.helpers.kernel.plain import Plain, begun
+from tests.helpers.kernel.plain import Plain, initialized
 from tests.helpers.models.reference import mass_matrix, point_jacobian
-from tests.kernel.chains import chain, press_in, random_state, touch
+from tests.kernel.chains import chain, mark_touching, move_wall_to_depth, random_state
 
 MU, MU_S, MOMENT = 0.3, 0.4, 0.7
 MODES = (STICKS, 1, -1)
@@ -32,21 +32,21 @@ def rubbing_chain(
     if joints:
         scene = scene.with_values({f"link[{i}].joint_friction": MOMENT for i in range(2, count + 1)})
 
-    d = begun(scene)
+    d = initialized(scene)
     y = random_state(rng, d)
     locate_points(d, y)
     first = 1 if base == "free" else 0
     candidates = [first + 5 * k for k in range(contacts)]
-    touch(d, candidates)
+    mark_touching(d, candidates)
     d.contacts.onset[:] = -1.0  # the contacts began long ago
     d.contacts.latched_speed[:], d.contacts.damping[:], d.contacts.expected_penetration[:] = 1.0, 0.0, 1.0
     for c in candidates:
-        press_in(d, c, 1e-4)
-    d.element.mode[:] = NO_FRICTION
+        move_wall_to_depth(d, c, 1e-4)
+    d.friction_element.mode[:] = NO_FRICTION
     set_friction_used(d)
     list_friction(d)
-    for e in d.element.index[: d.friction.count]:
-        d.element.mode[e] = 1
+    for e in d.friction_element.index[: d.friction.active_count]:
+        d.friction_element.mode[e] = 1
     list_friction(d)
     return scene, d, y
 
@@ -86,7 +86,11 @@ class AtRest:
     def __init__(self, seed: int, base: str, contacts: int, joints: bool, holding: float = 1.0) -> None:
         rng = np.random.default_rng([seed, contacts, len(base)])
         scene, d, y = rubbing_chain(rng, base, contacts, joints)
-        self.d, self.elements, n = d, [int(e) for e in d.element.index[: d.friction.count]], d.links
+        self.d, self.elements, n = (
+            d,
+            [int(e) for e in d.friction_element.index[: d.friction.active_count]],
+            d.links,
+        )
         d.law.friction[:] = rng.uniform(0.02, 1.5, d.candidates)
         d.law.static_friction[:] = holding * d.law.friction
         d.drive.friction[:-1] *= rng.uniform(0.1, 20.0, n)
@@ -96,17 +100,17 @@ class AtRest:
         speeds[free] -= np.linalg.pinv(rows[:, free]) @ (rows @ speeds)
         d.step.state_end[:] = y
         self.find_problem()
-        d.element.mode[:] = NO_FRICTION
-        d.element.mode[self.elements] = rng.choice(MODES, len(self.elements))
-        d.element.force[self.elements] = rng.choice((-1.0, 1.0), len(self.elements))
-        d.element.anchor[self.elements] = [tangential_position(d, e) for e in self.elements]
+        d.friction_element.mode[:] = NO_FRICTION
+        d.friction_element.mode[self.elements] = rng.choice(MODES, len(self.elements))
+        d.friction_element.force[self.elements] = rng.choice((-1.0, 1.0), len(self.elements))
+        d.friction_element.anchor[self.elements] = [tangential_position(d, e) for e in self.elements]
 
     def find_problem(self) -> None:
         """Set ``bias`` and ``mobility``."""
         d = self.d
         y = np.array(d.step.state_end)
         self.mobility = mobility(self.scene, d, y, tangents(self.scene, d, y, self.elements))[1]
-        d.friction.count = 0
+        d.friction.active_count = 0
         self.bias = self.accelerations()
         list_friction(d)
 
@@ -121,7 +125,7 @@ class AtRest:
     @property
     def modes(self) -> tuple[int, ...]:
         """The modes of the chain's elements."""
-        return tuple(int(mode) for mode in self.d.element.mode[self.elements])
+        return tuple(int(mode) for mode in self.d.friction_element.mode[self.elements])
 
     def limits(self) -> tuple[np.ndarray, np.ndarray]:
         """Return µ_s F_n and µ F_n of all elements."""
@@ -170,7 +174,7 @@ class Doubled(AtRest):
             d.candidate.normal_x,
             d.candidate.normal_y,
             d.candidate.offset,
-            d.element.anchor,
+            d.friction_element.anchor,
         ):
             values[second] = values[first]
         x, y, c, s = d.candidate.normal_x[first], d.candidate.normal_y[first], np.cos(apart), np.sin(apart)

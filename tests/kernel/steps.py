@@ -10,7 +10,7 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, locate_point
 from chain_impact.kernel.record.constants import DENSE_COEFFICIENTS, EXPLICIT, SOLVER_READER
 from chain_impact.kernel.record.state import sundman_u_at, time_at
 from tests.helpers.kernel.plain import Plain
-from tests.kernel.chains import ANGLES, FAR, chain, touch
+from tests.kernel.chains import ANGLES, FAR, chain, mark_touching
 
 # powers of θ and of 1 − θ in the dense output
 POWERS = [(1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3)]
@@ -128,7 +128,7 @@ def held_tip(size: float, force: Iterable[float]) -> tuple[Plain, int, Motion]:
     set_step(d, motion, size)
     c = next(c for c in range(d.candidates) if d.candidate.point[c] == 1)
     wall_at(d, c, motion.at(0.0), 0.0)
-    touch(d, [c])
+    mark_touching(d, [c])
     d.chain.gravity[:] = d.chain.gravity_magnitude = 0.0
     piece = d.inputs.piece
     piece.degree, piece.middle, piece.scale, piece.end = 3, 0.0, 1.0 / size, 10.0

@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import advance as loop
+from chain_impact.kernel.constraints.geometry import normal_row
 from chain_impact.kernel.entry import UNLIMITED
 from chain_impact.kernel.events import handlers
 from chain_impact.kernel.ode.control import set_outcome
 from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT, KINK, NO_EVENT, ONSET
-from chain_impact.kernel.rows.geometry import normal_row
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, LOG_FULL, NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
 from chain_impact.scene.scene import load_scene
-from tests.helpers.kernel.plain import begun
+from tests.helpers.kernel.plain import initialized
 from tests.helpers.scenes.friction import pendulum
-from tests.kernel.chains import chain, struck, touch
+from tests.kernel.chains import chain, locate_touching_state, mark_touching
 
 
 def started():
-    return begun(load_scene("four_link_box"))
+    return initialized(load_scene("four_link_box"))
 
 
 def advance(d, time, cost_limit=UNLIMITED):
@@ -31,7 +31,7 @@ def test_a_run_ends_where_no_size_of_a_step_will_do(monkeypatch, error, status):
     d = started()
     assert advance(d, 0.1) == OK
     reached, state = float(d["step"]["end"]), d["step"]["state_end"].copy()
-    monkeypatch.setattr(loop, "attempt_step", lambda d, _h: set_outcome(d, error, 1.0))
+    monkeypatch.setattr(loop, "integrate_trial", lambda d, _h: set_outcome(d, error, 1.0))
     assert advance(d, 0.2) == status
     assert advance(d, 0.3) == status
     # the run stands at the last accepted time
@@ -58,8 +58,8 @@ def test_a_call_pauses_after_its_cost_and_goes_on():
 
 @pytest.mark.parametrize(("logged", "full"), [(0, False), (6, False), (7, True), (8, True), (100, True)])
 def test_the_log_of_changes_is_full_without_room_for_each_element(logged, full):
-    d = begun(pendulum())  # a pendulum of two elements, whose modes both change at the start
-    assert (d.elements, d.friction_changes.count, len(d.friction_changes.time)) == (2, 2, 8)
+    d = initialized(pendulum())  # a pendulum of two elements, whose modes both change at the start
+    assert (d.friction_elements, d.friction_changes.count, len(d.friction_changes.time)) == (2, 2, 8)
     d.friction_changes.count = logged
     assert loop.log_is_full(d, 10) == full
     steps = int(d.statistics.steps)
@@ -71,7 +71,7 @@ def test_the_log_of_changes_is_full_without_room_for_each_element(logged, full):
     assert loop.advance(d, 3e-3, 5, UNLIMITED) == OK
     # a record without dry friction has no log of changes
     d = started()
-    assert (d.elements, len(d.friction_changes.time)) == (0, 0)
+    assert (d.friction_elements, len(d.friction_changes.time)) == (0, 0)
     assert not loop.log_is_full(d, 10)
 
 
@@ -138,7 +138,7 @@ def test_the_rate_after_events_is_worked_out_where_they_change_it(monkeypatch, c
 def test_a_step_after_a_rigid_impact_is_as_in_flight(monkeypatch, rigid, compliant, events, right):
     d = at_end_of_a_step()
     if compliant:
-        touch(d, [0])
+        mark_touching(d, [0])
     d.contact_settings.any_rigid, d.step.method = rigid, EXPLICIT
     monkeypatch.setattr(loop, "apply_pending_events", lambda _: (events, True))
     monkeypatch.setattr(loop.control, "size_in_flight", lambda *_: 1e-3)
@@ -174,7 +174,7 @@ def test_the_status_after_the_onsets_at_a_communication_point_is_told(monkeypatc
     assert d.contacts.event[:2].tolist() == ([NO_EVENT, NO_EVENT] if status == OK else [NO_EVENT, ONSET])
     # a refused change ends the run
     d.contacts.event[:2] = ONSET
-    monkeypatch.setattr(loop, "reinit_if_changed", lambda *_: STEP_TOO_SMALL)
+    monkeypatch.setattr(loop, "restart_if_changed", lambda *_: STEP_TOO_SMALL)
     assert loop.event_update(d) == STEP_TOO_SMALL
     assert d.contacts.event[:2].tolist() == [ONSET, ONSET]
 
@@ -183,7 +183,7 @@ def test_the_status_after_the_onsets_at_a_communication_point_is_told(monkeypatc
 def test_impulses_are_stored_and_begun_anew_at_events(monkeypatch, events, changed):
     """Events add to stored impulses; where they change the forces, the rates are evaluated again."""
     d = at_end_of_a_step(events)
-    struck(np.random.default_rng(3), d, [0])
+    locate_touching_state(np.random.default_rng(3), d, [0])
     loop.ensure_rate(d)
     d.quadrature.count, d.quadrature.index[0] = 1, 0
     d.quadrature.state_end[0], d.quadrature.rate_end[0], d.quadrature.dense[:, 0] = 3.0, 7.0, 1.0
@@ -215,8 +215,8 @@ def test_a_change_that_jumps_is_applied_at_the_communication_point(
     d = at_end_of_a_step()
     d.statistics.status, (d.given.motor[0], d.given.pending) = status, given
     monkeypatch.setattr(loop, "inputs_continue", lambda _: goes_on)
-    monkeypatch.setattr(loop, "reinit", lambda _: 77)
-    assert loop.reinit_if_changed(d, 0.0) == d.statistics.status == right
+    monkeypatch.setattr(loop, "restart", lambda _: 77)
+    assert loop.restart_if_changed(d, 0.0) == d.statistics.status == right
 
 
 @pytest.mark.parametrize("pulled", [False, True])
@@ -225,7 +225,7 @@ def test_a_change_that_jumps_is_applied_at_the_communication_point(
 def test_points_held_by_rigid_walls_are_found_again_after_a_change(held, changed, pulled):
     """A contact ends if its wall has got a force law, or if the wall would have to pull the point."""
     d = at_end_of_a_step(model="newton_impact", restitution=0.5)
-    y = struck(np.random.default_rng(3), d, [0] * held, 0.0)
+    y = locate_touching_state(np.random.default_rng(3), d, [0] * held, 0.0)
     y[d.links + 2 :] = 0.0  # at rest
     d.step.state_end[:], d.step.start, d.step.end = y, 0.4, 0.5
     d.law.impulsive[0] = not changed

@@ -9,7 +9,7 @@ import pytest
 
 from chain_impact.kernel import cost
 from chain_impact.kernel.status import EVENT_STORM, OK, STEP_TOO_LONG, TOO_MUCH_WORK
-from tests.helpers.kernel.plain import begun
+from tests.helpers.kernel.plain import initialized
 from tests.helpers.scenes.bodies import cart
 from tests.kernel.chains import chain
 
@@ -85,8 +85,8 @@ def test_too_many_events_in_a_short_time_are_a_storm(d):
 @pytest.mark.parametrize("kind", ["friction", "limit"])
 def test_each_joint_and_the_slider_may_have_their_own_events(kind):
     """A cart with a pole has two stops, which are candidates, and the drives of a joint and of a slider."""
-    d = begun(cart())
-    d.friction.used, d.chain.has_drive_limits = kind == "friction", kind == "limit"
+    d = initialized(cart())
+    d.friction.is_present, d.chain.has_drive_limits = kind == "friction", kind == "limit"
     limit = 4 * cost.MOST_EVENTS
     assert cost.check_events(d, limit) == OK
     assert cost.check_events(d, 1) == EVENT_STORM

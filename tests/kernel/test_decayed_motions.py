@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints import impulses
 from chain_impact.kernel.events import crossing, marks, search
 from chain_impact.kernel.forces import force_formula, holding
 from chain_impact.kernel.forces.friction import list_sticking, set_element_anchor
 from chain_impact.kernel.ode import collocation, control, explicit, last_step, maximum, sundman_rate
 from chain_impact.kernel.record.constants import NO_EVENT, ONSET, STICKS
 from chain_impact.kernel.record.state import dissipated_at, time_at, velocity_at
-from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.tangent import duals, event_times, rules
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.simulation.simulate import simulate
-from tests.kernel.chains import chain, random_state, struck
+from tests.kernel.chains import chain, locate_touching_state, random_state
 from tests.kernel.rubbing import rubbing_chain
 from tests.kernel.tangent.dual import Dual
 
@@ -60,7 +60,7 @@ def resting():
     rng = np.random.default_rng(1)
     _, d = chain(rng, 2, "pinned")
     y = random_state(rng, d)
-    struck(rng, d, [0])
+    locate_touching_state(rng, d, [0])
     d.step.state_end[:] = y
     locate_points(d, y)
     return d
@@ -164,9 +164,9 @@ def test_forces_slopes_and_sizes_of_a_contact_are_finite(size, speed):
 @pytest.mark.parametrize("base", ["free", "pinned"])
 def test_a_sticking_element_with_a_faded_speed_is_stopped(size, contacts, base):
     _, d, y = rubbing_chain(np.random.default_rng(4), base, contacts, True)
-    for e in d.element.index[: d.friction.count]:
-        d.element.mode[e] = STICKS
-        d.element.friction_limit[e] = 1.0
+    for e in d.friction_element.index[: d.friction.active_count]:
+        d.friction_element.mode[e] = STICKS
+        d.friction_element.friction_limit[e] = 1.0
         set_element_anchor(d, e)
     list_sticking(d)
     first = velocity_at(d.links)
@@ -182,17 +182,17 @@ def test_a_sticking_element_with_a_faded_speed_is_stopped(size, contacts, base):
 def test_contradictions_that_have_faded_leave_no_force(size, scale):
     """Two constraints demand contradictory motions, and neither is a rigid wall."""
     _, d, _ = rubbing_chain(np.random.default_rng(4), "free", 0, True)
-    for e in d.element.index[: d.friction.count]:
-        d.element.mode[e] = STICKS
-        d.element.friction_limit[e] = 1.0
+    for e in d.friction_element.index[: d.friction.active_count]:
+        d.friction_element.mode[e] = STICKS
+        d.friction_element.friction_limit[e] = 1.0
     list_sticking(d)
-    d.element.stuck_index[1] = d.element.stuck_index[0]
-    constraints.activate_all(d)
+    d.friction_element.stuck_index[1] = d.friction_element.stuck_index[0]
+    impulses.activate_all(d)
     own, count = d.constraints, d.friction.stuck_count
     own.unforced_motion[:count], own.target_motion[:count] = 0.0, 0.0
     own.target_motion[:2] = size, -size
-    constraints.factorize_free(d)
-    constraints.solve_equality(d, scale)
+    impulses.factorize_free(d)
+    impulses.solve_equality(d, scale)
     assert finite(*own.impulse[:count], *own.change)
 
 

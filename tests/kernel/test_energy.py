@@ -11,7 +11,7 @@ from chain_impact.kernel.equations import energy_balance, mechanical_energy, sto
 from chain_impact.kernel.forces import active_contacts, force_formula
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.models.reference import centre_jacobian
-from tests.kernel.chains import chain, press_in, struck, touch
+from tests.kernel.chains import chain, locate_touching_state, mark_touching, move_wall_to_depth
 
 CASES = [("free", 1), ("free", 4), ("pinned", 1), ("pinned", 3)]
 BASES = pytest.mark.parametrize(("base", "count"), CASES)
@@ -22,11 +22,11 @@ def prepared(base, count, **more):
     rng = np.random.default_rng([count, len(base)])
     scene, d = chain(rng, count, base, springs=True, dampers=True, inputs=True, **more)
     candidates = [1, d.candidates - 1]
-    y = struck(rng, d, candidates)
+    y = locate_touching_state(rng, d, candidates)
     for k, c in enumerate(candidates):
         if not d.contact_settings.any_rigid:
             active_contacts.latch_onset(d, c)
-        press_in(d, c, 1e-3 * (k + 1))
+        move_wall_to_depth(d, c, 1e-3 * (k + 1))
     active_contacts.set_kink_sides(d)
     d.inputs.motor[:-1], d.inputs.tip_force[:] = rng.normal(size=count), rng.normal(size=2)
     return scene, d, y, candidates
@@ -59,7 +59,9 @@ def test_stored_energy_is_that_of_springs_and_pressed_contacts(base, count):
     springs = drives.spring_energy(d, y)
     contacts = [force_formula.elastic_energy(d, 0, depth) for depth in (1e-3, 2e-3)]
     assert stored_energy(d, y) == pytest.approx(springs + sum(contacts), rel=1e-9)
-    press_in(d, first, -1e-3)  # the point has left its wall, and the end of its contact is not located yet
+    move_wall_to_depth(
+        d, first, -1e-3
+    )  # the point has left its wall, and the end of its contact is not located yet
     assert stored_energy(d, y) == pytest.approx(springs + contacts[1], rel=1e-9)
     d.chain.has_springs = 0
     assert stored_energy(d, y) == pytest.approx(contacts[1], rel=1e-9)
@@ -67,7 +69,7 @@ def test_stored_energy_is_that_of_springs_and_pressed_contacts(base, count):
     assert stored_energy(d, y) == 0.0
     d.chain.has_springs = 1
     make_rigid(d, 0)
-    touch(d, [])
+    mark_touching(d, [])
     assert stored_energy(d, y) == springs
 
 
@@ -77,7 +79,7 @@ def test_no_motion_changes_the_energy_balance(base, count, law):
     """The reference is a central difference along ẏ, under gravity, springs, dampers, inputs and contacts."""
     _, d, y, _ = prepared(base, count, model=law, stiffness=1e5)
     if d.contact_settings.any_rigid:
-        touch(d, [])
+        mark_touching(d, [])
     rate, h, ends, scale = np.zeros(len(y)), 1e-6, [], []
     equations.rate_from_state(d, y, rate)
     for side in (h, -h):

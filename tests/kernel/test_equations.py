@@ -13,11 +13,11 @@ from tests.helpers.models.reference import generalized_force, mass_matrix, point
 from tests.kernel.chains import (
     chain,
     free_coordinates,
-    press_in,
+    locate_touching_state,
+    mark_touching,
+    move_wall_to_depth,
     random_state,
     relative_motion,
-    struck,
-    touch,
     vectors,
 )
 
@@ -30,7 +30,7 @@ def prepared(base, count, touching=(), **more):
     rng = np.random.default_rng([count, len(base)])
     options = {"springs": True, "dampers": True, "inputs": True} | more
     scene, d = chain(rng, count, base, **options)
-    y = struck(rng, d, touching)
+    y = locate_touching_state(rng, d, touching)
     d.inputs.motor[:-1], d.inputs.tip_force[:] = rng.normal(size=count), rng.normal(size=2)
     d.scratch.moment[:] = 9.0  # moments of another state
     joints = relative_motion(count)[:, 2:]
@@ -116,7 +116,7 @@ def test_the_loads_of_a_located_state_are_those_of_its_contacts_and_inputs(base,
     _, d, y, _ = prepared(base, count, touching=[0, 3])
     for k, c in enumerate((0, 3)):
         active_contacts.latch_onset(d, c)
-        press_in(d, c, 1e-3 * (k + 1))
+        move_wall_to_depth(d, c, 1e-3 * (k + 1))
     rate, expected, whole = (np.full(len(y), np.nan) for _ in range(3))
     equations.rate_from_points(d, y, rate)
     loads = vectors(d.scratch.load)
@@ -144,7 +144,7 @@ def test_rigid_walls_hold_what_touches_them_by_forces_that_do_no_work(base, touc
     rng = np.random.default_rng(touching)
     _, d = chain(rng, 4, base, model="newton_impact")
     candidates = [5, 14][:touching]
-    y = struck(rng, d, candidates, 0.0)
+    y = locate_touching_state(rng, d, candidates, 0.0)
     rate, expected = np.full((2, len(y)), np.nan)
     equations.rate_from_points(d, y, rate)
     forces = d.contacts.force[candidates].tolist()
@@ -177,7 +177,7 @@ def test_in_free_flight_no_point_is_located():
     assert d.scratch.velocity.x[3] != 77.0
     # a contact also needs located points, without any input
     d.chain.has_inputs = 0
-    touch(d, [2])
+    mark_touching(d, [2])
     d.scratch.velocity.x[:] = 77.0
     equations.rate_from_state(d, y, rate)
     assert d.scratch.velocity.x[3] != 77.0

@@ -13,7 +13,7 @@ from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.tangent import entry
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.entry import HOOKS
-from chain_impact.kernel.tangent.replay import reinit_tangent, replay, start_tangent
+from chain_impact.kernel.tangent.replay import replay, restart_tangent, start_tangent
 from chain_impact.scene.scene import load_scene
 from tests.helpers.kernel.plain import record_of
 
@@ -34,7 +34,7 @@ DONE = {
 }
 ANSWERS = {hooks.indices_valid: 1, hooks.tangent_words: 0}
 # the hooks that make one call for each instance
-ONE = {hooks.on_start: start_tangent, hooks.on_reinit: reinit_tangent, hooks.on_step: replay}
+ONE = {hooks.on_start: start_tangent, hooks.on_restart: restart_tangent, hooks.on_step: replay}
 
 
 @pytest.mark.parametrize("function", FUNCTIONS, ids=lambda one: one.__name__)

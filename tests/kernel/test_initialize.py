@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import hooks
+from chain_impact.kernel.constraints.impulses import UNSOLVED
 from chain_impact.kernel.initialize import (
     ALLOWED_OVERLAP,
     check_parameters,
@@ -21,7 +22,6 @@ from chain_impact.kernel.ode.control import size_in_flight
 from chain_impact.kernel.ode.methods import stable_size
 from chain_impact.kernel.record.constants import EXPLICIT, NO_EVENT, SOLVER_METHODS
 from chain_impact.kernel.record.contacts import LATEST_COUNT
-from chain_impact.kernel.rows.constraints import UNSOLVED
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
     MASS_MATRIX_SINGULAR,

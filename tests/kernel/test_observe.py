@@ -8,14 +8,14 @@ import pytest
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.drives import spring_energy
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints.geometry import first_stop, set_candidate_rows
 from chain_impact.kernel.forces.active_contacts import latch_onset, set_kink_sides
 from chain_impact.kernel.forces.force_formula import elastic_energy, law_force
 from chain_impact.kernel.observe import combine_forces, combine_impulses, fill_outputs, observe
 from chain_impact.kernel.record.state import dissipated_at, supplied_at
-from chain_impact.kernel.rows.geometry import first_stop, set_candidate_rows
 from tests.helpers.models.reference import generalized_force, mass_matrix
 from tests.helpers.tools.differences import slope
-from tests.kernel.chains import chain, stopped_chain, stops_of, touch, vectors
+from tests.kernel.chains import chain, mark_touching, stopped_chain, stops_of, vectors
 from tests.kernel.steps import (
     Motion,
     free_motion,
@@ -48,7 +48,7 @@ def let_touch(d, y, clearances):
     """Let exactly these candidates be in contact since a state, with their clearances [m]."""
     for c, clearance in clearances.items():
         wall_at(d, c, y, clearance)
-    touch(d, clearances)
+    mark_touching(d, clearances)
     locate_points(d, y)
     for c in clearances:
         latch_onset(d, c)
@@ -269,7 +269,7 @@ def stopped():
     d.drive.min[1], d.drive.max[1] = angle - 1.0, angle - 0.02
     set_candidate_rows(d)
     d.candidate.offset[:low] = -1e9
-    touch(d, [high])
+    mark_touching(d, [high])
     locate_points(d, y)
     latch_onset(d, high)
     set_kink_sides(d)

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import advance as loop
+from chain_impact.kernel.constraints import impulses
+from chain_impact.kernel.constraints.impulses import MOVING, SOLVED
 from chain_impact.kernel.ode.control import SAFETY_FACTOR, is_accepted, reject_step, set_outcome
-from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT, INACCURATE, SPOILED
-from chain_impact.kernel.rows import constraints
-from chain_impact.kernel.rows.constraints import MOVING, SOLVED
+from chain_impact.kernel.record.constants import CHECK_FAILED, EXPLICIT, IMPLICIT, INACCURATE
 from chain_impact.kernel.status import NOT_FINITE, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
 from tests.kernel.chains import chain
 
@@ -27,9 +27,9 @@ class Trials:
         self.d.step.next_size, self.d.step.method = SIZE, EXPLICIT
         self.d.step.end = 1.0
         self.sizes, self.errors, self.noted = [], list(errors), []
-        monkeypatch.setattr(loop, "attempt_step", self.attempt)
+        monkeypatch.setattr(loop, "integrate_trial", self.attempt)
         monkeypatch.setattr(loop, "prepare_step", lambda _, h: h)
-        monkeypatch.setattr(loop, "limit_to_piece", lambda _, h: min(h, limit))
+        monkeypatch.setattr(loop, "limit_to_input_piece", lambda _, h: min(h, limit))
         monkeypatch.setattr(loop, "make_last_step", self.note("accept"))
         monkeypatch.setattr(loop, "roll_back", self.note("roll back"))
         monkeypatch.setattr(loop, "drop_events", self.note("drop events"))
@@ -44,7 +44,7 @@ class Trials:
         set_outcome(d, self.errors.pop(0), 1.0)
 
     def run(self):
-        status = loop.find_step(self.d)
+        status = loop.shrink_until_accepted(self.d)
         return status, self.d.step.next_size / SIZE
 
 
@@ -144,23 +144,23 @@ class Landing:
             self.noted.append(("energy", theta))
             set_outcome(d, max(d.trial.error, loss), d.trial.cost_factor)
             if not keeps:
-                reject_step(d, SPOILED)
+                reject_step(d, CHECK_FAILED)
             return KEPT
 
-        monkeypatch.setattr(loop, "attempt_step", attempt)
+        monkeypatch.setattr(loop, "integrate_trial", attempt)
         monkeypatch.setattr(loop, "make_last_step", lambda _: self.noted.append("accept"))
         monkeypatch.setattr(loop, "check_energy", check_energy)
 
     def located(self, d, theta):
         if theta is None:
-            reject_step(d, SPOILED)
+            reject_step(d, CHECK_FAILED)
             return -1.0
         return theta
 
     def run(self, theta):
         """Return the error or the reason of the refusal, and the calls after the first acceptance."""
         self.patch.setattr(loop, "find_event", lambda d: self.located(d, theta))
-        loop.try_step(self.d, SIZE)
+        loop.try_to_event(self.d, SIZE)
         assert self.noted[:2] == [("try", 1.0), "accept"]
         trial = self.d.trial
         return trial.error if is_accepted(self.d) else trial.outcome, self.noted[2:]
@@ -191,15 +191,15 @@ def of(theta):
         # the interpolant of an implicit step is accurate at the ends
         *(({"bends": False, "method": IMPLICIT}, theta, 0.2, of(theta)) for theta in (0.0, 1.0)),
         # a step whose event cannot be located or repeated is refused and undone, also after a repeat
-        ({"bends": True}, None, SPOILED, BACK),
-        ({"bends": True, "onset": None}, 0.4, SPOILED, [*REPEATED, *BACK]),
+        ({"bends": True}, None, CHECK_FAILED, BACK),
+        ({"bends": True, "onset": None}, 0.4, CHECK_FAILED, [*REPEATED, *BACK]),
         *(
-            ({"bends": True, "errors": [0.2, bad]}, 0.4, SPOILED, [*REPEATED[:2], *BACK])
+            ({"bends": True, "errors": [0.2, bad]}, 0.4, CHECK_FAILED, [*REPEATED[:2], *BACK])
             for bad in (1.5, NAN)
         ),
         # a step that changes the total energy is refused and undone
         *(
-            ({"bends": False, "keeps": False, "loss": loss}, 0.4, SPOILED, [of(0.4)[0], *BACK])
+            ({"bends": False, "keeps": False, "loss": loss}, 0.4, CHECK_FAILED, [of(0.4)[0], *BACK])
             for loss in (0.0, 1.0)
         ),
         ({"bends": False, "loss": 1.05}, 0.4, INACCURATE, [of(0.4)[0], *BACK]),
@@ -214,12 +214,12 @@ def test_a_step_ends_at_its_event(monkeypatch, told, theta, error, done):
 
 def test_a_step_that_is_not_accurate_is_not_searched(monkeypatch):
     landing = Landing(monkeypatch, bends=True, errors=[1.5])
-    loop.try_step(landing.d, SIZE)
+    loop.try_to_event(landing.d, SIZE)
     assert landing.d.trial.error == 1.5
     assert landing.noted == [("try", 1.0)]
 
 
-UNFOUND = [(SOLVED, False), (MOVING, True), (constraints.UNSOLVED, True)]
+UNFOUND = [(SOLVED, False), (MOVING, True), (impulses.UNSOLVED, True)]
 
 
 @pytest.mark.parametrize(("unsolved", "refused"), UNFOUND)
@@ -235,12 +235,12 @@ def test_a_step_without_the_forces_of_constraints_is_refused(monkeypatch, unsolv
     monkeypatch.setattr(loop, "check_energy", fails)
     before = landing.d.balance.value_end, landing.d.balance.available_energy
     error, noted = landing.run(-1.0)
-    assert error == (SPOILED if refused else 0.2)
+    assert error == (CHECK_FAILED if refused else 0.2)
     assert ("roll back" in noted) == refused
     assert (landing.d.balance.value_end, landing.d.balance.available_energy) == (before if refused else KEPT)
 
 
 def test_a_refused_step_is_not_repeated_for_an_event_that_was_found_before(monkeypatch):
     landing = Landing(monkeypatch, bends=True)
-    landing.located = lambda d, theta: (reject_step(d, SPOILED), theta)[1]
-    assert landing.run(0.4) == (SPOILED, BACK)
+    landing.located = lambda d, theta: (reject_step(d, CHECK_FAILED), theta)[1]
+    assert landing.run(0.4) == (CHECK_FAILED, BACK)

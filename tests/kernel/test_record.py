@@ -75,7 +75,7 @@ def test_the_size_grows_linearly(rubbing):
 
 
 def test_without_dry_friction_there_is_no_room_for_it():
-    for part in ("element", "friction_changes"):
+    for part in ("friction_element", "friction_changes"):
         sizes = [np.prod(dtype.shape) for dtype, *_ in instance_dtype(3, 12)[part].fields.values()]
         assert set(sizes) <= {0, 1}
 

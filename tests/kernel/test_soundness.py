@@ -31,7 +31,7 @@ from chain_impact.variables.selection import varied_by
 from tests.helpers.kernel.kernel_calls import tangents_of
 from tests.helpers.kernel.plain import Plain, record_of
 from tests.helpers.scenes.derivative_scenes import table
-from tests.kernel.chains import chain, stopped_chain, stops_of, touch
+from tests.kernel.chains import chain, mark_touching, stopped_chain, stops_of
 from tests.kernel.rubbing import rubbing_chain
 
 
@@ -96,15 +96,15 @@ BOUNDS = {
 # lower and upper bounds for a chain of 4 links with 20 candidates and 24 elements: 2 contacts and 3 joints
 # have friction, and 2 of them stick
 OF_FRICTION = {
-    ("friction", "used"): (0, 1),
-    ("friction", "count"): (2, 24),
+    ("friction", "is_present"): (0, 1),
+    ("friction", "active_count"): (2, 24),
     ("friction", "contact_count"): (2, 5),
     ("friction", "stuck_count"): (1, 5),
     ("friction", "stuck_joints"): (0, 2),
     ("friction_changes", "count"): (0, None),
-    ("element", "index"): (0, 23),
-    ("element", "stuck_index"): (0, 23),
-    ("element", "mode"): (-1, NO_FRICTION),
+    ("friction_element", "index"): (0, 23),
+    ("friction_element", "stuck_index"): (0, 23),
+    ("friction_element", "mode"): (-1, NO_FRICTION),
 }
 
 
@@ -130,7 +130,7 @@ def test_each_index_has_its_least_and_its_most(record, field):
     if (record, field) in OF_FRICTION:
         least, most = OF_FRICTION[record, field]
         _, d, _ = rubbing_chain(np.random.default_rng(0), "free", 2, True)
-        d.element.mode[d.element.index[[0, 3]]] = STICKS
+        d.friction_element.mode[d.friction_element.index[[0, 3]]] = STICKS
         list_sticking(d)
     else:
         least, most = BOUNDS[record, field]
@@ -150,7 +150,7 @@ def test_each_index_has_its_least_and_its_most(record, field):
 
 def test_no_more_contacts_have_a_force_than_there_are():
     _, d = chain(np.random.default_rng(0), 3)
-    touch(d, [1, 4, 7])
+    mark_touching(d, [1, 4, 7])
     assert_fits(d, "contacts", "compliant_count", None, ((0, True), (3, True), (4, False), (-1, False)))
 
 
@@ -160,7 +160,7 @@ def test_a_law_may_be_missing_only_before_a_start_without_contacts():
     assert not within_bounds(d)
     d.chain.longest_link = 0.0  # the start derives the size
     assert within_bounds(d)
-    touch(d, [1])
+    mark_touching(d, [1])
     assert not within_bounds(d)
     d.law.number[5] = 1
     assert within_bounds(d)
@@ -212,8 +212,8 @@ def test_the_loops_over_a_signal_have_their_bounds(field):
 
 def test_a_record_without_room_for_friction_has_none():
     _, d = chain(np.random.default_rng(0), 3)
-    assert d.elements == 0
-    for field in ("used", "count", "contact_count", "stuck_count", "stuck_joints"):
+    assert d.friction_elements == 0
+    for field in ("is_present", "active_count", "contact_count", "stuck_count", "stuck_joints"):
         assert_fits(d, "friction", field, None, ((1, False), (0, True)))
 
 

@@ -8,12 +8,12 @@ import pytest
 from chain_impact import SimulationError, load_scene, simulate
 from chain_impact.kernel.advance import advance, set_communication_point
 from chain_impact.kernel.chain import kinematics
+from chain_impact.kernel.constraints.geometry import clearance_acceleration, clearance_and_rate
 from chain_impact.kernel.cost import UNLIMITED, cost_so_far
 from chain_impact.kernel.entry import advance_to
 from chain_impact.kernel.events import contact_log
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
-from chain_impact.kernel.rows.geometry import clearance_acceleration, clearance_and_rate
 from chain_impact.kernel.status import OK
 from chain_impact.simulation.instance import Instance
 from tests.helpers.campaigns import random_scenes

@@ -33,7 +33,7 @@ def recorded(model):
     return simulate(load_scene(model), inputs=inputs_of(model))
 
 
-def lab(colour, sight=((1, 0, 0), (0, 1, 0), (0, 0, 1))):
+def lab_colour(colour, sight=((1, 0, 0), (0, 1, 0), (0, 0, 1))):
     """Return lightness L*, a* and b* of a colour (CIE 15:2004, white point D65).
 
     ``sight`` gives the linear red, green and blue that a reader sees.
@@ -55,7 +55,7 @@ def write(recording, path):
     figures.draw_figure(functools.partial(fill, recording=recording), path)
 
 
-def hit(time, point, wall, speed):
+def impact_row(time, point, wall, speed):
     """Return an impact for ``swing``."""
     return time, point, wall, speed
 
@@ -87,7 +87,7 @@ def crowd(count=60):
     kinds = random.choice(["y_min", "y_max", "x_max"], count)
     speeds = random.uniform(0.0, 5.0, count)
     hits = [
-        hit(float(t), int(k % 2), str(w), float(v))
+        impact_row(float(t), int(k % 2), str(w), float(v))
         for k, (t, w, v) in enumerate(zip(times, kinds, speeds, strict=True))
     ]
     return swing(hits, {"y_min": 0.0, "y_max": 1.0, "x_max": 1.0})
@@ -140,7 +140,7 @@ WIDTHS = [width / 25.4 for width in (84, 120, 190)]  # inches
 
 
 @drawing_style()
-def told(page):
+def texts_with_boxes(page):
     """Return all texts of a page, and the rectangles that the texts cover."""
     page.draw_without_rendering()
     hidden = {
@@ -156,7 +156,7 @@ def told(page):
 
 def check_texts(page):
     """Check that no text is outside the page, or over another text."""
-    texts = told(page)
+    texts = texts_with_boxes(page)
     for text, box in texts:
         assert min(box.x0, box.y0, page.bbox.x1 - box.x1, page.bbox.y1 - box.y1) > -0.5, text
     for (one, box), (other, another) in itertools.combinations(texts, 2):

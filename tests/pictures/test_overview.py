@@ -26,7 +26,7 @@ from tests.pictures.pictures import (
     check_texts,
     crowd,
     drawn,
-    hit,
+    impact_row,
     recorded,
     swing,
     write,
@@ -122,7 +122,7 @@ def test_a_picture_has_few_colours_besides_those_of_time(name):
 def test_long_names_of_points_are_short_in_panels_and_whole_at_the_foot():
     name = "left_front_foot_collision_sphere"
     recording = dataclasses.replace(
-        swing([hit(1.0, 1, "x_min", 1.0)], {"x_min": -1.0}), point_names={1: name}
+        swing([impact_row(1.0, 1, "x_min", 1.0)], {"x_min": -1.0}), point_names={1: name}
     )
     page, *_, speeds = drawn(recording)
     assert speeds.get_legend().get_texts()[0].get_text() == "point 1 (left_fr…_sphere)"

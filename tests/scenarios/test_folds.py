@@ -1,6 +1,6 @@
 """Held chains that fold: where links lie on each other, the constraints of the walls become dependent."""
 
-# Tests: kernel/rows/constraints.py, kernel/ode/folds.py
+# Tests: kernel/constraints/impulses.py, kernel/ode/folds.py
 
 import math
 

@@ -24,7 +24,7 @@ from tests.helpers.scenes.coulomb_problems import (
 from tests.helpers.scenes.friction import SLOPE, sled
 from tests.helpers.scenes.problems import GRAVITY, contact_table, scene_table
 
-LATE = np.array([0.3, 0.5, 0.8, 1.1, 1.5, 2.0])  # s, after the body has settled
+NEWTON_SLOW = np.array([0.3, 0.5, 0.8, 1.1, 1.5, 2.0])  # s, after the body has settled
 
 
 def run(table, **options):
@@ -50,7 +50,7 @@ def along(result, slope, of="point[0]", prefix=""):
 def test_a_body_slides_as_coulombs_law_makes_it(body, slope, speed, friction, static_friction):
     table, exact = sliding(BODIES[body], slope, speed, friction, static_friction=static_friction)
     result = run(table, tolerance=1e-11)
-    rows = np.searchsorted(result.time, LATE - 1e-9)
+    rows = np.searchsorted(result.time, NEWTON_SLOW - 1e-9)
     way, velocity = along(result, slope), along(result, slope, prefix="v")
     for row, time in zip(rows, result.time[rows], strict=True):
         # 1e-6: damped oscillations of the body continue

@@ -39,7 +39,7 @@ as_both = pytest.mark.parametrize("law", ["zhang_sharf", RIGID])
 """The parameters: with a force law, and with rigid walls."""
 
 
-def of(law, scene):
+def with_law(law, scene):
     return rigid(scene) if law == RIGID else scene
 
 
@@ -181,7 +181,7 @@ def test_a_flat_rod_rebounds_like_a_point_and_does_not_turn(restitution, law):
 @pytest.mark.parametrize("restitution", [0.1, 0.5, 0.9, 1.0])
 def test_the_second_end_of_a_clattering_rod_arrives_faster(restitution, law):
     scene, speed = clattering_rod(restitution)
-    impacts = simulate(of(law, scene)).impacts
+    impacts = simulate(with_law(law, scene)).impacts
     assert impacts["point"][:2].tolist() == [0, 1]
     assert impacts["end"][0] < impacts["onset"][1]
     assert impacts["impact_speed"][1] == pytest.approx(speed, rel=1e-6)
@@ -190,7 +190,7 @@ def test_the_second_end_of_a_clattering_rod_arrives_faster(restitution, law):
 @as_both
 @pytest.mark.parametrize("restitution", [0.1, 0.7, 1.0])
 def test_a_rod_returns_from_a_corner_as_it_came(restitution, law):
-    result = simulate(of(law, cornered_rod(restitution)))
+    result = simulate(with_law(law, cornered_rod(restitution)))
     assert len(result.impacts) == 2
     back, within = result.outputs["point_velocity"][-1], 1e-12 if law == RIGID else 1e-7
     np.testing.assert_allclose(back, restitution * math.sqrt(0.5), rtol=within)
@@ -221,7 +221,7 @@ def test_five_points_with_unlike_speeds_get_moreaus_impulses():
 @as_both
 @pytest.mark.parametrize("tilts", [(0.0,) * 4, (0.3, 0.1, -0.1, -0.3)], ids=["flat", "bent"])
 def test_a_symmetric_motion_stays_symmetric(law, tilts):
-    result = simulate(of(law, flat_chain(0.05, tilts, stop_time=0.4, restitution=0.5)))
+    result = simulate(with_law(law, flat_chain(0.05, tilts, stop_time=0.4, restitution=0.5)))
     assert len(result.impacts) > 5
     height, place = result.points[..., 1], result.points[..., 0] - result.points[:, 2:3, 0]
     np.testing.assert_allclose(height, height[:, ::-1], rtol=0, atol=1e-9)

@@ -16,7 +16,7 @@ from chain_impact.kernel.chain.signals import rate_in_limited_drives, rate_of_si
 from chain_impact.scene.scene import parse_scene
 from chain_impact.scene.signal_polynomials import spline_of_position, value_at_start
 from chain_impact.simulation.derivatives import DifferentiatedRun
-from tests.helpers.kernel.plain import begun
+from tests.helpers.kernel.plain import initialized
 from tests.helpers.scenes.signal_arm import ARM, HEIGHT, PUSH, TABLE, TARGET, TIMES, TORQUE, with_table
 from tests.helpers.tools.differences import slope
 
@@ -363,16 +363,16 @@ def test_a_table_repeats_after_its_period(tmp_path):
 def test_only_sines_that_act_in_a_drive_with_a_limit_make_it_sampled(one, counts):
     limited = ARM.replace("joint_damping = 0.1", "joint_damping = 0.1\njoint_torque_limit = 1.0")
     scene = parse_scene(f'{limited}\n[signals.drive]\ninput = "{one}"\n{FORMS["shaken"][1]}', "arm.toml")
-    d = begun(scene)
+    d = initialized(scene)
     assert rate_of_signals(d) == pytest.approx(40.0 * math.pi)
     assert rate_in_limited_drives(d) == (rate_of_signals(d) if counts else 0.0)
 
 
 def test_a_smooth_ramp_changes_like_half_a_period_of_a_cosine():
     ramp = 'input = "joint[2].torque"\nform = "ramp"\nfinal = 1.0\nduration = 0.5\nshape = '
-    d = begun(parse_scene(f'{ARM}\n[signals.drive]\n{ramp}"smooth"', "arm.toml"))
+    d = initialized(parse_scene(f'{ARM}\n[signals.drive]\n{ramp}"smooth"', "arm.toml"))
     assert rate_of_signals(d) == pytest.approx(math.pi / 0.5)
-    d = begun(parse_scene(f'{ARM}\n[signals.drive]\n{ramp}"trapezoid"', "arm.toml"))
+    d = initialized(parse_scene(f'{ARM}\n[signals.drive]\n{ramp}"trapezoid"', "arm.toml"))
     assert rate_of_signals(d) == 0.0
 
 
@@ -383,5 +383,5 @@ def test_only_sines_that_move_the_base_or_a_wall_have_a_travel(one):
         f'[signals.s{k}]\ninput = "{name}"\nform = "sine"\namplitude = {size}\nfrequency = 5.0\n'
         for k, (name, size) in enumerate({one: 700.0, TABLE: 0.05, "base.vy": 0.3}.items())
     )
-    d = begun(parse_scene(f"{ARM}\n{motions}", "arm.toml"))
+    d = initialized(parse_scene(f"{ARM}\n{motions}", "arm.toml"))
     assert travel_of_sines(d) == pytest.approx(0.05 + 0.3 / (10.0 * math.pi), rel=1e-12)

@@ -26,8 +26,8 @@ from chain_impact.conversion.points import (
     without_repeated_balls,
 )
 from chain_impact.conversion.robot import LinkShape, Plane, Robot
+from chain_impact.kernel.constraints.geometry import ALLOWED_OVERLAP, BOX_NORMALS
 from chain_impact.kernel.record.constants import WALLS
-from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP, BOX_NORMALS
 from chain_impact.text import count_text
 
 Points = list[dict[str, Any]]

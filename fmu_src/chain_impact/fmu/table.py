@@ -31,7 +31,7 @@ VARIABLE = {
     **dict.fromkeys(("word", "set_word"), "q"),
     "length": "q",  # number of words from `word` on: 1, or more for an array
     # indices in TABLE_TYPES and TABLE_ROLES
-    **dict.fromkeys(("type", "kind"), "i"),
+    **dict.fromkeys(("type", "role"), "i"),
     **dict.fromkeys(("name", "allowed"), "i"),  # offsets in bytes of two texts, from `texts_at`
 }
 """Field of the C structure ``Variable`` → its format in Python's module struct.
@@ -114,7 +114,7 @@ def table_bytes(prepared_scene: PreparedScene, guid: str, further_rows: Rows) ->
 
     def row(variable: TableRow, length: int) -> dict[str, float]:
         numbers = {name: getattr(variable, name) for name in ("low", "high", "word", "set_word")}
-        numbers |= {"type": TABLE_TYPES.index(variable.type), "kind": TABLE_ROLES.index(variable.role)}
+        numbers |= {"type": TABLE_TYPES.index(variable.type), "role": TABLE_ROLES.index(variable.role)}
         return numbers | {"length": length, "name": text(variable.name), "allowed": text(variable.allowed)}
 
     parts_of_scene = parts_in_words(prepared_scene.scene)

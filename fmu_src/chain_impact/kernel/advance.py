@@ -14,9 +14,10 @@ from chain_impact.kernel.chain.inputs import (
     belts_jump,
     inputs_continue,
     interpolate_prescribed_motions,
-    limit_to_piece,
+    limit_to_input_piece,
     withdraw_request,
 )
+from chain_impact.kernel.constraints.impulses import SOLVED, UNSOLVED, clear_outcome
 from chain_impact.kernel.cost import (
     UNLIMITED,
     begin_communication_step,
@@ -30,24 +31,24 @@ from chain_impact.kernel.cost import (
 from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.events.base_at_wall import check_base_at_walls, end_where_wall_meets_base
 from chain_impact.kernel.events.contact_log import update_peaks, update_to_communication_point
-from chain_impact.kernel.events.handlers import apply_events, force_has_kink, reinit_contacts_and_modes
-from chain_impact.kernel.events.marks import count_pending_changes, drop_events, ends_in_onset
+from chain_impact.kernel.events.handlers import apply_events, force_has_kink, restart_contacts_and_modes
+from chain_impact.kernel.events.marks import count_mode_changes, drop_events, ends_in_onset
 from chain_impact.kernel.events.search import find_event, onset_fraction
 from chain_impact.kernel.events.segments import (
     begin_segments,
     check_segments,
     end_at_segment,
-    limit_to_segment,
+    limit_to_signal_segment,
 )
 from chain_impact.kernel.forces.active_contacts import clear_loads, latch_penetration_and_damping
 from chain_impact.kernel.forces.candidate_laws import are_laws_in_use, update_laws
 from chain_impact.kernel.initialize import derive_drives, first_step_size
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.ode.balance import (
-    apply_next_piece,
+    apply_next_input_piece,
     check_balance,
     check_energy,
-    reinit_balance,
+    evaluate_balance_at_end,
     restart_balance,
     store_energy,
 )
@@ -67,12 +68,11 @@ from chain_impact.kernel.ode.last_step import (
     set_communication_point_in_step,
     truncate_step,
 )
-from chain_impact.kernel.ode.methods import attempt_step, choose_method, prepare_step
+from chain_impact.kernel.ode.methods import choose_method, integrate_trial, prepare_step
 from chain_impact.kernel.ode.sundman import regularize_rate, time_rate_for_sizes
 from chain_impact.kernel.record import constants
 from chain_impact.kernel.record.constants import KINK, NO_EVENT
 from chain_impact.kernel.record.method import is_implicit, was_implicit
-from chain_impact.kernel.rows.constraints import SOLVED, UNSOLVED, clear_outcome
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
     LOG_FULL,
@@ -98,7 +98,7 @@ def advance(d, time, log_capacity, cost_limit):
         caller has collected the entries, the run can continue. PAUSED: the cost since the start of the run
         exceeds ``cost_limit`` evaluations; the run can continue.
     """
-    status = reinit_if_changed(d, time)
+    status = restart_if_changed(d, time)
     while status == OK and d.step.end < time:
         if log_is_full(d, log_capacity):
             return LOG_FULL
@@ -116,8 +116,8 @@ def log_is_full(d, capacity):
         return True
     return (
         capacity < UNLIMITED
-        and d.elements > 0
-        and d.friction_changes.count > len(d.friction_changes.time) - d.elements
+        and d.friction_elements > 0
+        and d.friction_changes.count > len(d.friction_changes.time) - d.friction_elements
     )
 
 
@@ -130,7 +130,7 @@ def advance_to_onset(d, time):
     Returns:
         A status; ONSET_DUE if contacts begin at the time that is reached.
     """
-    status, has_advanced = reinit_if_changed(d, time), False
+    status, has_advanced = restart_if_changed(d, time), False
     while status == OK and d.step.end < time:
         if (has_advanced or d.step.end > d.step.communication_point) and ends_in_onset(d):
             time = d.step.end
@@ -147,7 +147,7 @@ def event_update(d):
 
     The next step starts in the state after the onsets.
     """
-    status = reinit_if_changed(d, d.step.communication_point)
+    status = restart_if_changed(d, d.step.communication_point)
     while status == OK and is_onset_due(d):
         status = advance_one_step(d)
     if status == OK:
@@ -160,23 +160,23 @@ def is_onset_due(d):
     return d.step.end == d.step.communication_point and ends_in_onset(d)
 
 
-def reinit_if_changed(d, time):
-    """Set the course of prescribed motions up to ``time`` [s], and re-initialize if ``must_reinit`` is true.
+def restart_if_changed(d, time):
+    """Set the course of prescribed motions up to ``time`` [s], and restart if ``must_restart`` is true.
 
     Return the status of the run; after an earlier fault nothing is done.
     """
     if d.channels > 0 and d.statistics.status == OK:
         set_status(d, interpolate_prescribed_motions(d, time))
-    if d.statistics.status == OK and must_reinit(d):
-        set_status(d, reinit(d))
+    if d.statistics.status == OK and must_restart(d):
+        set_status(d, restart(d))
     return d.statistics.status
 
 
-def must_reinit(d):
-    """Return whether an input or parameter has changed so that the solver must re-initialize.
+def must_restart(d):
+    """Return whether an input or parameter has changed so that the solver must restart.
 
     If values were set and then set back, the mark ``given.pending`` is cleared. A new piece of the inputs
-    that continues the present piece without a jump needs no re-initialization: the next step applies it.
+    that continues the present piece without a jump needs no restart: the next step applies it.
     """
     if d.given.pending == REINITIALIZE and are_inputs_in_use(d) and are_laws_in_use(d):
         withdraw_request(d)
@@ -185,7 +185,7 @@ def must_reinit(d):
 
 def advance_one_step(d):
     """Take a step, and return a status; after a fault, stay at the last time that was reached."""
-    set_status(d, take_step(d))
+    set_status(d, take_accepted_step(d))
     if d.statistics.status == OK:
         hooks.on_step(d)
     else:
@@ -200,18 +200,18 @@ def set_communication_point(d, time):
     begin_communication_step(d)
 
 
-def reinit(d):
+def restart(d):
     """Cut the last step at the communication point, and use new inputs and parameters; return a status."""
     update_to_communication_point(d)
     control.scale_next_size(d, time_rate_for_sizes(d, d.step.state_end))
     reset_step(d, d.step.communication_point, d.step.state_end)
     status = apply_pending_inputs(d)
     clear_loads(d)
-    reinit_balance(d)
+    restart_balance(d)
     # the proposed size may be that of a chain at rest, far too long for the motion that a new input causes
     control.limit_next_size(d, first_step_size(d))
     if status == OK:
-        hooks.on_reinit(d)
+        hooks.on_restart(d)
     return status
 
 
@@ -241,10 +241,10 @@ def latch_active_contacts(d):
 def apply_laws(d):
     """Make latched values, held contacts, modes of friction and drives, and sides of kinks fit the laws."""
     latch_active_contacts(d)
-    reinit_contacts_and_modes(d, belts_jump(d))
+    restart_contacts_and_modes(d, belts_jump(d))
 
 
-def take_step(d):
+def take_accepted_step(d):
     """Take one accepted step, up to the first event in the step; return a status."""
     clear_outcome(d)
     status = check_base_at_walls(d) if d.channels > 0 else OK
@@ -253,7 +253,7 @@ def take_step(d):
     if status == OK:
         status = check_solved(d, check_events(d, begin_step(d)))
     if status == OK:
-        status = find_step(d)
+        status = shrink_until_accepted(d)
     if status == OK:
         count_step(d, was_implicit(d))
         status = check_balance(d)
@@ -269,19 +269,19 @@ def check_solved(d, status):
     return FORCES_NOT_FOUND if status == OK and d.constraints.outcome == UNSOLVED else status
 
 
-def find_step(d):
+def shrink_until_accepted(d):
     """Try smaller and smaller steps until a step, up to its first event, is accepted; return a status."""
     size = min(d.step.next_size, LONGEST_STEP)
-    limit = limit_to_piece(d, size)
+    limit = limit_to_input_piece(d, size)
     if d.signals > 0:
-        limit = limit_to_segment(d, limit)
+        limit = limit_to_signal_segment(d, limit)
     h, growth = prepare_step(d, limit), control.LARGEST_RATIO
     if limit < size:
         # `prepare_step` may lengthen a step, but no step may pass the end of a piece of the inputs or of a
         # signal
         h = min(h, limit)
     while h >= SHORTEST_STEP and d.step.end + h != d.step.end:  # h must exceed the resolution of time
-        try_step(d, h)
+        try_to_event(d, h)
         next_size = h * min(growth, control.next_size_factor(d))
         if control.is_accepted(d):
             # a first try that is shortened to end with a piece or segment does not reduce the proposed size
@@ -294,10 +294,10 @@ def find_step(d):
     return control.no_step_status(d)
 
 
-def try_step(d, h):
+def try_to_event(d, h):
     """Try a step of size h [s] in its variable; an accepted step is the last step, up to its first event."""
     clear_stage_notes(d)
-    attempt_step(d, h)
+    integrate_trial(d, h)
     if not control.is_accepted(d):
         return
     make_last_step(d)
@@ -308,7 +308,7 @@ def try_step(d, h):
     if control.is_accepted(d):
         balance, available = check_energy(d, theta)
     if control.is_accepted(d) and d.constraints.outcome != SOLVED:
-        control.reject_step(d, constants.SPOILED)
+        control.reject_step(d, constants.CHECK_FAILED)
     if not control.is_accepted(d):
         roll_back(d)
         drop_events(d)
@@ -338,9 +338,9 @@ def repeat_to_event(d, theta):
     """
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)
-    attempt_step(d, h)
+    integrate_trial(d, h)
     if not control.is_accepted(d):
-        control.reject_step(d, constants.SPOILED)
+        control.reject_step(d, constants.CHECK_FAILED)
         return -1.0
     make_last_step(d)
     # the error of the whole step, not of its repetition up to an event, determines the size of the next step
@@ -352,7 +352,7 @@ def begin_step(d):
     """Apply events and inputs at the last step's end, set up the next step; return the number of events."""
     events, has_kink = apply_pending_events(d)
     if d.given.pending:
-        apply_next_piece(d)
+        apply_next_input_piece(d)
         if d.channels > 0:
             evaluate_start(d)
     if d.signals > 0 and begin_segments(d):
@@ -361,7 +361,7 @@ def begin_step(d):
     if has_landed and not is_implicit(d):
         control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
     if events > 0 or d.balance.break_count != d.step.break_count:
-        restart_balance(d)
+        evaluate_balance_at_end(d)
     if not has_kink:
         choose_method(d)  # not at a kink or limit: a force that is 0 or constant there hides the stiffness
     choose_variable(d, events > 0)
@@ -374,7 +374,7 @@ def apply_pending_events(d):
 
     Return the number of events, and whether a kink of a force or the limit of a drive is among them.
     """
-    events, has_kink = d.drive.mode_ends + count_pending_changes(d), d.drive.mode_ends > 0
+    events, has_kink = d.drive.mode_change_pending + count_mode_changes(d), d.drive.mode_change_pending > 0
     for c in range(d.candidates):
         events += d.contacts.event[c] != NO_EVENT
         has_kink = has_kink or d.contacts.event[c] == KINK

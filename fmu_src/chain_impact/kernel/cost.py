@@ -122,5 +122,5 @@ def check_events(d, events):
         budget.event_start = d.step.end
         budget.event_count = 0
     budget.event_count += events
-    elements = d.candidates + (d.links + d.slides if d.friction.used or d.chain.has_drive_limits else 0)
+    elements = d.candidates + (d.links + d.slides if d.friction.is_present or d.chain.has_drive_limits else 0)
     return OK if budget.event_count <= MOST_EVENTS * elements else EVENT_STORM

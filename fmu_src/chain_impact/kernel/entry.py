@@ -6,8 +6,9 @@ wrong number leads to a fault or to wrong results, never to an access outside th
 """
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.advance import advance, must_reinit, reinit
+from chain_impact.kernel.advance import advance, must_restart, restart
 from chain_impact.kernel.chain.signals import knot_count
+from chain_impact.kernel.constraints.geometry import candidate_within_bounds
 from chain_impact.kernel.cost import (
     UNLIMITED,
     allow_any_length,
@@ -25,7 +26,6 @@ from chain_impact.kernel.observe import observe, observe_state, refill_outputs_b
 from chain_impact.kernel.ode.last_step import return_to_stored_state, store_output_state
 from chain_impact.kernel.record.input_fields import CHANNEL, input_field
 from chain_impact.kernel.record.ranges import BOUNDED_PATHS, bounded_field, least_bound, most_bound
-from chain_impact.kernel.rows.geometry import candidate_within_bounds
 from chain_impact.kernel.status import LOG_FULL, OK, PAUSED
 
 
@@ -89,9 +89,9 @@ def friction_counts_fit(d):
     with friction; the count of sticking joints and slider is at most that of all sticking elements.
     """
     friction = d.friction
-    fits = is_within(friction.used, 0, min(1, d.elements)) and d.friction_changes.count >= 0
-    fits = fits and is_within(friction.contact_count, 0, min(friction.count, d.candidates))
-    fits = fits and is_within(friction.stuck_count, 0, friction.count)
+    fits = is_within(friction.is_present, 0, min(1, d.friction_elements)) and d.friction_changes.count >= 0
+    fits = fits and is_within(friction.contact_count, 0, min(friction.active_count, d.candidates))
+    fits = fits and is_within(friction.stuck_count, 0, friction.active_count)
     return fits and is_within(friction.stuck_joints, 0, friction.stuck_count)
 
 
@@ -140,7 +140,7 @@ def observe_now(d):
     """
     observe(d)
     status = d.statistics.status
-    return observe_trial(d) if status == OK and must_reinit(d) else status
+    return observe_trial(d) if status == OK and must_restart(d) else status
 
 
 def observe_trial(d):
@@ -151,10 +151,10 @@ def observe_trial(d):
     """
     counts = read_cost_counts(d)
     store_output_state(d)
-    status = reinit(d)
+    status = restart(d)
     if status == OK:
-        # ``reinit`` lets rigid walls correct the state, as at the start of a step; the outputs show the state
-        # before this correction
+        # ``restart`` lets rigid walls correct the state, as at the start of a step; the outputs show the
+        # state before this correction
         return_to_stored_state(d)
         refill_outputs_but_integrals(d)
         hooks.on_observe_trial(d)

@@ -26,6 +26,9 @@ from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.chain.kinematics import locate_points, set_link_vectors
 from chain_impact.kernel.chain.sites import joint_place, move_site_loads
 from chain_impact.kernel.chain.slider import carriage_energy
+from chain_impact.kernel.constraints.compliance import solve_accelerations_with_armatures
+from chain_impact.kernel.constraints.geometry import clearance_and_rate
+from chain_impact.kernel.constraints.impulses import any_constraint, clear_outcome
 from chain_impact.kernel.forces.active_contacts import set_loads_of_step, set_true_loads
 from chain_impact.kernel.forces.force_formula import clear_crossings, elastic_energy
 from chain_impact.kernel.forces.friction import clear_friction_margins, static_power
@@ -40,9 +43,6 @@ from chain_impact.kernel.record.state import (
     time_at,
     velocity_at,
 )
-from chain_impact.kernel.rows.compliance import solve_accelerations_with_armatures
-from chain_impact.kernel.rows.constraints import any_constraint, clear_outcome
-from chain_impact.kernel.rows.geometry import clearance_and_rate
 
 
 def energy_balance(d, y):
@@ -110,7 +110,7 @@ def rate_from_state(d, y, rate):
     has inputs other than motions of walls.
     """
     # in free flight no force acts at a point, so points and walls are not located
-    if d.contacts.active_count > 0 or d.chain.has_inputs or d.friction.count > 0:
+    if d.contacts.active_count > 0 or d.chain.has_inputs or d.friction.active_count > 0:
         rate_and_points_from_state(d, y, rate)
     else:
         set_link_vectors(d, y)

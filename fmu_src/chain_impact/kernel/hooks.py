@@ -13,8 +13,8 @@ def on_start(_d):
     """Do nothing; a run calls this hook when the instance has been initialized."""
 
 
-def on_reinit(_d):
-    """Do nothing; a run calls this hook when the instance has been re-initialized with new values."""
+def on_restart(_d):
+    """Do nothing; a run calls this hook when the instance has been restarted with new values."""
 
 
 def on_step(_d):

@@ -15,11 +15,18 @@ from chain_impact.kernel.chain.inputs import apply_inputs, begin_prescribed_moti
 from chain_impact.kernel.chain.joints import joint_rate_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import derive_signals, signals_are_valid
+from chain_impact.kernel.constraints.geometry import (
+    ALLOWED_OVERLAP,
+    clearance_and_rate,
+    is_at_joint_stop,
+    set_candidate_rows,
+)
+from chain_impact.kernel.constraints.impulses import UNSOLVED, clear_outcome
 from chain_impact.kernel.cost import begin_windows
 from chain_impact.kernel.equations import mechanical_energy, rate_from_state, stored_energy
 from chain_impact.kernel.events.base_at_wall import check_base_at_walls
 from chain_impact.kernel.events.contact_log import clear_log
-from chain_impact.kernel.events.friction_modes import clear_changes, reinit_friction_modes
+from chain_impact.kernel.events.friction_modes import clear_changes, restart_friction_modes
 from chain_impact.kernel.events.saturation import choose_saturation, clear_saturation
 from chain_impact.kernel.forces.active_contacts import clear_impacts, clear_loads
 from chain_impact.kernel.forces.candidate_laws import start_laws
@@ -43,13 +50,6 @@ from chain_impact.kernel.record.ranges import (
     ranged_field,
 )
 from chain_impact.kernel.record.state import FIRST_ANGLE, dissipated_at, omega_at, supplied_at, velocity_at
-from chain_impact.kernel.rows.constraints import UNSOLVED, clear_outcome
-from chain_impact.kernel.rows.geometry import (
-    ALLOWED_OVERLAP,
-    clearance_and_rate,
-    is_at_joint_stop,
-    set_candidate_rows,
-)
 from chain_impact.kernel.status import (
     BASE_BEYOND_WALL,
     FORCES_NOT_FOUND,
@@ -100,7 +100,7 @@ def set_run_start(d, time):
     if d.transmitted_rows > 0:
         start_transmitted_forces(d, time)
     choose_saturation(d)
-    reinit_friction_modes(d, True)
+    restart_friction_modes(d, True)
 
 
 def set_initial_state(d, y):
@@ -133,7 +133,7 @@ def clear_run(d, time):
     clear_numbers(d.implicit.pairs.impedance)
     clear_numbers(d.search)
     clear_numbers(d.contacts)
-    clear_numbers(d.element)
+    clear_numbers(d.friction_element)
     clear_numbers(d.friction)
     clear_numbers(d.peaks)
     clear_numbers(d.fault)

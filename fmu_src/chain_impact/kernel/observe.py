@@ -12,6 +12,14 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, locate_point
 from chain_impact.kernel.chain.signals import signal_at
 from chain_impact.kernel.chain.sites import point_of_site, site_place
 from chain_impact.kernel.chain.slider import slider_position
+from chain_impact.kernel.constraints.geometry import (
+    clearance_and_rate,
+    first_stop,
+    is_at_joint_stop,
+    joint_stop_moment,
+    lever_of_candidate,
+)
+from chain_impact.kernel.constraints.impulses import any_constraint
 from chain_impact.kernel.cost import read_cost_counts, restore_cost_counts
 from chain_impact.kernel.equations import mechanical_energy, stored_energy, true_rate_from_inputs
 from chain_impact.kernel.events.contact_log import list_latest
@@ -19,7 +27,7 @@ from chain_impact.kernel.forces.active_contacts import set_true_loads
 from chain_impact.kernel.forces.friction import drive_of_element
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.ode.dense import fraction_at_time, interpolate_state, quadrature_within
-from chain_impact.kernel.ode.folds import refine_rate
+from chain_impact.kernel.ode.folds import correct_near_fold
 from chain_impact.kernel.record.constants import STICKS
 from chain_impact.kernel.record.state import (
     FIRST_ANGLE,
@@ -29,14 +37,6 @@ from chain_impact.kernel.record.state import (
     supplied_at,
     time_at,
     velocity_at,
-)
-from chain_impact.kernel.rows.constraints import any_constraint
-from chain_impact.kernel.rows.geometry import (
-    clearance_and_rate,
-    first_stop,
-    is_at_joint_stop,
-    joint_stop_moment,
-    lever_of_candidate,
 )
 from chain_impact.kernel.transmitted_forces import (
     fill_joint_force_peaks,
@@ -103,7 +103,7 @@ def fill_outputs_but_integrals(d, theta):
     n, out, scratch, y, rate = d.links, d.output, d.scratch, d.scratch.state, d.scratch.rate
     fill_state(d, theta)
     true_rate_from_inputs(d, y, rate)
-    refine_rate(d, theta, y, rate)
+    correct_near_fold(d, theta, y, rate)
     accelerate_points(d, y, rate)
     fill_points(d, scratch.acceleration, out.point_acceleration)
     for i in range(n):
@@ -111,7 +111,7 @@ def fill_outputs_but_integrals(d, theta):
     if d.slides:
         out.slider_acceleration = drive_component(d, rate, velocity_at(n), n)
     fill_forces(d)
-    if d.elements > 0:
+    if d.friction_elements > 0:
         fill_friction(d)
     if d.transmitted_rows > 0:
         fill_transmitted_forces(d, y, rate)
@@ -181,23 +181,23 @@ def fill_forces(d):
 def fill_friction(d):
     """Fill the outputs of dry friction, except impulses and energy, after ``fill_forces``."""
     friction, out = d.friction, d.output.friction
-    for e in range(d.elements):
+    for e in range(d.friction_elements):
         out.force[e], out.sticking[e] = 0.0, 0.0
         out.drive_friction[e], out.drive_sticking[e] = 0.0, 0.0
-    for i in range(friction.count):
-        e = d.element.index[i]
-        mode = d.element.mode[e]
+    for i in range(friction.active_count):
+        e = d.friction_element.index[i]
+        mode = d.friction_element.mode[e]
         sticks = 1.0 if mode == STICKS else 0.0
         if e >= d.candidates:
             k = drive_of_element(d, e)
-            out.drive_friction[k] = lever_of_drive(d, k) * d.element.force[e]
+            out.drive_friction[k] = lever_of_drive(d, k) * d.friction_element.force[e]
             out.drive_sticking[k] = sticks
         else:
             out.sticking[e] = sticks
             # the friction force of a sliding element along t is −s µ F_n, with the mode s = ±1, the
             # coefficient µ of sliding and the true normal force F_n, which is never negative
             sliding = -mode * d.law.friction[e] * d.output.force[e]
-            out.force[e] = d.element.force[e] if mode == STICKS else sliding
+            out.force[e] = d.friction_element.force[e] if mode == STICKS else sliding
 
 
 def fill_quadratures(d, theta):
@@ -218,12 +218,12 @@ def fill_quadrature(d, i, value):
     e = i - d.candidates
     if e < 0:
         d.output.impulse[i] = value
-    elif e < d.elements:
+    elif e < d.friction_elements:
         d.output.friction.impulse[e] = value
-    elif e == d.elements:
+    elif e == d.friction_elements:
         d.output.friction.dissipated = value
     else:
-        store_tip_impulse(d, e - d.elements - 1, value)
+        store_tip_impulse(d, e - d.friction_elements - 1, value)
 
 
 def combine_forces(d):

@@ -25,18 +25,7 @@ import math
 
 from chain_impact.kernel.chain.drives import first_joint, transmitted_moment
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, vector_at_center_of_mass
-from chain_impact.kernel.cost import read_cost_counts, restore_cost_counts
-from chain_impact.kernel.equations import rate_from_points
-from chain_impact.kernel.forces.active_contacts import set_joint_square
-from chain_impact.kernel.function_marks import has_dual_rule
-from chain_impact.kernel.ode.dense import event_fraction, fraction_at_time, interpolate_state
-from chain_impact.kernel.ode.folds import refine_rate
-from chain_impact.kernel.ode.last_step import ensure_dense, ensure_points
-from chain_impact.kernel.ode.maximum import maximum_of
-from chain_impact.kernel.record.constants import OUTPUT_READER, WALLS
-from chain_impact.kernel.record.method import was_implicit
-from chain_impact.kernel.record.state import time_at
-from chain_impact.kernel.rows.geometry import (
+from chain_impact.kernel.constraints.geometry import (
     is_at_joint_stop,
     is_at_wall,
     joint_stop_moment,
@@ -44,6 +33,17 @@ from chain_impact.kernel.rows.geometry import (
     normal_row,
     tangent_row,
 )
+from chain_impact.kernel.cost import read_cost_counts, restore_cost_counts
+from chain_impact.kernel.equations import rate_from_points
+from chain_impact.kernel.forces.active_contacts import set_joint_square
+from chain_impact.kernel.function_marks import has_dual_rule
+from chain_impact.kernel.ode.dense import event_fraction, fraction_at_time, interpolate_state
+from chain_impact.kernel.ode.folds import correct_near_fold
+from chain_impact.kernel.ode.last_step import ensure_dense, ensure_points
+from chain_impact.kernel.ode.maximum import maximum_of
+from chain_impact.kernel.record.constants import OUTPUT_READER, WALLS
+from chain_impact.kernel.record.method import was_implicit
+from chain_impact.kernel.record.state import time_at
 
 # The number of intervals between the samples of joint forces in a step: PEAK_INTERVALS in an explicit step,
 # IMPLICIT_PEAK_INTERVALS in an implicit step, where the forces may rise and fall often.
@@ -135,7 +135,7 @@ def wall_force(d, c, along_normal, along_tangent):
     """
     _, nx, ny = normal_row(d, c)
     fx, fy = along_normal[c] * nx, along_normal[c] * ny
-    if d.elements > 0:
+    if d.friction_elements > 0:
         _, tx, ty = tangent_row(d, c)
         fx += along_tangent[c] * tx
         fy += along_tangent[c] * ty
@@ -153,7 +153,7 @@ def fill_transmitted_forces(d, y, rate):
     set_joint_forces(d, out.force, out.friction.force, out.transmitted.x, out.transmitted.y)
     for i in range(d.links):
         out.transmitted.moment[i] = transmitted_moment(d, y, rate, i)
-        if d.elements > 0:
+        if d.friction_elements > 0:
             out.transmitted.moment[i] += out.friction.drive_friction[i]
     if d.slides:
         fill_slider_reaction(d)
@@ -355,9 +355,9 @@ def set_joint_forces_at(d, theta):
     interpolate_state(d.step, theta, y)
     locate_points(d, y)
     rate_from_points(d, y, rate)
-    refine_rate(d, theta, y, rate)
+    correct_near_fold(d, theta, y, rate)
     accelerate_points(d, y, rate)
-    set_joint_forces(d, d.contacts.force, d.element.force, d.transmitted.x, d.transmitted.y)
+    set_joint_forces(d, d.contacts.force, d.friction_element.force, d.transmitted.x, d.transmitted.y)
 
 
 def square_of_force(d, i):

@@ -21,11 +21,11 @@ from chain_impact import map_colours
 from chain_impact.kernel.chain.inertia import DERIVED, corner_of_box
 from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS
+from chain_impact.kernel.constraints.geometry import BOX_NORMALS, STOP_CODES
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.constants import WALLS
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.record.fields import WORD
-from chain_impact.kernel.rows.geometry import BOX_NORMALS, STOP_CODES
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STARTS_INSIDE_WALL, STATUS_TEXT
 from chain_impact.pages.drawn import COLUMN_OF_QUANTITY, GROUPS
 from chain_impact.recording import curves, joint_stops, pacing, view

@@ -15,7 +15,7 @@ from functools import cached_property, partial
 from itertools import accumulate
 from typing import Any, NamedTuple
 
-from chain_impact.kernel.rows.geometry import AT_WALL, STOP_CODES
+from chain_impact.kernel.constraints.geometry import AT_WALL, STOP_CODES
 from chain_impact.scene.candidates import candidates_of
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.keys.chain_tables import Link, Slider

@@ -1,6 +1,6 @@
 """Walls as half-planes, for checks and pictures.
 
-The kernel computes its own half-planes in rows/geometry.py.
+The kernel computes its own half-planes in constraints/geometry.py.
 The twin in JavaScript is pages/browser/scene/geometry.js.
 """
 
@@ -10,8 +10,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from chain_impact.kernel.constraints.geometry import BOX_NORMALS
 from chain_impact.kernel.record.constants import WALLS
-from chain_impact.kernel.rows.geometry import BOX_NORMALS
 
 
 @dataclass(frozen=True, slots=True)

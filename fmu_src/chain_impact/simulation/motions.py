@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.kernel.constraints.geometry import ALLOWED_OVERLAP
 from chain_impact.kernel.record.constants import INPUT_DEGREE
-from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP
 from chain_impact.scene.checks.checks import start_hint
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.table_file import jumps_of

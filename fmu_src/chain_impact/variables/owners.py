@@ -43,7 +43,9 @@ a fact."""
 COUNT_RULES = {
     "links": "link_facts",
     "candidates": "candidates",
-    "elements": "has_dry_friction*link_facts + has_dry_friction*candidates + has_dry_friction*has_slider",
+    "friction_elements": (
+        "has_dry_friction*link_facts + has_dry_friction*candidates + has_dry_friction*has_slider"
+    ),
     "transmitted_rows": "outputs.loads*link_facts + outputs.loads*walls",
     "channels": "2*inputs.base_motion + 2*moving_walls",
     "sites": "sites",

@@ -12,10 +12,10 @@ from unittest import mock
 import numpy as np
 
 from chain_impact.kernel.chain import response
+from chain_impact.kernel.constraints.geometry import is_at_joint_stop
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode.dense import reset_quadratures
 from chain_impact.kernel.record.fields import is_table
-from chain_impact.kernel.rows.geometry import is_at_joint_stop
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.prepared import PreparedScene
@@ -101,23 +101,23 @@ def record_of(scene: Scene) -> Plain:
 
 
 @lru_cache(256)
-def _begun(pickled: bytes) -> np.ndarray:
+def _initialized_record(pickled: bytes) -> np.ndarray:
     """Return the record of a pickled scene at the start of its run, which tests copy."""
     block = PreparedScene(pickle.loads(pickled)).new_instance()
     assert initialize(Plain(block[0]), 0.0) == OK
     return block
 
 
-def begun(scene: Scene) -> Plain:
+def initialized(scene: Scene) -> Plain:
     """Return an instance of a scene at the start of its run, at 0 s.
 
     Equal scenes are initialized once, but in a test that replaces functions (tests/kernel/conftest.py).
     """
-    begin = _begun if begun.is_shared else _begun.__wrapped__
+    begin = _initialized_record if initialized.is_shared else _initialized_record.__wrapped__
     return Plain(begin(pickle.dumps(scene)).copy()[0])
 
 
-begun.is_shared = True
+initialized.is_shared = True
 
 
 def make_rigid(d: Plain, rigid: Any = 1) -> None:

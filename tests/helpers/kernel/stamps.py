@@ -56,7 +56,7 @@ class Stamps:
 
     def rubs_not(self, e: int) -> bool:
         """Return whether element e has no friction, and the force 0 in every state."""
-        element = self.d.numpy_record["element"]
+        element = self.d.numpy_record["friction_element"]
         return bool(element["mode"][e] == NO_FRICTION and element["force"][e] == 0.0)
 
     def check(self, group: str, stamp: bytes | None) -> None:
@@ -127,7 +127,10 @@ def stamp(d: Plain) -> None:
     """Let the groups of an instance carry stamps, which functions write while they are ``watched``."""
     stamps, scratch = Stamps(d), d.scratch
     groups = [(getattr(scratch, group), axis, group) for group in GROUPS for axis in "xy"]
-    forces = [(d.contacts, "force", "contact"), *([(d.element, "force", "friction")] if d.elements else [])]
+    forces = [
+        (d.contacts, "force", "contact"),
+        *([(d.friction_element, "force", "friction")] if d.friction_elements else []),
+    ]
     for part, field, group in groups + forces:
         numbers = getattr(part, field).view(Stamped)
         numbers.stamps, numbers.group = stamps, group

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.rows.geometry import WALLS
+from chain_impact.kernel.constraints.geometry import WALLS
 from chain_impact.scene.candidates import candidates_of as candidates
 from chain_impact.scene.scene import Scene
 from tests.helpers.models.chain_friction import DryFriction

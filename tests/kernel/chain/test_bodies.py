@@ -13,12 +13,12 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.response import HELD, clear_impedance, factorize_matrix
+from chain_impact.kernel.constraints.compliance import solve_in_space
+from chain_impact.kernel.constraints.geometry import add_joint_impedances, clear_used_loads
 from chain_impact.kernel.equations import mechanical_energy, rate_from_state
 from chain_impact.kernel.forces.active_contacts import begin_force_contact, list_active_contacts
-from chain_impact.kernel.rows.compliance import solve_in_space
-from chain_impact.kernel.rows.geometry import add_joint_impedances, clear_used_loads
 from chain_impact.scene.scene import scene_from_dict
-from tests.helpers.kernel.plain import begun
+from tests.helpers.kernel.plain import initialized
 
 GRAVITY = np.array([1.0, -9.81])
 ORIGIN = np.array([0.1, 0.2])
@@ -126,7 +126,7 @@ def moving(request):
             "angular_velocities": [*3.0 * rng.normal(size=n)],
         },
     }
-    d = begun(scene_from_dict(data, "random"))
+    d = initialized(scene_from_dict(data, "random"))
     y = d.step.state_end.copy()
     if base == "free":
         y[n + 2 : n + 4] = rng.normal(size=2)

@@ -9,9 +9,9 @@ import pytest
 
 from chain_impact.kernel.chain import drives
 from chain_impact.kernel.chain.kinematics import clear_joints, clear_vectors
-from chain_impact.kernel.rows.geometry import dot, row_of_drive
+from chain_impact.kernel.constraints.geometry import dot, row_of_drive
 from chain_impact.scene.scene import scene_from_dict
-from tests.kernel.chains import begun
+from tests.kernel.chains import initialized
 
 ANGLE = 0.3  # rad, of the line
 LINE = np.array([math.cos(ANGLE), math.sin(ANGLE)])
@@ -36,7 +36,7 @@ def cart(request):
         "inputs": {"slider_force": True, "joint_torques": True},
         "initial": {"position": [1.0, -2.0], "angles": [0.0]},
     }
-    d = begun(scene_from_dict(table, "cart"))
+    d = initialized(scene_from_dict(table, "cart"))
     d.inputs.motor[:] = MOTOR
     y = np.zeros(len(d.step.state))
     y[:2], y[2] = np.array([1.0, -2.0]) + POSITION[1] * LINE, POSITION[0]

@@ -40,7 +40,7 @@ def driven(degree=2):
 def test_a_step_ends_with_the_piece_or_well_before(degree, end, regularized, size, expected):
     d = driven(degree)
     d.step.end, d.step.regularized = end, regularized
-    assert inputs.limit_to_piece(d, size) == expected
+    assert inputs.limit_to_input_piece(d, size) == expected
 
 
 def test_inputs_go_on_where_the_last_step_ends_with_the_piece():

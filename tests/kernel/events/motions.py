@@ -8,7 +8,7 @@ from chain_impact.kernel.events import crossing
 from chain_impact.kernel.events.exclusion import begin_next_interval, suspect_all_candidates
 from chain_impact.kernel.forces.active_contacts import latch_onset, set_kink_sides
 from tests.helpers.scenes.problems import of_law
-from tests.kernel.chains import chain, touch
+from tests.kernel.chains import chain, mark_touching
 from tests.kernel.steps import free_motion, gaps_of, set_step, translation, wall_at, walls_away
 
 SAMPLES = np.linspace(0.0, 1.0, 2001)
@@ -26,7 +26,7 @@ def moving(seed, *, count=2, size=0.4, near=3, touching=0, base="free"):
         wall_at(d, c, motion.at(0.0), rng.uniform(0.05, 0.5))
     for c in chosen[near:]:
         wall_at(d, c, motion.at(0.0), -rng.uniform(0.05, 0.5))
-    touch(d, chosen[near:])
+    mark_touching(d, chosen[near:])
     prepare(d)
     return d, motion
 
@@ -70,7 +70,7 @@ def falling(height, law="jankowski", size=1.0, touching=(1,)):
     for c in touching:
         wall_at(d, c, motion.at(0.0), -DEEP)
     locate_points(d, motion.at(0.0))
-    touch(d, touching)
+    mark_touching(d, touching)
     for c in touching:
         latch_onset(d, c)
     d.contacts.kink_margin[:] = 0.0

@@ -8,6 +8,7 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.events import contact_log
 from chain_impact.kernel.forces.active_contacts import contact_force
 from chain_impact.kernel.forces.force_formula import set_damping
@@ -20,7 +21,6 @@ from chain_impact.kernel.record.constants import (
     OUTPUT_READER,
     SOLVER_READER,
 )
-from chain_impact.kernel.rows.geometry import clearance_and_rate
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
 from tests.helpers.kernel.plain import make_rigid
@@ -179,7 +179,7 @@ def test_a_cut_step_forgets_events_after_the_communication_point(due, monkeypatc
     d, motion = pressed(TURNING)
     d.contacts.event[:4] = ONSET, CONTACT_ENDS, KINK, NO_EVENT
     dropped = []
-    monkeypatch.setattr(contact_log, "drop_changes", dropped.append)
+    monkeypatch.setattr(contact_log, "drop_mode_marks", dropped.append)
     d.step.communication_point = d.step.end if due else d.step.start + 0.4
     breaks, clock = d.step.break_count, d.step.communication_point
     contact_log.end_at_communication_point(d)

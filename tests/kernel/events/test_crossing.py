@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
+from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.events import crossing
 from chain_impact.kernel.events.exclusion import begin_next_interval, suspect_all_candidates
 from chain_impact.kernel.record.constants import CONTACT_ENDS, IMPLICIT, NO_EVENT, ONSET
 from chain_impact.kernel.record.state import sundman_u_at, time_at
-from chain_impact.kernel.rows.geometry import clearance_and_rate
-from tests.kernel.chains import chain, touch
+from tests.kernel.chains import chain, mark_touching
 from tests.kernel.events.motions import SAMPLES, first_fall, moving, phi, prepare
 from tests.kernel.steps import Motion, free_motion, gaps_of, set_step, translation, wall_at, walls_away
 
@@ -136,10 +136,10 @@ def test_contacts_in_an_implicit_step_have_their_own_bound():
     d, _ = moving(3, touching=2)
     held = d.contacts.active_index[:2]
     before = d.search.curvature.copy()
-    touch(d, [])
+    mark_touching(d, [])
     crossing.bound_curvature(d)
     np.testing.assert_array_equal(d.search.curvature, before)
-    touch(d, held)
+    mark_touching(d, held)
     d.step.last_method = IMPLICIT
     crossing.bound_curvature(d)
     assert (d.search.curvature[held] != before[held]).all()
@@ -181,7 +181,7 @@ def test_a_regularized_contact_ends_at_the_root_of_u():
     rates = [clearance_and_rate(d, c)[1] for c in range(d.candidates)]
     c = int(np.argmax(rates))
     d.step.regularized = c
-    touch(d, [c])
+    mark_touching(d, [c])
     # u′ is close to the rate of the motion: the point leaves where u falls to zero
     d.contacts.expected_penetration[c], d.contacts.latched_speed[c] = 0.5 * rates[c] / 0.7, 1.0
     prepare(d)

@@ -7,17 +7,17 @@ import pytest
 from scipy.interpolate import BPoly
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.constraints.geometry import clearance_and_rate, length_bound
 from chain_impact.kernel.events import exclusion
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode.sundman import root_rate
 from chain_impact.kernel.record.constants import CURVATURES_KNOWN, DISTANCE_KNOWN, NOTHING_KNOWN, VALUES_KNOWN
 from chain_impact.kernel.record.state import sundman_u_at, time_at
-from chain_impact.kernel.rows.geometry import clearance_and_rate, length_bound
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.kernel.plain import Plain, make_rigid
-from tests.kernel.chains import chain, random_state, touch
+from tests.kernel.chains import chain, mark_touching, random_state
 from tests.kernel.steps import free_motion, gaps_of, set_step, translation, wall_at, walls_away
 
 SAMPLES = np.linspace(0.0, 1.0, 1001)
@@ -32,7 +32,7 @@ def stepped(seed, *, size=0.1, near=0.3, count=3, base="free", touching=0, **mor
     set_step(d, motion, size, start=2.0)
     for c in range(d.candidates):
         wall_at(d, c, motion.at(0.0), near * rng.uniform(0.5, 1.5) * (1.0 if c >= touching else -1.0))
-    touch(d, range(touching))
+    mark_touching(d, range(touching))
     d.contacts.latched_speed[:] = 1e3
     d.contacts.kink_crossed[:] = d.contacts.penetration_rate[:] = 0
     d.solver.tolerance = 1e-6
@@ -109,7 +109,7 @@ def test_the_search_follows_free_candidates_but_no_held_ones(held):
         wall_at(d, c, motion.at(0.0), 0.4)
     if held:
         d.law.impulsive[resting] = 1
-        touch(d, [resting])
+        mark_touching(d, [resting])
     assert not exclusion.excludes_events(d)
     suspects = d.search.suspect_index[: d.search.suspect_count].tolist()
     assert suspects == ([near] if held else [near, resting])
@@ -130,7 +130,7 @@ def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, f
         walls_away(d)
         set_step(d, motion, 0.5, start=2.0)
         d.search.input_rate, d.chain.joint_rate_bound = turn / 0.5, fade / 0.5
-        touch(d, range(d.candidates) if active else [])
+        mark_touching(d, range(d.candidates) if active else [])
         d.contacts.latched_speed[:], d.contacts.penetration_rate[:] = 1.0, 0.0
         gap = (clear * off if off > 0.0 else clear) - d.law.harmless_depth[0]
         for c in range(d.candidates):
@@ -235,11 +235,11 @@ def test_a_touching_point_is_near_unless_its_contact_is_regularized():
         exclusion.remember_clearances(d, what)
         assert not exclusion.remains_far(d)
     d = quiet_start()
-    touch(d, [2])
+    mark_touching(d, [2])
     assert not exclusion.remains_far(d)
     for u, crossed, expected in ((0.5, 0, True), (0.0, 0, False), (-0.1, 0, False), (0.5, 1, False)):
         d = quiet_start(regularized=2)
-        touch(d, [2])
+        mark_touching(d, [2])
         d.step.state_end[sundman_u_at(d.links)], d.contacts.kink_crossed[2] = u, crossed
         assert exclusion.remains_far(d) == expected
         assert exclusion.known_clearances(d) == (DISTANCE_KNOWN if expected else CURVATURES_KNOWN)
@@ -277,7 +277,7 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
     d.step.regularized = regularized
     make_rigid(d, impulsive)
     d.contacts.expected_penetration[:] = 0.3
-    touch(d, [2, 4])
+    mark_touching(d, [2, 4])
     pace = 1.0 if regularized < 0 else u / (1.0 + u * u)
     found = exclusion.sundman_u_now(d, y)
     slope = 0.0 if regularized < 0 else -0.5 * clearance_and_rate(d, 2)[1] / (0.3 * (1.0 + u * u))
@@ -306,7 +306,7 @@ def test_second_derivatives_are_those_in_the_variable_of_the_step(regularized):
     rng = np.random.default_rng(6)
     _, d = chain(rng, 2)
     motion = free_motion(rng, d)
-    touch(d, [2, 4])
+    mark_touching(d, [2, 4])
     d.contacts.expected_penetration[:], d.step.regularized = 0.3, regularized
     u, h, rates = 0.6, 1e-5, []
     y, rate = motion.at(0.0), motion.at(0.0, 1)

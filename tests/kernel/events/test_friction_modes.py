@@ -7,6 +7,8 @@ import pytest
 from scipy.optimize import lsq_linear
 
 from chain_impact.kernel.chain.kinematics import largest_component, locate_points
+from chain_impact.kernel.constraints.geometry import tangential_position, tangential_rate
+from chain_impact.kernel.constraints.impulses import SOLVED
 from chain_impact.kernel.events import friction_modes
 from chain_impact.kernel.events.friction_modes import (
     ACCELERATION_ERROR,
@@ -18,13 +20,11 @@ from chain_impact.kernel.events.friction_modes import (
     set_slack,
     widen_slack,
 )
-from chain_impact.kernel.events.marks import count_pending_changes
+from chain_impact.kernel.events.marks import count_mode_changes
 from chain_impact.kernel.events.mode_changes import friction_round_off, rest_speed
 from chain_impact.kernel.forces.active_contacts import list_active_contacts
 from chain_impact.kernel.forces.friction import list_sticking, sliding_sign
 from chain_impact.kernel.record.constants import NO_EVENT, NO_FRICTION, SLIDING_ENDS, STICKING_ENDS, STICKS
-from chain_impact.kernel.rows.constraints import SOLVED
-from chain_impact.kernel.rows.geometry import tangential_position, tangential_rate
 from tests.kernel.rubbing import AtRest, Doubled, rubbing_chain
 
 CASES = [("free", 2, True), ("free", 3, False), ("pinned", 1, True), ("pinned", 0, True), ("free", 0, True)]
@@ -37,7 +37,7 @@ def assert_laws_hold(chain):
     scale = largest_component(d, d.scratch.acceleration)
     held, sliding = chain.limits()
     for k, e in enumerate(chain.elements):
-        force, mode = d.element.force[e], chain.modes[k]
+        force, mode = d.friction_element.force[e], chain.modes[k]
         if mode == STICKS:
             assert abs(force) <= held[k] + friction_round_off(d, e)
             assert abs(reached[k]) <= 1e-11 * scale
@@ -82,41 +82,41 @@ def test_moving_elements_slide_in_the_direction_of_their_motion(jumped):
     rng = np.random.default_rng(8)
     _, d, y = rubbing_chain(rng, "free", 3, True)
     d.step.state_end[:] = y
-    elements = [int(e) for e in d.element.index[: d.friction.count]]
+    elements = [int(e) for e in d.friction_element.index[: d.friction.active_count]]
     signs = [int(np.sign(tangential_rate(d, e))) for e in elements]
     assert set(signs) == {1, -1}
-    d.element.mode[elements] = STICKS if jumped else [-sign for sign in signs]
+    d.friction_element.mode[elements] = STICKS if jumped else [-sign for sign in signs]
     choose_friction_modes(d, jumped)
-    assert d.element.mode[elements].tolist() == signs
-    assert not d.element.undecided[elements].any()
-    assert not d.element.slack[elements].any()
-    assert d.element.mode[list(set(range(d.elements)) - set(elements))].tolist() == [NO_FRICTION] * (
-        d.elements - len(elements)
-    )
+    assert d.friction_element.mode[elements].tolist() == signs
+    assert not d.friction_element.decided_by_forces[elements].any()
+    assert not d.friction_element.slack[elements].any()
+    assert d.friction_element.mode[list(set(range(d.friction_elements)) - set(elements))].tolist() == [
+        NO_FRICTION
+    ] * (d.friction_elements - len(elements))
 
 
 def test_anchors_are_kept_by_what_stuck_before_and_otherwise_set():
     chain = AtRest(0, "free", 2, True)
     d = chain.d
     d.law.static_friction[:], d.drive.friction[:] = 1e9, 1e9
-    d.element.mode[chain.elements] = STICKS
+    d.friction_element.mode[chain.elements] = STICKS
     first, *others = chain.elements
-    d.element.mode[others[0]] = 1
-    here = d.element.anchor[chain.elements].copy()
+    d.friction_element.mode[others[0]] = 1
+    here = d.friction_element.anchor[chain.elements].copy()
     moved = here + 1e-9
-    d.element.anchor[chain.elements] = moved
+    d.friction_element.anchor[chain.elements] = moved
     choose_friction_modes(d, False)
     assert chain.modes == (STICKS,) * len(chain.elements)
-    assert d.element.anchor[first] == moved[0]
-    assert d.element.anchor[others[0]] == pytest.approx(here[1], abs=1e-13)
+    assert d.friction_element.anchor[first] == moved[0]
+    assert d.friction_element.anchor[others[0]] == pytest.approx(here[1], abs=1e-13)
     # the state is projected onto all anchors
     locate_points(d, d.step.state_end)
     for e in chain.elements:
-        assert tangential_position(d, e) == pytest.approx(d.element.anchor[e], abs=1e-12)
+        assert tangential_position(d, e) == pytest.approx(d.friction_element.anchor[e], abs=1e-12)
         assert abs(tangential_rate(d, e)) < 1e-12
-    d.element.anchor[chain.elements] = moved + 1e-3
+    d.friction_element.anchor[chain.elements] = moved + 1e-3
     choose_friction_modes(d, True)
-    assert d.element.anchor[chain.elements] == pytest.approx(moved, abs=1e-8)
+    assert d.friction_element.anchor[chain.elements] == pytest.approx(moved, abs=1e-8)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -124,17 +124,17 @@ def test_an_element_at_its_limit_slides_against_its_force(seed):
     chain = AtRest(seed, "free", 2, True)
     d = chain.d
     d.law.static_friction[:], d.drive.friction[:] = 1e9, 1e9
-    d.element.mode[chain.elements] = STICKS
+    d.friction_element.mode[chain.elements] = STICKS
     choose_friction_modes(d, True)
     assert not any(chain.modes)
     e = chain.elements[-1]
-    force = float(d.element.force[e])
+    force = float(d.friction_element.force[e])
     d.drive.friction[e - d.candidates] = 0.9 * abs(force) * d.chain.longest_link
-    d.element.event[e] = STICKING_ENDS
-    assert count_pending_changes(d) == 1
+    d.friction_element.event[e] = STICKING_ENDS
+    assert count_mode_changes(d) == 1
     choose_friction_modes(d, False)
-    assert d.element.mode[e] == sliding_sign(force) == -np.sign(force)
-    assert count_pending_changes(d) == 0
+    assert d.friction_element.mode[e] == sliding_sign(force) == -np.sign(force)
+    assert count_mode_changes(d) == 0
     assert chain.modes in chain.consistent()
 
 
@@ -143,8 +143,8 @@ def test_joints_of_a_chain_without_friction_have_no_mode():
     d = chain.d
     d.drive.friction[:] = 0.0
     choose_friction_modes(d, True)
-    assert (d.element.mode[d.candidates :] == NO_FRICTION).all()
-    assert d.friction.count == 2
+    assert (d.friction_element.mode[d.candidates :] == NO_FRICTION).all()
+    assert d.friction.active_count == 2
     list_sticking(d)
     assert d.friction.stuck_joints == 0
 
@@ -152,12 +152,12 @@ def test_joints_of_a_chain_without_friction_have_no_mode():
 def test_no_mark_of_a_change_outlives_the_choice_of_modes():
     """The mark of an element whose contact has ended must not count when its point touches again."""
     _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
-    d.element.event[:] = STICKING_ENDS
+    d.friction_element.event[:] = STICKING_ENDS
     d.contacts.active[d.contacts.active_index[0]] = 0
     list_active_contacts(d)
     choose_friction_modes(d, False)
-    assert d.friction.count < d.elements
-    assert not d.element.event.any()
+    assert d.friction.active_count < d.friction_elements
+    assert not d.friction_element.event.any()
 
 
 @pytest.fixture
@@ -199,33 +199,37 @@ def test_the_first_guess_is_by_the_motion_the_event_or_what_was_before(one, sign
     """All signs reverse with the sign of the motion and of the force."""
     (d, c), (event, before, speed, jumped, right, undecided) = one, case
     move_at(d, c, sign * speed)
-    d.element.mode_before[c] = sign * before if abs(before) == 1 else before
-    d.element.event[c], d.element.force[c] = event, sign * 4.0
+    d.friction_element.mode_before[c] = sign * before if abs(before) == 1 else before
+    d.friction_element.event[c], d.friction_element.force[c] = event, sign * 4.0
     assert first_mode(d, c, jumped) == sign * right
-    assert d.element.undecided[c] == undecided
+    assert d.friction_element.decided_by_forces[c] == undecided
 
 
 @pytest.mark.parametrize(("part", "undecided"), [(0.9, 1), (1.1, 0)])
 def test_rest_has_a_speed_of_round_off(one, part, undecided):
     d, c = one
     move_at(d, c, part * rest_speed(d))
-    d.element.mode_before[c] = STICKS
+    d.friction_element.mode_before[c] = STICKS
     first_mode(d, c, True)
-    assert d.element.undecided[c] == undecided
+    assert d.friction_element.decided_by_forces[c] == undecided
 
 
 @pytest.mark.parametrize(("part", "wrong"), [(-0.6, False), (0.4, False), (0.6, True)])
 def test_a_static_force_may_exceed_its_limit_by_half_of_what_is_round_off(one, part, wrong):
     """The other half of the round-off belongs to the search, so that a new mode does not end at once."""
     d, c = one
-    d.element.mode[c], d.element.undecided[c], d.element.friction_limit[c] = STICKS, 1, 7.0
+    (
+        d.friction_element.mode[c],
+        d.friction_element.decided_by_forces[c],
+        d.friction_element.friction_limit[c],
+    ) = STICKS, 1, 7.0
     for sign in (1.0, -1.0):
-        d.element.force[c] = sign * (7.0 + part * friction_round_off(d, c))
+        d.friction_element.force[c] = sign * (7.0 + part * friction_round_off(d, c))
         assert is_inconsistent(d, c) == wrong
         assert count_inconsistent(d) == wrong
-        d.element.undecided[c] = 0
+        d.friction_element.decided_by_forces[c] = 0
         assert not is_inconsistent(d, c)
-        d.element.undecided[c] = 1
+        d.friction_element.decided_by_forces[c] = 1
 
 
 @pytest.mark.parametrize(("part", "wrong"), [(-1.0, False), (0.9, False), (1.1, True)])
@@ -234,7 +238,7 @@ def test_sliding_at_rest_may_accelerate_backward_by_round_off(one, part, wrong):
     d.scratch.acceleration.x[:], d.scratch.acceleration.y[:] = 0.0, 0.0
     d.scratch.acceleration.x[1 - d.candidate.place[c]] = 50.0
     for sign in (1, -1):
-        d.element.mode[c], d.element.undecided[c] = sign, 1
+        d.friction_element.mode[c], d.friction_element.decided_by_forces[c] = sign, 1
         backward = (
             -sign * part * ACCELERATION_ERROR * (50.0 + d.chain.gravity_magnitude + d.chain.longest_link)
         )
@@ -251,8 +255,8 @@ def test_sliding_at_rest_may_accelerate_backward_as_what_sticks_does(one, part, 
     other = d.candidates - 1
     assert d.candidate.place[other] != d.candidate.place[c]
     d.scratch.acceleration.x[:], d.scratch.acceleration.y[:] = 0.0, 0.0
-    d.friction.stuck_count, d.element.stuck_index[0] = 1, other
-    d.element.mode[c], d.element.undecided[c] = 1, 1
+    d.friction.stuck_count, d.friction_element.stuck_index[0] = 1, other
+    d.friction_element.mode[c], d.friction_element.decided_by_forces[c] = 1, 1
     for e, along in ((other, 1e-3), (c, -part * 1e-3)):
         d.scratch.acceleration.x[d.candidate.place[e]] = along * d.candidate.normal_y[e]
         d.scratch.acceleration.y[d.candidate.place[e]] = -along * d.candidate.normal_x[e]
@@ -263,8 +267,8 @@ def test_a_choice_ends_even_where_no_mode_is_right(monkeypatch):
     """First all wrong modes change at once; after the permitted failures, fewer and fewer elements stick."""
     chain = AtRest(0, "free", 2, True)
     d, rounds = chain.d, []
-    d.element.undecided[chain.elements] = 1
-    d.element.mode[chain.elements] = STICKS
+    d.friction_element.decided_by_forces[chain.elements] = 1
+    d.friction_element.mode[chain.elements] = STICKS
     monkeypatch.setattr(friction_modes, "is_inconsistent", lambda _d, _e: True)
     monkeypatch.setattr(
         friction_modes, "list_sticking", lambda d: (rounds.append(chain.modes), list_sticking(d))
@@ -298,10 +302,10 @@ def test_dependent_constraints_are_held_if_any_share_of_the_load_allows_it(seed,
     d = chain.d
     d.law.friction[:], d.drive.friction[:] = 1e9, 1e9
     d.law.static_friction[:] = d.law.friction
-    d.element.mode[chain.elements] = STICKS
+    d.friction_element.mode[chain.elements] = STICKS
     choose_friction_modes(d, True)
     weak, strong = chain.twins
-    needed = abs(d.element.force[weak] + d.element.force[strong])
+    needed = abs(d.friction_element.force[weak] + d.friction_element.force[strong])
     for e, share in ((weak, part), (strong, 1.0)):
         d.law.friction[e] = share * needed / d.contacts.force[e]
         d.law.static_friction[e] = holding * d.law.friction[e]
@@ -310,7 +314,7 @@ def test_dependent_constraints_are_held_if_any_share_of_the_load_allows_it(seed,
     np.testing.assert_allclose(reached, 0.0, atol=1e-9 * scale)
     assert chain.modes[chain.elements.index(strong)] == STICKS
     held = chain.limits()[0]
-    assert (np.abs(d.element.force[chain.elements]) <= held * (1.0 + 1e-9)).all()
+    assert (np.abs(d.friction_element.force[chain.elements]) <= held * (1.0 + 1e-9)).all()
     # below the load of both contacts, some elements slide, with the accelerations of the unique solution
     d.law.friction[strong] *= 0.9 * (1.0 - part)
     d.law.static_friction[:] = d.law.friction
@@ -327,25 +331,25 @@ def test_sliding_may_go_on_backward_as_it_does_when_it_begins(one, sign):
     Elements with a forward motion or a motion-based mode may not.
     """
     d, c = one
-    d.element.mode[c], d.element.undecided[c] = sign, 1
+    d.friction_element.mode[c], d.friction_element.decided_by_forces[c] = sign, 1
     d.scratch.acceleration.x[:], d.scratch.acceleration.y[:] = 0.0, 0.0
     for speed, slack in ((-3e-13, 6e-13), (3e-13, 0.0), (0.0, 0.0)):
         move_at(d, c, sign * speed)
         set_slack(d, c)
         widen_slack(d, c)
-        assert d.element.slack[c] == pytest.approx(slack, rel=1e-10, abs=1e-25)
+        assert d.friction_element.slack[c] == pytest.approx(slack, rel=1e-10, abs=1e-25)
     move_at(d, c, -sign * 3e-13)
-    d.element.undecided[c] = 0
+    d.friction_element.decided_by_forces[c] = 0
     set_slack(d, c)
     widen_slack(d, c)
-    assert d.element.slack[c] == 0.0
+    assert d.friction_element.slack[c] == 0.0
 
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_an_undecided_element_may_move_backward_by_the_tolerance(one, sign):
     """The limit is the larger of the tolerance and twice the present speed; the force is at its limit."""
     d, c = one
-    d.element.mode[c], d.element.undecided[c] = sign, 1
+    d.friction_element.mode[c], d.friction_element.decided_by_forces[c] = sign, 1
     place = d.candidate.place[c]
     d.scratch.acceleration.x[:], d.scratch.acceleration.y[:] = 0.0, 0.0
     d.scratch.acceleration.x[place] = -sign * d.candidate.normal_y[c]
@@ -355,4 +359,4 @@ def test_an_undecided_element_may_move_backward_by_the_tolerance(one, sign):
         move_at(d, c, sign * speed)
         set_slack(d, c)
         widen_slack(d, c)
-        assert d.element.slack[c] == pytest.approx(slack, rel=1e-10)
+        assert d.friction_element.slack[c] == pytest.approx(slack, rel=1e-10)

@@ -27,7 +27,15 @@ from chain_impact.kernel.record.constants import (
 )
 from tests.helpers.models.reference import complementary_impulses, mass_matrix
 from tests.helpers.scenes.problems import of_law
-from tests.kernel.chains import chain, gradients, press_in, random_state, struck, touch, vectors
+from tests.kernel.chains import (
+    chain,
+    gradients,
+    locate_touching_state,
+    mark_touching,
+    move_wall_to_depth,
+    random_state,
+    vectors,
+)
 
 JUMPS = {"zhang_sharf": False, "kelvin_voigt": True, "jankowski": False}
 LAWS = pytest.mark.parametrize("law", JUMPS)
@@ -38,8 +46,8 @@ def arrived(law="zhang_sharf", speed=1.0, depth=0.0, touching=()):
     """Return a chain at the end of a step, at which candidate C moves into its wall; no step is implicit."""
     rng = np.random.default_rng(4)
     scene, d = chain(rng, 3, inputs=True, **of_law(law), restitution=0.5)
-    y = struck(rng, d, [C], depth)
-    touch(d, touching)
+    y = locate_touching_state(rng, d, [C], depth)
+    mark_touching(d, touching)
     (gradient,) = gradients(scene, d, y[2:5], [C])
     y[5:10] -= gradient * (speed + gradient @ y[5:10]) / (gradient @ gradient)
     locate_points(d, y)
@@ -78,9 +86,9 @@ def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
     d = arrived(law, speed=speed)
     if speed == 0.0:
         d.scratch.velocity.x[:] = d.scratch.velocity.y[:] = 0.0
-    touch(d, [C])
+    mark_touching(d, [C])
     d.contacts.expected_penetration[C], d.contacts.latched_speed[C] = 0.2, 4.0
-    press_in(d, C, times * LEAVING_TIME * 0.2 / 4.0 * abs(speed))
+    move_wall_to_depth(d, C, times * LEAVING_TIME * 0.2 / 4.0 * abs(speed))
     if speed == 0.0:
         d.candidate.offset[C] -= 1e-9
     assert apply_event(d, C, CONTACT_ENDS) == JUMPS[law]
@@ -140,7 +148,7 @@ def test_each_event_has_its_own_effect(kind, active, law, jumped):
     d = arrived(law, speed=-1.0 if kind == CONTACT_ENDS else 1.0)
     d.contacts.expected_penetration[:] = d.contacts.latched_speed[:] = d.contacts.effective_mass[:] = 1.0
     others = [1]
-    touch(d, [*others, C] if active else others)
+    mark_touching(d, [*others, C] if active else others)
     d.contacts.event[C] = kind
     flight = d.step.flight_size
     assert apply_events(d) == jumped
@@ -155,7 +163,7 @@ def test_each_event_has_its_own_effect(kind, active, law, jumped):
     if kind in {RELATCH, KINK}:
         assert d.step.next_size == 0.125
     elif kind == ONSET:
-        assert d.step.next_size == control.size_at_onset_beside(d, C) < control.size_at_onset(d, C, EXPLICIT)
+        assert d.step.next_size == control.size_at_second_onset(d, C) < control.size_at_onset(d, C, EXPLICIT)
     else:
         assert d.step.next_size == control.size_at_onset(d, 1, EXPLICIT)
 
@@ -163,8 +171,8 @@ def test_each_event_has_its_own_effect(kind, active, law, jumped):
 def test_rigid_walls_take_all_events_at_once_and_steps_are_explicit():
     rng = np.random.default_rng(4)
     scene, d = chain(rng, 3, model="newton_impact", restitution=0.5)
-    y = struck(rng, d, [C], 0.0)
-    touch(d, [])
+    y = locate_touching_state(rng, d, [C], 0.0)
+    mark_touching(d, [])
     (gradient,) = gradients(scene, d, y[2:5], [C])
     y[5:10] -= gradient * (1.0 + gradient @ y[5:10]) / (gradient @ gradient)
     d.step.state_end[:], d.contacts.event[C] = y, ONSET
@@ -217,7 +225,7 @@ def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
     if onset >= 0:
         assert (
             d.step.next_size
-            == control.size_at_onset_beside(d, onset)
+            == control.size_at_second_onset(d, onset)
             < control.size_at_onset(d, onset, EXPLICIT)
         )
         assert begins_explicit(d)
@@ -243,7 +251,7 @@ def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
     choose_next_size(d, C, False)
     sizes = [control.size_at_onset(d, C, method_number) for method_number in (EXPLICIT, method)]
     assert d.step.method == method
-    beside = control.size_at_onset_beside(d, C)
+    beside = control.size_at_second_onset(d, C)
     assert d.step.next_size == (min(*sizes, beside) if method == EXPLICIT else min(sizes))
     assert (sizes[1] < sizes[0]) == (method == IMPLICIT)
 

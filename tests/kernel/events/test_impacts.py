@@ -8,26 +8,26 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import largest_component, locate_points
+from chain_impact.kernel.constraints.geometry import clearance_and_rate, largest_coordinate
+from chain_impact.kernel.constraints.impulses import SIGN_TOLERANCE
 from chain_impact.kernel.equations import mechanical_energy
 from chain_impact.kernel.events import impacts
 from chain_impact.kernel.events.handlers import apply_events
 from chain_impact.kernel.forces.active_contacts import latch_onset
 from chain_impact.kernel.forces.holding import LEAST_RISE
 from chain_impact.kernel.record.constants import NEIGHBOUR, NO_EVENT, ONSET, RELEASE
-from chain_impact.kernel.rows.constraints import SIGN_TOLERANCE
-from chain_impact.kernel.rows.geometry import clearance_and_rate, largest_coordinate
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.models.reference import complementary_impulses, mass_matrix
 from tests.kernel.chains import (
     chain,
     free_coordinates,
     gradients,
+    locate_touching_state,
+    mark_touching,
+    move_wall_to_depth,
     potential_slopes,
-    press_in,
     stopped_chain,
     stops_of,
-    struck,
-    touch,
     vectors,
 )
 
@@ -51,8 +51,8 @@ def touching(seed, candidates=(1, 6, 11), *, base="free", kinds=ONSET, arrive=Tr
     rng = np.random.default_rng(seed)
     scene, d = chain(rng, 4, base, model="newton_impact", restitution=E, minimum_impact_speed=SLOWEST)
     candidates = [c - (base == "pinned") for c in candidates]
-    y = struck(rng, d, candidates, 0.0)
-    touch(d, candidates if kinds == NO_EVENT else [])
+    y = locate_touching_state(rng, d, candidates, 0.0)
+    mark_touching(d, candidates if kinds == NO_EVENT else [])
     d.contacts.event[candidates] = kinds
     angles, free = y[2:6], free_coordinates(d)
     jacobian, response = gradients(scene, d, angles, candidates), np.zeros((6, len(candidates)))
@@ -141,7 +141,7 @@ def test_points_that_all_but_touch_are_neighbours():
     d = touching(0, (1,)).d
     limit = impacts.NEAR_WALL_CLEARANCE * impacts.release_clearance(d, 2, largest_coordinate(d))
     for c, part_of in ((2, 0.5), (5, 0.99), (9, 1.5), (13, -3.0)):
-        press_in(d, c, -part_of * limit)
+        move_wall_to_depth(d, c, -part_of * limit)
     d.contacts.active[1] = d.contacts.active[13] = 1
     d.contacts.event[:] = NO_EVENT
     impacts.join_near_contacts(d)
@@ -268,7 +268,7 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
         d, _y, _, _response, _w, (c,) = touching(1, (1,), kinds=ONSET)
         latch_onset(d, c)
         d.step.end = 2.0
-        touch(d, [c])
+        mark_touching(d, [c])
         d.law.minimum_impact_speed[:] = 1e-12
         d.step.state_end[6:12] = 0.0
         d.chain.gravity[:] = 0.0, -9.81
@@ -331,7 +331,7 @@ def test_released_points_leave_the_wall_and_held_points_stay():
     # nothing moves when all points are held
     before = d.step.state_end.copy()
     d.constraints.in_active_set[:3] = 1
-    touch(d, POINTS[:1])
+    mark_touching(d, POINTS[:1])
     impacts.release_contacts(d)
     np.testing.assert_array_equal(d.step.state_end, before)
 
@@ -341,7 +341,7 @@ def test_a_released_point_all_but_touches_at_any_distance(away):
     d, y = touching(1, POINTS[:1], kinds=NO_EVENT)[:2]
     y[:2] += away * d.chain.longest_link
     locate_points(d, y)
-    press_in(d, 1, 0.0)
+    move_wall_to_depth(d, 1, 0.0)
     d.step.state_end[:] = y
     d.constraints.in_active_set[:1] = 0
     impacts.release_contacts(d)
@@ -396,7 +396,7 @@ def test_an_impact_updates_rates_and_kink_sides_of_force_contacts(monkeypatch):
     rng = np.random.default_rng(47)
     _, d = chain(rng, 2)
     touched, sides = [0, 5, 9], []
-    y = struck(rng, d, touched)
+    y = locate_touching_state(rng, d, touched)
     make_rigid(d, np.arange(d.candidates) == 5)
     d.step.state_end[:] = y
     d.scratch.velocity.x[:] = 1e9  # velocities of an earlier state

@@ -28,7 +28,7 @@ from chain_impact.kernel.record.constants import (
     SOLVER_READER,
 )
 from chain_impact.kernel.record.state import time_at, velocity_at
-from tests.kernel.chains import chain, located, touch
+from tests.kernel.chains import chain, located, mark_touching
 from tests.kernel.events.motions import moving
 from tests.kernel.steps import gaps_of, points_of, set_step, translation, wall_at, walls_away
 
@@ -41,7 +41,7 @@ def touched(gap, rate, bend=0.0, *, active=0, kind=ONSET, theta=0.5, size=1.0):
     walls_away(d)
     set_step(d, motion, size)
     wall_at(d, c, motion.at(0.0), gap)
-    touch(d, [c] if active else [])
+    mark_touching(d, [c] if active else [])
     measure_clearances(d, theta)
     d.contacts.event[:] = NO_EVENT
     d.contacts.event[c] = kind
@@ -80,7 +80,7 @@ def test_an_early_touch_in_a_regularized_step_fits_the_motion_in_time():
     walls_away(d)
     set_step(d, motion, 1.0, regularized=REGULARIZED)
     wall_at(d, 1, motion.at(0.0), 3.0 * theta)
-    touch(d, [REGULARIZED])
+    mark_touching(d, [REGULARIZED])
     measure_clearances(d, theta)
     d.contacts.event[:] = NO_EVENT
     d.contacts.event[1] = ONSET

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.events import contact_log
 from chain_impact.kernel.forces.active_contacts import latch_onset, list_active_contacts
 from chain_impact.kernel.record.contacts import LATEST_COUNT
-from chain_impact.kernel.rows.geometry import clearance_and_rate
 from tests.helpers.kernel.plain import make_rigid
 from tests.kernel.chains import chain, random_state, stopped_chain, stops_of
 

@@ -21,14 +21,16 @@ def d():
     _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
     marks.mark_contact_event(d, 2, KINK)
     marks.mark_contact_event(d, 5, CONTACT_ENDS)
-    listed = int(d.element.index[1])
-    marks.mark_change(d, listed, STICKING_ENDS)
-    marks.mark_change(d, next(e for e in range(d.elements) if e not in d.element.index), SLIDING_ENDS)
+    listed = int(d.friction_element.index[1])
+    marks.mark_mode_change(d, listed, STICKING_ENDS)
+    marks.mark_mode_change(
+        d, next(e for e in range(d.friction_elements) if e not in d.friction_element.index), SLIDING_ENDS
+    )
     return d
 
 
 def marks_of(d):
-    return np.flatnonzero(d.contacts.event).tolist(), int(np.count_nonzero(d.element.event))
+    return np.flatnonzero(d.contacts.event).tolist(), int(np.count_nonzero(d.friction_element.event))
 
 
 def test_each_mark_is_that_of_one_candidate_or_element(d):
@@ -40,7 +42,11 @@ def test_each_mark_is_that_of_one_candidate_or_element(d):
 
 @pytest.mark.parametrize(
     ("drop", "left"),
-    [(marks.drop_events, ([], 0)), (marks.drop_contact_events, ([], 2)), (marks.drop_changes, ([2, 5], 0))],
+    [
+        (marks.drop_events, ([], 0)),
+        (marks.drop_contact_events, ([], 2)),
+        (marks.drop_mode_marks, ([2, 5], 0)),
+    ],
 )
 def test_marks_are_dropped_also_where_there_is_no_friction_any_more(d, drop, left):
     drop(d)
@@ -54,7 +60,7 @@ def test_only_an_onset_is_one(d):
 
 
 def test_changes_of_elements_without_friction_do_not_count(d):
-    assert marks.count_pending_changes(d) == 1
+    assert marks.count_mode_changes(d) == 1
 
 
 def test_a_tangent_instance_has_the_same_marks(d):
@@ -62,4 +68,4 @@ def test_a_tangent_instance_has_the_same_marks(d):
     marks.mark_contact_event(t, 1, CONTACT_ENDS)
     marks.copy_marks(d, t)
     assert t.contacts.event.tolist() == d.contacts.event.tolist()
-    assert t.element.event.tolist() == d.element.event.tolist()
+    assert t.friction_element.event.tolist() == d.friction_element.event.tolist()

@@ -7,12 +7,12 @@ import pytest
 
 from chain_impact.kernel.advance import advance_one_step
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints.geometry import tangential_rate
 from chain_impact.kernel.events import mode_changes
-from chain_impact.kernel.events.marks import count_pending_changes
-from chain_impact.kernel.events.sampled import make_search
+from chain_impact.kernel.events.force_events import make_search
+from chain_impact.kernel.events.marks import count_mode_changes
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.record.constants import NO_EVENT, ONSET, SLIDING_ENDS, STICKING_ENDS, STICKS
-from chain_impact.kernel.rows.geometry import tangential_rate
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.prepared import PreparedScene
@@ -35,9 +35,11 @@ def run_to_change(d, until):
     """Take steps until a mode ends; return the elements whose modes end, and their events."""
     while d.step.end < until:
         assert advance_one_step(d) == OK
-        if count_pending_changes(d):
+        if count_mode_changes(d):
             locate_points(d, d.step.state_end)
-            return {int(e): int(d.element.event[e]) for e in np.flatnonzero(d.element.event)}
+            return {
+                int(e): int(d.friction_element.event[e]) for e in np.flatnonzero(d.friction_element.event)
+            }
     raise AssertionError("no mode has ended")
 
 
@@ -46,14 +48,14 @@ def run_to_change(d, until):
 def test_a_step_ends_where_a_link_with_a_dry_joint_stops(speed, method):
     table, exact = braked_link(speed, 0.4)
     d = started(table | {"solver": {"method": method}})
-    (joint,) = range(d.candidates, d.elements)
-    assert d.element.mode[joint] == np.sign(speed)
+    (joint,) = range(d.candidates, d.friction_elements)
+    assert d.friction_element.mode[joint] == np.sign(speed)
     assert run_to_change(d, 2.0 * exact.stop) == {joint: SLIDING_ENDS}
     assert d.step.end == pytest.approx(exact.stop, abs=RESOLVED)
     assert d.step.state_end[2] == pytest.approx(exact.turned, abs=RESOLVED)
     assert abs(tangential_rate(d, joint)) < RESOLVED
     assert advance_one_step(d) == OK
-    assert (d.element.mode[joint], d.friction.stuck_count) == (STICKS, 1)
+    assert (d.friction_element.mode[joint], d.friction.stuck_count) == (STICKS, 1)
     assert d.step.state_end[2] == pytest.approx(exact.turned, abs=RESOLVED)
 
 
@@ -93,21 +95,21 @@ def test_a_step_ends_where_a_force_reaches_its_limit(part, method):
     table, angle = compound_pendulum(part)
     d = started(table | {"solver": {"method": method}})
     joint = d.candidates + 1
-    assert d.element.mode[joint] == STICKS
+    assert d.friction_element.mode[joint] == STICKS
     assert run_to_change(d, 2.0) == {joint: STICKING_ENDS}
     # within the error of the step at the default tolerance
     assert d.step.state_end[2] == pytest.approx(angle, abs=1e-6)
     assert d.step.state_end[3] - d.step.state_end[2] == pytest.approx(0.0, abs=1e-12)
-    force, limit = float(d.element.force[joint]), float(d.element.friction_limit[joint])
+    force, limit = float(d.friction_element.force[joint]), float(d.friction_element.friction_limit[joint])
     assert abs(force) == pytest.approx(limit, rel=1e-8)
     assert advance_one_step(d) == OK
-    if d.element.mode[joint] == STICKS:
+    if d.friction_element.mode[joint] == STICKS:
         # an implicit step may end before the event by its error; then one more step follows
         assert method == "implicit"
-        assert d.element.event[joint] == STICKING_ENDS
+        assert d.friction_element.event[joint] == STICKING_ENDS
         assert d.step.end - d.step.start < 1e-8
         assert advance_one_step(d) == OK
-    assert d.element.mode[joint] == -np.sign(force)
+    assert d.friction_element.mode[joint] == -np.sign(force)
     assert np.sign(d.step.state_end[7] - d.step.state_end[6]) == -np.sign(force)
 
 
@@ -122,7 +124,7 @@ def test_both_joints_of_a_symmetric_chain_stop_in_one_step():
     for e in joints:
         assert abs(tangential_rate(d, e)) < 1e-9
     assert advance_one_step(d) == OK
-    assert d.element.mode[joints].tolist() == [STICKS, STICKS]
+    assert d.friction_element.mode[joints].tolist() == [STICKS, STICKS]
     assert d.friction_changes.count >= 4  # two changes at the start, and two now
     assert d.friction_changes.time[2] == d.friction_changes.time[3]
 
@@ -137,7 +139,7 @@ def test_a_step_ends_where_a_point_stops_on_a_wall(sliding):
     assert exact.onset < d.step.end < exact.end
     assert abs(tangential_rate(d, 0)) < 1e-9
     assert advance_one_step(d) == OK
-    assert d.element.mode[0] == STICKS
+    assert d.friction_element.mode[0] == STICKS
 
 
 def test_a_point_that_slides_faster_does_not_stop():
@@ -145,7 +147,7 @@ def test_a_point_that_slides_faster_does_not_stop():
     d = started(table)
     while d.step.end < exact.end:
         assert advance_one_step(d) == OK
-        assert not d.element.event.any()
+        assert not d.friction_element.event.any()
     assert d.step.state_end[3] == pytest.approx(exact.sliding, abs=1e-6)
 
 
@@ -154,7 +156,7 @@ def rubbing():
     """Return a chain with two contacts and sliding dry joints, and its elements."""
     _, d, y = rubbing_chain(np.random.default_rng(5), "free", 2, True)
     d.step.state_end[:] = d.step.state[:] = y
-    return d, [int(e) for e in d.element.index[: d.friction.count]]
+    return d, [int(e) for e in d.friction_element.index[: d.friction.active_count]]
 
 
 @pytest.fixture
@@ -171,7 +173,10 @@ def changes(monkeypatch):
         at,
         asked,
         make_search(
-            margin, mode_changes.mode_may_end, mode_changes.mark_changes, mode_changes.ELEMENT_MEMBERS
+            margin,
+            mode_changes.mode_may_end,
+            mode_changes.mark_changes,
+            mode_changes.FRICTION_ELEMENT_MEMBERS,
         ),
     )
 
@@ -182,12 +187,12 @@ def test_only_what_a_stage_has_shown_is_searched(rubbing, changes, found):
     at, asked, find = changes
     at.update(dict.fromkeys(elements, 0.1))
     for e in elements:
-        d.element.margin[e] = -0.9 * mode_changes.element_error(d, e)
+        d.friction_element.margin[e] = -0.9 * mode_changes.element_error(d, e)
     d.contacts.event[3] = ONSET
     assert find(d, found) == found
     assert asked == []
     assert d.contacts.event[3] == ONSET
-    assert not d.element.event.any()
+    assert not d.friction_element.event.any()
 
 
 @pytest.mark.parametrize(
@@ -206,12 +211,14 @@ def test_the_first_change_ends_the_step(rubbing, changes, case):
     """All changes at that time are part of it. Later contact events are found again in the next step."""
     (d, elements), (found, at, right, marked) = rubbing, case
     changes[0].update({elements[k]: theta for k, theta in at.items()})
-    d.element.margin[elements] = -1.0
-    d.element.mode[elements[3]] = STICKS
+    d.friction_element.margin[elements] = -1.0
+    d.friction_element.mode[elements[3]] = STICKS
     d.contacts.event[3] = ONSET
     assert changes[2](d, found) == pytest.approx(right, abs=1e-9)
     kinds = {k: STICKING_ENDS if k == 3 else SLIDING_ENDS for k in marked}
-    assert {k: d.element.event[e] for k, e in enumerate(elements) if d.element.event[e]} == kinds
+    assert {
+        k: d.friction_element.event[e] for k, e in enumerate(elements) if d.friction_element.event[e]
+    } == kinds
     assert d.contacts.event[3] == (NO_EVENT if marked else ONSET)
 
 
@@ -219,21 +226,21 @@ def test_an_element_that_was_found_is_marked_whatever_round_off_says(rubbing, ch
     d, elements = rubbing
     changes[0][elements[2]] = 0.5
     monkeypatch.setattr(mode_changes, "element_margin", lambda _d, _e, _theta: 1.0)
-    d.element.margin[elements] = -1.0
+    d.friction_element.margin[elements] = -1.0
     assert changes[2](d, -1.0) == pytest.approx(0.5, abs=1e-9)
-    assert np.flatnonzero(d.element.event).tolist() == [elements[2]]
+    assert np.flatnonzero(d.friction_element.event).tolist() == [elements[2]]
 
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_sliding_has_ended_where_it_is_backward_by_more_than_round_off(rubbing, sign):
     d, elements = rubbing
     e = elements[0]
-    d.element.mode[e] = sign
+    d.friction_element.mode[e] = sign
     speed = sign * float(tangential_rate(d, e))
     assert (mode_changes.element_margin(d, e, 1.0) < 0.0) == (speed < 0.0)
-    d.element.slack[e] = abs(speed) - 2.0 * mode_changes.rest_speed(d)
+    d.friction_element.slack[e] = abs(speed) - 2.0 * mode_changes.rest_speed(d)
     assert (mode_changes.element_margin(d, e, 1.0) < 0.0) == (speed < 0.0)
-    d.element.slack[e] = abs(speed)
+    d.friction_element.slack[e] = abs(speed)
     assert mode_changes.element_margin(d, e, 1.0) > 0.0
 
 
@@ -244,7 +251,7 @@ def test_sticking_has_ended_where_the_force_is_beyond_the_limit():
     evaluations = int(d.statistics.rhs_evaluations)
     for offset, ended in ((1e-7, False), (-1e-7, True)):
         d.step.state[2:4] = d.step.state_end[2:4] = angle + offset
-        d.element.anchor[joint] = 0.0
+        d.friction_element.anchor[joint] = 0.0
         assert [mode_changes.element_margin(d, joint, theta) < 0.0 for theta in (1.0, 0.0)] == [ended, ended]
     assert d.statistics.rhs_evaluations == evaluations + 4
 
@@ -253,11 +260,11 @@ def test_round_off_is_that_of_a_speed_or_of_a_force(rubbing):
     d, elements = rubbing
     e = elements[0]
     size, mass = d.chain.longest_link, np.mean(d.chain.mass)
-    d.element.friction_limit[e], d.element.slack[e] = 7.0, 1e-9
+    d.friction_element.friction_limit[e], d.friction_element.slack[e] = 7.0, 1e-9
     assert mode_changes.rest_speed(d) == mode_changes.REST_SPEED * size
     assert mode_changes.friction_round_off(d, e) == pytest.approx(
         mode_changes.FRICTION_EXCESS * (7.0 + mass * (math.hypot(2.3, 9.81) + size)), rel=1e-12
     )
     assert mode_changes.element_error(d, e) == mode_changes.rest_speed(d) + 1e-9
-    d.element.mode[e] = STICKS
+    d.friction_element.mode[e] = STICKS
     assert mode_changes.element_error(d, e) == mode_changes.friction_round_off(d, e)

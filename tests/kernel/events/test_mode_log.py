@@ -12,13 +12,13 @@ from tests.kernel.rubbing import AtRest
 def test_changes_are_logged_with_their_place():
     chain = AtRest(0, "free", 2, True)
     d, (contact, other, *joints) = chain.d, chain.elements
-    d.element.mode_before[:], d.friction_changes.count = d.element.mode, 0
+    d.friction_element.mode_before[:], d.friction_changes.count = d.friction_element.mode, 0
     log_changes(d)
     assert d.friction_changes.count == 0
     d.step.end = 0.75
-    d.element.mode_before[contact], d.element.mode[contact] = STICKS, -1
-    d.element.mode_before[joints[1]], d.element.mode[joints[1]] = 1, STICKS
-    d.element.mode_before[other], d.element.mode[other] = 1, NO_FRICTION
+    d.friction_element.mode_before[contact], d.friction_element.mode[contact] = STICKS, -1
+    d.friction_element.mode_before[joints[1]], d.friction_element.mode[joints[1]] = 1, STICKS
+    d.friction_element.mode_before[other], d.friction_element.mode[other] = 1, NO_FRICTION
     log_changes(d)
     log = d.friction_changes
     rows = [(log.time[k], log.point[k], log.wall[k], log.mode[k]) for k in range(log.count)]
@@ -36,9 +36,9 @@ def test_in_a_full_log_changes_take_the_place_of_the_oldest():
     length = len(log.time)
     log.count, log.time[:] = length - 1, np.arange(length, dtype=float)
     d.step.end = 1e6
-    d.element.mode_before[:] = d.element.mode
+    d.friction_element.mode_before[:] = d.friction_element.mode
     for e in chain.elements[:3]:
-        d.element.mode_before[e] = 7
+        d.friction_element.mode_before[e] = 7
     log_changes(d)
     assert log.count == length + 2
     assert log.time[[0, 1, length - 1]].tolist() == [1e6] * 3

@@ -11,6 +11,7 @@ from chain_impact.kernel.events.crossing import measure_clearances
 from chain_impact.kernel.events.exclusion import known_clearances, remember_clearances
 from chain_impact.kernel.events.search import find_event
 from chain_impact.kernel.record.constants import (
+    CHECK_FAILED,
     CONTACT_ENDS,
     DISTANCE_KNOWN,
     IMPLICIT,
@@ -18,7 +19,6 @@ from chain_impact.kernel.record.constants import (
     NOTHING_KNOWN,
     ONSET,
     RELEASE,
-    SPOILED,
     VALUES_KNOWN,
 )
 from chain_impact.kernel.record.state import time_at
@@ -214,4 +214,4 @@ def test_a_time_that_runs_back_refuses_the_step():
     d.step.end = 3.0
     d.contacts.latched_speed[:], d.contacts.kink_crossed[1] = 1e6, 1
     find_event(d)
-    assert d.trial.outcome == SPOILED
+    assert d.trial.outcome == CHECK_FAILED

@@ -5,7 +5,7 @@ import numpy as np
 from chain_impact.kernel.chain.inertia import DERIVED
 from chain_impact.kernel.initialize import derive_chain
 from tests.helpers.models.reference import mass_matrix
-from tests.kernel.chains import chain, free_coordinates, gradients, struck
+from tests.kernel.chains import chain, free_coordinates, gradients, locate_touching_state
 
 CANDIDATES = [1, 6, 11, 16]  # points 0 to 4 of a free chain, each at another wall
 
@@ -24,7 +24,7 @@ def problem(base="free", pressed=(1, 0, 1, 1), seed=0, masses=None):
     candidates = CANDIDATES[: len(pressed)]
     if base == "pinned":
         candidates = [c - 1 for c in candidates]
-    y = struck(rng, d, candidates, 0.0)
+    y = locate_touching_state(rng, d, candidates, 0.0)
     free = free_coordinates(d)
     jacobian = gradients(scene, d, y[2:6], candidates)
     response = np.zeros((6, len(candidates)))

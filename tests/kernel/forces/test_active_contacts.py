@@ -7,14 +7,23 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import equations
+from chain_impact.kernel.constraints import geometry, impulses
 from chain_impact.kernel.forces import active_contacts
 from chain_impact.kernel.forces.force_formula import elastic_energy, law_force, law_slopes
-from chain_impact.kernel.rows import constraints, geometry
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.models.reference import mass_matrix, point_jacobian
 from tests.helpers.scenes.problems import of_law
 from tests.helpers.tools.differences import slope
-from tests.kernel.chains import chain, gradients, press_in, stopped_chain, stops_of, struck, touch, vectors
+from tests.kernel.chains import (
+    chain,
+    gradients,
+    locate_touching_state,
+    mark_touching,
+    move_wall_to_depth,
+    stopped_chain,
+    stops_of,
+    vectors,
+)
 
 DEPTH = 1e-3
 LAWS = pytest.mark.parametrize("law", ["zhang_sharf", "kelvin_voigt", "jankowski", "hertz"])
@@ -27,11 +36,11 @@ def in_contact(law="zhang_sharf", touching=3):
     d.inputs.tip_force[:] = 0.3, -0.8
     # candidates of other points, at other walls
     candidates = [1, 6, 15][:touching]
-    y = struck(rng, d, candidates)
+    y = locate_touching_state(rng, d, candidates)
     for c in candidates:
         active_contacts.latch_onset(d, c)
     for k, c in enumerate(candidates):
-        press_in(d, c, DEPTH * (k + 1))
+        move_wall_to_depth(d, c, DEPTH * (k + 1))
     active_contacts.set_kink_sides(d)
     return scene, d, y, candidates, gradients(scene, d, y[2:5], candidates)
 
@@ -84,7 +93,7 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
     rng = np.random.default_rng(3)
     scene, d = chain(rng, 3, **of_law(law), restitution=0.6, minimum_impact_speed=1e-2)
     c = d.candidates - 2
-    y = struck(rng, d, [c], depth=0.0)
+    y = locate_touching_state(rng, d, [c], depth=0.0)
     (gradient,) = gradients(scene, d, y[2:5], [c])
     shift = -speed - gradient @ y[5:10]
     normal = d.candidate.normal_x[c], d.candidate.normal_y[c]
@@ -146,7 +155,7 @@ def test_the_side_of_its_kink_is_that_on_which_a_contact_is(law):
 
 def test_only_what_the_contacts_have_noted_is_forgotten():
     _, d = chain(np.random.default_rng(0), 3)
-    touch(d, [1, 4, 7])
+    mark_touching(d, [1, 4, 7])
     make_rigid(d, np.isin(np.arange(d.candidates), [4, 7]))
     d.contacts.kink_crossed[:], d.constraints.least_force[:] = 1, -2.0
     equations.clear_stage_notes(d)
@@ -161,7 +170,7 @@ def test_only_what_the_contacts_have_noted_is_forgotten():
 @pytest.mark.parametrize("rigid", [[], [3], [0, 3, 8, 9], range(16)])
 def test_contacts_with_a_force_are_listed_first_and_no_impulse_holds_them(touching, rigid):
     _, d = chain(np.random.default_rng(0), 3)
-    touch(d, touching)
+    mark_touching(d, touching)
     make_rigid(d, np.isin(np.arange(d.candidates), list(rigid)))
     d.contacts.active_count = d.contacts.compliant_count = 5
     d.contacts.active_index[:], listings = 11, int(d.contacts.contact_set)
@@ -170,7 +179,7 @@ def test_contacts_with_a_force_are_listed_first_and_no_impulse_holds_them(touchi
     held = [c for c in touching if c in rigid]
     assert d.contacts.compliant_count == len(forces)
     assert d.contacts.active_index[: d.contacts.active_count].tolist() == forces + held
-    constraints.activate_all(d)
+    impulses.activate_all(d)
     assert not d.constraints.in_active_set[: len(forces)].any()
     assert d.constraints.in_active_set[len(forces) : d.contacts.active_count].all()
     assert d.contacts.contact_set == listings + 1
@@ -181,9 +190,9 @@ def test_beside_a_rigid_contact_only_the_others_have_a_force(rigid):
     """Loads and dissipation contain the other contacts alone."""
     _, d, _, candidates, _ = in_contact()
     others = [c for c in candidates if c != rigid]
-    touch(d, others)
+    mark_touching(d, others)
     lost, loads = active_contacts.set_loads_of_step(d), vectors(d.scratch.load)
-    touch(d, candidates)
+    mark_touching(d, candidates)
     d.contacts.force[rigid] = -5.0
     make_rigid(d, np.arange(d.candidates) == rigid)
     assert active_contacts.set_loads_of_step(d) == lost

@@ -14,7 +14,7 @@ from chain_impact.kernel.forces.force_formula import elastic_energy, law_force, 
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.status import OK
 from tests.helpers.kernel.plain import make_rigid
-from tests.kernel.chains import chain, stopped_chain, stops_of, touch
+from tests.kernel.chains import chain, mark_touching, stopped_chain, stops_of
 
 LAWS = pytest.mark.parametrize("law", CONTACT_LAWS.values(), ids=lambda law: law.id)
 NUMBER = {name: law.number for name, law in CONTACT_LAWS.items()}
@@ -158,7 +158,7 @@ LASTING = [2, 5]
 def lasting():
     """Return a record of a chain with two contacts that last, whose damping is not derived yet."""
     _, d = chain(np.random.default_rng(4), 3)
-    touch(d, LASTING)
+    mark_touching(d, LASTING)
     d.contacts.latched_speed[:], d.contacts.effective_mass[:] = SPEED, MASS
     d.contacts.damping[:] = d.contacts.expected_penetration[:] = 0.0
     change_law(d, "ye", 0.5)
@@ -355,7 +355,7 @@ def test_a_users_law_of_a_stop_takes_and_returns_what_belongs_to_angles(monkeypa
 def test_a_contact_with_a_force_cannot_become_rigid():
     """A held contact at a rigid wall may become rigid again, and contact-free candidates may become rigid."""
     d = stopped_chain(2)[1]
-    touch(d, [stops_of(d)[0]])
+    mark_touching(d, [stops_of(d)[0]])
     before, kept = laws_of(d), d.given.law
     d.given.law = d.stops.law = NUMBER["newton_impact"]
     assert update_laws(d) == status.RIGID_WHILE_TOUCHING
@@ -364,7 +364,7 @@ def test_a_contact_with_a_force_cannot_become_rigid():
     assert update_laws(d) == OK
     assert (d.law.impulsive == (d.candidate.stop == 0)).all()
     assert (d.contact_settings.any_rigid, d.contact_settings.any_force) == (1, 1)
-    touch(d, [0])
+    mark_touching(d, [0])
     assert update_laws(d) == OK
 
 

@@ -7,12 +7,12 @@ import pytest
 
 from chain_impact.kernel import equations
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints import compliance, geometry, impulses
 from chain_impact.kernel.forces import friction, holding
 from chain_impact.kernel.record.constants import STICKS
-from chain_impact.kernel.rows import compliance, constraints, geometry
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.models.reference import complementary_impulses
-from tests.kernel.chains import press_in, touch
+from tests.kernel.chains import mark_touching, move_wall_to_depth
 from tests.kernel.forces.pressed import CANDIDATES, problem
 from tests.kernel.rubbing import rubbing_chain
 
@@ -20,11 +20,11 @@ from tests.kernel.rubbing import rubbing_chain
 def test_rigid_walls_hold_what_touches_and_press_it_to_rest():
     for impulsive, touching in ((0, 0), (0, 2), (1, 0), (1, 2)):
         d, *_ = problem()
-        touch(d, CANDIDATES[:touching])
+        mark_touching(d, CANDIDATES[:touching])
         make_rigid(d, impulsive)
-        assert bool(constraints.any_point_held(d)) == (impulsive == 1 and touching > 0)
+        assert bool(impulses.any_point_held(d)) == (impulsive == 1 and touching > 0)
     d.constraints.in_active_set[:] = d.constraints.target_motion[:] = 7
-    constraints.activate_all(d)
+    impulses.activate_all(d)
     assert d.constraints.in_active_set[:3].tolist() == [1, 1, 7]
     assert d.constraints.target_motion[:3].tolist() == [0.0, 0.0, 7.0]
 
@@ -79,7 +79,7 @@ def test_stopping_impulses_pull_by_no_more_than_errors_explain(seed):
     own = d.constraints
     for size in (1.0, 1e-9):  # s, for a motion and for errors
         own.unforced_motion[:4] = size * np.array([-0.5, 0.8, -0.2, 0.3])
-        constraints.activate_all(d)
+        impulses.activate_all(d)
         d.scratch.velocity.x[:], d.scratch.velocity.y[:] = size, 0.0
         d.solver.tolerance = 1e-7
         equal = np.linalg.solve(w, -own.unforced_motion[:4])
@@ -109,7 +109,7 @@ def test_a_projection_far_larger_than_its_residual_is_refused(bad, tolerance):
         compliance.effective_mass(d, second)
         response[:, 1] = d.scratch.change  # M⁻¹ ∇g, by the recursion
     own.unforced_motion[:2] = 1e-6, -1e-6
-    constraints.activate_all(d)
+    impulses.activate_all(d)
     d.solver.tolerance = tolerance
     holding.solve_positions(d)
     moved = np.abs(own.change / np.array([size, size, 1.0, 1.0, 1.0, 1.0])).max()
@@ -128,13 +128,13 @@ def test_a_projection_far_larger_than_its_residual_is_refused(bad, tolerance):
 def test_the_kinetic_energy_that_walls_take_is_dissipated(base):
     d, y, jacobian, response, w = problem(base)
     for k, c in enumerate(d.contacts.active_index[:4]):
-        press_in(d, c, 1e-9 * (k - 1.5))
+        move_wall_to_depth(d, c, 1e-9 * (k - 1.5))
     d.solver.tolerance, before = 1e3, y.copy()
     y[12] = 5.0
     holding.project_state(d, y)
     rates = jacobian @ before[6:12]
-    impulses = -np.linalg.solve(w, rates)
-    np.testing.assert_allclose(y[6:12], before[6:12] + response @ impulses, rtol=1e-5, atol=1e-5)
+    expected_impulses = -np.linalg.solve(w, rates)
+    np.testing.assert_allclose(y[6:12], before[6:12] + response @ expected_impulses, rtol=1e-5, atol=1e-5)
     assert y[12] - 5.0 == pytest.approx(0.5 * rates @ np.linalg.solve(w, rates), rel=1e-5)
     for c in d.contacts.active_index[:4]:
         assert geometry.clearance_and_rate(d, c) == pytest.approx((0.0, 0.0), abs=1e-12)
@@ -164,7 +164,7 @@ def stuck_chain(base, contacts, joints, stuck):
     """Return a chain with friction whose elements ``stuck`` stick, in the order of their list."""
     _, d, y = rubbing_chain(np.random.default_rng(8), base, contacts, joints)
     for k in stuck:
-        d.element.mode[d.element.index[k]] = STICKS
+        d.friction_element.mode[d.friction_element.index[k]] = STICKS
     friction.list_sticking(d)
     return d, y
 
@@ -173,15 +173,23 @@ def stuck_chain(base, contacts, joints, stuck):
 @pytest.mark.parametrize(("contacts", "stuck"), [(1, 0), (2, 0), (2, 1)])
 def test_the_force_of_one_that_sticks_alone_is_that_of_the_iteration(base, contacts, stuck, monkeypatch):
     results = []
-    for only_active in (constraints.single_active, lambda _d: -1):
-        monkeypatch.setattr(constraints, "single_active", only_active)
+    for only_active in (impulses.single_active, lambda _d: -1):
+        monkeypatch.setattr(impulses, "single_active", only_active)
         d, y = stuck_chain(base, contacts, True, [stuck])
         rate = np.zeros(len(y))
         equations.free_rate_from_inputs(d, y, rate)
         free = rate.copy()
         holding.add_constraint_forces(d, y, rate)
-        e = d.element.stuck_index[0]
+        e = d.friction_element.stuck_index[0]
         impulse = d.constraints.impulse[d.contacts.active_count]
-        results.append([*(rate - free), impulse, d.element.force[e], d.element.margin[e], d.friction.power])
+        results.append(
+            [
+                *(rate - free),
+                impulse,
+                d.friction_element.force[e],
+                d.friction_element.margin[e],
+                d.friction.power,
+            ]
+        )
     assert np.abs(results[0]).max() > 1.0
     np.testing.assert_allclose(results[1], results[0], rtol=1e-9, atol=1e-9)

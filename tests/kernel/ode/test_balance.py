@@ -6,20 +6,26 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints import geometry
 from chain_impact.kernel.equations import energy_balance, mechanical_energy
 from chain_impact.kernel.forces import force_formula
 from chain_impact.kernel.ode import balance, control, methods
-from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT, OUTPUT_READER, SOLVER_READER, SPOILED
+from chain_impact.kernel.record.constants import (
+    CHECK_FAILED,
+    EXPLICIT,
+    IMPLICIT,
+    OUTPUT_READER,
+    SOLVER_READER,
+)
 from chain_impact.kernel.record.state import dissipated_at, supplied_at
-from chain_impact.kernel.rows import geometry
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import Instance
 from tests.helpers.campaigns.random_scenes import scene
 from tests.helpers.campaigns.search import verdict
-from tests.helpers.kernel.plain import Plain, begun
+from tests.helpers.kernel.plain import Plain, initialized
 from tests.helpers.scenes.bodies import cart
-from tests.kernel.chains import chain, press_in, random_state, touch
+from tests.kernel.chains import chain, mark_touching, move_wall_to_depth, random_state
 from tests.kernel.steps import free_motion, set_step, walls_away
 
 ANGLE, RATES = 3, (7, 9)  # of four links: the angle of link 2, and the rates of y and of this angle
@@ -60,7 +66,7 @@ def test_a_step_that_changes_the_energy_or_is_not_finite_is_refused(entry, theta
         d["step"]["state_end"][entry] += off
         d["step"]["dense"][0, entry] += off
         error_after_check(d, theta)
-        assert d.trial.outcome == SPOILED
+        assert d.trial.outcome == CHECK_FAILED
         assert before == d["balance"]["value_end"]
 
 
@@ -112,7 +118,7 @@ def test_energy_that_a_parameter_takes_is_not_lost():
     start, lost = float(own.value_start), float(own.run_value - own.value_start)
     d["law"]["stiffness"] *= 0.5
     for _ in range(2):  # two changes without a step between them
-        balance.reinit_balance(d)
+        balance.restart_balance(d)
         assert own.value_end < start - 0.05
         assert own.run_value - own.value_end == pytest.approx(lost, abs=1e-12)
 
@@ -169,7 +175,7 @@ def test_the_units_are_those_of_the_stretched_chain():
 
 def slid():
     """Return a cart with a pole of 0.5 m, whose spring is stretched by 0.25 m, at the start of a balance."""
-    d = begun(cart())
+    d = initialized(cart())
     line = np.array([math.cos(0.1), math.sin(0.1)])
     y = d.step.state_end
     y[:2], y[3:5], y[5] = 0.3 * line, 0.8 * line, 0.4
@@ -215,7 +221,7 @@ def test_a_balance_starts_from_the_present_energies():
     assert (own.least_allowed_change, own.allowed_change) == pytest.approx((right, right), rel=1e-13)
     # after a discontinuity the balance starts from the new state, with newly located points
     d.step.break_count, d.scratch.position.x[:] = 12, 1e9
-    balance.restart_balance(d)
+    balance.evaluate_balance_at_end(d)
     assert (own.value_end, own.break_count) == (present, 12)
 
 
@@ -259,8 +265,8 @@ def test_contacts_add_the_work_of_forces_over_depth_errors():
     without = balance.energy_scales(d, y)
     touched = [next(c for c in range(d.candidates) if d.candidate.point[c] == point) for point in (1, 3)]
     for c in touched:
-        press_in(d, c, 2e-3)
-    touch(d, touched)
+        move_wall_to_depth(d, c, 2e-3)
+    mark_touching(d, touched)
     d.contacts.expected_penetration[touched], d.contacts.latched_speed[touched] = 3e-3, [0.5, 2.0]
     d.contacts.effective_mass[touched] = [0.7, 1.9]
     found = balance.energy_scales(d, y)

@@ -8,6 +8,7 @@ import pytest
 from chain_impact import simulate
 from chain_impact.kernel import equations
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints import geometry
 from chain_impact.kernel.events.exclusion import known_clearances
 from chain_impact.kernel.ode import collocation, control, dense, methods
 from chain_impact.kernel.ode.control import ERROR_ORDER
@@ -18,17 +19,16 @@ from chain_impact.kernel.record.constants import (
     EXPLICIT,
     IMPLICIT,
     INFINITE,
-    LATE,
+    NEWTON_SLOW,
     NOTHING_KNOWN,
     RADAU_STAGES,
 )
 from chain_impact.kernel.record.state import omega_at, sundman_u_at, velocity_at
-from chain_impact.kernel.rows import geometry
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
 from tests.helpers.kernel.plain import Plain
 from tests.helpers.models.reference import mass_matrix
-from tests.kernel.chains import chain, struck, touch
+from tests.kernel.chains import chain, locate_touching_state, mark_touching
 from tests.kernel.ode.stiff_problems import PROBLEMS, exact, swinging, tipping
 from tests.kernel.ode.touching import touching
 
@@ -123,7 +123,7 @@ def at_start(tolerance=1e-8, **tables):
     """Return a chain that moves, at the start of an implicit step."""
     rng = np.random.default_rng(5)
     scene, d = chain(rng, N, **tables)
-    d.step.state_end[:] = struck(rng, d, [])
+    d.step.state_end[:] = locate_touching_state(rng, d, [])
     d.step.method, d.solver.tolerance = IMPLICIT, tolerance
     equations.rate_from_state(d, d.step.state_end, d.scratch.rate_start)
     return scene, d
@@ -132,18 +132,22 @@ def at_start(tolerance=1e-8, **tables):
 @pytest.mark.parametrize(
     ("gap", "gap_rate", "size"),
     [
-        (-0.5, 1.0, 0.5 * collocation.PAST_END),  # s, in which it leaves
+        (-0.5, 1.0, 0.5 * collocation.END_OVERSHOOT),  # s, in which it leaves
         (-0.99, 1.0, 1.0),  # the contact began in this step, shortly before its end
         (-2.0, 1.0, 1.0),
         (-0.5, -1.0, 1.0),  # the point moves inward
         (-0.9 * collocation.FORCELESS_PART, 1.0, 1.0),  # the point has almost left
-        (-1.1 * collocation.FORCELESS_PART, 1.0, 1.1 * collocation.FORCELESS_PART * collocation.PAST_END),
+        (
+            -1.1 * collocation.FORCELESS_PART,
+            1.0,
+            1.1 * collocation.FORCELESS_PART * collocation.END_OVERSHOOT,
+        ),
         (0.1, 1.0, 1.0),
     ],
 )
 def test_a_step_goes_a_little_beyond_the_first_end_of_a_contact(gap, gap_rate, size):
     _, d = chain(np.random.default_rng(0), N)
-    touch(d, [1, 6])
+    mark_touching(d, [1, 6])
     for first in (0, 1):
         for k, (at, rate) in enumerate([(gap, gap_rate), (-0.7, 0.9 if size < 1.0 else -1.0)]):
             d.implicit.z_start[clearance_at(d, k ^ first)] = at
@@ -181,7 +185,7 @@ def test_the_first_step_is_some_time_constants_of_a_fast_motion(tolerance, dampi
     )  # the result of one linear solution with the real shift
     expected = collocation.DECAY_TIMES / rho * (rho / (taken * fast)) ** (1.0 / (ERROR_ORDER[IMPLICIT] - 1))
     assert collocation.prepare_step(d, h) == pytest.approx(expected, rel=1e-6)
-    collocation.attempt_step(d, expected)
+    collocation.integrate_trial(d, expected)
     assert control.is_accepted(d)
 
 
@@ -249,7 +253,7 @@ def test_far_stages_follow_a_polynomial_of_lower_degree(branch, degree, end):
 
 def test_the_stages_of_a_first_step_go_with_the_rate_at_its_start():
     d = at_start()[1]
-    touch(d, [1, 6])
+    mark_touching(d, [1, 6])
     own, size, half = d.implicit, extended_length(d), velocity_at(N)
     own.rate_start[:] = np.random.default_rng(0).normal(size=len(own.rate_start))
     own.stages[:], own.contact_set_of_step = 9.0, STALE
@@ -266,7 +270,7 @@ def test_the_stages_of_a_first_step_go_with_the_rate_at_its_start():
 @pytest.mark.parametrize(
     ("contraction", "correction", "outcome", "share"),
     [
-        (0.97, 1.0, LATE, 1 / 2),
+        (0.97, 1.0, NEWTON_SLOW, 1 / 2),
         (1.3, 1.0, DIVERGED, 1 / 3),
         (1.3, math.inf, INFINITE, None),
     ],
@@ -276,7 +280,7 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
 ):
     d = at_start()[1]
     collocation.prepare_step(d, 0.01)
-    collocation.attempt_step(d, 0.01)
+    collocation.integrate_trial(d, 0.01)
     assert control.is_accepted(d)
 
     def unsolved(d, _h, _size):
@@ -286,7 +290,7 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
 
     monkeypatch.setattr(collocation, "_converge", unsolved)
     before = d.statistics.rhs_evaluations
-    methods.attempt_step(d, 0.01)
+    methods.integrate_trial(d, 0.01)
     assert d.trial.outcome == outcome
     assert d.trial.cost_factor == 1.0
     assert d.statistics.rhs_evaluations == before + 4 * RADAU_STAGES
@@ -302,20 +306,20 @@ def test_a_step_that_is_solved_counts_its_systems_and_gives_its_error(monkeypatc
     h = collocation.prepare_step(d, 1e-3)
     before, evaluations = d.budget.other_cost, d.statistics.rhs_evaluations
     monkeypatch.setattr(collocation, "error_estimate", lambda *_: 0.25)
-    collocation.attempt_step(d, h)
+    collocation.integrate_trial(d, h)
     assert d.trial.error == 0.25
     iterations = d.implicit.iterations
     assert d.budget.other_cost - before == 6 + 4 * iterations + 3
     assert d.statistics.rhs_evaluations - evaluations == RADAU_STAGES * iterations
     monkeypatch.setattr(collocation, "error_estimate", lambda *_: math.nan)
-    collocation.attempt_step(d, h)
+    collocation.integrate_trial(d, h)
     assert not control.is_accepted(d)
 
 
 @pytest.mark.parametrize("bad", [math.inf, math.nan])
 def test_an_error_that_is_not_finite_is_infinite(bad):
     d, _, _ = stiff_joint(1e3)
-    collocation.attempt_step(d, collocation.prepare_step(d, 1e-3))
+    collocation.integrate_trial(d, collocation.prepare_step(d, 1e-3))
     assert math.isfinite(collocation.error_estimate(d, 1e-3, extended_length(d)))
     d.implicit.rate_start[0] = bad
     assert collocation.error_estimate(d, 1e-3, extended_length(d)) == math.inf
@@ -323,7 +327,7 @@ def test_an_error_that_is_not_finite_is_infinite(bad):
 
 def test_the_error_with_a_held_point_is_worked_out_once_more(monkeypatch):
     d, _, _ = stiff_joint(1e3)
-    collocation.attempt_step(d, collocation.prepare_step(d, 1e-3))
+    collocation.integrate_trial(d, collocation.prepare_step(d, 1e-3))
     size, before = extended_length(d), d.budget.other_cost
     free = collocation.error_estimate(d, 1e-3, size)
     assert d.budget.other_cost == before

@@ -12,7 +12,7 @@ from chain_impact.kernel.ode.radau import RADAU_NODES
 from chain_impact.kernel.record.constants import RADAU_STAGES
 from chain_impact.kernel.record.state import dissipated_at, sundman_u_at
 from tests.helpers.kernel.plain import make_rigid
-from tests.kernel.chains import chain, random_state, touch
+from tests.kernel.chains import chain, mark_touching, random_state
 from tests.kernel.steps import basis
 
 LINKS, H = 2, 0.1
@@ -24,7 +24,7 @@ def step():
     rng = np.random.default_rng(41)
     _, d = chain(rng, LINKS)
     d.quadrature.computed = 1
-    touch(d, [0, 1])
+    mark_touching(d, [0, 1])
     own = d.implicit
     d.step.state[:] = random_state(rng, d)
     own.stages[:] = rng.uniform(-1e-3, 1e-3, own.stages.shape)

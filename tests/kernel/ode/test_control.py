@@ -10,12 +10,12 @@ from chain_impact.kernel.forces.force_formula import damping_over_elastic
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode import control, methods
 from chain_impact.kernel.ode.control import ONSET_SIZE, SAFETY_FACTOR
-from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT, INFINITE, SPOILED
+from chain_impact.kernel.record.constants import CHECK_FAILED, EXPLICIT, IMPLICIT, INFINITE
 from chain_impact.kernel.record.state import omega_at, time_at
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.simulation.simulate import simulate
-from tests.kernel.chains import chain, struck
+from tests.kernel.chains import chain, locate_touching_state
 
 
 @pytest.mark.parametrize("restitution", [0.3, 0.7, 0.95])
@@ -40,7 +40,7 @@ def test_the_rise_time_of_a_force_is_that_of_depth_or_damping(power, restitution
     """δ*/v₀ (1 + damping over elastic force)^(−1/(p+1))."""
     rng = np.random.default_rng(7)
     _, d = chain(rng, 1)
-    struck(rng, d, [0])
+    locate_touching_state(rng, d, [0])
     d.contacts.expected_penetration[0], d.contacts.latched_speed[0] = 2e-3, 0.5
     d.contacts.damping[0], d.law.rate_exponent[0] = 0.0 if restitution == 1.0 else 1e9, power
     share = damping_over_elastic(d, 0)
@@ -52,7 +52,7 @@ def test_the_rise_time_of_a_force_is_that_of_depth_or_damping(power, restitution
         right = ONSET_SIZE[method] * time * 1e-6 ** control.ONSET_EXPONENT[method]
         assert control.size_at_onset(d, 0, method) == pytest.approx(right, rel=1e-13)
     # 15 tolerance^(1/3)
-    assert control.size_at_onset_beside(d, 0) == pytest.approx(0.15 * time, rel=1e-13)
+    assert control.size_at_second_onset(d, 0) == pytest.approx(0.15 * time, rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -67,7 +67,7 @@ def test_no_scale_of_an_implicit_step_asks_for_less_than_round_off(tolerance, ag
     """The round-off of a place after a large turn, and this round-off times the contact's frequency v₀/δ*."""
     rng = np.random.default_rng(7)
     _, d = chain(rng, 2)
-    y = struck(rng, d, [0])
+    y = locate_touching_state(rng, d, [0])
     d.contacts.expected_penetration[0], d.contacts.latched_speed[0], d.solver.tolerance = 1e-6, 0.5, tolerance
     y[control.FIRST_ANGLE + 1] = -4e3
     d.contacts.onset[0], d.step.end = 1.0, 1.0 + age
@@ -99,7 +99,7 @@ def test_a_size_follows_from_the_error_and_from_the_cost():
         control.set_outcome(d, 0.0, 0.7)
         assert 6.0 < control.next_size_factor(d) < math.inf
         control.set_outcome(d, 1e-5, 1.0)
-        control.reject_step(d, SPOILED)
+        control.reject_step(d, CHECK_FAILED)
         assert 1 / 8.5 < control.next_size_factor(d) < 1 / 7
 
 
@@ -140,7 +140,7 @@ def test_a_step_is_accepted_up_to_the_tolerance(error):
     np.testing.assert_array_equal([d.trial.error, d.trial.cost_factor], [error, 0.7])
     assert (d.trial.outcome == INFINITE) == (not math.isfinite(error))
     control.set_outcome(d, 0.5, 0.7)
-    control.reject_step(d, SPOILED)
+    control.reject_step(d, CHECK_FAILED)
     assert not control.is_accepted(d)
     assert (d.trial.error, d.trial.cost_factor) == (0.5, 0.7)
 
@@ -148,9 +148,9 @@ def test_a_step_is_accepted_up_to_the_tolerance(error):
 def test_a_new_run_forgets_the_error_of_the_last_step():
     _, d = chain(np.random.default_rng(1), 2)
     begin_step(d)
-    methods.attempt_step(d, 1e-3)
+    methods.integrate_trial(d, 1e-3)
     assert d.trial.size == 1e-3
     assert d.trial.state[time_at(2)] == pytest.approx(1e-3, rel=1e-14)
-    control.reject_step(d, SPOILED)
+    control.reject_step(d, CHECK_FAILED)
     assert initialize(d, 0.0) == OK
     assert control.is_accepted(d)

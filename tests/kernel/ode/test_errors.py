@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.ode import control
 from chain_impact.kernel.record.state import dissipated_at, omega_at, sundman_u_at, supplied_at, velocity_at
-from chain_impact.kernel.rows.geometry import clearance_and_rate
-from tests.helpers.kernel.plain import begun
+from tests.helpers.kernel.plain import initialized
 from tests.helpers.scenes.bodies import cart
-from tests.kernel.chains import chain, gradients, random_state, struck, touch
+from tests.kernel.chains import chain, gradients, locate_touching_state, mark_touching, random_state
 
 LINKS, TOLERANCE = 3, 1e-5
 ONE, OTHER = 0, 1  # rows of the two estimates
@@ -25,7 +25,7 @@ def deep(depth=1e-3, **more):
     scene, d = chain(rng, LINKS, **more)
     d.solver.tolerance = TOLERANCE
     touched = [c for c in range(d.candidates) if d.candidate.point[c] in (1, 3)][:4:3]
-    y = struck(rng, d, touched, depth)
+    y = locate_touching_state(rng, d, touched, depth)
     d.trial.state[:] = y
     d.scratch.y_error[:] = 0.0
     d.contacts.clearance_error[:] = 0.0
@@ -48,7 +48,7 @@ def scales(d, y):
 def test_the_energy_of_impacts_is_that_of_the_masses_at_their_speeds():
     _, d, _, _ = deep()
     assert control.impact_energy(d) == pytest.approx(0.5 * 0.7 * 0.5**2 + 0.5 * 1.9 * 2.0**2, rel=1e-14)
-    touch(d, [])
+    mark_touching(d, [])
     assert control.impact_energy(d) == 0.0
 
 
@@ -161,7 +161,7 @@ def test_the_moment_of_a_joint_is_off_by_its_own_turn():
 
 def test_the_force_of_a_slider_is_off_by_its_own_error_along_the_line():
     """The force counts times the longest link, 0.5 m; the pole has no spring and no damper."""
-    d = begun(cart())
+    d = initialized(cart())
     d.scratch.y_error[ONE][:2], d.scratch.y_error[ONE][3:5] = (2e-3, -1e-3), (-3e-3, 5e-3)
     line = np.array([math.cos(0.1), math.sin(0.1)])
     force = 5.0 * abs(line @ (2e-3, -1e-3)) + 0.4 * abs(line @ (-3e-3, 5e-3))
@@ -178,10 +178,10 @@ def test_moments_count_where_a_rigid_wall_holds_a_point():
     locate_points(d, y)
     d.trial.state[:], d.scratch.y_error[:] = y, 0.0
     d.scratch.y_error[ONE][3], d.scratch.y_error[OTHER][4] = 1e-7, 2e-7
-    touch(d, [])
+    mark_touching(d, [])
     free = control.scaled_errors(d)
     assert free == pytest.approx((1e-7 / TOLERANCE, 2e-7 / TOLERANCE), rel=1e-12)
-    touch(d, [0])
+    mark_touching(d, [0])
     held = tuple(error / TOLERANCE for error in control.force_errors(d))
     assert control.scaled_errors(d) == pytest.approx(held, rel=1e-12)
     assert min(held) > max(free)

@@ -11,16 +11,16 @@ from scipy.special import ellipj
 from chain_impact.kernel import equations
 from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.chain import kinematics
+from chain_impact.kernel.constraints import geometry
 from chain_impact.kernel.ode import control, explicit, last_step, methods, sundman
 from chain_impact.kernel.ode.dense import interpolate_state
-from chain_impact.kernel.ode.explicit import PAST_END, UNRESOLVED_PART, error_estimate, size_toward_end
+from chain_impact.kernel.ode.explicit import END_OVERSHOOT, UNRESOLVED_PART, error_estimate, size_toward_end
 from chain_impact.kernel.record import state
 from chain_impact.kernel.record.constants import OUTPUT_READER
-from chain_impact.kernel.rows import geometry
-from tests.helpers.kernel.plain import begun
+from tests.helpers.kernel.plain import initialized
 from tests.helpers.scenes.friction import pendulum
 from tests.helpers.scenes.problems import FAR, build, contact_table, rod
-from tests.kernel.chains import chain, located, struck
+from tests.kernel.chains import chain, locate_touching_state, located
 
 STAGES, ORDER = len(explicit.A), 8
 
@@ -136,7 +136,7 @@ def tried(d, h):
     """Return the record after a step of the size h has been tried."""
     d["step"]["state_end"][-1] = 0.0  # the time since the start of the step
     equations.rate_from_state(d, d["step"]["state_end"], d["scratch"]["stage"][0])
-    methods.attempt_step(d, h)
+    methods.integrate_trial(d, h)
     return d
 
 
@@ -203,7 +203,7 @@ def test_flight_converges_with_order_8(scene, exact, columns):
     """The root mean square over a second is used, as the leading error term may vanish at a single time."""
     counts, errors = np.array([12, 16, 20, 24, 28]), []
     for count in counts:
-        d, total = begun(scene), 0.0
+        d, total = initialized(scene), 0.0
         for k in range(count):
             step(d, 1.0 / count)
             total += np.sum((d["step"]["state_end"][columns] - exact((k + 1) / count)) ** 2) / count
@@ -217,7 +217,7 @@ def test_dense_output_converges_with_order_7(scene, exact, columns):
     """Over one step, the error between the ends falls as h⁸, the order plus one."""
     sizes, errors, y = np.array([0.1, 0.08, 0.06, 0.05]), [], np.zeros(10)
     for h in sizes:
-        d = begun(scene)
+        d = initialized(scene)
         step(d, h)
         worst = 0.0
         for theta in np.linspace(0.0, 1.0, 21):
@@ -234,13 +234,13 @@ def test_dense_output_converges_with_order_7(scene, exact, columns):
 @PROBLEMS
 def test_error_estimate_falls_with_order_8(scene, exact, columns):
     sizes = np.array([0.05, 0.04, 0.03, 0.02])
-    assert slope(sizes, [step(begun(scene), h) for h in sizes]) == pytest.approx(8.0, abs=0.2)
+    assert slope(sizes, [step(initialized(scene), h) for h in sizes]) == pytest.approx(8.0, abs=0.2)
 
 
 @PROBLEMS
 @pytest.mark.parametrize("h", [0.06, 0.12])
 def test_error_estimate_is_not_below_the_true_error(scene, exact, columns, h):
-    d = begun(scene)
+    d = initialized(scene)
     estimate = step(d, h) * scene.solver.tolerance
     y = d["step"]["state_end"][columns]
     # the scales of pendulum and rod: 1 m, 1 rad, and 1 plus the speed
@@ -252,10 +252,10 @@ def test_error_estimate_is_not_below_the_true_error(scene, exact, columns, h):
 @pytest.mark.parametrize("entry", range(6))
 def test_a_step_that_is_not_finite_or_far_too_long_is_not_accepted(entry):
     """The error estimates of a far too long step overflow, so that their quotient is 0."""
-    d = begun(FLYER)
+    d = initialized(FLYER)
     d["step"]["state_end"][entry] = math.nan
     assert tried(d, 0.1).trial.error == math.inf
-    d = begun(FLYER)
+    d = initialized(FLYER)
     d["step"]["state_end"][5] = 1e3
     assert not control.is_accepted(tried(d, (1.0, 1e2, 1e4, 1e6, 1e8, 1e10)[entry]))
 
@@ -263,10 +263,10 @@ def test_a_step_that_is_not_finite_or_far_too_long_is_not_accepted(entry):
 def test_the_points_of_a_step_are_located_where_it_is_to_be_projected():
     """The points of the last stage are not those of the end, also if no point touches but a joint sticks."""
     scene = pendulum(**{"link[1].joint_friction": 0.0, "link[2].joint_friction": 50.0})
-    d = begun(scene)
+    d = initialized(scene)
     assert d.friction.stuck_count == 1
     begin_step(d)
-    methods.attempt_step(d, 0.1)
+    methods.integrate_trial(d, 0.1)
     assert control.is_accepted(d)
     found = located(d)
     kinematics.locate_points(d, d.trial.state)
@@ -281,7 +281,7 @@ def test_the_points_of_a_step_are_located_where_it_is_to_be_projected():
 def test_a_step_passes_the_first_end_of_contact_or_goes_half_way(first):
     rng = np.random.default_rng(3)
     _, d = chain(rng, 3)
-    d.step.state_end[:] = struck(rng, d, [1, 6, 8])
+    d.step.state_end[:] = locate_touching_state(rng, d, [1, 6, 8])
     equations.rate_from_state(d, d.step.state_end, d.scratch.rate_start)
     # the last contact moves inward
     gaps, speeds, left = [-1e-3, -1e-3, -1e-5], [0.5, 0.5, -1.0], []
@@ -295,7 +295,7 @@ def test_a_step_passes_the_first_end_of_contact_or_goes_half_way(first):
         roots = np.roots([0.5 * geometry.clearance_acceleration(d, c), speed, gap])
         left.append(min(roots[roots > 0.0]))
     assert np.argmin(left) == first
-    assert longest == pytest.approx(PAST_END * min(left), rel=1e-9)
+    assert longest == pytest.approx(END_OVERSHOOT * min(left), rel=1e-9)
     assert size_toward_end(d, 0.9 * min(left)) == longest
     assert size_toward_end(d, 0.8 * min(left)) == pytest.approx(0.5 * min(left), rel=1e-9)
     assert size_toward_end(d, 0.1 * min(left)) == 0.1 * min(left)
@@ -308,7 +308,7 @@ def test_a_regularized_step_passes_the_end_of_a_contact():
     """u + u′ s + ½ u″ s² = 0."""
     rng = np.random.default_rng(3)
     _, d = chain(rng, 3)
-    d.step.state_end[:] = struck(rng, d, [6])
+    d.step.state_end[:] = locate_touching_state(rng, d, [6])
     equations.rate_from_state(d, d.step.state_end, d.scratch.rate_start)
     d.contacts.expected_penetration[6], d.step.regularized, root = 0.1, 6, state.sundman_u_at(3)
     u, slope = d.step.state_end[root], d.scratch.stage[0, root] = 0.3, -0.8
@@ -316,5 +316,5 @@ def test_a_regularized_step_passes_the_end_of_a_contact():
     roots = np.roots([0.5 * sundman.root_curvature(d, u, slope), slope, u])
     left = min(roots[roots > 0.0])
     assert abs(left - u / -slope) > 0.01 * left
-    assert longest == pytest.approx(PAST_END * left, rel=1e-9)
+    assert longest == pytest.approx(END_OVERSHOOT * left, rel=1e-9)
     assert size_toward_end(d, 0.1 * left) == 0.1 * left

@@ -5,14 +5,14 @@ import pytest
 
 from chain_impact.kernel import equations
 from chain_impact.kernel.chain import kinematics
+from chain_impact.kernel.constraints import geometry
 from chain_impact.kernel.forces import active_contacts, force_formula
 from chain_impact.kernel.ode import dense, extended
 from chain_impact.kernel.ode.extended import clearance_at, rate_at
 from chain_impact.kernel.record import state
-from chain_impact.kernel.rows import geometry
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.tools.differences import slope
-from tests.kernel.chains import chain, gradients, struck
+from tests.kernel.chains import chain, gradients, locate_touching_state
 
 LINKS, HALF, FIRST = 2, 4, state.sundman_u_at(2)
 
@@ -23,7 +23,7 @@ def touching():
     rng = np.random.default_rng(37)
     scene, d = chain(rng, LINKS, springs=True, dampers=True)
     touched = [next(c for c in range(d.candidates) if d.candidate.point[c] == point) for point in (0, 2)]
-    y = struck(rng, d, touched)
+    y = locate_touching_state(rng, d, touched)
     d.step.state_end[:] = y
     equations.rate_from_state(d, y, d.scratch.rate_start)
     d.quadrature.computed = 1

@@ -9,7 +9,7 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.ode import folds
 from chain_impact.scene.scene import scene_from_dict
-from tests.kernel.chains import begun, touch
+from tests.kernel.chains import initialized, mark_touching
 from tests.kernel.steps import Motion, set_step
 
 SIZE, SPEED = 0.02, 8.0  # s, of the step; rad/s
@@ -27,13 +27,13 @@ def folding():
         "contact": {"model": "newton_impact", "points": [2]},
         "initial": {"angles": [0.5, -0.5]},
     }
-    d = begun(scene_from_dict(table, "fold"))
+    d = initialized(scene_from_dict(table, "fold"))
     parts = np.zeros((2, len(d.step.state)))
     parts[0, 2:4] = np.array([1.0, -1.0]) * (0.5 * math.pi - 0.5 * SIZE * SPEED)
     parts[1, 2:4] = parts[0, 6:8] = SPEED, -SPEED
     parts[0, -2], parts[1, -1] = 1.0, 1.0
     set_step(d, Motion(parts), SIZE)
-    touch(d, [0])
+    mark_touching(d, [0])
     return d
 
 
@@ -51,7 +51,7 @@ def test_the_rate_and_its_work_are_those_of_the_given_state(folding, monkeypatch
     given = y.copy()
     rate_from_state(d, y, rate)
     before = d.statistics.rhs_evaluations
-    folds.refine_rate(d, THETA, y, rate)
+    folds.correct_near_fold(d, THETA, y, rate)
     np.testing.assert_array_equal(y, given)
     np.testing.assert_array_equal(rate[2:4], y[6:8])
     assert len(calls) > 3
@@ -65,7 +65,7 @@ def test_a_rate_without_held_points_stays(folding):
     d = folding
     rate_from_state(d, d.step.state_end, d.scratch.rate)
     d.constraints.near_fold = 1  # from an earlier problem
-    touch(d, [])
+    mark_touching(d, [])
     d.scratch.rate[:] = 5.0
-    folds.refine_rate(d, 0.5, d.step.state_end.copy(), d.scratch.rate)
+    folds.correct_near_fold(d, 0.5, d.step.state_end.copy(), d.scratch.rate)
     assert (d.scratch.rate == 5.0).all()

@@ -17,7 +17,7 @@ def rubbing():
     """Return a random generator, an instance with sliding elements, and the gradients of their places."""
     rng = np.random.default_rng(23)
     scene, d, y = rubbing_chain(rng, "free", 2, True)
-    elements = d.element.index[: d.friction.count].copy()
+    elements = d.friction_element.index[: d.friction.active_count].copy()
     return rng, d, elements, tangents(scene, d, y, elements)
 
 
@@ -30,12 +30,12 @@ def test_only_the_corrected_motion_dissipates_whatever_the_rates_contain(rubbing
     expected = np.zeros(RADAU_STAGES)
     for m in range(RADAU_STAGES):
         moved, corrected = rng.normal(size=(2, count))
-        d.element.force[elements] = rng.normal(size=len(elements))
+        d.friction_element.force[elements] = rng.normal(size=len(elements))
         store_friction_forces(d, m)
         d.implicit.rates[m, :count] = moved
         d.implicit.stages[m, first : first + count] = speed * corrected
-        d.implicit.rates[m, lost] = -d.element.force[elements] @ slopes @ moved
-        expected[m] = -speed * d.element.force[elements] @ slopes @ corrected
+        d.implicit.rates[m, lost] = -d.friction_element.force[elements] @ slopes @ moved
+        expected[m] = -speed * d.friction_element.force[elements] @ slopes @ corrected
     d.implicit.stages[:, lost] = H * np.array(Q) @ d.implicit.rates[:, lost]
     correct_friction_energy(d, H)
     assert d.implicit.stages[:, lost] == pytest.approx(H * np.array(Q) @ expected, rel=1e-9, abs=1e-14)
@@ -43,7 +43,12 @@ def test_only_the_corrected_motion_dissipates_whatever_the_rates_contain(rubbing
 
 def test_the_work_along_a_change_is_that_of_sliding_and_sticking_elements(rubbing):
     rng, d, elements, slopes = rubbing
-    e = d.element.stuck_index[0] = elements[1]
-    d.element.mode[e], d.friction.stuck_count = STICKS, 1
-    change, d.element.force[elements] = rng.normal(size=slopes.shape[1]), rng.normal(size=len(elements))
-    assert work_along(d, change) == pytest.approx(d.element.force[elements] @ slopes @ change, rel=1e-9)
+    e = d.friction_element.stuck_index[0] = elements[1]
+    d.friction_element.mode[e], d.friction.stuck_count = STICKS, 1
+    change, d.friction_element.force[elements] = (
+        rng.normal(size=slopes.shape[1]),
+        rng.normal(size=len(elements)),
+    )
+    assert work_along(d, change) == pytest.approx(
+        d.friction_element.force[elements] @ slopes @ change, rel=1e-9
+    )

@@ -19,7 +19,7 @@ from chain_impact.kernel.record.constants import (
     SOLVER_READER,
 )
 from chain_impact.scene.scene import load_scene, scene_from_dict
-from tests.helpers.kernel.plain import begun
+from tests.helpers.kernel.plain import initialized
 
 H = 0.01  # s
 
@@ -28,7 +28,7 @@ def started(method=EXPLICIT, **changes):
     scene = load_scene("four_link_box").with_values(
         {f"contact.{key}": value for key, value in changes.items()}
     )
-    d = begun(scene)
+    d = initialized(scene)
     d.step.method = method
     return d
 
@@ -39,7 +39,7 @@ def with_a_step(d, h=H):
     last_step.ensure_points(d)
     d.scratch.rate_start[:] = d.scratch.stage[0] = d.scratch.rate_end
     methods.prepare_step(d, h)
-    methods.attempt_step(d, h)
+    methods.integrate_trial(d, h)
     last_step.make_last_step(d)
     return d
 
@@ -129,7 +129,7 @@ def test_dissipation_below_the_last_digit_adds_up_while_an_element_sticks(method
     scene = sticking_and_damped()
     lost, digit, found = state.dissipated_at(2), np.spacing(1e6), []
     for before in (0.0, 1e6):
-        d = begun(scene)
+        d = initialized(scene)
         assert d.friction.stuck_count == 1
         d.step.method, d.step.state_end[lost] = method, before
         for _ in range(12):
@@ -152,7 +152,7 @@ def test_a_step_that_is_cut_twice_dissipates_as_if_cut_once(method, first):
     """This includes the part below the last digit of 1e6 J, also after a step of zero length."""
     lost, found = state.dissipated_at(2), []
     for parts in ((0.5,), (first, 0.5)):
-        d = begun(sticking_and_damped())
+        d = initialized(sticking_and_damped())
         d.step.method, d.step.state_end[lost] = method, 1e6
         for _ in range(3):
             d.step.state_end[-1] = 0.0
@@ -236,7 +236,7 @@ def test_points_that_the_error_of_a_step_has_located_are_not_located_again(monke
     """The step has one contact or two contacts."""
     d, told = started(), []
     methods.prepare_step(d, H)
-    methods.attempt_step(d, H)
+    methods.integrate_trial(d, H)
     d.contacts.active_count = touching
     monkeypatch.setattr(last_step, "find_rate", lambda _, located: told.append(bool(located)))
     last_step.make_last_step(d)

@@ -1,20 +1,20 @@
 """The linear systems of implicit steps against the assembled Jacobian, for real and complex shifts."""
 
-# Tests: kernel/ode/radau.py, kernel/rows/compliance.py
+# Tests: kernel/ode/radau.py, kernel/constraints/compliance.py
 
 import numpy as np
 import pytest
 
 from chain_impact.kernel.chain import kinematics
+from chain_impact.kernel.constraints.compliance import holding_impedance
 from chain_impact.kernel.ode import extended
 from chain_impact.kernel.ode.radau import COMPLEX_EIGENVALUES
 from chain_impact.kernel.record import state
-from chain_impact.kernel.rows.compliance import holding_impedance
 from chain_impact.scene.scene import load_scene
 from tests.helpers.kernel.plain import Plain
 from tests.helpers.models.reference import clearance_gradient, mass_matrix
 from tests.helpers.scenes.turned import turned
-from tests.kernel.chains import chain, free_coordinates, gradients, relative_motion, struck
+from tests.kernel.chains import chain, free_coordinates, gradients, locate_touching_state, relative_motion
 from tests.kernel.ode.touching import touching
 
 N = 4
@@ -110,7 +110,7 @@ def held(base, stiffness, damping):
     if base == "free":
         d.inputs.drive_stiffness[0] = d.inputs.drive_damping[0] = 0.0
     candidates = [6, 16] if base == "free" else [5, 15]
-    d.step.state_end[:] = struck(rng, d, candidates, 0.0)
+    d.step.state_end[:] = locate_touching_state(rng, d, candidates, 0.0)
     d.chain.has_springs_or_dampers = d.chain.has_springs = 1
     extended.extend_start(d)
     extended.extended_slopes(d, d.implicit.z_start)

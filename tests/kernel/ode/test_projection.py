@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.ode import extended
 from chain_impact.kernel.ode.collocation import set_weights
 from chain_impact.kernel.ode.extended import (
@@ -16,9 +17,8 @@ from chain_impact.kernel.ode.extended import (
     factorize_real,
     rate_at,
 )
-from chain_impact.kernel.rows.geometry import clearance_and_rate
 from tests.helpers.models.reference import mass_matrix
-from tests.kernel.chains import chain, gradients, struck
+from tests.kernel.chains import chain, gradients, locate_touching_state
 
 LINKS, HALF = 3, 5
 SHIFT = 1e-3  # s
@@ -33,7 +33,7 @@ def step():
     rng = np.random.default_rng(11)
     scene, d = chain(rng, LINKS)
     touched = [c for c in range(d.candidates) if d.candidate.point[c] in (1, 3)][:4:3]
-    y = struck(rng, d, touched)
+    y = locate_touching_state(rng, d, touched)
     d.contacts.expected_penetration[touched] = [2e-3, 5e-4]
     d.contacts.latched_speed[touched], d.contacts.effective_mass[touched] = 0.5, 1.0
     d.step.state_end[:], d.scratch.located_at_end = y, 1

@@ -21,7 +21,7 @@ from chain_impact.simulation.instance import Instance
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.models.reference import momenta
 from tests.helpers.scenes.problems import default_scene, of_law
-from tests.kernel.chains import chain, touch
+from tests.kernel.chains import chain, mark_touching
 from tests.kernel.rubbing import rubbing_chain
 
 
@@ -94,7 +94,7 @@ def d():
     rng = np.random.default_rng(13)
     _, d = chain(rng, 2)
     d.quadrature.computed = 1
-    touch(d, TOUCHED)
+    mark_touching(d, TOUCHED)
     for name in FIELDS:
         d.quadrature[name][:] = rng.uniform(1.0, 9.0, len(d.quadrature[name]))
     d.quadrature.dense[:], d.quadrature.stage[:] = (
@@ -112,7 +112,7 @@ def values(d, *names):
 def test_impulses_of_active_contacts_are_integrated_if_they_are_wanted(d):
     dense.reset_quadratures(d)
     assert d.quadrature.index[: d.quadrature.count].tolist() == TOUCHED
-    touch(d, [2])
+    mark_touching(d, [2])
     dense.reset_quadratures(d)
     assert d.quadrature.index[: d.quadrature.count].tolist() == [2]
     d.quadrature.computed = 0
@@ -127,16 +127,22 @@ def test_integrals_of_dry_friction_follow_those_of_contacts(contacts, joints):
     d.quadrature.computed = 1
     dense.reset_quadratures(d)
     own, touched = d.quadrature, d.contacts.active_index[:contacts]
-    last = d.candidates + d.elements
+    last = d.candidates + d.friction_elements
     assert own.index[: own.count].tolist() == [*touched, *(d.candidates + touched), last]
     rng = np.random.default_rng(2)
-    d.contacts.force[:], d.element.force[:] = rng.normal(size=d.candidates), rng.normal(size=d.elements)
+    d.contacts.force[:], d.friction_element.force[:] = (
+        rng.normal(size=d.candidates),
+        rng.normal(size=d.friction_elements),
+    )
     d.friction.power = 3.5
     own.rate[:] = 99.0
     dense.store_end_rates(d)
     dense.commit_quadratures(d)
     right = np.zeros(len(own.integral))
-    right[touched], right[d.candidates + touched] = d.contacts.force[touched], d.element.force[touched]
+    right[touched], right[d.candidates + touched] = (
+        d.contacts.force[touched],
+        d.friction_element.force[touched],
+    )
     right[last] = 3.5
     assert own.rate.tolist() == right.tolist()
 

@@ -8,16 +8,16 @@ import pytest
 from chain_impact.kernel import equations
 from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.chain import kinematics
+from chain_impact.kernel.constraints import geometry
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode import methods, sundman, sundman_rate
 from chain_impact.kernel.record import state
 from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT, NO_CONTACT, ONSET
-from chain_impact.kernel.rows import geometry
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.kernel.plain import Plain, make_rigid
 from tests.helpers.scenes.problems import ball
-from tests.kernel.chains import chain, struck, touch
+from tests.kernel.chains import chain, locate_touching_state, mark_touching
 
 SPEED, STIFFNESS = 2.0, 1e8
 
@@ -38,7 +38,7 @@ def test_a_step_from_the_onset_keeps_the_order_of_the_method():
     for size in sizes:
         d = Plain(start.copy()[0])
         depth = float(d.contacts.expected_penetration[0])
-        methods.attempt_step(d, size * depth / SPEED)
+        methods.integrate_trial(d, size * depth / SPEED)
         errors.append(abs(energy(d.trial.state) - energy(d.step.state_end)))
     assert min(errors) > 1e-13  # otherwise the test would measure round-off
     assert np.polyfit(np.log(sizes), np.log(errors), 1)[0] > 8.0
@@ -79,7 +79,7 @@ def contact(seed=17):
     """Return two links with one point in a wall: the contact of the step, its candidate and the state."""
     _, d = chain(np.random.default_rng(seed), LINKS)
     c = d.candidate.point.tolist().index(2)
-    y = struck(np.random.default_rng(seed), d, [c], DEPTH)
+    y = locate_touching_state(np.random.default_rng(seed), d, [c], DEPTH)
     d.contacts.expected_penetration[c], d.contacts.latched_speed[c] = SCALE, 1.0
     d.contacts.effective_mass[c] = 1.0
     d.step.regularized, d.step.method = c, EXPLICIT
@@ -176,12 +176,12 @@ def test_an_only_contact_has_its_own_variable():
     make_rigid(d)
     assert sundman.find_lone_contact(d) == IN_TIME
     make_rigid(d, np.arange(d.candidates) != c)
-    touch(d, [c, d.candidate.point.tolist().index(0)])
+    mark_touching(d, [c, d.candidate.point.tolist().index(0)])
     assert (d.contacts.compliant_count, d.contacts.active_count) == (1, 2)
     assert sundman.find_lone_contact(d) == IN_TIME
     make_rigid(d, 0)
     assert sundman.find_lone_contact(d) == IN_TIME
-    touch(d, [])
+    mark_touching(d, [])
     assert sundman.find_lone_contact(d) == IN_TIME
 
 

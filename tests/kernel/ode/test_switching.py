@@ -18,7 +18,7 @@ from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT
 from chain_impact.simulation.instance import Instance
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.scenes.problems import GRAVITY, build, contact_table, stiff_joint
-from tests.kernel.chains import chain, struck, touch
+from tests.kernel.chains import chain, locate_touching_state, mark_touching
 
 
 @pytest.mark.parametrize("last", [0.1, 10.0])
@@ -98,7 +98,7 @@ def jointed(rng, touching=False):
     _, d = chain(rng, 2, "pinned", springs=True, dampers=True)
     tip = d.candidate.point.tolist().index(2)
     if touching:
-        struck(rng, d, [tip])
+        locate_touching_state(rng, d, [tip])
     return d, tip, largest_joint_rate(d, d.step.state_end)
 
 
@@ -107,7 +107,7 @@ def pressed(rng):
     """Return a free link without joint loads, both ends of which have long been in contact with a force."""
     _, d = chain(rng, 1)
     touched = [d.candidate.point.tolist().index(point) for point in (0, 1)]
-    struck(rng, d, touched)
+    locate_touching_state(rng, d, touched)
     d.contacts.effective_mass[touched] = 1.0
     assert not d.chain.has_springs_or_dampers
     d.solver.method = AUTOMATIC_METHOD
@@ -166,7 +166,7 @@ def test_a_contact_lasts_after_some_times_of_an_impact(pressed):
     ):
         d.contacts.onset[touched] = 2.0 - first * slow, 2.0 - second * slow
         assert methods.are_contacts_sustained(d) == right
-    touch(d, [])
+    mark_touching(d, [])
     assert not methods.are_contacts_sustained(d)
 
 
@@ -283,7 +283,7 @@ def test_a_chain_without_resistance_is_explicit_if_the_solver_chooses(pressed):
     With rigid walls also for a fixed method, unless another contact has a force.
     """
     d, touched = pressed
-    touch(d, [])
+    mark_touching(d, [])
     d.step.method, d.step.end = IMPLICIT, 1.0
     for asked, method in (
         (AUTOMATIC_METHOD + 1 + IMPLICIT, IMPLICIT),
@@ -293,7 +293,7 @@ def test_a_chain_without_resistance_is_explicit_if_the_solver_chooses(pressed):
         d.solver.method, d.step.method = asked, IMPLICIT
         choose_method(d)
         assert d.step.method == method
-    touch(d, touched)
+    mark_touching(d, touched)
     d.solver.method = AUTOMATIC_METHOD + 1 + IMPLICIT
     for rigid, method in (
         (np.ones(d.candidates), EXPLICIT),

@@ -15,10 +15,12 @@ TOLERANCE = 1e-6
 @pytest.fixture
 def t():
     """Return an instance of dual numbers with friction at candidate 1 and in the joint, element 2."""
-    one = SimpleNamespace(candidates=2, elements=3)
-    one.friction = SimpleNamespace(count=2)
-    one.element = SimpleNamespace(index=[1, 2, 9], event=[NO_EVENT] * 3, mode=[1] * 3, undecided=[1] * 3)
-    one.element.friction_limit, one.element.force = [dual(9.0)] * 3, [dual(0.0)] * 3
+    one = SimpleNamespace(candidates=2, friction_elements=3)
+    one.friction = SimpleNamespace(active_count=2)
+    one.friction_element = SimpleNamespace(
+        index=[1, 2, 9], event=[NO_EVENT] * 3, mode=[1] * 3, decided_by_forces=[1] * 3
+    )
+    one.friction_element.friction_limit, one.friction_element.force = [dual(9.0)] * 3, [dual(0.0)] * 3
     one.law = SimpleNamespace(friction=[dual(0.3)] * 2, static_friction=[dual(0.3)] * 2)
     one.scratch = SimpleNamespace(velocity="velocity", acceleration="acceleration", rate="rate")
     one.step = SimpleNamespace(start=dual(1.0), end=dual(1.5))
@@ -45,7 +47,7 @@ def ended(monkeypatch):
     ],
 )
 def test_sliding_that_ends_goes_before_sliding_that_begins(monkeypatch, t, events, delay):
-    t.element.event[1:] = events
+    t.friction_element.event[1:] = events
     monkeypatch.setattr(friction, "delay_of_rest", lambda _t, e: ("rest", e))
     monkeypatch.setattr(friction, "delay_of_sliding", lambda _t, e: ("sliding", e))
     assert friction.delay_of_change(t) == delay
@@ -85,7 +87,7 @@ def margin_of(monkeypatch, t, rate):
     monkeypatch.setattr(friction, "fastest_speed", lambda _t: 4.0)
 
     def rate_from_points(t, y, rate):
-        t.element.force[1] = t.element.force[2] = -y[0]
+        t.friction_element.force[1] = t.friction_element.force[2] = -y[0]
 
     monkeypatch.setattr(event_times, "rate_from_points", rate_from_points)
     return located
@@ -157,10 +159,10 @@ def test_a_speed_is_negligible_as_long_as_all_that_was_left_open_is(monkeypatch,
 
 def test_a_stopped_element_has_no_derivative_of_its_speed(monkeypatch, t):
     """Element 2 has just stopped: only the derivatives of its speed become zero."""
-    t.friction.stuck_count, t.element.stuck_index = 2, [1, 2]
-    t.element.mode_before = [STICKS, STICKS, 1]
+    t.friction.stuck_count, t.friction_element.stuck_index = 2, [1, 2]
+    t.friction_element.mode_before = [STICKS, STICKS, 1]
     assert friction.any_begins_to_stick(t)
-    t.element.mode_before = [STICKS, NO_FRICTION, STICKS]
+    t.friction_element.mode_before = [STICKS, NO_FRICTION, STICKS]
     assert not friction.any_begins_to_stick(t)
     # a free point: two coordinates and their rates
     t.links, t.step.state_end = 0, [dual(1.0 + j, 2.0, 3.0) for j in range(4)]
@@ -195,7 +197,7 @@ def test_a_stopped_element_has_no_derivative_of_its_speed(monkeypatch, t):
 def test_elements_that_stop_together_do_so_for_each_parameter(monkeypatch, t, ended, given, reasons):
     """Element 2 stops too if its speed after the delay of 0.5 per unit is zero: slope + 0.5 · 4 m/s²."""
     slope, small, slow = given
-    t.element.event[1:] = SLIDING_ENDS, SLIDING_ENDS
+    t.friction_element.event[1:] = SLIDING_ENDS, SLIDING_ENDS
     rates = {1: dual(0.0), 2: dual(0.0, slope, 0.0)}
     monkeypatch.setattr(friction, "DIRECTIONS", 2)
     monkeypatch.setattr(friction, "tangential_rate", lambda _t, e: rates[e])
@@ -204,7 +206,7 @@ def test_elements_that_stop_together_do_so_for_each_parameter(monkeypatch, t, en
     for name in ("largest_slope", "largest_displacement", "fastest_speed"):
         monkeypatch.setattr(friction, name, lambda *_: 0.0)
     monkeypatch.setattr(friction, "rest_speed", lambda _t: 1e-12)
-    monkeypatch.setattr(friction, "count_pending_changes", lambda _t: 1)
+    monkeypatch.setattr(friction, "count_mode_changes", lambda _t: 1)
     monkeypatch.setattr(friction, "is_negligible", lambda *_: small)
     monkeypatch.setattr(friction, "acceleration_may_be_error", lambda *_: slow)
     friction.check_changes(t, dual(0.0, 0.5, 0.0))
@@ -216,12 +218,15 @@ def test_two_that_break_loose_at_one_moment_must_do_so_for_all_parameters(
     monkeypatch, t, ended, margins, together
 ):
     """Where friction drops, the slopes of both margins must be zero after the delay."""
-    t.element.event[1:] = STICKING_ENDS, STICKING_ENDS
-    t.element.mode = [STICKS] * 3
+    t.friction_element.event[1:] = STICKING_ENDS, STICKING_ENDS
+    t.friction_element.mode = [STICKS] * 3
     t.law.static_friction = [dual(0.4)] * 2
     t.candidates, restored = 3, []
     t.law.friction, t.law.static_friction = [dual(0.3)] * 3, [dual(0.4)] * 3
-    t.element.force, t.element.friction_limit = [dual(9.0, 1.0, 0.0)] * 3, [dual(9.0, 1.0, 0.0)] * 3
+    t.friction_element.force, t.friction_element.friction_limit = (
+        [dual(9.0, 1.0, 0.0)] * 3,
+        [dual(9.0, 1.0, 0.0)] * 3,
+    )
     monkeypatch.setattr(friction, "DIRECTIONS", 2)
     monkeypatch.setattr(friction, "largest_displacement", lambda _t, _k: 0.0)
     monkeypatch.setattr(friction, "margin_after", lambda _t, e, _time: dual(0.0, margins[e - 1], 0.0))
@@ -252,8 +257,16 @@ def test_a_mode_is_open_where_the_limit_is_almost_reached(monkeypatch, t, ended,
     monkeypatch.setattr(friction, "settling_time", lambda _t: 0.5)
     monkeypatch.setattr(friction, "is_negligible", lambda *_: False)
     t.friction.stuck_count = 0
-    t.element.mode_before, t.element.mode, t.element.chosen_mode = [mode] * 3, [mode] * 3, [mode] * 3
-    t.element.undecided, t.element.force[1], t.step.state_end = [0, 1, 0], dual(known), "state"
+    t.friction_element.mode_before, t.friction_element.mode, t.friction_element.chosen_mode = (
+        [mode] * 3,
+        [mode] * 3,
+        [mode] * 3,
+    )
+    t.friction_element.decided_by_forces, t.friction_element.force[1], t.step.state_end = (
+        [0, 1, 0],
+        dual(known),
+        "state",
+    )
     friction.make_modes_consistent(t)
-    assert t.element.mode == [mode] * 3
+    assert t.friction_element.mode == [mode] * 3
     assert ended == ([(trust.AT_FRICTION_LIMIT, 1)] if is_open else [])

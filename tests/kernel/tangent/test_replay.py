@@ -99,7 +99,7 @@ def parts(number):
 def instances(regularized=-1, events=(NO_EVENT, NO_EVENT), end_fraction=1.0, method=EXPLICIT):
     """Return an instance after a step of 0.2 s, and an instance of dual numbers before the step."""
     rng = np.random.default_rng(31)
-    sizes = {"candidates": 2, "elements": 3, "channels": 0, "signals": 0}
+    sizes = {"candidates": 2, "friction_elements": 3, "channels": 0, "signals": 0}
     d, t = SimpleNamespace(**sizes), SimpleNamespace(links=LINKS, **sizes)
     d.step = SimpleNamespace(
         last_method=method, size=0.2, end_fraction=end_fraction, regularized=regularized, end=1.5
@@ -107,10 +107,10 @@ def instances(regularized=-1, events=(NO_EVENT, NO_EVENT), end_fraction=1.0, met
     d.step.state_end = rng.normal(size=SIZE)
     d.scratch = SimpleNamespace(rate_end=rng.normal(size=SIZE))
     d.chain = SimpleNamespace(limited=0)
-    d.drive = SimpleNamespace(mode_ends=0)
-    t.drive = SimpleNamespace(mode_ends=0)
+    d.drive = SimpleNamespace(mode_change_pending=0)
+    t.drive = SimpleNamespace(mode_change_pending=0)
     d.contacts, d.inputs, t.inputs = SimpleNamespace(event=list(events)), SimpleNamespace(), SimpleNamespace()
-    d.element = SimpleNamespace(event=[NO_EVENT, SLIDING_ENDS, NO_EVENT])
+    d.friction_element = SimpleNamespace(event=[NO_EVENT, SLIDING_ENDS, NO_EVENT])
     t.contacts = SimpleNamespace(event=[NO_EVENT, NO_EVENT], active_count=1, active_index=[1])
     t.contacts.latched_speed = [dual(0.5, 1.0, 2.0)] * 2
     t.step = SimpleNamespace(method=-1, regularized=regularized, end=dual(1.4999, 3.0, 4.0))
@@ -120,8 +120,8 @@ def instances(regularized=-1, events=(NO_EVENT, NO_EVENT), end_fraction=1.0, met
     t.trial = SimpleNamespace(state="y", size=-1.0)
     t.scratch.rate_end = [dual(0.5 + j, 100.0, 100.0) for j in range(SIZE)]
     # friction at candidate 1 and in the joint, element 2
-    t.friction = SimpleNamespace(count=2, contact_count=1, stuck_count=0)
-    t.element = SimpleNamespace(index=[1, 2, 9], event=[NO_EVENT] * 3)
+    t.friction = SimpleNamespace(active_count=2, contact_count=1, stuck_count=0)
+    t.friction_element = SimpleNamespace(index=[1, 2, 9], event=[NO_EVENT] * 3)
     t.quadrature = SimpleNamespace(count=2)
     t.quadrature.rate_end = [dual(7.0, 100.0, 100.0), dual(-5.0, 100.0, 100.0)]
     t.quadrature.state_end = [dual(4.0, 1.0, 2.0), dual(6.0, 1.0, 2.0)]
@@ -178,7 +178,7 @@ def test_a_step_is_made_once_more(monkeypatch, calls, last, size, more):
     end = [("correct_falling_impulses",), ("move_end", *last["events"])]
     cut, jump = more
     assert calls == [*begin, *made, *cut, ("copy_end_values",), *jump, *end]
-    assert t.element.event == [NO_EVENT, SLIDING_ENDS, NO_EVENT]
+    assert t.friction_element.event == [NO_EVENT, SLIDING_ENDS, NO_EVENT]
 
 
 @pytest.mark.parametrize(
@@ -247,7 +247,7 @@ def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
     """Contacts have priority over mode changes, and mode changes over kinks of a force."""
     _, t = instances(regularized)
     t.step.start = t.step.end - 0.2
-    *t.contacts.event, t.element.event[1], t.drive.mode_ends = events
+    *t.contacts.event, t.friction_element.event[1], t.drive.mode_change_pending = events
     names = {KINK: "kink", RELEASE: "release"}
     monkeypatch.setattr(step_ends, "delay_of_crossing", lambda _t, c, kind: (c, kind))
     monkeypatch.setattr(step_ends, "delay_without_force_jump", lambda _t, c, kind: f"{names[kind]} of {c}")
@@ -266,7 +266,7 @@ def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
 def test_events_that_a_jump_causes_have_the_time_of_the_jump(calls, events):
     """A step of zero length ends where a force is beyond its kink, or a speed is much larger than before."""
     _, t = instances(events=events)
-    *t.contacts.event, t.step.start, t.drive.mode_ends = *events, t.step.end, 1
+    *t.contacts.event, t.step.start, t.drive.mode_change_pending = *events, t.step.end, 1
     step_ends.move_end(t)
     assert calls == []
 
@@ -295,7 +295,11 @@ def test_the_end_of_a_step_moves_along_the_motion(calls):
 )
 def test_a_step_after_a_drives_limit_starts_at_a_plain_time(monkeypatch, calls, limit, events, fixed):
     d, t = instances()
-    t.drive.mode_ends, t.contacts.event, t.element.event = limit, list(events), [NO_EVENT] * 3
+    t.drive.mode_change_pending, t.contacts.event, t.friction_element.event = (
+        limit,
+        list(events),
+        [NO_EVENT] * 3,
+    )
     monkeypatch.setattr(step_ends, "evaluate_start", lambda _t: calls.append(("evaluate_start",)))
     monkeypatch.setattr(replay, "repeat_step", lambda _d, t, _h: calls.append(("make", parts(t.step.end))))
     monkeypatch.setattr(replay, "copy_end_values", lambda _d, _t: None)

@@ -20,7 +20,7 @@ from tests.helpers.models.complex_laws import TINY
 from tests.helpers.scenes.derivative_scenes import Case
 from tests.helpers.scenes.problems import ball, of_law
 from tests.helpers.tools.differences import slope
-from tests.kernel.chains import chain, press_in, random_state, touch, vectors
+from tests.kernel.chains import chain, mark_touching, move_wall_to_depth, random_state, vectors
 from tests.kernel.forces.factors import FACTORS
 from tests.kernel.tangent.dual import random_duals, started
 
@@ -215,8 +215,8 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
     y = random_state(rng, t)
     t.step.state_end[:], t.step.end = y, 2.5
     locate_points(t, y)
-    touch(t, [4])
-    press_in(t, 4, 1e-3)
+    mark_touching(t, [4])
+    move_wall_to_depth(t, 4, 1e-3)
     active_contacts.latch_onset(t, 4)
     make_rigid(t, law == "newton_impact")
     damping, number = t.contacts.damping[4], CONTACT_LAWS[law].number
@@ -228,7 +228,7 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
     t.step.start_delay = 7.0
     told = []
     monkeypatch.setattr(handlers, "recompute_active_set", lambda *arguments: told.append(arguments))
-    replay.reinit_tangent(d, t)
+    replay.restart_tangent(d, t)
     assert told == [(t,)]
     assert t.step.communication_point == t.step.start == t.step.end == 2.5
     assert t.step.start_delay == 0.0
@@ -254,5 +254,5 @@ def test_derivatives_that_ended_in_what_is_dropped_go_on(twins, ended, expected)
     assert initialize(d, 0.0) == OK
     replay.start_tangent(d, t)
     t.step.end, t.trust.reason, t.trust.time = 2.5, 3, ended
-    replay.reinit_tangent(d, t)
+    replay.restart_tangent(d, t)
     assert t.trust.reason == expected

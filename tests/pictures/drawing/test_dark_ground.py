@@ -15,7 +15,7 @@ from chain_impact.pictures.drawing.dark_ground import Ground, is_dark, lightened
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
 from chain_impact.pictures.drawing.legends import KEY
 from chain_impact.pictures.drawing.style import BLACK, PALETTE, adapt_to_dark_style
-from tests.pictures.pictures import contrast, lab, recorded
+from tests.pictures.pictures import contrast, lab_colour, recorded
 
 
 def pixels(page):
@@ -107,12 +107,12 @@ def test_a_map_keeps_its_colours_and_cells_without_value_get_dark():
 def test_the_colours_of_curves_differ_on_a_dark_ground():
     """A difference of 10 in CIELAB is seen at a glance, but not between thin lines."""
     for one, other in itertools.combinations(PALETTE, 2):
-        assert np.linalg.norm(lab(lightened_colour(one)) - lab(lightened_colour(other))) > 15.0
+        assert np.linalg.norm(lab_colour(lightened_colour(one)) - lab_colour(lightened_colour(other))) > 15.0
     laws = [
         look["color"] for look in LAW_LOOKS.values() if "linestyle" not in look and look["color"] != BLACK
     ]
     for one, other in itertools.combinations(laws, 2):
-        assert np.linalg.norm(lab(lightened_colour(one)) - lab(lightened_colour(other))) > 25.0
+        assert np.linalg.norm(lab_colour(lightened_colour(one)) - lab_colour(lightened_colour(other))) > 25.0
 
 
 def dark_grounds():

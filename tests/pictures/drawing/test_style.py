@@ -13,7 +13,7 @@ from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import LOAD, PALETTE, fitted_lines, write_headline
 from chain_impact.pictures.over_time.energies import ENERGIES
 from chain_impact.text import number_text
-from tests.pictures.pictures import contrast, lab
+from tests.pictures.pictures import contrast, lab_colour
 
 # what readers without one kind of cones see (Machado, Oliveira and Fernandes 2009, severity 1)
 SIGHTS = {
@@ -51,7 +51,7 @@ def test_a_line_on_white_has_the_contrast_of_graphical_objects(colour):
 def test_the_colours_of_curves_differ_for_each_kind_of_sight(sight):
     """A difference of 10 in CIELAB is seen at a glance, but not between thin lines."""
     for one, other in itertools.combinations(PALETTE, 2):
-        assert np.linalg.norm(lab(one, SIGHTS[sight]) - lab(other, SIGHTS[sight])) > 15.0
+        assert np.linalg.norm(lab_colour(one, SIGHTS[sight]) - lab_colour(other, SIGHTS[sight])) > 15.0
 
 
 @pytest.mark.parametrize("sight", SIGHTS)
@@ -60,7 +60,7 @@ def test_laws_with_the_same_dashes_differ_for_each_kind_of_sight(sight):
     for one, other in itertools.combinations(LAW_LOOKS.values(), 2):
         if one.get("linestyle") == other.get("linestyle"):
             for shown, apart in ((to_hex, 15.0), (Ground("black", "white").suited_colour, 12.0)):
-                first, second = (lab(shown(look["color"]), SIGHTS[sight]) for look in (one, other))
+                first, second = (lab_colour(shown(look["color"]), SIGHTS[sight]) for look in (one, other))
                 assert np.linalg.norm(first - second) > apart
 
 

@@ -28,7 +28,7 @@ from chain_impact.recording.joint_peaks import joint_peaks
 from chain_impact.recording.joint_stops import range_lines
 from chain_impact.recording.view import ball_of
 from chain_impact.scene.display.bodies import size_of_motion
-from tests.pictures.pictures import boxes, crowd, drawn, hit, motion_of, recorded, swing, texts
+from tests.pictures.pictures import boxes, crowd, drawn, impact_row, motion_of, recorded, swing, texts
 
 
 def poses(axes):
@@ -152,7 +152,11 @@ def test_a_chain_is_a_line_that_can_be_moved():
 
 
 def test_impacts_are_ringed_where_the_point_was_and_numbered():
-    impacts = [hit(0.5, 1, "x_max", 3.0), hit(1.0, 1, "y_max", 2.0), hit(1.5, 0, "y_min", 1.0)]
+    impacts = [
+        impact_row(0.5, 1, "x_max", 3.0),
+        impact_row(1.0, 1, "y_max", 2.0),
+        impact_row(1.5, 0, "y_min", 1.0),
+    ]
     s = np.sqrt(0.5)
     # walls of the second model, a point with a radius of 0.1 m
     walls = {"x_max": s, "y_max": 1.1, "y_min": 0.0}
@@ -184,19 +188,19 @@ def test_the_impact_with_the_largest_force_is_marked_in_both_panels(model):
 @pytest.mark.full("takes long")
 def test_impacts_at_one_place_share_a_ring():
     walls = {"y_min": 0.0, "y_max": 1.0}
-    floor = [hit(time, 0, "y_min", time) for time in (0.5, 0.51, 1.0, 1.5)]
-    motion = motion_of(swing([*floor[:2], hit(0.9, 1, "y_max", 9.0)], walls))
+    floor = [impact_row(time, 0, "y_min", time) for time in (0.5, 0.51, 1.0, 1.5)]
+    motion = motion_of(swing([*floor[:2], impact_row(0.9, 1, "y_max", 9.0)], walls))
     assert [" ".join(text.split()) for text in texts(motion)] == ["3", "1, 2"]
     motion = motion_of(swing(floor, walls))
     assert texts(motion) == ["1–4"]
     apart = [
         row
         for k in range(4)
-        for row in (hit(0.2 + k / 5, 0, "y_min", 1.0 + k), hit(0.3 + k / 5, 1, "y_max", 9.0))
+        for row in (impact_row(0.2 + k / 5, 0, "y_min", 1.0 + k), impact_row(0.3 + k / 5, 1, "y_max", 9.0))
     ]
     motion = motion_of(swing(apart, walls))
     assert sorted(texts(motion)) == ["1, 3, 5, 7", "2", "4", "6", "8"]
-    many = [hit(0.2 + k / 10, k % 2, "y_max" if k % 2 else "y_min", 1.0 + (k == 4)) for k in range(14)]
+    many = [impact_row(0.2 + k / 10, k % 2, "y_max" if k % 2 else "y_min", 1.0 + (k == 4)) for k in range(14)]
     told = [text.replace("\n", " ") for text in texts(motion_of(swing(many, walls)))]
     assert told[0] == "5 + 6 more"
 

@@ -25,7 +25,7 @@ from chain_impact.pictures.over_time.impacts import (
 from chain_impact.pictures.overview import fill
 from chain_impact.pictures.words.headline import impulses_of_hits
 from chain_impact.recording.contact_times import impacts_at_peaks
-from tests.pictures.pictures import MODELS, drawn, hit, impacts_of, recorded, swing, texts
+from tests.pictures.pictures import MODELS, drawn, impact_row, impacts_of, recorded, swing, texts
 
 
 def numbers(axes):
@@ -89,7 +89,11 @@ def test_a_number_stands_near_its_impact_and_counts_in_time(model):
 
 @pytest.mark.full("takes long")
 def test_impacts_of_two_points_with_a_common_mark_share_a_number():
-    impacts = [hit(1.0, 0, "y_max", 2.0), hit(1.0, 1, "y_max", 2.0), hit(1.5, 1, "y_max", 1.0)]
+    impacts = [
+        impact_row(1.0, 0, "y_max", 2.0),
+        impact_row(1.0, 1, "y_max", 2.0),
+        impact_row(1.5, 1, "y_max", 1.0),
+    ]
     *_, speeds = drawn(swing(impacts, {"y_max": 1.0}))
     assert sorted(numbers(speeds)) == ["1, 2", "3"]
     places = {mark["marker"]: set() for mark in POINT_MARKS[:2]}
@@ -104,14 +108,14 @@ def test_impacts_of_two_points_with_a_common_mark_share_a_number():
 
 
 def test_the_hardest_impacts_are_numbered_first():
-    impacts = [hit(1.0 + 1e-4 * k, 1, "y_max", speed) for k, speed in enumerate((1.0, 1.01, 5.0))]
+    impacts = [impact_row(1.0 + 1e-4 * k, 1, "y_max", speed) for k, speed in enumerate((1.0, 1.01, 5.0))]
     *_, speeds = drawn(swing(impacts, {"y_max": 1.0}))
     assert numbers(speeds)[0] == "3"
 
 
 def test_of_many_impacts_the_largest_and_the_last_are_numbered():
-    impacts = [hit(1.0 + 1e-3 * k, 1, "y_max", 5.0 - 0.04 * k) for k in range(100)]
-    impacts[50] = hit(1.0455, 1, "y_max", 3.0)  # the distances in time are not equal
+    impacts = [impact_row(1.0 + 1e-3 * k, 1, "y_max", 5.0 - 0.04 * k) for k in range(100)]
+    impacts[50] = impact_row(1.0455, 1, "y_max", 3.0)  # the distances in time are not equal
     *_, speeds = drawn(swing(impacts, {"y_max": 1.0}))
     *largest, last = map(int, numbers(speeds))
     assert largest == [*range(1, len(largest) + 1)]
@@ -147,7 +151,7 @@ def test_points_have_marks_of_their_own_without_the_colours_of_energies():
 
 
 def test_many_points_are_not_told_apart():
-    hits = [hit(0.1 * k, k, "y_min", float(k)) for k in range(15)]
+    hits = [impact_row(0.1 * k, k, "y_min", float(k)) for k in range(15)]
     many, less = (swing(some, {"y_min": 0.0}) for some in (hits, hits[:3]))
     groups = point_groups(many, marks_of(many)[1])
     names = [name for name, _, _ in groups]

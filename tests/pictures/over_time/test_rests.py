@@ -12,7 +12,7 @@ from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_lines, rest_spans
 from chain_impact.scene.scene import with_values
-from tests.pictures.pictures import drawn, hit, swing
+from tests.pictures.pictures import drawn, impact_row, swing
 
 
 def paused(when, rows=401):
@@ -61,7 +61,7 @@ def test_an_axis_of_time_leaves_out_long_rests_at_its_ends(when, start, end, tol
 
 def test_an_impact_ends_a_rest():
     recording = paused("after")
-    table = swing([hit(5.0, 1, "x_min", 1e-3)], {"x_min": -1.0}).impacts
+    table = swing([impact_row(5.0, 1, "x_min", 1e-3)], {"x_min": -1.0}).impacts
     ends = [low for low, _ in rest_spans(dataclasses.replace(recording, impacts=table))]
     assert ends == pytest.approx([1.0, 5.025], abs=0.03)
 

@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact import load_scene, record_slowly
 from chain_impact.pictures.over_time.single_impact import course_of_hardest, is_alone
-from tests.pictures.pictures import crowd, hit, recorded, swing
+from tests.pictures.pictures import crowd, impact_row, recorded, swing
 
 
 def test_a_single_impact_has_its_force_over_its_time():
@@ -45,4 +45,4 @@ def test_rows_replace_a_run_that_cannot_be_repeated():
 def test_several_impacts_are_drawn_over_the_time_of_the_run():
     assert not is_alone(recorded("four_link_box"))
     assert not is_alone(crowd())
-    assert not is_alone(swing([hit(1.0, 1, "y_min", 1.0)], {"y_min": 0.0}))
+    assert not is_alone(swing([impact_row(1.0, 1, "y_min", 1.0)], {"y_min": 0.0}))

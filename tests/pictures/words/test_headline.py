@@ -19,7 +19,7 @@ from chain_impact.pictures.words.headline import (
 )
 from chain_impact.scene.scene import with_values
 from tests.helpers.scenes.stops import knee
-from tests.pictures.pictures import MODELS, hit, recorded, swing
+from tests.pictures.pictures import MODELS, impact_row, recorded, swing
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -231,7 +231,7 @@ def test_stops_have_their_restitution_and_a_law_of_their_own(own, told):
     ("lost", "told"), [(0.5, ", 0.5 J dissipated"), (3.21e-5, ", 3.21e-05 J dissipated"), (1e-14, "")]
 )
 def test_a_small_loss_is_told_and_round_off_is_not(lost, told):
-    recording = swing([hit(1.0, 1, "y_max", 1.0)], {"y_max": 1.0})
+    recording = swing([impact_row(1.0, 1, "y_max", 1.0)], {"y_max": 1.0})
     total = np.linspace(1.0, 1.0 - lost, 50)
     recording.columns.update({"energy.total": total, "energy.dissipated": 1.0 - total})
     assert headline(recording) == f"Swing: 1 impact in 2 s{told}"

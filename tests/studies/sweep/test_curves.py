@@ -10,7 +10,7 @@ from chain_impact.studies.sweep.curves import COLOURS, broken_line, course_text
 from chain_impact.studies.sweep.quantities import results_of
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.text import number_text
-from tests.pictures.pictures import contrast, lab
+from tests.pictures.pictures import contrast, lab_colour
 from tests.studies.sweep.drawn_sweeps import SCENE, TEN, drawn, labels_of
 
 
@@ -96,7 +96,7 @@ def test_a_law_of_which_every_run_failed_is_named_so():
 def test_the_colours_differ_and_can_be_seen_on_white():
     assert all(contrast("white", colour) >= 3.0 for colour in COLOURS)
     for one, other in itertools.combinations(COLOURS, 2):
-        assert np.linalg.norm(lab(one) - lab(other)) > 25.0
+        assert np.linalg.norm(lab_colour(one) - lab_colour(other)) > 25.0
 
 
 @pytest.mark.full("takes long")

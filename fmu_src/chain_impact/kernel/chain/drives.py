@@ -8,7 +8,7 @@ inertia. The force or torque of a drive is
 
 u is the force or torque of the motor, c the damping and k the stiffness. If ψ_t and ψ̇_t are inputs, called
 targets, the drive follows them; otherwise ψ_t is the position at which the spring has no force, and ψ̇_t is
-0. F may have a limit. A drive with a limit has a mode, which changes only at events and re-initializations
+0. F may have a limit. A drive with a limit has a mode, which changes only at events and restarts
 (events/saturation.py). In mode 0 the drive has the force F of the formula, in mode 1 or −1 the positive or
 the negative limit in place of F. The rotor of a joint's drive has the armature I_a, the rotor's inertia
 reflected through the gear, so the drive transmits F − I_a ψ̈ to the link. A slider's drive has no rotor.

@@ -4,7 +4,7 @@ A revolute joint without a rotor transmits a force and, apart from its known tor
 of the chain at a joint therefore needs the force ``A a + b`` for an acceleration ``a`` of that joint: ``A``
 is a symmetric 2×2 articulated inertia, ``b`` collects the terms of ω², gravity, torques and contact forces.
 Appell's equation for α_i, ∂Z/∂α_i = 0 with the Gibbs function Z (docs/computation.md), eliminates α_i. For
-chains with armatures, see ``solve_accelerations_with_armatures`` in rows/compliance.py.
+chains with armatures, see ``solve_accelerations_with_armatures`` in constraints/compliance.py.
 
 A free chain has two free ends. The elimination goes from both ends toward the middle joint, where two
 equations remain. The accelerations are then computed from the middle outward. The two arms of the chain are

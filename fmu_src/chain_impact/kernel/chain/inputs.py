@@ -26,7 +26,7 @@ from chain_impact.kernel.record.input_fields import CHANNEL, TARGET, input_field
 from chain_impact.kernel.record.state import time_at
 from chain_impact.kernel.status import OK, WALL_JUMPS, refuse_candidate
 
-# values of given.pending beside 0. REINITIALIZE: values were set, so the solver re-initializes; CONTINUES:
+# values of given.pending beside 0. REINITIALIZE: values were set, so the solver restarts; CONTINUES:
 # the next piece of the inputs continues the piece in use without a jump
 REINITIALIZE, CONTINUES = 1, 2
 # Velocities v and v′, given at the start and the end of a time T, explain a given displacement if a velocity
@@ -160,7 +160,7 @@ def evaluate_polynomial(powers, degree, i, x):
 
 
 def inputs_continue(d):
-    """Return whether the next step can begin with the next piece of the inputs, without re-initialization.
+    """Return whether the next step can begin with the next piece of the inputs, without a restart.
 
     The result is True if only this piece has been set, if this piece continues the present one without a
     jump, and if the last step ends at the communication point.
@@ -170,7 +170,7 @@ def inputs_continue(d):
     )
 
 
-def limit_to_piece(d, h):
+def limit_to_input_piece(d, h):
     """Return a size ≤ h with which the next step does not pass the end of the present piece of the inputs.
 
     The step ends at the piece's end or well before (``limit_to_time``). If the step is through a regularized

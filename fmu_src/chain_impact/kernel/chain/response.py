@@ -164,8 +164,8 @@ def copy_factors(d, coupled):
 
     So ``solve_response`` can use the factors without a new factorization. ``coupled`` tells whether joints
     may transmit moments, as for ``factorize_matrix``. In a chain with armatures,
-    ``solve_accelerations_with_armatures`` in rows/compliance.py has set this slot, so the function does
-    nothing.
+    ``solve_accelerations_with_armatures`` in constraints/compliance.py has set this slot, so the function
+    does nothing.
     """
     if d.chain.has_armatures:
         return

@@ -8,6 +8,7 @@ of width w, g lies below its chord by at most A w²/8. An interval in which g ma
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.prescribed_motion import move_channels
+from chain_impact.kernel.constraints.geometry import ALLOWED_OVERLAP, base_clearance, faces_base
 from chain_impact.kernel.cost import count_other_cost, is_cost_exceeded
 from chain_impact.kernel.events.crossing import prescribed_bounds
 from chain_impact.kernel.events.marks import drop_events
@@ -15,7 +16,6 @@ from chain_impact.kernel.mathematics.root_search import MOST_GUESSES
 from chain_impact.kernel.ode.dense import fraction_at_time
 from chain_impact.kernel.ode.last_step import ensure_dense, truncate_step
 from chain_impact.kernel.record.constants import SOLVER_READER
-from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP, base_clearance, faces_base
 from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, refuse_base
 
 

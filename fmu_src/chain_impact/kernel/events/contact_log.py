@@ -4,9 +4,16 @@ import math
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints.geometry import (
+    clearance_acceleration,
+    clearance_and_rate,
+    is_at_joint_stop,
+    lever_of_candidate,
+)
+from chain_impact.kernel.constraints.impulses import any_point_held
 from chain_impact.kernel.cost import count_evaluations, read_cost_counts, restore_cost_counts
 from chain_impact.kernel.equations import rate_from_state
-from chain_impact.kernel.events.marks import drop_changes, mark_contact_event
+from chain_impact.kernel.events.marks import drop_mode_marks, mark_contact_event
 from chain_impact.kernel.forces.active_contacts import (
     contact_force,
     contact_slopes,
@@ -20,7 +27,7 @@ from chain_impact.kernel.ode.dense import (
     fraction_at_time,
     interpolate_state,
 )
-from chain_impact.kernel.ode.folds import refine_rate
+from chain_impact.kernel.ode.folds import correct_near_fold
 from chain_impact.kernel.ode.last_step import (
     ensure_dense,
     ensure_points,
@@ -29,13 +36,6 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.ode.maximum import maximum_of
 from chain_impact.kernel.record.constants import KINK, NO_EVENT, ONSET, OUTPUT_READER, SOLVER_READER
-from chain_impact.kernel.rows.constraints import any_point_held
-from chain_impact.kernel.rows.geometry import (
-    clearance_acceleration,
-    clearance_and_rate,
-    is_at_joint_stop,
-    lever_of_candidate,
-)
 from chain_impact.kernel.transmitted_forces import raise_joint_force_peaks
 
 # number of samples of a constraint force over a step; the two ends of the step are among the samples
@@ -120,7 +120,7 @@ def update_held_extremes(d):
         theta = first + length * j / (HELD_SAMPLES - 1)
         interpolate_state(step, theta, d.scratch.state)
         rate_from_state(d, d.scratch.state, d.scratch.rate)
-        refine_rate(d, theta, d.scratch.state, d.scratch.rate)
+        correct_near_fold(d, theta, d.scratch.state, d.scratch.rate)
         for k in range(d.contacts.compliant_count, d.contacts.active_count):
             c = d.contacts.active_index[k]
             left, top, right = samples[0, k], samples[1, k], d.constraints.impulse[k]
@@ -165,7 +165,7 @@ def end_at_communication_point(d):
         if not (ends_here and d.contacts.event[c] == ONSET):
             mark_contact_event(d, c, NO_EVENT)
     if not ends_here:
-        drop_changes(d)
+        drop_mode_marks(d)
 
 
 def list_latest(d):

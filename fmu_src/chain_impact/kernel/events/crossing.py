@@ -18,6 +18,7 @@ import math
 from chain_impact.kernel.chain import prescribed_motion
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.sites import site_of_point
+from chain_impact.kernel.constraints.geometry import is_at_joint_stop, is_at_wall, normal_row
 from chain_impact.kernel.cost import count_other_cost, is_cost_exceeded
 from chain_impact.kernel.events.exclusion import begin_next_interval, set_clearance, sundman_u_now
 from chain_impact.kernel.events.marks import mark_contact_event
@@ -34,7 +35,6 @@ from chain_impact.kernel.record.constants import (
 )
 from chain_impact.kernel.record.method import was_implicit
 from chain_impact.kernel.record.state import omega_at, sundman_u_at, velocity_at
-from chain_impact.kernel.rows.geometry import is_at_joint_stop, is_at_wall, normal_row
 
 FINEST_RESOLUTION = 1e-15  # the finest resolution of ``make_passage_search``, as a fraction of a step
 

@@ -10,12 +10,12 @@ import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.prescribed_motion import fastest_wall, travel_of_piece
+from chain_impact.kernel.constraints.geometry import clearance_acceleration, clearance_and_rate, length_bound
 from chain_impact.kernel.ode.last_step import ensure_points, largest_turn
 from chain_impact.kernel.ode.sundman import root_curvature, root_rate, time_rate_at
 from chain_impact.kernel.ode.sundman_rate import regularized_time_rate_change
 from chain_impact.kernel.record.constants import CURVATURES_KNOWN, DISTANCE_KNOWN, NO_CONTACT, NOTHING_KNOWN
 from chain_impact.kernel.record.state import sundman_u_at
-from chain_impact.kernel.rows.geometry import clearance_acceleration, clearance_and_rate, length_bound
 
 # [rad] If a link turns, or the phase of an input advances, by SMALL_TURN or more in an explicit step, the
 # estimate of the interpolant's error is not valid, and the step is searched for events.

@@ -12,15 +12,18 @@ place of µ_s F_n. Motion, rest and t·a at a wall are relative to the wall's be
 rest are found by pivoting, as in ``solve_lcp``. In each pivot all elements that violate the condition of
 their mode change their modes, and all other elements keep their modes. The pivots end when no element
 violates its condition. If the number of violations stops falling before, the modes follow from forces within
-the limits of friction (rows/friction_limits.py); such forces always exist.
+the limits of friction (constraints/friction_limits.py); such forces always exist.
 """
 
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest_component, locate_points
+from chain_impact.kernel.constraints.complementarity import MAX_STALLED_PIVOTS, count_stalls
+from chain_impact.kernel.constraints.friction_limits import find_limited_forces
+from chain_impact.kernel.constraints.geometry import has_sticking, tangential_acceleration, tangential_rate
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_points
-from chain_impact.kernel.events.marks import drop_changes
+from chain_impact.kernel.events.marks import drop_mode_marks
 from chain_impact.kernel.events.mode_changes import friction_round_off, rest_speed
 from chain_impact.kernel.events.onset_modes import begins_now, decide_onsets
 from chain_impact.kernel.forces.friction import (
@@ -37,9 +40,6 @@ from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.ode.last_step import reset_step
 from chain_impact.kernel.record.constants import NO_FRICTION, SLIDING_ENDS, STICKING_ENDS, STICKS
-from chain_impact.kernel.rows.complementarity import MAX_STALLED_PIVOTS, count_stalls
-from chain_impact.kernel.rows.friction_limits import find_limited_forces
-from chain_impact.kernel.rows.geometry import has_sticking, tangential_acceleration, tangential_rate
 
 # For an element at rest with the mode "slides": the acceleration against the direction of sliding that counts
 # as an error, relative to the sum of the largest acceleration, gravity and the longest link per second
@@ -63,29 +63,31 @@ def choose_friction_modes(d, speeds_may_jump):
     """
     friction = d.friction
     list_friction(d)
-    for e in range(d.elements):
-        d.element.mode_before[e] = NO_FRICTION if begins_now(d, e) else d.element.mode[e]
+    for e in range(d.friction_elements):
+        d.friction_element.mode_before[e] = NO_FRICTION if begins_now(d, e) else d.friction_element.mode[e]
         set_friction_mode(d, e, NO_FRICTION)
-    for i in range(friction.count):
-        set_friction_mode(d, d.element.index[i], first_mode(d, d.element.index[i], speeds_may_jump))
-    drop_changes(d)
+    for i in range(friction.active_count):
+        set_friction_mode(
+            d, d.friction_element.index[i], first_mode(d, d.friction_element.index[i], speeds_may_jump)
+        )
+    drop_mode_marks(d)
     decide_onsets(d)
     make_modes_consistent(d)
     clear_other_forces(d)
     for i in range(friction.stuck_count):
-        e = d.element.stuck_index[i]
-        if speeds_may_jump or d.element.mode_before[e] != STICKS:
+        e = d.friction_element.stuck_index[i]
+        if speeds_may_jump or d.friction_element.mode_before[e] != STICKS:
             set_element_anchor(d, e)
     log_changes(d)
-    for i in range(friction.count):
-        set_slack(d, d.element.index[i])
+    for i in range(friction.active_count):
+        set_slack(d, d.friction_element.index[i])
     if has_sticking(d):
         project_state(d, d.step.state_end)
-    for i in range(friction.count):
-        widen_slack(d, d.element.index[i])
+    for i in range(friction.active_count):
+        widen_slack(d, d.friction_element.index[i])
 
 
-def reinit_friction_modes(d, speeds_may_jump):
+def restart_friction_modes(d, speeds_may_jump):
     """Choose the modes anew (``choose_friction_modes``), after parameters, inputs or the state have been set.
 
     If the scene neither has dry friction nor had any until now, no modes are chosen; else the last step is
@@ -96,7 +98,7 @@ def reinit_friction_modes(d, speeds_may_jump):
         speeds_may_jump: whether speeds may have jumped, as for ``choose_friction_modes``.
     """
     set_friction_used(d)
-    if d.friction.used or d.friction.count > 0:
+    if d.friction.is_present or d.friction.active_count > 0:
         locate_points(d, d.step.state_end)
         choose_friction_modes(d, speeds_may_jump)
         reset_step(d, d.step.end, d.step.state_end)
@@ -105,69 +107,75 @@ def reinit_friction_modes(d, speeds_may_jump):
 def set_slack(d, e):
     """Set the slack of element e: the speed [m/s] against the direction of sliding that counts as an error.
 
-    If e is undecided (``first_mode``), and its mode is the mode before or is inconsistent
+    If forces decide e (``first_mode``), and its mode is the mode before or is inconsistent
     (``is_inconsistent``), the slack is the tolerance times the longest link per second. In any other case the
     slack is 0.
     """
-    unchanged = is_inconsistent(d, e) or d.element.mode[e] == d.element.mode_before[e]
-    d.element.slack[e] = (
-        d.solver.tolerance * d.chain.longest_link if unchanged and d.element.undecided[e] else 0.0
+    unchanged = is_inconsistent(d, e) or d.friction_element.mode[e] == d.friction_element.mode_before[e]
+    d.friction_element.slack[e] = (
+        d.solver.tolerance * d.chain.longest_link
+        if unchanged and d.friction_element.decided_by_forces[e]
+        else 0.0
     )
 
 
 def widen_slack(d, e):
-    """Widen the slack of an undecided element e to twice the speed of e against the direction of sliding.
+    """Widen the slack of e, if forces decide its mode, to twice its speed against the direction of sliding.
 
     A slack that is already larger is unchanged. The exact speed of e is zero; the computed speed is an error.
     """
-    backward = -d.element.mode[e] * tangential_rate(d, e)
-    if d.element.undecided[e]:
-        d.element.slack[e] = max(d.element.slack[e], 2.0 * backward)
+    backward = -d.friction_element.mode[e] * tangential_rate(d, e)
+    if d.friction_element.decided_by_forces[e]:
+        d.friction_element.slack[e] = max(d.friction_element.slack[e], 2.0 * backward)
 
 
 def first_mode(d, e, speeds_may_jump):
-    """Return a first mode of element e; mark e as undecided if e is at rest or its sticking ends.
+    """Return a first mode of element e; forces decide later if e is at rest or its sticking ends.
 
     At rest means that the speed is 0 up to a tolerance. The mode of a moving element is the sign of the
     motion. An element at rest keeps its mode, but sticks if its sliding ends or its contact begins. An
     element whose sticking ends slides against the friction force. ``make_modes_consistent`` may change the
-    mode of an undecided element. ``speeds_may_jump``: whether speeds may have jumped.
+    mode of an element that forces decide. ``speeds_may_jump``: whether speeds may have jumped.
     """
     speed = tangential_rate(d, e)
-    mode_before, event = d.element.mode_before[e], d.element.event[e]
-    d.element.undecided[e] = 1
+    mode_before, event = d.friction_element.mode_before[e], d.friction_element.event[e]
+    d.friction_element.decided_by_forces[e] = 1
     if event == STICKING_ENDS:
-        return sliding_sign(d.element.force[e])
+        return sliding_sign(d.friction_element.force[e])
     is_at_rest = event == SLIDING_ENDS or (mode_before == STICKS and not speeds_may_jump)
     if is_at_rest and abs(speed) <= SPEED_ERROR_AT_REST * d.chain.longest_link:
         return STICKS
     # an element that has been sliding counts as at rest up to its slack: a speed below the slack may be an
     # error
     slides = abs(mode_before) == 1 and not speeds_may_jump
-    if abs(speed) > rest_speed(d) + (d.element.slack[e] if slides else 0.0):
-        d.element.undecided[e] = 0
+    if abs(speed) > rest_speed(d) + (d.friction_element.slack[e] if slides else 0.0):
+        d.friction_element.decided_by_forces[e] = 0
         return sliding_sign(-speed)
     return STICKS if mode_before == NO_FRICTION else mode_before
 
 
 @has_dual_rule
 def make_modes_consistent(d):
-    """Change the modes of undecided elements until all modes are consistent with forces and accelerations.
+    """Change the modes that forces decide until all are consistent with forces and accelerations.
 
     If the number of inconsistent modes stops falling before, the modes are chosen from forces within the
     limits of friction.
     """
-    fewest, stalls_left = d.friction.count + 1, MAX_STALLED_PIVOTS
+    fewest, stalls_left = d.friction.active_count + 1, MAX_STALLED_PIVOTS
     while stalls_left >= 0:
         inconsistent_count = count_inconsistent_now(d)
         if inconsistent_count == 0:
             return
         fewest, stalls_left = count_stalls(inconsistent_count, fewest, stalls_left)
-        for i in range(d.friction.count):
-            e = d.element.index[i]
+        for i in range(d.friction.active_count):
+            e = d.friction_element.index[i]
             if is_inconsistent(d, e):
                 set_friction_mode(
-                    d, e, sliding_sign(d.element.force[e]) if d.element.mode[e] == STICKS else STICKS
+                    d,
+                    e,
+                    sliding_sign(d.friction_element.force[e])
+                    if d.friction_element.mode[e] == STICKS
+                    else STICKS,
                 )
     choose_by_limits(d)
 
@@ -183,23 +191,23 @@ def count_inconsistent_now(d):
 
 
 def choose_by_limits(d):
-    """Let undecided elements stick, except those whose forces reach their limits (rows/friction_limits.py).
+    """Let elements at rest stick, except those whose forces reach limits (constraints/friction_limits.py).
 
     An element whose force is at its limit gets the mode "slides", even if the forces of other elements hold
     this element.
     """
-    for i in range(d.friction.count):
-        if d.element.undecided[d.element.index[i]]:
-            set_friction_mode(d, d.element.index[i], STICKS)
+    for i in range(d.friction.active_count):
+        if d.friction_element.decided_by_forces[d.friction_element.index[i]]:
+            set_friction_mode(d, d.friction_element.index[i], STICKS)
     while count_inconsistent_now(d) > 0 and any_force_over_limit(d):
         find_limited_forces(d)
         slide_at_limits(d)
 
 
 def any_force_over_limit(d):
-    """Return whether any undecided element sticks with a force that exceeds its limit, beyond round-off."""
+    """Return whether any mode that forces decide sticks with a force above its limit, beyond round-off."""
     for i in range(d.friction.stuck_count):
-        if is_inconsistent(d, d.element.stuck_index[i]):
+        if is_inconsistent(d, d.friction_element.stuck_index[i]):
             return True
     return False
 
@@ -212,32 +220,34 @@ def slide_at_limits(d):
     """
     all_stick, element, largest_excess = True, -1, -math.inf
     for i in range(d.friction.stuck_count):
-        e = d.element.stuck_index[i]
-        excess = abs(d.element.force[e]) - d.element.friction_limit[e]
+        e = d.friction_element.stuck_index[i]
+        excess = abs(d.friction_element.force[e]) - d.friction_element.friction_limit[e]
         if d.limited_forces.at_limit[i] != 0:
             set_friction_mode(d, e, sliding_sign(float(d.limited_forces.at_limit[i])))
             all_stick = False
         elif is_inconsistent(d, e) and excess > largest_excess:
             element, largest_excess = e, excess
     if all_stick:
-        set_friction_mode(d, element, sliding_sign(d.element.force[element]))
+        set_friction_mode(d, element, sliding_sign(d.friction_element.force[element]))
 
 
 def count_inconsistent(d):
     """Return the number of elements with friction for which ``is_inconsistent`` is true."""
     inconsistent_count = 0
-    for i in range(d.friction.count):
-        inconsistent_count += is_inconsistent(d, d.element.index[i])
+    for i in range(d.friction.active_count):
+        inconsistent_count += is_inconsistent(d, d.friction_element.index[i])
     return inconsistent_count
 
 
 def is_inconsistent(d, e):
-    """Return whether e is undecided and its mode contradicts the present forces and accelerations."""
-    if not d.element.undecided[e]:
+    """Return whether forces decide e, and its mode contradicts the present forces and accelerations."""
+    if not d.friction_element.decided_by_forces[e]:
         return False
-    if d.element.mode[e] == STICKS:
-        return abs(d.element.force[e]) > d.element.friction_limit[e] + 0.5 * friction_round_off(d, e)
-    acceleration = d.element.mode[e] * tangential_acceleration(d, e)
+    if d.friction_element.mode[e] == STICKS:
+        return abs(d.friction_element.force[e]) > (
+            d.friction_element.friction_limit[e] + 0.5 * friction_round_off(d, e)
+        )
+    acceleration = d.friction_element.mode[e] * tangential_acceleration(d, e)
     return acceleration < -acceleration_error(d)
 
 
@@ -249,7 +259,7 @@ def acceleration_error(d):
     """
     residual = 0.0
     for i in range(d.friction.stuck_count):
-        residual = max(residual, abs(tangential_acceleration(d, d.element.stuck_index[i])))
+        residual = max(residual, abs(tangential_acceleration(d, d.friction_element.stuck_index[i])))
     return (
         ACCELERATION_ERROR
         * (largest_component(d, d.scratch.acceleration) + d.chain.gravity_magnitude + d.chain.longest_link)
@@ -265,11 +275,11 @@ def clear_changes(d):
 def log_changes(d):
     """Log the changes of friction modes at the last step's end; a full log loses its oldest entries."""
     log = d.friction_changes
-    for e in range(d.elements):
-        if d.element.mode[e] != d.element.mode_before[e]:
+    for e in range(d.friction_elements):
+        if d.friction_element.mode[e] != d.friction_element.mode_before[e]:
             row = log.count % len(log.time)
             joint = e >= d.candidates
-            log.time[row], log.mode[row] = d.step.end, d.element.mode[e]
+            log.time[row], log.mode[row] = d.step.end, d.friction_element.mode[e]
             log.point[row] = joint_number(d, e) if joint else d.candidate.point[e]
             log.wall[row] = -1 if joint else d.candidate.wall[e]
             log.count += 1

@@ -2,25 +2,27 @@
 
 The events ONSET and CONTACT_ENDS are zeros of a clearance or a penetration. The search for such zeros uses
 bounds (crossing.py). All other events of contacts, friction and drives are found by samples of a step,
-because locating them late does little harm; sampled.py lists them. The points must be located when a handler
-applies an event. ``handle_impact`` handles all simultaneous events at rigid walls together (impacts.py). If
-a point arrives at a rigid wall, a contact with a force law that begins at the same time begins after the
-impulses.
+because locating them late does little harm; force_events.py lists them. The points must be located when a
+handler applies an event. ``handle_impact`` handles all simultaneous events at rigid walls together
+(impacts.py). If a point arrives at a rigid wall, a contact with a force law that begins at the same time
+begins after the impulses.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints.geometry import clearance_and_rate
+from chain_impact.kernel.constraints.impulses import any_point_held
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.events.friction_modes import choose_friction_modes, reinit_friction_modes
+from chain_impact.kernel.events.friction_modes import choose_friction_modes, restart_friction_modes
 from chain_impact.kernel.events.impacts import (
     end_changed_contacts,
     handle_impact,
     has_rigid_onset,
     update_active_set,
 )
-from chain_impact.kernel.events.marks import count_pending_changes, mark_contact_event
+from chain_impact.kernel.events.marks import count_mode_changes, mark_contact_event
 from chain_impact.kernel.events.saturation import choose_saturation
 from chain_impact.kernel.forces.active_contacts import (
     begin_force_contact,
@@ -44,8 +46,6 @@ from chain_impact.kernel.record.constants import (
     RELATCH,
 )
 from chain_impact.kernel.record.method import is_implicit
-from chain_impact.kernel.rows.constraints import any_point_held
-from chain_impact.kernel.rows.geometry import clearance_and_rate
 
 # A contact ends already before its point is outside, if the point needs at most LEAVING_TIME times the
 # contact's time scale to get out. Otherwise an impact would take one step more: a tenth of the impact's cost,
@@ -100,11 +100,11 @@ def apply_events(d):
     contacts, onset, may_have_jumped = d.contacts, -1, False
     # whether the proposed step size stays valid if a contact lasts and none begins: after the end of a
     # friction or drive mode and, in the loop below, after a kink or a relatch
-    keeps_size = count_pending_changes(d) + d.drive.mode_ends > 0
+    keeps_size = count_mode_changes(d) + d.drive.mode_change_pending > 0
     # ``rigid``: a rigid wall holds a point or has an event; ``rigid_impact``: a point hits a rigid wall
     rigid, rigid_impact = any_point_held(d), has_rigid_onset(d)
     locate_points(d, d.step.state_end)
-    if d.friction.count > 0:
+    if d.friction.active_count > 0:
         # The forces decide whether elements stick. All forces are computed again for the end of the step,
         # because the stored forces may belong to another time, at which outputs were computed.
         rate_from_points(d, d.step.state_end, d.scratch.rate)
@@ -130,7 +130,7 @@ def apply_events(d):
         onset = begun if begun >= 0 else onset
     list_active_contacts(d)
     choose_saturation(d)
-    if d.friction.used:
+    if d.friction.is_present:
         choose_friction_modes(d, False)
     if rigid and contacts.compliant_count == 0:
         if had_forces:
@@ -140,13 +140,13 @@ def apply_events(d):
         begin_flight(d)
     else:
         choose_next_size(d, onset, keeps_size)
-    has_modes = d.friction.used != 0 or d.chain.has_drive_limits != 0
+    has_modes = d.friction.is_present != 0 or d.chain.has_drive_limits != 0
     if has_modes:
         expect_peaks(d)
     return may_have_jumped or rigid or has_modes
 
 
-def reinit_contacts_and_modes(d, speeds_may_jump):
+def restart_contacts_and_modes(d, speeds_may_jump):
     """Choose again what laws and inputs decide, because laws or inputs may have changed.
 
     Chosen are the contacts with rigid walls that go on, the modes of drives and of friction, and the sides of
@@ -155,7 +155,7 @@ def reinit_contacts_and_modes(d, speeds_may_jump):
     """
     recompute_active_set(d)
     choose_saturation(d)
-    reinit_friction_modes(d, speeds_may_jump)
+    restart_friction_modes(d, speeds_may_jump)
     set_kink_sides(d)
     expect_peaks(d)
 
@@ -193,7 +193,7 @@ def choose_next_size(d, onset, keeps_size):
     if onset >= 0:
         begin_impact(d, onset)
         if not is_implicit(d) and d.contacts.active_count > 1:
-            control.limit_next_size(d, control.size_at_onset_beside(d, onset))
+            control.limit_next_size(d, control.size_at_second_onset(d, onset))
 
 
 def force_has_kink(d):

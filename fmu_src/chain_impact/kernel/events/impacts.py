@@ -27,6 +27,23 @@ import math
 
 from chain_impact.kernel.chain.kinematics import locate_points, locate_points_now
 from chain_impact.kernel.chain.response import copy_factors
+from chain_impact.kernel.constraints.complementarity import solve_lcp
+from chain_impact.kernel.constraints.compliance import are_joints_loaded, mean_mass
+from chain_impact.kernel.constraints.geometry import (
+    clearance_and_rate,
+    coordinate_sum,
+    is_at_joint_stop,
+    largest_coordinate,
+    largest_velocity,
+)
+from chain_impact.kernel.constraints.impulses import (
+    SIGN_TOLERANCE,
+    activate_all,
+    add_to_active_set,
+    any_point_held,
+    factorize_free,
+    remove_from_active_set,
+)
 from chain_impact.kernel.equations import free_rate_from_inputs
 from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.friction_modes import choose_friction_modes
@@ -55,23 +72,6 @@ from chain_impact.kernel.ode.dense import add_impulses_of_impact
 from chain_impact.kernel.ode.last_step import count_dissipated, count_supplied
 from chain_impact.kernel.record.constants import NEIGHBOUR, ONSET, RELEASE
 from chain_impact.kernel.record.state import velocity_at
-from chain_impact.kernel.rows.complementarity import solve_lcp
-from chain_impact.kernel.rows.compliance import are_joints_loaded, mean_mass
-from chain_impact.kernel.rows.constraints import (
-    SIGN_TOLERANCE,
-    activate_all,
-    add_to_active_set,
-    any_point_held,
-    factorize_free,
-    remove_from_active_set,
-)
-from chain_impact.kernel.rows.geometry import (
-    clearance_and_rate,
-    coordinate_sum,
-    is_at_joint_stop,
-    largest_coordinate,
-    largest_velocity,
-)
 
 # A point rebounds only with a speed above LEAST_REBOUND_SPEED times the minimum impact speed of the contact's
 # law; a slower point does not separate. Otherwise a point whose bounces get slower and slower would bounce
@@ -117,11 +117,11 @@ def handle_impact(d):
             suspend_sticking(d)
         apply_impulses(d)
         end_rebounding_contacts(d)
-        if d.friction.used:
+        if d.friction.is_present:
             stop_held_points(d, impact_is_gentle)
         set_rates_after_impulses(d)
         onset = begin_late_contacts(d)
-        if d.friction.used:
+        if d.friction.is_present:
             choose_friction_modes(d, True)
     update_active_set(d)
     clear_loads(d)
@@ -285,7 +285,7 @@ def is_gentle(d):
             energy += 0.5 * d.contacts.effective_mass[c] * speed * speed
             distance = max(distance, NEAR_WALL_CLEARANCE * release_clearance(d, c, position_scale))
     for i in range(d.friction.stuck_count):
-        force += d.element.friction_limit[d.element.stuck_index[i]]
+        force += d.friction_element.friction_limit[d.friction_element.stuck_index[i]]
     return are_slow or energy <= force * distance
 
 
@@ -370,8 +370,8 @@ def release_contacts(d):
         suspend_sticking(d)
         solve_positions(d)
         add_change(d, d.step.state_end, 0)
-        if d.friction.used:
+        if d.friction.is_present:
             locate_points(d, d.step.state_end)
             list_sticking(d)
             for i in range(d.friction.stuck_count):
-                set_element_anchor(d, d.element.stuck_index[i])
+                set_element_anchor(d, d.friction_element.stuck_index[i])

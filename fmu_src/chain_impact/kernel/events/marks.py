@@ -2,7 +2,7 @@
 
 Only this module sets the marks. A mark stays until the next step applies the event (handlers.py,
 friction_modes.py, saturation.py), or until the last step is rejected or cut before the event. handlers.py and
-sampled.py describe the kinds of events.
+force_events.py describe the kinds of events.
 """
 
 from chain_impact.kernel.record.constants import NO_EVENT, ONSET
@@ -13,15 +13,15 @@ def mark_contact_event(d, c, kind):
     d.contacts.event[c] = kind
 
 
-def mark_change(d, e, kind):
+def mark_mode_change(d, e, kind):
     """Mark element e with a ``kind`` of change of the friction mode: see record/constants.py."""
-    d.element.event[e] = kind
+    d.friction_element.event[e] = kind
 
 
 def drop_events(d):
     """Remove all marks of the last step: of contacts, friction modes and drives."""
     drop_contact_events(d)
-    drop_changes(d)
+    drop_mode_marks(d)
 
 
 def drop_contact_events(d):
@@ -30,28 +30,28 @@ def drop_contact_events(d):
         d.contacts.event[c] = NO_EVENT
 
 
-def drop_changes(d):
+def drop_mode_marks(d):
     """Remove the marks of mode changes, of dry friction and of drives, in the last step."""
-    for e in range(d.elements):
-        d.element.event[e] = 0
+    for e in range(d.friction_elements):
+        d.friction_element.event[e] = 0
     mark_saturation(d, 0)
 
 
-def mark_saturation(d, mode_ends):
-    """Set the one mark of all drives: ``mode_ends`` is 1 if the mode of any drive ends, else 0.
+def mark_saturation(d, mode_change_pending):
+    """Set the one mark of all drives: ``mode_change_pending`` is 1 if the mode of any drive ends, else 0.
 
     With the mark 1, the modes of all drives are chosen again at the start of the next step.
     """
-    d.drive.mode_ends = mode_ends
+    d.drive.mode_change_pending = mode_change_pending
 
 
 def copy_marks(d, t):
     """Copy the marks of the primal instance d to the tangent instance t."""
     for c in range(d.candidates):
         t.contacts.event[c] = d.contacts.event[c]
-    for e in range(d.elements):
-        t.element.event[e] = d.element.event[e]
-    t.drive.mode_ends = d.drive.mode_ends
+    for e in range(d.friction_elements):
+        t.friction_element.event[e] = d.friction_element.event[e]
+    t.drive.mode_change_pending = d.drive.mode_change_pending
 
 
 def ends_in_onset(d):
@@ -62,9 +62,9 @@ def ends_in_onset(d):
     return False
 
 
-def count_pending_changes(d):
+def count_mode_changes(d):
     """Return the number of elements that are marked with an end of their friction mode."""
     changes = 0
-    for i in range(d.friction.count):
-        changes += d.element.event[d.element.index[i]] != 0
+    for i in range(d.friction.active_count):
+        changes += d.friction_element.event[d.friction_element.index[i]] != 0
     return changes

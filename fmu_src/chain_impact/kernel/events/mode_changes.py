@@ -1,18 +1,18 @@
-"""The search of a step for changes of the modes of dry friction, by samples (sampled.py).
+"""The search of a step for changes of the modes of dry friction, by samples (force_events.py).
 
 An element that slides stops where its speed in the direction of sliding falls below zero. An element that
 sticks begins to slide where the friction force exceeds its limit.
 """
 
+from chain_impact.kernel.constraints.compliance import mean_mass
+from chain_impact.kernel.constraints.geometry import tangential_rate
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.events.crossing import locate_at_fraction
-from chain_impact.kernel.events.marks import mark_change
-from chain_impact.kernel.events.sampled import choose_search, make_search, turn_sample_count
+from chain_impact.kernel.events.force_events import choose_search, make_search, turn_sample_count
+from chain_impact.kernel.events.marks import mark_mode_change
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.record.constants import SLIDING_ENDS, STICKING_ENDS, STICKS
-from chain_impact.kernel.rows.compliance import mean_mass
-from chain_impact.kernel.rows.geometry import tangential_rate
 
 # the largest tangential speed that counts as rest, relative to one longest link per second
 REST_SPEED = 1e-12
@@ -20,12 +20,12 @@ REST_SPEED = 1e-12
 # plus the mean mass of a link times the sum of gravity and the longest link per s².
 FRICTION_EXCESS = 1e-10
 
-ELEMENT_MEMBERS = (lambda d: d.friction.count, lambda d, k: d.element.index[k])
+FRICTION_ELEMENT_MEMBERS = (lambda d: d.friction.active_count, lambda d, k: d.friction_element.index[k])
 
 
 def mode_may_end(d, e):
     """Return whether the margin of e's mode was below −``element_error`` at a stage of the last step."""
-    return d.element.margin[e] < -element_error(d, e)
+    return d.friction_element.margin[e] < -element_error(d, e)
 
 
 def mark_changes(d, element, theta):
@@ -35,16 +35,16 @@ def mark_changes(d, element, theta):
     sign: an element that sticks from θ on may hold it. Otherwise round-off would decide which elements of a
     body that stops slide on at zero speed, with forces at their limits.
     """
-    for i in range(d.friction.count):
-        e = d.element.index[i]
+    for i in range(d.friction.active_count):
+        e = d.friction_element.index[i]
         if e == element or element_margin(d, e, theta) < 0.0 or comes_to_rest(d, e, theta):
-            mark_change(d, e, STICKING_ENDS if d.element.mode[e] == STICKS else SLIDING_ENDS)
+            mark_mode_change(d, e, STICKING_ENDS if d.friction_element.mode[e] == STICKS else SLIDING_ENDS)
     locate_at_fraction(d, theta)
 
 
 def comes_to_rest(d, e, theta):
     """Return whether e slides at the start of the last step, and is at rest at θ of this step."""
-    return d.element.mode[e] != STICKS and is_at_rest(d, e, theta) and not is_at_rest(d, e, 0.0)
+    return d.friction_element.mode[e] != STICKS and is_at_rest(d, e, theta) and not is_at_rest(d, e, 0.0)
 
 
 def is_at_rest(d, e, theta):
@@ -55,7 +55,11 @@ def is_at_rest(d, e, theta):
 
 def element_error(d, e):
     """Return the tolerated error of element e: of friction force [N] if e sticks, else of speed [m/s]."""
-    return friction_round_off(d, e) if d.element.mode[e] == STICKS else rest_speed(d) + d.element.slack[e]
+    return (
+        friction_round_off(d, e)
+        if d.friction_element.mode[e] == STICKS
+        else rest_speed(d) + d.friction_element.slack[e]
+    )
 
 
 def rest_speed(d):
@@ -66,7 +70,8 @@ def rest_speed(d):
 def friction_round_off(d, e):
     """Return the excess [N] of the friction force of element e over its limit that counts as round-off."""
     return FRICTION_EXCESS * (
-        d.element.friction_limit[e] + mean_mass(d) * (d.chain.gravity_magnitude + d.chain.longest_link)
+        d.friction_element.friction_limit[e]
+        + mean_mass(d) * (d.chain.gravity_magnitude + d.chain.longest_link)
     )
 
 
@@ -76,12 +81,12 @@ def element_margin(d, e, theta):
     The margin is the speed in the direction of sliding [m/s]; if e sticks, the limit minus |friction| [N].
     """
     locate_at_fraction(d, theta)
-    if d.element.mode[e] != STICKS:
-        return d.element.mode[e] * tangential_rate(d, e) + element_error(d, e)
+    if d.friction_element.mode[e] != STICKS:
+        return d.friction_element.mode[e] * tangential_rate(d, e) + element_error(d, e)
     project_state(d, d.scratch.state)
     rate_from_state(d, d.scratch.state, d.scratch.rate)
     count_evaluations(d, 1)
-    return d.element.friction_limit[e] - abs(d.element.force[e]) + element_error(d, e)
+    return d.friction_element.friction_limit[e] - abs(d.friction_element.force[e]) + element_error(d, e)
 
 
 def margin_is_halved(d):
@@ -92,9 +97,9 @@ def margin_is_halved(d):
     Without this check, steps with such false ends could follow each other without end.
     """
     is_halved = False
-    for i in range(d.friction.count):
-        e = d.element.index[i]
-        if d.element.event[e]:
+    for i in range(d.friction.active_count):
+        e = d.friction_element.index[i]
+        if d.friction_element.event[e]:
             is_halved = is_halved or element_margin(d, e, 1.0) <= 0.5 * element_margin(d, e, 0.0)
     locate_at_fraction(d, 1.0)
     return is_halved
@@ -106,6 +111,8 @@ def may_always_change(_d, _e):
 
 
 find_mode_change = choose_search(
-    make_search(element_margin, mode_may_end, mark_changes, ELEMENT_MEMBERS),
-    make_search(element_margin, may_always_change, mark_changes, ELEMENT_MEMBERS, samples=turn_sample_count),
+    make_search(element_margin, mode_may_end, mark_changes, FRICTION_ELEMENT_MEMBERS),
+    make_search(
+        element_margin, may_always_change, mark_changes, FRICTION_ELEMENT_MEMBERS, samples=turn_sample_count
+    ),
 )

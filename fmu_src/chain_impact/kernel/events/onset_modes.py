@@ -6,13 +6,13 @@ prevent sliding is proportional to F, with a factor that follows from the chain'
 T is at most µ_s F. Otherwise it slides in the direction against which T would act.
 """
 
+from chain_impact.kernel.constraints.geometry import add_along_row, clear_used_loads, normal_row
+from chain_impact.kernel.constraints.impulses import activate_all, solve_equality
 from chain_impact.kernel.cost import count_other_cost
 from chain_impact.kernel.forces.force_formula import law_force
 from chain_impact.kernel.forces.friction import list_sticking, set_friction_mode, sliding_sign
 from chain_impact.kernel.forces.holding import set_unforced_to_load_motion
 from chain_impact.kernel.record.constants import STICKS
-from chain_impact.kernel.rows.constraints import activate_all, solve_equality
-from chain_impact.kernel.rows.geometry import add_along_row, clear_used_loads, normal_row
 
 # [s] The tangential force that would prevent sliding and the limit of static friction are compared
 # COMPARISON_TIME after the onset. If several contacts begin at the same moment, the normal forces of all of
@@ -32,7 +32,7 @@ def decide_onsets(d):
     """
     friction, open_ones = d.friction, 0
     for i in range(friction.contact_count):
-        open_ones += begins_at_rest(d, d.element.index[i])
+        open_ones += begins_at_rest(d, d.friction_element.index[i])
     if open_ones == 0:
         return
     list_sticking(d)
@@ -46,7 +46,7 @@ def decide_onsets(d):
     solve_equality(d, scale)
     count_other_cost(d, 1)
     for i in range(friction.stuck_count):
-        e = d.element.stuck_index[i]
+        e = d.friction_element.stuck_index[i]
         force = d.constraints.impulse[d.contacts.active_count + i]
         if begins_at_rest(d, e) and abs(force) > d.law.static_friction[e] * force_after_onset(d, e):
             set_friction_mode(d, e, sliding_sign(force))
@@ -54,7 +54,11 @@ def decide_onsets(d):
 
 def begins_at_rest(d, e):
     """Return whether e is a contact that begins now without tangential speed, in the mode "sticks"."""
-    return begins_now(d, e) and d.element.undecided[e] != 0 and d.element.mode[e] == STICKS
+    return (
+        begins_now(d, e)
+        and d.friction_element.decided_by_forces[e] != 0
+        and d.friction_element.mode[e] == STICKS
+    )
 
 
 def force_after_onset(d, c):

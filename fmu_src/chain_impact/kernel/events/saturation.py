@@ -1,6 +1,6 @@
 """The modes of drives with a limit: at the positive or negative limit, or below the limit.
 
-A mode is chosen at the start of a run, at events (sampled.py) and at re-initializations.
+A mode is chosen at the start of a run, at events (force_events.py) and at restarts.
 """
 
 from chain_impact.kernel.chain.drives import drive_count, drive_mode, unlimited_force

@@ -2,13 +2,19 @@
 
 For most steps a test of the states and rates at both ends excludes events of contacts (exclusion.py), and no
 dense output is needed. In the other steps the first crossing of a clearance is located, and then other kinds
-of events are searched for before this crossing. handlers.py and sampled.py describe the kinds of events.
+of events are searched for before this crossing. handlers.py and force_events.py describe the kinds of events.
 """
 
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.signals import rate_of_signals
+from chain_impact.kernel.constraints.geometry import (
+    clearance_acceleration,
+    clearance_and_rate,
+    coordinate_sum,
+)
+from chain_impact.kernel.constraints.impulses import any_point_held
 from chain_impact.kernel.events.crossing import (
     SIMULTANEOUS_TIME,
     bound_curvature,
@@ -23,27 +29,25 @@ from chain_impact.kernel.events.exclusion import (
     remember_clearances,
     suspect_all_candidates,
 )
-from chain_impact.kernel.events.marks import count_pending_changes, mark_contact_event
+from chain_impact.kernel.events.force_events import find_kink, find_relatch, find_release, find_saturation
+from chain_impact.kernel.events.marks import count_mode_changes, mark_contact_event
 from chain_impact.kernel.events.mode_changes import find_mode_change, margin_is_halved
-from chain_impact.kernel.events.sampled import find_kink, find_relatch, find_release, find_saturation
 from chain_impact.kernel.ode.control import is_accepted, reject_step
 from chain_impact.kernel.ode.dense import interpolate_component, interpolate_state
 from chain_impact.kernel.ode.last_step import ensure_dense
 from chain_impact.kernel.ode.sundman import time_rate_for_sizes
 from chain_impact.kernel.record.constants import (
+    CHECK_FAILED,
     CONTACT_ENDS,
     DISTANCE_KNOWN,
     NO_EVENT,
     NOTHING_KNOWN,
     ONSET,
     SOLVER_READER,
-    SPOILED,
     VALUES_KNOWN,
 )
 from chain_impact.kernel.record.method import was_implicit
 from chain_impact.kernel.record.state import time_at
-from chain_impact.kernel.rows.constraints import any_point_held
-from chain_impact.kernel.rows.geometry import clearance_acceleration, clearance_and_rate, coordinate_sum
 
 # The largest depth in the wall, relative to the longest link, at which an onset may be located. Onsets are
 # located up to round-off, about 1e-15. A deeper onset is an error of the step, and would add energy: 1e-11 J
@@ -90,19 +94,19 @@ def find_event(d):
     theta = find_crossing(d)
     if theta >= 0.0 and not is_credible_crossing(d, theta):
         if d.step.end - d.step.start > SIMULTANEOUS_TIME + TIME_RESOLUTION * abs(d.step.end):
-            reject_step(d, SPOILED)
+            reject_step(d, CHECK_FAILED)
             return -1.0
         theta = drop_separating_onsets(d, theta)
         if theta < 0.0:
             measure_clearances(d, 1.0)
-    theta = find_sampled_event(d, theta)
+    theta = find_force_event(d, theta)
     # Without an event, the stored clearances are those at the end of the step. With an event they are wrong,
     # but not used: an event breaks the sequence of steps.
     remember_clearances(d, VALUES_KNOWN)
     # The state of a regularized step contains the time since the step's start. Nothing controls the error of
     # this time within the step: an event before the start is an error of the step.
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
-        reject_step(d, SPOILED)
+        reject_step(d, CHECK_FAILED)
     return theta
 
 
@@ -110,12 +114,12 @@ def find_event_without_crossing(d):
     """Return θ of the earliest event in a step without crossings; −1 for none, or if the step is rejected."""
     if any_point_held(d):
         ensure_dense(d, SOLVER_READER)  # `update_held_extremes` needs the dense output as well
-        return find_sampled_event(d, -1.0)
-    theta = find_mode_change(d, -1.0) if d.friction.count > 0 else -1.0
+        return find_force_event(d, -1.0)
+    theta = find_mode_change(d, -1.0) if d.friction.active_count > 0 else -1.0
     return find_saturation(d, theta) if d.chain.has_drive_limits else theta
 
 
-def find_sampled_event(d, theta):
+def find_force_event(d, theta):
     """Return θ of the crossing at ``theta`` (−1: none), or of an earlier event of another kind.
 
     The result is −1 if there is no event, or if the step is rejected.
@@ -190,15 +194,15 @@ def onset_fraction(d):
     """
     if d.step.end - d.step.start <= SIMULTANEOUS_TIME + TIME_RESOLUTION * abs(d.step.end):
         return -1.0
-    if count_pending_changes(d) and not margin_is_halved(d):
-        reject_step(d, SPOILED)
+    if count_mode_changes(d) and not margin_is_halved(d):
+        reject_step(d, CHECK_FAILED)
         return -1.0
     lateness, _ = onset_lateness(d, d.step.state_end)
     if lateness == -math.inf:
         return -1.0
     theta = 1.0 - lateness
     if not abs(lateness) <= LANDING_TIME:
-        reject_step(d, SPOILED)
+        reject_step(d, CHECK_FAILED)
         return -1.0
     ensure_dense(d, SOLVER_READER)
     interpolate_state(d.step, theta, d.scratch.state)
@@ -207,7 +211,7 @@ def onset_fraction(d):
     interpolate_state(d.step, theta, d.scratch.state)
     lateness, largest_depth = onset_lateness(d, d.scratch.state)
     if not (abs(lateness) <= LANDING_TIME and largest_depth <= DEEPEST_ONSET * d.chain.longest_link):
-        reject_step(d, SPOILED)
+        reject_step(d, CHECK_FAILED)
     return theta
 
 

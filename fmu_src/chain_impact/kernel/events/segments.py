@@ -9,7 +9,7 @@ from chain_impact.kernel.chain.inputs import TIME_ROUND_OFF, ensure_inputs, limi
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import next_segment, segment_end, set_segment, signal_at
 from chain_impact.kernel.equations import energy_balance
-from chain_impact.kernel.events.handlers import reinit_contacts_and_modes
+from chain_impact.kernel.events.handlers import restart_contacts_and_modes
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.ode.dense import commit_quadratures, fraction_at_time
@@ -34,7 +34,7 @@ NO_JUMP, ACCELERATION_JUMPS, SPEED_JUMPS = 0, 1, 2
 JUMP_TOLERANCE = 1e-9
 
 
-def limit_to_segment(d, h):
+def limit_to_signal_segment(d, h):
     """Return a size ≤ h of the next step, with which it does not pass the first end of the segments in use.
 
     The step ends exactly at that time or well before it (``limit_to_time``). A step in the fictitious time of
@@ -121,7 +121,7 @@ def begin_segments(d):
             effect = max(effect, begin_segment(d, j))
             if effect != NO_JUMP and j == last_signal:
                 commit_quadratures(d)
-                reinit_contacts_and_modes(d, effect == SPEED_JUMPS)
+                restart_contacts_and_modes(d, effect == SPEED_JUMPS)
                 reset_step(d, d.step.end, d.step.state_end)
             if effect != NO_JUMP or d.channels > 0:
                 evaluate_start(d)

@@ -6,6 +6,15 @@ stop, or the angle to a joint's stop times the lever arm. The penetration is δ 
 during compression. An active candidate is in contact.
 """
 
+from chain_impact.kernel.constraints.compliance import effective_mass
+from chain_impact.kernel.constraints.geometry import (
+    add_along_row,
+    clear_used_loads,
+    clearance_and_rate,
+    is_at_joint_stop,
+    lever_of_candidate,
+    normal_row,
+)
 from chain_impact.kernel.forces.force_formula import (
     continued_force,
     force_on_side,
@@ -22,15 +31,6 @@ from chain_impact.kernel.forces.friction import (
     may_have_friction,
 )
 from chain_impact.kernel.record.operations import clear_numbers
-from chain_impact.kernel.rows.compliance import effective_mass
-from chain_impact.kernel.rows.geometry import (
-    add_along_row,
-    clear_used_loads,
-    clearance_and_rate,
-    is_at_joint_stop,
-    lever_of_candidate,
-    normal_row,
-)
 
 
 def clear_impacts(d, time):
@@ -106,7 +106,7 @@ def make_load_setter(add_force):
             c = d.contacts.active_index[k]
             clearance, clearance_rate = clearance_and_rate(d, c)
             dissipated += add_force(d, c, clearance, clearance_rate)
-        return dissipated + apply_friction(d) if d.friction.count > 0 else dissipated
+        return dissipated + apply_friction(d) if d.friction.active_count > 0 else dissipated
 
     return set_loads
 
@@ -174,7 +174,7 @@ def begin_force_contact(d, c):
     """
     latch_onset(d, c)
     set_kink_side(d, c)
-    if d.friction.used and may_have_friction(d, c):
+    if d.friction.is_present and may_have_friction(d, c):
         begin_friction(d, c)
 
 
@@ -285,7 +285,7 @@ def list_active_contacts(d):
     contacts.joint_stop_count = 0
     for k in range(contacts.active_count if d.chain.has_joint_stops else 0):
         contacts.joint_stop_count += is_at_joint_stop(d, contacts.active_index[k])
-    if d.friction.used:
+    if d.friction.is_present:
         list_friction(d)
 
 

@@ -13,6 +13,7 @@ Candidates have the same law if their parameters are given in the same place, su
 import math
 
 from chain_impact.kernel.chain.inertia import given_or_derived
+from chain_impact.kernel.constraints.geometry import is_at_joint_stop, is_at_stop
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.forces.friction import choose_wall_friction
 from chain_impact.kernel.forces.laws import (
@@ -27,7 +28,6 @@ from chain_impact.kernel.forces.laws import (
 )
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.record.operations import copy_row
-from chain_impact.kernel.rows.geometry import is_at_joint_stop, is_at_stop
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
     FRICTION_WITH_RIGID_WALLS,

@@ -9,17 +9,17 @@ The force has a kink. For a law that damps on approach only, the kink lies at δ
 lies where the cut at 0 begins or ends. A step across a kink would lose its order of accuracy. So a step uses
 the smooth formula of one side of the kink, even where the contact is on the other side;
 ``contacts.beyond_kink`` tells which formula. If the contact crosses the kink in a step, the step is repeated
-to end there (events/sampled.py). Outputs and peaks use the true force.
+to end there (events/force_events.py). Outputs and peaks use the true force.
 """
 
 import math
 
+from chain_impact.kernel.constraints.geometry import is_at_joint_stop, lever_of_candidate
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.forces.candidate_laws import USER_LAW
 from chain_impact.kernel.forces.laws import LAW_COUNT, MASS_POWERS
 from chain_impact.kernel.function_marks import has_dual_rule, inlined
 from chain_impact.kernel.mathematics.powers import power
-from chain_impact.kernel.rows.geometry import is_at_joint_stop, lever_of_candidate
 
 # The increment of the central differences for the slopes of a user's law: relative to the penetration, or for
 # its rate relative to the size of this rate plus the latched speed. The value is about the cube root of

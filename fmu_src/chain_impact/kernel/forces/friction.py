@@ -2,7 +2,7 @@
 
 An element is a candidate, a joint or the slider. At a candidate the friction force acts along the tangent
 t = (n_y, −n_x) of the wall with the normal n. Each element with friction has a mode: it slides or sticks. The
-mode changes at events and re-initializations only (events/friction_modes.py), so the equations of motion are
+mode changes at events and restarts only (events/friction_modes.py), so the equations of motion are
 smooth within a step:
 
     sliding with the sign s    F_t = −s µ F_n
@@ -17,7 +17,7 @@ contact with a force law depends on the state alone. So modes and accelerations 
 conditions above exist; for µ_s = µ the accelerations are unique.
 
 If constraints are dependent, the forces of the sticking elements are not unique. Then the solver chooses
-forces in proportion to their limits (constraints.py), or forces that do not exceed their limits
+forces in proportion to their limits (impulses.py), or forces that do not exceed their limits
 (friction_limits.py).
 
 Sources: for the law of friction, C. A. Coulomb 1785, Théorie des machines simples, Mém. Math. Phys. Acad.
@@ -26,14 +26,14 @@ Unilateral Contacts.
 """
 
 from chain_impact.kernel.chain.drives import drive_count, first_joint, lever_of_drive
-from chain_impact.kernel.record.constants import NO_FRICTION, STICKS
-from chain_impact.kernel.rows.geometry import (
+from chain_impact.kernel.constraints.geometry import (
     add_along_row,
     largest_coordinate,
     tangent_row,
     tangential_position,
     tangential_rate,
 )
+from chain_impact.kernel.record.constants import NO_FRICTION, STICKS
 
 # A distance of a sticking element from its anchor after a projection counts as round-off up to this, relative
 # to ``largest_coordinate``: the largest |x| or |y| of any place, but at least the longest link. If a larger
@@ -71,17 +71,17 @@ def joint_number(d, e):
 
 
 def set_friction_used(d):
-    """Set ``friction.used`` to 1 if any wall, joint or slider has dry friction, else 0.
+    """Set ``friction.is_present`` to 1 if any wall, joint or slider has dry friction, else 0.
 
-    If the record has no elements (room for friction), ``friction.used`` is 0.
+    If the record has no elements (room for friction), ``friction.is_present`` is 0.
     """
     has_friction = max(d.contact_settings.any_friction, d.chain.has_drive_friction)
-    d.friction.used = has_friction if d.elements > 0 else 0
+    d.friction.is_present = has_friction if d.friction_elements > 0 else 0
 
 
 def clear_friction(d):
     """Set the modes of all elements to "no friction"."""
-    for e in range(d.elements):
+    for e in range(d.friction_elements):
         set_friction_mode(d, e, NO_FRICTION)
 
 
@@ -92,7 +92,7 @@ def sliding_sign(force):
 
 def set_friction_mode(d, e, mode):
     """Set the mode of element e: STICKS, NO_FRICTION, or the sign ±1 of its sliding along t."""
-    d.element.mode[e] = mode
+    d.friction_element.mode[e] = mode
 
 
 def set_element_anchor(d, e):
@@ -100,7 +100,7 @@ def set_element_anchor(d, e):
 
     While the element sticks, it is held at its anchor. At a wall, element and anchor move with the belt.
     """
-    d.element.anchor[e] = tangential_position(d, e)
+    d.friction_element.anchor[e] = tangential_position(d, e)
 
 
 def list_friction(d):
@@ -111,18 +111,18 @@ def list_friction(d):
     limits of friction of joints and slider.
     """
     friction = d.friction
-    friction.count = 0
+    friction.active_count = 0
     for k in range(d.contacts.compliant_count):
         if may_have_friction(d, d.contacts.active_index[k]):
-            d.element.index[friction.count] = d.contacts.active_index[k]
-            friction.count += 1
-    friction.contact_count = friction.count
+            d.friction_element.index[friction.active_count] = d.contacts.active_index[k]
+            friction.active_count += 1
+    friction.contact_count = friction.active_count
     for i in range(first_joint(d), drive_count(d) if d.chain.has_drive_friction else 0):
         if d.drive.friction[i] > 0.0:
             e = d.candidates + i
-            d.element.index[friction.count] = e
-            d.element.friction_limit[e] = d.drive.friction[i] / lever_of_drive(d, i)
-            friction.count += 1
+            d.friction_element.index[friction.active_count] = e
+            d.friction_element.friction_limit[e] = d.drive.friction[i] / lever_of_drive(d, i)
+            friction.active_count += 1
     list_sticking(d)
 
 
@@ -133,10 +133,10 @@ def list_sticking(d):
     """
     friction = d.friction
     friction.stuck_count, friction.stuck_joints = 0, 0
-    for i in range(friction.count):
-        e = d.element.index[i]
-        if d.element.mode[e] == STICKS:
-            d.element.stuck_index[friction.stuck_count] = e
+    for i in range(friction.active_count):
+        e = d.friction_element.index[i]
+        if d.friction_element.mode[e] == STICKS:
+            d.friction_element.stuck_index[friction.stuck_count] = e
             friction.stuck_count += 1
             friction.stuck_joints += e >= d.candidates
 
@@ -155,9 +155,9 @@ def clear_other_forces(d):
 
     Otherwise the output would keep an old force, for example if the friction of a wall has been set to 0.
     """
-    for e in range(d.elements):
-        if d.element.mode[e] == NO_FRICTION:
-            d.element.force[e] = 0.0
+    for e in range(d.friction_elements):
+        if d.friction_element.mode[e] == NO_FRICTION:
+            d.friction_element.force[e] = 0.0
 
 
 def begin_friction(d, c):
@@ -192,15 +192,15 @@ def apply_friction(d):
     """
     friction = d.friction
     friction.power = 0.0
-    for i in range(friction.count):
-        e = d.element.index[i]
+    for i in range(friction.active_count):
+        e = d.friction_element.index[i]
         # for a joint and the slider the limits of static and of sliding friction are equal
-        sliding = d.element.friction_limit[e]
+        sliding = d.friction_element.friction_limit[e]
         if e < d.candidates:
             normal = friction_load(d, e)
-            d.element.friction_limit[e] = d.law.static_friction[e] * normal
+            d.friction_element.friction_limit[e] = d.law.static_friction[e] * normal
             sliding = d.law.friction[e] * normal
-        if d.element.mode[e] != STICKS:
+        if d.friction_element.mode[e] != STICKS:
             friction.power += apply_sliding_friction(d, e, sliding)
     return friction.power
 
@@ -210,11 +210,11 @@ def apply_sliding_friction(d, e, amount):
 
     Return the power [W] that the friction dissipates.
     """
-    sign = float(d.element.mode[e])
+    sign = float(d.friction_element.mode[e])
     speed = tangential_rate(d, e)
-    d.element.force[e] = -sign * amount
-    d.element.margin[e] = min(d.element.margin[e], sign * speed)
-    add_along_row(tangent_row(d, e), d.scratch.load, d.element.force[e])
+    d.friction_element.force[e] = -sign * amount
+    d.friction_element.margin[e] = min(d.friction_element.margin[e], sign * speed)
+    add_along_row(tangent_row(d, e), d.scratch.load, d.friction_element.force[e])
     # the power −F_t v_t that friction dissipates, with the friction force F_t and the speed v_t along t
     return sign * amount * speed
 
@@ -227,9 +227,12 @@ def store_static_forces(d):
     """
     friction, first = d.friction, d.contacts.active_count
     for i in range(friction.stuck_count):
-        e = d.element.stuck_index[i]
-        d.element.force[e] = d.constraints.impulse[first + i]
-        d.element.margin[e] = min(d.element.margin[e], d.element.friction_limit[e] - abs(d.element.force[e]))
+        e = d.friction_element.stuck_index[i]
+        d.friction_element.force[e] = d.constraints.impulse[first + i]
+        d.friction_element.margin[e] = min(
+            d.friction_element.margin[e],
+            d.friction_element.friction_limit[e] - abs(d.friction_element.force[e]),
+        )
 
 
 def static_power(d):
@@ -241,8 +244,8 @@ def static_power(d):
     """
     friction, dissipated = d.friction, 0.0
     for i in range(friction.stuck_count):
-        e = d.element.stuck_index[i]
-        dissipated -= d.element.force[e] * tangential_rate(d, e)
+        e = d.friction_element.stuck_index[i]
+        dissipated -= d.friction_element.force[e] * tangential_rate(d, e)
     friction.power += dissipated
     return dissipated
 
@@ -251,25 +254,25 @@ def work_of_holding(d):
     """Return the work [J] of the present sticking forces along the way from each anchor to the element."""
     work = 0.0
     for i in range(d.friction.stuck_count):
-        e = d.element.stuck_index[i]
-        work += d.element.force[e] * (tangential_position(d, e) - d.element.anchor[e])
+        e = d.friction_element.stuck_index[i]
+        work += d.friction_element.force[e] * (tangential_position(d, e) - d.friction_element.anchor[e])
     return work
 
 
 def move_missed_anchors(d):
     """Move an anchor to its sticking element where a projection has not moved the element to the anchor.
 
-    A projection fails only where impulses can hardly move the element (constraints.py). Another projection in
+    A projection fails only where impulses can hardly move the element (impulses.py). Another projection in
     each step would do work, and change the energy of a chain at rest.
     """
     friction, tolerance = d.friction, ANCHOR_ROUND_OFF * largest_coordinate(d)
     for i in range(friction.stuck_count):
-        e = d.element.stuck_index[i]
-        if abs(tangential_position(d, e) - d.element.anchor[e]) > tolerance:
+        e = d.friction_element.stuck_index[i]
+        if abs(tangential_position(d, e) - d.friction_element.anchor[e]) > tolerance:
             set_element_anchor(d, e)
 
 
 def clear_friction_margins(d):
     """Set the margins of elements with friction to 0 before a step; a stage may then store a negative one."""
-    for i in range(d.friction.count):
-        d.element.margin[d.element.index[i]] = 0.0
+    for i in range(d.friction.active_count):
+        d.friction_element.margin[d.friction_element.index[i]] = 0.0

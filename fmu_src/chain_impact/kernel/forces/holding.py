@@ -1,8 +1,9 @@
 """Constraint forces of rigid walls and of sticking elements, and the projection of a state.
 
-rows/constraints.py computes the impulses that bring the motions along constraints from ``unforced_motion`` to
-``target_motion``. This module sets ``unforced_motion`` to clearances, speeds or accelerations, and applies
-the impulses to the rate ẏ or to the state. Constraints are numbered as in ``constraint_row``.
+constraints/impulses.py computes the impulses that bring the motions along constraints from
+``unforced_motion`` to ``target_motion``. This module sets ``unforced_motion`` to clearances, speeds or
+accelerations, and applies the impulses to the rate ẏ or to the state. Constraints are numbered as in
+``constraint_row``.
 """
 
 import math
@@ -15,28 +16,9 @@ from chain_impact.kernel.chain.kinematics import (
     vector_at_center_of_mass,
 )
 from chain_impact.kernel.chain.response import FREE, copy_factors
-from chain_impact.kernel.forces.active_contacts import store_force
-from chain_impact.kernel.forces.friction import ANCHOR_ROUND_OFF, store_static_forces
-from chain_impact.kernel.function_marks import has_dual_rule
-from chain_impact.kernel.record.state import (
-    FIRST_ANGLE,
-    coordinate_count,
-    dissipated_at,
-    supplied_at,
-    velocity_at,
-)
-from chain_impact.kernel.rows.complementarity import solve_lcp
-from chain_impact.kernel.rows.compliance import are_joints_loaded, mean_mass, solve_in_space
-from chain_impact.kernel.rows.constraints import (
-    activate_all,
-    any_point_held,
-    clear_impulses,
-    factorize_free,
-    note_moving,
-    note_squeezed,
-    solve_equality,
-)
-from chain_impact.kernel.rows.geometry import (
+from chain_impact.kernel.constraints.complementarity import solve_lcp
+from chain_impact.kernel.constraints.compliance import are_joints_loaded, mean_mass, solve_in_space
+from chain_impact.kernel.constraints.geometry import (
     clearance_and_rate,
     constraint_acceleration,
     constraint_count,
@@ -50,6 +32,25 @@ from chain_impact.kernel.rows.geometry import (
     tangent_row,
     tangential_position,
     tangential_rate,
+)
+from chain_impact.kernel.constraints.impulses import (
+    activate_all,
+    any_point_held,
+    clear_impulses,
+    factorize_free,
+    note_moving,
+    note_squeezed,
+    solve_equality,
+)
+from chain_impact.kernel.forces.active_contacts import store_force
+from chain_impact.kernel.forces.friction import ANCHOR_ROUND_OFF, store_static_forces
+from chain_impact.kernel.function_marks import has_dual_rule
+from chain_impact.kernel.record.state import (
+    FIRST_ANGLE,
+    coordinate_count,
+    dissipated_at,
+    supplied_at,
+    velocity_at,
 )
 
 # The largest depth in a rigid wall at which a projection may leave a point, relative to the longest link. If
@@ -82,11 +83,11 @@ def set_unforced_to_state(d, derivative):
         clearance, clearance_rate = clearance_and_rate(d, d.contacts.active_index[k])
         constraints.unforced_motion[k] = clearance_rate if derivative else clearance
     for i in range(d.friction.stuck_count):
-        e = d.element.stuck_index[i]
+        e = d.friction_element.stuck_index[i]
         if derivative:
             constraints.unforced_motion[first + i] = tangential_rate(d, e)
         else:
-            constraints.unforced_motion[first + i] = tangential_position(d, e) - d.element.anchor[e]
+            constraints.unforced_motion[first + i] = tangential_position(d, e) - d.friction_element.anchor[e]
 
 
 def set_unforced_to_load_motion(d):
@@ -137,7 +138,7 @@ def add_constraint_forces(d, y, rate):
     constraint forces [N]. At walls at rest these forces do no work, apart from errors.
 
     If |g̈| of a held point stays above the tolerance times the largest acceleration, MOVING
-    (rows/constraints.py) is recorded, and the step is rejected later.
+    (constraints/impulses.py) is recorded, and the step is rejected later.
     """
     constraints = d.constraints
     copy_factors(d, are_joints_loaded(d))
@@ -224,10 +225,10 @@ def power_of_motion(d, y, rate):
             power += force * d.wall_motion.velocity[c]
             fx, fy = fx + force * d.candidate.normal_x[c], fy + force * d.candidate.normal_y[c]
     for i in range(d.friction.contact_count):
-        e = d.element.index[i]
+        e = d.friction_element.index[i]
         _, tx, ty = tangent_row(d, e)
-        power += d.element.force[e] * d.wall_motion.belt_velocity[e]
-        fx, fy = fx + d.element.force[e] * tx, fy + d.element.force[e] * ty
+        power += d.friction_element.force[e] * d.wall_motion.belt_velocity[e]
+        fx, fy = fx + d.friction_element.force[e] * tx, fy + d.friction_element.force[e] * ty
     if not d.chain.base_moves:
         return power
     accelerate_points(d, y, rate)
@@ -247,7 +248,11 @@ def work_of_impulses(d):
     constraints, work, px, py = d.constraints, 0.0, 0.0, 0.0
     for k in range(constraint_count(d)):
         sticks = k >= d.contacts.active_count
-        e = d.element.stuck_index[k - d.contacts.active_count] if sticks else d.contacts.active_index[k]
+        e = (
+            d.friction_element.stuck_index[k - d.contacts.active_count]
+            if sticks
+            else d.contacts.active_index[k]
+        )
         if e < d.candidates and is_at_wall(d, e):
             _, nx, ny = constraint_row(d, k)
             impulse = constraints.impulse[k]

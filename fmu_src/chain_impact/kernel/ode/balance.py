@@ -48,6 +48,7 @@ from chain_impact.kernel.chain.drives import (
 )
 from chain_impact.kernel.chain.inputs import apply_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints.geometry import clearance_and_rate, coordinate_sum
 from chain_impact.kernel.equations import energy_balance, mechanical_energy, other_energy
 from chain_impact.kernel.forces.force_formula import elastic_force
 from chain_impact.kernel.ode.control import (
@@ -66,10 +67,9 @@ from chain_impact.kernel.ode.last_step import (
     largest_turn,
 )
 from chain_impact.kernel.ode.methods import STABLE_STEP, find_joint_stiffness
-from chain_impact.kernel.record.constants import SOLVER_READER, SPOILED
+from chain_impact.kernel.record.constants import CHECK_FAILED, SOLVER_READER
 from chain_impact.kernel.record.method import was_implicit
 from chain_impact.kernel.record.state import dissipated_at, supplied_at
-from chain_impact.kernel.rows.geometry import clearance_and_rate, coordinate_sum
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
 # A step is rejected if it changes the energy balance, up or down, by more than STEP_CHANGE × tolerance × S
@@ -132,7 +132,7 @@ def start_balance(d, time):
     balance.weight = total * chain.gravity_magnitude
     balance.unit_scale = balance.weight * reach + chain.energy_scale
     balance.window_start, balance.run_start = time, time
-    restart_balance(d)
+    evaluate_balance_at_end(d)
     balance.value_start, balance.run_value = balance.value_end, balance.value_end
     begin_window(d)
     _, potential = mechanical_energy(d, d.step.state_end)
@@ -151,14 +151,14 @@ def begin_window(d):
     balance.allowed_change = balance.least_allowed_change
 
 
-def restart_balance(d):
+def evaluate_balance_at_end(d):
     """Evaluate the energy balance again at the end of the last step, where the next step begins."""
     locate_points(d, d.step.state_end)
     d.balance.value_end = energy_balance(d, d.step.state_end)
     d.balance.break_count = d.step.break_count
 
 
-def apply_next_piece(d):
+def apply_next_input_piece(d):
     """Apply the next piece of the inputs, which continues the present piece without a jump.
 
     Two pieces of a prescribed motion meet only up to round-off, so the energy changes a little. This change
@@ -175,8 +175,8 @@ def apply_next_piece(d):
     count_supplied(d, energy_balance(d, y) - balance_before)
 
 
-def reinit_balance(d):
-    """Continue the energy balance after a re-initialization at the communication point.
+def restart_balance(d):
+    """Continue the energy balance after a restart at the communication point.
 
     The available energy is set back to its value at the start of the last step. A new parameter may change
     the elastic energy of active contacts; this change does not count as an error of the run.
@@ -184,7 +184,7 @@ def reinit_balance(d):
     balance, value_before = d.balance, d.balance.value_start
     balance.available_energy = balance.available_energy_start
     if d.contacts.active_count > 0:
-        restart_balance(d)
+        evaluate_balance_at_end(d)
         balance.window_value += balance.value_end - value_before
         balance.run_value += balance.value_end - value_before
         balance.value_start = balance.value_end
@@ -220,11 +220,11 @@ def check_energy(d, theta):
     if not abs(change) <= balance.least_allowed_change:
         allowed = allowed_change(d, y)
         if not abs(change) <= allowed:
-            reject_step(d, SPOILED)
+            reject_step(d, CHECK_FAILED)
             return present_value, available
         balance.allowed_change = max(balance.allowed_change, allowed)
     if change > SLIGHT_GAIN * available and present_value - balance.run_value > ENERGY_GAIN * available:
-        reject_step(d, SPOILED)
+        reject_step(d, CHECK_FAILED)
         return present_value, available
     loss = -change / loss_allowed(d, available) if change < 0.0 else 0.0
     if loss > 1.0 and not -change > allowed_round_off(d, y):
@@ -232,7 +232,7 @@ def check_energy(d, theta):
     if loss > NOTABLE_LOSS:
         set_outcome(d, max(d.trial.error, loss), d.trial.cost_factor)
     if is_accepted(d) and d.step.rate_known and may_err_in_middle(d) and not is_middle_correct(d):
-        reject_step(d, SPOILED)
+        reject_step(d, CHECK_FAILED)
     return present_value, available
 
 

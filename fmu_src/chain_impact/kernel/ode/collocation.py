@@ -21,12 +21,13 @@ import math
 from fractions import Fraction
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints.impulses import any_constraint
 from chain_impact.kernel.cost import count_evaluations, count_other_cost
 from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.ode.control import (
+    END_OVERSHOOT,
     ERROR_ORDER,
-    PAST_END,
     clear_faded,
     force_errors,
     largest_errors,
@@ -59,16 +60,22 @@ from chain_impact.kernel.ode.radau import (
     RADAU_NODES,
     REAL_EIGENVALUE,
     START_WEIGHTS,
+    lagrange_polynomial,
     shift_of,
     simplified_newton,
 )
-from chain_impact.kernel.record.constants import DIVERGED, IMPLICIT, INFINITE, LATE, PAIR_COUNT, RADAU_STAGES
+from chain_impact.kernel.record.constants import (
+    DIVERGED,
+    IMPLICIT,
+    INFINITE,
+    NEWTON_SLOW,
+    PAIR_COUNT,
+    RADAU_STAGES,
+)
 from chain_impact.kernel.record.method import was_implicit
 from chain_impact.kernel.record.state import dissipated_at, sundman_u_at, supplied_at, time_at, velocity_at
-from chain_impact.kernel.rows.constraints import any_constraint
 
 LAST_STAGE = RADAU_STAGES - 1
-START_AND_NODES = (0.0, *RADAU_NODES)
 SLOW_CONVERGENCE = 0.2  # above this ratio of a Newton correction to the one before, shorter steps cost less
 # Stages are predicted with degree 5, 4 or 3 if the new step ends at most 1.2, 2 or 3 sizes of the last step
 # after the last step's end, else with degree 1. Size and end are those that the last step had before a cut.
@@ -164,14 +171,14 @@ def set_weights(d):
 
 
 def size_toward_end(d, h):
-    """Return h [s] or, if less, PAST_END × the predicted time to the next end of a contact (force law)."""
+    """Return h [s] or, if less, END_OVERSHOOT × the predicted time to the next end of a compliant contact."""
     for k in range(clearance_count(d)):
         clearance, rate = d.implicit.z_start[clearance_at(d, k)], d.implicit.z_start[rate_at(d, k)]
         # near its end a contact has hardly any force, so the rate ġ of its clearance g hardly changes, and
         # the end is about −g/ġ away; an end within FORCELESS_PART h is ignored: hardly any force is left
         # before it
-        if rate > 0.0 and FORCELESS_PART * h * rate < -clearance < h * rate / PAST_END:
-            h = PAST_END * -clearance / rate
+        if rate > 0.0 and FORCELESS_PART * h * rate < -clearance < h * rate / END_OVERSHOOT:
+            h = END_OVERSHOOT * -clearance / rate
     return h
 
 
@@ -240,7 +247,7 @@ def extrapolate_polynomial(d, h, component_count):
                 implicit.stages[i, j] += weight * implicit.last_stages[m - 1, j]
 
 
-def attempt_step(d, h):
+def integrate_trial(d, h):
     """Try a step of size h [s] from the start of ``prepare_step``; store the result in ``trial``."""
     implicit, component_count = d.implicit, extended_length(d)
     extrapolate_stages(d, h, component_count)
@@ -248,7 +255,7 @@ def attempt_step(d, h):
     count_evaluations(d, RADAU_STAGES * implicit.iterations)
     count_other_cost(d, FACTORIZATION_COST + SOLUTION_COST * implicit.iterations + ESTIMATE_COST)
     if converged:
-        if d.friction.count > 0:
+        if d.friction.active_count > 0:
             correct_friction_energy(d, h)
         set_step_end(d, h)
         error = error_estimate(d, h, component_count)
@@ -259,7 +266,7 @@ def attempt_step(d, h):
     elif not math.isfinite(implicit.relative_correction):
         reject_step(d, INFINITE)
     else:
-        reject_step(d, DIVERGED if implicit.contraction > 1.0 else LATE)
+        reject_step(d, DIVERGED if implicit.contraction > 1.0 else NEWTON_SLOW)
 
 
 def cost_factor(implicit):
@@ -362,7 +369,7 @@ def match_clearances(d):
                 implicit.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
             if derivative == 0:
                 implicit.thirds[third - 1, last_component] = (
-                    -work_along(d, change) if d.friction.count > 0 else 0.0
+                    -work_along(d, change) if d.friction.active_count > 0 else 0.0
                 )
     for j in range(last_component + 1):
         change_at_one, change_at_two = implicit.thirds[0, j], implicit.thirds[1, j]
@@ -370,15 +377,6 @@ def match_clearances(d):
         # and by 8/729 F₅ + 16/2187 F₆ at two thirds
         dense[6, j] = 2187.0 / 8.0 * (change_at_two - change_at_one)
         dense[5, j] = 729.0 / 8.0 * change_at_one - dense[6, j] / 3.0
-
-
-def lagrange_polynomial(first, m, x):
-    """Return at x the polynomial that is 1 at START_AND_NODES[m], and 0 at k ≠ m from ``first`` on."""
-    value = 1.0
-    for k in range(first, RADAU_STAGES + 1):
-        if k != m:
-            value *= (x - START_AND_NODES[k]) / (START_AND_NODES[m] - START_AND_NODES[k])
-    return value
 
 
 def extended_component(d, j, theta):

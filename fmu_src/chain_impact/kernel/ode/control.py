@@ -16,10 +16,12 @@ import math
 
 from chain_impact.kernel.chain.drives import drive_component, drive_count, drive_slopes, moment_factor
 from chain_impact.kernel.chain.kinematics import move_points
+from chain_impact.kernel.constraints.geometry import clearance_and_rate, dot, largest_coordinate, normal_row
+from chain_impact.kernel.constraints.impulses import SQUEEZED, any_constraint
 from chain_impact.kernel.forces.force_formula import damping_over_elastic
 from chain_impact.kernel.function_marks import inlined
 from chain_impact.kernel.mathematics.powers import power
-from chain_impact.kernel.record.constants import ACCEPTED, EXPLICIT, INACCURATE, INFINITE, SPOILED
+from chain_impact.kernel.record.constants import ACCEPTED, CHECK_FAILED, EXPLICIT, INACCURATE, INFINITE
 from chain_impact.kernel.record.state import (
     FIRST_ANGLE,
     dissipated_at,
@@ -28,8 +30,6 @@ from chain_impact.kernel.record.state import (
     supplied_at,
     velocity_at,
 )
-from chain_impact.kernel.rows.constraints import SQUEEZED, any_constraint
-from chain_impact.kernel.rows.geometry import clearance_and_rate, dot, largest_coordinate, normal_row
 from chain_impact.kernel.status import NO_ROOM, NOT_FINITE, STEP_TOO_SMALL
 
 AUTOMATIC_METHOD = 1
@@ -48,7 +48,7 @@ ONSET_ORDER = (8, 3.5)
 # The size of a step that passes the end of a contact, divided by the predicted way to this end, both in the
 # step's integration variable. The prediction has an error of some hundredths; with a ratio closer to 1 a step
 # could end just before the end of the contact, and leave a tiny step.
-PAST_END = 1.04
+END_OVERSHOOT = 1.04
 
 
 def prescribed_method(choice):
@@ -61,22 +61,22 @@ def prescribed_method(choice):
 LEAST_RATIO, LARGEST_RATIO = 0.1, 6.0
 SIZE_EXPONENT = tuple(-1.0 / order for order in ERROR_ORDER)
 ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
-# The size after a step that was rejected for one of the outcomes from SPOILED on is computed as if the step
-# had this error, relative to the tolerance; index: the outcome. After SPOILED the next try is about a seventh
-# as long in the explicit method, and an eighth in the implicit method; after RUNS_BACK and LATE about half as
-# long, and after DIVERGED (record/constants.py) a third.
-EQUIVALENT_ERROR = (0.0, 0.0, 0.0, 1e6, 50.0, 40.0, 700.0)
+# The size after a step that was rejected for one of the outcomes from CHECK_FAILED on is computed as if the
+# step had this error, relative to the tolerance; index: the outcome. After CHECK_FAILED the next try is about
+# a seventh as long in the explicit method, and an eighth in the implicit method; after TIME_REVERSED and
+# NEWTON_SLOW about half as long, and after DIVERGED (record/constants.py) a third.
+ERROR_OF_OUTCOME = (0.0, 0.0, 0.0, 1e6, 50.0, 40.0, 700.0)
 # a smaller error of a step, relative to the tolerance, counts as LEAST_ERROR in the choice of the next size,
 # because a power of 0 with a negative exponent is infinite
 LEAST_ERROR = 1e-16
 # [rad] The rotation of the fastest link in the first step of a flight, at a tolerance of 1. With a larger
 # value more of these steps are rejected, with a smaller value these steps are shorter than needed
 # (tests/kernel/ode/test_control.py). ONSET_SIZE is chosen in the same way.
-FIRST_TURN = 2.8
+FIRST_STEP_ROTATION = 2.8
 # The values that replace ONSET_SIZE and ONSET_ORDER for the first explicit step of a contact that begins
 # while other contacts last. The integration variable of this step is time. After the onset the force is
 # proportional to a fractional power of time, so the order of the error is lower than the method's order.
-BESIDE_SIZE, BESIDE_ORDER = 15.0, 3.0
+SECOND_CONTACT_SIZE, SECOND_CONTACT_ORDER = 15.0, 3.0
 # [m, rad, m/s, rad/s] A coordinate or rate of a smaller absolute value is set to 0. Otherwise, in a chain at
 # rest, it could decay until its square is denormal, and some processors are slow with denormal numbers.
 FADED_VALUE = 1e-100
@@ -104,7 +104,7 @@ def set_outcome(d, error, cost_factor):
 
 
 def reject_step(d, outcome):
-    """Reject the tried step; ``outcome`` is the reason: INFINITE, or one of the outcomes from SPOILED on."""
+    """Reject the tried step; ``outcome``, the reason, is INFINITE or an outcome from CHECK_FAILED on."""
     d.trial.outcome = outcome
 
 
@@ -143,20 +143,20 @@ def next_size_factor(d):
     outcome, method = d.trial.outcome, d.step.method
     if outcome == INFINITE:
         return LEAST_RATIO
-    error = EQUIVALENT_ERROR[outcome] if outcome >= SPOILED else max(d.trial.error, LEAST_ERROR)
+    error = ERROR_OF_OUTCOME[outcome] if outcome >= CHECK_FAILED else max(d.trial.error, LEAST_ERROR)
     return max(LEAST_RATIO, SAFETY_FACTOR[method] * d.trial.cost_factor * power(error, SIZE_EXPONENT[method]))
 
 
 def size_in_flight(d, y, rate):
     """Return a size [s] for an explicit step in flight from the state y with the rate ẏ = ``rate``.
 
-    It is the time in which a link turns by FIRST_TURN × tolerance^(1/8) [rad], with the largest |ω| or √|α|
-    of all links as the angular velocity; but at most 1 s.
+    It is the time in which a link turns by FIRST_STEP_ROTATION × tolerance^(1/8) [rad], with the largest |ω|
+    or √|α| of all links as the angular velocity; but at most 1 s.
     """
     n, largest_speed = d.links, 0.0
     for i in range(n):
         largest_speed = max(largest_speed, abs(y[omega_at(n) + i]), math.sqrt(abs(rate[omega_at(n) + i])))
-    turn = FIRST_TURN * power(d.solver.tolerance, -SIZE_EXPONENT[EXPLICIT])
+    turn = FIRST_STEP_ROTATION * power(d.solver.tolerance, -SIZE_EXPONENT[EXPLICIT])
     return turn / max(largest_speed, turn)
 
 
@@ -169,12 +169,14 @@ def size_at_onset(d, c, method):
     return ONSET_SIZE[method] * contact_time_scale(d, c) * power(d.solver.tolerance, ONSET_EXPONENT[method])
 
 
-def size_at_onset_beside(d, c):
+def size_at_second_onset(d, c):
     """Return a size [s] for the first explicit step of a contact that begins while other contacts last.
 
     c is the candidate whose contact begins.
     """
-    return BESIDE_SIZE * contact_time_scale(d, c) * power(d.solver.tolerance, 1.0 / BESIDE_ORDER)
+    return (
+        SECOND_CONTACT_SIZE * contact_time_scale(d, c) * power(d.solver.tolerance, 1.0 / SECOND_CONTACT_ORDER)
+    )
 
 
 def contact_time_scale(d, c):

@@ -14,12 +14,12 @@ that does not request quadratures, none is integrated.
 
 import numpy as np
 
+from chain_impact.kernel.constraints.geometry import is_at_wall
 from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.mathematics.root_search import MOST_GUESSES, next_guess
 from chain_impact.kernel.ode.sundman_rate import regularized_time_rate
 from chain_impact.kernel.record.constants import DENSE_COEFFICIENTS
 from chain_impact.kernel.record.state import sundman_u_at, time_at
-from chain_impact.kernel.rows.geometry import is_at_wall
 
 # the exponents p and q of the interpolant y₀ + Σ F_m θᵖ (1−θ)^q, in the order of its coefficients F₀ to F₆
 BASIS_POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))
@@ -139,7 +139,11 @@ IMPULSE_SAMPLES = 16
 # (record/contacts.py). The impulses of walls and stops come first, with an entry for each candidate.
 QUADRATURES = (
     ("impulse of a wall [N·s]", lambda d: d.candidates, lambda d, c: d.contacts.force[c]),
-    ("impulse of dry friction [N·s]", lambda d: d.elements, lambda d, e: d.element.force[e]),
+    (
+        "impulse of dry friction [N·s]",
+        lambda d: d.friction_elements,
+        lambda d, e: d.friction_element.force[e],
+    ),
     ("energy that dry friction dissipates [J]", lambda _d: 1, lambda d, _i: d.friction.power),
     ("impulse of the force at the tip [N·s]", lambda _d: 2, lambda d, j: d.inputs.tip_force[j]),
 )
@@ -165,12 +169,12 @@ def list_quadratures(d):
         for k in range(d.contacts.active_count):
             add_quadrature(d, d.contacts.active_index[k])
         for k in range(d.friction.contact_count):
-            add_quadrature(d, d.candidates + d.element.index[k])
-        if d.friction.count > 0:
-            add_quadrature(d, d.candidates + d.elements)
+            add_quadrature(d, d.candidates + d.friction_element.index[k])
+        if d.friction.active_count > 0:
+            add_quadrature(d, d.candidates + d.friction_elements)
         if d.transmitted_rows > 0 and d.chain.has_inputs:
             for j in range(2):
-                add_quadrature(d, d.candidates + d.elements + 1 + j)
+                add_quadrature(d, d.candidates + d.friction_elements + 1 + j)
 
 
 def add_quadrature(d, i):

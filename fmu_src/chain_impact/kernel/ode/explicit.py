@@ -15,10 +15,11 @@ import math
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.signals import rate_of_base
 from chain_impact.kernel.combinators import join_functions
+from chain_impact.kernel.constraints.geometry import clearance_acceleration, clearance_and_rate, has_sticking
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.function_marks import inlined
 from chain_impact.kernel.ode.control import (
-    PAST_END,
+    END_OVERSHOOT,
     controlled_count,
     reject_step,
     scaled_errors,
@@ -27,9 +28,8 @@ from chain_impact.kernel.ode.control import (
 )
 from chain_impact.kernel.ode.dense import set_quadrature_stage, set_quadrature_stage_at_end
 from chain_impact.kernel.ode.sundman import regularize_rate, regularized_rate, root_curvature, runs_back
-from chain_impact.kernel.record.constants import NO_CONTACT, RUNS_BACK, STAGE_COUNT
+from chain_impact.kernel.record.constants import NO_CONTACT, STAGE_COUNT, TIME_REVERSED
 from chain_impact.kernel.record.state import sundman_u_at
-from chain_impact.kernel.rows.geometry import clearance_acceleration, clearance_and_rate, has_sticking
 
 # The number of stages of a step, 0 to 11. Stage 12 is the rate at the end of the step; stages 13 to 15 are
 # only for the dense output.
@@ -103,8 +103,8 @@ D: tuple[dict[int, float], ...] = (
 
 # index of the stage at the end of a step
 END_STAGE = STEP_STAGES
-# Near the first predicted end of a contact, a step is PAST_END times as long as the way to this end, in the
-# step's integration variable, if this length is less than LARGEST_STRETCH times the size that the errors
+# Near the first predicted end of a contact, a step is END_OVERSHOOT times as long as the way to this end, in
+# the step's integration variable, if this length is less than LARGEST_STRETCH times the size that the errors
 # allow. Otherwise the step covers at most half of this way, so that the following step is not tiny.
 LARGEST_STRETCH = 1.2
 # A contact whose predicted end is nearer than UNRESOLVED_PART times the next step's size has practically no
@@ -249,12 +249,12 @@ def size_up_to_end(h, time_left):
     """
     if time_left < UNRESOLVED_PART * h:
         return h
-    if PAST_END * time_left < LARGEST_STRETCH * h:
-        return PAST_END * time_left
+    if END_OVERSHOOT * time_left < LARGEST_STRETCH * h:
+        return END_OVERSHOOT * time_left
     return min(h, 0.5 * time_left)
 
 
-def attempt_step(d, h):
+def integrate_trial(d, h):
     """Try a step of size h from the state ``step.state_end``.
 
     ``trial`` gets the state at the end of the step, the outcome and, unless the step runs back, the error
@@ -263,7 +263,7 @@ def attempt_step(d, h):
     make_step(d, h)
     count_evaluations(d, STEP_EVALUATIONS)
     if runs_back(d, d.trial.state):
-        reject_step(d, RUNS_BACK)
+        reject_step(d, TIME_REVERSED)
     else:
         set_outcome(d, error_estimate(d, h), 1.0)
 

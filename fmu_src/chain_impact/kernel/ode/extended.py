@@ -4,8 +4,8 @@ As the links turn, the clearance that follows from the coordinates of a stage ha
 with the step size h and the gradient J of the clearances. This error is small, but often larger than the
 penetration of a stiff wall. So the clearances g of the active contacts with a force law, and their rates, are
 integrated together with the state: z = (y without u and t, g, ġ, Q), with the quadratures Q. The rate of ġ is
-g̈ (rows/geometry.py). The contact forces are evaluated at the integrated g and ġ, which do not have that
-error.
+g̈ (constraints/geometry.py). The contact forces are evaluated at the integrated g and ġ, which do not have
+that error.
 
 A rigid wall has no force law and constrains its points as in an explicit step (forces/holding.py), so z has
 no entries for these points.
@@ -32,7 +32,7 @@ clearances. The solution needs no linear algebra except the recursion. Let Δ = 
 D of the contacts adds to the articulated inertia at their points. κ_i = s (c_i + s k_i) acts as a damper of
 drive i, and K r_v + s S r_q acts as an impulse on the drives (chain/response.py). A constraint is the
 condition J Δ = 0 for a point at a rigid wall or a sticking element; its impedance is far larger than the
-chain's mass (rows/constraints.py).
+chain's mass (constraints/impulses.py).
 
 ``factorize_shift`` and ``solve_shift`` take a shift s, a scratch ``space`` and an array x: all are real, or
 all are complex. ``space`` contains impedances, loads, the resulting motion and several slots for factors;
@@ -48,16 +48,8 @@ from chain_impact.kernel.chain.drives import drive_component, drive_count, drive
 from chain_impact.kernel.chain.inputs import set_inputs
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, locate_points_now
 from chain_impact.kernel.chain.response import SHIFTED, clear_impedance, factorize_matrix
-from chain_impact.kernel.equations import free_rate_from_loads
-from chain_impact.kernel.forces.active_contacts import apply_contact, clear_loads, set_loads_of_step
-from chain_impact.kernel.forces.force_formula import law_slopes
-from chain_impact.kernel.forces.friction import apply_friction
-from chain_impact.kernel.forces.holding import add_constraint_forces, power_of_motion
-from chain_impact.kernel.ode.dense import set_quadrature_rates
-from chain_impact.kernel.record.state import coordinate_count, sundman_u_at, supplied_at, velocity_at
-from chain_impact.kernel.rows.compliance import are_joints_loaded, solve_in_space
-from chain_impact.kernel.rows.constraints import any_constraint, set_single_solution_impedances
-from chain_impact.kernel.rows.geometry import (
+from chain_impact.kernel.constraints.compliance import are_joints_loaded, solve_in_space
+from chain_impact.kernel.constraints.geometry import (
     add_along_row,
     add_impedance,
     add_joint_impedances,
@@ -71,6 +63,14 @@ from chain_impact.kernel.rows.geometry import (
     normal_row,
     row_of_drive,
 )
+from chain_impact.kernel.constraints.impulses import any_constraint, set_single_solution_impedances
+from chain_impact.kernel.equations import free_rate_from_loads
+from chain_impact.kernel.forces.active_contacts import apply_contact, clear_loads, set_loads_of_step
+from chain_impact.kernel.forces.force_formula import law_slopes
+from chain_impact.kernel.forces.friction import apply_friction
+from chain_impact.kernel.forces.holding import add_constraint_forces, power_of_motion
+from chain_impact.kernel.ode.dense import set_quadrature_rates
+from chain_impact.kernel.record.state import coordinate_count, sundman_u_at, supplied_at, velocity_at
 
 
 def clearance_at(d, k):
@@ -147,7 +147,7 @@ def extended_rate(d, z, elapsed, rate):
     dissipated = 0.0
     for k in range(clearance_count(d)):
         dissipated += apply_contact(d, d.contacts.active_index[k], z[clearance_at(d, k)], z[rate_at(d, k)])
-    if d.friction.count > 0:
+    if d.friction.active_count > 0:
         dissipated += apply_friction(d)
     # ``free_rate_from_loads`` also writes to the indices of u and t in y; z has other components at these
     # indices, whose rates are set below

@@ -10,13 +10,13 @@ far larger than its error. Other toggle positions, where W is small, are treated
 
 from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints.geometry import constraint_count
+from chain_impact.kernel.constraints.impulses import any_point_held, replace_impulses
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state, true_rate_from_inputs
 from chain_impact.kernel.forces.holding import add_change, store_constraint_forces
 from chain_impact.kernel.ode.dense import interpolate_state
 from chain_impact.kernel.record.state import velocity_at
-from chain_impact.kernel.rows.constraints import any_point_held, replace_impulses
-from chain_impact.kernel.rows.geometry import constraint_count
 
 # The least and the largest time from an output to each of the two nearer samples of a force, relative to the
 # step. Samples may lie outside the step, the farther ones by up to half the step's size: there the dense
@@ -38,19 +38,20 @@ SAMPLE_OFFSETS, VALUE_WEIGHTS, DIFFERENCE_WEIGHTS = (
 UNEVEN_PART = 1e-3
 
 
-def refine_rate(d, theta, y, rate):
+def correct_near_fold(d, theta, y, rate):
     """Correct ``rate``, ẏ of state y at the fraction θ of the last step, and constraint forces near a fold.
 
     Before the call, ``rate`` and the forces must have been evaluated for y. If y is not near a fold or
     another toggle position, nothing changes. Otherwise ``rate`` is evaluated again, with contact forces that
-    are cut off at 0; if the constraint forces pass the fold smoothly, the forces that ``find_forces`` gives
-    replace the evaluated constraint forces, and ``rate`` gets the accelerations that belong to these forces.
+    are cut off at 0; if the constraint forces pass the fold smoothly, the forces that ``interpolate_forces``
+    gives replace the evaluated constraint forces, and ``rate`` gets the accelerations that belong to these
+    forces.
     """
     if not any_point_held(d) or d.constraints.near_fold == 0:
         return
     distance, has_forces = LEAST_DISTANCE, False
     while distance <= LARGEST_DISTANCE and not has_forces:
-        has_forces = find_forces(d, theta, distance, rate)
+        has_forces = interpolate_forces(d, theta, distance, rate)
         distance *= 2.0
     is_smooth = has_forces and passes_smoothly(d)
     locate_points(d, y)
@@ -63,7 +64,7 @@ def refine_rate(d, theta, y, rate):
         store_constraint_forces(d)
 
 
-def find_forces(d, theta, distance, rate):
+def interpolate_forces(d, theta, distance, rate):
     """Compute the forces of constraints at the fraction θ of the last step from four samples at other times.
 
     ``distance`` is the distance of the two nearer samples from θ, relative to the step; ``rate`` is
@@ -87,7 +88,7 @@ def find_forces(d, theta, distance, rate):
 
 
 def passes_smoothly(d):
-    """Return whether the samples of ``find_forces`` show that all forces pass the fold smoothly."""
+    """Return whether the samples of ``interpolate_forces`` show that all forces pass the fold smoothly."""
     constraints, largest_force, largest_difference = d.constraints, 0.0, 0.0
     for k in range(constraint_count(d)):
         largest_force = max(largest_force, abs(constraints.refined_force[k]))

@@ -9,20 +9,20 @@ along the corrections were not counted, the energy balance would have an error t
 
 from chain_impact.kernel.chain.inputs import set_inputs
 from chain_impact.kernel.chain.kinematics import locate_points_now, move_points
+from chain_impact.kernel.constraints.geometry import dot, has_sticking, tangent_row
 from chain_impact.kernel.forces.friction import work_of_holding
 from chain_impact.kernel.ode import explicit
 from chain_impact.kernel.ode.radau import RADAU_NODES, Q
 from chain_impact.kernel.record.constants import RADAU_STAGES, STICKS
 from chain_impact.kernel.record.method import is_implicit
 from chain_impact.kernel.record.state import coordinate_count, dissipated_at, sundman_u_at, velocity_at
-from chain_impact.kernel.rows.geometry import dot, has_sticking, tangent_row
 
 
 def store_friction_forces(d, stage):
     """Store the present forces of dry friction as those at a ``stage`` of an implicit step."""
-    for k in range(d.friction.count):
-        e = d.element.index[k]
-        d.implicit.friction_force[stage, e] = d.element.force[e]
+    for k in range(d.friction.active_count):
+        e = d.friction_element.index[k]
+        d.implicit.friction_force[stage, e] = d.friction_element.force[e]
 
 
 def correct_friction_energy(d, h):
@@ -31,7 +31,7 @@ def correct_friction_energy(d, h):
     The work that sliding friction does along the speeds that this iteration added is subtracted. The energy
     that the forces of sticking elements take from the chain is added (``count_holding_work``).
     """
-    for m in range(RADAU_STAGES if d.friction.count > d.friction.stuck_count else 0):
+    for m in range(RADAU_STAGES if d.friction.active_count > d.friction.stuck_count else 0):
         power = power_of_correction(d, m)
         for i in range(RADAU_STAGES):
             d.implicit.stages[i, dissipated_at(d.links)] -= h * Q[i][m] * power
@@ -71,7 +71,7 @@ def uncounted_work(d):
         return work_along(d, change)
     # the work of sticking elements is a difference of two functions of the positions, so the round-off of
     # positions cancels in it
-    work = work_of_sliding(d, change, d.element.force) + work_of_holding(d)
+    work = work_of_sliding(d, change, d.friction_element.force) + work_of_holding(d)
     work -= holding_work_at(d, z, d.trial.size)
     locate_points_now(d, y)
     return work
@@ -89,10 +89,10 @@ def change_in_step(d, j):
 
 def work_along(d, change):
     """Return the work [J] of all dry friction along a ``change`` of the coordinates, for located points."""
-    work = work_of_sliding(d, change, d.element.force)
+    work = work_of_sliding(d, change, d.friction_element.force)
     for k in range(d.friction.stuck_count):
-        e = d.element.stuck_index[k]
-        work += d.element.force[e] * dot(tangent_row(d, e), d.scratch.place_change)
+        e = d.friction_element.stuck_index[k]
+        work += d.friction_element.force[e] * dot(tangent_row(d, e), d.scratch.place_change)
     return work
 
 
@@ -106,9 +106,9 @@ def work_of_sliding(d, change, force):
     """
     work = 0.0
     move_points(d, d.scratch.link_vector, change, d.scratch.place_change)
-    for k in range(d.friction.count):
-        e = d.element.index[k]
-        if d.element.mode[e] != STICKS:
+    for k in range(d.friction.active_count):
+        e = d.friction_element.index[k]
+        if d.friction_element.mode[e] != STICKS:
             work += force[e] * dot(tangent_row(d, e), d.scratch.place_change)
     return work
 

@@ -15,6 +15,7 @@ from chain_impact.kernel.chain.kinematics import (
     note_points_elsewhere,
 )
 from chain_impact.kernel.chain.prescribed_motion import move_channels_to_state
+from chain_impact.kernel.constraints.impulses import any_constraint
 from chain_impact.kernel.cost import count_evaluations, read_cost_counts, restore_cost_counts
 from chain_impact.kernel.equations import rate_from_points, rate_from_state
 from chain_impact.kernel.forces.friction import move_missed_anchors
@@ -43,7 +44,6 @@ from chain_impact.kernel.record.constants import (
 )
 from chain_impact.kernel.record.method import was_implicit
 from chain_impact.kernel.record.state import dissipated_at, omega_at, sundman_u_at, supplied_at, time_at
-from chain_impact.kernel.rows.constraints import any_constraint
 
 
 def reset_step(d, time, y):
@@ -99,7 +99,9 @@ def make_last_step(d):
     step.remainder_whole = step.remainder_end
     # Coordinates and rates that have faded almost to 0 are set to 0. Only contacts, friction, springs and
     # dampers make them fade, so without these no value is set to 0.
-    is_resisted = d.contacts.active_count > 0 or d.friction.count > 0 or d.chain.has_springs_or_dampers != 0
+    is_resisted = (
+        d.contacts.active_count > 0 or d.friction.active_count > 0 or d.chain.has_springs_or_dampers != 0
+    )
     faded = clear_faded(d, y) if is_resisted else False
     for j in range(len(step.state)):
         step.state[j] = step.state_end[j]
@@ -129,7 +131,7 @@ def project_trial(d):
     steps would add up.
     """
     step, y, index = d.step, d.trial.state, dissipated_at(d.links)
-    if d.friction.count == 0:
+    if d.friction.active_count == 0:
         project_state(d, y)
         return
     y[index] = step.remainder_end + change_in_step(d, index)
@@ -271,7 +273,7 @@ def find_rate(d, are_points_located):
     tells whether they are already located at the call.
     """
     y, rate = d.step.state_end, d.scratch.rate_end
-    touching = d.contacts.active_count > 0 or d.friction.count > 0
+    touching = d.contacts.active_count > 0 or d.friction.active_count > 0
     if touching:
         if not are_points_located:
             locate_points(d, y)

@@ -15,7 +15,7 @@ oscillates rather than decays. If the oscillation is larger than the tolerance, 
 explicit steps below STIFF_STEP. If explicit steps have a larger hρ, the oscillation is so small that implicit
 steps may damp it. Rigid walls cause no stiffness.
 
-The functions ``prepare_step`` and ``attempt_step`` take the size h of a step, in the step's integration
+The functions ``prepare_step`` and ``integrate_trial`` take the size h of a step, in the step's integration
 variable.
 """
 
@@ -85,7 +85,7 @@ def choose_method(d):
             limit_to_stable(d)
     elif not (touching or d.chain.has_springs_or_dampers):
         begin_explicit(d)  # neither contacts nor joints are stiff
-    elif step.end > step.start:  # a last step of zero length, as after a re-initialization, tells nothing
+    elif step.end > step.start:  # a last step of zero length, as after a restart, tells nothing
         step.stiff_count = step.stiff_count + 1 if suggests_switch(d) else 0
         if step.stiff_count >= step.switch_after:
             step.stiff_count = 0
@@ -250,7 +250,7 @@ def prepare_step(d, h):
     return explicit.size_toward_end(d, h)
 
 
-def attempt_step(d, h):
+def integrate_trial(d, h):
     """Try a step of size h from ``step.state_end`` with the current method.
 
     The result is in ``trial``: the state at the step's end, the outcome, and the error relative to the
@@ -258,6 +258,6 @@ def attempt_step(d, h):
     """
     begin_trial(d, h)
     if is_implicit(d):
-        collocation.attempt_step(d, h)
+        collocation.integrate_trial(d, h)
     else:
-        explicit.attempt_step(d, h)
+        explicit.integrate_trial(d, h)

@@ -79,6 +79,7 @@ END_WEIGHTS = (-0.4529527392493014, 1.3954519620824528, -2.1329496909650074, 2.1
 # fmt: on
 
 
+START_AND_NODES = (0.0, *RADAU_NODES)
 LEFT_Q = tuple(
     tuple(math.fsum(left * row[j] for left, row in zip(one, Q, strict=True)) for j in range(RADAU_STAGES))
     for one in LEFT
@@ -91,6 +92,15 @@ ITERATION_ERROR = 0.1  # the error that the iteration may leave in the stages, r
 DIVERGENCE_RATE = 0.95
 # the largest correction, relative to the tolerance; if a correction is larger, the iteration has failed
 FAILED_CORRECTION = 1e20
+
+
+def lagrange_polynomial(first, m, x):
+    """Return at x the polynomial that is 1 at START_AND_NODES[m], and 0 at k ≠ m from ``first`` on."""
+    value = 1.0
+    for k in range(first, RADAU_STAGES + 1):
+        if k != m:
+            value *= (x - START_AND_NODES[k]) / (START_AND_NODES[m] - START_AND_NODES[k])
+    return value
 
 
 def shift_of(pair, h):

@@ -19,13 +19,13 @@ distance of two bodies takes the place of p.
 
 import math
 
+from chain_impact.kernel.constraints.geometry import clearance_acceleration, clearance_and_rate
 from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.function_marks import inlined
 from chain_impact.kernel.ode.sundman_rate import regularized_time_rate
 from chain_impact.kernel.record.constants import NO_CONTACT
 from chain_impact.kernel.record.method import is_implicit
 from chain_impact.kernel.record.state import sundman_u_at, time_at
-from chain_impact.kernel.rows.geometry import clearance_acceleration, clearance_and_rate
 
 # The least u = √(δ/δ*) to which a regularized step may go. u is integrated, so it may become negative: then
 # the step has passed the end of the contact, and time runs backwards.

@@ -5,13 +5,13 @@ EXPLICIT, IMPLICIT = 0, 1  # values of step.method and step.last_method: the two
 SOLVER_METHODS = ("auto", "explicit", "implicit")
 """The values of the scene key `solver.method`, numbered from 1; with `auto` the solver chooses the method."""
 # The outcomes of a tried step, values of trial.outcome:
-# INACCURATE  the error exceeds the tolerance, or the step loses more energy than is allowed
-# INFINITE    the error, or a correction by Newton's iteration, is infinite or NaN
-# SPOILED     an event cannot be located, forces are not found, or the energy is wrong
-# RUNS_BACK   a regularized step goes too far beyond the contact's end, or its time does not increase
-# LATE        Newton's iteration would need too many iterations
-# DIVERGED    a correction by Newton's iteration exceeds the correction before, or is far too large
-ACCEPTED, INACCURATE, INFINITE, SPOILED, RUNS_BACK, LATE, DIVERGED = 0, 1, 2, 3, 4, 5, 6
+# INACCURATE     the error exceeds the tolerance, or the step loses more energy than is allowed
+# INFINITE       the error, or a correction by Newton's iteration, is infinite or NaN
+# CHECK_FAILED   an event cannot be located, forces are not found, or the energy is wrong
+# TIME_REVERSED  a regularized step goes too far beyond the contact's end, or its time does not increase
+# NEWTON_SLOW    Newton's iteration would need too many iterations
+# DIVERGED       a correction by Newton's iteration exceeds the correction before, or is far too large
+ACCEPTED, INACCURATE, INFINITE, CHECK_FAILED, TIME_REVERSED, NEWTON_SLOW, DIVERGED = 0, 1, 2, 3, 4, 5, 6
 DENSE_COEFFICIENTS = 7  # number of coefficients of the dense output (ode/dense.py)
 STAGE_COUNT = 16  # number of stages of an explicit step, with those of the dense output (ode/explicit.py)
 RADAU_STAGES = 5  # number of stages of an implicit step (ode/radau.py)
@@ -27,12 +27,13 @@ NO_EVENT, ONSET, CONTACT_ENDS, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5  # valu
 # a value of ``contacts.event`` that the search never sets: a point near a rigid wall takes part in the impact
 # of another point
 NEIGHBOUR = 6
-SLIDING_ENDS, STICKING_ENDS = 1, 2  # values of ``element.event``: the two kinds of changes of a friction mode
+# values of ``friction_element.event``: the two kinds of changes of a friction mode
+SLIDING_ENDS, STICKING_ENDS = 1, 2
 # values of `search.known_extent`, which tell what is known of φ (`search.phi_end`) at the end of the last
 # step. NOTHING_KNOWN: no φ; VALUES_KNOWN: φ and φ′ of the candidates; CURVATURES_KNOWN: also φ″;
 # DISTANCE_KNOWN: only that every candidate without contact has at least the clearance `search.safe_distance`
 NOTHING_KNOWN, VALUES_KNOWN, CURVATURES_KNOWN, DISTANCE_KNOWN = 0, 1, 2, 3
-STICKS, NO_FRICTION = 0, 2  # values of `element.mode`; the values ±1 stand for sliding along ±t
+STICKS, NO_FRICTION = 0, 2  # values of `friction_element.mode`; the values ±1 stand for sliding along ±t
 WALLS = ("x_min", "x_max", "y_min", "y_max")
 """The walls of the box in the order of their numbers, from 0. The numbers of walls at any angle follow."""
 

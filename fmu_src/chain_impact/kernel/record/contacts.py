@@ -13,7 +13,7 @@ LOG_SIZE = 32
 LATEST_COUNT = LOG_SIZE  # length of the list of the latest impacts; a scene requests this number or fewer
 
 
-@written_by("rows/geometry.py", offset=("rows/geometry.py", "chain/prescribed_motion.py"))
+@written_by("constraints/geometry.py", offset=("constraints/geometry.py", "chain/prescribed_motion.py"))
 def candidate_dtype(candidates: int) -> np.dtype:
     """Return the layout of the candidates: pairs of a point and a wall, stops of joints and of the slider."""
     return table(
@@ -22,9 +22,10 @@ def candidate_dtype(candidates: int) -> np.dtype:
         # at a stop of the slider 0
         ("point", INTEGER),
         # index of the wall in the scene's wall_names: a wall of the box has its index in WALLS
-        # (rows/geometry.py), another wall 4 plus its index in `walls`; the kinds of stops follow all walls
+        # (constraints/geometry.py), another wall 4 plus its index in `walls`; the kinds of stops follow all
+        # walls
         ("wall", INTEGER),
-        # kind of the stop: AT_WALL for a wall, or a value of STOP_CODES (rows/geometry.py)
+        # kind of the stop: AT_WALL for a wall, or a value of STOP_CODES (constraints/geometry.py)
         ("stop", INTEGER),
         # ---- derived at initialization
         # index of the place: ``point``, but N + ``point`` for a stop of a joint and for a site
@@ -40,7 +41,7 @@ def candidate_dtype(candidates: int) -> np.dtype:
 def law_dtype(candidates: int) -> np.dtype:
     """Return the layout of the contact law of each candidate.
 
-    A stop in a joint has the law of a wall for the joint's place, at a lever arm (rows/geometry.py).
+    A stop in a joint has the law of a wall for the joint's place, at a lever arm (constraints/geometry.py).
     """
     return table(
         candidates,
@@ -64,9 +65,9 @@ def law_dtype(candidates: int) -> np.dtype:
     )
 
 
-def most_constraints(candidates: int, elements: int) -> int:
+def most_constraints(candidates: int, friction_elements: int) -> int:
     """Return the largest number of constraints: one for each candidate and one for each element."""
-    return candidates + elements
+    return candidates + friction_elements
 
 
 @written_by(
@@ -178,8 +179,8 @@ def latest_dtype() -> np.dtype:
 
 
 @written_by(
-    "rows/constraints.py",
-    is_violated="rows/complementarity.py",
+    "constraints/impulses.py",
+    is_violated="constraints/complementarity.py",
     unforced_motion="forces/holding.py",
     resistance="forces/holding.py",
     refined_force="ode/folds.py",
@@ -187,7 +188,7 @@ def latest_dtype() -> np.dtype:
     least_force="forces/holding.py",
     sampled_force="events/contact_log.py",
 )
-def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
+def constraints_dtype(links: int, candidates: int, friction_elements: int) -> np.dtype:
     """Return the layout of the constraints: first the active contacts, then the sticking elements.
 
     Contacts with a force law have entries, but are never in the active set. The unit of ``unforced_motion``,
@@ -197,16 +198,16 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     - speeds [m/s], with impulses in N·s: find_impulses, project_state (second pass), clear_sticking_speeds
     - accelerations [m/s²], with forces in N: add_constraint_forces, update_active_set, decide_onsets
     """
-    count = most_constraints(candidates, elements)
+    count = most_constraints(candidates, friction_elements)
     return layout(
         # change that all impulses together cause: of each coordinate, or of its rate or its acceleration,
         # depending on the problem
         ("change", REAL, (coordinate_count(links),)),
         # SOLVED, or the reason why the search for constraint forces has failed in the tried step or at the
-        # events before it: UNSOLVED, MOVING or SQUEEZED of rows/constraints.py
+        # events before it: UNSOLVED, MOVING or SQUEEZED of constraints/impulses.py
         ("outcome", INTEGER),
         # 1: the last problem was near a fold: a rigid wall held a point, and the first iteration left more
-        # than FOLD_RESIDUAL (rows/constraints.py) of the residual
+        # than FOLD_RESIDUAL (constraints/impulses.py) of the residual
         ("near_fold", INTEGER),
         # 1: the constraint is in the active set, so its impulse may differ from 0
         ("in_active_set", INTEGER, (count,)),
@@ -237,14 +238,14 @@ def constraints_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     )
 
 
-@written_by("rows/friction_limits.py")
-def limited_forces_dtype(links: int, elements: int) -> np.dtype:
-    """Return the layout of the scratch memory of rows/friction_limits.py.
+@written_by("constraints/friction_limits.py")
+def limited_forces_dtype(links: int, friction_elements: int) -> np.dtype:
+    """Return the layout of the scratch memory of constraints/friction_limits.py.
 
     That module finds, by iterations, constraint forces within the limits of friction.
     """
     # at least the number of constraints, because every candidate is an element; 0 in a scene without friction
-    count = 2 * elements
+    count = 2 * friction_elements
     return layout(
         # m/s² or rad/s², accelerations of the coordinates that the constraint forces cause
         ("change", REAL, (coordinate_count(links),)),
@@ -254,15 +255,15 @@ def limited_forces_dtype(links: int, elements: int) -> np.dtype:
             (count,),
         ),  # 1: the force is between its limits; 0: the force is at a limit
         # ±1: the force of a sticking element is at its limit, with the sign of ``sign_at_limit``; 0: the
-        # |force| is below the limit; the elements are in the order of ``element.stuck_index``
-        ("at_limit", INTEGER, (elements,)),
+        # |force| is below the limit; the elements are in the order of ``friction_element.stuck_index``
+        ("at_limit", INTEGER, (friction_elements,)),
         ("force", REAL, (count,)),  # N, force p⁺ of each constraint after an iteration
         # N, force p of each constraint before the iteration: 0 before the first one, else the force p⁺ of the
         # iteration before
         ("force_before", REAL, (count,)),
         ("residual", REAL, (count,)),  # m/s², required acceleration minus the acceleration with the forces p
         # N, the force p + D m⁺, which may exceed its limits: p is the force before the iteration, D the
-        # impedance, and m⁺ the residual after the iteration (rows/friction_limits.py)
+        # impedance, and m⁺ the residual after the iteration (constraints/friction_limits.py)
         ("unlimited_force", REAL, (count,)),
         ("impedance", REAL, (count,)),  # kg, the impedance D of a constraint inside the limits, else 0
         # N, impedance times residual of a constraint inside its limits, else the force at the limit minus p
@@ -317,13 +318,13 @@ def peaks_dtype() -> np.dtype:
 
 
 @written_by("ode/dense.py", impulse_at_onset="forces/active_contacts.py")
-def quadrature_dtype(candidates: int, elements: int) -> np.dtype:
+def quadrature_dtype(candidates: int, friction_elements: int) -> np.dtype:
     """Return the layout of the quadratures: integrals along the motion, in the order of ode/dense.py.
 
     ``integral`` and ``rate`` have an entry for each quadrature. The fields after ``index`` have entries only
     for the quadratures that steps integrate at present, in the order of ``index``.
     """
-    count = candidates + elements + 3
+    count = candidates + friction_elements + 3
     return layout(
         ("computed", INTEGER),  # 1: steps integrate quadratures; 0: no output needs a quadrature
         # N·s, value of ``integral`` at the onset of the candidate's latest contact

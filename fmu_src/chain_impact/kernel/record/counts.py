@@ -13,7 +13,7 @@ class Counts(NamedTuple):
     candidates: int  # C, number of candidates: pairs of a point or site and a wall, and stops
     # F, number of elements, parts that may have dry friction: C candidates, N joints and, if present, the
     # slider; 0 in a scene without dry friction
-    elements: int = 0
+    friction_elements: int = 0
     # L, rows of the transmitted forces: N joints, then all walls; 0 if their outputs are not requested
     transmitted_rows: int = 0
     # K, number of prescribed motions (chain/prescribed_motion.py): two for a moving base, and two for each

@@ -141,7 +141,7 @@ def slider_dtype() -> np.dtype:
 
 
 @settable(AT_START)
-@written_by("events/saturation.py", mode_ends="events/marks.py", mode_margin="equations.py")
+@written_by("events/saturation.py", mode_change_pending="events/marks.py", mode_margin="equations.py")
 def drive_dtype(links: int) -> np.dtype:
     """Return the layout of the drives, see kernel/chain/drives.py: a row for each joint, then for the slider.
 
@@ -162,7 +162,8 @@ def drive_dtype(links: int) -> np.dtype:
         # 1 or −1: the drive's torque is held at its positive or negative limit; 0: no limit holds the torque
         ("mode", INTEGER, rows),
         ("chosen_mode", INTEGER, rows),  # in a tangent instance: the drive's ``mode`` in the primal instance
-        ("mode_ends", INTEGER),  # 1: at the end of the last step the mode of some drive ends; 0: none ends
+        # 1: at the end of the last step the mode of some drive ends; 0: none ends
+        ("mode_change_pending", INTEGER),
         # N·m, the least result of ``mode_margin`` (chain/drives.py) in the stages of the tried step, or 0 if
         # this is larger; a negative number says that a drive has passed the end of its mode
         ("mode_margin", REAL),
@@ -235,7 +236,7 @@ def given_dtype(links: int) -> np.dtype:
     """
     return layout(
         # kind of the values that are set, but not in use yet, a constant of chain/inputs.py. REINITIALIZE: an
-        # input or a parameter, so that the solver re-initializes; CONTINUES: only the next piece of the
+        # input or a parameter, so that the solver restarts; CONTINUES: only the next piece of the
         # inputs, without a jump; 0: no values
         ("pending", INTEGER),
         # number, from 1, of the contact law of walls and stops; stops in joints have `stops.law`, if > 0

@@ -31,7 +31,7 @@ from chain_impact.kernel.record.contacts import (
 )
 from chain_impact.kernel.record.counts import COUNTS, Counts
 from chain_impact.kernel.record.fields import INTEGER, REAL, layout, written_by
-from chain_impact.kernel.record.friction import element_dtype, friction_changes_dtype, friction_dtype
+from chain_impact.kernel.record.friction import friction_changes_dtype, friction_dtype, friction_element_dtype
 from chain_impact.kernel.record.given import (
     chain_dtype,
     contact_settings_dtype,
@@ -67,7 +67,7 @@ from chain_impact.kernel.record.solver import (
 def output_dtype(
     links: int,
     candidates: int,
-    elements: int,
+    friction_elements: int,
     transmitted_rows: int,
     channels: int = 0,
     sites: int = 0,
@@ -117,7 +117,7 @@ def output_dtype(
         # J, energy supplied by inputs, powered drives and prescribed motions since the run's start
         ("supplied", REAL),
         ("total", REAL),  # J, sum of the kinetic, potential and elastic energy
-        ("friction", friction_output_dtype(elements)),
+        ("friction", friction_output_dtype(friction_elements)),
         ("transmitted", transmitted_output_dtype(transmitted_rows)),
         # m, position of each channel: base, walls and belts with prescribed motions
         ("channel", REAL, (channels,)),
@@ -134,18 +134,19 @@ STATE_OUTPUTS = (
 """The outputs that ``observe_state`` (observe.py) fills; they contain no forces and no accelerations."""
 
 
-def friction_output_dtype(elements: int) -> np.dtype:
+def friction_output_dtype(friction_elements: int) -> np.dtype:
     """Return the layout of the outputs of dry friction; an element is a candidate, a joint or the slider."""
+    elements = (friction_elements,)
     return layout(
-        ("force", REAL, (elements,)),  # N, friction force of the wall on a point, along t = (n_y, −n_x)
-        ("impulse", REAL, (elements,)),  # N·s, impulse of ``force`` since the run's start
+        ("force", REAL, elements),  # N, friction force of the wall on a point, along t = (n_y, −n_x)
+        ("impulse", REAL, elements),  # N·s, impulse of ``force`` since the run's start
         # 1: the contact of a candidate sticks; 0: the contact slides or has no friction, or does not exist
-        ("sticking", REAL, (elements,)),
+        ("sticking", REAL, elements),
         # entries 0…N−1: moment of dry friction on the outer link of each joint [N·m]; entry N: force of dry
         # friction on the slider [N]; later entries: 0
-        ("drive_friction", REAL, (elements,)),
+        ("drive_friction", REAL, elements),
         # entries 0…N−1: 1 if the joint sticks, else 0; entry N: the same for the slider; later entries: 0
-        ("drive_sticking", REAL, (elements,)),
+        ("drive_sticking", REAL, elements),
         ("dissipated", REAL),  # J, energy that dry friction has dissipated since the run's start
     )
 
@@ -216,7 +217,7 @@ def transmitted_dtype(rows: int) -> np.dtype:
 
 def instance_dtype(*counts: int) -> np.dtype:
     """Return the layout of an instance; ``counts`` are the values of ``Counts`` in their order."""
-    links, candidates, elements, transmitted_rows, channels, sites, signals, knots = Counts(*counts)
+    links, candidates, friction_elements, transmitted_rows, channels, sites, signals, knots = Counts(*counts)
     return layout(
         *((name, INTEGER) for name in COUNTS),
         ("skewed", INTEGER),  # 1: the centre of mass of some link may lie beside the link's line; else 0
@@ -242,20 +243,23 @@ def instance_dtype(*counts: int) -> np.dtype:
         ("budget", budget_dtype()),
         ("balance", balance_dtype()),
         ("scratch", scratch_dtype(links, sites)),
-        ("friction", friction_dtype(elements)),
+        ("friction", friction_dtype(friction_elements)),
         ("contacts", contacts_dtype(candidates)),
         ("candidate", candidate_dtype(candidates)),
         ("walls", walls_dtype(candidates)),
         ("law", law_dtype(candidates)),
         ("search", search_dtype(candidates)),
         ("contact_log", contact_log_dtype(candidates)),
-        ("implicit", implicit_dtype(links, candidates, elements, sites)),
-        ("constraints", constraints_dtype(links, candidates, elements)),
-        ("limited_forces", limited_forces_dtype(links, elements)),
-        ("element", element_dtype(elements)),
-        ("quadrature", quadrature_dtype(candidates, elements)),
-        ("friction_changes", friction_changes_dtype(elements)),
-        ("output", output_dtype(links, candidates, elements, transmitted_rows, channels, sites, signals)),
+        ("implicit", implicit_dtype(links, candidates, friction_elements, sites)),
+        ("constraints", constraints_dtype(links, candidates, friction_elements)),
+        ("limited_forces", limited_forces_dtype(links, friction_elements)),
+        ("friction_element", friction_element_dtype(friction_elements)),
+        ("quadrature", quadrature_dtype(candidates, friction_elements)),
+        ("friction_changes", friction_changes_dtype(friction_elements)),
+        (
+            "output",
+            output_dtype(links, candidates, friction_elements, transmitted_rows, channels, sites, signals),
+        ),
         ("transmitted", transmitted_dtype(transmitted_rows)),
         ("wall_motion", wall_motion_dtype(candidates)),
         ("given_channel", given_channel_dtype(channels)),

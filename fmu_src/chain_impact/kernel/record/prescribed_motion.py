@@ -73,7 +73,7 @@ def channel_dtype(channels: int) -> np.dtype:
     )
 
 
-@written_by("chain/prescribed_motion.py", unmoved_offset="rows/geometry.py")
+@written_by("chain/prescribed_motion.py", unmoved_offset="constraints/geometry.py")
 def wall_motion_dtype(candidates: int) -> np.dtype:
     """Return the layout of the motion of wall and belt of each candidate.
 

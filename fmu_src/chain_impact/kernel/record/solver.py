@@ -208,8 +208,8 @@ def elimination_dtype(links: int) -> np.dtype:
     state="events/crossing.py",
     rate_start="advance.py",
     y_error="ode/collocation.py",
-    load=("forces/active_contacts.py", "rows/compliance.py"),
-    place_change="rows/compliance.py",
+    load=("forces/active_contacts.py", "constraints/compliance.py"),
+    place_change="constraints/compliance.py",
     impedance="chain/joints.py",
     factors="chain/response.py",
     moment="equations.py",
@@ -321,14 +321,14 @@ def search_dtype(candidates: int) -> np.dtype:
     normal=("ode/collocation.py", "ode/extended.py"),
     error_weight="ode/collocation.py",
 )
-def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np.dtype:
+def implicit_dtype(links: int, candidates: int, friction_elements: int, sites: int) -> np.dtype:
     """Return the layout of the scratch memory of an implicit step, and of the data of the last implicit step.
 
     The extended state z consists of y without the last two entries, the clearances of active contacts with a
     force law, the rates of these clearances, and the quadratures (kernel/ode/extended.py).
     """
     state = state_length(links)
-    extended = state + 3 * candidates + elements
+    extended = state + 3 * candidates + friction_elements
     # Data of the linear systems with complex shifts s, one shift of each conjugate pair. ``factors`` has a
     # slot for each shift; the other fields serve one system at a time. For the real shift, `scratch` has such
     # data, and ``parts`` has x.
@@ -353,7 +353,7 @@ def implicit_dtype(links: int, candidates: int, elements: int, sites: int) -> np
         ("rates", REAL, (RADAU_STAGES, extended)),  # rate ż of the extended state at the nodes
         # N, force of dry friction on each element with friction, in a joint the moment over the longest link,
         # at the nodes
-        ("friction_force", REAL, (RADAU_STAGES, elements)),
+        ("friction_force", REAL, (RADAU_STAGES, friction_elements)),
         # right-hand sides of the linear systems, later their solutions (kernel/ode/radau.py)
         ("parts", REAL, (RADAU_STAGES, extended)),
         # increments of z from the start of the last step to its nodes

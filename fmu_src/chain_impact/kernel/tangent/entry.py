@@ -17,7 +17,7 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.duals import DIRECTIONS, as_words, tangent_instance
-from chain_impact.kernel.tangent.replay import reinit_tangent, replay, start_tangent
+from chain_impact.kernel.tangent.replay import replay, restart_tangent, start_tangent
 from chain_impact.kernel.tangent.step_ends import move_end
 from chain_impact.kernel.tangent.trust import copy_reason, is_trusted
 
@@ -100,7 +100,7 @@ def are_all_valid(d):
         fits = fits and t.links == d.links and t.candidates == d.candidates
         fits = (
             fits
-            and t.elements == d.elements
+            and t.friction_elements == d.friction_elements
             and t.transmitted_rows == d.transmitted_rows
             and t.channels == d.channels
         )
@@ -116,7 +116,7 @@ def tangent_word_count(d):
 
 HOOKS = {
     hooks.on_start: act_on_all_tangents(start_tangent),
-    hooks.on_reinit: act_on_all_tangents(reinit_tangent),
+    hooks.on_restart: act_on_all_tangents(restart_tangent),
     hooks.on_step: act_on_all_tangents(replay),
     hooks.on_observe: act_on_all_tangents(observe_tangent),
     hooks.on_observe_trial: act_on_all_tangents(observe_trial_of_tangent),

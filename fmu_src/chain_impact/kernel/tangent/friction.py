@@ -18,8 +18,11 @@ import math
 
 from chain_impact.kernel.chain.drives import drive_count, first_joint
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest_component, locate_points
+from chain_impact.kernel.constraints.compliance import mean_mass
+from chain_impact.kernel.constraints.geometry import tangential_acceleration, tangential_rate
+from chain_impact.kernel.constraints.impulses import activate_all
 from chain_impact.kernel.equations import rate_from_points
-from chain_impact.kernel.events.marks import count_pending_changes
+from chain_impact.kernel.events.marks import count_mode_changes
 from chain_impact.kernel.events.mode_changes import friction_round_off, rest_speed
 from chain_impact.kernel.events.onset_modes import begins_now
 from chain_impact.kernel.forces.friction import list_sticking
@@ -30,9 +33,6 @@ from chain_impact.kernel.forces.holding import (
 )
 from chain_impact.kernel.record.constants import NO_FRICTION, SLIDING_ENDS, STICKING_ENDS, STICKS
 from chain_impact.kernel.record.state import coordinate_count, velocity_at
-from chain_impact.kernel.rows.compliance import mean_mass
-from chain_impact.kernel.rows.constraints import activate_all
-from chain_impact.kernel.rows.geometry import tangential_acceleration, tangential_rate
 from chain_impact.kernel.tangent.duals import DIRECTIONS, dual_with_slope, reciprocal, slope, value
 from chain_impact.kernel.tangent.event_times import (
     evaluate_end,
@@ -49,6 +49,8 @@ from chain_impact.kernel.tangent.trust import (
     TRUSTED,
     check_coefficient,
     fastest_speed,
+    largest_displacement,
+    largest_slope,
     mark_split,
     mark_untrusted,
 )
@@ -65,8 +67,8 @@ NEARLY_SLIPPING_RATIO = 1000.0
 # relative to the largest derivative of a position; the derivatives end before the sum exceeds this number.
 # With a larger sum, a fit to a position at rest would be wrong by more than some percent.
 MOST_NEGLECTED = 1e-2
-# a third value of ``element.undecided``, beside 0 and 1: the element has stuck since an onset at zero speed,
-# and sticking has also set the derivatives of its speed to zero
+# a third value of ``friction_element.decided_by_forces``, beside 0 and 1: the element has stuck since an
+# onset at zero speed, and sticking has also set the derivatives of its speed to zero
 STOPPED = 2
 
 
@@ -76,13 +78,13 @@ def delay_of_change(t):
     The points must be located at the end of the step. If several modes end there, the result belongs to one
     of these ends; ``check_changes`` compares this delay with those of the other ends.
     """
-    for i in range(t.friction.count):
-        e = t.element.index[i]
-        if t.element.event[e] == SLIDING_ENDS:
+    for i in range(t.friction.active_count):
+        e = t.friction_element.index[i]
+        if t.friction_element.event[e] == SLIDING_ENDS:
             return delay_of_rest(t, e)
-    for i in range(t.friction.count):
-        e = t.element.index[i]
-        if t.element.event[e] == STICKING_ENDS:
+    for i in range(t.friction.active_count):
+        e = t.friction_element.index[i]
+        if t.friction_element.event[e] == STICKING_ENDS:
             return delay_of_sliding(t, e)
     return dual_with_slope(0.0, 0.0, t.step.end)
 
@@ -109,13 +111,13 @@ def largest_acceleration_error(t, e):
 
     It is OPEN_DISTANCE times the tolerance times the acceleration that the friction limit of e could cause.
     """
-    return OPEN_DISTANCE * value(t.solver.tolerance) * t.element.friction_limit[e] / mean_mass(t)
+    return OPEN_DISTANCE * value(t.solver.tolerance) * t.friction_element.friction_limit[e] / mean_mass(t)
 
 
 # functions for φ = µ_s F_n − |F_t|, the margin of static friction, after the end of a step, and for its rate
 # φ̇
 margin_after, margin_rate = make_motion_functions(
-    lambda t, e: t.element.friction_limit[e] - abs(t.element.force[e])
+    lambda t, e: t.friction_element.friction_limit[e] - abs(t.friction_element.force[e])
 )
 delay_of_margin = make_delay(margin_after)
 
@@ -128,8 +130,11 @@ def delay_of_sliding(t, e):
     too, if the friction drops at this time and the drop matters. The derivatives of the run also end if the
     located time is wrong (NEARLY_SLIPPING_RATIO).
     """
-    limit, turn_rate = value(t.element.friction_limit[e]), fastest_speed(t) / value(t.chain.longest_link)
-    if t.element.undecided[e] == STOPPED and limit <= NEARLY_SLIPPING_RATIO * value(friction_round_off(t, e)):
+    limit = value(t.friction_element.friction_limit[e])
+    turn_rate = fastest_speed(t) / value(t.chain.longest_link)
+    if t.friction_element.decided_by_forces[e] == STOPPED and limit <= NEARLY_SLIPPING_RATIO * value(
+        friction_round_off(t, e)
+    ):
         end_derivatives(t, SLIDES_FROM_REST, e)
     rate = margin_rate(t, e)
     if not -rate > math.sqrt(value(t.solver.tolerance)) * limit * turn_rate:
@@ -196,11 +201,11 @@ def check_changes(t, time):
         time: the delay of one of the changes, a dual number of value 0.
     """
     stopped_count, any_slow = 0, False
-    for i in range(t.friction.count):
-        e = t.element.index[i]
-        if t.element.mode[e] != STICKS:
+    for i in range(t.friction.active_count):
+        e = t.friction_element.index[i]
+        if t.friction_element.mode[e] != STICKS:
             speed = tangential_rate(t, e)
-            stops = t.element.event[e] == SLIDING_ENDS or abs(value(speed)) <= value(rest_speed(t))
+            stops = t.friction_element.event[e] == SLIDING_ENDS or abs(value(speed)) <= value(rest_speed(t))
             stopped_count += stops
             any_slow = any_slow or (stops and acceleration_may_be_error(t, e))
             speed_after = speed + value(tangential_acceleration(t, e)) * time
@@ -213,10 +218,12 @@ def check_changes(t, time):
     # the two ends stop.
     if stopped_count > 1 or any_slow:
         mark_split(t)
-    if count_pending_changes(t) > 1:
-        for i in range(t.friction.count):
-            e = t.element.index[i]
-            matters = t.element.event[e] == STICKING_ENDS and (friction_drops(t, e) or any_stops_sliding(t))
+    if count_mode_changes(t) > 1:
+        for i in range(t.friction.active_count):
+            e = t.friction_element.index[i]
+            matters = t.friction_element.event[e] == STICKING_ENDS and (
+                friction_drops(t, e) or any_stops_sliding(t)
+            )
             if matters and not slips_for_nearby_parameters(t, e, time):
                 end_derivatives(t, SIMULTANEOUS_CHANGES, e)
         evaluate_end(t)
@@ -229,7 +236,8 @@ def slips_for_nearby_parameters(t, e, time):
     ``time`` [s] is the delay, a dual number of value 0; derivatives up to SAME_TIME_SLOPE times a scale count
     as zero.
     """
-    margin, force, limit = margin_after(t, e, time), t.element.force[e], t.element.friction_limit[e]
+    margin = margin_after(t, e, time)
+    force, limit = t.friction_element.force[e], t.friction_element.friction_limit[e]
     for k in range(DIRECTIONS):
         scale = abs(slope(force, k)) + abs(slope(limit, k)) + value(limit) * largest_displacement(t, k)
         if abs(slope(margin, k)) > SAME_TIME_SLOPE * scale:
@@ -239,8 +247,8 @@ def slips_for_nearby_parameters(t, e, time):
 
 def any_stops_sliding(t):
     """Return whether an element stops sliding at the end of the last step."""
-    for i in range(t.friction.count):
-        if t.element.event[t.element.index[i]] == SLIDING_ENDS:
+    for i in range(t.friction.active_count):
+        if t.friction_element.event[t.friction_element.index[i]] == SLIDING_ENDS:
             return True
     return False
 
@@ -261,52 +269,33 @@ def stays_at_rest(t, speed_after, time):
     return True
 
 
-def largest_slope(vectors, direction):
-    """Return the largest |derivative| of any component of the ``vectors`` of all places, in a ``direction``.
-
-    ``direction`` is the index, from 0, of a parameter or input.
-    """
-    largest = 0.0
-    for k in range(len(vectors.x)):
-        largest = max(largest, abs(slope(vectors.x[k], direction)), abs(slope(vectors.y[k], direction)))
-    return largest
-
-
-def largest_displacement(t, direction):
-    """Return the largest |derivative| of any place's coordinate, divided by the length of the longest link.
-
-    The derivatives are those in a ``direction``, as for ``largest_slope``.
-    """
-    return largest_slope(t.scratch.position, direction) / value(t.chain.longest_link)
-
-
 def make_modes_consistent(t):
     """Set the modes of dry friction to those of the primal run.
 
     The derivatives end if errors of the run, not the forces, have decided one of these modes, and this choice
     matters (``is_nearly_at_limit``).
     """
-    for e in range(t.elements):
+    for e in range(t.friction_elements):
         # the mode of an element whose sticking has just ended is certain
-        if t.element.mode_before[e] == STICKS and t.element.mode[e] != STICKS:
-            t.element.undecided[e] = 0
-        t.element.mode[e] = t.element.chosen_mode[e]
+        if t.friction_element.mode_before[e] == STICKS and t.friction_element.mode[e] != STICKS:
+            t.friction_element.decided_by_forces[e] = 0
+        t.friction_element.mode[e] = t.friction_element.chosen_mode[e]
     list_sticking(t)
     if any_begins_to_stick(t):
         clear_sticking_speeds(t)
     check_onsets_at_rest(t)
     rate_from_points(t, t.step.state_end, t.scratch.rate)
     accelerate_points(t, t.step.state_end, t.scratch.rate)
-    for i in range(t.friction.count):
-        e = t.element.index[i]
-        if t.element.undecided[e] and is_nearly_at_limit(t, e):
+    for i in range(t.friction.active_count):
+        e = t.friction_element.index[i]
+        if t.friction_element.decided_by_forces[e] and is_nearly_at_limit(t, e):
             end_derivatives(t, AT_FRICTION_LIMIT, e)
 
 
 def any_begins_to_stick(t):
     """Return whether any element that has slid up to now begins to stick at this event."""
     for i in range(t.friction.stuck_count):
-        mode_before = t.element.mode_before[t.element.stuck_index[i]]
+        mode_before = t.friction_element.mode_before[t.friction_element.stuck_index[i]]
         if mode_before not in (STICKS, NO_FRICTION):
             return True
     return False
@@ -334,13 +323,13 @@ def check_onsets_at_rest(t):
     STOPPED. If the element slides, friction would stop only a speed against the direction of sliding, and the
     derivatives end.
     """
-    for i in range(t.friction.count):
-        e = t.element.index[i]
-        if t.element.undecided[e] and t.element.mode_before[e] == NO_FRICTION:
+    for i in range(t.friction.active_count):
+        e = t.friction_element.index[i]
+        if t.friction_element.decided_by_forces[e] and t.friction_element.mode_before[e] == NO_FRICTION:
             speed = tangential_rate(t, e)
             if not stays_at_rest(t, speed, dual_with_slope(0.0, 0.0, speed)):
-                if t.element.mode[e] == STICKS:
-                    t.element.undecided[e] = STOPPED
+                if t.friction_element.mode[e] == STICKS:
+                    t.friction_element.decided_by_forces[e] = STOPPED
                 else:
                     end_derivatives(t, SLIDES_FROM_REST, e)
 
@@ -352,8 +341,8 @@ def contact_resistance(t):
     result is the same as in forces/holding.py.
     """
     for i in range(t.friction.stuck_count):
-        e = t.element.stuck_index[i]
-        if t.element.undecided[e] == STOPPED and begins_now(t, e):
+        e = t.friction_element.stuck_index[i]
+        if t.friction_element.decided_by_forces[e] == STOPPED and begins_now(t, e):
             return dual_with_slope(0.0, 0.0, t.step.end)
     return CONTACT_RESISTANCE * mean_mass(t)
 
@@ -363,7 +352,7 @@ def check_coefficients(t):
 
     The motion has only one-sided derivatives with respect to such parameters (``check_coefficient``).
     """
-    if t.elements == 0:
+    if t.friction_elements == 0:
         return
     for c in range(t.candidates):
         if t.contacts.active[c]:
@@ -373,17 +362,17 @@ def check_coefficients(t):
 
 
 def is_nearly_at_limit(t, e):
-    """Return whether errors decide if undecided element e sticks or slides, and this choice matters.
+    """Return whether errors decide if e, whose mode forces decide, sticks or slides, and this matters.
 
     This is so if the force that would hold e at rest nearly equals the limit of friction. If the effect of
     the choice is negligible, the result is false.
     """
-    limit, errors = value(t.element.friction_limit[e]), OPEN_DISTANCE * value(t.solver.tolerance)
+    limit, errors = value(t.friction_element.friction_limit[e]), OPEN_DISTANCE * value(t.solver.tolerance)
     if limit <= value(friction_round_off(t, e)):
         return False
     mass, time = value(mean_mass(t)), settling_time(t)
-    if t.element.mode[e] == STICKS:
-        margin = t.element.friction_limit[e] - abs(t.element.force[e])
+    if t.friction_element.mode[e] == STICKS:
+        margin = t.friction_element.friction_limit[e] - abs(t.friction_element.force[e])
         is_near = abs(value(margin)) <= errors * limit
         return is_near and (friction_drops(t, e) or not is_negligible(t, margin * (time / mass)))
     is_slow = not friction_drops(t, e) and acceleration_may_be_error(t, e)

@@ -7,9 +7,9 @@ jumps, which may be larger than the values before and after both jumps.
 import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.forces.active_contacts import contact_force, set_contact_extremes, set_joint_square
 from chain_impact.kernel.ode.last_step import set_start_delay
-from chain_impact.kernel.rows.geometry import clearance_and_rate
 from chain_impact.kernel.tangent.duals import DIRECTIONS, replace_slope, slope, value
 from chain_impact.kernel.transmitted_forces import set_joint_force_peak, square_of_force
 

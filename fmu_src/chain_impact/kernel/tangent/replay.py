@@ -31,6 +31,8 @@ from chain_impact.kernel.chain.drives import drive_count
 from chain_impact.kernel.chain.inputs import apply_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import derive_signals
+from chain_impact.kernel.constraints.compliance import mean_mass
+from chain_impact.kernel.constraints.geometry import has_sticking
 from chain_impact.kernel.events.marks import copy_marks
 from chain_impact.kernel.events.segments import begin_segments
 from chain_impact.kernel.forces.active_contacts import clear_loads
@@ -69,8 +71,6 @@ from chain_impact.kernel.record.constants import CONTACT_ENDS, RADAU_STAGES
 from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START
 from chain_impact.kernel.record.method import is_implicit
 from chain_impact.kernel.record.state import dissipated_at, velocity_at
-from chain_impact.kernel.rows.compliance import mean_mass
-from chain_impact.kernel.rows.geometry import has_sticking
 from chain_impact.kernel.tangent.duals import (
     DIRECTIONS,
     copy_given,
@@ -122,8 +122,8 @@ def start_tangent(d, t):
     begin_explicit(t)
 
 
-def reinit_tangent(d, t):
-    """Re-initialize t at the communication point, as d was; ``truncate_tangent`` has cut t's step there."""
+def restart_tangent(d, t):
+    """Restart t at the communication point, as d was; ``truncate_tangent`` has cut t's step there."""
     reset_step(t, t.step.end, t.step.state_end)
     set_start_delay(t, dual_with_slope(0.0, 0.0, t.step.end))
     # derivatives that have ended only after this point are valid again, because that part of the run is
@@ -154,8 +154,8 @@ def copy_given_and_modes(d, t):
 
 def copy_modes(d, t):
     """Store the modes of friction and drives of d in ``chosen_mode`` of t; t does not choose modes."""
-    for e in range(d.elements):
-        t.element.chosen_mode[e] = d.element.mode[e]
+    for e in range(d.friction_elements):
+        t.friction_element.chosen_mode[e] = d.friction_element.mode[e]
     if d.chain.has_drive_limits:
         for i in range(drive_count(d)):
             t.drive.chosen_mode[i] = d.drive.mode[i]
@@ -287,7 +287,9 @@ def speed_by_friction(d, t, direction):
     if d.friction.stuck_count == 0:
         return 0.0
     for i in range(d.friction.stuck_count):
-        force = max(force, abs(slope(t.element.friction_limit[d.element.stuck_index[i]], direction)))
+        force = max(
+            force, abs(slope(t.friction_element.friction_limit[d.friction_element.stuck_index[i]], direction))
+        )
     for j in range(velocity_at(d.links), dissipated_at(d.links)):
         weight = max(weight, d.implicit.error_weight[j])
     return force * d.step.size * weight / mean_mass(d)

@@ -17,12 +17,12 @@ import math
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import drives_base
 from chain_impact.kernel.chain.sines import TAU
+from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.events.segments import shift_start
 from chain_impact.kernel.mathematics.angles import unit_vector
 from chain_impact.kernel.ode.last_step import evaluate_start
 from chain_impact.kernel.record.constants import SINE
 from chain_impact.kernel.record.input_fields import CHANNEL, TARGET
-from chain_impact.kernel.rows.geometry import clearance_and_rate
 from chain_impact.kernel.tangent.duals import DIRECTIONS, dual_with_slope, has_slope, slope, value
 
 # ∫ (1 − r) dx over a rise, with x from 0 to 1 and r = 10 x³ − 15 x⁴ + 6 x⁵: the rise acts like a jump that is
@@ -85,7 +85,7 @@ def jump_at_begin(t, j):
 
 def is_linear(t):
     """Return whether the rates at the start of the run are linear in the inputs."""
-    return t.contacts.active_count == 0 and t.friction.count == 0 and not t.chain.has_drive_limits
+    return t.contacts.active_count == 0 and t.friction.active_count == 0 and not t.chain.has_drive_limits
 
 
 def nearest_clearance(t):

@@ -9,13 +9,13 @@ import math
 
 from chain_impact.kernel import transmitted_forces
 from chain_impact.kernel.chain import drives, kinematics
+from chain_impact.kernel.constraints import impulses
 from chain_impact.kernel.events import friction_modes, saturation, segments
 from chain_impact.kernel.forces import force_formula, holding, user_law
 from chain_impact.kernel.mathematics import angles, exponentials, logarithms, powers
 from chain_impact.kernel.ode import dense, sundman_rate
 from chain_impact.kernel.ode.last_step import evaluate_start
 from chain_impact.kernel.record.state import sundman_u_at, time_at
-from chain_impact.kernel.rows import constraints
 from chain_impact.kernel.tangent.duals import (
     DIRECTIONS,
     dual_with_slope,
@@ -244,8 +244,8 @@ def time_of_peak(_t, time, place):
 
 DUAL_RULES = {
     holding.contact_resistance: contact_resistance,
-    constraints.iterated_enough: iterated_enough,
-    constraints.may_exceed: may_exceed,
+    impulses.iterated_enough: iterated_enough,
+    impulses.may_exceed: may_exceed,
     force_formula.power_of_penetration: power_of_penetration,
     exponentials.exp: exp,
     exponentials.expm1: expm1,

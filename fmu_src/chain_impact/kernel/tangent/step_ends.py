@@ -5,7 +5,7 @@ of this time, and the state there gets the derivatives of a shift along the moti
 ends exactly at the event: a force that jumps there may have its largest value before the jump.
 """
 
-from chain_impact.kernel.events.marks import count_pending_changes
+from chain_impact.kernel.events.marks import count_mode_changes
 from chain_impact.kernel.events.segments import has_segment_ended
 from chain_impact.kernel.ode.last_step import (
     count_break,
@@ -41,7 +41,7 @@ def move_end(t):
             check_onsets(t)
             move_along(t, delay_of_crossing(t, c, t.contacts.event[c]))
             return
-    if count_pending_changes(t) > 0:
+    if count_mode_changes(t) > 0:
         prepare_end(t)
         time = delay_of_change(t)
         check_changes(t, time)
@@ -55,7 +55,7 @@ def move_end(t):
             prepare_end(t)
             move_along(t, delay_without_force_jump(t, c, t.contacts.event[c]))
             return
-    if t.drive.mode_ends:
+    if t.drive.mode_change_pending:
         prepare_end(t)
         move_along(t, delay_of_saturation(t))
 
@@ -116,12 +116,12 @@ def ends_at_limit(t):
 
     The result is false if an event of a contact or of dry friction ends the step, too.
     """
-    return t.drive.mode_ends != 0 and not ends_with_contact(t)
+    return t.drive.mode_change_pending != 0 and not ends_with_contact(t)
 
 
 def ends_with_segment(t):
     """Return whether the last step ends where a segment of a signal ends, and no other event happens."""
-    if t.drive.mode_ends != 0 or ends_with_contact(t):
+    if t.drive.mode_change_pending != 0 or ends_with_contact(t):
         return False
     for j in range(t.signals):
         if has_segment_ended(t, j):
@@ -134,7 +134,7 @@ def ends_with_contact(t):
     for c in range(t.candidates):
         if t.contacts.event[c]:
             return True
-    return count_pending_changes(t) > 0
+    return count_mode_changes(t) > 0
 
 
 def fix_start(t):

@@ -9,12 +9,12 @@ reason.
 import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.forces.candidate_laws import USER_LAW
 from chain_impact.kernel.forces.force_formula import uncut_force
 from chain_impact.kernel.forces.friction import joint_number
 from chain_impact.kernel.record.constants import ONSET
-from chain_impact.kernel.rows.geometry import clearance_and_rate
 from chain_impact.kernel.tangent.duals import DIRECTIONS, slope, value
 
 # values of ``trust.reason``
@@ -94,6 +94,25 @@ def fastest_speed(t):
             x, y = value(velocity.x[k]), value(velocity.y[k])
             largest_speed = max(largest_speed, math.sqrt(x * x + y * y))
     return largest_speed
+
+
+def largest_slope(vectors, direction):
+    """Return the largest |derivative| of any component of the ``vectors`` of all places, in a ``direction``.
+
+    ``direction`` is the index, from 0, of a parameter or input.
+    """
+    largest = 0.0
+    for k in range(len(vectors.x)):
+        largest = max(largest, abs(slope(vectors.x[k], direction)), abs(slope(vectors.y[k], direction)))
+    return largest
+
+
+def largest_displacement(t, direction):
+    """Return the largest |derivative| of any place's coordinate, divided by the length of the longest link.
+
+    The derivatives are those in a ``direction``, as for ``largest_slope``.
+    """
+    return largest_slope(t.scratch.position, direction) / value(t.chain.longest_link)
 
 
 def check_turns(t):

@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from chain_impact.kernel.chain.inertia import find_loose_links
+from chain_impact.kernel.constraints.geometry import ALLOWED_OVERLAP
 from chain_impact.kernel.forces.friction import choose_wall_friction
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.constants import WALLS
-from chain_impact.kernel.rows.geometry import ALLOWED_OVERLAP
 from chain_impact.scene.checks.signal_checks import check_signals
 from chain_impact.scene.contents import Contents
 from chain_impact.scene.errors import SceneError, error_at, no_wall_error, refusal, value_text

@@ -176,7 +176,7 @@ static void warn(Instance *instance) {
     const Variable *variables = in_table(table, table->variables_at);
     const char *name = "a motion";
     for (int64_t i = 0; i < table->variable_count; i++)
-        if (variables[i].kind == INPUT && variables[i].word == table->position_word + words->integer - 1)
+        if (variables[i].role == INPUT && variables[i].word == table->position_word + words->integer - 1)
             name = text_of(table, variables[i].name);
     instance->warned = 1;
     say(instance, WARNING, "%s has been moved by %s m in %s s, which contradicts its velocity of %s m/s: give both",

@@ -5,7 +5,7 @@
 
 #include <stdint.h>
 
-/* fmu/table.py: values of Variable.type and Variable.kind; an enumeration is an integer */
+/* fmu/table.py: values of Variable.type and Variable.role; an enumeration is an integer */
 enum { REAL, INTEGER };
 enum { FIXED, TUNABLE, INPUT, OUTPUT, INDEPENDENT };
 
@@ -19,7 +19,7 @@ typedef struct {
     int64_t set_word;
     int64_t length;
     int32_t type;
-    int32_t kind;
+    int32_t role;
     int32_t name;
     int32_t allowed;
 } Variable;

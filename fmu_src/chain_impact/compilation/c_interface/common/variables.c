@@ -13,7 +13,7 @@ enum { BEFORE = IN(INSTANTIATED) | IN(INITIALIZING), AT_ANY_TIME = BEFORE | IN(S
 static const unsigned SETTABLE[] = {
     [FIXED] = BEFORE, [TUNABLE] = AT_ANY_TIME, [INPUT] = AT_ANY_TIME, [OUTPUT] = 0, [INDEPENDENT] = 0,
 };
-static const char *const KINDS[] = {"a fixed parameter", "a tunable parameter", "an input", "an output",
+static const char *const ROLES[] = {"a fixed parameter", "a tunable parameter", "an input", "an output",
                                     "the independent variable"};
 
 /* Return the variable with the value reference `vr`; NULL if there is none, or if its type is not that of the array. */
@@ -27,7 +27,7 @@ static const Variable *variable(const Instance *instance, uint32_t vr, ArrayType
    initialization mode on, for a parameter whose given value and value in use are in two words, such as a parameter that
    the kernel can derive, also if the importer has set this parameter. */
 static int worked_out(const Instance *instance, const Variable *of) {
-    return of->kind == OUTPUT || (of->word != of->set_word && instance->phase != INSTANTIATED);
+    return of->role == OUTPUT || (of->word != of->set_word && instance->phase != INSTANTIATED);
 }
 
 /* Return the record from which variables are read; NULL after an error. If the kernel must compute one of the
@@ -95,7 +95,7 @@ int get(Instance *instance, const char *call, ArrayType array, const uint32_t vr
     if (!record) return ERROR;
     for (size_t i = 0, at = 0; i < count; i++) {
         const Variable *from = variable(instance, vr[i], array);
-        const Word *word = from->kind == INDEPENDENT ? &(const Word){.real = instance->time} : record + from->word;
+        const Word *word = from->role == INDEPENDENT ? &(const Word){.real = instance->time} : record + from->word;
         for (int64_t k = 0; k < from->length; k++) store(word[k], array, values, at++);
     }
     return status;
@@ -112,8 +112,8 @@ static int check(const Instance *instance, const char *call, ArrayType array, ui
     if (!at)
         return say(instance, ERROR, "%s: the value reference %u belongs to another type or to no variable", call, vr);
     const char *name = text_of(instance->table, at->name), *range = text_of(instance->table, at->allowed);
-    if (!(SETTABLE[at->kind] & IN(instance->phase)))
-        return say(instance, ERROR, "%s: %s is %s and cannot be set %s", call, name, KINDS[at->kind], when(instance));
+    if (!(SETTABLE[at->role] & IN(instance->phase)))
+        return say(instance, ERROR, "%s: %s is %s and cannot be set %s", call, name, ROLES[at->role], when(instance));
     uint64_t registers = usual_registers();
     double value = at->type == REAL ? new.real : (double)new.integer;
     /* for NaN, in_range is 0, because each comparison with NaN is false */

@@ -37,7 +37,7 @@ static int is_word(const Table *table, int64_t word) {
 
 static int is_variable(const Table *table, const Variable *variable) {
     return (variable->type == REAL || variable->type == INTEGER) &&
-           variable->kind >= FIXED && variable->kind <= INDEPENDENT &&
+           variable->role >= FIXED && variable->role <= INDEPENDENT &&
            is_text(table, variable->name) && is_text(table, variable->allowed) && is_word(table, variable->word) &&
            is_word(table, variable->set_word) && variable->length >= 1 && variable->length <= table->record_size &&
            is_word(table, variable->word + variable->length - 1);

@@ -5,18 +5,18 @@ import pytest
 
 from chain_impact.kernel.chain import kinematics, response
 from chain_impact.kernel.chain.drives import drive_slopes
+from chain_impact.kernel.constraints import compliance, geometry
 from chain_impact.kernel.ode.extended import drive_resistance
-from chain_impact.kernel.rows import compliance, geometry
 from tests.helpers.models.reference import mass_matrix, point_jacobian, random_impedances, set_impedances
 from tests.kernel.chains import (
     chain,
     free_coordinates,
     gradients,
+    mark_touching,
     random_state,
     relative_motion,
     stopped_chain,
     stops_of,
-    touch,
     vectors,
 )
 
@@ -34,7 +34,7 @@ def made(case, resist=True):
     scene, d = stopped_chain(count, base, **more) if touching is None else chain(rng, count, base, **more)
     y, stops, across = random_state(rng, d), stops_of(d), relative_motion(count)
     kinematics.locate_points(d, y)
-    touch(
+    mark_touching(
         d, [0, 3, *stops[1::3], *stops[::4]] if stops else rng.choice(d.candidates, touching, replace=False)
     )
     # values from an earlier problem

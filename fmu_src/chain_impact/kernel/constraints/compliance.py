@@ -16,8 +16,7 @@ is formed.
 from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.response import FREE, clear_impedance, factorize_matrix, solve_response
 from chain_impact.kernel.chain.sites import move_site_loads
-from chain_impact.kernel.record.state import coordinate_count, omega_at, velocity_at
-from chain_impact.kernel.rows.geometry import (
+from chain_impact.kernel.constraints.geometry import (
     add_along_row,
     add_impedance,
     add_joint_impedances,
@@ -29,17 +28,18 @@ from chain_impact.kernel.rows.geometry import (
     is_at_joint_stop,
     normal_row,
 )
+from chain_impact.kernel.record.state import coordinate_count, omega_at, velocity_at
 
 # A mobility (1/effective mass) of a point below LEAST_MOBILITY, relative to 1/(mass of chain, carriage and
 # armatures), is raised to this value. In a toggle position of a pinned chain the mobility of a point is 0,
 # and its effective mass would be infinite. A mass a million times the chain's has almost the effect of an
 # infinite mass.
 LEAST_MOBILITY = 1e-6
-# The number of iterations (constraints.py) for sticking elements if no rigid wall holds a point. This number
+# The number of iterations (impulses.py) for sticking elements if no rigid wall holds a point. This number
 # is fixed, except that the iteration ends when the residual is round-off: if the number depended on the
 # residual, the forces would jump from one state to the next.
 STICKING_ITERATIONS = 5
-# The impedance D of a constraint, relative to the mean mass of a link. An iteration in constraints.py divides
+# The impedance D of a constraint, relative to the mean mass of a link. An iteration in impulses.py divides
 # the residual by 1 + D W, with the mobility W: at rigid walls, two or three iterations usually suffice. A
 # larger D would lose digits of the chain's inertia, a smaller D needs more iterations.
 RELATIVE_IMPEDANCE = 1e6

@@ -1,6 +1,6 @@
 """Constraint forces within the limits of friction: a convex problem, which always has a solution.
 
-Where constraints depend on each other, their forces are not unique. The forces that constraints.py finds,
+Where constraints depend on each other, their forces are not unique. The forces that impulses.py finds,
 with the least Σ p²/D, may exceed a limit of friction although other forces satisfy the same constraints
 within all limits. With W the inverse of the mass matrix along the constraints, the forces p within the limits
 that satisfy the constraints as well as possible are the solution of
@@ -18,7 +18,7 @@ The method of multipliers finds the solution also where W is singular (Rockafell
     p⁺ = clip(p + D m⁺),    m⁺ = target − u(p⁺),
 
 which has a unique solution, because W + D⁻¹ is positive definite. If no limit is reached, this is the
-iteration in constraints.py. Let I be the constraints whose forces are inside their limits; all other forces
+iteration in impulses.py. Let I be the constraints whose forces are inside their limits; all other forces
 are at their limits. The forces of I follow from the recursion:
 
     (M + J_Iᵀ D J_I) z = J_Iᵀ D m + Σ_{others} Jᵀ (limit − p),    p⁺ = p + D (m − J z).
@@ -30,16 +30,16 @@ Comput Stat 10:129).
 import math
 
 from chain_impact.kernel.chain.response import FREE, HELD
-from chain_impact.kernel.cost import count_other_cost, is_cost_exceeded
-from chain_impact.kernel.rows.complementarity import EXTRA_PIVOTS
-from chain_impact.kernel.rows.compliance import (
+from chain_impact.kernel.constraints.complementarity import EXTRA_PIVOTS
+from chain_impact.kernel.constraints.compliance import (
     STICKING_ITERATIONS,
     factorize_contacts,
     holding_impedance,
     solve_contacts,
 )
-from chain_impact.kernel.rows.constraints import SIGN_TOLERANCE, SOLVED_RESIDUAL, set_impedance
-from chain_impact.kernel.rows.geometry import constraint_count, constraint_row, dot
+from chain_impact.kernel.constraints.geometry import constraint_count, constraint_row, dot
+from chain_impact.kernel.constraints.impulses import SIGN_TOLERANCE, SOLVED_RESIDUAL, set_impedance
+from chain_impact.kernel.cost import count_other_cost, is_cost_exceeded
 
 # Where W is nearly singular, the residual falls slowly, and a force after few iterations may be at a limit
 # though the exact force is not. Iterations end when all residuals of the constraints inside their limits are
@@ -123,9 +123,9 @@ def upper_limit(d, k):
     first = d.contacts.active_count
     if k < first:
         return math.inf
-    e = d.element.stuck_index[k - first]
+    e = d.friction_element.stuck_index[k - first]
     ratio = d.law.friction[e] / d.law.static_friction[e] if e < d.candidates else 1.0
-    return max(0.0, ratio * d.element.friction_limit[e])
+    return max(0.0, ratio * d.friction_element.friction_limit[e])
 
 
 def clip_force(d, k, force):

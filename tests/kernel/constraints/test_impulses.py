@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.response import HELD
-from chain_impact.kernel.rows import compliance, constraints, geometry
-from tests.kernel.chains import touch
+from chain_impact.kernel.constraints import compliance, geometry, impulses
+from tests.kernel.chains import mark_touching
 from tests.kernel.forces.pressed import CANDIDATES, problem
 
 POINTS, FAR = 5, 10.0
@@ -17,8 +17,8 @@ POINTS, FAR = 5, 10.0
 @pytest.mark.parametrize("ratio", [1e-6, 1.0, 1e6])
 def test_masses_that_differ_by_a_million_are_no_hindrance(ratio):
     d, *_ = problem(pressed=(1, 1, 1, 1), masses=(1.0, ratio, 1.0, 1.0))
-    constraints.factorize_free(d)
-    constraints.solve_equality(d, 1.0)
+    impulses.factorize_free(d)
+    impulses.solve_equality(d, 1.0)
     np.testing.assert_allclose(d.constraints.reached_motion[:4], d.constraints.target_motion[:4], atol=1e-10)
 
 
@@ -26,18 +26,18 @@ def test_only_the_pressed_have_an_impedance_and_miss_their_aims():
     d, *_ = problem()
     own = d.constraints
     own.impedance[:] = own.residual[:] = own.impulse[:] = own.change[:] = 9.0
-    constraints.clear_impulses(d)
+    impulses.clear_impulses(d)
     assert not own.change.any()
     assert not own.impulse[:4].any()
     assert (own.impulse[4:] == 9.0).all()
     np.testing.assert_array_equal(own.reached_motion[:4], own.unforced_motion[:4])
     own.target_motion[1] = 1e3  # target of a contact that is not pressed
     for amount in (0.0, 4.5):
-        constraints.set_impedance(d, amount)
+        impulses.set_impedance(d, amount)
         assert own.impedance[:5].tolist() == [amount, 0.0, amount, amount, 9.0]
     for sign in (1.0, -1.0):
         own.reached_motion[:4] = own.target_motion[:4] - sign * np.array([0.3, 7.0, 0.5, 0.1])
-        assert constraints.find_residual(d) == pytest.approx(0.5, rel=1e-9)
+        assert impulses.find_residual(d) == pytest.approx(0.5, rel=1e-9)
         np.testing.assert_allclose(own.residual[:4], sign * np.array([0.3, 0.0, 0.5, 0.1]), atol=1e-9)
 
 
@@ -48,14 +48,14 @@ def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
     amount = compliance.holding_impedance(d)
     assert amount == pytest.approx(compliance.RELATIVE_IMPEDANCE * d.chain.mass.mean(), rel=1e-14)
     for k, c in enumerate(d.contacts.active_index[:4]):
-        touch(d, [c])
+        mark_touching(d, [c])
         d.constraints.impedance[0] = amount
         compliance.factorize_contacts(d, HELD, d.constraints.impedance)
         compliance.solve_contacts(d, HELD, np.ones(len(d.constraints.impulse)), d.constraints.change)
         moved = geometry.dot(geometry.normal_row(d, c), d.scratch.place_change)
         assert moved == pytest.approx(w[k, k] / (1.0 + amount * w[k, k]), rel=1e-6)
         assert moved < 1e-5 * w[k, k]
-        touch(d, CANDIDATES if base == "free" else [c - 1 for c in CANDIDATES])
+        mark_touching(d, CANDIDATES if base == "free" else [c - 1 for c in CANDIDATES])
 
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
@@ -66,9 +66,9 @@ def test_all_pressed_contacts_reach_their_targets(base, pressed):
     """A single pressed contact takes one solution, and several contacts take a few sweeps."""
     d, _, _, response, w = problem(base, pressed)
     own, rows, before, alone = d.constraints, np.flatnonzero(pressed), d.budget.other_cost, sum(pressed) == 1
-    assert constraints.single_active(d) == (rows[0] if alone else -1)
-    constraints.factorize_free(d)
-    constraints.solve_equality(d, 2.0)
+    assert impulses.single_active(d) == (rows[0] if alone else -1)
+    impulses.factorize_free(d)
+    impulses.solve_equality(d, 2.0)
     expected, off = np.zeros(4), 1e-12 if alone else 1e-9
     expected[rows] = np.linalg.solve(w[np.ix_(rows, rows)], (own.target_motion - own.unforced_motion)[rows])
     np.testing.assert_allclose(own.impulse[:4], expected, rtol=off, atol=off * (not alone))
@@ -86,10 +86,10 @@ def test_a_contact_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
     d, _, _, _, w = problem(pressed=[0, 1, 0, 0])
     own = d.constraints
     for part, iterates in ((1.01, True), (0.99, False)):
-        monkeypatch.setattr(constraints, "LEAST_SINGLE_MOBILITY", part * w[1, 1] * compliance.mean_mass(d))
+        monkeypatch.setattr(impulses, "LEAST_SINGLE_MOBILITY", part * w[1, 1] * compliance.mean_mass(d))
         before = d.budget.other_cost
-        constraints.factorize_free(d)
-        constraints.solve_equality(d, 2.0)
+        impulses.factorize_free(d)
+        impulses.solve_equality(d, 2.0)
         assert own.impulse[1] == pytest.approx(
             (own.target_motion - own.unforced_motion)[1] / w[1, 1], rel=1e-12
         )
@@ -119,28 +119,28 @@ def test_points_that_cannot_be_held_are_told_by_what_is_left():
     d.contacts.active_index[1] = d.contacts.active_index[0]
     own.unforced_motion[:2], own.target_motion[:2] = 0.0, (1.0, -1.0)
     before = d.budget.other_cost
-    constraints.factorize_free(d)
-    assert constraints.solve_equality(d, 1.0) == pytest.approx(1.0, rel=1e-6)
+    impulses.factorize_free(d)
+    assert impulses.solve_equality(d, 1.0) == pytest.approx(1.0, rel=1e-6)
     assert d.budget.other_cost - before <= 20
-    for tolerated, noted in ((2.0, constraints.SOLVED), (0.5, constraints.MOVING)):
-        constraints.clear_outcome(d)
-        constraints.note_moving(d, tolerated)
+    for tolerated, noted in ((2.0, impulses.SOLVED), (0.5, impulses.MOVING)):
+        impulses.clear_outcome(d)
+        impulses.note_moving(d, tolerated)
         assert d.constraints.outcome == noted
-    constraints.note_unsolved(d)
-    constraints.note_moving(d, 0.5)
-    assert d.constraints.outcome == constraints.UNSOLVED
+    impulses.note_unsolved(d)
+    impulses.note_moving(d, 0.5)
+    assert d.constraints.outcome == impulses.UNSOLVED
 
 
 @pytest.mark.parametrize("part", [0.5, 1.0, 2.0])
 def test_a_point_that_hardly_moves_is_held_in_a_few_iterations(monkeypatch, part):
     """For D W ≈ 1 plain iterations would need 30 or more until the residual is round-off."""
     d, _, _, _, w = problem(pressed=(0, 1, 0, 0))
-    monkeypatch.setattr(constraints, "LEAST_SINGLE_MOBILITY", 1e9)
-    monkeypatch.setattr(constraints, "holding_impedance", lambda _: part / w[1, 1])
-    monkeypatch.setattr(constraints, "LARGEST_IMPEDANCE", 1e12 * part / w[1, 1] / compliance.mean_mass(d))
+    monkeypatch.setattr(impulses, "LEAST_SINGLE_MOBILITY", 1e9)
+    monkeypatch.setattr(impulses, "holding_impedance", lambda _: part / w[1, 1])
+    monkeypatch.setattr(impulses, "LARGEST_IMPEDANCE", 1e12 * part / w[1, 1] / compliance.mean_mass(d))
     before = d.budget.other_cost
-    constraints.factorize_free(d)
-    assert constraints.solve_equality(d, 2.0) <= 2e-15
+    impulses.factorize_free(d)
+    assert impulses.solve_equality(d, 2.0) <= 2e-15
     assert d.budget.other_cost - before <= 22
     assert d.constraints.impulse[1] == pytest.approx(
         (d.constraints.target_motion - d.constraints.unforced_motion)[1] / w[1, 1], rel=1e-12

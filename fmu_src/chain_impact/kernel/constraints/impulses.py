@@ -28,9 +28,7 @@ depended on the residual, forces would jump within a step by a part of the resid
 import math
 
 from chain_impact.kernel.chain.response import FREE, HELD
-from chain_impact.kernel.cost import count_other_cost
-from chain_impact.kernel.function_marks import has_dual_rule, inlined
-from chain_impact.kernel.rows.compliance import (
+from chain_impact.kernel.constraints.compliance import (
     RELATIVE_IMPEDANCE,
     STICKING_ITERATIONS,
     factorize_contacts,
@@ -40,7 +38,7 @@ from chain_impact.kernel.rows.compliance import (
     solve_contacts,
     solve_in_space,
 )
-from chain_impact.kernel.rows.geometry import (
+from chain_impact.kernel.constraints.geometry import (
     add_along_row,
     clear_used_loads,
     constraint_count,
@@ -48,6 +46,8 @@ from chain_impact.kernel.rows.geometry import (
     dot,
     has_sticking,
 )
+from chain_impact.kernel.cost import count_other_cost
+from chain_impact.kernel.function_marks import has_dual_rule, inlined
 
 # If an iteration at a rigid wall leaves more than SLOW_DECREASE of the residual, as near a toggle position,
 # where the mobility is small, the impedance is multiplied by IMPEDANCE_GROWTH, up to LARGEST_IMPEDANCE times
@@ -106,10 +106,14 @@ def scale_sticking_impedances(d):
     """Multiply sticking elements' impedances by max(LEAST_STICKING_IMPEDANCE, limit/largest limit) each."""
     friction, first, largest_limit = d.friction, d.contacts.active_count, 0.0
     for i in range(friction.stuck_count):
-        largest_limit = max(largest_limit, d.element.friction_limit[d.element.stuck_index[i]])
+        largest_limit = max(
+            largest_limit, d.friction_element.friction_limit[d.friction_element.stuck_index[i]]
+        )
     for i in range(friction.stuck_count):
         ratio = (
-            d.element.friction_limit[d.element.stuck_index[i]] / largest_limit if largest_limit > 0.0 else 1.0
+            d.friction_element.friction_limit[d.friction_element.stuck_index[i]] / largest_limit
+            if largest_limit > 0.0
+            else 1.0
         )
         d.constraints.impedance[first + i] *= max(LEAST_STICKING_IMPEDANCE, ratio)
 

@@ -32,6 +32,7 @@ from chain_impact.kernel.chain.drives import drive_component, mode_margin
 from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import rate_in_limited_drives
+from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.events.crossing import SIMULTANEOUS_TIME, locate_at_fraction, make_passage_search
@@ -43,13 +44,12 @@ from chain_impact.kernel.forces.holding import least_impulse, project_state
 from chain_impact.kernel.ode.control import is_accepted, reject_step
 from chain_impact.kernel.ode.dense import interpolate_state
 from chain_impact.kernel.record.constants import (
+    CHECK_FAILED,
     KINK,
     RELATCH,
     RELEASE,
-    SPOILED,
 )
 from chain_impact.kernel.record.state import omega_at, velocity_at
-from chain_impact.kernel.rows.geometry import clearance_and_rate
 
 # SAMPLES: the number of samples in the searched part of a step in which a stage or an end shows an event. The
 # search for RELATCH takes FEW_SAMPLES: if it misses an event, the latched speed only stays too low.
@@ -205,7 +205,7 @@ def check_pull(d, _c):
     if not least_force < -pull_limit(d):
         return False
     if least_force < -plausible_pull(d) and d.step.size > LEAST_REJECTED_STEP:
-        reject_step(d, SPOILED)
+        reject_step(d, CHECK_FAILED)
         return False
     return True
 

@@ -207,7 +207,7 @@ def constraint_row(d, k):
     """
     if k < d.contacts.active_count:
         return normal_row(d, d.contacts.active_index[k])
-    return tangent_row(d, d.element.stuck_index[k - d.contacts.active_count])
+    return tangent_row(d, d.friction_element.stuck_index[k - d.contacts.active_count])
 
 
 def dot(row, vectors):
@@ -274,7 +274,7 @@ def constraint_acceleration(d, k):
     """Return the acceleration [m/s²] of constraint k, relative to wall or belt, at accelerated points."""
     if k < d.contacts.active_count:
         return clearance_acceleration(d, d.contacts.active_index[k])
-    return tangential_acceleration(d, d.element.stuck_index[k - d.contacts.active_count])
+    return tangential_acceleration(d, d.friction_element.stuck_index[k - d.contacts.active_count])
 
 
 def add_joint_loads(d, load):

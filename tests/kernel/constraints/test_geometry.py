@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain import kinematics, response
-from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.record.constants import WALLS
-from chain_impact.kernel.rows.geometry import (
+from chain_impact.kernel.constraints.geometry import (
     BOX_NORMALS,
     add_along_row,
     add_impedance,
@@ -28,6 +26,8 @@ from chain_impact.kernel.rows.geometry import (
     tangent_row,
     tangential_rate,
 )
+from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.record.constants import WALLS
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import with_values
 from tests.helpers.kernel.plain import record_of
@@ -277,4 +277,4 @@ def test_the_tangent_of_a_joint_is_its_angle_at_the_arm(rubbing):
         speed = tangential_rate(d, e)
         assert speed == pytest.approx(d.chain.longest_link * rates[i], rel=1e-12, abs=1e-14)
     change = any_change(d)
-    assert_adjoint(d, [tangent_row(d, e) for e in range(d.elements)], change)
+    assert_adjoint(d, [tangent_row(d, e) for e in range(d.friction_elements)], change)

@@ -6,12 +6,12 @@ from scipy.linalg import cholesky
 from scipy.optimize import lsq_linear
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.constraints.friction_limits import find_limited_forces
+from chain_impact.kernel.constraints.geometry import constraint_count
+from chain_impact.kernel.constraints.impulses import LEAST_STICKING_IMPEDANCE
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.friction import list_sticking
 from chain_impact.kernel.record.constants import STICKS
-from chain_impact.kernel.rows.constraints import LEAST_STICKING_IMPEDANCE
-from chain_impact.kernel.rows.friction_limits import find_limited_forces
-from chain_impact.kernel.rows.geometry import constraint_count
 from tests.kernel.rubbing import AtRest, Doubled
 
 CASES = [("free", 3, True), ("free", 2, False), ("pinned", 1, True), ("pinned", 0, True)]
@@ -21,11 +21,11 @@ def stuck(seed, case, part):
     """Return a chain whose elements all stick, with limits of at least 0.2 ``part`` of their forces."""
     chain = AtRest(seed, *case)
     d = chain.d
-    d.element.mode[chain.elements] = STICKS
+    d.friction_element.mode[chain.elements] = STICKS
     list_sticking(d)
     limits = part * np.random.default_rng(seed).uniform(0.2, 1.5, len(chain.elements))
     solve(d)
-    set_limits(chain, limits * np.abs(d.element.force[chain.elements]))
+    set_limits(chain, limits * np.abs(d.friction_element.force[chain.elements]))
     return chain
 
 
@@ -37,7 +37,7 @@ def set_limits(chain, limits):
             d.law.static_friction[e] = d.law.friction[e] = limit / d.contacts.force[e]
         else:
             d.drive.friction[e - d.candidates] = limit * d.chain.longest_link
-            d.element.friction_limit[e] = limit
+            d.friction_element.friction_limit[e] = limit
 
 
 def solve(d):
@@ -80,11 +80,11 @@ def test_two_elements_at_one_place_share_a_load(seed, total):
     """The least sum of squares would exceed the small limit; together both elements hold all."""
     chain = Doubled(seed)
     d = chain.d
-    d.element.mode[chain.elements] = STICKS
+    d.friction_element.mode[chain.elements] = STICKS
     list_sticking(d)
     solve(d)
     first, second = (chain.elements.index(e) for e in chain.twins)
-    needed = abs(sum(d.element.force[list(chain.twins)]))
+    needed = abs(sum(d.friction_element.force[list(chain.twins)]))
     limits = np.full(len(chain.elements), 1e9)
     limits[second], limits[first] = LEAST_STICKING_IMPEDANCE / 10.0 * needed, needed / total
     set_limits(chain, limits)
@@ -106,12 +106,12 @@ def test_forces_are_found_where_constraints_nearly_depend_on_each_other(seed):
     """Only many iterations tell which of two elements with nearly the same tangent reaches its limit."""
     chain = Doubled(seed, apart=1e-5)
     d = chain.d
-    d.element.mode[chain.elements] = STICKS
+    d.friction_element.mode[chain.elements] = STICKS
     list_sticking(d)
     solve(d)
     limits = np.random.default_rng(seed).uniform(0.2, 1.5, len(chain.elements))
     limits[chain.elements.index(chain.twins[1])] *= 3.0
-    set_limits(chain, limits * np.abs(d.element.force[chain.elements]))
+    set_limits(chain, limits * np.abs(d.friction_element.force[chain.elements]))
     solve(d)
     find_limited_forces(d)
     right, at_limit = bounded(chain)

@@ -9,7 +9,7 @@ import pytest
 from chain_impact import CONTACT_LAWS, simulate
 from chain_impact.kernel.advance import advance
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.events import crossing, sampled
+from chain_impact.kernel.events import crossing, force_events
 from chain_impact.kernel.events.crossing import locate_at_fraction, make_passage_search
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.forces.active_contacts import kink_height
@@ -19,7 +19,7 @@ from chain_impact.kernel.ode.control import is_accepted
 from chain_impact.kernel.record.constants import CONTACT_ENDS, KINK, NO_EVENT, RELATCH, RELEASE
 from chain_impact.kernel.status import OK
 from chain_impact.variables.prepared import PreparedScene
-from tests.helpers.kernel.plain import Plain, begun
+from tests.helpers.kernel.plain import Plain, initialized
 from tests.helpers.scenes.bodies import cart
 from tests.helpers.scenes.problems import of_law, struck_ball
 from tests.kernel.chains import chain
@@ -36,7 +36,7 @@ def four(_d):
 
 def find_force_event(d, found):
     """Return θ of the event ``found``, or of an earlier event of a contact with a force."""
-    return sampled.find_kink(d, sampled.find_relatch(d, found))
+    return force_events.find_kink(d, force_events.find_relatch(d, found))
 
 
 @pytest.mark.parametrize(("resolution", "halvings"), [(0.0, 50), (1e-12, 44)])
@@ -111,7 +111,7 @@ def test_a_force_is_cut_off_where_it_comes_to_zero(law):
 def test_a_kink_is_crossed_first_where_a_sample_shows_it():
     """h = −t + 4 t² − 4 t³ has δ̇ < 0 from 1/6 s to ½ s; from the other side the motion returns at ½ s."""
     d, _ = falling([0.0, -1.0, 4.0, -4.0])
-    first_crossing = make_passage_search(sampled.side_of_kink_at, lambda _d: 8, 0.0)
+    first_crossing = make_passage_search(force_events.side_of_kink_at, lambda _d: 8, 0.0)
     assert first_crossing(d, 1, 1.0) == pytest.approx(1.0 / 6.0, abs=1e-14)
     assert first_crossing(d, 1, 0.16) == -1.0
     d.contacts.beyond_kink[1] = 1
@@ -161,7 +161,7 @@ def test_a_contact_is_latched_again_at_twice_its_impact_speed():
     """h = −t² reaches 2 v₀ at t = v₀."""
     d, _ = falling([0.0, 0.0, -1.0], law="zhang_sharf")
     d.contacts.latched_speed[1], d.contacts.event[:] = 0.37, 7
-    assert sampled.relatch_margin(d, 1, 0.369) > 0.0 > sampled.relatch_margin(d, 1, 0.371)
+    assert force_events.relatch_margin(d, 1, 0.369) > 0.0 > force_events.relatch_margin(d, 1, 0.371)
     assert RELATCH_RATIO == 2.0
     locate_at_fraction(d, 1.0)
     assert find_force_event(d, -1.0) == pytest.approx(0.37, abs=2e-12)
@@ -196,7 +196,7 @@ TOLERANCES = 10.0 ** -np.arange(6, 14)
 LARGEST_ERROR = 30.0
 
 
-def struck(law, e):
+def locate_touching_state(law, e):
     scene, _ = struck_ball(MASS, SPEED, **of_law(law), stiffness=STIFFNESS, restitution=e)
     return scene.with_values({"simulation.stop_time": 0.3})
 
@@ -208,7 +208,9 @@ def test_the_realised_restitution_errs_by_the_tolerance(law, e):
     """No smaller tolerance gives a larger error."""
     right, _, _ = scaled_impact(CONTACT_LAWS[law], e)
     for tolerance in TOLERANCES:
-        (impact,) = simulate(struck(law, e), tolerance=tolerance, output=(), output_step=0.3).impacts
+        (impact,) = simulate(
+            locate_touching_state(law, e), tolerance=tolerance, output=(), output_step=0.3
+        ).impacts
         error = abs(impact["separation_speed"] / impact["impact_speed"] - right)
         assert error <= LARGEST_ERROR * tolerance, tolerance
 
@@ -216,7 +218,11 @@ def test_the_realised_restitution_errs_by_the_tolerance(law, e):
 @pytest.mark.full("more cases", but=["kelvin_voigt", "tsuji"])
 @pytest.mark.parametrize("law", KINKED)
 def test_a_step_ends_at_the_kink(law):
-    d = Plain(PreparedScene(struck(law, 0.4).with_values({"solver.tolerance": 1e-9})).new_instance()[0])
+    d = Plain(
+        PreparedScene(locate_touching_state(law, 0.4).with_values({"solver.tolerance": 1e-9})).new_instance()[
+            0
+        ]
+    )
     assert initialize(d, 0.0) == OK
     kinks = []
     while d.contact_log.count == 0:
@@ -248,7 +254,7 @@ def test_a_point_is_released_where_its_force_falls_through_zero():
     d, c = released()
     d.contacts.event[:] = 7
     evaluations = d.statistics.rhs_evaluations
-    assert sampled.find_release(d, -1.0) == pytest.approx(FALLS, abs=1e-10)
+    assert force_events.find_release(d, -1.0) == pytest.approx(FALLS, abs=1e-10)
     assert d.contacts.event.tolist() == [int(k == c) * RELEASE for k in range(d.candidates)]
     assert d.statistics.rhs_evaluations > evaluations + 8
 
@@ -259,7 +265,7 @@ def test_only_a_release_before_the_event_that_was_found_counts(touch, expected):
     other = c + 1
     d.contacts.event[:] = NO_EVENT
     d.contacts.event[other] = CONTACT_ENDS
-    assert sampled.find_release(d, touch) == pytest.approx(expected, abs=1e-10)
+    assert force_events.find_release(d, touch) == pytest.approx(expected, abs=1e-10)
     stays = expected == touch
     assert (d.contacts.event[other], d.contacts.event[c]) == (
         (CONTACT_ENDS, NO_EVENT) if stays else (NO_EVENT, RELEASE)
@@ -267,24 +273,24 @@ def test_only_a_release_before_the_event_that_was_found_counts(touch, expected):
 
 
 def test_events_that_no_stage_shows_are_not_searched():
-    d, _ = released(least=-0.5 * sampled.PULL_ROUND_OFF)
+    d, _ = released(least=-0.5 * force_events.PULL_ROUND_OFF)
     evaluations = d.statistics.rhs_evaluations
-    assert sampled.find_release(d, -1.0) == -1.0
-    assert sampled.find_release(d, 0.4) == 0.4
+    assert force_events.find_release(d, -1.0) == -1.0
+    assert force_events.find_release(d, 0.4) == 0.4
     assert d.statistics.rhs_evaluations == evaluations
     # a stage shows a release, but no sample does
     d, _ = released(force=(1.0,))
-    assert sampled.find_release(d, -1.0) == -1.0
+    assert force_events.find_release(d, -1.0) == -1.0
 
 
 @pytest.mark.parametrize(
     ("times", "size", "refused"),
-    [(1.1, SIZE, True), (0.9, SIZE, False), (1.1, 0.5 * sampled.LEAST_REJECTED_STEP, False)],
+    [(1.1, SIZE, True), (0.9, SIZE, False), (1.1, 0.5 * force_events.LEAST_REJECTED_STEP, False)],
 )
 def test_a_stage_beyond_a_place_of_infinite_forces_spoils_the_step(times, size, refused):
     d, _ = released(size=size)
-    d.constraints.least_force[d.contacts.active_index[0]] = -times * sampled.plausible_pull(d)
-    found = sampled.find_release(d, -1.0)
+    d.constraints.least_force[d.contacts.active_index[0]] = -times * force_events.plausible_pull(d)
+    found = force_events.find_release(d, -1.0)
     assert is_accepted(d) != refused
     if not refused:
         assert found * size == pytest.approx(FALLS * size, abs=2e-12)
@@ -292,9 +298,9 @@ def test_a_stage_beyond_a_place_of_infinite_forces_spoils_the_step(times, size, 
 
 def test_the_strongest_force_accelerates_a_carriage_along_its_line():
     """M (g + a + s 1 rad/s²) with the mass M of carriage and pole, and the length s of the pole."""
-    d = begun(cart())
+    d = initialized(cart())
     d.step.state[5], d.scratch.rate_start[3:6] = 0.0, (4e3 * math.cos(0.1), 4e3 * math.sin(0.1), 0.0)
-    assert sampled.plausible_pull(d) == pytest.approx(2.5 * (9.81 + 4e3 + 0.5), rel=1e-12)
+    assert force_events.plausible_pull(d) == pytest.approx(2.5 * (9.81 + 4e3 + 0.5), rel=1e-12)
 
 
 @pytest.mark.parametrize("gravity", [0.0, 20.0])
@@ -307,8 +313,10 @@ def test_the_strongest_force_is_that_of_gravity_and_of_turning_links(omega, alph
     d.step.state[7:10], d.scratch.rate_start[7:10] = (0.1, omega, 0.2), (0.3, alpha, -0.2)
     mass, size = d.chain.mass.sum(), d.chain.length.max()
     turning = max(1.0, omega**2 + abs(alpha))
-    assert sampled.plausible_pull(d) == pytest.approx(mass * (gravity + 3 * size * turning), rel=1e-12)
-    assert sampled.pull_limit(d) == pytest.approx(sampled.PULL_ROUND_OFF * mass * (gravity + size), rel=1e-12)
+    assert force_events.plausible_pull(d) == pytest.approx(mass * (gravity + 3 * size * turning), rel=1e-12)
+    assert force_events.pull_limit(d) == pytest.approx(
+        force_events.PULL_ROUND_OFF * mass * (gravity + size), rel=1e-12
+    )
 
 
 @pytest.mark.parametrize(
@@ -316,17 +324,17 @@ def test_the_strongest_force_is_that_of_gravity_and_of_turning_links(omega, alph
 )
 def test_a_wall_pulls_from_there_on(theta, expected):
     d, _ = released()
-    assert (sampled.least_force(d, -1, theta) < 0.0) == expected
+    assert (force_events.least_force(d, -1, theta) < 0.0) == expected
     d, c = released()
-    sampled.mark_pulling(d, 0, theta)
+    force_events.mark_pulling(d, 0, theta)
     assert d.contacts.event[c] == (RELEASE if expected else NO_EVENT)
     assert not np.delete(d.contacts.event, c).any()
 
 
 def test_a_pull_below_the_rounding_error_is_no_release():
     for times in (0.5, 2.0):
-        limit = sampled.pull_limit(released()[0])
+        limit = force_events.pull_limit(released()[0])
         d, c = released(force=(-times * limit,))
-        assert (sampled.least_force(d, -1, 0.5) < 0.0) == (times > 1.0)
-        sampled.mark_pulling(d, 0, 0.5)
+        assert (force_events.least_force(d, -1, 0.5) < 0.0) == (times > 1.0)
+        force_events.mark_pulling(d, 0, 0.5)
         assert d.contacts.event[c] == (RELEASE if times > 1.0 else NO_EVENT)

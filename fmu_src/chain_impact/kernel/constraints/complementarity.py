@@ -1,17 +1,17 @@
 """Impulses at rigid walls that only push: a search for the active set of the equality problem.
 
 The problem, with impulses p and motions u, is p ≥ 0, u ≥ target, p·(u − target) = 0. For a given active set,
-``solve_equality`` in constraints.py solves its equations.
+``solve_equality`` in impulses.py solves its equations.
 """
 
-from chain_impact.kernel.cost import is_cost_exceeded
-from chain_impact.kernel.rows.constraints import (
+from chain_impact.kernel.constraints.impulses import (
     SIGN_TOLERANCE,
     add_to_active_set,
     note_unsolved,
     remove_from_active_set,
     solve_equality,
 )
+from chain_impact.kernel.cost import is_cost_exceeded
 
 # The number of successive pivots that may leave the least number of violations unchanged. After one more such
 # pivot, each pivot changes a single candidate until that number falls; this ends, but slowly (``solve_lcp``).

@@ -5,8 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
+from chain_impact.kernel.constraints import complementarity, impulses
 from chain_impact.kernel.forces import holding
-from chain_impact.kernel.rows import complementarity, constraints
 from tests.helpers.models.reference import complementary_impulses
 from tests.kernel.forces.pressed import problem
 
@@ -20,7 +20,7 @@ def test_impulses_are_complementary(seed):
     own, count = d.constraints, len(w)
     own.target_motion[:count] = rng.choice([0.0, 0.5], count) * np.abs(own.unforced_motion[:count])
     expected = complementary_impulses(w, own.unforced_motion[:count], own.target_motion[:count])
-    constraints.factorize_free(d)
+    impulses.factorize_free(d)
     complementarity.solve_lcp(d, np.abs(own.unforced_motion[:count]).max())
     scale = np.linalg.cond(w) * max(1.0, np.abs(expected).max())
     np.testing.assert_allclose(own.impulse[:count], expected, atol=1e-14 * scale)
@@ -36,7 +36,7 @@ def test_a_link_jammed_between_two_walls_has_a_solution_of_many():
     for normal in (d.candidate.normal_x, d.candidate.normal_y):
         normal[second] = -normal[first]
     own.unforced_motion[:2], own.target_motion[:2] = (-1.0, 1.0), 0.0
-    constraints.factorize_free(d)
+    impulses.factorize_free(d)
     complementarity.solve_lcp(d, 1.0)
     np.testing.assert_allclose(own.reached_motion[:2], 0.0, atol=1e-14)
     assert (own.impulse[:2] >= 0.0).all()
@@ -49,8 +49,8 @@ def test_a_contact_that_pulls_or_falls_short_is_wrong_beyond_round_off():
     own.target_motion[:4] = 0.5
     for pull, short in ((2.0, 2.0), (0.5, 2.0), (2.0, 0.5), (0.5, 0.5)):
         own.is_violated[:] = 7
-        own.impulse[:4] = 4.0, -pull * constraints.SIGN_TOLERANCE * 4.0, 0.0, 0.0
-        own.reached_motion[:4] = -9.0, 0.5, 0.7, 0.5 - short * constraints.SIGN_TOLERANCE * scale
+        own.impulse[:4] = 4.0, -pull * impulses.SIGN_TOLERANCE * 4.0, 0.0, 0.0
+        own.reached_motion[:4] = -9.0, 0.5, 0.7, 0.5 - short * impulses.SIGN_TOLERANCE * scale
         expected = [0, int(pull > 1.0), 0, int(short > 1.0)]
         assert complementarity.count_violations(d, scale) == sum(expected)
         assert own.is_violated[:4].tolist() == expected
