@@ -40,7 +40,7 @@ from chain_impact.pictures.over_time.time_axis import impact_handles, mark_impac
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts
 from chain_impact.pictures.sensitivity_finding import NO_CHANGE, finding_of
 from chain_impact.pictures.sensitivity_table import draw_impact_changes, name_rows_inside
-from chain_impact.pictures.words.headline import conditions
+from chain_impact.pictures.words.conditions import conditions
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import PART, Sensitivities
 from chain_impact.scene.words.unit_text import bracketed_unit

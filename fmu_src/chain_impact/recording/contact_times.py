@@ -44,6 +44,13 @@ def law_at(recording: Recording, *, is_stop: bool) -> str:
     return (is_stop and recording.stop_law) or recording.parameters.get("contact.model", "")
 
 
+def acts_by_impulses(recording: Recording) -> bool:
+    """Return whether a law of impulses holds for any impact: forces in joints then lack these impulses."""
+    return any(
+        has_impulses(law_at(recording, is_stop=is_stop)) for is_stop in {*recording.is_at_joint_stop.tolist()}
+    )
+
+
 def impacts_at_peaks(recording: Recording) -> np.ndarray:
     """Return a copy of the table of impacts in which ``onset`` is the time of the largest force, if known.
 

@@ -19,6 +19,7 @@ from chain_impact.pictures.over_time.impacts import (
     MOST_OWN_MARKS,
     POINT_MARKS,
     STOP_MARKS,
+    common_marks,
     marks_of,
     point_groups,
 )
@@ -85,6 +86,30 @@ def test_a_number_stands_near_its_impact_and_counts_in_time(model):
         assert text.xy == (impacts_at_peaks(recording)["onset"][row], strengths(recording)[row])
         box, place = text.get_window_extent(), speeds.transData.transform(text.xy)
         assert np.hypot(*(np.clip(place, box.min, box.max) - place)) < 20.0  # pixels
+
+
+@pytest.mark.full("more cases", but=["thrown_brick-190", "four_link_box-84"])
+@pytest.mark.parametrize("width", [84, 120, 190])
+@pytest.mark.parametrize("model", ["thrown_brick", "four_link_box", "hopper", "rod_drop", "falling_arm"])
+def test_no_mark_of_another_impact_is_nearer_to_a_number_than_its_own(model, width):
+    recording = recorded(model)
+    axes = next(
+        panel
+        for panel in recording.plot(size=(width / 25.4, None)).axes
+        if panel.get_label() in ("impacts", "speeds")
+    )
+    times, heights = marks_of(recording)
+    marks = axes.transData.transform(np.stack([times, heights], axis=-1))
+    shared = common_marks(recording, times, heights).values()
+    labels = [text for text in axes.texts if text.get_gid() != LANE]
+    assert labels
+    for text in labels:
+        box, row = text.get_window_extent(), int(re.split("[,–: ]", text.get_text())[0]) - 1
+        own = next(rows for rows in shared if row in rows)
+        middle = 0.5 * (box.min + box.max)
+        for low, high in ((middle, middle), (box.min, box.max)):
+            gaps = np.hypot(*(marks - np.clip(marks, low, high)).T)
+            assert gaps[own].min() < gaps.min() + 0.1, text.get_text()  # pixels
 
 
 @pytest.mark.full("takes long")

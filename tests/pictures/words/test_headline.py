@@ -9,8 +9,8 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import INK, LOAD, PEAK_COLOUR
+from chain_impact.pictures.words.conditions import conditions
 from chain_impact.pictures.words.headline import (
-    conditions,
     has_contact,
     headline,
     load_text,
@@ -254,6 +254,11 @@ def test_the_joint_with_the_largest_force_is_told_with_its_number_and_time():
     assert load_text(plain) == load_text(result)
     assert any(load_text(result) in text.get_text() for text in plain.plot().texts)
     assert load_text(replace(plain, rerun=None)) == ""
+
+
+def test_the_largest_force_in_a_joint_lacks_the_impulses_of_rigid_impacts():
+    (told,) = [text.get_text() for text in simulate("falling_arm").plot().texts if "bears" in text.get_text()]
+    assert "joint 1 bears up to 38.5 N without impulses, at" in told.replace("\n", " ")
 
 
 def test_without_impacts_the_headline_tells_joint_force_and_oscillation():

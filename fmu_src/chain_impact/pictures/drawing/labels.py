@@ -61,6 +61,8 @@ class Label(NamedTuple):
         is_on_side: whether the label has no room behind its position, as seen in the direction ``direction``.
         least_cosine: the least cosine of the angle between ``direction`` and the way from the position to the
             label, from -1 to 1.
+        other_marks: the positions, in data coordinates, of the marks to which a label without a leader must
+            not be nearer than to its own position; empty for the positions of the other labels.
     """
 
     text: str
@@ -70,6 +72,7 @@ class Label(NamedTuple):
     look: dict[str, Any] = {}  # noqa: RUF012 - no one changes it
     is_on_side: bool = False
     least_cosine: float = -1.0
+    other_marks: Sequence[tuple[float, float]] = ()
 
 
 def place_labels(
@@ -113,7 +116,8 @@ def place_labels(
         for n, (k, words) in enumerate(zip(order, briefs, strict=True)):
             choices = (words,) if short or words == labels[k].text else (labels[k].text, words)
             sizes = {text: half_size(text) for choice in choices for text in (choice, folded_label(choice))}
-            other_marks = np.delete(marks, k, axis=0)
+            others = labels[k].other_marks
+            other_marks = axes.transData.transform(others) if others else np.delete(marks, k, axis=0)
             if not _place(axes, labels[k], homes[n + 1 :], other_marks, sizes, ink=ink, steps=steps, **look):
                 misses.append(k)
         return misses
@@ -179,8 +183,8 @@ def _place(
         axes: the axes inside which the text stays; with leaders, the text may be beyond their right edge.
         label: the label, with its position and the best direction from this position to the text.
         homes: the best boxes of the labels that are written later: two corners of each, shape (H, 2, 2).
-        other_marks: the positions of the other labels, shape (O, 2) [pixels]. Without leaders, the middle of
-            the text must not be nearer to one of ``other_marks`` than to the label's own position.
+        other_marks: the positions of other marks, shape (O, 2) [pixels]. Without leaders, neither the middle
+            nor the box of the text may be nearer to one of ``other_marks`` than to the label's own position.
         sizes: text → half of its width and height [pixels]; the texts are tried in the order of the dict.
         ink: the used pixels of the figure.
         steps: the distances from the position that are tried, in this order, relative to LABEL_OFFSET.
@@ -235,8 +239,8 @@ def _place(
             box, start = (low[step, turn], high[step, turn]), label_point if led else None
             middle = 0.5 * (box[0] + box[1])
             if not may_lead:
-                is_nearer = np.hypot(*(other_marks - middle).T) < np.hypot(*(label_point - middle))
-                if is_nearer.any() or ink.is_crossed(label_point, middle, OWN_LINE * point):
+                is_ambiguous = _is_nearest_to_other(middle, half, label_point, other_marks)
+                if is_ambiguous or ink.is_crossed(label_point, middle, OWN_LINE * point):
                     continue
             if ink.take(*box, start, MARK_LENGTH * point, crossed * point, on_pale=on_pale):
                 offset = (ways[step, turn] / point).tolist()
@@ -244,6 +248,19 @@ def _place(
                     words, label.position, offset, **led, **outline[on_pale], **style | look | label.look
                 )
                 return True
+    return False
+
+
+def _is_nearest_to_other(middle: np.ndarray, half: np.ndarray, own: np.ndarray, others: np.ndarray) -> bool:
+    """Return whether the middle or the box of a text is nearer to one of ``others`` than to ``own``.
+
+    All values are in pixels; ``half``: half of the width and of the height of the text.
+    """
+    for reach in (np.zeros(2), half):
+        own_gap = np.hypot(*np.maximum(np.abs(own - middle) - reach, 0.0))
+        gaps = np.hypot(*np.maximum(np.abs(others - middle) - reach, 0.0).T)
+        if (gaps < own_gap - ROUND_OFF).any():
+            return True
     return False
 
 

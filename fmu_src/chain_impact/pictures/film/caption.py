@@ -15,7 +15,6 @@ from chain_impact.pictures.words.headline import (
 )
 from chain_impact.pictures.words.point_names import brief_hit, short_names
 from chain_impact.recording.contact_times import contact_ends
-from chain_impact.recording.pacing import SPEED_RAMP, impact_ends, slow_spans
 from chain_impact.recording.recording import Recording
 
 # number of frames for which a caption stays after the end of its contact, and becomes fainter; 2 s in a gif
@@ -41,7 +40,7 @@ class Caption:
             times: the time of the recording that each frame shows [s]; empty for a film without captions.
         """
         self.figure, self.recording, self.times = figure, recording, times
-        self.starts, self.ends = caption_starts(recording), contact_ends(recording)
+        self.ends = contact_ends(recording)
         self.shown_number = 0  # the number of the impact in the caption, from 1; 0 for an empty caption
         self.text = figure.text(*place, "\n", fontsize=NUMBER_SIZE, animated=True, va="center")
         self.lowest = self.text.get_window_extent().y0 - CAPTION_GAP * figure.dpi / 72.0  # [pixels]
@@ -50,9 +49,9 @@ class Caption:
     def show(self, frame: int) -> None:
         """Write the caption for frame ``frame``, from 0, with the longest words that have room.
 
-        The caption tells the latest impact whose caption has begun (``caption_starts``). It is empty before
-        the first caption begins, and more than CAPTION_FRAMES frames after the end of the told contact; until
-        then it becomes fainter. In the last frame of a film, the caption tells the result of the run.
+        The caption tells the latest impact that has begun. It is empty before the first impact, and more
+        than CAPTION_FRAMES frames after the end of the told contact; until then it becomes fainter. In the
+        last frame of a film, the caption tells the result of the run.
         """
         if not len(self.times):
             return
@@ -61,7 +60,7 @@ class Caption:
             self.text.set_alpha(1.0)
             self._write(self._result())
             return
-        number = int(np.searchsorted(self.starts, self.times[frame], side="right"))
+        number = int(np.searchsorted(self.recording.impacts["onset"], self.times[frame], side="right"))
         if number and self.ends[number - 1] < self.times[max(frame - CAPTION_FRAMES, 0)]:
             number = 0
         if number:
@@ -100,19 +99,3 @@ class Caption:
             self.text.set_text(text)
             if self.text.get_window_extent().x1 <= CAPTION_END * self.figure.bbox.x1:
                 break
-
-
-def caption_starts(recording: Recording) -> np.ndarray:
-    """Return the times [s] at which the captions of the impacts begin, shape (I,).
-
-    The caption of an impact in slow motion begins SPEED_RAMP [s] before the onset or, if the latest end of
-    earlier impacts is less than 2 SPEED_RAMP before the onset, in the middle between this end and the onset,
-    but not after the onset. Any other caption begins at the onset.
-    """
-    onsets = recording.impacts["onset"]
-    ends = np.maximum.accumulate(
-        np.append(-np.inf, impact_ends(recording.impacts, float(recording.time[-1])))
-    )
-    early_starts = np.minimum(onsets, np.maximum(onsets - SPEED_RAMP, 0.5 * (onsets + ends[:-1])))
-    is_slow = np.isin(onsets, [onset for onset, _ in slow_spans(recording)])
-    return np.asarray(np.where(is_slow, early_starts, onsets))

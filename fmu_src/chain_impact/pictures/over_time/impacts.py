@@ -301,23 +301,25 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
 
     If ``numbered_step`` is a number k > 1, every k-th impact gets a number. Otherwise all impacts get one or,
     without room for that, those with the highest marks and the last impact (``label_subsets``); impacts whose
-    marks coincide share a label (``numbers_of``). If an impact in ``marked_peaks`` has a label of its own,
-    this label also has the force, moment or impulse, if there is room.
+    marks coincide share a label (``numbers_of``). A number that would be nearer to the mark of another impact
+    is left out. If an impact in ``marked_peaks`` has a label of its own, this label also has the force, moment
+    or impulse, if there is room.
     """
     times, heights = marks_of(recording)
     if not len(times):
         return
-    step = numbered_step(axes, recording)
+    step, places = numbered_step(axes, recording), list(zip(times.tolist(), heights.tolist(), strict=True))
     common_rows = {row: rows for rows in common_marks(recording, times, heights).values() for row in rows}
     strongest = {peak.row: peak.value for peak in marked_peaks(recording)}
 
     def label(rows: Sequence[int]) -> Label:
         """Return the label of the impacts ``rows`` at the mark of the first one."""
-        (text, short), place = numbers_of(rows), (float(times[rows[0]]), float(heights[rows[0]]))
+        (text, short), place = numbers_of(rows), places[rows[0]]
+        others = [other for row, other in enumerate(places) if row not in common_rows[rows[0]]]
         if rows[0] in strongest and len(rows) == 1:
-            value = strongest[rows[0]]
-            return Label(f"{text}: {value}", place, short=text, look={"color": PEAK_COLOUR})
-        return Label(text, place, short=short)
+            words, look = f"{text}: {strongest[rows[0]]}", {"color": PEAK_COLOUR}
+            return Label(words, place, short=text, look=look, other_marks=others)
+        return Label(text, place, short=short, other_marks=others)
 
     tries = [[label([row]) for row in range(step - 1, len(times), step)]] if step > 1 else []
     for rows in label_subsets(rows_by_height(heights).tolist()):

@@ -31,14 +31,26 @@ def label_subsets(order: Sequence[int]) -> Iterator[list[int]]:
 def write_first_whole(axes: Axes, tries: Iterable[Sequence[Label]], ink: Ink, **options: Any) -> None:
     """Write the first list of labels of which all labels have room; of the last list those that have room.
 
-    ``options`` are keywords of ``place_labels``.
+    A label that has no room even without the other labels does not count, and is left out. ``options`` are
+    keywords of ``place_labels``.
     """
     earlier_texts, free_pixels = {*axes.texts}, ink.pixels()
-    for labels in tries:
+    hopeless_labels: list[Label] = []
+
+    def write(labels: Sequence[Label]) -> list[Label]:
+        """Write these labels only; return those without room."""
         for text in {*axes.texts} - earlier_texts:
             text.remove()
         ink.restore(free_pixels)
-        if not place_labels(axes, labels, ink, **options):
+        return place_labels(axes, labels, ink, **options)
+
+    for labels in tries:
+        hopeful_labels = [label for label in labels if label not in hopeless_labels]
+        if not (misses := write(hopeful_labels)):
+            return
+        hopeless_labels += [label for label in misses if write([label])]
+        hopeful_labels = [label for label in hopeful_labels if label not in hopeless_labels]
+        if not write(hopeful_labels):
             return
 
 
