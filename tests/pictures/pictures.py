@@ -13,6 +13,7 @@ from chain_impact.pictures.drawing.dark_ground import GLARE, luminance
 from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.legends import MARK
 from chain_impact.pictures.drawing.style import drawing_style
+from chain_impact.pictures.motion.named_points import NAME
 from chain_impact.pictures.over_time.impacts import LANE
 from chain_impact.pictures.overview import fill, usual_size
 from chain_impact.recording.recording import Recording
@@ -127,8 +128,8 @@ def impacts_of(recording):
 
 
 def texts(axes):
-    """Return the texts inside the axes."""
-    return [text.get_text() for text in axes.texts]
+    """Return the texts inside the axes, without names of points."""
+    return [text.get_text() for text in axes.texts if text.get_gid() != NAME]
 
 
 def boxes(axes):

@@ -200,4 +200,4 @@ def test_panels_are_chosen():
     page = recorded("sliding_rod").plot(size=(4.0, 3.0), panels=["energy", "friction"])
     assert [axes.get_ylabel() for axes in page.axes] == ["energy [J]", ""]
     assert [axes.get_xlabel() for axes in page.axes] == ["", "time [s]"]
-    assert [text.get_text() for text in page.axes[0].get_legend().get_texts()][-2:] == ["impacts", "held"]
+    assert [text.get_text() for text in page.axes[0].get_legend().get_texts()][-2:] == ["held", "impacts"]

@@ -41,6 +41,23 @@ def test_a_broad_motion_has_the_whole_width():
     assert [axes.get_label() for axes in over_time] == ["time", "energy"]
 
 
+@pytest.mark.full("more cases", but="hopper")
+@pytest.mark.parametrize("model", ["hopper", "rod_drop"])
+def test_the_legend_of_a_slim_motion_is_beside_it(model):
+    """So the motion is as high as all panels over time, and not cut by a legend of one column."""
+    page = recorded(model).plot(size=(190 / 25.4, None))
+    panels = {axes.get_label(): axes for axes in page.axes}
+    motion, legend = panels["motion"], panels["motion"].get_legend().get_window_extent()
+    assert motion.bbox.x1 <= legend.x0 <= legend.x1 < panels["energy"].get_tightbbox().x0
+    assert motion.bbox.height > 0.9 * (panels["energy"].bbox.y1 - panels["time"].bbox.y0)
+
+
+@pytest.mark.full("more cases", but="thrown_brick")
+@pytest.mark.parametrize("model", ["thrown_brick", "sliding_rod", "ur5e"])
+def test_a_caption_has_room_below_a_picture_on_a_page(model):
+    assert recorded(model).plot(size=(190 / 25.4, None)).get_figheight() * 25.4 <= 200.0
+
+
 # a page of 120 mm has the panels of one of 84 mm with more room; one of 190 mm is nearly the usual page
 BUSY = ["sliding_rod", "four_link_box", "thrown_brick", "hopper"]
 # motions that are slim, broad, low and over time, without impacts, with many rows, and at moving walls

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -309,9 +311,15 @@ def dashes(number: int, unit: str) -> Any:
 
 
 def look_of_energy(name: str) -> dict[str, Any]:
-    """Return the properties of the curve of an energy of the chain; {} for any other output."""
+    """Return the properties of the curve of an energy of the chain; {} for any other output.
+
+    The line is as wide as those of other outputs; that of the total energy is wider.
+    """
     owner, _, _, energy = name_parts(name)
-    return energy_look(energy) if owner == "energy" and energy in ENERGIES else {}
+    if owner != "energy" or energy not in ENERGIES:
+        return {}
+    look = energy_look(energy)
+    return look | {"linewidth": mpl.rcParams["lines.linewidth"] * math.sqrt(look["linewidth"])}
 
 
 def always_zero(curves: Curves, panels: Sequence[Sequence[str]]) -> list[str]:

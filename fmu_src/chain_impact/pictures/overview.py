@@ -19,9 +19,16 @@ from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.motion.motion import all_entries, draw_motion, few_entries, note_on_lines
 from chain_impact.pictures.motion.view import GROWTH_FACTORS, is_flat, view_of
 from chain_impact.pictures.over_time.dry_friction import move_legend_to_foot
-from chain_impact.pictures.over_time.impacts import place_of_late_peaks
-from chain_impact.pictures.over_time.time_axis import add_time_keys, draw_clock, label_time
-from chain_impact.pictures.overview_layout import SLIM, axes_of, broadness, is_beside, is_over_time, size_for
+from chain_impact.pictures.over_time.time_axis import add_impact_key, add_rest_key, draw_clock, label_time
+from chain_impact.pictures.overview_layout import (
+    SLIM,
+    axes_of,
+    broadness,
+    has_legend_beside,
+    is_beside,
+    is_over_time,
+    size_for,
+)
 from chain_impact.pictures.panels import PANELS
 from chain_impact.pictures.words.headline import has_contact, write_head
 from chain_impact.pictures.words.point_names import full_names
@@ -50,15 +57,13 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
         ValueError: when a panel does not exist.
     """
     shown_panels = panels_to_draw(recording, panels)
-    late_place = place_of_late_peaks(recording) if is_narrow(figure) and "impacts" in shown_panels else ""
     notes = (
         full_names(recording),
-        SEPARATOR.join(recording.points_through_walls),
+        *recording.points_through_walls,
         unreached_walls(recording) if "motion" in shown_panels else "",
-        f"lines below marks: {late_place}" if late_place else "",
     )
-    for foot_text in filter(None, notes):
-        write_foot(figure, foot_text)
+    if any(notes):
+        write_foot(figure, SEPARATOR.join(filter(None, notes)))
     if title is not None:
         write_head(figure, recording, title, panels=shown_panels)
     panel_axes = axes_of(figure, recording, shown_panels)
@@ -67,7 +72,9 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     # in a narrow figure the panel of impacts below the marks explains them, and its legend has more room
     keyed = "impacts" if is_narrow(figure) and "impacts" in shown_panels else "energy"
     if (keyed_axes := panel_axes.get(keyed, next(iter(time_panels), None))) is not None:
-        add_time_keys(keyed_axes, recording, is_marked=keyed == "energy" in shown_panels)
+        add_rest_key(keyed_axes, recording)
+    if "energy" in panel_axes:
+        add_impact_key(panel_axes["energy"], recording)
     for name, axes in panel_axes.items():
         if name in shown_panels:
             PANELS[name].draw(axes, recording)
@@ -97,15 +104,21 @@ def _settle_motion(
     ``ratio`` is the motion's width over its height; ``is_alone``: whether no panel is beside the motion. In a
     narrow figure, the legend is beside a slim motion that is alone, with all entries if there is room, else
     with few. Beside other motions there is no room, and a legend with few entries is above. The foot of the
-    figure explains what a legend with few entries lacks.
+    figure explains what a legend with few entries lacks. In a wide figure, a legend with all entries is
+    beside a slim motion (``has_legend_beside``), and above any other one.
     """
     is_small, scaled_axes, explained = is_narrow(figure), None if is_flat(recording) else motion, False
-    legends_beside: list[Any] = [(legend_beside, all_entries), (legend_beside, few_entries)]
-    for put_legend, entries_of in [
-        *(legends_beside if is_small and is_alone else []),
+    is_wide_slim = not is_alone and has_legend_beside(ratio, figure.get_figwidth())
+    has_own_legend = is_small or is_wide_slim
+    tries: list[Any] = [
+        (legend_beside, all_entries),
+        (legend_beside, few_entries),
         (legend_above, few_entries),
-    ]:
-        legend = put_legend(motion, entries_of(motion)) if is_small else None
+    ]
+    for put_legend, entries_of in (
+        tries[:1] if is_wide_slim else tries if is_alone and is_small else tries[2:]
+    ):
+        legend = put_legend(motion, entries_of(motion)) if has_own_legend else None
         if is_small and entries_of is few_entries and not explained:
             explained = True
             if note := note_on_lines(motion):
@@ -113,15 +126,17 @@ def _settle_motion(
         settle(figure, scaled_axes)
         room = motion.get_position(original=True).transformed(figure.transFigure)
         width = room.width - (LEGEND_ROOM * legend.get_window_extent().width if legend else 0.0)
-        if not legend or width >= max(
-            ratio * room.height, 0.0 if ratio <= SLIM else LEAST_MOTION * room.width
+        if (
+            not legend
+            or is_wide_slim
+            or width >= max(ratio * room.height, 0.0 if ratio <= SLIM else LEAST_MOTION * room.width)
         ):
             break
     motion.clear()
     side = max(room.height, min(width, room.height * ratio)) * 72.0 / figure.dpi
     band = min((NARROW_NUMBER_BAND if is_small else NUMBER_BAND) / side, MOST_BAND / max(ratio, 1.0 / ratio))
     draw_motion(motion, recording, room.height / width, band, WHOLE_WIDTH if is_alone else GROWTH_FACTORS)
-    if is_small:
+    if has_own_legend:
         put_legend(motion, entries_of(motion))
     settle(figure, scaled_axes)
 
@@ -140,7 +155,9 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
     with draw_into(given_axes):
         for name, panel in zip(shown_panels, given_axes, strict=True):
             if is_over_time(recording, name):
-                add_time_keys(panel, recording, is_marked=name == "energy")
+                add_rest_key(panel, recording)
+                if name == "energy":
+                    add_impact_key(panel, recording)
                 label_time(panel, recording)
             PANELS[name].draw(panel, recording)
         fit_into_figure(given_axes)

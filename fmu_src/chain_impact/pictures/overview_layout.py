@@ -26,6 +26,9 @@ from chain_impact.recording.recording import Recording
 # figure, above the other panels. BROADEST_HIGH: on a figure with a width of COLUMN or less, a motion with a
 # larger ratio has a lower panel than MOTION_ABOVE_HEIGHT.
 SLIM, BROAD, BROADEST_BESIDE, BROADEST_HIGH = 0.6, 1.0, 1.6, 2.3
+# BROADEST_WITH_LEGEND: a motion in a wide figure with at most this ratio has its legend at its right;
+# LEAST_SLIM: the least ratio that the panel of such a motion has, without the legend
+BROADEST_WITH_LEGEND, LEAST_SLIM = 0.8, 0.45
 BROADEST_FLAT = 3.5  # a larger ratio counts as this ratio when panels are arranged
 # ``motion_share`` of a motion that is as high as wide, in a wide and in a narrow figure; it sets the width of
 # the panel only
@@ -47,7 +50,9 @@ HIGHEST, NARROW_HIGHEST = 0.4, 0.65
 # LABELS: the height of the legend and the labels of a motion.
 # MARGINS: the width of the numbers and labels at the left and right of the motion.
 # LEAST_BESIDE: the least width of panels over time beside the motion, with their numbers and labels.
+# LEGEND_WIDTH: the width of the legend at the right of a motion.
 LOWEST, ENERGY_HEIGHT, TEXTS, HEADS, LABELS, MARGINS, LEAST_BESIDE = 2.4, 1.15, 0.45, 1.0, 0.6, 0.9, 2.6
+LEGEND_WIDTH = 1.2
 ENERGY_IN_COLUMN, COLUMN_FOOT = 0.75, 0.45
 
 
@@ -72,9 +77,19 @@ def broadness(recording: Recording) -> float:
 
 def motion_share(ratio: float, width: float) -> float:
     """Return the width of the panel of motion beside other panels, relative to the width of the figure."""
+    if has_legend_beside(ratio, width):
+        return WIDE_HEIGHT * max(ratio, LEAST_SLIM) + LEGEND_WIDTH / width
     height = NARROW_HEIGHT if width < TWO_COLUMN_WIDTH else WIDE_HEIGHT
     # with a ratio from SLIM to BROAD, the panel has the shape of the motion and its walls
     return height * min(max(ratio, SLIM), BROAD)
+
+
+def has_legend_beside(ratio: float, width: float) -> bool:
+    """Return whether the panel of motion beside other panels has its legend at the right of the motion.
+
+    Above a slim motion in a wide figure, the legend would have one column, and take the height of the motion.
+    """
+    return width >= TWO_COLUMN_WIDTH and ratio <= BROADEST_WITH_LEGEND
 
 
 def is_beside(ratio: float, width: float) -> bool:
@@ -110,7 +125,8 @@ def size_for(recording: Recording, shown_panels: Sequence[str], size: Size | Non
     if "motion" in time_panels:
         return width, HEADS + over_time
     if is_beside(ratio, width):
-        motion = (motion_share(ratio, width) * width - MARGINS) / ratio
+        legend_width = LEGEND_WIDTH if has_legend_beside(ratio, width) else 0.0
+        motion = (motion_share(ratio, width) * width - legend_width - MARGINS) / ratio
         return width, HEADS + max(over_time, min(max(motion, LOWEST), HIGHEST * width) + TEXTS)
     if width <= COLUMN:
         return width, HEADS + LABELS + COLUMN_FOOT + over_time + ENERGY_IN_COLUMN * _height_above(
@@ -134,7 +150,8 @@ def axes_of(figure: Figure, recording: Recording, shown_panels: Sequence[str]) -
     if has_motion and time_panels and is_beside(ratio, width):
         share = motion_share(ratio, width)
         columns = figure.add_gridspec(1, 2, width_ratios=[share, 1.0 - share])
-        motion = figure.add_subplot(columns[0], label="motion", anchor="N")
+        anchor = "NW" if has_legend_beside(ratio, width) else "N"
+        motion = figure.add_subplot(columns[0], label="motion", anchor=anchor)
         # the panels over time have a grid of their own, so that the motion does not change their left margin
         grid: Any = columns[1].subgridspec(len(heights), 1, height_ratios=heights)
         return {"motion": motion} | _timed_axes(figure, grid, names)

@@ -11,6 +11,7 @@ from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.motion.impact_rings import number_rings
 from chain_impact.pictures.motion.line_motion import draw_along_line, line_of_motion
 from chain_impact.pictures.motion.motion import draw_motion
+from chain_impact.pictures.motion.named_points import name_points
 from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, draw_stick_slip, rubbing_places
 from chain_impact.pictures.over_time.energies import draw_energy
 from chain_impact.pictures.over_time.impacts import draw_impacts, number_impacts
@@ -51,9 +52,10 @@ def draw_place(axes: Axes, recording: Recording) -> None:
 
 
 def number_places(axes: Axes, recording: Recording, ink: Ink) -> None:
-    """Write the numbers of impacts into the panel of a motion, but not if the motion is drawn over time."""
+    """Write numbers of impacts and names of points into the panel of a motion in the plane."""
     if line_of_motion(recording) is None:
         number_rings(axes, recording, ink)
+        name_points(axes, recording, ink)
 
 
 PANELS = {

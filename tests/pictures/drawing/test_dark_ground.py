@@ -70,6 +70,20 @@ def test_faint_lines_have_contrast_also_in_the_legend(page):
             assert contrast(alpha * np.array(colour), "black") >= 1.99, name
 
 
+def test_a_transparent_area_can_be_seen_on_a_dark_ground():
+    axes = Figure().subplots()
+    areas = [
+        axes.fill_between([0.0, 1.0], 1.0, color="red", alpha=0.1),
+        axes.fill_between([0.0, 1.0], 1.0, facecolor=(style.GREY, 0.3)),
+        *axes.fill([0.0, 1.0, 1.0], [0.0, 0.0, 1.0], color=style.BLUE, alpha=0.1),
+    ]
+    with matplotlib.style.context("dark_background"):
+        adapt_to_dark_style(axes.figure)
+    for area in areas:
+        *colour, alpha = np.reshape(area.get_facecolor(), (-1, 4))[0]
+        assert contrast(alpha * np.array(colour), "black") >= 1.99
+
+
 def test_axes_of_a_dark_style_keep_what_was_there():
     with matplotlib.style.context("dark_background"):
         axes = Figure().add_subplot()

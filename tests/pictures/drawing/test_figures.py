@@ -2,7 +2,7 @@
 
 import pytest
 
-from chain_impact.pictures.drawing.figures import TALLEST, fitting_figure, least_figure
+from chain_impact.pictures.drawing.figures import fitting_figure, least_figure
 
 
 @pytest.mark.parametrize("lines", [12, 40])
@@ -28,5 +28,5 @@ def test_a_figure_of_several_panels_fits_on_a_page(panels):
             axes.set(ylabel="y", xlabel="x")
 
     figure = fitting_figure(fill, 4.0, (10.0, 2.9 * panels))
-    assert figure.get_figheight() <= TALLEST
+    assert figure.get_figheight() <= 8.75  # [inch] a printed page with margins has room for this height
     assert min(axes.bbox.height / figure.dpi for axes in figure.axes) >= 0.65

@@ -1,7 +1,7 @@
 """The picture of the motion: its poses, its paths, and the numbers of the impacts."""
 
 # Tests: pictures/motion/bodies.py, pictures/motion/impact_rings.py, pictures/motion/joint_forces.py
-# Tests: pictures/motion/poses.py, pictures/words/point_names.py
+# Tests: pictures/motion/poses.py, pictures/motion/named_points.py, pictures/words/point_names.py
 
 import functools
 
@@ -18,8 +18,10 @@ from chain_impact.pictures.drawing import figures
 from chain_impact.pictures.drawing.labels import MARK_LENGTH
 from chain_impact.pictures.drawing.style import LOAD, PEAK_COLOUR, force_text
 from chain_impact.pictures.motion.impact_rings import RING_DISTANCE, RING_SIZE, rings, rows_by_speed
-from chain_impact.pictures.motion.joint_forces import part_in_view
+from chain_impact.pictures.motion.joint_forces import LOAD_SHIFT, draw_loads, part_in_view, shifted_foot
+from chain_impact.pictures.motion.named_points import NAME, touching_points
 from chain_impact.pictures.motion.poses import FAINT_POSES, MOST_STRONG_POSES, distinct_poses, strong_rows
+from chain_impact.pictures.motion.view import view_of
 from chain_impact.pictures.over_time.impacts import marks_of, rows_by_height
 from chain_impact.pictures.overview import fill, usual_size
 from chain_impact.pictures.words.headline import marked_peaks, peaks
@@ -43,6 +45,32 @@ def ring_places(axes):
         if line.get_markerfacecolor() == "none" and line.get_color() != PEAK_COLOUR
     ]
     return np.concatenate([line.get_xydata() for line in rings])
+
+
+@pytest.mark.full("more cases", but=["thrown_brick-190", "hopper-120"])
+@pytest.mark.parametrize("width", [84, 120, 190])
+@pytest.mark.parametrize("model", ["thrown_brick", "hopper", "four_link_box", "whip"])
+def test_points_that_touch_have_names_nearest_to_their_place_at_the_start(model, width):
+    recording = recorded(model)
+    motion = recording.plot(size=(width / 25.4, None)).axes[0]
+    places = motion.transData.transform(recording.all_points[0])
+    names = [text for text in motion.texts if text.get_gid() == NAME]
+    numbers = {name: number for number, name in recording.point_names.items()}
+    assert names
+    assert names[0].get_text() in numbers or names[0].get_text().startswith("point ")
+    for name in names:
+        text = name.get_text().removeprefix("point ")
+        point, box = numbers.get(text) or int(text), name.get_window_extent()
+        assert point in touching_points(recording)
+        if name.arrow_patch is None:
+            gaps = np.hypot(*(places - np.clip(places, box.min, box.max)).T)
+            assert gaps[point] < gaps.min() + 0.1
+
+
+def test_an_arrow_along_a_link_stands_beside_it():
+    pose = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.5]])
+    for force, foot in [((1.0, 0.1), [-0.01, 0.1]), ((1.0, -0.1), [-0.01, -0.1]), ((0.0, 1.0), [0.0, 0.0])]:
+        np.testing.assert_allclose(shifted_foot(pose, 1, np.array(force), 0.1), foot, atol=1e-3)
 
 
 @pytest.mark.full("more cases", but="four_link_box")
@@ -272,9 +300,11 @@ def test_a_joints_largest_force_is_an_arrow_at_its_place():
     (arrows,) = (collection for collection in motion.collections if isinstance(collection, Quiver))
     peaks = [recording[f"joint[{joint}].peak_force"][-1] for joint in (2, 1)]
     assert np.hypot(arrows.U, arrows.V) == pytest.approx(peaks)
-    np.testing.assert_array_equal(arrows.XY[1], [0.0, 0.0])
+    # an arrow along a link is beside the link
+    shift = 1.01 * LOAD_SHIFT * max(np.ptp(motion.get_xlim()), np.ptp(motion.get_ylim()))
+    assert np.hypot(*arrows.XY[1]) <= shift
     row = np.hypot(*recording.loads[2].T).argmax()
-    np.testing.assert_array_equal(arrows.XY[0], recording.points[row, 1])
+    assert np.hypot(*(arrows.XY[0] - recording.points[row, 1])) <= shift
     assert arrows.V[0] / arrows.U[0] == pytest.approx(recording.loads[2][row, 1] / recording.loads[2][row, 0])
     assert motion.get_legend().get_texts()[-1].get_text() == "joint forces\n≤ 670 N"
 
@@ -337,10 +367,14 @@ def test_arcs_of_stops_and_poses_of_joint_forces_have_their_times():
     page = arm.plot(panels=["motion"])
     axes = page.axes[0]
     largest, *others = joint_peaks(arm)
+    alone = Figure().subplots()
+    draw_loads(alone, arm, view_of(arm))
     shown = [
-        line.get_xydata() for line in axes.lines if line.get_color() == LOAD and len(line.get_xdata()) > 1
+        [line.get_xydata() for line in panel.lines if line.get_color() == LOAD and len(line.get_xdata()) > 1]
+        for panel in (alone, axes)
     ]
-    assert [xy.tolist() for xy in shown] == [arm.pose_at(largest.time).tolist()]
+    assert [xy.tolist() for xy in shown[0]] == [arm.pose_at(largest.time).tolist()]
+    assert shown[1] == [], "the pose at the impact is like that of the largest force"
     told = " ".join(text.get_text() for text in axes.texts)
     assert all(f"joint {peak.joint}: {peak.force:.0f} N" in told for peak in others)
     # beside the joint, or its name at the top where another place would lie on a line

@@ -29,7 +29,7 @@ LEAST_LUMINANCE = 0.2
 # greys of lines, between LIGHTEST_TEXT and LIGHTEST_LINE. For the greys of areas and grids, above
 # LIGHTEST_LINE, the least ratio is 1 + FAINT_GROWTH × the distance of the grey from white, 0…1, but at most
 # FAINT_CONTRAST, because a small ratio is visible on white, but not on black. Transparent lines without marks
-# have at least FAINT_CONTRAST. All greys are those that are chosen for a white ground.
+# and transparent areas have at least FAINT_CONTRAST. All greys are those that are chosen for a white ground.
 READABLE_CONTRAST, VISIBLE_CONTRAST, FAINT_CONTRAST, FAINT_GROWTH = 4.5, 3.0, 2.0, 10.0
 GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
 # The number of mixtures that are tried. MIXTURES: of a colour with white, by increasing part of white;
@@ -97,6 +97,14 @@ class Ground(NamedTuple):
         red, green, blue = next((mix for mix in mixed if luminance(mix) >= least_part), mixed[-1]).tolist()
         return red, green, blue, alpha
 
+    def suited_fill(self, colour: Any) -> Colour:
+        """Return ``suited_colour`` for an area; a transparent one has at least FAINT_CONTRAST if possible."""
+        *opaque, alpha = suited = self.suited_colour(colour)
+        if not 0.0 < alpha < 1.0 or luminance(opaque) < least_luminance(self.ground, FAINT_CONTRAST):
+            return suited
+        red, green, blue = opaque
+        return red, green, blue, self._opacity(alpha, (red, green, blue), FAINT_CONTRAST)
+
     def suit(self, artists: Iterable[Artist]) -> None:
         """Give artists that were drawn for a white figure the colours for this ground.
 
@@ -118,7 +126,8 @@ class Ground(NamedTuple):
                 self._suit_mapped(artist)
             elif isinstance(artist, Patch):
                 colours = artist.get_facecolor(), artist.get_edgecolor()
-                artist.set_facecolor(self.suited_colour(colours[0]))
+                artist.set_alpha(None)
+                artist.set_facecolor(self.suited_fill(colours[0]))
                 artist.set_edgecolor(self.suited_colour(colours[1]))
             elif isinstance(artist, Text) and artist.get_gid() != COLOURED_GROUND:
                 artist.set_color(self.suited_colour(artist.get_color()))
@@ -155,20 +164,23 @@ class Ground(NamedTuple):
             artist.set_cmap(self._suited_map(artist))
         elif isinstance(artist, Collection):
             colours = artist.get_facecolor(), artist.get_edgecolor()
-            artist.set_facecolor(self._suited_colours(colours[0]))
+            opacity, is_lines = artist.get_alpha(), isinstance(artist, LineCollection)
+            if not is_lines and isinstance(opacity, float):
+                artist.set_alpha(None)  # the colours have their own opacities
+            artist.set_facecolor(self._suited_colours(colours[0], is_fill=not is_lines))
             artist.set_edgecolor(self._suited_colours(colours[1]))
-            opacity = artist.get_alpha()
-            if isinstance(artist, LineCollection) and isinstance(opacity, float) and len(colours[1]):
+            if is_lines and isinstance(opacity, float) and len(colours[1]):
                 colour = artist.get_edgecolor()[0]
                 artist.set_alpha(self._opacity(opacity, colour, FAINT_CONTRAST))
 
-    def _suited_colours(self, colours: Any) -> Colour | list[Colour]:
-        """Return the colours that replace the colours of a collection.
+    def _suited_colours(self, colours: Any, *, is_fill: bool = False) -> Colour | list[Colour]:
+        """Return the colours that replace the colours of a collection; ``is_fill``: whether of areas.
 
         A single colour is returned without a list, because matplotlib accepts any number of opacities with a
         colour that is not in a list.
         """
-        suited_list = [self.suited_colour(colour) for colour in np.asarray(colours)]
+        suit = self.suited_fill if is_fill else self.suited_colour
+        suited_list = [suit(colour) for colour in np.asarray(colours)]
         return suited_list[0] if len(suited_list) == 1 else suited_list
 
     def _suited_map(self, artist: ScalarMappable) -> Colormap:

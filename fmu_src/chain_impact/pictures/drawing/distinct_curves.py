@@ -12,7 +12,8 @@ from matplotlib.axes import Axes
 from chain_impact.pictures.drawing.style import GREY
 
 MOST_GREY = 2  # the largest number of grey curves that are drawn as curves; more are drawn as one band
-BAND_OPACITY = 0.45  # the opacity of a band, from 0 to 1
+# the opacity of a band, from 0 to 1, and the width of the line at its edge [points]
+BAND_OPACITY, BAND_EDGE = 0.45, 0.5
 # BIN: the width [points] of the parts into which the axes are divided. FAST_TURNS: a curve is fast at a part
 # if it has at least so many turns, two in each period, in this part and the parts beside it. FAST_PART: a
 # curve is fast if it is fast at more than this share of the parts. LEAST_TURN: a turn counts if the value
@@ -38,7 +39,8 @@ def fill_band(
     """
     finite_curves = np.ma.masked_invalid(curves)
     ends = finite_curves.min(axis=0).filled(np.nan), finite_curves.max(axis=0).filled(np.nan)
-    axes.fill_between(x_values, *ends, color=GREY, alpha=BAND_OPACITY, linewidth=0.0, label=label)
+    look: dict[str, Any] = {"facecolor": (GREY, BAND_OPACITY), "edgecolor": GREY, "linewidth": BAND_EDGE}
+    axes.fill_between(x_values, *ends, **look, label=label)
 
 
 def plot_curves(

@@ -43,10 +43,10 @@ PANEL_HEIGHT = 1.9  # [inch] the usual height of a panel over time, with its leg
 LEAST_AXES_HEIGHT = 0.3  # [inch] the least height of axes with a label along y
 # [inch] the least mean height of the axes with a label along y, if the user gives no height
 USUAL_AXES_HEIGHT = 1.0
-# TALLEST: [inch] a printed page with margins and a caption has room for this height; SLENDER: the largest
-# wanted height of a figure, relative to its width. If a figure would be higher, the least mean height of the
-# axes is FLAT_AXES_HEIGHT [inch].
-TALLEST, SLENDER, FLAT_AXES_HEIGHT = 8.75, 1.6, 0.7
+# TALL: [inch] the largest wanted height of a figure: a printed page also has room for a caption; SLENDER: the
+# largest wanted height, relative to the width. If a figure would be higher, the least mean height of the axes
+# is FLAT_AXES_HEIGHT [inch].
+TALL, SLENDER, FLAT_AXES_HEIGHT = 7.75, 1.6, 0.7
 EDGE_MARGIN = 0.04  # [inch] the least distance of a label of an axis from the figure's left and right edge
 SETTLINGS = 3  # how often, at most, a figure is arranged: a label or legend that is broken changes the layout
 OVERLAP_TOLERANCE = 1.0  # [pixels] the largest distance by which texts may reach beyond the figure or overlap
@@ -152,7 +152,7 @@ def fitting_figure(fill: Fill, width: float, usual_size: tuple[float, float]) ->
     """Return a figure of a given width [inches] with the height that its contents need.
 
     The first height that is tried is that of ``usual_size`` (width and height [inches]); for a width between
-    TWO_COLUMN_WIDTH and the usual width, a lower one; at most TALLEST, and SLENDER × ``width``. If the first
+    TWO_COLUMN_WIDTH and the usual width, a lower one; at most TALL, and SLENDER × ``width``. If the first
     height is too low for the contents, the result is that of ``least_figure``, which tries greater heights.
     If this figure is higher than the largest first height, the axes may be lower (FLAT_AXES_HEIGHT).
 
@@ -160,7 +160,7 @@ def fitting_figure(fill: Fill, width: float, usual_size: tuple[float, float]) ->
         ValueError: when no tried height is enough.
     """
     height = usual_size[1] * (1.0 if width < TWO_COLUMN_WIDTH else math.sqrt(min(1.0, width / usual_size[0])))
-    most_height = max(LEAST_SIZE, min(TALLEST, SLENDER * width))
+    most_height = max(LEAST_SIZE, min(TALL, SLENDER * width))
     height = min(max(LEAST_SIZE, height), most_height)
     with suppress(NoRoomError):
         return figure_at_least(fill, width, height, USUAL_AXES_HEIGHT, most_height)

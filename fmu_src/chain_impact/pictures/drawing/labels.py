@@ -22,7 +22,7 @@ LABEL_OFFSET = 4.0  # [points] the usual distance from a position to its label
 # come first, have no leader. Then come the distances LEADER_DISTANCES, with a leader, or, if leaders are not
 # allowed, UNLED_DISTANCES.
 CLOSE_DISTANCES = (1.0, 1.2)
-UNLED_DISTANCES = (1.3, 1.5, 1.8, 2.1)
+UNLED_DISTANCES = (1.3, 1.5)
 LEADER_DISTANCES = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5, 12.5, 15.0)
 # LABEL_DIRECTIONS: the number of directions that are tried, equally spaced in a full turn; TURN_ORDER: the
 # order of these directions, as steps away from the best direction, to both sides
@@ -116,8 +116,10 @@ def place_labels(
         for n, (k, words) in enumerate(zip(order, briefs, strict=True)):
             choices = (words,) if short or words == labels[k].text else (labels[k].text, words)
             sizes = {text: half_size(text) for choice in choices for text in (choice, folded_label(choice))}
-            others = labels[k].other_marks
-            other_marks = axes.transData.transform(others) if others else np.delete(marks, k, axis=0)
+            given_marks = labels[k].other_marks
+            other_marks = (
+                axes.transData.transform(given_marks) if given_marks else np.delete(marks, k, axis=0)
+            )
             if not _place(axes, labels[k], homes[n + 1 :], other_marks, sizes, ink=ink, steps=steps, **look):
                 misses.append(k)
         return misses
@@ -238,10 +240,10 @@ def _place(
             led: dict[str, Any] = {"arrowprops": LEADER, "zorder": LABEL_LAYER} if is_led else {}
             box, start = (low[step, turn], high[step, turn]), label_point if led else None
             middle = 0.5 * (box[0] + box[1])
-            if not may_lead:
-                is_ambiguous = _is_nearest_to_other(middle, half, label_point, other_marks)
-                if is_ambiguous or ink.is_crossed(label_point, middle, OWN_LINE * point):
-                    continue
+            if not is_led and _is_nearest_to_other(middle, half, label_point, other_marks):
+                continue
+            if not may_lead and ink.is_crossed(label_point, middle, OWN_LINE * point):
+                continue
             if ink.take(*box, start, MARK_LENGTH * point, crossed * point, on_pale=on_pale):
                 offset = (ways[step, turn] / point).tolist()
                 axes.annotate(
@@ -251,14 +253,16 @@ def _place(
     return False
 
 
-def _is_nearest_to_other(middle: np.ndarray, half: np.ndarray, own: np.ndarray, others: np.ndarray) -> bool:
-    """Return whether the middle or the box of a text is nearer to one of ``others`` than to ``own``.
+def _is_nearest_to_other(
+    middle: np.ndarray, half: np.ndarray, place: np.ndarray, other_places: np.ndarray
+) -> bool:
+    """Return whether the middle or the box of a text is nearer to one of ``other_places`` than to ``place``.
 
     All values are in pixels; ``half``: half of the width and of the height of the text.
     """
     for reach in (np.zeros(2), half):
-        own_gap = np.hypot(*np.maximum(np.abs(own - middle) - reach, 0.0))
-        gaps = np.hypot(*np.maximum(np.abs(others - middle) - reach, 0.0).T)
+        own_gap = np.hypot(*np.maximum(np.abs(place - middle) - reach, 0.0))
+        gaps = np.hypot(*np.maximum(np.abs(other_places - middle) - reach, 0.0).T)
         if (gaps < own_gap - ROUND_OFF).any():
             return True
     return False

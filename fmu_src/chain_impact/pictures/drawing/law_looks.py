@@ -13,7 +13,7 @@ LAW_LOOKS: dict[str, dict[str, Any]] = {
     "hunt_crossley": {"color": VERMILLION},
     "lankarani_nikravesh": {"color": GREEN},
     "flores": {"color": PURPLE},
-    "kelvin_voigt": {"color": "#608040"},
+    "kelvin_voigt": {"color": "#909954"},
     "gharib_hurmuzlu": {"color": UMBER},
     "carvalho_martins": {"color": "#590043", "linestyle": "-."},
     "jankowski": {"color": "#e60000", "linestyle": "-."},

@@ -48,7 +48,7 @@ FLAT_COLOURS = ("white", OUTSIDE_COLOUR, SHORT_TIMES_COLOUR)
 """The colours of the ground on which labels may stand."""
 # Parts of the text's colour in mixtures with the ground (``faint_colour``). SHADE: for a time in which
 # nothing moves; IMPACT_LINE: for the line at an impact.
-SHADE, IMPACT_LINE = 0.05, 0.1
+SHADE, IMPACT_LINE = 0.05, 0.35
 # the colour map viridis without its upper end, whose yellow is too pale on white
 TIME_COLOURS = LinearSegmentedColormap.from_list(TIME, mpl.colormaps["viridis"](np.linspace(0.0, 0.85, 64)))
 

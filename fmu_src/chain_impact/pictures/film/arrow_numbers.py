@@ -43,6 +43,17 @@ class Number(NamedTuple):
     colour: str
 
 
+def without_equals(numbers: Sequence[Number]) -> list[Number]:
+    """Return numbers in which the first of several equal ones stands for all: "17.2 N each"."""
+    groups: dict[tuple[str, str], list[Number]] = {}
+    for number in numbers:
+        groups.setdefault((number.words, number.colour), []).append(number)
+    return [
+        group[0] if len(group) == 1 else group[0]._replace(words=f"{words} each")
+        for (words, _), group in groups.items()
+    ]
+
+
 def write_numbers(
     axes: Axes, wanted_numbers: Sequence[Number], lines: Sequence[np.ndarray], pale_line: np.ndarray
 ) -> Iterator[Text]:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import FancyArrowPatch
 from matplotlib.ticker import EngFormatter
 from matplotlib.transforms import Bbox
 
@@ -25,7 +26,19 @@ SHORTEST_ARROW = 0.02  # the length of the shortest arrow, relative to the small
 FIRST_MARK, MARK_GAP = 0.1, 0.3
 NUMBER_SPACE = 0.5  # the least space between two numbers of the ruler, relative to their height
 SCALE_NAME = "force (cube root)"
+WHOLE_HEAD = 14.0  # [points] an arrow that is shorter has a smaller head and a thinner line
 RULER_TICK = 3.0  # [points] half of the length of a mark on the ruler
+
+
+def arrow_between(axes: Axes, foot: np.ndarray, head: np.ndarray, colour: str) -> FancyArrowPatch:
+    """Return the arrow of a force from ``foot`` to ``head`` [m]; a short arrow is thin, with a small head."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    length = float(np.hypot(*np.ptp(axes.transData.transform([foot, head]), axis=0))) * 72.0 / figure.dpi
+    size = min(1.0, length / WHOLE_HEAD)
+    style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11.0 * size, "shrinkA": 0, "shrinkB": 0}
+    (x, y), (head_x, head_y) = foot.tolist(), head.tolist()
+    return FancyArrowPatch((x, y), (head_x, head_y), color=colour, linewidth=2.2 * size, **style)
 
 
 class ArrowScale:

@@ -12,7 +12,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
 
+from chain_impact.pictures.drawing.dark_ground import TEXT_OUTLINE
 from chain_impact.pictures.drawing.distinct_curves import plot_curves
 from chain_impact.pictures.drawing.style import INK, LOAD, force_text, give_ticks, load_unit
 from chain_impact.pictures.film.scale_bar import NUMBER_SIZE
@@ -30,6 +34,9 @@ CHARTS = (0.69, 0.12, 0.29, 0.6)
 EVEN, TICK_GAP, END_TOLERANCE = 0.01, 0.13, 1e-9
 # heights of the chart of forces and of the space above this chart, relative to the height of the figure
 STRIP, STRIP_TOP_MARGIN = 0.13, 0.075
+# the opacity, from 0 to 1, of the veil over the time that the film has not yet shown: on white and on a dark
+# ground
+VEIL, DARK_VEIL = 0.75, 0.55
 FORCE_HEADROOM = 1.25  # the upper end of the axis of forces, relative to the largest force
 FORCE_COLOURS = {"wall": FORCE, "joint": LOAD}
 """Kind of forces → their colour."""
@@ -37,9 +44,10 @@ FORCE_COLOURS = {"wall": FORCE, "joint": LOAD}
 
 def draw_charts(
     figure: Figure, recording: Recording, times: np.ndarray, top: float, wider: float = 0.0
-) -> list[Line2D]:
-    """Draw the charts; return a vertical line, the cursor, of each chart; the chart of energies is first.
+) -> tuple[list[Line2D], list[Text]]:
+    """Draw the charts; return a vertical line, the cursor, of each, and the texts to draw above the cursors.
 
+    The chart of energies is first.
     ``times`` has the time of the recording that each of the F frames shows [s], ascending, shape (F,).
     Without forces at walls or in joints there is no chart of forces. The legend of the energies must end
     below ``top``, a height above the foot of the figure [pixels]. The charts reach farther to the left than
@@ -58,12 +66,19 @@ def draw_charts(
         mark_impacts(axes, recording)
         axes.set_xlim(*recording.time[[0, -1]])
         is_stretched = stretch(axes, times)
-    if forces:
-        _name_peak(panels[1], recording, forces)
+    texts = [_name_peak(panels[1], recording, forces)] if forces else []
     panels[-1].set_xlabel("time [s], stretched in slow motion" if is_stretched else "time [s]")
     # at the ends of the axis the cursor would be clipped
     look: dict[str, Any] = {"color": INK, "linewidth": 1.0, "animated": True, "clip_on": False}
-    return [axes.axvline(times[0], **look) for axes in panels]
+    return [axes.axvline(times[0], **look) for axes in panels], texts
+
+
+def add_veil(axes: Any, *, is_dark: bool) -> Rectangle:
+    """Add a veil to the axes of a chart, which makes the time after the shown time pale."""
+    veil = Rectangle((0.0, 0.0), 1.0, 1.0, transform=axes.get_xaxis_transform(), zorder=3, animated=True)
+    veil.set(facecolor=("white", DARK_VEIL if is_dark else VEIL), linewidth=0.0)
+    axes.add_patch(veil)
+    return veil
 
 
 def stretch(axes: Axes, times: np.ndarray) -> bool:
@@ -132,10 +147,11 @@ def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]
     give_ticks(axes)
 
 
-def _name_peak(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) -> None:
+def _name_peak(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) -> Text:
     """Write the largest of all forces beside its place on a curve, on the side with more room.
 
-    The number of a wall force is that of the list of impacts: the curve has the forces at the rows only.
+    Return the text. The number of a wall force is that of the list of impacts: the curve has the forces at
+    the rows only.
     """
     name, force = max(forces.items(), key=lambda named_force: float(named_force[1].max()))
     peak_force = largest_wall_force(recording, forces) if name == "wall" else float(force.max())
@@ -144,7 +160,9 @@ def _name_peak(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) 
     is_left = axes.transAxes.inverted().transform(axes.transData.transform(place))[0] > 0.5  # noqa: PLR2004
     look: dict[str, Any] = {"color": FORCE_COLOURS[name], "fontsize": NUMBER_SIZE, "va": "center"}
     look |= {"ha": "right" if is_left else "left", "textcoords": "offset points"}
-    axes.annotate(force_text(peak_force, "N"), place, (-4.0 if is_left else 4.0, 0.0), **look)
+    # the cursor must not cut the text
+    look |= {"animated": True, "path_effects": [withStroke(linewidth=TEXT_OUTLINE, foreground="white")]}
+    return axes.annotate(force_text(peak_force, "N"), place, (-4.0 if is_left else 4.0, 0.0), **look)
 
 
 def _draw_energies(axes: Axes, recording: Recording, top: float) -> None:

@@ -14,7 +14,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
+from matplotlib.patches import Circle, Polygon
 
 from chain_impact.pictures.drawing.dark_ground import Ground
 from chain_impact.pictures.drawing.style import (
@@ -26,10 +26,10 @@ from chain_impact.pictures.drawing.style import (
     TIME_COLOURS,
     force_text,
 )
-from chain_impact.pictures.film.arrow_numbers import Number, write_numbers
-from chain_impact.pictures.film.arrow_scale import ArrowScale
+from chain_impact.pictures.film.arrow_numbers import Number, without_equals, write_numbers
+from chain_impact.pictures.film.arrow_scale import ArrowScale, arrow_between
 from chain_impact.pictures.film.caption import Caption
-from chain_impact.pictures.film.charts import FORCE, draw_charts, largest_forces, largest_wall_force
+from chain_impact.pictures.film.charts import FORCE, add_veil, draw_charts, largest_forces, largest_wall_force
 from chain_impact.pictures.film.places import SIZE_WITH_CHARTS, places_for
 from chain_impact.pictures.film.scale_bar import NUMBER_SIZE, draw_scale_bar
 from chain_impact.pictures.film.tip_trace import trace_of
@@ -59,7 +59,6 @@ FILM_STYLE |= {f"{axis}tick.{key}": value for axis in "xy" for key, value in TIC
 # half of the length of the bar along a wall that marks a sticking contact, relative to the smaller side of
 # the view
 HALF_BAR = 0.035
-VEIL = 0.75  # the opacity of the veil over the time that the film has not yet shown, from 0 to 1
 SCALE = 0.055  # the position of the rulers, above the foot of the figure, relative to the figure's height
 TAIL_PARTS = 40  # the number of pieces of the fading trace of the tip
 
@@ -79,7 +78,7 @@ class Film:
             ground: the colours of the style in use, if the style is dark; else None.
         """
         self.recording, self.times, self.ground = recording, times, ground
-        steps = np.diff(times).clip(1e-5, 0.01)  # the clock has 2 to 5 decimals
+        steps = np.diff(times).clip(1e-4, 0.01)  # the clock has 2 to 4 decimals
         self.decimals = int(np.ceil(-np.log10(steps.min(initial=0.01))))
         self.points = np.stack(
             [self._frame_values(point) for point in recording.all_points.transpose(1, 0, 2)], axis=1
@@ -101,10 +100,10 @@ class Film:
         listed_times = times if self.tells_energies else times[:0]
         self.caption = Caption(figure, place.caption, recording, listed_times)
         self._draw_ground(*framing)
-        self.cursors = (
+        self.cursors, self.peak_names = (
             draw_charts(figure, recording, times, self.caption.lowest, place.wider)
             if self.tells_energies
-            else []
+            else ([], [])
         )
         line: dict[str, Any] = {"animated": True, "solid_capstyle": "round", "solid_joinstyle": "round"}
         self.trace_times, self.path = trace_of(recording, self.side)
@@ -123,7 +122,7 @@ class Film:
             self.scene.plot([], [], color="white", markeredgecolor="white", markersize=size, **mark)[0]
             for size in (4, 5, 7)
         )
-        self.veils = [self._veil(cursor.axes) for cursor in self.cursors]
+        self.veils = [add_veil(cursor.axes, is_dark=bool(ground)) for cursor in self.cursors]
         forces = largest_forces(recording)
         peak = max(largest_wall_force(recording, forces), forces.get("joint", np.zeros(1)).max())
         self.scale = ArrowScale(peak, self.side)
@@ -145,13 +144,6 @@ class Film:
         self.patches = [*self.discs.values(), *self.bodies.values(), *(patch for patch, _ in self.carriage)]
         for patch in self.patches:
             self.scene.add_patch(patch)
-
-    def _veil(self, axes: Any) -> Rectangle:
-        """Add a veil to the axes of a chart, which makes the time after the shown time pale."""
-        veil = Rectangle((0.0, 0.0), 1.0, 1.0, transform=axes.get_xaxis_transform(), zorder=3, animated=True)
-        veil.set(facecolor=("white", VEIL), linewidth=0.0)
-        axes.add_patch(veil)
-        return veil
 
     def _suit(self, figure: Figure) -> None:
         """Give the figure the colours for a dark ground, if the style in use is dark."""
@@ -264,6 +256,7 @@ class Film:
             veil.set_x(time)
             veil.set_width(max(0.0, self.recording.time[-1] - time))
             yield from (veil, cursor)
+        yield from self.peak_names
 
     def _time_colours(self, times: np.ndarray) -> list[Any]:
         """Return the colours of some times [s]; none for no times."""
@@ -322,7 +315,8 @@ class Film:
                 tangent = np.array([dy, -dx])
                 self.numbers.append(Number(force, force_text(force, "N·m"), mark, tangent, FORCE))
         self._add_loads(frame)
-        self.moving_artists += write_numbers(self.scene, self.numbers, self._outlines(frame), self.traced)
+        numbers = without_equals(self.numbers)
+        self.moving_artists += write_numbers(self.scene, numbers, self._outlines(frame), self.traced)
         if self.ground:
             self.ground.suit(self.moving_artists)
         yield from self.moving_artists
@@ -362,8 +356,9 @@ class Film:
         foot, force_size = point - plane.clearance(*point) * normal, float(np.hypot(*force))
         if is_stuck:
             bar = np.stack([foot - HALF_BAR * self.side * tangent, foot + HALF_BAR * self.side * tangent])
-            self._add_line(bar.T, linewidth=5.0, solid_capstyle="butt")
-        self._add_arrow(foot, (force[0] * normal + force[1] * tangent) / force_size, force_size, FORCE)
+            self._add_line(bar.T, linewidth=3.0, solid_capstyle="butt")
+        if self.scale.is_shown(force_size):
+            self._add_arrow(foot, (force[0] * normal + force[1] * tangent) / force_size, force_size, FORCE)
 
     def _add_arrow(
         self, foot: np.ndarray, direction: np.ndarray, force_size: float, colour: str, with_size: bool = True
@@ -378,9 +373,7 @@ class Film:
             with_size: whether the size is also written at the arrow's head.
         """
         head = foot + self.scale.length(force_size) * direction
-        style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
-        arrow = FancyArrowPatch(tuple(foot), tuple(head), color=colour, linewidth=2.2, **style)
-        self.moving_artists.append(self.scene.add_patch(arrow))
+        self.moving_artists.append(self.scene.add_patch(arrow_between(self.scene, foot, head, colour)))
         self.arrows.append(np.stack([foot, head]))
         if with_size:
             self.numbers.append(Number(force_size, force_text(force_size, "N"), head, direction, colour))

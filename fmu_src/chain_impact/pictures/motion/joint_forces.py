@@ -6,6 +6,7 @@ MOST_FORCES largest forces stand beside their joints, as far as there is room.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -26,28 +27,36 @@ SHORTEST_LOAD = 0.4
 # POSE_WIDTH: [points] the width of the chain in the pose of the arrows; POSE_LAYER: matplotlib's order of
 # drawing (zorder) for this chain, above all other poses
 POSE_WIDTH, POSE_LAYER = 1.6, 4.5
+# LOAD_SHIFT: how far an arrow stands beside a link that it would cover, relative to the longer side of the
+# view; LINK_TANGENT: the largest tangent of the angle between a link and an arrow that would cover the link
+LOAD_SHIFT, LINK_TANGENT = 0.025, 0.3
+# two poses look alike if no point differs by more than this, relative to the longer side of the view
+SAME_POSE = 0.03
 MOST_FORCES = 3  # the largest number of joints whose forces are written
 
 
-def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
+def draw_loads(axes: Axes, recording: Recording, view: View, shown_poses: Sequence[np.ndarray] = ()) -> None:
     """Draw the largest force in each joint as an arrow at the place of the joint at the time of this force.
 
     Direction and position of an arrow are those in the row nearest to the time of the largest force in the
-    joint; the length shows the largest force, which may lie between rows. The pose of the chain at the time
-    of the largest of all these forces has the colour of the arrows. If an arrow would leave the view, all
-    arrows become shorter, as far as SHORTEST_LOAD allows. A recording without loads has no arrows.
+    joint; the length shows the largest force, which may lie between rows. An arrow along a link stands beside
+    this link (``shifted_foot``). The pose of the chain at the time of the largest of all these forces has the
+    colour of the arrows, unless it is like one of ``shown_poses`` (SAME_POSE). If an arrow would leave the
+    view, all arrows become shorter, as far as SHORTEST_LOAD allows. A recording without loads has no arrows.
     """
-    arrows, loads = [], joint_peaks(recording)
+    arrows, loads, side = [], joint_peaks(recording), float(np.ptp(view.corners, axis=0).max())
     for peak in loads:
         if peak.joint in recording.loads:
             row = recording.row_at(peak.time)
             force = recording.loads[peak.joint][row]
             if size := np.hypot(*force):
-                arrows.append((*recording.points[row, peak.joint - 1], *(peak.force / size * force)))
+                foot = shifted_foot(recording.points[row], peak.joint, force, LOAD_SHIFT * side)
+                arrows.append((*foot, *(peak.force / size * force)))
     if arrows:
         # ``POSE_LAYER`` is above the layer of the pose at the end, which could cover the pose drawn here
         pose = recording.pose_at(loads[0].time)
-        axes.plot(*pose.T, ".-", color=LOAD, linewidth=POSE_WIDTH, zorder=POSE_LAYER)
+        if all(np.hypot(*(pose - shown_pose).T).max() > SAME_POSE * side for shown_pose in shown_poses):
+            axes.plot(*pose.T, ".-", color=LOAD, linewidth=POSE_WIDTH, zorder=POSE_LAYER)
         x, y, x_forces, y_forces = np.transpose(arrows)
         largest_force = np.hypot(x_forces, y_forces).max()
         longest_arrow = LONGEST_LOAD * min(np.ptp(view_of(recording).corners, axis=0))
@@ -65,6 +74,24 @@ def draw_loads(axes: Axes, recording: Recording, view: View) -> None:
         )
         key_style: dict[str, Any] = {"marker": "$\u2192$", "markersize": 8.0, "linestyle": "", "color": LOAD}
         axes.plot([], [], **key_style, label=f"joint forces\n≤ {force_text(largest_force, 'N')}")
+
+
+def shifted_foot(pose: np.ndarray, joint: int, force: np.ndarray, shift: float) -> np.ndarray:
+    """Return the foot of the arrow of a force in a joint [m]: the joint, or a place beside it.
+
+    If the force is nearly along a link at the joint (LINK_TANGENT), the arrow would cover this link. The foot
+    is then farther from the link by ``shift`` [m], on the side to which the arrow turns away from it.
+    """
+    foot = pose[joint - 1]
+    for neighbour in (joint, joint - 2):
+        if 0 <= neighbour < len(pose):
+            link, (fx, fy) = pose[neighbour] - foot, force / np.hypot(*force)
+            dot_product, cross_product = fx * link[0] + fy * link[1], fx * link[1] - fy * link[0]
+            if dot_product > 0.0 and abs(cross_product) < LINK_TANGENT * dot_product:
+                return np.asarray(
+                    foot + shift * np.array([fy, -fx]) * (1.0 if cross_product >= 0.0 else -1.0)
+                )
+    return np.asarray(foot)
 
 
 def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -46,8 +47,9 @@ PATH_WIDTH, DENSE, LINE_CELL, AREA_CELL, MOST_SAMPLES = 1.5, 0.3, 0.01, 0.05, 20
 # the legend tells this; REVISITED: see ``last_time_seen``.
 HIDING, REVISITED = 0.5, 0.05
 HIDDEN_REACH = 0.02  # see ``small_reach``
-# with more paths of points than this, each path is the fainter the more paths there are
+# with more paths of points than this, only every second one, or every third one, and so on, is drawn
 MOST_CLEAR_PATHS = 6
+PATH_OPACITY = 0.45  # the opacity of the path of a point, from 0 to 1
 BALL_LINE = 0.3  # the width of the line of a ball's link, relative to the line of a link that is no ball
 # label of lines or marks that a narrow picture explains at its foot, where the legend lacks room → their look
 FOOT_LOOKS = {
@@ -110,7 +112,8 @@ def draw_motion(
         axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.0, zorder=3.5, label="stops"))
     draw_rings(axes, recording)
     draw_sticking(axes, recording)
-    draw_loads(axes, recording, view)
+    shown_poses = [recording.points[0], recording.points[-1], *map(recording.pose_at, strong_times)]
+    draw_loads(axes, recording, view, shown_poses)
     is_flat_motion = is_flat(recording)
     axes.set_aspect("auto" if is_flat_motion else "equal")
     give_ticks(axes)
@@ -144,13 +147,13 @@ def all_entries(axes: Axes) -> list[Any]:
 def few_entries(axes: Axes) -> list[Any]:
     """Return the artists of ``all_entries`` except the lines that ``note_on_lines`` explains."""
     labelled = {str(handle.get_label()): handle for handle in all_entries(axes)}
-    return [handle for label, handle in labelled.items() if label not in FOOT_LOOKS]
+    return [handle for label, handle in labelled.items() if label.partition(" (")[0] not in FOOT_LOOKS]
 
 
 def note_on_lines(axes: Axes) -> str:
     """Return a text for the foot of a figure that explains the lines whose labels are in FOOT_LOOKS."""
-    labels = {str(handle.get_label()) for handle in all_entries(axes)}
-    return ", ".join(f"{look}: {label}" for label, look in FOOT_LOOKS.items() if label in labels)
+    labels = {(label := str(handle.get_label())).partition(" (")[0]: label for handle in all_entries(axes)}
+    return ", ".join(f"{look}: {labels[name]}" for name, look in FOOT_LOOKS.items() if name in labels)
 
 
 def colour_of_time(recording: Recording) -> Any:
@@ -178,9 +181,11 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
     if ball is not None:
         other_paths, tip, name = [], recording.points[:, ball], "path"
     other_paths += [*recording.sites.transpose(1, 0, 2)]
-    alpha = 0.45 * min(1.0, MOST_CLEAR_PATHS / (len(other_paths) + 1))
-    label = "other points" if any(map(has_motion, other_paths)) else "_"
-    axes.add_collection(LineCollection(other_paths, colors=INK, linewidths=0.6, alpha=alpha, label=label))
+    step = max(1, math.ceil(len(other_paths) / MOST_CLEAR_PATHS))
+    words = "other points" if step == 1 else f"other points (1 of {step})"
+    label = words if any(map(has_motion, other_paths)) else "_"
+    look: dict[str, Any] = {"colors": INK, "linewidths": 0.6, "alpha": PATH_OPACITY, "label": label}
+    axes.add_collection(LineCollection(other_paths[::step], **look))
     if len(tip) == 1:
         return
     middles = 0.5 * (recording.time[1:] + recording.time[:-1])

@@ -49,7 +49,6 @@ TINY_ENERGY = 0.05
 
 def draw_energy(axes: Axes, recording: Recording) -> None:
     """Draw the energies over time, with marks at impacts; small energies (``tiny_curves``) as a band."""
-    tick_impacts(axes, recording)
     time, curves = recording.detailed_energies[0], energy_curves(recording)
     tiny_indices = tiny_curves(curves)
     plot_curves(axes, time, [curve for k, curve in enumerate(curves) if k not in tiny_indices])
@@ -58,6 +57,7 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
         names = ", ".join(curves[k][1]["label"] for k in tiny_indices)
         fill_band(axes, time, values, f"{names}: ≤ {np.abs(values).max():.2g} J")
     axes.set_ylabel("energy [J]")
+    tick_impacts(axes, recording)
     show_all_time(axes, recording)
     legend_above(axes)
 

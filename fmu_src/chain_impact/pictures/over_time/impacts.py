@@ -22,7 +22,7 @@ from chain_impact.pictures.drawing.style import GREY, INK, PEAK_COLOUR, is_narro
 from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, rubbing_places
 from chain_impact.pictures.over_time.time_axis import show_all_time
 from chain_impact.pictures.words.headline import impact_values, marked_peaks
-from chain_impact.pictures.words.impact_numbers import label_subsets, numbers_of, write_first_whole
+from chain_impact.pictures.words.impact_numbers import label_subsets, numbers_of, write_first_fitting
 from chain_impact.pictures.words.point_names import POINT, number_of, short_names, what_touches
 from chain_impact.recording.contact_times import SEEN_CONTACT, contact_ends, impacts_at_peaks
 from chain_impact.recording.impact_words import speed_unit
@@ -122,7 +122,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         handles, _ = axes.get_legend_handles_labels()
         if lanes:
             handles.append(Line2D([], [], color=GREY, linewidth=CONTACT, label="in contact"))
-        if (place_text := place_of_late_peaks(recording)) and not is_narrow(figure):
+        if place_text := place_of_late_peaks(recording):
             stem: dict[str, Any] = {"color": INK, "marker": "|", "markersize": STEM_KEY}
             handles.append(Line2D([], [], linestyle="", markeredgewidth=STEM, label=place_text, **stem))
         legend_above(axes, handles)
@@ -157,13 +157,10 @@ def are_told(figure: Figure, recording: Recording, rows: np.ndarray) -> bool:
 
 
 def place_of_late_peaks(recording: Recording) -> str:
-    """Return words for the times at which marks stand; "" if they all stand at the onsets.
-
-    The words are in the legend or, in a narrow figure, whose legend lacks room, at the foot of the figure.
-    """
+    """Return words for the times at which marks stand; "" if they all stand at the onsets."""
     is_late = impacts_at_peaks(recording)["onset"] > recording.impacts["onset"]
     words, *_ = shown_values(recording, is_stop=bool(recording.is_at_joint_stop[is_late].all()))
-    return f"impacts, at the time of their {words}" if is_late.any() else ""
+    return f"impact, at its {words}" if is_late.any() else ""
 
 
 def draw_contacts(axes: Axes, spans: np.ndarray, lane: int, name: str, colour: str) -> None:
@@ -315,18 +312,18 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
     def label(rows: Sequence[int]) -> Label:
         """Return the label of the impacts ``rows`` at the mark of the first one."""
         (text, short), place = numbers_of(rows), places[rows[0]]
-        others = [other for row, other in enumerate(places) if row not in common_rows[rows[0]]]
+        other_places = [place for row, place in enumerate(places) if row not in common_rows[rows[0]]]
         if rows[0] in strongest and len(rows) == 1:
             words, look = f"{text}: {strongest[rows[0]]}", {"color": PEAK_COLOUR}
-            return Label(words, place, short=text, look=look, other_marks=others)
-        return Label(text, place, short=short, other_marks=others)
+            return Label(words, place, short=text, look=look, other_marks=other_places)
+        return Label(text, place, short=short, other_marks=other_places)
 
     tries = [[label([row]) for row in range(step - 1, len(times), step)]] if step > 1 else []
     for rows in label_subsets(rows_by_height(heights).tolist()):
         groups = {tuple(sorted(common_rows[row], key=lambda row: -heights[row])) for row in rows}
         if len(groups) <= MOST_NUMBER_LABELS:
             tries.append([label(group) for group in sorted(groups, key=lambda group: -heights[group[0]])])
-    write_first_whole(axes, tries, ink, fontsize="small")
+    write_first_fitting(axes, tries, ink, fontsize="small")
 
 
 def numbered_step(axes: Axes, recording: Recording) -> int:

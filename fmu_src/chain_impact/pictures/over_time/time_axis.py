@@ -23,10 +23,12 @@ from chain_impact.pictures.over_time.rests import shade_rests, shown_time
 from chain_impact.pictures.words.headline import time_unit
 from chain_impact.recording.recording import Recording
 
+IMPACT_WIDTH = 0.5  # [points] the width of the line at an impact
 CLOCK_HEIGHT = 0.045  # [inch] the height of the bar with the colours of time
 # the part of the text's colour (``faint_colour``) in the mark of an impact at the upper edge of axes, and the
-# lower end of this mark, relative to the height of the axes
+# lower end of this mark, relative to the height of the axes, whose curves end below it
 TICK, TICK_FOOT = 0.6, 0.92
+CURVE_GAP = 0.03  # the least space between curves and these marks, relative to the height of the axes
 TIME_MARGIN = 0.015  # the margin at both ends of an axis of time, relative to the shown time
 
 
@@ -60,24 +62,20 @@ def label_time(axes: Axes, recording: Recording) -> None:
     axes.set(xlabel=name_time(axes, time_span.end), xlim=(time_span.start - margin, time_span.end + margin))
 
 
-def add_time_keys(axes: Axes, recording: Recording, *, is_marked: bool) -> None:
-    """Add the entries of the legend for the marks of impacts, if ``is_marked``, and for times without motion.
-
-    The entry for times without motion also tells cut ends of the run. Call the function before the legend of
-    the axes is made.
-    """
+def add_impact_key(axes: Axes, recording: Recording) -> None:
+    """Add the entry of the legend for the marks of impacts (``tick_impacts``), before the legend is made."""
     time_span = shown_time(recording)
-    if is_marked and impact_lines(recording, time_span.start, time_span.end):
-        look: dict[str, Any] = {
-            "color": faint_colour(axes, TICK),
-            "marker": "|",
-            "markersize": 5.0,
-            "gid": KEY,
-        }
-        axes.plot([], [], linestyle="", label="impacts", **look)
+    if impact_lines(recording, time_span.start, time_span.end):
+        look: dict[str, Any] = {"color": faint_colour(axes, TICK), "marker": "|", "markersize": 5.0}
+        axes.plot([], [], linestyle="", label="impacts", gid=KEY, **look)
+
+
+def add_rest_key(axes: Axes, recording: Recording) -> None:
+    """Add the entry of the legend for times without motion and cut ends, before the legend is made."""
+    time_span = shown_time(recording)
     if time_span.rest_spans:
         words = ", ".join(filter(None, (time_span.word, time_span.cuts)))
-        look = {"color": faint_colour(axes, 2.0 * SHADE), "linewidth": 0.0, "gid": KEY}
+        look: dict[str, Any] = {"color": faint_colour(axes, 2.0 * SHADE), "linewidth": 0.0, "gid": KEY}
         axes.add_patch(Rectangle((0.0, 0.0), 0.0, 0.0, label=words, **look))
 
 
@@ -95,9 +93,16 @@ def show_all_time(axes: Axes, recording: Recording) -> None:
 
 
 def tick_impacts(axes: Axes, recording: Recording) -> None:
-    """Draw a short mark at the onset of each impact, at the upper edge of axes over time [s]."""
+    """Draw a short mark at the onset of each impact, at the upper edge of axes over time [s].
+
+    The curves of the axes are there already; the range along y grows, so that they end below the marks.
+    """
+    if not len(recording.impacts):
+        return
     look: dict[str, Any] = {"linewidth": 0.8, "zorder": 0.5, "transform": axes.get_xaxis_transform()}
     axes.vlines(recording.impacts["onset"], TICK_FOOT, 1.0, faint_colour(axes, TICK), **look)
+    (low, high), top = axes.get_ylim(), float(axes.dataLim.y1)
+    axes.set_ylim(low, max(high, low + (top - low) / (TICK_FOOT - CURVE_GAP)))
 
 
 def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: float = 1.0) -> None:
@@ -112,7 +117,7 @@ def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: f
         0.0,
         1.0,
         faint_colour(axes, IMPACT_LINE),
-        linewidth=0.8,
+        linewidth=IMPACT_WIDTH,
         zorder=0,
         transform=axes.get_xaxis_transform(),
     )
@@ -130,4 +135,4 @@ def impact_handles(
     """Return a legend's entry for the lines of ``mark_impacts`` between two times [s]; [] without lines."""
     if not impact_lines(recording, start, end):
         return []
-    return [Line2D([], [], color=faint_colour(axes, IMPACT_LINE), linewidth=1.5, label="impact")]
+    return [Line2D([], [], color=faint_colour(axes, IMPACT_LINE), linewidth=1.0, label="impact")]

@@ -9,6 +9,7 @@ from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import raise_exponents
 from chain_impact.recording.contact_times import has_impulses, law_at
 from chain_impact.recording.recording import Recording
+from chain_impact.scene.keys.tables import Solver
 from chain_impact.scene.words.names import name_parts
 from chain_impact.scene.words.unit_text import stiffness_unit
 from chain_impact.text import count_text, number_text
@@ -21,8 +22,8 @@ def conditions(recording: Recording, *first: str, touches: bool = True, short: b
     """Return the known conditions of a run in one text: links, joints, contacts, friction and solver.
 
     The texts ``first`` come before the conditions. The laws of contacts and stops, and the values of these
-    laws, are told only if something ``touches`` a wall or a stop. If ``short``, the conditions lack links,
-    joints, radius and solver.
+    laws, are told only if something ``touches`` a wall or a stop; the settings of the solver only if they
+    are not the usual ones. If ``short``, the conditions lack links, joints, radius and solver.
     """
     parameters = recording.parameters
     parts = [*filter(None, first)]
@@ -39,10 +40,11 @@ def conditions(recording: Recording, *first: str, touches: bool = True, short: b
         parts += [f"stops {', '.join(stop_texts)}"] if stop_texts else []
     if parameters.get("contact.radius") and not short:
         parts.append(f"radius {parameters['contact.radius']:g} m")
-    if "solver.tolerance" in parameters and not short:
-        parts.append(
-            f"method {parameters['solver.method']}, tolerance {number_text(parameters['solver.tolerance'])}"
-        )
+    usual_settings = {"solver.method": Solver().method, "solver.tolerance": Solver().tolerance}
+    settings = {name: parameters.get(name, value) for name, value in usual_settings.items()}
+    if settings != usual_settings and not short:
+        tolerance = number_text(settings["solver.tolerance"])
+        parts.append(f"method {settings['solver.method']}, tolerance {tolerance}")
     return SEPARATOR.join(parts)
 
 

@@ -12,8 +12,9 @@ from chain_impact.pictures.drawing.labels import Label, place_labels
 
 LEAST_RUN = 3  # the least number of successive numbers that are written as a range
 MOST_IN_LABEL = 4  # the largest number of items in a label; an item is an impact, or a range such as "1–81"
-# if not all impacts have room for their numbers, so many of the largest impacts have one; the first count
-# with room is taken
+MOST_MISSES = 0.35  # the largest part of a list of labels that may be left out because it has no room
+# if fewer impacts have room for their numbers, so many of the largest impacts have one; the first count with
+# room for most of them is taken
 NUMBERED_COUNTS = (20, 16, 12, 10, 8, 6, 5, 4, 3, 2, 1)
 
 
@@ -28,29 +29,17 @@ def label_subsets(order: Sequence[int]) -> Iterator[list[int]]:
             yield [*dict.fromkeys([*order[:count], max(order)])]
 
 
-def write_first_whole(axes: Axes, tries: Iterable[Sequence[Label]], ink: Ink, **options: Any) -> None:
-    """Write the first list of labels of which all labels have room; of the last list those that have room.
+def write_first_fitting(axes: Axes, tries: Iterable[Sequence[Label]], ink: Ink, **options: Any) -> None:
+    """Write those labels that have room, of the first list of which most have room; else of the last list.
 
-    A label that has no room even without the other labels does not count, and is left out. ``options`` are
-    keywords of ``place_labels``.
+    Most labels are all but the part MOST_MISSES. ``options`` are keywords of ``place_labels``.
     """
     earlier_texts, free_pixels = {*axes.texts}, ink.pixels()
-    hopeless_labels: list[Label] = []
-
-    def write(labels: Sequence[Label]) -> list[Label]:
-        """Write these labels only; return those without room."""
+    for labels in tries:
         for text in {*axes.texts} - earlier_texts:
             text.remove()
         ink.restore(free_pixels)
-        return place_labels(axes, labels, ink, **options)
-
-    for labels in tries:
-        hopeful_labels = [label for label in labels if label not in hopeless_labels]
-        if not (misses := write(hopeful_labels)):
-            return
-        hopeless_labels += [label for label in misses if write([label])]
-        hopeful_labels = [label for label in hopeful_labels if label not in hopeless_labels]
-        if not write(hopeful_labels):
+        if len(place_labels(axes, labels, ink, **options)) <= MOST_MISSES * len(labels):
             return
 
 

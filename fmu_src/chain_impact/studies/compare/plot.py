@@ -21,9 +21,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band, parts_with_dashes
+from chain_impact.pictures.drawing.end_labels import EndLabel, spread, write_end_labels
 from chain_impact.pictures.drawing.figures import check_alone, draw_figure, settle
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS, law_look
-from chain_impact.pictures.drawing.legends import legend_at_foot
+from chain_impact.pictures.drawing.legends import legend_at_head
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.drawing.style import (
@@ -55,10 +56,9 @@ JUMP_NOTE_OF_LAW = "force jumps at the onset"
 IMPULSE_ENDING = " (impulse)"  # the end of the label of a law of impulses, if the law has no colour
 IMPULSE: dict[str, Any] = {**LAW_LOOKS["newton_impact"], "linewidth": 1.2, "zorder": 3.5}
 """The look of the line of a law of impulses that has no colour."""
-# the heights of the panels of loops and energy, relative to each other, and the look of the legend, in a
-# narrow figure
+# the heights of the panels of loops and energy, relative to each other, in a narrow figure
 LOOPS_ABOVE: Any = (1.5, 1.0)
-NARROW_LEGEND: dict[str, Any] = {"handlelength": 1.2, "handletextpad": 0.4, "borderpad": 0.1}
+LEAST_NAMED = 4.3  # [inch] the least width of a figure with names of laws at the ends of lines
 LEAD_SHARE = 0.1  # longest time shown before the first impact, relative to the time shown after its onset
 COLOURED_LAWS = 6  # largest number of laws with a colour
 USED_LAWS = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
@@ -95,9 +95,24 @@ def fill(figure: Figure, comparison: LawRuns) -> None:
     loops, energy = figure.subplots(**panels)
     draw_loops(loops, comparison, looks)
     draw_energy(energy, comparison, looks)
+    names = name_ends(energy, comparison, looks) if figure.get_figwidth() >= LEAST_NAMED else []
     dash_lines(loops, energy)
-    legend_at_foot(figure, legend_handles(looks, energy, loops), **(NARROW_LEGEND if is_small else {}))
+    legend_at_head(figure, legend_handles(looks, energy, loops))
     settle(figure)
+    spread(energy, names)
+
+
+def name_ends(axes: Axes, comparison: LawRuns, looks: Looks) -> list[EndLabel]:
+    """Write the laws with a colour, and those of impulses, at the right ends of their lines of energy."""
+    lines, (_, end), reference = [], axes.get_xlim(), comparison[comparison.reference].result
+    assert reference is not None
+    offset = shown_energies(reference)[1]
+    for law, look in looks.items():
+        result = comparison[law].result
+        if result is not None and look["color"] != GREY:
+            value = float(np.interp(end, result.time, offset + result.energy["total"]))
+            lines.append((law, value, look["color"]))
+    return write_end_labels(axes, lines)
 
 
 def conditions(comparison: LawRuns, looks: Looks) -> str:
@@ -208,7 +223,7 @@ def looks_of(comparison: LawRuns, *, is_small: bool = False) -> Looks:
         words = ", ".join(filter(None, (first_reason, restitution_text)))
         label = ", ".join(laws) + (f" ({words})" if words else "")
         if comparison.reference in laws:
-            look = law_look(comparison.reference) | {"linewidth": 3.0, "zorder": REFERENCE_LAYER}
+            look = law_look(comparison.reference) | {"linewidth": 2.4, "zorder": REFERENCE_LAYER}
         elif reasons:
             named_law = next(law for law in laws if law in chosen_reasons)
             look = law_look(named_law) | {"linewidth": 1.7, "zorder": 4}

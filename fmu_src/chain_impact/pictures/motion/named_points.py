@@ -1,0 +1,53 @@
+"""Names of the points that touch walls, beside the chain at the start in the picture of a motion."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from chain_impact.pictures.drawing.ink import Ink
+from chain_impact.pictures.drawing.labels import Label, place_labels
+from chain_impact.pictures.drawing.style import TIME_COLOURS
+from chain_impact.pictures.words.point_names import POINT, shortened_name
+from chain_impact.recording.recording import Recording
+from chain_impact.recording.view import ball_of
+
+NAME = "point"  # the matplotlib identifier (gid) of the name of a point
+MOST_NAMED_POINTS = 8  # with more points that touch, no point has a name
+
+
+def touching_points(recording: Recording) -> list[int]:
+    """Return the points that touch a wall, ascending; [] for a ball, which has no name."""
+    if ball_of(recording) is not None:
+        return []
+    hits = [
+        int(impact["point"])
+        for impact in recording.impacts[~recording.is_at_joint_stop]
+        if recording.touching_part(impact) != "slider"
+    ]
+    return sorted({*hits})
+
+
+def name_points(axes: Axes, recording: Recording, ink: Ink) -> None:
+    """Write the names of points that touch beside the chain at the start, in its colour, if ``ink`` is free.
+
+    A point without a name has its number; the first one also has the word "point". A name stands nearer to
+    its own point than to any other point of the chain.
+    """
+    points, places = touching_points(recording), recording.all_points[0]
+    if len(points) > MOST_NAMED_POINTS:
+        return
+    middle, word = places.mean(axis=0), POINT
+    for point in points:
+        way = places[point] - middle
+        length = float(np.hypot(*way))
+        x, y = (way / length if length > 0.0 else np.array([0.0, 1.0])).tolist()
+        other_places = [(float(px), float(py)) for px, py in np.delete(places, point, axis=0)]
+        name = recording.point_names.get(point, "")
+        text = shortened_name(name) if name else f"{word}{point}"
+        label = Label(
+            text, (float(places[point][0]), float(places[point][1])), (x, y), other_marks=other_places
+        )
+        look = {"fontsize": "small", "color": TIME_COLOURS(0.0), "gid": NAME}
+        if not place_labels(axes, [label], ink, lines=True, **look) and not name:
+            word = ""
