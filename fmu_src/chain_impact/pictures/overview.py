@@ -19,6 +19,7 @@ from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.motion.motion import all_entries, draw_motion, few_entries, note_on_lines
 from chain_impact.pictures.motion.view import GROWTH_FACTORS, is_flat, view_of
 from chain_impact.pictures.over_time.dry_friction import move_legend_to_foot
+from chain_impact.pictures.over_time.impacts import place_of_late_peaks
 from chain_impact.pictures.over_time.time_axis import add_impact_key, add_rest_key, draw_clock, label_time
 from chain_impact.pictures.overview_layout import (
     SLIM,
@@ -37,6 +38,8 @@ from chain_impact.recording.recording import Recording
 LEGEND_ROOM = 1.1  # the room for a legend beside the motion, relative to the width of the legend
 # a legend stands beside a motion that is not SLIM only if the motion keeps this part of the width
 LEAST_MOTION = 0.55
+# a legend stands beside a slim motion in a wide figure if the motion keeps this part of its height
+FULL_MOTION = 0.95
 # the largest factors (``view_of``) with which the view grows if the motion has the whole width of the figure
 WHOLE_WIDTH = (1.25, GROWTH_FACTORS[1])
 # NUMBER_BAND: [points] how far the picture shows the area beyond a wall, where numbers of impacts stand;
@@ -57,8 +60,10 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
         ValueError: when a panel does not exist.
     """
     shown_panels = panels_to_draw(recording, panels)
+    late_place = place_of_late_peaks(recording) if is_narrow(figure) and "impacts" in shown_panels else ""
     notes = (
         full_names(recording),
+        f"lines below marks: {late_place}" if late_place else "",
         *recording.points_through_walls,
         unreached_walls(recording) if "motion" in shown_panels else "",
     )
@@ -73,7 +78,7 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
     keyed = "impacts" if is_narrow(figure) and "impacts" in shown_panels else "energy"
     if (keyed_axes := panel_axes.get(keyed, next(iter(time_panels), None))) is not None:
         add_rest_key(keyed_axes, recording)
-    if "energy" in panel_axes:
+    if keyed == "energy" in panel_axes:
         add_impact_key(panel_axes["energy"], recording)
     for name, axes in panel_axes.items():
         if name in shown_panels:
@@ -110,14 +115,12 @@ def _settle_motion(
     is_small, scaled_axes, explained = is_narrow(figure), None if is_flat(recording) else motion, False
     is_wide_slim = not is_alone and has_legend_beside(ratio, figure.get_figwidth())
     has_own_legend = is_small or is_wide_slim
-    tries: list[Any] = [
-        (legend_beside, all_entries),
-        (legend_beside, few_entries),
-        (legend_above, few_entries),
-    ]
-    for put_legend, entries_of in (
-        tries[:1] if is_wide_slim else tries if is_alone and is_small else tries[2:]
-    ):
+    tries: list[Any] = [(legend_above, few_entries)]
+    if is_wide_slim:
+        tries = [(legend_beside, all_entries), (legend_above, all_entries)]
+    elif is_alone and is_small:
+        tries = [(legend_beside, all_entries), (legend_beside, few_entries), *tries]
+    for put_legend, entries_of in tries:
         legend = put_legend(motion, entries_of(motion)) if has_own_legend else None
         if is_small and entries_of is few_entries and not explained:
             explained = True
@@ -128,7 +131,7 @@ def _settle_motion(
         width = room.width - (LEGEND_ROOM * legend.get_window_extent().width if legend else 0.0)
         if (
             not legend
-            or is_wide_slim
+            or (is_wide_slim and width >= FULL_MOTION * ratio * room.height)
             or width >= max(ratio * room.height, 0.0 if ratio <= SLIM else LEAST_MOTION * room.width)
         ):
             break

@@ -122,7 +122,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         handles, _ = axes.get_legend_handles_labels()
         if lanes:
             handles.append(Line2D([], [], color=GREY, linewidth=CONTACT, label="in contact"))
-        if place_text := place_of_late_peaks(recording):
+        if (place_text := place_of_late_peaks(recording)) and not is_narrow(figure):
             stem: dict[str, Any] = {"color": INK, "marker": "|", "markersize": STEM_KEY}
             handles.append(Line2D([], [], linestyle="", markeredgewidth=STEM, label=place_text, **stem))
         legend_above(axes, handles)
@@ -157,7 +157,10 @@ def are_told(figure: Figure, recording: Recording, rows: np.ndarray) -> bool:
 
 
 def place_of_late_peaks(recording: Recording) -> str:
-    """Return words for the times at which marks stand; "" if they all stand at the onsets."""
+    """Return words for the times at which marks stand; "" if they all stand at the onsets.
+
+    The words are in the legend or, in a narrow figure, whose legend lacks room, at the foot of the figure.
+    """
     is_late = impacts_at_peaks(recording)["onset"] > recording.impacts["onset"]
     words, *_ = shown_values(recording, is_stop=bool(recording.is_at_joint_stop[is_late].all()))
     return f"impact, at its {words}" if is_late.any() else ""
