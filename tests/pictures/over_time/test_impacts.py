@@ -70,10 +70,10 @@ def test_the_legend_says_that_impacts_stand_at_their_peaks(model, told):
     late = impacts_at_peaks(recording)["onset"] - recording.impacts["onset"]
     assert (late.max() > 0.1) == told
     texts = [text.get_text() for text in recording.plot(panels="impacts").axes[0].get_legend().get_texts()]
-    assert ("impacts, at the time of their peak force" in texts) == told
+    assert ("impact, at its peak force" in texts) == told
     page = recording.plot(panels=["energy", "impacts"], size=(84 / 25.4, 4.0))
     foot = " ".join(text.get_text() for text in page.texts).replace("\n", " ")
-    assert ("lines below marks: impacts, at the time of their peak force" in foot) == told
+    assert ("lines below marks: impact, at its peak force" in foot) == told
 
 
 @pytest.mark.full("more cases", but=["arm_at_stop", "bouncing_ball"])
