@@ -38,8 +38,9 @@ from chain_impact.recording.recording import Recording
 LEGEND_ROOM = 1.1  # the room for a legend beside the motion, relative to the width of the legend
 # a legend stands beside a motion that is not SLIM only if the motion keeps this part of the width
 LEAST_MOTION = 0.55
-# a legend stands beside a slim motion in a wide figure if the motion keeps this part of its height
-FULL_MOTION = 0.95
+# a legend stands beside a slim motion in a wide figure if the motion is then at least this much as high as
+# below a legend
+HIGH_MOTION = 0.95
 # the largest factors (``view_of``) with which the view grows if the motion has the whole width of the figure
 WHOLE_WIDTH = (1.25, GROWTH_FACTORS[1])
 # NUMBER_BAND: [points] how far the picture shows the area beyond a wall, where numbers of impacts stand;
@@ -110,16 +111,18 @@ def _settle_motion(
     narrow figure, the legend is beside a slim motion that is alone, with all entries if there is room, else
     with few. Beside other motions there is no room, and a legend with few entries is above. The foot of the
     figure explains what a legend with few entries lacks. In a wide figure, a legend with all entries is
-    beside a slim motion (``has_legend_beside``), and above any other one.
+    beside a slim motion (``has_legend_beside``), unless the motion is clearly higher below the legend, and
+    above any other one.
     """
     is_small, scaled_axes, explained = is_narrow(figure), None if is_flat(recording) else motion, False
     is_wide_slim = not is_alone and has_legend_beside(ratio, figure.get_figwidth())
     has_own_legend = is_small or is_wide_slim
     tries: list[Any] = [(legend_above, few_entries)]
     if is_wide_slim:
-        tries = [(legend_beside, all_entries), (legend_above, all_entries)]
+        tries = [(put, all_entries) for put in (legend_beside, legend_above, legend_beside)]
     elif is_alone and is_small:
         tries = [(legend_beside, all_entries), (legend_beside, few_entries), *tries]
+    heights = []  # of the motion with each legend
     for put_legend, entries_of in tries:
         legend = put_legend(motion, entries_of(motion)) if has_own_legend else None
         if is_small and entries_of is few_entries and not explained:
@@ -129,11 +132,13 @@ def _settle_motion(
         settle(figure, scaled_axes)
         room = motion.get_position(original=True).transformed(figure.transFigure)
         width = room.width - (LEGEND_ROOM * legend.get_window_extent().width if legend else 0.0)
-        if (
-            not legend
-            or (is_wide_slim and width >= FULL_MOTION * ratio * room.height)
-            or width >= max(ratio * room.height, 0.0 if ratio <= SLIM else LEAST_MOTION * room.width)
-        ):
+        heights.append(min(width / ratio, room.height))
+        if legend is None:
+            is_enough = not is_wide_slim or heights[0] < HIGH_MOTION * heights[-1]
+        else:
+            least_width = 0.0 if ratio <= SLIM else LEAST_MOTION * room.width
+            is_enough = width >= max(ratio * room.height, least_width)
+        if is_enough:
             break
     motion.clear()
     side = max(room.height, min(width, room.height * ratio)) * 72.0 / figure.dpi
