@@ -302,8 +302,8 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
     If ``numbered_step`` is a number k > 1, every k-th impact gets a number. Otherwise all impacts get one or,
     without room for that, those with the highest marks and the last impact (``label_subsets``); impacts whose
     marks coincide share a label (``numbers_of``). A number that would be nearer to the mark of another impact
-    is left out. If an impact in ``marked_peaks`` has a label of its own, this label also has the force, moment
-    or impulse, if there is room.
+    is left out. If an impact in ``marked_peaks`` has a label of its own, this label also has the force,
+    moment or impulse, if there is room.
     """
     times, heights = marks_of(recording)
     if not len(times):
