@@ -89,8 +89,8 @@ class PictureChoice:
         rank: the quantity by whose change the parameters and inputs in ``sensitivities`` are ranked; if
             ``sensitivities`` is empty, all of the scene are ranked. None for no ranking.
         curves: names or patterns of outputs whose curves over time are drawn.
-        impact: number, from 1, of the impact around which the curves are drawn; None for the whole
-        run.
+        impact: number, from 1, of the impact around which the curves are drawn; None for the
+            whole run.
     """
 
     sensitivities: Sequence[str] = ()

@@ -105,7 +105,7 @@ def scene_values(joint: Joint, rest_position: float, low: float, high: float) ->
     Args:
         joint: the joint.
         rest_position: angle or position in the scene at which the joint's spring has no moment or force [rad
-        or m].
+            or m].
         low: least angle or position of the joint in the scene [rad or m]; −∞ without a stop.
         high: largest angle or position of the joint in the scene [rad or m]; ∞ without a stop.
     """

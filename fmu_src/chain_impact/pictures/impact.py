@@ -60,8 +60,8 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
     else:
         grid = figure.add_gridspec(4, 1, height_ratios=(1, 1, 1, LOOP))
         loop = figure.add_subplot(grid[3, 0], label="loop")
-    shown_rows = shown_contact(impact, course.time, course.force)
-    time_factor, time_unit = prefixed_unit(shown_rows, "s")
+    shown_time = shown_contact(impact, course.time, course.force)
+    time_factor, time_unit = prefixed_unit(shown_time, "s")
     time_panels: list[Axes] = []
     peak_labels: list[tuple[Axes, Label]] = []
     for row, (name, values, unit, colour) in enumerate(quantities(course, stop)):
@@ -73,16 +73,16 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
             write_impulse_note(axes)
             continue
         axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
-        times, forces = time_factor * (course.time - impact["onset"]), factor * values
-        axes.plot(times, forces, color=colour)
+        times, shown_values = time_factor * (course.time - impact["onset"]), factor * values
+        axes.plot(times, shown_values, color=colour)
         if name != "speed" and values.max() > 0.0:
             top, look = int(values.argmax()), {"color": colour}
-            place = (float(times[top]), float(forces[top]))
+            place = (float(times[top]), float(shown_values[top]))
             peak_labels.append((axes, Label(force_text(float(values[top]), unit), place, look=look)))
             axes.margins(y=LABEL_ROOM)
-        if shown_rows < np.ptp(course.time):
-            axes.set_xlim(-SHOWN_BEFORE * time_factor * shown_rows, time_factor * shown_rows)
-    if shown_rows < (np.ptp(course.time) if len(course.time) else 0.0):
+        if shown_time < np.ptp(course.time):
+            axes.set_xlim(-SHOWN_BEFORE * time_factor * shown_time, time_factor * shown_time)
+    if shown_time < (np.ptp(course.time) if len(course.time) else 0.0):
         text_style: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": "small", "color": INK}
         time_panels[0].text(
             1.0, 1.02, f"{duration_text(impact, course)} →", transform=time_panels[0].transAxes, **text_style

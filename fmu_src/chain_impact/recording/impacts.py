@@ -113,9 +113,7 @@ def common_count(first_impacts: np.ndarray, second_impacts: np.ndarray) -> int:
     """Return for how many rows, from the first one on, two tables of impacts have equal points and walls."""
     pairs = [[(row["point"], row["wall"]) for row in table] for table in (first_impacts, second_impacts)]
     different_rows = (
-        k
-        for k, (first_value, second_value) in enumerate(zip(*pairs, strict=False))
-        if first_value != second_value
+        k for k, (pair, other_pair) in enumerate(zip(*pairs, strict=False)) if pair != other_pair
     )
     return next(different_rows, min(map(len, pairs)))
 

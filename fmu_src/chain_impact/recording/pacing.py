@@ -136,7 +136,7 @@ def frame_times(
         most_frames: the largest number of frames; a film that would have more has fewer frames per second
             than ``usual_rate``.
         usual_rate: the frames per second, except for rounding up, of a film with fewer frames than
-        ``most_frames``.
+            ``most_frames``.
 
     Returns:
         The times, shape (F,) [s], from ``start`` to ``stop``, and the frames per second on the screen.

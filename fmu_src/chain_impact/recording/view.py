@@ -84,7 +84,7 @@ def view_corners(
             several positions.
         radius: the radius of each point [m].
         near_distance: the largest distance of a near wall from the motion, relative to the size of the
-        motion.
+            motion.
         room: a distance, relative to the size of the motion. If the walls enclose a room that ends within
             this distance of the motion, the rectangle contains the whole room, and all walls are near. If
             ``room`` is 0, no room is looked for.

@@ -213,7 +213,7 @@ class Result(PrintedResult, SceneRecording):
         Raises:
             UnknownNameError: when the result lacks one of these positions.
         """
-        return self._all("point_position")
+        return self._stacked_outputs("point_position")
 
     @property
     def knows_points(self) -> bool:
@@ -227,7 +227,7 @@ class Result(PrintedResult, SceneRecording):
         Raises:
             UnknownNameError: when the result lacks one of these angles.
         """
-        return self._all("angle")
+        return self._stacked_outputs("angle")
 
     @property
     def angular_velocities(self) -> np.ndarray:
@@ -236,7 +236,7 @@ class Result(PrintedResult, SceneRecording):
         Raises:
             UnknownNameError: when the result lacks one of these angular velocities.
         """
-        return self._all("angular_velocity")
+        return self._stacked_outputs("angular_velocity")
 
     @property
     def energy(self) -> np.ndarray:
@@ -349,7 +349,7 @@ class Result(PrintedResult, SceneRecording):
         facts = [f"note     {hint}" for hint in summary.hints(self.scene, self.impacts)]
         return [*summary.energy_lines(self.energies), *facts, *summary.solver_lines(self.statistics)]
 
-    def _all(self, field: str) -> np.ndarray:
+    def _stacked_outputs(self, field: str) -> np.ndarray:
         """Return a field of ``output_dtype`` (kernel/record/instance.py) at all times, shape (T, …).
 
         Raises:

@@ -52,7 +52,7 @@ class Chain:
 
         Args:
             scene: a scene, or an argument of ``load_scene``. The chain has the inputs that the scene asks for
-                in its table ``input_variables``.
+                in its table ``inputs``.
             record: True keeps a row of all outputs and inputs at the start and after each step, for
                 ``result``; names, in which ``*`` stands for any text, choose outputs and inputs.
 
@@ -317,13 +317,13 @@ class Chain:
 
     def _select(self, key: str | tuple[str, ...]) -> Selection:
         names = (key,) if isinstance(key, str) else key
-        selected_outputs = [
+        selected_names = [
             match
             for name in names
             for match in names_matching(self.scene.name, name, self._accesses, "not a variable", self._hint)
         ]
         selection = self._selections[key] = Selection.from_accesses(
-            [self._accesses[name] for name in selected_outputs]
+            [self._accesses[name] for name in selected_names]
         )
         return selection
 

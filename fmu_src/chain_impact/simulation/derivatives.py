@@ -325,7 +325,7 @@ class DifferentiatedRun:
 
         Args:
             values: the values of the parameters, shape (P,); the value for an input is not used if
-                ``input_variables`` has a signal for it.
+                ``inputs`` has a signal for it.
             times: the increasing times of the wanted outputs, shape (T,) [s].
 
         Raises:

@@ -23,7 +23,7 @@ class ShownTime(NamedTuple):
     Attributes:
         start: the start of the axis [s].
         end: the end of the axis [s].
-        rests: start and end [s] of each time without motion, with the part that the axis cuts off.
+        rest_spans: start and end [s] of each time without motion, with the part that the axis cuts off.
         word: "at rest" or a similar word for the times without motion; "" if there are none.
         cuts: words on cut ends of the run, such as "the run ends at 10 s"; "" if none is cut.
     """

@@ -97,10 +97,10 @@ def check_entry_rules(scene: Contents) -> None:
     for rule in ENTRY_REFUSALS:
         if "reached" in rule.condition:  # known only if the points are right, which an earlier rule checks
             facts["reached"] = reached_walls(scene)
-        for path, entry, earlier_names in entries[rule.of]:
-            if is_rule_true(rule.condition, {**facts, "entry": entry, "before": earlier_names}.get):
-                reserved_names = ", ".join(map(str, (*WALLS, *stops, *earlier_names)))
-                raise refusal(path, rule.fault, value=value_text(entry), others=reserved_names, **words)
+        for path, entry, earlier_entries in entries[rule.of]:
+            if is_rule_true(rule.condition, {**facts, "entry": entry, "before": earlier_entries}.get):
+                forbidden_entries = ", ".join(map(str, (*WALLS, *stops, *earlier_entries)))
+                raise refusal(path, rule.fault, value=value_text(entry), others=forbidden_entries, **words)
 
 
 def _entries(scene: Contents) -> dict[str, list[tuple[DataPath, Any, Sequence[Any]]]]:

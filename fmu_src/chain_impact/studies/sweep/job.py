@@ -185,13 +185,13 @@ class Runner:
         self._columns, self._loads = job.columns, job.loads
         # lists of impacts, and integrals over time such as the impulse at a wall, take time: if no column
         # needs the lists, only integrals that a column needs are computed
-        looked_at = {
+        read_parts = {
             part for column in (*self._columns.values(), *self._loads.values()) for part in column.record_path
         }
-        if "latest" not in looked_at:
+        if "latest" not in read_parts:
             self._instance["latest"]["requested_count"] = 0
             self._instance["quadrature"]["computed"] = bool(
-                looked_at & {"impulse", "friction", "transmitted"}
+                read_parts & {"impulse", "friction", "transmitted"}
             )
         in_record = [k for k, path in enumerate(job.varied_paths) if path]
         self._in_record, self._is_choice = in_record, [job.types[k] == "enumeration" for k in in_record]
