@@ -67,7 +67,7 @@ def assert_alone(text):
     """Assert that a page loads no other file."""
     others = re.sub(r"<script>.*?</script>", "", text, flags=re.DOTALL)  # without the libraries
     assert not re.findall(r"""(?:src|href)=["'](?!data:)""", others)
-    assert not re.findall(r"@import|url\((?!data:)|\bfetch\(|XMLHttpRequest", others)
+    assert not re.findall(r"@import|url\((?!data:|#)|\bfetch\(|XMLHttpRequest", others)
     assert "{{" not in others
 
 
