@@ -112,12 +112,6 @@ def add_bar(
     is_few = isinstance(mesh.norm, LogNorm) and high < WIDE_RANGE * low
     if is_few:
         number_few_decades(bar.long_axis)
-        # when the bar gets new colours, as for a dark ground, matplotlib sets the bar's axis from these two
-        # attributes
-        bar.minorlocator, bar.formatter = (
-            bar.long_axis.get_minor_locator(),
-            bar.long_axis.get_major_formatter(),
-        )
     all_ticks = [*bar.get_ticks(), *(bar.get_ticks(minor=True) if is_few else [])]
     levels = sorted(float(level) for level in all_ticks if low < level < high)
     if ticks:
@@ -125,7 +119,18 @@ def add_bar(
         bar.ax.tick_params(which="both", length=0)
     if is_above and (ticks or is_linear or is_few):
         _thin_out(bar, ticks or {level: f"{level:g}" for level in levels}, column_width(panels[0]))
+    _keep_ticks(bar)
     return levels
+
+
+def _keep_ticks(bar: Colorbar) -> None:
+    """Keep the ticks of a bar and their texts when the bar gets new colours, as for a dark ground.
+
+    Matplotlib then sets the ticks again, from these attributes of the bar.
+    """
+    axis = bar.long_axis
+    bar.locator, bar.minorlocator = axis.get_major_locator(), axis.get_minor_locator()
+    bar.formatter = axis.get_major_formatter()
 
 
 def _thin_out(bar: Colorbar, ticks: dict[float, str], width: float) -> None:

@@ -26,8 +26,9 @@ from chain_impact.text import names_text, number_text
 MOST_REASONS = 2  # the largest number of reasons of failed runs that the headline lists
 # A share is the part of the variance of the ranks of a result that the mean over a parameter's values has,
 # or a squared rank correlation. A parameter is named if its share is at least LEAST_SHARE; one parameter
-# alone is named if its share is at least MAIN times that of any other.
-LEAST_SHARE, MAIN = 0.2, 2.0
+# alone is named if its share is at least MAIN times that of any other. The result depends mostly on it if its
+# share exceeds one half; the rest of the variance is due to other parameters, and to several together.
+LEAST_SHARE, MAIN, HALF = 0.2, 2.0, 0.5
 # The headline tells that a parameter of a grid hardly matters if it changes a result, whatever the others
 # are, by at most SMALL_EFFECT times the largest |result|; at most NO_EFFECT, due to steps, is no effect.
 SMALL_EFFECT, NO_EFFECT = 0.01, 1e-6
@@ -78,7 +79,7 @@ def effect_text(runs: Runs, quantity: Quantity) -> str:
     if share < LEAST_SHARE:
         return ""
     if not other_names or share >= MAIN * shares_of_names[other_names[0]][0]:
-        mostly = " mostly" if other_names else ""
+        mostly = " mostly" if other_names and share > HALF else ""
         words = plain_name(first_name)
         return f"{sense}{mostly} with {words}" if sense else f"depends{mostly} on {words}"
     return f"depends on {plain_name(first_name)} and {plain_name(other_names[0])}"
