@@ -157,9 +157,8 @@ def solve_accelerations(d, y, rate):
 
     Args:
         d: the instance; reads ``scratch.link_vector`` (L_i) [m], ``scratch.load`` (external force on each
-        point 0…N
-            [N] and moment on each link [N·m]), ``scratch.moment`` (net joint torque on each link) [N·m] and,
-            with a slider, ``scratch.thrust`` (force of its drive) [N].
+            point 0…N [N] and moment on each link [N·m]), ``scratch.moment`` (net joint torque on each link)
+            [N·m] and, with a slider, ``scratch.thrust`` (force of its drive) [N].
         y: state, of which the angular velocities ω_i [rad/s] are read.
         rate: result: the accelerations of the base [m/s²], which are zero if the base is pinned or moved by
             inputs, and of the links [rad/s²]. The function also stores the factors that ``copy_factors``

@@ -243,11 +243,11 @@ def solve_response(d, link_vectors, space, slot, change):
         d: the instance.
         link_vectors: as for ``factorize_matrix``.
         space: record with the result of ``factorize_matrix``, and with ``load``. The load has the impulses
-        ``x, y``
-            on each point 0…N [N·s], the impulses μ_i in the joints, ``joint``, shape (N,) [N·m·s], and the
-            angular impulses τ_i on the links, ``link`` [N·m·s]. μ_i is read only if ``factorize_matrix`` has
-            set the slot with ``coupled`` true, τ_i only if ``has_link_moments`` is true. ``move_site_loads``
-            must have replaced the loads at sites. If the load has forces and moments, Δ has accelerations.
+            ``x, y`` on each point 0…N [N·s], the impulses μ_i in the joints, ``joint``, shape (N,) [N·m·s],
+            and the angular impulses τ_i on the links, ``link`` [N·m·s]. μ_i is read only if
+            ``factorize_matrix`` has set the slot with ``coupled`` true, τ_i only if ``has_link_moments`` is
+            true. ``move_site_loads`` must have replaced the loads at sites. If the load has forces and
+            moments, Δ has accelerations.
         slot: the index in ``factors`` of the matrix, as for ``factorize_matrix``.
         change: result Δ, in its first N + 2 entries: the change of the base's velocity [m/s] and of the
             links' angular velocities [rad/s]. Further entries of the array stay as they are.

@@ -180,7 +180,8 @@ def check_candidate(d, c, a, b):
     if start > sag - harmless and end > sag - harmless and not falls:
         return QUIET
     is_monotonic = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
-    # `not sag >= …` is true for a NaN; with `sag < …` the interval would be halved without end
+    # `not sag >= …` is true for a NaN; with `sag < …` the interval would be halved until the cost exceeds its
+    # limit
     if (
         is_monotonic
         or not sag >= CROSSING_RESOLUTION * d.chain.longest_link

@@ -180,7 +180,10 @@ def remains_far(d):
 
 
 def force_stays_smooth(d, c):
-    """Return whether contact c keeps its latched speed v₀ and crosses no kink in the last step."""
+    """Return whether contact c surely keeps its latched speed v₀ and crosses no kink in the last step.
+
+    This is an estimate (``is_nearly_fast``). If the result is false, the step must be searched.
+    """
     return not (d.contacts.kink_crossed[c] or is_nearly_fast(d, c))
 
 

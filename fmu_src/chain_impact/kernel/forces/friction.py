@@ -175,10 +175,11 @@ def begin_friction(d, c):
 def friction_load(d, c):
     """Return the normal force [N] of candidate c that determines its friction.
 
-    A step continues the contact force, and so the friction, smoothly beyond the kink. There the force of a
-    law that damps on approach only may be a pull. Friction in proportion to a pull would add energy, so for
-    such a law a pull counts as 0. For any other law a pull is not changed: a step that crosses the kink is
-    repeated to end at the kink.
+    A step continues the contact force, and so the friction, smoothly beyond the kink of the force
+    (force_formula.py). For a law that damps on approach only, this kink is where the point turns, and the
+    continued force may be a pull. Friction in proportion to a pull would add energy, so for such a law a pull
+    counts as 0. For any other law a pull is not changed: a step that crosses the kink is repeated to end at
+    the kink.
     """
     return max(0.0, d.contacts.force[c]) if d.law.approach_only[c] else d.contacts.force[c]
 

@@ -70,8 +70,8 @@ def regularized_fraction(d, elapsed):
     if elapsed >= step.dense[0, clock] and at_end >= 0.0:
         return 1.0
     # Newton's method for θ, in an interval that contains θ. The slope is dt/dθ = h p, with the step size h
-    # and p = ``regularized_time_rate``. Where u ≥ 0, time increases with θ; where u < 0, the contact has
-    # ended, and θ is too large.
+    # and p = ``regularized_time_rate``. Where u (component ``root``) is ≥ 0, time increases with θ; where u <
+    # 0, the contact has ended, and θ is too large.
     low, high, theta = 0.0, 1.0, 0.5
     for tries in range(MOST_GUESSES):
         error = interpolate_component(step, theta, clock) - elapsed

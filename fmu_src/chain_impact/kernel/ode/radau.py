@@ -161,8 +161,7 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
             just called.
         factorize: function (d, h) that factorizes the systems.
         solve: function (d, h, component_count) that replaces the right-hand sides r in the rows of
-        ``implicit.parts`` by
-            the solutions w.
+            ``implicit.parts`` by the solutions w.
 
     Returns:
         Three functions (d, h, component_count) for a step of size h [s]; ``component_count`` is the length of

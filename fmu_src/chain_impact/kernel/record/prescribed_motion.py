@@ -77,7 +77,7 @@ def channel_dtype(channels: int) -> np.dtype:
 def wall_motion_dtype(candidates: int) -> np.dtype:
     """Return the layout of the motion of wall and belt of each candidate.
 
-    Every candidate has a row. For a stop, and for a wall without prescribed motion, ``channel`` is −1,
+    Every candidate has a row. For a stop, and for a wall without prescribed motion, ``first_channel`` is −1,
     ``unmoved_offset`` is set, and the other columns stay 0.
     """
     return table(

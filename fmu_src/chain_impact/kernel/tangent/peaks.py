@@ -13,8 +13,8 @@ from chain_impact.kernel.ode.last_step import set_start_delay
 from chain_impact.kernel.tangent.duals import DIRECTIONS, replace_slope, slope, value
 from chain_impact.kernel.transmitted_forces import set_joint_force_peak, square_of_force
 
-# a contact's force at the end of a step counts as the contact's peak if it is below the stored peak by at
-# most this part of the peak
+# the force of a contact with a force law at the end of a step counts as the contact's peak if it is below the
+# stored peak by at most this part of the peak
 FORCE_ROUND_OFF = 1e-9
 
 
