@@ -38,7 +38,7 @@ from chain_impact.pictures.drawing.style import (
 # [inch] the width of the figure; the sum of the spaces above and below all bars; the space between two
 # blocks of bars; the height for one bar
 BARS_WIDTH, BARS_MARGIN, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
-BAR_MARGIN = 0.03  # the space between the longest bar and the axis' end, relative to the range of the values
+BAR_MARGIN = 0.03  # the space beyond the ends of an axis (``shared_ends``), relative to their distance
 # [points] the space between the axes and the heading of the texts, and between the axes and a title above it
 HEADING_SPACE, TITLE_SPACE = 3.0, 16.0
 DOT = 24.0  # [square points] the size of a dot

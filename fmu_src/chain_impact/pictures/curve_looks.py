@@ -58,7 +58,7 @@ def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
 
 
 def owner_of(name: str) -> str:
-    """Return the owner of an output, such as point[2] or contact[2].y_min: the name without the quantity."""
+    """Return the owner of an output, its name without the quantity: point[2] of point[2].x."""
     return name.removesuffix(f".{shared_part([name])}")
 
 

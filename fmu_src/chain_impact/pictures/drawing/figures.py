@@ -93,8 +93,8 @@ def draw_figure(
             returned.
         size: width and height [inches]. The height None means the height that the contents need. If ``size``
             itself is None, the size is ``usual_size``, without a check whether the contents have room.
-        usual_size: default width and height [inches]; for a height of None, ``fitting_figure`` starts from
-        these.
+        usual_size: default width and height [inches]; for a height of None, ``fitting_figure`` starts
+            from these.
 
     Raises:
         ValueError: when the given size is not possible, or has no room for the contents.

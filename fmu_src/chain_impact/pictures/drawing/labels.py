@@ -54,8 +54,8 @@ class Label(NamedTuple):
     Attributes:
         text: the text of the label.
         position: the position, in data coordinates.
-        direction: unit vector, in the plane of the page, of the best direction from the position to the
-        label.
+        direction: unit vector, in the plane of the page, of the best direction from the position to
+            the label.
         short: the text that is written if ``text`` has no room; "" for none.
         look: properties of the text of this label alone, with matplotlib's names.
         is_on_side: whether the label has no room behind its position, as seen in the direction ``direction``.

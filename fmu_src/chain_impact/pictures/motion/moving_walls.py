@@ -20,7 +20,8 @@ FAINT_MARKS = 8  # the number of faint ground marks of a moving base, from rows 
 # [1] the distance of the point whose path is the trace of a moving wall (``_wall_trace``) from an end of the
 # wall's visible part, relative to the length of the visible part
 TRACE_GAP = 0.04
-LEAST_TRACE = 0.02  # a wall whose way is at most this part of the view's longer side has no trace
+# a wall whose positions differ by at most this part of the view's longer side has no trace
+LEAST_TRACE = 0.02
 
 
 def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times: Sequence[float]) -> None:

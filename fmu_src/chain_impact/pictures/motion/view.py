@@ -26,7 +26,7 @@ FARTHEST_WALL = 1.0
 FLATTEST, FLAT_MARGIN = 0.03, 0.25
 # the least ratio of the shorter to the longer side of a view without a given shape, unless the motion is flat
 LEAST_SIDE_RATIO = 0.3
-# the usual largest factors on width and height with which the view grows to fill axes
+# the usual largest factor on the width, and that on the height, with which the view grows to fill axes
 GROWTH_FACTORS = (1.1, 1.2)
 # a wall counts as parallel to the x axis or the y axis if a |component| of its unit normal exceeds this
 PARALLEL_COMPONENT = 0.99

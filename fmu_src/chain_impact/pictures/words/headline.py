@@ -33,7 +33,8 @@ NO_LOSS = 1e-12
 # the value of an impact counts as equal to the largest value if it is smaller by at most this, relative to
 # the largest value
 SAME_PEAK = 1e-3
-# the energy that is supplied or taken is told only if it exceeds this, relative to the dissipated energy
+# the energy that is supplied or taken at the end is told only if it exceeds this, relative to the dissipated
+# energy, or if it oscillates (MANY_TURNS)
 LITTLE_SUPPLIED = 0.01
 # An energy oscillates if it turns more than MANY_TURNS times. A turn counts if the energy changes at least by
 # LARGE_TURN until the next turn, relative to its range.
