@@ -62,3 +62,21 @@ def test_the_contact_is_enlarged_until_its_penetration_is_seen(show):
     page.get_by_role("button", name="At the contact").click()
     page.evaluate(FRAME)
     assert "mm" not in page.locator("#scene .bar-text").text_content()
+
+
+def test_between_contacts_and_at_the_start_the_whole_chain_is_seen(show):
+    page = show(viewport=DESK)
+    page.keyboard.press("Home")
+    whole = chain(page)
+    page.keyboard.press("z")
+    assert chain(page) == pytest.approx(whole), "the first contact is far"
+    page.get_by_role("button", name="Go to impact 4, ").click()
+    assert abs(chain(page) - whole).max() > 2e3
+    page.locator("#scrub").fill("0.2")
+    until(page, "document.getElementById('time').textContent === '0.20000 s'")
+    page.evaluate(FRAME)
+    assert "mm" not in page.locator("#scene .bar-text").text_content()
+    assert page.locator("#at-contact").get_attribute("title") == "Show the whole chain again (Z)"
+    page.keyboard.press("Home")
+    assert chain(page) == pytest.approx(whole)
+    assert page.locator("#scene .grip").count() > 5

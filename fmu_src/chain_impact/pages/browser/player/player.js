@@ -108,7 +108,7 @@ export class Player {
   draw() {
     const { clock, recording } = this;
     const { frame, time, contact } = clock;
-    this.zoom.follow(contact);
+    this.zoom.follow(contact, frame);
     this.panels.forEach(([, panel, part]) => panel.hidden || part.draw(frame, contact));
     [this.drawing, this.impacts, ...this.layers].forEach((part) => part.draw(frame, contact));
     find("time").textContent = `${time.toFixed(5)} s`;

@@ -44,17 +44,21 @@ export class Zoom {
     ["pointerup", "pointercancel", "pointerleave"].forEach((end) => view.addEventListener(end, ({ pointerId }) =>
       this.#fingers.delete(pointerId)));
     button.addEventListener("click", () => {
-      this.contact = undefined;
-      const isAt = button.getAttribute("aria-pressed") !== "true";
-      button.setAttribute("aria-pressed", isAt);
-      if (!isAt) this.fit();
-      player.drawSoon();
+      const isAt = button.getAttribute("aria-pressed") === "true";
+      this.fit();
+      if (!isAt) this.#press(true);
     });
+  }
+
+  /** Follow the contacts, or do not follow them any more. */
+  #press(isAt) {
+    this.contact = undefined;
+    Object.assign(this.button, { ariaPressed: isAt, title: isAt ? "Show the whole chain again (Z)" : "Enlarge the contact (Z)" });
   }
 
   /** Do not follow the contacts any more. */
   #free() {
-    this.button.setAttribute("aria-pressed", "false");
+    this.#press(false);
     return this;
   }
 
@@ -87,20 +91,43 @@ export class Zoom {
     this.player.drawSoon();
   }
 
-  /** While the button is pressed, look at the place of the present contact, before the frame is drawn. */
-  follow(contact) {
-    if (this.button.getAttribute("aria-pressed") !== "true" || !contact || contact === this.contact) return;
-    this.contact = contact;
-    const { recording } = this.player;
-    const { point, wall, depth, peakTime, atStop } = contact;
-    const [low, high] = recording.view;
+  /**
+   * While the button is pressed, look at the place of the present contact, before the frame is drawn. The whole chain is shown while the
+   * contact's point is outside this view, and at the start, where the reader may move the chain.
+   */
+  follow(contact, frame) {
+    if (this.button.ariaPressed !== "true") return;
+    const isFar = !contact || frame === 0 || !this.#isIn(contact, frame);
+    this.button.classList.toggle("waits", isFar);
+    const near = isFar ? undefined : contact;
+    if (near === this.contact) return;
+    this.contact = near;
+    this.#look(near ? this.#viewOf(near) : null);
+  }
+
+  /** Return half the side [m] of the view of a contact. */
+  #halfOf({ depth, atStop }) {
+    const [low, high] = this.player.recording.view;
     const whole = Math.max(high[0] - low[0], high[1] - low[1]);
     const wanted = atStop || !(depth > 0) ? Infinity : HALF_DEPTHS * depth;
-    const half = Math.min(Math.max(wanted, LEAST_HALF * whole), MOST_HALF * whole);
+    return Math.min(Math.max(wanted, LEAST_HALF * whole), MOST_HALF * whole);
+  }
+
+  /** Return whether the point of a contact is, at a frame, in the view of this contact. */
+  #isIn(contact, frame) {
+    const { recording } = this.player;
+    const [now, then] = [frame, recording.frameAt(contact.peakTime)].map((at) => recording.pointAt(at, contact.point));
+    return now.every((value, axis) => Math.abs(value - then[axis]) < this.#halfOf(contact));
+  }
+
+  #viewOf(contact) {
+    const { recording } = this.player;
+    const { point, wall, peakTime } = contact;
+    const half = this.#halfOf(contact);
     const frame = recording.frameAt(peakTime);
     const [centre, side] = [recording.pointAt(frame, point), recording.sidesAt(frame)[wall]];
     const gap = side ? side.normal[0] * centre[0] + side.normal[1] * centre[1] - side.offset : 0;
     const middle = centre.map((value, axis) => value - gap * (side?.normal[axis] ?? 0));
-    this.#look([-half, half].map((way) => middle.map((value) => value + way)));
+    return [-half, half].map((way) => middle.map((value) => value + way));
   }
 }
