@@ -163,7 +163,7 @@ def test_the_names_of_outputs_are_whole_beside_many_pins(show):
         page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
         until_told(page, impacts_of({"contact.restitution": value}))
     terms = page.locator("#outputs-over-time .of-curve")
-    assert terms.all_inner_texts() == ["A", "B", "C", "D", "contact[2].y_min.force"]
+    assert terms.all_inner_texts() == ["A", "B", "C", "D", "point 2 at the floor"]
     assert terms.last.bounding_box()["height"] < 20.0, "one line"
 
 

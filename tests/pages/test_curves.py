@@ -24,7 +24,7 @@ from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
-SHOWN = "[...document.querySelectorAll('#outputs-over-time dt.of-curve')].map((term) => term.textContent)"
+SHOWN = "[...document.querySelectorAll('#outputs-over-time dt.of-curve')].map((term) => term.title)"
 NOW = function_of("curves", "now")
 """The place of the line at the present time, over the width of the chart."""
 TEXTS = function_of("curves", "texts")
@@ -34,7 +34,7 @@ MOTION = function_of("curves", "motionInPage")
 
 def told(page, name):
     """Return the value of an output beside its name, without its unit."""
-    row = page.locator("#outputs-over-time div").filter(has=page.get_by_text(name, exact=True))
+    row = page.locator("#outputs-over-time div").filter(has=page.locator(f'dt[title="{name}"]'))
     return float(row.locator("dd").inner_text().split("\u202f")[0].replace("\u2212", "-"))
 
 
@@ -48,6 +48,31 @@ def test_outputs_of_a_link_are_drawn_and_told_at_each_time(show, result):
     for name in names:
         known = np.interp(0.9, result.time, result[name])
         assert told(page, name) == pytest.approx(known, abs=1e-3 * np.ptp(result[name]))
+
+
+CURVE_WORDS = {
+    "contact[2].y_min.force": "point 2 at the floor",
+    "contact[2].y_min.penetration": "point 2 at the floor, penetration",
+    "contact[0].slider_min.force": "point 0 at slider min",
+    "joint[2].angle": "joint 2",
+    "joint[2].force.x": "joint 2, x",
+    "point[4].vy": "point 4, velocity y",
+    "energy.kinetic": "kinetic",
+    "slider.position": "slider, position",
+    "impact.count": "impacts so far, count",
+}
+
+
+def test_a_curve_is_called_by_words_and_its_name_is_a_tooltip(script, show):
+    quantities = {"force": "force", "angle": "angle", "energy": "energy"}
+    asked = [[name, next((quantities[key] for key in quantities if key in name), "")] for name in CURVE_WORDS]
+    ask = """(all) => all.map(([name, quantity]) => outputCurveText(name, quantity,
+      (parameter) => ({ "gravity.x": 0, "gravity.y": -9.8 })[parameter]))"""
+    assert script.evaluate(ask, asked) == list(CURVE_WORDS.values())
+    page = show(hash_="#curves=contact[2].y_min.force")
+    term = page.locator("#outputs-over-time dt.of-curve")
+    assert term.inner_text() == "point 2 at the floor"
+    assert term.get_attribute("title") == "contact[2].y_min.force"
 
 
 def test_an_angle_is_drawn_in_degrees(show, result):

@@ -7,6 +7,7 @@ import { PACING } from "../recording/pacing.js";
 import { lastBefore } from "../recording/recording.js";
 import { ballOf, sizeOf, VIEW } from "../recording/view.js";
 import { pointText, radiusOf, STOPS, wallsAt } from "../scene/geometry.js";
+import { outputCurveText } from "../scene/output_words.js";
 import { boxWallText, inputText } from "../scene/words.js";
 import { rowTimes } from "./kernel.js";
 import { bodiesOf, railOf } from "../scene/bodies.js";
@@ -155,8 +156,10 @@ export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
   const column = (word) => columns[words.indexOf(word)];
   const rows = rowsOf(scene, valueOf, { time, impacts: shown, column });
   const inputs = inputCurves(kernel, first, { values, inputSteps }, valueOf);
-  const outputs = { time, curves: chosen.map(({ name, unit, integer }, k) =>
-    ({ name, unit, isStepped: integer, values: columns[words.length + k] })) };
+  const outputs = { time, curves: chosen.map(({ name, unit, integer }, k) => {
+    const text = outputCurveText(name, SHARED.quantities[unit], valueOf);
+    return { name, unit, isStepped: integer, values: columns[words.length + k], words: text };
+  }) };
   const frames = times.slice(0, lastBefore(times, time.at(-1)) + 1);
   return { ...ending, parts: { ...framesOf(rows, { times: frames, frameRate }), inputs, outputs } };
 }
