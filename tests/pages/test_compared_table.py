@@ -71,7 +71,11 @@ def test_pins_tell_the_change_of_the_largest_force_and_align_impacts(show):
         if n is not None
     ]
     assert rows[0].locator("td").nth(4).inner_text().startswith(f"impact {is_clear.index(True) + 1}\n")
-    assert "Δ: from A" in page.locator("#pins thead th").first.inner_text()
+    assert "changes from A" in page.locator("#pins thead th").first.inner_text()
+    told = page.locator("#pins thead th").evaluate_all("heads => heads.slice(4).map((head) => head.title)")
+    assert len(set(told)) == 3
+    assert all(told), "each of the last columns is explained"
+    assert rows[0].locator("td").nth(4).locator("small").inner_text().count("force ") == 1
     counts = f"{len(pinned)} → {len(present)}"
     assert page.inner_text("#impacts-before") == f"from A: {counts}, {largest[1]} → {largest[0]}"
 
@@ -92,7 +96,7 @@ def test_all_motions_are_compared_with_the_one_that_the_reader_chooses(show):
     )
     for name, letter in (("A", "A"), ("B", "B"), ("present", " ")):
         page.get_by_role("radio", name=f"Compare with {name}").check()
-        assert f"Δ: from {name}" in page.inner_text("#pins thead")
+        assert f"changes from {name}" in page.inner_text("#pins thead")
         assert page.inner_text("#impacts-before").startswith("" if letter == " " else f"from {name}: ")
         rows = dict(zip(" AB", page.locator("#pins tbody tr").all(), strict=True))
         assert rows.pop(letter).locator("td").last.inner_text() == "reference"

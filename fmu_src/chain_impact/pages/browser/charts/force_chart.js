@@ -23,7 +23,7 @@ const [PEAK_ROOM, PEAK_DOT, PEAK_TEXT] = [22, 2.5, 11];
 const [PEAK_AWAY, PEAK_MULTIPLES] = [12, [1, 1.6, 2.4, 3.4, 4.6]];
 const NEAR_LINE = 70; // [pixels] the text may give way to the line at the present time if the line is nearer to the peak
 const [ONLY_IMPULSE, NO_COURSE] = ["an impulse only", "no known force over time"]; // why a contact has no curve
-const DOUBTFUL_PAIR = "doubtful pair"; // the note on a curve of a doubtful partner
+const DOUBTFUL_PAIR = "perhaps another impact"; // the note on a curve of a doubtful partner
 const LEAST_IN = { m: 1, mm: 1e-4, µm: 0 }; // [m] least value of the last tick with which an axis of penetrations is in a unit
 const NO_FORCE = 1e-9; // [N], or [N·m] at a stop of a joint: if no force is larger, the axis goes up to about 1
 

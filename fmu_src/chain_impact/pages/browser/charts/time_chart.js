@@ -226,7 +226,8 @@ export class EnergyChart extends TimeChart {
 
   /** Tell the offset of the chart, and which curves of pins it has. */
   #tellShown() {
-    const texts = [offsetText(this.offset), this.compared.length > 0 && "of pins: the total", this.#hasParting && "▾ motions part"];
+    const ofPins = [this.compared.length > 0 && "dashes: total energy of pins", this.#hasParting && "▾ motions differ from here"];
+    const texts = [offsetText(this.offset), ...ofPins];
     find("energy-offset").textContent = texts.filter(Boolean).join("; ");
   }
 

@@ -13,6 +13,15 @@ const LEAST_FACTOR = 10; // least factor between two forces or impulses that is 
 const ENERGY_ROUND_OFF = 1e-6; // energies below this, relative to the largest one, count as 0
 const LISTED_COUNT = 100; // number of impacts of each motion, from the first on, that are compared
 const LEAST_DIFFERENCE = 0.01; // least relative difference of a time since the start, or of a force, that the summary tells
+// the heads of the columns of the summary, with tooltips
+const HEADS = [
+  ["impacts"],
+  ["largest", "Largest force of an impact or, without forces, largest impulse"],
+  ["end energy", "Total energy at the end"],
+  ["motions differ from", "Time from which on a point is elsewhere by 1\u202f% of the size of the motion; marked ▾ in the charts"],
+  ["first other impact", `First impact whose time since the start, or force, differs by more than ${100 * LEAST_DIFFERENCE}\u202f%`],
+  ["order differs from", "First impact that is at another point or wall than the impact with the same number"],
+];
 
 /**
  * Return the parts of the summary of `motions`, the present one first: each motion has a `recording`, a `title` (an element) and, if it is
@@ -21,10 +30,8 @@ const LEAST_DIFFERENCE = 0.01; // least relative difference of a time since the 
  */
 export function summaryTable(motions, { reference, button, isPresent }) {
   const { recording: from } = motions[reference];
-  const direction = make("small", { textContent: `Δ: from ${shortName(motions[reference])}` });
-  const ofFirst = `first difference > ${100 * LEAST_DIFFERENCE}\u202f%`;
-  const heads = ["impacts", "largest", "end energy", "motions part", ofFirst, "other order from"]
-    .map((textContent) => make("th", { scope: "col", textContent }));
+  const direction = make("small", { textContent: `changes from ${shortName(motions[reference])}` });
+  const heads = HEADS.map(([textContent, title = ""]) => make("th", { scope: "col", textContent, title }));
   const head = make("tr", {}, make("th", { scope: "col" }, button, direction), ...heads);
   const written = writerOf(motions.flatMap(({ recording: { energies } }) => Object.values(energies)));
   const body = motions.map(({ title, recording }, k) => {
@@ -93,7 +100,7 @@ function countChange({ impacts: { length: from } }, { impacts: { length: to } })
 
 /**
  * Return {text, title, change} for the first impact that differs clearly (LEAST_DIFFERENCE) between the motion `reference` and another
- * one, or that only one of them has: words, a tooltip, and the result of `differenceOf`. Without one, the text is "none".
+ * one, or that only one of them has: words, a tooltip, and the result of `changeWords`. Without one, the text is "none".
  */
 function firstDifference(reference, other) {
   const [from, to] = [reference.recording, other.recording];
@@ -109,20 +116,27 @@ function firstDifference(reference, other) {
   const [now, then] = row;
   const { number, onset } = now ?? then;
   const title = capitalized(placeText(now ?? then));
-  if (now && then) return { text: `impact ${number}`, title, change: differenceOf(then, now) };
+  if (now && then) return { text: `impact ${number}`, title, change: changeWords(then, now) };
   return { text: `impact ${number} (${onset.toFixed(4)}\u202fs): only in ${shortName(now ? other : reference)}`, title };
+}
+
+/** Return the result of `differenceOf` in words, such as "+2 ms, force −3 %". An equal time is left out. */
+function changeWords(impact, present) {
+  const [time, ratio] = differenceOf(impact, present);
+  const ofPeak = present.atStop ? "moment" : "force";
+  const word = forceKeyOf(impact, present) === "peak" ? ofPeak : "impulse";
+  return [/[1-9]/.test(time) && time, ratio && `${word} ${ratio}`].filter(Boolean).join(", ");
 }
 
 /** Return three cells of the table, which tell where a motion begins to differ from the motion `reference`; dashes unless `isKnown`. */
 function differencesOf(reference, other, isKnown) {
   if (!isKnown) return Array.from({ length: 3 }, () => make("td", { textContent: "–" }));
   const parting = partingTime(reference.recording, other.recording);
-  const title = "Time from which on a point is elsewhere by 1\u202f% of the size of the motion; marked in the charts";
   const text = parting === undefined ? "never" : `${parting.toFixed(4)}\u202fs`;
   const first = firstDifference(reference, other);
-  const change = make("small", { textContent: (first.change ?? []).filter(Boolean).join(", ") });
+  const change = make("small", { textContent: first.change ?? "" });
   const order = orderOf(reference, other);
-  return [[{ text, title }], [first, change], [order]].map(([one, ...more]) => make("td", { title: one.title ?? "" }, one.text, ...more));
+  return [[{ text }], [first, change], [order]].map(([one, ...more]) => make("td", { title: one.title ?? "" }, one.text, ...more));
 }
 
 /** Return {text, title} for the first impact at which point and wall differ between two motions, in the order of their impacts. */
