@@ -197,9 +197,16 @@ def test_the_command_repeats_the_motion_and_a_picture_shows_it(show, tmp_path, m
     assert [list(map(float, row)) for row in here[1:]] == [list(map(float, row)) for row in there[1:]]
     picture = Image.open(io.BytesIO(saved(page, "Picture as PNG").read_bytes())).convert("RGB")
     box = page.locator("#scene").bounding_box()
-    assert picture.size == (2 * int(box["width"]), 2 * (int(box["height"]) + CAPTION))
+    assert picture.size == (2 * int(box["width"]), 2 * (int(box["height"]) + 3 * CAPTION))
     caption = np.asarray(picture)[-2 * CAPTION :].astype(int)
     assert (caption.max(axis=-1) < 100).sum() > 500, "the name and the time stand below the drawing"
+    chart = ElementTree.fromstring(saved(page, "Charts as SVG").read_text("utf-8"))
+    head, *changes = chart.find(f"{SVG}title").text.splitlines()
+    assert head == "Four link box, 0.00000 s, Zhang–Sharf (2009)"
+    told = "Restitution = 0.5, Mass of link 2 = 1.5\u202fkg, Method of solver = explicit"
+    assert ", ".join(changes) == told
+    lefts = {one.text: float(one.get("x")) for one in chart.iter(f"{SVG}text")}
+    assert lefts["Contact"] == pytest.approx(lefts["impact"], abs=2.0), "titles begin where other texts begin"
     chain = np.abs(np.asarray(picture).astype(int) - [0x2B, 0x4A, 0x9F]).max(axis=-1) < 8
     assert chain.sum() > 2000
 

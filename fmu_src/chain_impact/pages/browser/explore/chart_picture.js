@@ -132,11 +132,14 @@ function drawPattern(context, element, { left, top, height }) {
 function drawWords(context, node) {
   const { font, color } = getComputedStyle(node.parentElement);
   Object.assign(context, { font, fillStyle: color, textBaseline: "middle", textAlign: "left" });
+  // a picture lacks the mark before the title of a card that can be folded, so the first line of the title begins where the mark is
+  const fold = node.parentElement.closest("h2")?.querySelector(".fold");
+  const [mark, bottom] = fold ? [parseFloat(getComputedStyle(fold, "::before").width), fold.getBoundingClientRect().bottom] : [0, 0];
   const range = document.createRange();
   for (const { 0: word, index } of node.data.matchAll(/[^ \n]+/g)) {
     range.setStart(node, index);
     range.setEnd(node, index + word.length);
     const { left, top, height } = range.getBoundingClientRect();
-    context.fillText(word, left, top + height / 2);
+    context.fillText(word, left - (top + height / 2 < bottom ? mark : 0), top + height / 2);
   }
 }

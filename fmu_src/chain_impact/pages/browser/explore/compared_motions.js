@@ -10,6 +10,7 @@ import { onGesture } from "./gestures.js";
 
 const COLOURS = 5; // number of colours for pinned motions in the style sheet
 const LETTERS = "ABCDE"; // the letters of the colours, because two colours may look alike
+const LONGEST_LINE = 52; // [characters] a line of a picture's caption fits into a card of the page
 const TIP = 15; // [pixels] diameter of the dot of a letter
 // distances from its tip at which a letter is tried in this order, as multiples of TIP
 const LETTER_DISTANCES = [1.6, 2.2, 3, 4, 5, 7];
@@ -225,6 +226,13 @@ export class ComparedMotions {
     return [{ text }, ...this.pinned.map(nameOf)];
   }
 
+  /** Return the lines of a picture's caption below its title: `names` or, without pins, the changes of the shown motion, if there are any. */
+  get caption() {
+    const { recording } = this.player;
+    const lines = this.pinned.length ? [] : captionLines(recording ? this.#changesOf(recording) : "");
+    return [...this.names, ...lines.map((text) => ({ text }))];
+  }
+
   /** Return the elements for the name of a motion: a dot with its letter, and its text. */
   #nameOf({ text, colour, letter = "" }) {
     const dot = make("span", { className: `dot ${colour ? `pin-${colour}` : "present"}`, textContent: letter });
@@ -291,6 +299,14 @@ function valuesText({ changed, unchangedText }, all) {
     return text ? `${name} = ${text}` : `${name} as in the scene`; // a parameter that this motion's scene lacks has no text
   };
   return (differing.length ? differing : [...changed.keys()]).map(textOf).join(", ");
+}
+
+/** Return the lines, each of at most LONGEST_LINE characters if possible, for a text with parts between commas. */
+function captionLines(text) {
+  return text.split(", ").filter(Boolean).reduce((lines, part) => {
+    const longer = [lines.at(-1), part].filter(Boolean).join(", ");
+    return longer.length > LONGEST_LINE ? [...lines, part] : [...lines.slice(0, -1), longer];
+  }, []);
 }
 
 /** Return whether two complete scene files have equal contents. */

@@ -125,7 +125,7 @@ const ask = (...request) => simulation.engine.ask(...request);
 window.chainImpact = consoleInterface(changes, ask);
 connectExport(changes, {
   keys: kit.keys, ask, address, openScene,
-  namesOf: () => comparedMotions.names, mapNow: () => map, faultOf: (...end) => simulation.faultOf(...end),
+  linesBelow: () => comparedMotions.caption, mapNow: () => map, faultOf: (...end) => simulation.faultOf(...end),
 });
 find("map-open").addEventListener("click", () => {
   if (!map) {

@@ -3,8 +3,10 @@
 import { find } from "../base/dom.js";
 import { contentsOf, tomlText } from "../scene/changed_file.js";
 import { inputSignals } from "../scene/input_steps.js";
+import { lawText } from "../scene/words.js";
 import { drawingOfCards, pictureOfCards } from "./chart_picture.js";
 import { commandOf, csvOf, impactsCsvOf, pictureOf, save } from "./export.js";
+import { lawOf } from "./parameters/main_parameters.js";
 import { savePage } from "./saved_page.js";
 
 const LONG_ADDRESS = 2000; // number of characters from which on some programs cut an address
@@ -14,11 +16,14 @@ const LONG_ADDRESS = 2000; // number of characters from which on some programs c
  *
  * @param keys the rules of the keys of a scene file. @param ask the function that sends a request to the worker. @param address the address
  * of the page, with the changes. @param openScene the open scene; the command names its file, unless it is the page's own scene. @param
- * namesOf function that returns the lines of a caption that name the pins. @param mapNow function that returns the map, once it is made.
+ * linesBelow function that returns the lines of a caption that name changes and pins. @param mapNow function that returns the map, once it is made.
  * @param faultOf function that returns a sentence on the fault of a run.
  */
-export function connectExport(changes, { keys, ask, address, namesOf, openScene, mapNow, faultOf }) {
-  const captionOf = () => [{ text: `${document.querySelector("h1").textContent}, ${find("time").textContent}` }, ...namesOf()];
+export function connectExport(changes, { keys, ask, address, linesBelow, openScene, mapNow, faultOf }) {
+  const captionOf = () => {
+    const title = [document.querySelector("h1").textContent, find("time").textContent, lawText(lawOf(changes))].join(", ");
+    return [{ text: title }, ...linesBelow()];
+  };
   find("export-open").addEventListener("click", async () => {
     find("command").value = commandOf(changes);
     find("export").showModal();
