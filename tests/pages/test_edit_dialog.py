@@ -13,7 +13,7 @@ import tomlkit
 from chain_impact import load_scene, simulate
 from chain_impact.scene.files.models import scene_file_path
 from chain_impact.scene.scene import scene_to_dict
-from tests.pages.in_pages import LOCAL_LINK, TEXTS, bits, until, until_told
+from tests.pages.in_pages import LOCAL_LINK, TEXTS, bits, enter, until, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -309,6 +309,37 @@ def test_a_valid_text_of_the_scene_acts_and_a_fault_is_told_with_its_line(show):
     assert page.get_by_role("textbox", name="link[1].mass").is_visible()
     page.keyboard.press("Control+z")
     until(page, "chainImpact.parameters['contact.restitution'] === '0.4'")
+
+
+def test_an_edit_that_is_taken_back_leaves_no_trace(show):
+    """Link and command are those of before, after edits of the text and of a field."""
+    page = show(hash_="#contact.restitution=0.4")
+    page.get_by_role("button", name="Edit…").click()
+    mass = page.get_by_role("textbox", name="link[1].mass")
+    known = mass.input_value()
+    for value in ("1.5", known):
+        enter(page, "link[1].mass", value)
+    assert page.evaluate("document.getElementById('edit-first').hidden")
+    page.get_by_role("tab", name="Fields").press("ArrowRight")
+    field = page.get_by_role("textbox", name="Scene file as text")
+    text = field.input_value()
+    count = "document.getElementById('undo').disabled"
+    before = page.evaluate(count)
+    field.fill(f"{text}#")
+    page.wait_for_timeout(600)  # the pause after which a text is read
+    assert page.evaluate("document.getElementById('edit-first').hidden"), "a comment is no edit"
+    assert page.evaluate(count) == before
+    field.fill(text.replace("restitution = 0.4", "restitution = 0.6"))
+    until(page, "chainImpact.parameters['contact.restitution'] === '0.6'")
+    assert not page.evaluate("document.getElementById('edit-first').hidden")
+    field.fill(text)
+    until(page, "chainImpact.parameters['contact.restitution'] === '0.4'")
+    assert page.evaluate("document.getElementById('edit-first').hidden")
+    until(page, "location.hash === '#contact.restitution=0.4'")
+    page.keyboard.press("Escape")
+    page.get_by_role("button", name="Export…").click()
+    command = page.get_by_label("The command that gives the same motion").input_value()
+    assert command == "chain-impact simulate four_link_box --set contact.restitution=0.4"
 
 
 def test_a_dropped_file_that_cannot_be_read_is_told(show):

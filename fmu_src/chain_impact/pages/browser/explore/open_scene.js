@@ -76,8 +76,19 @@ export class OpenScene {
     return { whole, scene: describe(this.kit, whole, [`${whole.name}.toml`]) };
   }
 
+  /** Return a scene with the text of its file; if an edit is taken back, the scene before the edits, or the page's own scene. */
   #sceneWithText({ whole, scene }) {
-    return { scene, text: tomlText(asWritten(whole), this.kit.keys) };
+    const text = this.#textOf(whole);
+    return [this.origin, this.first].find((known) => this.#textOf(known.scene.file) === text) ?? { scene, text };
+  }
+
+  #textOf(whole) {
+    return tomlText(asWritten(whole), this.kit.keys);
+  }
+
+  /** Return whether two contents of scene files give the same scene; an error names the wrong key. */
+  areSame(contents, others) {
+    return this.#textOf(complete(contents, this.kit)) === this.#textOf(complete(others, this.kit));
   }
 
   /** Show a scene, with the text of its file and the changes `kept` in it. */

@@ -10,6 +10,7 @@ const PAUSE = 400; // [ms] a text is read when the reader has not typed for this
 
 export class SceneText {
   #timer = 0;
+  #before = {}; // `text` that the page has shown last, and `state` of the open scene then
 
   constructor(changes, openScene, keys) {
     Object.assign(this, { changes, openScene, keys, field: find("edit-toml") });
@@ -23,12 +24,18 @@ export class SceneText {
   show() {
     if (document.activeElement === this.field) return;
     this.field.value = tomlText(contentsOf(this.changes), this.keys);
+    this.#before = { text: this.field.value, state: this.openScene.state };
     this.#tell("");
   }
 
+  /** Open the scene of the text; if the text has the scene of before again, the state of before comes back. */
   #take() {
+    const { openScene, changes } = this;
+    const { text, state } = this.#before;
     try {
-      this.openScene.open(contentsIn(this.field.value));
+      const contents = contentsIn(this.field.value);
+      if (!openScene.areSame(contents, contentsIn(text))) openScene.open(contents);
+      else if (changes.scene !== state.scene) openScene.restore(state);
       this.#tell("");
     } catch (error) {
       this.#tell(`Not taken: ${fileFault(error, this.field.value)}`);
