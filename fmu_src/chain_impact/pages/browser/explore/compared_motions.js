@@ -226,7 +226,7 @@ export class ComparedMotions {
     return [{ text }, ...this.pinned.map(nameOf)];
   }
 
-  /** Return the lines of a picture's caption below its title: `names` or, without pins, the changes of the shown motion, if there are any. */
+  /** Return the lines of a picture's caption below its title: `names` or, without pins, the changes of the shown motion. */
   get caption() {
     const { recording } = this.player;
     const lines = this.pinned.length ? [] : captionLines(recording ? this.#changesOf(recording) : "");
@@ -301,9 +301,9 @@ function valuesText({ changed, unchangedText }, all) {
   return (differing.length ? differing : [...changed.keys()]).map(textOf).join(", ");
 }
 
-/** Return the lines, each of at most LONGEST_LINE characters if possible, for a text with parts between commas. */
+/** Return lines, if possible of at most LONGEST_LINE characters, for a text with parts between commas that begin with capitals. */
 function captionLines(text) {
-  return text.split(", ").filter(Boolean).reduce((lines, part) => {
+  return text.split(/, (?=\p{Lu})/u).filter(Boolean).reduce((lines, part) => {
     const longer = [lines.at(-1), part].filter(Boolean).join(", ");
     return longer.length > LONGEST_LINE ? [...lines, part] : [...lines.slice(0, -1), longer];
   }, []);

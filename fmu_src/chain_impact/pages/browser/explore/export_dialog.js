@@ -14,10 +14,10 @@ const LONG_ADDRESS = 2000; // number of characters from which on some programs c
 /**
  * Connect the buttons of the dialog with their exports.
  *
- * @param keys the rules of the keys of a scene file. @param ask the function that sends a request to the worker. @param address the address
- * of the page, with the changes. @param openScene the open scene; the command names its file, unless it is the page's own scene. @param
- * linesBelow function that returns the lines of a caption that name changes and pins. @param mapNow function that returns the map, once it is made.
- * @param faultOf function that returns a sentence on the fault of a run.
+ * @param keys the rules of the keys of a scene file. @param ask the function that sends a request to the worker. @param address the
+ * address of the page, with the changes. @param openScene the open scene; the command names its file, unless it is the page's own scene.
+ * @param linesBelow function that returns the lines of a caption that name changes and pins. @param mapNow function that returns the map,
+ * once it is made. @param faultOf function that returns a sentence on the fault of a run.
  */
 export function connectExport(changes, { keys, ask, address, linesBelow, openScene, mapNow, faultOf }) {
   const captionOf = () => {
