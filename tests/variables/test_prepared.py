@@ -94,7 +94,7 @@ def test_a_new_instance_holds_nothing_but_the_scene():
         assert not any(instance[0][field].tobytes()), field
 
 
-PARTS = ("structure_of", "parameters", "inputs", "outputs_of")
+PARTS = ("structure_of", "parameters", "input_variables", "outputs_of")
 
 
 def count_calls(monkeypatch):

@@ -1,11 +1,11 @@
 """Facts of a scene, such as whether it has friction, and lists of its parts.
 
 The tables FACTS and LISTS have the rules that give facts and lists; rule_language.py has the language of the
-rules. Lists without a rule are found by
-code, in Python by LIST_FUNCTIONS. Example: if a scene gives ``joint_friction`` for a link with a proximal
-joint, the link has the value ``has_friction`` 1 in "link_facts", so the facts "has_joint_friction" and
-"has_dry_friction" are true. A page evaluates the same rules: the twin in JavaScript is
-pages/browser/scene/owners.js.
+rules. Lists without a rule are found by code, in Python by LIST_FUNCTIONS. Example: if a scene gives
+``joint_friction`` for a link with a proximal joint, the link has the value ``has_friction`` 1 in
+"link_facts", so the facts "has_joint_friction" and "has_dry_friction" are true.
+
+The twin in JavaScript is pages/browser/scene/owners.js.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ def test_a_film_names_the_last_impact_and_its_force_stands_beside_a_rail(number,
 
 
 def test_the_caption_of_an_impact_stays_for_some_frames():
-    recording = made.swing([made.hit(0.5, 1, "y_min", 1.0)], {"y_min": 0.0})
+    recording = made.swing([made.impact_row(0.5, 1, "y_min", 1.0)], {"y_min": 0.0})
     recording.impacts["end"] = 0.5
     page = Film(Figure((8.0, 4.5), dpi=80), recording, np.linspace(0.0, 2.0, 201))
     told, opacities = [], []
@@ -54,7 +54,7 @@ def test_the_caption_of_an_impact_stays_for_some_frames():
 def test_the_caption_tells_an_impact_from_its_onset_on():
     onsets = [0.5, 0.52, 1.0, 1.5]
     recording = made.swing(
-        [made.hit(t, 1, "y_min", 1e-3 if t == 1.5 else 1.0) for t in onsets], {"y_min": 0.0}
+        [made.impact_row(t, 1, "y_min", 1e-3 if t == 1.5 else 1.0) for t in onsets], {"y_min": 0.0}
     )
     recording.impacts["end"] = recording.impacts["onset"] + 1e-3
     shown = [0.49, 0.5, 0.519, 0.52, 0.99, 1.001, 1.49, 1.501]
@@ -91,7 +91,7 @@ def test_a_legend_of_many_rows_does_not_touch_the_caption_of_a_film():
     ],
 )
 def test_the_last_impact_has_the_words_that_have_room(point, wall, text):
-    impacts = [made.hit(1.0 + 0.01 * number, 1, wall, 1.0) for number in range(10)]
+    impacts = [made.impact_row(1.0 + 0.01 * number, 1, wall, 1.0) for number in range(10)]
     recording = made.swing(impacts, slopes={wall: (0.0, -1.0, 0.0)})
     recording = dataclasses.replace(recording, point_names={1: point})
     figure = Figure((8.7, 4.9), dpi=80)

@@ -316,7 +316,7 @@ def test_a_film_has_the_largest_force_over_time_with_a_cursor(recording):
 
 
 def test_a_ring_stays_where_an_impact_happened():
-    impacts = [made.hit(time, 1, "y_min", 1.0) for time in (0.5, 1.0)]
+    impacts = [made.impact_row(time, 1, "y_min", 1.0) for time in (0.5, 1.0)]
     recording = made.swing(impacts, {"y_min": 0.0})
     page = Film(Figure((8.0, 4.5), dpi=80), recording, np.array([0.4, 0.6, 2.0]))
     seen = []
