@@ -37,19 +37,24 @@ def mark_changes(d, element, theta):
     """
     for i in range(d.friction.active_count):
         e = d.friction_element.index[i]
-        if e == element or element_margin(d, e, theta) < 0.0 or comes_to_rest(d, e, theta):
+        if e == element or element_margin(d, e, theta) < 0.0 or has_come_to_rest(d, e):
             mark_mode_change(d, e, STICKING_ENDS if d.friction_element.mode[e] == STICKS else SLIDING_ENDS)
     locate_at_fraction(d, theta)
 
 
-def comes_to_rest(d, e, theta):
-    """Return whether e slides at the start of the last step, and is at rest at θ of this step."""
-    return d.friction_element.mode[e] != STICKS and is_at_rest(d, e, theta) and not is_at_rest(d, e, 0.0)
+def has_come_to_rest(d, e):
+    """Return whether e slides, is at rest at the located points, and was not at rest when the step began.
+
+    Afterwards the points may be located at the start of the last step.
+    """
+    if d.friction_element.mode[e] == STICKS or not is_at_rest(d, e):
+        return False
+    locate_at_fraction(d, 0.0)
+    return not is_at_rest(d, e)
 
 
-def is_at_rest(d, e, theta):
-    """Return whether the tangential speed of element e is at most ``rest_speed`` at θ of the last step."""
-    locate_at_fraction(d, theta)
+def is_at_rest(d, e):
+    """Return whether the tangential speed of element e is at most ``rest_speed`` at the located points."""
     return abs(tangential_rate(d, e)) <= rest_speed(d)
 
 
