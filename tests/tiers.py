@@ -67,13 +67,10 @@ def pytest_addoption(parser):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_cmdline_main(config):
-    """Use all cores unless the number of processes is given; each process runs one file after the other.
-
-    Tests of pages often wait for their browser, so ``--full`` has one process more.
-    """
+    """Use all cores unless the number of processes is given; each process runs one file after the other."""
     own, worker = config.option, hasattr(config, "workerinput")
     if config.pluginmanager.hasplugin("xdist") and not worker and own.numprocesses is None and not own.usepdb:
-        own.numprocesses = min(cores() + own.full, MOST_WORKERS)
+        own.numprocesses = min(cores(), MOST_WORKERS)
         own.dist, own.loadscopereorder, own.maxworkerrestart = "loadfile", False, "0"
 
 
