@@ -61,6 +61,26 @@ def test_friction_in_a_joint_does_no_work_in_an_hour(kind, seeds):
     check_rest([run(kind, seed, LONG) for seed in seeds])
 
 
+@pytest.mark.parametrize(
+    ("kind", "seed"),
+    [("rod_on_floor", seed) for seed in (5, 11, 14, 36, 54)]
+    + [("rod_on_slope", seed) for seed in (4, 7, 10, 24, 33)],
+)
+def test_friction_forces_at_rest_do_not_depend_on_the_tolerance(kind, seed):
+    """An end that still slides when the other one sticks slows down without a stop: it keeps its limit."""
+    scene, found = random_scene(kind, seed), []
+    for tolerance in (1e-8, 1e-9, 1e-10):
+        result = simulate(scene.with_values({"solver.tolerance": tolerance, "solver.method": "auto"}))
+        normal, friction, sticking = (
+            np.array([result[name][-1] for name in result.names if name.endswith(f"wall.{output}")])
+            for output in ("force", "friction_force", "sticking")
+        )
+        (end,) = np.flatnonzero((normal > 0.0) & (sticking == 0))
+        assert abs(friction[end]) == pytest.approx(scene.contact.friction * normal[end], rel=1e-9)
+        found.append(friction)
+    assert np.ptp(found, axis=0).max() < 1e-3 * normal.max()
+
+
 @pytest.mark.parametrize("tilt", [1e-4, 3e-4])
 def test_a_chain_that_lies_almost_flat_rests_in_long_steps(tilt):
     """Friction of three points hardly prevents a motion that the contacts resist; steps were below 15 ms."""
