@@ -1,17 +1,22 @@
 """Curves of a sweep: their values, axes, colours and names."""
 
+# Tests: studies/sweep/curve_marks.py
+
 import itertools
 
 import numpy as np
 import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.studies.sweep.curves import COLOURS, broken_line, course_text
-from chain_impact.studies.sweep.quantities import results_of
+from chain_impact.studies.sweep.curve_marks import MARK_SIZE, broken_line, joined_pairs, jumps_between
+from chain_impact.studies.sweep.curves import COLOURS, course_text
+from chain_impact.studies.sweep.quantities import COUNT, QUANTITIES, results_of
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.text import number_text
 from tests.pictures.pictures import contrast, lab_colour
 from tests.studies.sweep.drawn_sweeps import SCENE, TEN, drawn, labels_of
+
+LAWS = ("flores", "hunt_crossley")
 
 
 def test_lines_are_the_columns():
@@ -33,23 +38,41 @@ def test_lines_are_the_columns():
     assert labels == ["contact.model:", "flores", "hertz"]
 
 
-def test_lines_have_gaps_where_counts_change_and_equal_counts_are_apart():
-    values, shown = broken_line(np.arange(4.0), np.arange(4.0), np.array([1, 1, 2, 2]))
+def test_lines_have_gaps_at_new_counts_and_hidden_marks_have_rings():
+    points = np.array([np.arange(4.0), np.arange(4.0)])
+    values, shown = broken_line(points, np.array([True, False, True]))
     assert np.array_equal(values, [0.0, 1.0, np.nan, 2.0, 3.0], equal_nan=True)
     assert np.array_equal(values, shown, equal_nan=True)
-    page = drawn(
-        sweep(SCENE, {"contact.restitution": "0.3,0.5,0.7", "contact.model": "flores,hunt_crossley"})
-    )
-    lines = page.axes[2].lines[:2]
-    first, second = (line.get_transform().transform((0.5, 2.0)) for line in lines)
-    assert first[1] == second[1], "a mark stands at its count"
-    assert second[0] - first[0] > 3.0
-    assert page.axes[2].get_title() == "impacts"
-    for line in lines:  # there are no 1.5 impacts
+    found = sweep(SCENE, {"contact.restitution": "0.3,0.5,0.7", "contact.model": "flores,hunt_crossley"})
+    page = drawn(found)
+    axes = page.axes[2]
+    assert axes.get_title() == "impacts"
+    for line in axes.lines[:2]:  # there are no 1.5 impacts
         steps = np.diff(line.get_ydata())
-        assert np.isfinite(steps).any()
         assert not steps[np.isfinite(steps)].any()
-    assert "lines break where the number of impacts changes" in page.texts[1].get_text().replace("\n", " ")
+    flores, hunt_crossley = (found["impact.count"][found["contact.model"] == law] for law in LAWS)
+    rings = [line for line in axes.lines if line.get_markerfacecolor() == "none" and len(line.get_xdata())]
+    ringed = {float(x) for line in rings for x in line.get_xdata()}
+    assert ringed == {e for e, a, b in zip((0.3, 0.5, 0.7), flores, hunt_crossley, strict=True) if a == b}
+    assert all(line.get_markersize() > MARK_SIZE for line in rings)
+    assert {line.get_clip_on() for line in axes.lines[:2]} == {False}
+    marks = [(key.get_marker(), key.get_color()) for key in page.legends[0].legend_handles[1:]]
+    assert marks == [(line.get_marker(), line.get_color()) for line in axes.lines[:2]]
+
+
+def test_few_joined_points_are_no_lines_but_smooth_peaks_are():
+    counts = np.array([3, 4, 4, 5, 6, 7, 8, 9])
+    smooth, kink = np.linspace(1.0, 2.0, 8) ** 2, np.array([1.0, 1.1, 1.2, 1.3, 2.3, 2.4, 2.5, 2.6])
+    assert not jumps_between(smooth).any()
+    assert np.flatnonzero(jumps_between(kink)).tolist() == [3]
+    assert jumps_between(kink[:3]).all(), "too few steps"
+    rows = np.zeros(8, [("impact.count", int), ("peak_force", float), ("max_penetration", float)])
+    rows["impact.count"], rows["peak_force"], rows["max_penetration"] = counts, kink, smooth
+    runs = type("Rows", (), {"failed": np.zeros(8, bool), "__getitem__": lambda _, name: rows[name]})()
+    force, count = (quantity for quantity in QUANTITIES if quantity.column in ("peak_force", COUNT))
+    (joined,) = joined_pairs(runs, force, [np.arange(8)])
+    assert joined.tolist() == [True] * 3 + [False] + [True] * 3
+    assert not joined_pairs(runs, count, [np.arange(8)])[0].any(), "one pair of seven would be a feature"
 
 
 @pytest.mark.parametrize(

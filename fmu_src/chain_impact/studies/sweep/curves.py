@@ -9,16 +9,21 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
-from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.map_colours import value_ratio
 from chain_impact.pictures.drawing.distinct_curves import merged_dashes
 from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.law_looks import law_look
 from chain_impact.pictures.drawing.legends import legend_at_head
-from chain_impact.pictures.drawing.row_names import POINTS_IN_INCH
 from chain_impact.pictures.drawing.style import BLACK, COUNT_STEPS, PALETTE, give_ticks
 from chain_impact.studies.sweep.colour_bars import WIDE_RANGE, number_few_decades
+from chain_impact.studies.sweep.curve_marks import (
+    MARK_SIZE,
+    broken_line,
+    is_largest_value,
+    joined_pairs,
+    ring_hidden_marks,
+)
 from chain_impact.studies.sweep.maps import (
     NO_IMPACT,
     NO_VALUE_TEXT,
@@ -27,7 +32,7 @@ from chain_impact.studies.sweep.maps import (
     label_of,
     own_value,
 )
-from chain_impact.studies.sweep.quantities import COUNT, EQUAL_RESULTS, Quantity, results_of
+from chain_impact.studies.sweep.quantities import EQUAL_RESULTS, Quantity, results_of
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.text import number_text
@@ -38,9 +43,9 @@ RING: dict[str, Any] = CROSS | {"marker": "o", "markerfacecolor": "none"}
 """The marks at the foot of a panel, with matplotlib's names: of a failed run, of a run without impact."""
 FOOT = 0.05  # the distance of the crosses from an edge of the panel, relative to the size of the panel
 FEW_VALUES = 40  # a curve through at most this number of values has a marker at each of them
-MARK_SIZE, DOT_SIZE = 3.0, 2.0  # [points] the sizes of a mark and of a dot
+DOT_SIZE, LINE_WIDTH = 2.0, 1.4  # [points] the size of a dot and the width of a line
 MARKERS = "os^Dv<>phX"  # the marks of several lines, the same in all panels
-PART_FOR_MARKS = 0.75  # the part of the distance of two values that the marks of equal counts take
+COUNT_MARGIN = 0.08  # the least distance of counts from the ends of their axis, relative to their range
 # If the axis of the parameter is logarithmic, the axis of a quantity that is no count is logarithmic, too, if
 # the smallest value of the quantity is > 0, and the largest value is at least DECADE times the smallest
 # value: a power law is then a straight line.
@@ -58,42 +63,33 @@ def draw_curves(
 ) -> None:
     """Draw each quantity over a parameter in its panel, with a cross at the foot for each failed run.
 
-    Samples are points without lines.
+    Samples are points without lines. All other runs have a mark, of which ``ring_hidden_marks`` shows those
+    below others.
 
     ``abscissa``: the parameter on the horizontal axis, a number. ``choice``: a second parameter; each of the
     numbers or choices of ``choice`` has a line, but choices with equal results share a line (``lines_of``).
     """
     values, is_sampled = runs[abscissa.name], runs.design.samples is not None
-    lines, has_missed = lines_of(runs, abscissa, choice), False
+    lines, has_missed, has_lines = lines_of(runs, abscissa, choice), False, False
+    looks = [
+        look | _marks(place, len(rows), is_sampled=is_sampled) | {"label": " = ".join(names)}
+        for place, ((names, rows), look) in enumerate(
+            zip(lines.items(), looks_of(lines, choice), strict=False)
+        )
+    ]
+    for look, rows in zip(looks, lines.values(), strict=True):
+        look["label"] += " (failed)" if choice and runs.failed[rows].all() else ""
     for axes, quantity in zip(panels, quantities, strict=True):
         shown_values = quantity.values_or_nan(runs)
         curves = [np.array([values[rows], shown_values[rows]]) for rows in lines.values()]
-        drawn_curves = [curve[:, np.isfinite(curve[1])] for curve in curves]
-        is_line = [curve.shape[1] > 1 and not is_sampled for curve in drawn_curves]
-        dashes = iter(merged_dashes([curve for curve, use in zip(drawn_curves, is_line, strict=True) if use]))
-        looks, drawn_lines = (
-            zip(lines.items(), looks_of(lines, choice), is_line, strict=False),
-            list[Line2D](),
-        )
-        for place, ((names, rows), look, use) in enumerate(looks):
-            text = " = ".join(names)
-            label = f"{text} (failed)" if choice and runs.failed[rows].all() else text
-            across_up, marks = (values[rows], shown_values[rows]), dict[str, Any]()
-            if is_sampled:
-                marks = {"marker": ".", "linestyle": "", "rasterized": True}
-            else:
-                across_up = broken_line(*across_up, runs[COUNT][rows])
-                if len(rows) <= FEW_VALUES:
-                    marks = {"marker": MARKERS[place % len(MARKERS)], "markersize": MARK_SIZE}
-                elif len(across_up[0]) > len(rows):
-                    marks = {"marker": ".", "markersize": DOT_SIZE}
-            (line,) = axes.plot(*across_up, label=label, linewidth=1.4, **look | marks)
-            drawn_lines.append(line)
-            if use and (dash := next(dashes)):
-                # marks at one place would hide those of the line below
-                line.set(linestyle=dash, **{} if quantity.is_count else {"marker": "None"})
-        if quantity.is_count and len(lines) > 1:
-            _shift_counts(axes, drawn_lines, len(np.unique(values)))
+        joined = joined_pairs(runs, quantity, [*lines.values()])
+        if is_sampled:
+            joined = [np.zeros_like(pairs) for pairs in joined]
+        has_lines |= any(pairs.any() for pairs in joined)
+        dashes = _dashes_of(curves, joined)
+        for curve, pairs, look, dash in zip(curves, joined, looks, dashes, strict=True):
+            line = curve if is_sampled else broken_line(curve, pairs)
+            axes.plot(*line, **look | ({"linestyle": dash} if dash else {}))
         mark_at_foot(axes, values[runs.failed], CROSS)
         is_missed = quantity.is_without_touch(runs)
         has_missed |= bool(is_missed.any())
@@ -104,43 +100,66 @@ def draw_curves(
         _set_vertical_axis(axes, quantity, shown_values)
         if (scene_value := own_value(runs, abscissa)) is not None:
             axes.axvline(scene_value, **SCENE_LINE)
+        if not is_sampled:
+            ring_hidden_marks(axes, curves, looks)
     entries: list[Any] = [Line2D([], [], label=NO_IMPACT, **RING)] if has_missed else []
     if choice:
-        handles, _ = panels[0].get_legend_handles_labels()
-        entries = [Line2D([], [], linestyle="", label=f"{label_of(runs, choice)}:"), *handles, *entries]
+        # the mark of a line is the same in all panels, its dashes are not
+        keys = [Line2D([], [], **look | ({} if has_lines else {"linestyle": ""})) for look in looks]
+        entries = [Line2D([], [], linestyle="", label=f"{label_of(runs, choice)}:"), *keys, *entries]
     figure = panels[0].get_figure(root=True)
     if entries and figure is not None:
         legend_at_head(figure, entries)
 
 
-def broken_line(
-    values: np.ndarray, shown_values: np.ndarray, counts: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the points of a line with a gap, NaN, wherever the number of impacts changes.
+def gaps_words(
+    runs: Runs, quantities: Sequence[Quantity], abscissa: Variation, choice: Variation | None = None
+) -> str:
+    """Return words for where lines of these panels break, and why panels have only marks; "" without gaps.
 
-    Args:
-        values: the values of the parameter, shape (R,), in ascending order.
-        shown_values: the results, shape (R,).
-        counts: the numbers of impacts, shape (R,); NaN if a run failed.
+    The arguments are those of ``draw_curves``.
     """
-    gap_rows = np.flatnonzero(np.diff(np.nan_to_num(counts.astype(float), nan=-1.0))) + 1
-    return np.insert(values.astype(float), gap_rows, np.nan), np.insert(
-        shown_values.astype(float), gap_rows, np.nan
+    if runs.design.samples is not None:
+        return ""
+    rows_of_lines, has_gaps, is_without_lines = (
+        [*lines_of(runs, abscissa, choice).values()],
+        set[bool](),
+        False,
     )
+    for quantity in quantities:
+        joined = joined_pairs(runs, quantity, rows_of_lines)
+        is_known = np.isfinite(quantity.values_or_nan(runs))
+        pairs = [is_known[rows[1:]] & is_known[rows[:-1]] for rows in rows_of_lines]
+        count = sum(int(line_pairs.sum()) for line_pairs in joined)
+        if count < sum(int(line_pairs.sum()) for line_pairs in pairs):
+            is_without_lines |= not count
+            has_gaps |= {is_largest_value(quantity)} if count else set()
+    parts = [
+        "lines break where the number of impacts changes" * (False in has_gaps),
+        "lines of largest values break where these jump" * (True in has_gaps),
+        "no lines where the number of impacts changes between most runs" * is_without_lines,
+    ]
+    return "; ".join(filter(None, parts))
 
 
-def _shift_counts(axes: Axes, lines: Sequence[Line2D], count: int) -> None:
-    """Shift lines sideways, each by the size of a mark, so that no mark hides that of an equal count.
+def _marks(place: int, count: int, *, is_sampled: bool) -> dict[str, Any]:
+    """Return the marks of the line number ``place`` with a number of points, with matplotlib's names."""
+    if is_sampled:
+        return {"marker": ".", "linestyle": "", "rasterized": True}
+    if count > FEW_VALUES:
+        return {"marker": ".", "markersize": DOT_SIZE, "linewidth": LINE_WIDTH}
+    marker = MARKERS[place % len(MARKERS)]
+    return {"marker": marker, "markersize": MARK_SIZE, "linewidth": LINE_WIDTH, "clip_on": False}
 
-    All marks of one of the ``count`` values of the parameter have room between two values.
-    """
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    room = PART_FOR_MARKS * axes.get_window_extent().width / figure.dpi / count / len(lines)
-    gap = min(MARK_SIZE / POINTS_IN_INCH, room)
-    for place, line in enumerate(lines):
-        shift = ScaledTranslation((place - 0.5 * (len(lines) - 1)) * gap, 0.0, figure.dpi_scale_trans)
-        line.set_transform(axes.transData + shift)
+
+def _dashes_of(curves: Sequence[np.ndarray], joined: Sequence[np.ndarray]) -> list[Any]:
+    """Return for each curve the dashes of ``merged_dashes`` by its joined points; None without points."""
+    parts = [
+        curve[:, np.append(pairs, False) | np.append(False, pairs)]
+        for curve, pairs in zip(curves, joined, strict=True)
+    ]
+    dashes = iter(merged_dashes([part for part in parts if part.size]))
+    return [next(dashes) if part.size else None for part in parts]
 
 
 def mark_at_foot(axes: Axes, values: np.ndarray, mark: dict[str, Any]) -> None:
@@ -256,7 +275,8 @@ def _set_vertical_axis(axes: Axes, quantity: Quantity, shown_values: np.ndarray)
         axes.text(0.5, 0.5, NO_VALUE_TEXT, transform=axes.transAxes, ha="center", color="0.4")
     elif quantity.is_count:
         axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, steps=COUNT_STEPS))
-        axes.set_ylim(finite_values.min() - 0.5, finite_values.max() + 0.5)
+        margin = max(0.5, COUNT_MARGIN * float(np.ptp(finite_values)))
+        axes.set_ylim(finite_values.min() - margin, finite_values.max() + margin)
     elif finite_values.min() > 0.0:
         is_over_log = axes.get_xscale() == "log" and finite_values.max() >= DECADE * finite_values.min()
         if is_over_log or value_ratio(finite_values) >= WIDE_RANGE:

@@ -28,7 +28,7 @@ from chain_impact.pictures.drawing.style import (
 )
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.words.unit_text import unit_text
-from chain_impact.studies.sweep.curves import COLOURS, FOOT, distinct_texts, draw_curves
+from chain_impact.studies.sweep.curves import COLOURS, FOOT, distinct_texts, draw_curves, gaps_words
 from chain_impact.studies.sweep.histograms import draw_samples, drawn_parameters, influence_words
 from chain_impact.studies.sweep.layout import (
     CURVES,
@@ -56,7 +56,6 @@ from chain_impact.studies.sweep.maps import (
 )
 from chain_impact.studies.sweep.message import headline_parts
 from chain_impact.studies.sweep.quantities import (
-    COUNT,
     LEADING_HYPHEN,
     LOADS,
     Quantity,
@@ -166,9 +165,8 @@ def headline_and_conditions(runs: Runs, results: Results, *, is_small: bool) -> 
     """Return the headline, which is short if ``is_small``, and the text with the conditions."""
     kind, variations = picture_form(runs.design), varying_in(runs.design)
     parts = [conditions(runs, variations), constant_quantities_words(runs, results)]
-    has_lines = kind == CURVES and runs.design.samples is None
-    if has_lines and len({*runs[COUNT][~runs.failed].tolist()}) > 1:
-        parts.append("lines break where the number of impacts changes")
+    if kind == CURVES:
+        parts.append(gaps_words(runs, results.drawn_quantities, *sorted_parameters(variations, kind)))
     if kind == HISTOGRAMS:
         parts.insert(0, influence_words(runs, results.drawn_quantities, variations))
     mark = "×: " if kind == CURVES else ""
