@@ -8,7 +8,7 @@ from pathlib import Path
 
 from chain_impact.compilation.compilers import INTERFACE
 from chain_impact.compilation.signatures import declarations
-from chain_impact.fmu.table import HEAD_FORMATS, MAGIC, TABLE_ROLES, TABLE_TYPES, VARIABLE
+from chain_impact.fmu.table import HEAD_FORMATS, MAGIC, TABLE_ROLES, TABLE_TYPES, VARIABLE_FORMATS
 from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.record.counts import COUNTS, FEATURES, LARGEST_COUNT
 from chain_impact.kernel.status import ONSET_DUE, PAUSED
@@ -26,7 +26,7 @@ def header() -> str:
         "/* fmu/table.py: values of Variable.type and Variable.role; an enumeration is an integer */\n"
         + f"{_indices(TABLE_TYPES)}\n{_indices(TABLE_ROLES)}",
         f'/* fmu/table.py: the structures of the file model.bin */\n#define TABLE_MAGIC "{MAGIC.decode()}"',
-        _structure("Variable", VARIABLE),
+        _structure("Variable", VARIABLE_FORMATS),
         _structure("Table", HEAD_FORMATS),
         "/* kernel/record/counts.py: the counts and flags at the start of a record, then the number of "
         "tangent instances */\n"

@@ -15,8 +15,20 @@ from chain_impact import SceneError, SimulationError, load_scene, simulate
         (lambda: simulate(load_scene("rod_drop"), 0.01), "model", "prepared"),
         (lambda: simulate(load_scene("rod_drop"), 0.01), "end_speeds", "linear_impact_speeds"),
         (lambda: simulate(load_scene("rod_drop"), 0.01), "touches", "interactions"),
+        (
+            lambda: simulate(load_scene("rod_drop"), 0.01, sensitivities="gravity.y").sensitivities,
+            "parts",
+            "step_factors",
+        ),
     ],
-    ids=["SceneError.place", "SimulationError.place", "Result.model", "Result.end_speeds", "Result.touches"],
+    ids=[
+        "SceneError.place",
+        "SimulationError.place",
+        "Result.model",
+        "Result.end_speeds",
+        "Result.touches",
+        "Sensitivities.parts",
+    ],
 )
 def test_an_older_name_works_and_warns(make, older, name):
     owner = make()

@@ -11,7 +11,7 @@ from chain_impact.scene.facts import TRUE_FACT
 from chain_impact.scene.scene import load_scene, scene_keys
 from chain_impact.scene.words.names import AXES, INPUTS_OF
 from chain_impact.scene.words.unit_text import unit_text
-from chain_impact.variables.kind import SLOPED_WALL, Kind
+from chain_impact.variables.kind import SLOPED_WALL, VariableKind
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import METHODS, PARAMETERS
@@ -24,7 +24,7 @@ def variable_patterns() -> str:
     known = {short_description(entry.metadata["description"]) for _, entry in scene_keys() if entry.metadata}
     sections = []
     for title, table_of in (("Parameters", PARAMETERS), ("Inputs", INPUTS), ("Outputs", OUTPUTS)):
-        alike: dict[str, list[Kind]] = {}
+        alike: dict[str, list[VariableKind]] = {}
         for kind in (kind for of_one_owner in table_of for kind in of_one_owner.kinds):
             meaning = _meaning(kind)
             is_key = meaning in known and bool(kind.unit)
@@ -35,7 +35,7 @@ def variable_patterns() -> str:
     return "\n\n".join(sections)
 
 
-def _variables(meaning: str, kinds: Sequence[Kind]) -> str:
+def _variables(meaning: str, kinds: Sequence[VariableKind]) -> str:
     """Return a line for kinds of one meaning: names, meaning and units; for scene keys the meaning first."""
     names = ", ".join(code(name) for name in dict.fromkeys(kind.pattern for kind in kinds))
     if meaning.startswith(SCENE_KEY):
@@ -112,7 +112,7 @@ ALIKE = {
 MEANINGS = {name: meaning for meaning, names in ALIKE.items() for name in names}
 
 
-def _meaning(kind: Kind) -> str:
+def _meaning(kind: VariableKind) -> str:
     """Return the description of a kind of variables for the list.
 
     The description leaves out what the variable's name or scene.md tells, and long lists of codes.

@@ -220,10 +220,10 @@ def test_steps_of_any_size_from_any_start(fmu):
 
 @pytest.mark.parametrize("model", ["pushed_leg", "pushed_rigid_arm"])
 @importing()
-def test_a_trial_moves_only_what_is_declared_and_leaves_no_trace(fmu):
+def test_a_value_that_is_reset_leaves_no_trace(fmu):
     """An importer sets a value, reads outputs and resets the value.
 
-    The run continues as without the trial.
+    The run continues as without the new value.
     """
     import fmpy
 

@@ -1,7 +1,7 @@
 """Faults planted in our FMUs: each is found with its place, and valid FMUs have none."""
 
 # Tests: fmu/check_description.py, fmu/check_structure.py, fmu/check_variables.py, fmu/findings.py
-# Tests: fmu/importer.py, fmu/trial.py
+# Tests: fmu/importer.py, fmu/check_run.py
 
 import itertools
 import re

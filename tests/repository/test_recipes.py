@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from chain_impact.scene.contents import Contents
+from chain_impact.scene.contents import SceneContents
 from chain_impact.scene.reading import keys_of
 
 ROOT = Path(__file__).parents[2]
@@ -83,5 +83,5 @@ def test_random_scenes_have_the_keys_of_scenes():
         file.read_text(encoding="utf-8") for file in (ROOT / "tests/helpers/campaigns").glob("*.py")
     )
     words = {*re.findall(r"\w+", text)}
-    missing = {key for key, _ in keys_of(Contents) if re.findall(r"\w+", key)[-1] not in words}
+    missing = {key for key, _ in keys_of(SceneContents) if re.findall(r"\w+", key)[-1] not in words}
     assert missing == WITHOUT_RANDOM_SCENES

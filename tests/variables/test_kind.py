@@ -1,15 +1,15 @@
 """The rows of the table of variables: their references exist, and their statements hold for all variables."""
 
-# Tests: variables/parameters.py, variables/words.py
+# Tests: variables/nominal_values.py, variables/parameters.py, variables/words.py
 
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.fmu.model_description import nominal_values
 from chain_impact.kernel.record.instance import output_dtype
 from chain_impact.scene.facts import TRUE_FACT
 from chain_impact.scene.words.names import INPUTS_OF, is_like
 from chain_impact.variables.listing import absent_hint
+from chain_impact.variables.nominal_values import nominal_values
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import PARAMETERS
 from chain_impact.variables.prepared import PreparedScene

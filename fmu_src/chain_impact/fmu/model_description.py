@@ -9,10 +9,10 @@ from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
 from chain_impact.fmu.versions import FMI_2, FMI_3
-from chain_impact.kernel.forces.lossless_contact import lossless_penetration
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.angles import DEGREES
 from chain_impact.scene.words.names import DataPath
+from chain_impact.variables.nominal_values import nominal_values
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.units import UNITS, sorted_units, unit_of
 from chain_impact.variables.variable import Variable
@@ -270,32 +270,6 @@ def rate_of(variable: Variable) -> DataPath | None:
     if field == variable.kind.rate_of == "signal":
         return (*variable.record_path[:-1], int(index[-1]) - 1)
     return (record, variable.kind.rate_of, *index) if variable.kind.rate_of else None
-
-
-def nominal_values(scene: Scene) -> dict[str, float]:
-    """Return name of a magnitude → its usual value, for FMI's attribute ``nominal`` of outputs.
-
-    The names are those in ``Kind.nominal``, such as "energy".
-
-    Let L be the length of the longest link, M the mass of all links, and v = L / 1 s. The motion has the
-    magnitudes L, v, the energy M v², the momentum M v, the angular momentum M v L, the inertial force M v / 1
-    s and the inertial moment M v L / 1 s. L is also the solver's scale ``longest_link``, and M v² its
-    ``energy_scale`` in a chain without slider and rotors. Magnitudes of contacts are those of an impact of
-    the mass M at v without damping, whose penetration δ obeys K δⁿ⁺¹/(n+1) = M v²/2 with stiffness K and
-    exponent n. Magnitudes of stops follow in the same way from an impact of M at the distance L from the
-    joint, at 1 rad/s.
-    """
-    links, contact, stops = scene.chain.links, scene.contact, scene.stops
-    size, mass = max(link.length for link in links), sum(link.mass for link in links)
-    energy = mass * size * size
-    depth = lossless_penetration(0.5 * energy, contact.stiffness, contact.exponent)
-    force = contact.stiffness * depth**contact.exponent
-    scales = {"size": size, "energy": energy, "momentum": mass * size, "angular_momentum": energy}
-    scales |= {"inertial_force": mass * size, "inertial_moment": energy, "depth": depth, "force": force}
-    if stops.stiffness is not None and stops.exponent is not None:
-        depth = lossless_penetration(0.5 * energy, stops.stiffness, stops.exponent)
-        scales |= {"stop_depth": depth, "stop_moment": stops.stiffness * depth**stops.exponent}
-    return scales
 
 
 def type_name(variable: Variable) -> str:

@@ -19,13 +19,13 @@ from typing import NamedTuple
 import numpy as np
 
 from chain_impact.fmu.importer import read_fmu, run_with_fmpy
-from chain_impact.fmu.model_description import nominal_values
 from chain_impact.progress import log
 from chain_impact.scene.keys.tables import STEP_ROUND_OFF
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.chain import Chain
 from chain_impact.simulation.errors import RunError, SimulationError
 from chain_impact.variables.kind import MOTION
+from chain_impact.variables.nominal_values import nominal_values
 from chain_impact.variables.prepared import PreparedScene
 
 REFERENCE_FILE = "resources/chain_impact_reference.csv"

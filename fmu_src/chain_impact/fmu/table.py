@@ -23,7 +23,7 @@ from chain_impact.variables.variable import TableRow
 
 MAGIC = b"chaintab"
 TABLE_TYPES, TABLE_ROLES = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
-VARIABLE = {
+VARIABLE_FORMATS = {
     # the lowest and the highest value that may be set
     **dict.fromkeys(("low", "high"), "d"),
     # indices of words in the record: word, of the value in use; set_word, of the value that was set. A new
@@ -55,7 +55,7 @@ HEAD_FORMATS = {
 }
 """Field at the beginning of the table → its format; packaging/c_header.py writes both for C."""
 CHECKED_FROM = struct.calcsize("<" + "".join(HEAD_FORMATS[name] for name in ("magic", "size", "checksum")))
-Rows = Sequence[tuple[TableRow, int]]
+TableRows = Sequence[tuple[TableRow, int]]
 """For each variable: its row of the table, and the number of its values (1, or more for an array)."""
 
 
@@ -64,7 +64,7 @@ def files_with_description(
     prepared_scene: PreparedScene,
     description: Element,
     fmi: int,
-    further_rows: Rows = (),
+    further_rows: TableRows = (),
 ) -> dict[str, bytes]:
     """Return the files of an FMU, with the model description and the table added.
 
@@ -96,7 +96,7 @@ def _guid_of(contents: Iterable[bytes]) -> str:
     return str(uuid.UUID(bytes=digest.digest()[:16]))
 
 
-def table_bytes(prepared_scene: PreparedScene, guid: str, further_rows: Rows) -> bytes:
+def table_bytes(prepared_scene: PreparedScene, guid: str, further_rows: TableRows) -> bytes:
     """Return the table's bytes, with ``guid`` in its head.
 
     In the file, these parts follow each other: the head, the variables, the offsets of the texts of statuses
@@ -120,7 +120,7 @@ def table_bytes(prepared_scene: PreparedScene, guid: str, further_rows: Rows) ->
     parts_of_scene = parts_in_words(prepared_scene.scene)
     codes = range(max(STATUS_TEXT) + 1)
     parts = {
-        "variables_at": b"".join(_structure(VARIABLE, row(*variable)) for variable in variables),
+        "variables_at": b"".join(_structure(VARIABLE_FORMATS, row(*variable)) for variable in variables),
         "statuses_at": _numbers(text(STATUS_TEXT.get(code, "unknown status")) for code in codes),
         "parts_at": _numbers(text(part) for part in parts_of_scene),
         "record_at": record,
@@ -162,13 +162,13 @@ def _words(prepared_scene: PreparedScene) -> dict[str, int]:
         "tolerance_word": ("solver", "tolerance"),
         "part_word": ("fault", "part"),
     }
-    moving_words: dict[str, DataPath] = {
+    motion_words: dict[str, DataPath] = {
         "contradiction_word": ("channel", "contradiction"),
         "position_word": (MOTION, "position", 0),
     }
-    has_signals = prepared_scene.counts.channels > 0
+    has_motions = prepared_scene.counts.channels > 0
     words = {name: word_index(prepared_scene.start.dtype, path) for name, path in paths.items()}
     return words | {
-        name: word_index(prepared_scene.start.dtype, path) if has_signals else 0
-        for name, path in moving_words.items()
+        name: word_index(prepared_scene.start.dtype, path) if has_motions else 0
+        for name, path in motion_words.items()
     }

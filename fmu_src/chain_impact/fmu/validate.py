@@ -64,18 +64,18 @@ def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Valida
     binary, missing_text = binary_of(identifier, names, is_fmi_2=is_fmi_2(root.get("fmiVersion")))
     if missing_text:
         return Validation([*findings, missing_text], [])
-    trial_result = _try_binary(path, binary, timeout, references=not findings)
-    return Validation([*findings, *trial_result.findings], trial_result.notes)
+    test_result = _try_binary(path, binary, timeout, references=not findings)
+    return Validation([*findings, *test_result.findings], test_result.notes)
 
 
 def _try_binary(path: Path, binary: str, timeout: float, *, references: bool) -> Validation:
-    """Run the binary of an FMU in a process of its own (trial.py); return the findings and notes.
+    """Run the binary of an FMU in a process of its own (check_run.py); return the findings and notes.
 
     ``references`` tells whether the reference results are compared, too.
     """
     with tempfile.TemporaryDirectory(prefix="chain-impact-", ignore_cleanup_errors=True) as folder:
         report, errors = Path(folder, "report"), Path(folder, "errors")
-        command = [sys.executable, "-P", "-m", "chain_impact.fmu.trial", str(path), str(report), binary]
+        command = [sys.executable, "-P", "-m", "chain_impact.fmu.check_run", str(path), str(report), binary]
         with errors.open("wb") as stream:
             process = subprocess.Popen(
                 [*command, *(["--references"] if references else [])],
@@ -103,7 +103,7 @@ def _try_binary(path: Path, binary: str, timeout: float, *, references: bool) ->
     findings = list(dict.fromkeys(Finding(**line["finding"]) for line in lines if "finding" in line))
     calls = [line["call"] for line in lines if "call" in line]
     if END_MARK not in calls:
-        findings.append(Finding(f"{calls[-1] if calls else 'the trial'} {end}", binary))
+        findings.append(Finding(f"{calls[-1] if calls else 'the test run'} {end}", binary))
     return Validation(findings, [line["passed"] for line in lines if "passed" in line])
 
 

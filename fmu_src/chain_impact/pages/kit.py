@@ -35,7 +35,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import driven_alone, quantities_driven_by
 from chain_impact.scene.words.names import INDEX_PLACE, DataPath
 from chain_impact.variables.indices import layout_of, word_index
-from chain_impact.variables.kind import LETTERS, MOTION, Block, Kind, fill_path
+from chain_impact.variables.kind import LETTERS, MOTION, Block, VariableKind, fill_path
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import COUNT_RULES, OWNER_KINDS, RECORD_NUMBERS, Owner
@@ -188,7 +188,7 @@ def _value(kind: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
     )
 
 
-def _group(block: Block, row: Callable[[Kind], dict[str, Any]]) -> dict[str, Any]:
+def _group(block: Block, row: Callable[[VariableKind], dict[str, Any]]) -> dict[str, Any]:
     """Return the data of a block of variables: its rows, and the kind of owner for which it is repeated.
 
     ``counts`` in the result is the value of COUNT_NAMES for this kind of owner; None for a kind without a
@@ -198,24 +198,24 @@ def _group(block: Block, row: Callable[[Kind], dict[str, Any]]) -> dict[str, Any
     return {"ownerKind": block.owner_kind, "counts": counts, "rows": [row(kind) for kind in block.kinds]}
 
 
-def _name_and_condition(kind: Kind) -> dict[str, Any]:
+def _name_and_condition(kind: VariableKind) -> dict[str, Any]:
     """Return the template of a variable's name, and the conditions under which the variable exists."""
     return {"name": kind.name, "when": kind.when}
 
 
-def _driven_row(kind: Kind) -> dict[str, Any]:
+def _driven_row(kind: VariableKind) -> dict[str, Any]:
     """Return the data of an input that a signal can drive."""
     drives = {"family": quantities_driven_by(kind.name), "alone": driven_alone(kind.name)}
     displaces = kind.owner_kind == "moving wall" and "position" in kind.record_path
-    of_row = {"unit": kind.unit, "acts": input_at(kind.record_path), "displaces": displaces}
-    return _name_and_condition(kind) | drives | of_row
+    attributes = {"unit": kind.unit, "acts": input_at(kind.record_path), "displaces": displaces}
+    return _name_and_condition(kind) | drives | attributes
 
 
-def _input_row(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, Any]:
+def _input_row(choices: Mapping[str, Sequence[Item]], kind: VariableKind) -> dict[str, Any]:
     return _setting_row(choices, kind) | _driven_row(kind)
 
 
-def _output_row(kind: Kind) -> dict[str, Any]:
+def _output_row(kind: VariableKind) -> dict[str, Any]:
     words = defaultdict(str, GENERAL, n=LETTERS.get(kind.owner_kind, "i"), axis=kind.axis, losses=LOSSES)
     return _name_and_condition(kind) | {
         "unit": kind.unit,
@@ -227,7 +227,7 @@ def _output_row(kind: Kind) -> dict[str, Any]:
     }
 
 
-def _setting_row(choices: Mapping[str, Sequence[Item]], kind: Kind) -> dict[str, Any]:
+def _setting_row(choices: Mapping[str, Sequence[Item]], kind: VariableKind) -> dict[str, Any]:
     """Return the data of a parameter or an input: name, path, range, words, default, place in the record.
 
     ``choices``: name of an enumeration → its items.

@@ -127,4 +127,4 @@ def with_small_steps(
             if (part * largest_changes[:, k] <= MOST_OF_ZERO * largest_other)[largest_other > 0.0].all()
         )
         chosen_factors[list(sensitivities.parameters)[k]] = next(is_fitting, 1.0)
-    return replace(sensitivities, parts={**sensitivities.parts, **chosen_factors})
+    return replace(sensitivities, step_factors={**sensitivities.step_factors, **chosen_factors})

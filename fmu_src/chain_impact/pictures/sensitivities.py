@@ -42,7 +42,7 @@ from chain_impact.pictures.sensitivity_finding import NO_CHANGE, finding_of
 from chain_impact.pictures.sensitivity_table import draw_impact_changes, name_rows_inside
 from chain_impact.pictures.words.conditions import conditions
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.sensitivity import PART, Sensitivities
+from chain_impact.recording.sensitivity import RELATIVE_STEP, Sensitivities
 from chain_impact.scene.words.unit_text import bracketed_unit
 from chain_impact.text import count_text, readable_unit
 
@@ -92,7 +92,9 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
         *([(finding.detail, INK)] if finding.detail else []),
     )
     relative_changes = np.max([shares(recording, scaled_sensitivities, name) for name in names], axis=0)
-    looks = looks_of(given_sensitivities, relative_changes, scaled_sensitivities.parts, is_brief=is_small)
+    looks = looks_of(
+        given_sensitivities, relative_changes, scaled_sensitivities.step_factors, is_brief=is_small
+    )
     is_drawn = drawn_rows(recording, given_sensitivities, is_known)
     column_count = 1 if is_small else 2
     panels, table = panels_of(figure, len(names), column_count)
@@ -122,7 +124,7 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
         ),
     )
     if any(given_sensitivities.parameters.values()):
-        handles.insert(0, Line2D([], [], linestyle="", label=f"+ {100.0 * PART:g} %:"))
+        handles.insert(0, Line2D([], [], linestyle="", label=f"+ {100.0 * RELATIVE_STEP:g} %:"))
     if checked:
         handles.append(Line2D([], [], label="change in a run", **RUN_LOOK))
     if not is_known.all():

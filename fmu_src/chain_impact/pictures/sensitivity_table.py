@@ -25,7 +25,7 @@ from chain_impact.pictures.drawing.style import (
     start_left,
 )
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.sensitivity import PART, Sensitivities
+from chain_impact.recording.sensitivity import RELATIVE_STEP, Sensitivities
 from chain_impact.text import count_text, signed_text
 
 # the opacity of the largest changes, from 0 to 1: so low that the text on it stays legible
@@ -160,7 +160,7 @@ def draw_impact_changes(
     name_rows_inside(axes)
     title = f"change of {quantity_words(quantity, recording.is_at_joint_stop)} [%]"
     if sensitivities.parameters[list(sensitivities.parameters)[rows[0]]]:
-        title += f" by + {100.0 * PART:g} %"
+        title += f" by + {100.0 * RELATIVE_STEP:g} %"
     if left_out := len(looks) - len(rows):
         title += f"; {count_text(left_out, 'parameter')} without a row"
     text = axes.set_title(title, fontsize="medium", loc="left")

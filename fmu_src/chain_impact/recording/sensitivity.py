@@ -18,27 +18,27 @@ from chain_impact.variables.listing import derivatives
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
-PART = 0.01
-"""The change of a parameter for which pictures and tables show changes of results: PART times the value of
-the parameter or, if the value is 0, PART times the unit of the parameter."""
+RELATIVE_STEP = 0.01
+"""The change of a parameter for which pictures and tables show changes of results: RELATIVE_STEP times the
+value of the parameter or, if the value is 0, RELATIVE_STEP times the unit of the parameter."""
 
 # [1] largest difference between a change to first order and the change in a run with the new value, relative
 # to the larger |change| of these two; if the difference is larger, texts give both changes
-FIRST_ORDER = 0.25
+FIRST_ORDER_ERROR = 0.25
 
 
 def is_different(first_order: float, simulated: float) -> bool:
-    """Return whether a change to first order and a simulated one differ by more than FIRST_ORDER.
+    """Return whether a change to first order and a simulated one differ by more than FIRST_ORDER_ERROR.
 
     The result is also True if a change is NaN.
     """
     # a comparison with NaN is False, so NaN counts as different
-    return not abs(simulated - first_order) <= FIRST_ORDER * max(abs(simulated), abs(first_order))
+    return not abs(simulated - first_order) <= FIRST_ORDER_ERROR * max(abs(simulated), abs(first_order))
 
 
 def step_of(value: float) -> float:
     """Return a small change of a parameter: 1 % of ``value``, with the same sign; 0.01 if ``value`` is 0."""
-    return PART * (value or 1.0)
+    return RELATIVE_STEP * (value or 1.0)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -56,7 +56,7 @@ class Sensitivities:
             exist or are one-sided, and why; and how large the errors are that dry friction causes in
             derivatives.
         given: the names of the inputs whose values over time the user gives.
-        parts: name of a parameter with the value 0 → factor of its ``step``; 1 for all others.
+        step_factors: name of a parameter with the value 0 → factor of its ``step``; 1 for all others.
     """
 
     __eq__ = have_equal_fields
@@ -70,7 +70,8 @@ class Sensitivities:
     impact_slopes: Mapping[str, np.ndarray]
     limits: tuple[str, ...]
     given: Collection[str] = ()
-    parts: Mapping[str, float] = field(default_factory=dict)
+    step_factors: Mapping[str, float] = field(default_factory=dict)
+    parts = OlderName("step_factors")
 
     @property
     def source(self) -> str:
@@ -186,13 +187,13 @@ class Sensitivities:
         }
 
     def step(self, parameter: str) -> float:
-        """Return a small change of a parameter, in its unit: ``step_of`` its value, times its ``parts``."""
-        return step_of(self.parameters[parameter]) * self.parts.get(parameter, 1.0)
+        """Return a small change of a parameter, in its unit: ``step_of`` its value, times its step factor."""
+        return step_of(self.parameters[parameter]) * self.step_factors.get(parameter, 1.0)
 
     def step_text(self, parameter: str) -> str:
         """Return the change that ``step`` gives, in words: "1 %", or "0.01 m/s"."""
         return (
-            f"{100.0 * PART:g} %"
+            f"{100.0 * RELATIVE_STEP:g} %"
             if self.parameters[parameter]
             else with_unit(f"{self.step(parameter):g}", self.units[parameter])
         )

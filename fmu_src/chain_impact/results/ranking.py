@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.sensitivity import FIRST_ORDER, PART, Sensitivities, step_of
+from chain_impact.recording.sensitivity import FIRST_ORDER_ERROR, RELATIVE_STEP, Sensitivities, step_of
 from chain_impact.recording.summary import digits
 from chain_impact.results.effects import (
     Effect,
@@ -97,7 +97,7 @@ class Ranking(PrintedResult):
             of_value, at_zero = sorted_by_run(of_value), sorted_by_run(at_zero)
         yield from self._tables(of_value)
         if at_zero:
-            yield f"effect   of {PART:g} of its unit added to a parameter that is 0: not comparable"
+            yield f"effect   of {RELATIVE_STEP:g} of its unit added to a parameter that is 0: not comparable"
         yield from self._tables(at_zero)
         if self.without:
             yield f"without effect: {', '.join(self.without)}"
@@ -137,7 +137,8 @@ class Ranking(PrintedResult):
 
     def verdict(self, checked: Sequence[Effect]) -> str:
         """Return a sentence: how many of the ``checked`` effects differ in their runs from first order."""
-        limit, count, total = f"{100.0 * FIRST_ORDER:g} %", sum(e.differs for e in checked), len(checked)
+        limit = f"{100.0 * FIRST_ORDER_ERROR:g} %"
+        count, total = sum(e.differs for e in checked), len(checked)
         part = f"{total} of " if total < len(self.effects) else ""
         runs = f"runs with the new values for {part}{count_text(len(self.effects), 'effect')}"
         if not count:
@@ -295,7 +296,7 @@ class Ranking(PrintedResult):
         ]
         label = f"change{bracketed_unit(unit)}"
         steps = list(dict.fromkeys(effect.step for effect in effects))
-        words = " or ".join(steps) if len(steps) <= NAMED_STEPS else f"{PART:g} in SI units"
+        words = " or ".join(steps) if len(steps) <= NAMED_STEPS else f"{RELATIVE_STEP:g} in SI units"
         scale_words = " of the value" if effects[0].value else ", as the value is 0: not comparable"
         title = f"+ {words}{scale_words}"
         marks = [None if effect.simulated is None else factor * effect.simulated for effect in effects]

@@ -7,7 +7,7 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
-from chain_impact.scene.contents import Contents
+from chain_impact.scene.contents import SceneContents
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.files.table_file import read_table, samples_of
@@ -16,7 +16,7 @@ from chain_impact.scene.words.names import INPUTS_OF, input_key, input_request
 from chain_impact.scene.words.similar_names import nearest_name
 
 
-def inputs_of(scene: Contents, *, are_asked: bool = True) -> Iterator[str]:
+def inputs_of(scene: SceneContents, *, are_asked: bool = True) -> Iterator[str]:
     """Yield the names of the inputs that the keys of [inputs] add to the scene, driven by signals or not.
 
     If ``are_asked`` is False, also yield the inputs that other keys of [inputs] than ``wall_motion`` would
@@ -44,7 +44,7 @@ def inputs_of(scene: Contents, *, are_asked: bool = True) -> Iterator[str]:
             yield from (template.format(**word) for template in of_head)
 
 
-def _lacking_owner(scene: Contents, name: str) -> str:
+def _lacking_owner(scene: SceneContents, name: str) -> str:
     """Return why the scene cannot have the input ``name``; "" if none of the following reasons applies.
 
     The reasons are: there is no such wall, no point can touch a wall, or a free base has no joint 1.
@@ -59,7 +59,7 @@ def _lacking_owner(scene: Contents, name: str) -> str:
     return ""
 
 
-def request_hint(scene: Contents, name: str) -> str:
+def request_hint(scene: SceneContents, name: str) -> str:
     """Return the end of an error on the input ``name``, which the scene lacks.
 
     The end tells why the scene cannot have the input, or how to add the input; else it names the input with

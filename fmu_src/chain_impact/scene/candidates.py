@@ -5,10 +5,10 @@ from __future__ import annotations
 from itertools import product
 
 from chain_impact.kernel.record.constants import WALLS
-from chain_impact.scene.contents import Contents
+from chain_impact.scene.contents import SceneContents
 
 
-def candidates_of(scene: Contents) -> list[tuple[int, int]]:
+def candidates_of(scene: SceneContents) -> list[tuple[int, int]]:
     """Return the candidates as pairs: a number, and an index in ``scene.wall_names``.
 
     First come the pairs of a point and an existing wall that can touch: number of the point, index of the
@@ -20,7 +20,7 @@ def candidates_of(scene: Contents) -> list[tuple[int, int]]:
     return [*pairs, *joints, *((0, names.index(stop)) for stop in scene.slider_stops)]
 
 
-def parts_in_words(scene: Contents) -> list[str]:
+def parts_in_words(scene: SceneContents) -> list[str]:
     """Return words for each part of a scene that can be the cause of a fault of a run.
 
     The record's field ``fault.part`` has the number of a part in this list, from 1; 0 if no part is known.
@@ -43,13 +43,13 @@ def parts_in_words(scene: Contents) -> list[str]:
     return [*candidate_texts, *stops, *owners, *bases]
 
 
-def stop_pairs(scene: Contents) -> list[tuple[int, int]]:
+def stop_pairs(scene: SceneContents) -> list[tuple[int, int]]:
     """Return the existing stops of joints as pairs: number of the joint, index in ``scene.wall_names``."""
     names = scene.wall_names
     return [(joint, names.index(stop)) for joint, stop in scene.chain.stops]
 
 
-def point_wall_pairs(scene: Contents) -> list[tuple[int, int]]:
+def point_wall_pairs(scene: SceneContents) -> list[tuple[int, int]]:
     """Return the pairs of a point and an existing wall that can touch each other.
 
     A pair has the number of the point and the index of the wall in ``scene.wall_names``.

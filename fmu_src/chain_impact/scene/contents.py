@@ -1,6 +1,6 @@
 """The contents of a scene file: the keys and tables at its top level, and values that follow from these.
 
-Modules that check, change or describe a scene use ``Contents``; users get ``Scene`` from ``scene.py``.
+Modules that check, change or describe a scene use ``SceneContents``; users get ``Scene`` from ``scene.py``.
 """
 
 import math
@@ -39,7 +39,7 @@ PARALLEL_COSINE = 1e-12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class Contents:
+class SceneContents:
     """The keys and tables of a scene file, and properties that follow from these alone."""
 
     name: str = scene_key("", "model name", pattern=MODEL_NAME)
@@ -203,7 +203,7 @@ class Contents:
         return half_planes(box, {wall.name: (*wall.point, wall.angle or 0.0) for wall in self.walls})
 
 
-def named_point_hint(scene: Contents, name: str, known_names: Collection[str]) -> str | None:
+def named_point_hint(scene: SceneContents, name: str, known_names: Collection[str]) -> str | None:
     """Return a hint for the name of a value that has a point's name in place of the point's number.
 
     The hint for ``toe.x`` or ``point[toe].x`` is "toe is the name of a point: point[4].x". The result is None
@@ -224,11 +224,11 @@ def named_point_hint(scene: Contents, name: str, known_names: Collection[str]) -
     return None
 
 
-def slider_hint(scene: Contents, name: str) -> str | None:
+def slider_hint(scene: SceneContents, name: str) -> str | None:
     """Return a hint if ``name`` is the name of a value of a slider and the scene has no slider; else None."""
     if scene.chain.slider or not name.removeprefix("chain.").startswith("slider."):
         return None
     return 'only a base on a slider has it: chain.base = "slider"'
 
 
-AnyScene = TypeVar("AnyScene", bound=Contents)
+AnyScene = TypeVar("AnyScene", bound=SceneContents)

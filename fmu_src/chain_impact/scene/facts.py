@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 from chain_impact.kernel.constraints.geometry import AT_WALL, STOP_CODES
 from chain_impact.scene.candidates import candidates_of
-from chain_impact.scene.contents import Contents
+from chain_impact.scene.contents import SceneContents
 from chain_impact.scene.keys.chain_tables import Link, Slider
 from chain_impact.scene.keys.default_rules import ZERO_RULE
 from chain_impact.scene.keys.tables import Contact
@@ -171,7 +171,7 @@ class SceneFacts(dict[str, Any]):
     The keys of [inputs] and [outputs] are facts, too, such as ``inputs.tip_force``.
     """
 
-    def __init__(self, scene: Contents) -> None:
+    def __init__(self, scene: SceneContents) -> None:
         super().__init__()
         self.scene = scene
 
@@ -242,7 +242,7 @@ class SceneFacts(dict[str, Any]):
         return members
 
 
-def friction_joints(scene: Contents) -> tuple[int, ...]:
+def friction_joints(scene: SceneContents) -> tuple[int, ...]:
     """Return the numbers of the existing joints whose ``joint_friction`` the file gives, even as 0.
 
     With a free base, joint 1 does not exist.

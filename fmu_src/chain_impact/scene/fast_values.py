@@ -14,7 +14,7 @@ from dataclasses import fields
 from typing import Any, TypeVar
 
 from chain_impact.scene.checks.checks import check_joint_angles, check_start, start_hints
-from chain_impact.scene.contents import AnyScene, Contents
+from chain_impact.scene.contents import AnyScene, SceneContents
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.keys.chain_tables import Link
 from chain_impact.scene.keys.tables import Contact, Initial, Simulation, Solver
@@ -191,7 +191,7 @@ def _metadata_of_links() -> dict[str, Mapping[str, Any]]:
     return {entry.name: entry.metadata for entry in key_fields(Link)}
 
 
-def _is_valid_start(scene: Contents) -> bool:
+def _is_valid_start(scene: SceneContents) -> bool:
     """Return whether the positions and angles at the start pass all checks and cause no warning."""
     if any(radians_hint("", angle, "rad") for angle in scene.initial.angles) or start_hints(scene):
         return False

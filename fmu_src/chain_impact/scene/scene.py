@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 
 from chain_impact.scene import complete_scene, shapes
 from chain_impact.scene.checks import checks
-from chain_impact.scene.contents import Contents
+from chain_impact.scene.contents import SceneContents
 from chain_impact.scene.derived import path_in_file, paths_in_scene, rule_at, rule_of, tables, without_derived
 from chain_impact.scene.display import drawing, scene_text
 from chain_impact.scene.errors import SceneError, value_text
@@ -42,7 +42,7 @@ SceneSource: TypeAlias = "Scene | str | os.PathLike[str]"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class Scene(Contents):
+class Scene(SceneContents):
     """All values that a simulation needs: the checked contents of a scene file.
 
     ``load_scene``, ``parse_scene`` and ``scene_from_dict`` return a scene.
@@ -228,8 +228,8 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[A
     """
     scene = scene_of(scene)
     warn(scene.name, checks.turning_hints(scene, changes))
-    if (quick_scene := with_numbers(scene, changes)) is not None:
-        return quick_scene
+    if (fast_scene := with_numbers(scene, changes)) is not None:
+        return fast_scene
     # To make the table of all names takes longer than most changes: it is made once, and only if needed.
     names = functools.cache(lambda: paths_by_name(scene))
     values = [path_and_value(scene, names, *change) for change in changes.items()]

@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from chain_impact.kernel.chain.inertia import corner_of_box
-from chain_impact.scene.contents import AnyScene, Contents
+from chain_impact.scene.contents import AnyScene, SceneContents
 from chain_impact.scene.errors import SceneError, refusal
 from chain_impact.scene.keys.chain_tables import BOX_CORNERS, Site
 from chain_impact.scene.words.names import DataPath
@@ -77,7 +77,7 @@ def scene_point_path(path: DataPath, data: Any) -> DataPath:
     return path
 
 
-def refuse_corner(scene: Contents, path: DataPath) -> None:
+def refuse_corner(scene: SceneContents, path: DataPath) -> None:
     """Refuse a path in the scene that leads to a corner of a box, because no corner can be changed alone."""
     links = scene.chain.links
     match path:

@@ -11,7 +11,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
-from chain_impact.scene.contents import AnyScene, Contents
+from chain_impact.scene.contents import AnyScene, SceneContents
 from chain_impact.scene.errors import SceneError, error_at, refusal
 from chain_impact.scene.files.table_file import read_table, samples_of
 from chain_impact.scene.keys.signal_tables import FORMS, Samples, Signal
@@ -51,7 +51,7 @@ class DrivenInput(NamedTuple):
         return self.outputs.index(self.input)
 
 
-def driven_by(scene: Contents) -> tuple[DrivenInput, ...]:
+def driven_by(scene: SceneContents) -> tuple[DrivenInput, ...]:
     """Return all driven inputs in the order of signals, but target velocities last, as in the record."""
     if not scene.signals:
         return ()

@@ -9,7 +9,7 @@ from numbers import Integral
 from typing import Any
 
 from chain_impact.kernel.record.constants import SOLVER_METHODS
-from chain_impact.scene.contents import Contents, named_point_hint, slider_hint
+from chain_impact.scene.contents import SceneContents, named_point_hint, slider_hint
 from chain_impact.scene.errors import UnknownNameError
 from chain_impact.scene.keys.chain_tables import Link
 from chain_impact.scene.reading import keys_of
@@ -23,13 +23,16 @@ from chain_impact.scene.words.names import (
 )
 
 
-def paths_by_name(scene: Contents) -> dict[str, DataPath]:
+def paths_by_name(scene: SceneContents) -> dict[str, DataPath]:
     """Return name → path for each key outside of lists, and each single value, such as `link[1].mass`."""
     return _keys() | _names(scene)
 
 
 def path_and_value(
-    scene: Contents, all_names: Callable[[], dict[str, DataPath]], change: str | DataPath, given_value: Any
+    scene: SceneContents,
+    all_names: Callable[[], dict[str, DataPath]],
+    change: str | DataPath,
+    given_value: Any,
 ) -> tuple[DataPath, Any]:
     """Return the path and the new value of a change; ``change`` is the path or the name of the value.
 
@@ -55,10 +58,10 @@ def _keys() -> dict[str, DataPath]:
 
     A named table is one to which the user gives a name, such as a signal.
     """
-    return {key: tuple(key.split(".")) for key, _ in keys_of(Contents) if not set("[<") & set(key)}
+    return {key: tuple(key.split(".")) for key, _ in keys_of(SceneContents) if not set("[<") & set(key)}
 
 
-def _names(scene: Contents) -> dict[str, DataPath]:
+def _names(scene: SceneContents) -> dict[str, DataPath]:
     """Return name → path, for every single value of the scene."""
     walls = [wall.name for wall in scene.walls]
     return {name_of(path, walls): path for path, _ in single_values(scene)}
@@ -88,7 +91,7 @@ def single_values(
         yield path, value[skipped_depth:] if skipped_depth else value
 
 
-def _chosen_value(scene: Contents, name: str, value: Any) -> Any:
+def _chosen_value(scene: SceneContents, name: str, value: Any) -> Any:
     """Return the choice of the parameter ``name`` with the number ``value`` in the FMU; numbers begin at 1.
 
     Only contact laws and the methods of the solver have numbers. For any other name, for a number of no

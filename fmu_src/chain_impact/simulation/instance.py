@@ -84,13 +84,13 @@ class Instance:
             status: int = self._kernel.observe_now(self._address)
             return status
         # outputs are computed in a copy, because reading them must not change the run
-        trial = self._memory.copy()
-        status = self._kernel.observe_now(trial.ctypes.data)
-        self.record["fault"], self.record["output"] = trial[0]["fault"], trial[0]["output"]
+        copied_memory = self._memory.copy()
+        status = self._kernel.observe_now(copied_memory.ctypes.data)
+        self.record["fault"], self.record["output"] = copied_memory[0]["fault"], copied_memory[0]["output"]
         for part, field in DERIVED_DURING_RUN:
-            self.record[part][field] = trial[0][part][field]
+            self.record[part][field] = copied_memory[0][part][field]
         if self.record["tangents"]:
-            self._memory[0][TANGENTS]["output"] = trial[0][TANGENTS]["output"]
+            self._memory[0][TANGENTS]["output"] = copied_memory[0][TANGENTS]["output"]
         return status
 
     def is_sound(self, words: np.ndarray) -> bool:

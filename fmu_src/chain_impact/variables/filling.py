@@ -27,7 +27,7 @@ from chain_impact.scene.rules.rule_language import members_in, number_in, number
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import ENTRY_AT, INDEX_PLACE, DataPath
 from chain_impact.variables.indices import layout_of, word_index
-from chain_impact.variables.kind import SIGNAL_OWNERS, Kind, fill_path
+from chain_impact.variables.kind import SIGNAL_OWNERS, VariableKind, fill_path
 from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.owners import OWNER_KINDS, RECORD_NUMBERS, values_of
 from chain_impact.variables.parameters import METHODS, PARAMETERS
@@ -41,9 +41,9 @@ _STORES_GIVEN = {
     for kind in kinds
     if kind.stores_given_if
 }
-"""Each condition ``Kind.stores_given_if`` → function that tells whether a scene meets the condition. If the
-scene does, the record has two fields for a parameter with this condition: one for the value in use, one for
-the given value."""
+"""Each condition ``VariableKind.stores_given_if`` → function that tells whether a scene meets the condition.
+If the scene does, the record has two fields for a parameter with this condition: one for the value in use,
+one for the given value."""
 
 
 def new_record(scene: Scene, structure: Structure, shared_data: SharedData) -> np.ndarray:
@@ -96,12 +96,12 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
 
 
 @cache
-def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
+def _tables() -> dict[str, list[tuple[VariableKind, Callable[[Scene], list[Any]]]]]:
     """Return name of a table of the scene → pairs of a kind of its parameters, and the result of ``_reader``.
 
     The parameters of signals and of the materials of single walls are left out; ``_fill`` writes them.
     """
-    readers: dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]] = {}
+    readers: dict[str, list[tuple[VariableKind, Callable[[Scene], list[Any]]]]] = {}
     for owner_kind, kinds in PARAMETERS:
         for kind in kinds:
             if kind.scene_path and owner_kind not in ("material", *SIGNAL_OWNERS):
@@ -109,7 +109,7 @@ def _tables() -> dict[str, list[tuple[Kind, Callable[[Scene], list[Any]]]]]:
     return readers
 
 
-def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
+def _reader(kind: VariableKind) -> Callable[[Scene], list[Any]]:
     """Return a function from a scene to the list of numbers for a kind of parameters, one for each owner.
 
     If the scene's record has two fields for the parameter, the list has first all owners' values in use, then
@@ -133,7 +133,7 @@ def _reader(kind: Kind) -> Callable[[Scene], list[Any]]:
     return read_values
 
 
-def _reader_of_one(kind: Kind, path: DataPath) -> Callable[[Scene], list[Any]]:
+def _reader_of_one(kind: VariableKind, path: DataPath) -> Callable[[Scene], list[Any]]:
     """Return the function of ``_reader`` for a kind whose path has no index of an owner.
 
     This function is twice as fast as the general one.
@@ -204,7 +204,7 @@ def _identity(value: Any) -> Any:
     return value
 
 
-def _choice_number(kind: Kind, name: str) -> float:
+def _choice_number(kind: VariableKind, name: str) -> float:
     """Return the real number with the same 8 bytes as an integer, the number of the choice ``name``, from 1.
 
     Python writes all words of a record as real numbers, but the kernel reads this word as an integer.

@@ -49,7 +49,7 @@ IMPACT = Heading("latest impact{but}", "impact i, 1 the latest")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Kind:
+class VariableKind:
     """One row of the table of variables.
 
     Attributes:
@@ -152,14 +152,14 @@ class Kind:
         text = self.text.format_map(general)
         return self.with_limit_words(f"{self.heading.general}: {text}" if self.heading.general else text)
 
-    def derivative(self, parameter: Kind) -> Kind:
+    def derivative(self, parameter: VariableKind) -> VariableKind:
         """Return the kind of derivatives of outputs of this kind with respect to parameters of another kind.
 
         The result has no unit; ``listing.derivatives`` gives a unit to each variable of this kind.
         """
         output_pattern, parameter_pattern = self.pattern, parameter.pattern
         text = f"derivative of {output_pattern} with respect to {parameter_pattern}"
-        return Kind(
+        return VariableKind(
             name=sensitivity_name(output_pattern, parameter_pattern),
             text=text,
             record_path=(),
@@ -184,12 +184,12 @@ class Block(NamedTuple):
     """The kinds that one kind of owner has; all variables of an owner come before those of the next one."""
 
     owner_kind: str
-    kinds: tuple[Kind, ...]
+    kinds: tuple[VariableKind, ...]
 
 
 def block(
     owner_kind: str,
-    *rows: Kind,
+    *rows: VariableKind,
     prefix: str = "",
     is_terminal: bool = False,
     when: tuple[str, ...] = (),
@@ -203,7 +203,7 @@ def block(
         prefix: the first part of all names, without the dot; "" for none.
         is_terminal: whether the variables of an owner form a terminal in FMI 3.0.
         when: names of conditions for all kinds, in addition to the conditions of each kind.
-        extras: other attributes of ``Kind`` that all kinds have.
+        extras: other attributes of ``VariableKind`` that all kinds have.
     """
     extras = {"owner_kind": owner_kind, "terminal": prefix if is_terminal else "", **extras}
     start = f"{prefix}." if prefix else ""
@@ -226,18 +226,18 @@ def row(
     minimum: float | str | None = None,
     maximum: float | str | None = None,
     when: str = "",
-) -> tuple[Kind, ...]:
+) -> tuple[VariableKind, ...]:
     """Return the kinds of a row of ``record_block``.
 
     A row with {axis} stands for two kinds: for x, where {j} is 0, and for y, where {j} is 1. ``field`` is the
     dotted path of the field in its part of the record, if not the name, and ``when`` a condition beside those
-    of the block; ``Kind`` explains the other arguments.
+    of the block; ``VariableKind`` explains the other arguments.
     """
     kinds = []
     for j, axis in enumerate(AXES if "{axis}" in name + text else ("",)):
         path = (field or name).replace("{axis}", axis).replace("{j}", str(j))
         kinds.append(
-            Kind(
+            VariableKind(
                 name=name.replace("{axis}", axis),
                 unit=unit,
                 text=text,
@@ -255,7 +255,7 @@ def row(
     return tuple(kinds)
 
 
-def input_row(text: str, *, field: str) -> tuple[Kind, ...]:
+def input_row(text: str, *, field: str) -> tuple[VariableKind, ...]:
     """Return the kinds of a row of inputs, which get name and unit from ``names`` of ``record_block``."""
     return row("", "", text, field=field)
 
@@ -264,7 +264,7 @@ def record_block(
     part: str,
     owner_kind: str,
     prefix: str,
-    *rows: tuple[Kind, ...],
+    *rows: tuple[VariableKind, ...],
     names: Mapping[str, str] = MappingProxyType({}),
     array: bool = False,
     **extras: Any,
@@ -281,7 +281,7 @@ def record_block(
         array: whether the values of all owners form an array with the name <owner_kind>.<name in the row>.
         extras: attributes that all kinds have, and further arguments of ``block``.
     """
-    kinds = [kind for of_row in rows for kind in of_row]
+    kinds = [kind for kinds_of_row in rows for kind in kinds_of_row]
     if names:
         head = f"{prefix}."
         units = {name.removeprefix(head): unit for name, unit in names.items() if name.startswith(head)}

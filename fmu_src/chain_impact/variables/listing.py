@@ -15,7 +15,7 @@ from chain_impact.scene.derived import rule_at
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.words.names import DataPath, is_like, sensitivity_name
 from chain_impact.user_laws.law_file import read_law
-from chain_impact.variables.kind import Block, Kind, fill_path
+from chain_impact.variables.kind import Block, VariableKind, fill_path
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import Owner
 from chain_impact.variables.parameters import LAWS, METHODS, PARAMETERS
@@ -118,7 +118,7 @@ def derivatives(outputs: Sequence[Variable], variables: Sequence[Variable]) -> I
     """
     for number, parameter in enumerate(variables):
         tangent, direction = divmod(number, DIRECTIONS)
-        kinds: dict[str, Kind] = {}
+        kinds: dict[str, VariableKind] = {}
         for output in outputs:
             if output.kind.name not in kinds:
                 kinds[output.kind.name] = output.kind.derivative(parameter.kind)
@@ -157,7 +157,7 @@ def absent_hint(name: str) -> str | None:
 
 def _owned_kinds(
     blocks: Iterable[Block], structure: Structure
-) -> Iterator[tuple[Kind, Owner, dict[str, Any]]]:
+) -> Iterator[tuple[VariableKind, Owner, dict[str, Any]]]:
     """Yield (kind, owner, words) for each kind and each owner that meets the conditions of the kind.
 
     ``words`` is word in braces → the text or number of this scene and owner that replaces the word.

@@ -14,14 +14,24 @@ from functools import cache
 from typing import Any
 
 from chain_impact.kernel.record.constants import WALLS
-from chain_impact.scene.contents import Contents
+from chain_impact.scene.contents import SceneContents
 from chain_impact.scene.facts import TRUE_FACT
 from chain_impact.scene.keys.chain_tables import Link, Site, Slider
 from chain_impact.scene.keys.signal_tables import NUMBERS, Signal
 from chain_impact.scene.keys.tables import Box, Contact, Initial, Material, Simulation, Solver, Stops, Wall
 from chain_impact.scene.rules.key_rules import Derived, key_fields
 from chain_impact.scene.words.names import AXES, ENTRY_AT, INDEX_PLACE, LINK_AT, DataPath, name_of
-from chain_impact.variables.kind import LINK, MOTION, SIGNAL, SITE, SLIDER, SLOPED_WALL, WALL, Kind, block
+from chain_impact.variables.kind import (
+    LINK,
+    MOTION,
+    SIGNAL,
+    SITE,
+    SLIDER,
+    SLOPED_WALL,
+    WALL,
+    VariableKind,
+    block,
+)
 
 LAWS, METHODS = "laws", "methods"
 """The names of the lists of choices (``choices_of``): contact laws, and methods of the solver."""
@@ -49,15 +59,15 @@ def _parameter(
     record_path: DataPath,
     text: str = "{}",
     **other_fields: Any,
-) -> Kind:
+) -> VariableKind:
     """Return the kind of parameters for the values at ``scene_path`` in the scene, a template.
 
     Unit and range are those in ``metadata`` of the key. In ``text``, ``{}`` stands for the
-    description in ``metadata``. ``other_fields`` are further attributes of ``Kind``.
+    description in ``metadata``. ``other_fields`` are further attributes of ``VariableKind``.
     """
     default = metadata["default"]
     limits = {limit: metadata[limit] for limit in ("minimum", "above", "maximum")}
-    return Kind(
+    return VariableKind(
         name=name_of(scene_path),
         unit=metadata["unit"],
         text=text.replace("{}", metadata["description"]),
@@ -78,7 +88,7 @@ def _table_kinds(
     names: Sequence[str] = (),
     text: str = "{}",
     **special: Mapping[str, Any],
-) -> list[Kind]:
+) -> list[VariableKind]:
     """Return the kinds of parameters for the keys ``names`` of a table, by default for all keys.
 
     In ``scene_path`` and ``record_path``, KEY stands for the key. ``special`` is key → further attributes of
@@ -96,7 +106,7 @@ def _table_kinds(
 
 def _vector(
     table: type, *, scene_path: DataPath, record_path: DataPath, text: str, **other_fields: Any
-) -> list[Kind]:
+) -> list[VariableKind]:
     """Return the kinds of parameters for the components x and y of a vector.
 
     ``scene_path`` ends with the key. In ``record_path``, INDEX and AXIS stand for the component.
@@ -130,7 +140,7 @@ PARAMETERS = (
     block(
         "one",
         *_vector(
-            Contents,
+            SceneContents,
             scene_path=("gravity",),
             record_path=("chain", "gravity", INDEX),
             text="{axis} of the {}",

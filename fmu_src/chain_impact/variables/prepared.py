@@ -74,7 +74,7 @@ class PreparedScene:
 
     @shared_by_structure
     def wall_names(self) -> tuple[str, ...]:
-        """The names of walls and stops by their indices in the record (``Contents.wall_names``)."""
+        """The names of walls and stops by their indices in the record (``SceneContents.wall_names``)."""
         return self.scene.wall_names
 
     @shared_by_structure

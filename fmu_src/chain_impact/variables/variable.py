@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from chain_impact.scene.fast_values import LARGEST_NUMBER
 from chain_impact.scene.rules.key_rules import Derived, allowed_words
 from chain_impact.scene.words.names import DataPath
-from chain_impact.variables.kind import Kind, fill_path
+from chain_impact.variables.kind import VariableKind, fill_path
 from chain_impact.variables.owners import Owner
 
 OBSERVED = ("output",), ("latest",)
@@ -52,7 +52,7 @@ class Variable:
         words: word in braces in templates → text or number that replaces the word.
     """
 
-    kind: Kind
+    kind: VariableKind
     name: str
     variability: str
     unit: str
@@ -69,7 +69,9 @@ class Variable:
     words: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @classmethod
-    def from_kind(cls, kind: Kind, owner: Owner, words: Mapping[Any, Any], **other_fields: Any) -> Variable:
+    def from_kind(
+        cls, kind: VariableKind, owner: Owner, words: Mapping[Any, Any], **other_fields: Any
+    ) -> Variable:
         """Return the variable of a kind that an owner has.
 
         ``words`` has the texts for words in braces in templates, and the numbers that ``minimum`` and

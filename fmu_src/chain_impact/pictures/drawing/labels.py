@@ -136,11 +136,11 @@ def place_labels(
         retries = [*misses, *(k for k in order if k not in misses)]
         from_left = np.lexsort(marks.T[::-1]).tolist()
         best = (order, False)
-        for short, trial_order in product((False, True), (retries, from_left, from_left[::-1])):
+        for short, tried_order in product((False, True), (retries, from_left, from_left[::-1])):
             remove_texts()
-            fewer_misses = write_labels(trial_order, short=short)
+            fewer_misses = write_labels(tried_order, short=short)
             if len(fewer_misses) < len(misses):
-                misses, best = fewer_misses, (trial_order, short)
+                misses, best = fewer_misses, (tried_order, short)
             if not misses:
                 break
         else:

@@ -19,7 +19,7 @@ from chain_impact.kernel.forces.friction import choose_wall_friction
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.constants import WALLS
 from chain_impact.scene.checks.signal_checks import check_signals
-from chain_impact.scene.contents import Contents
+from chain_impact.scene.contents import SceneContents
 from chain_impact.scene.errors import SceneError, error_at, no_wall_error, refusal, value_text
 from chain_impact.scene.files.table_file import gap_hints
 from chain_impact.scene.kernel_view import chain_view
@@ -39,7 +39,7 @@ GRAVITY_IN_MM = (9e3, 1.05e4)  # [m/s²] range of a gravity that is probably the
 FAR_POINT = 30.0
 
 
-def check(scene: Contents) -> None:
+def check(scene: SceneContents) -> None:
     """Raise a SceneError if the scene fails a check of this module or of signal_checks.py.
 
     The error ends with the sentences of ``angle_hints``, because an angle in degrees by mistake is often the
@@ -80,7 +80,7 @@ def check_masses(chain: ChainTable) -> None:
     raise error_at(path, f"to {path_text(end)} = 0.0; one of them{other_text} must be > 0: {reason}")
 
 
-def check_together(scene: Contents) -> None:
+def check_together(scene: SceneContents) -> None:
     """Refuse keys whose values are valid alone, but contradict each other, except signals and the start."""
     check_masses(scene.chain)
     check_entry_rules(scene)
@@ -88,7 +88,7 @@ def check_together(scene: Contents) -> None:
     check_moved_walls(scene)
 
 
-def check_entry_rules(scene: Contents) -> None:
+def check_entry_rules(scene: SceneContents) -> None:
     """Raise the error of the first rule of ``ENTRY_REFUSALS`` whose condition is true for an entry."""
     movable, entries = scene.chain.movable_points, _entries(scene)
     stops = (*STOPS * bool(scene.chain.stops), *SLIDER_STOPS * (scene.chain.slider is not None))
@@ -103,7 +103,7 @@ def check_entry_rules(scene: Contents) -> None:
                 raise refusal(path, rule.fault, value=value_text(entry), others=forbidden_entries, **words)
 
 
-def _entries(scene: Contents) -> dict[str, list[tuple[DataPath, Any, Sequence[Any]]]]:
+def _entries(scene: SceneContents) -> dict[str, list[tuple[DataPath, Any, Sequence[Any]]]]:
     """Return name of a list → for each entry its path in an error, the entry, and the entries before it."""
     points, walls = scene.contact.points, [wall.name for wall in scene.walls]
     labels = {
@@ -119,7 +119,7 @@ def _entries(scene: Contents) -> dict[str, list[tuple[DataPath, Any, Sequence[An
     }
 
 
-def reached_walls(scene: Contents) -> list[str]:
+def reached_walls(scene: SceneContents) -> list[str]:
     """Return a wall's name for each pair of a point and a wall that can touch, if the base is on a slider.
 
     Only a wall that is parallel to the line of a slider may be out of reach; without a slider, the list is
@@ -131,7 +131,7 @@ def reached_walls(scene: Contents) -> list[str]:
     return [name for k, (name, plane) in pairs if not scene.keeps_distance(k, plane)]
 
 
-def check_refusal_rules(scene: Contents) -> None:
+def check_refusal_rules(scene: SceneContents) -> None:
     """Raise the error of the first rule of ``REFUSALS`` whose condition is true in the scene."""
     scene_value = partial(value_at, scene)
     tables: dict[str, list[tuple[DataPath, ValueOf]]] = {
@@ -154,7 +154,7 @@ def check_refusal_rules(scene: Contents) -> None:
                 raise refusal((*path, *rule.key.split(".")), rule.fault, **words)
 
 
-def _law_tables(scene: Contents) -> dict[DataPath, dict[str, Any]]:
+def _law_tables(scene: SceneContents) -> dict[DataPath, dict[str, Any]]:
     """Return path → values of [contact], each table [contact.wall.<name>], and [stops] if a joint has a stop.
 
     The values are by their names in ``REFUSALS``: a key of the table, or a property of the contact law
@@ -184,7 +184,7 @@ def _law_values(
     return law_values | {"restitution": table.restitution}
 
 
-def check_moved_walls(scene: Contents) -> None:
+def check_moved_walls(scene: SceneContents) -> None:
     """Refuse a name in inputs.wall_motion that is neither that of an existing wall nor "*" (all walls)."""
     walls = [*scene.half_planes]
     for i, name in enumerate(scene.inputs.wall_motion):
@@ -206,7 +206,7 @@ def coefficients(contact: Contact, material: Material | Contact) -> tuple[float,
     return sliding_coefficient, static_coefficient
 
 
-def check_start(scene: Contents) -> None:
+def check_start(scene: SceneContents) -> None:
     """Refuse a start in which a point penetrates an existing wall by more than ALLOWED_OVERLAP.
 
     Checked are the points in ``contact.points``, and the additional points of links, with their radii.
@@ -235,7 +235,7 @@ def _position(x: float, y: float) -> str:
     return f"({x:.6g}, {y:.6g}) m"
 
 
-def check_joint_angles(scene: Contents) -> None:
+def check_joint_angles(scene: SceneContents) -> None:
     """Refuse a start in which the angle of a joint is more than ALLOWED_OVERLAP [rad] beyond its stop."""
     angles = (0.0, *scene.initial.angles)
     for i, (low, high) in scene.chain.joint_ranges.items():
@@ -247,7 +247,7 @@ def check_joint_angles(scene: Contents) -> None:
             raise SceneError(f"initial: {joint_text}; must be within{turns_hint(joint, low, high)}")
 
 
-def angle_hints(scene: Contents) -> list[str]:
+def angle_hints(scene: SceneContents) -> list[str]:
     """Return a sentence for each angle of more than one turn: this angle may be in degrees by mistake.
 
     The angles are those of the start, of springs at rest, of stops, of the slider's line and of walls [rad].
@@ -267,7 +267,7 @@ def angle_hints(scene: Contents) -> list[str]:
     return [hint for name, angle in suspicious_angles.items() if (hint := radians_hint(name, angle, "rad"))]
 
 
-def hints(scene: Contents) -> list[str]:
+def hints(scene: SceneContents) -> list[str]:
     """Return sentences on values of a scene that are allowed, but are probably mistakes of the user."""
     texts = angle_hints(scene)
     for i, link in enumerate(scene.chain.links, 1):
@@ -285,7 +285,7 @@ def hints(scene: Contents) -> list[str]:
     return [*texts, *size_hints(scene), *base_hints(scene), *start_hints(scene)]
 
 
-def size_hints(scene: Contents) -> list[str]:
+def size_hints(scene: SceneContents) -> list[str]:
     """Return the questions of ``length_hints``, and a question on gravity if it is probably in mm/s²."""
     texts, pull = length_hints(scene), math.hypot(*scene.gravity)
     if GRAVITY_IN_MM[0] < pull < GRAVITY_IN_MM[1]:
@@ -294,7 +294,7 @@ def size_hints(scene: Contents) -> list[str]:
     return texts
 
 
-def length_hints(scene: Contents) -> list[str]:
+def length_hints(scene: SceneContents) -> list[str]:
     """Return at most two questions whether a length is in mm.
 
     One is on the first link that is long for its mass (LONG_LINK, LIGHT_LINK), one on the first point of a
@@ -315,7 +315,7 @@ def length_hints(scene: Contents) -> list[str]:
     return long_links[:1] + far_points[:1]
 
 
-def start_hints(scene: Contents) -> list[str]:
+def start_hints(scene: SceneContents) -> list[str]:
     """Return a sentence for each coordinate in which a pinned base does not start at initial.position.
 
     If a signal gives a coordinate of the base, the base starts at the value of the signal at t = 0, and
@@ -339,7 +339,7 @@ def start_hint(axis: str, start: float, given_value: float) -> str:
     return f"base.{axis} starts at {start:.6g} m, and initial.{axis} = {given_value:.6g} m is not used"
 
 
-def base_hints(scene: Contents) -> list[str]:
+def base_hints(scene: SceneContents) -> list[str]:
     """Return a sentence for each wall beyond which a pinned base, taken without radius, is at the start.
 
     Such a start is allowed, because walls do not act on a pinned base; but the wall is probably misplaced.
@@ -356,7 +356,7 @@ def base_hints(scene: Contents) -> list[str]:
     ]
 
 
-def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
+def turning_hints(scene: SceneContents, changes: Iterable[Any]) -> list[str]:
     """Return a list with one sentence if ``changes`` set the start angle of a link, but not of the next link.
 
     ``changes`` are names of parameters; paths are ignored. Angles are absolute, so the next link does not
@@ -373,7 +373,7 @@ def turning_hints(scene: Contents, changes: Iterable[Any]) -> list[str]:
     return [f"{lone_names[0]} {stay}; initial.joint_angles turns these, too"] if lone_names else []
 
 
-def law_hints(scene: Contents) -> list[str]:
+def law_hints(scene: SceneContents) -> list[str]:
     """Return a list with one sentence if the scene does not use the law of ``contact.law_file``, else []."""
     if not scene.contact.law_file:
         return []

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from chain_impact.scene.asked_inputs import inputs_of, request_hint
-from chain_impact.scene.contents import Contents
+from chain_impact.scene.contents import SceneContents
 from chain_impact.scene.errors import SceneError, error_at, refusal, value_text
 from chain_impact.scene.files.table_file import jumps_of
 from chain_impact.scene.keys.signal_tables import Samples, Signal, unit_of
@@ -27,7 +27,7 @@ from chain_impact.scene.words.unit_text import unit_text
 REST_TOLERANCE = 1e-12
 
 
-def check_signals(scene: Contents) -> None:
+def check_signals(scene: SceneContents) -> None:
     """Refuse signals that cannot drive their inputs, and inputs that two signals drive."""
     owners: dict[str, str] = {}
     for name, signal in scene.signals.items():
@@ -51,7 +51,7 @@ def _input(name: str) -> DataPath:
     return ("signals", name, "input")
 
 
-def _check_inputs(scene: Contents, name: str, signal: Signal) -> None:
+def _check_inputs(scene: SceneContents, name: str, signal: Signal) -> None:
     """Refuse a signal without inputs, with inputs that the scene lacks, or with inputs in several units.
 
     Only a table may drive inputs in several units, because a table has a column for each input.

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.scene.contents import Contents
+from chain_impact.scene.contents import SceneContents
 from chain_impact.scene.display.bodies import outlines_from, placed_corners, rail_from
 
 LONGER_SIDE = 240  # number of pixels of the longer side of the drawing
@@ -20,7 +20,7 @@ SCENE_MARGIN, DRAWN_WITHIN = 0.15, 1.0
 LINK_WIDTH, THIN_WIDTH, POINT_RADIUS = 0.012, 0.004, 0.02
 
 
-def svg(scene: Contents, values: Mapping[str, Any]) -> str:
+def svg(scene: SceneContents, values: Mapping[str, Any]) -> str:
     """Return the text of an SVG element: the chain and near walls at the start, in the page's text colour.
 
     ``values``: name of a value of the scene → value (``Scene.values``).

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator
 
 from chain_impact.kernel.record.constants import WALLS
-from chain_impact.scene.contents import Contents
+from chain_impact.scene.contents import SceneContents
 from chain_impact.scene.facts import friction_joints
 from chain_impact.scene.keys.tables import Material
 from chain_impact.scene.words.unit_text import stiffness_unit
@@ -17,14 +17,14 @@ SHOWN_ENTRIES = 6
 TEXT_WIDTH = 100  # largest number of characters in a line of the text of a scene; a longer line is cut
 
 
-def scene_as_text(scene: Contents) -> str:
+def scene_as_text(scene: SceneContents) -> str:
     """Return a scene in a few lines: name, chain, walls, contact, stops, signals, start and run."""
     title = f"Scene {scene.name}" + (f": {' '.join(scene.description.split())}" if scene.description else "")
     lines = [title, *(f"  {word:9}{line}" for word, line in _lines(scene))]
     return "\n".join(line if len(line) <= TEXT_WIDTH else f"{line[: TEXT_WIDTH - 1]}…" for line in lines)
 
 
-def _lines(scene: Contents) -> Iterator[tuple[str, str]]:
+def _lines(scene: SceneContents) -> Iterator[tuple[str, str]]:
     links, contact, start, run = scene.chain.links, scene.contact, scene.initial, scene.simulation
     count = f"{len(links)} link{'s' * (len(links) != 1)}"
     length, mass = sum(link.length for link in links), sum(link.mass for link in links)

@@ -61,7 +61,7 @@ class Job:
         return {name: peak.path for name, peak in PEAKS.items() if has_stops or not peak.at_stops}
 
     @property
-    def rigid(self) -> dict[str, list[DataPath]]:
+    def rigid_hit_paths(self) -> dict[str, list[DataPath]]:
         """The columns of peak forces and moments: name → paths in the record that tell of rigid impacts.
 
         The first path leads to a flag: 1 if the column's walls or stops are rigid. Each other path belongs to
@@ -91,7 +91,7 @@ class Job:
         return self.prepared_scene.varied if asks_sensitivities else []
 
     @property
-    def loads(self) -> dict[str, Variable]:
+    def joint_peaks(self) -> dict[str, Variable]:
         """Name → output with the largest force in each joint; empty if the scene asks for no loads.
 
         The column ``joint_force`` has the largest of these forces.
@@ -103,7 +103,7 @@ class Job:
     @property
     def largest_columns(self) -> tuple[str, ...]:
         """The columns with the largest values of a run: the peaks and, with loads, JOINT_FORCE."""
-        return (*self.peaks, *((JOINT_FORCE,) if self.loads else ()))
+        return (*self.peaks, *((JOINT_FORCE,) if self.joint_peaks else ()))
 
     @property
     def dtype(self) -> np.dtype:
@@ -182,11 +182,13 @@ class Runner:
         scope = counts_and_flags(self._instance) if own_kernel and not parameters else None
         self._kernel = kernel_for(job.scene, derivatives=bool(parameters), scope=scope)
         layout, self._job, self._dtype = self._instance.dtype, job, job.dtype
-        self._columns, self._loads = job.columns, job.loads
+        self._columns, self._joint_peaks = job.columns, job.joint_peaks
         # lists of impacts, and integrals over time such as the impulse at a wall, take time: if no column
         # needs the lists, only integrals that a column needs are computed
         read_parts = {
-            part for column in (*self._columns.values(), *self._loads.values()) for part in column.record_path
+            part
+            for column in (*self._columns.values(), *self._joint_peaks.values())
+            for part in column.record_path
         }
         if "latest" not in read_parts:
             self._instance["latest"]["requested_count"] = 0
@@ -202,13 +204,17 @@ class Runner:
             *job.peaks.values(),
             ("step", "communication_point"),
             *(variable.record_path for variable in self._columns.values()),
-            *(variable.record_path for variable in self._loads.values()),
-            *(path for rigid in job.rigid.values() for path in rigid),
+            *(variable.record_path for variable in self._joint_peaks.values()),
+            *(path for hit_paths in job.rigid_hit_paths.values() for path in hit_paths),
         ]
         kept_fields = [(name, self._dtype[name]) for name in self._dtype.names or () if name != JOINT_FORCE]
-        loads = [(f"load[{joint}]", np.dtype(float)) for joint in range(len(self._loads))]
-        rigid = [(f"{name} of rigid", np.dtype(np.int64), (len(paths),)) for name, paths in job.rigid.items()]
-        self._rigid, self._words = list(job.rigid), np.dtype([*kept_fields, *loads, *rigid])
+        joint_peaks = [(f"joint_peak[{joint}]", np.dtype(float)) for joint in range(len(self._joint_peaks))]
+        rigid_hits = [
+            (f"rigid hits of {name}", np.dtype(np.int64), (len(hit_paths),))
+            for name, hit_paths in job.rigid_hit_paths.items()
+        ]
+        self._rigid_columns = list(job.rigid_hit_paths)
+        self._row_type = np.dtype([*kept_fields, *joint_peaks, *rigid_hits])
         self._output_indices = np.array([word_index(layout, path) for path in paths], np.int64)
 
     def run(self, values: np.ndarray, is_wanted: Callable[[], bool] = lambda: True) -> np.ndarray:
@@ -221,14 +227,14 @@ class Runner:
         Raises:
             CancelledError: when ``is_wanted`` returns False.
         """
-        words = np.ascontiguousarray(values[:, self._in_record], np.float64)
+        record_values = np.ascontiguousarray(values[:, self._in_record], np.float64)
         for k, is_choice in enumerate(self._is_choice):
             if is_choice:
-                words[:, k] = words[:, k].astype(np.int64).view(np.float64)
+                record_values[:, k] = record_values[:, k].astype(np.int64).view(np.float64)
         stops = np.full(len(values), self._job.scene.simulation.stop_time)
         if () in self._job.varied_paths:
             stops = np.ascontiguousarray(values[:, self._job.varied_paths.index(())], np.float64)
-        rows = np.zeros(len(values), self._words)
+        rows = np.zeros(len(values), self._row_type)
         finished_count, continued_count = 0, 0
         while finished_count < len(rows):
             if not is_wanted():
@@ -237,7 +243,7 @@ class Runner:
                 self._instance.ctypes.data,
                 self._varied_indices.ctypes.data,
                 len(self._varied_indices),
-                words[finished_count:].ctypes.data,
+                record_values[finished_count:].ctypes.data,
                 stops[finished_count:].ctypes.data,
                 len(rows) - finished_count,
                 self._output_indices.ctypes.data,
@@ -250,20 +256,20 @@ class Runner:
         rows["time"] = np.minimum(rows["time"], stops)
         return self._table_rows(rows)
 
-    def _table_rows(self, words: np.ndarray) -> np.ndarray:
+    def _table_rows(self, kernel_rows: np.ndarray) -> np.ndarray:
         """Return the rows of the table, of the type ``Job.dtype``, from the kernel's rows.
 
         A kernel's row ends with the largest force in each joint, of which the table has the largest, and with
-        the values at the paths of ``Job.rigid``. The values at these paths tell in which runs a peak is NaN,
-        because a rigid wall or stop was hit.
+        the values at the paths of ``Job.rigid_hit_paths``. The values at these paths tell in which runs a
+        peak is NaN, because a rigid wall or stop was hit.
         """
-        rows = np.zeros(len(words), self._dtype)
+        rows = np.zeros(len(kernel_rows), self._dtype)
         for name in rows.dtype.names or ():
-            rows[name] = words[name] if name != JOINT_FORCE else 0.0
-        for joint in range(len(self._loads)):
-            np.maximum(rows[JOINT_FORCE], words[f"load[{joint}]"], out=rows[JOINT_FORCE])
-        for name in self._rigid:
-            flag, *onsets = words[f"{name} of rigid"].T
+            rows[name] = kernel_rows[name] if name != JOINT_FORCE else 0.0
+        for joint in range(len(self._joint_peaks)):
+            np.maximum(rows[JOINT_FORCE], kernel_rows[f"joint_peak[{joint}]"], out=rows[JOINT_FORCE])
+        for name in self._rigid_columns:
+            flag, *onsets = kernel_rows[f"rigid hits of {name}"].T
             # an impulse has no peak force, and a force with which a rigid wall holds the point afterwards is
             # not the peak force of an impact
             rows[name][(flag == 1) & np.any(onsets, axis=0)] = np.nan

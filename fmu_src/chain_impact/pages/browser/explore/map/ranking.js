@@ -6,7 +6,7 @@ import { save } from "../export.js";
 import { outputIn, presentOutputs, runIn, wordsOfRun } from "./map_outputs.js";
 import { quantityOf, scaledTo } from "./map_scales.js";
 
-// the step of each parameter, relative to its value or, for a value of 0, in its SI unit (PART in recording/sensitivity.py)
+// the step of each parameter, relative to its value or, for a value of 0, in its SI unit (RELATIVE_STEP in recording/sensitivity.py)
 const STEP_SHARE = 0.01;
 const ANGLE_STEP = Math.PI / 180; // step of each angle [rad]: its value depends on the direction from which it is counted
 const LEAST_SHARE = 1e-6; // an effect that is at most this, relative to the output, can be an error of the solver, and counts as none

@@ -1,4 +1,4 @@
-"""A test run of an FMU in a process of its own: ``python -m chain_impact.fmu.trial FMU REPORT BINARY``.
+"""A test run of an FMU in a process of its own: ``python -m chain_impact.fmu.check_run FMU REPORT BINARY``.
 
 The report goes to a file, because an FMU may print any text. Before each call the program writes a line of
 JSON to the report, so that a reader knows in which call the process ended. Further lines have the findings
@@ -42,7 +42,7 @@ class DescriptionError(Exception):
     """Raised when FMPy cannot read the model description; the text says why."""
 
 
-class Trial:
+class CheckRun:
     """A test run of an FMU, which makes the calls one after the other."""
 
     def __init__(self, path: Path, folder: str, binary: str, tell: Callable[..., None]) -> None:
@@ -279,7 +279,7 @@ def main() -> None:
 
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, collect_messages() as reasons:
             try:
-                Trial(path, folder, binary, tell).run(reasons)
+                CheckRun(path, folder, binary, tell).run(reasons)
             except DescriptionError as error:
                 tell(finding=asdict(Finding(str(error), DESCRIPTION)))
             except CallError as error:

@@ -1,4 +1,4 @@
-"""A trial sets values, reads outputs and resets the values. The run does not depend on trials."""
+"""Values that are set, observed and reset leave no trace: the run goes on as without them."""
 
 # Tests: simulation/chain.py
 
@@ -41,7 +41,7 @@ def try_inputs(chain, variables, rng):
 
 
 @pytest.mark.parametrize(("name", "changes"), SCENES.items(), ids=SCENES)
-def test_a_trial_moves_only_what_is_declared_and_leaves_no_trace(name, changes):
+def test_values_that_are_reset_move_only_what_is_declared(name, changes):
     scene = load_scene(name).with_values(changes)
     tried, alone, rng = Chain(scene), Chain(scene), np.random.default_rng(5)
     variables, moved = instance_of(tried).prepared.variables, set()
@@ -60,7 +60,7 @@ def test_a_trial_moves_only_what_is_declared_and_leaves_no_trace(name, changes):
 
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("number", range(12))
-def test_random_scenes_go_on_as_without_a_trial(number):
+def test_random_scenes_go_on_as_without_values_that_are_reset(number):
     scene = random_scene(7000000 + number).with_values(DRIVEN)
     tried, alone, rng = Chain(scene), Chain(scene), np.random.default_rng(number)
     variables = instance_of(tried).prepared.variables
