@@ -33,7 +33,7 @@ from chain_impact.scene.rules.key_rules import Derived, allowed_words, key_field
 from chain_impact.scene.rules.rule_language import Tree, tree
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import driven_alone, quantities_driven_by
-from chain_impact.scene.words.names import INDEX_PLACE, DataPath
+from chain_impact.scene.words.names import OWNER_AT, DataPath
 from chain_impact.variables.indices import layout_of, word_index
 from chain_impact.variables.kind import LETTERS, MOTION, Block, VariableKind, fill_path
 from chain_impact.variables.listing import choices_of
@@ -58,9 +58,9 @@ COUNT_NAMES = {
 number."""
 PATHS: dict[str, DataPath] = {
     **{name: row.path for name, row in RECORD_NUMBERS.items()},
-    **{f"signal_{key}": ("signal", key, INDEX_PLACE) for key in signal_dtype(1, 1).names or ()},
-    **{f"knot_{key}": ("knot", key, INDEX_PLACE) for key in ("given_time", "given_value", "time")},
-    **{f"knot_power_{p}": ("knot", "powers", INDEX_PLACE, p) for p in range(SIGNAL_DEGREE + 1)},
+    **{f"signal_{key}": ("signal", key, OWNER_AT) for key in signal_dtype(1, 1).names or ()},
+    **{f"knot_{key}": ("knot", key, OWNER_AT) for key in ("given_time", "given_value", "time")},
+    **{f"knot_power_{p}": ("knot", "powers", OWNER_AT, p) for p in range(SIGNAL_DEGREE + 1)},
 }
 """Name → path in the record, for the values that the page sets by these names, not as named parameters.
 
@@ -113,11 +113,11 @@ def page_kit(scene: Scene) -> dict[str, Any]:
         ],
         "outputs": [_group(block, _output_row) for block in OUTPUTS],
         "tables": tables_of(scene),
-        "driven": [word_terms(("output", "signal", INDEX_PLACE, order)) for order in range(3)],
+        "driven": [word_terms(("output", "signal", OWNER_AT, order)) for order in range(3)],
         "fields": {name: {"word": word_terms(path), "real": _is_real(path)} for name, path in PATHS.items()},
         "size": [*_affine(lambda record: record.itemsize // WORD), 0],
         "layout": _layout(),
-        "points": [word_terms(("output", "point_position", INDEX_PLACE, axis)) for axis in (0, 1)],
+        "points": [word_terms(("output", "point_position", OWNER_AT, axis)) for axis in (0, 1)],
     }
 
 
@@ -305,7 +305,7 @@ def _is_real(path: DataPath) -> bool:
     """Return whether the numbers at a path in the record are real numbers, not integers."""
     kind = layout_of(*SAMPLES[0])
     for step in path:
-        kind = kind[step] if isinstance(step, str) and step != INDEX_PLACE else kind.base
+        kind = kind[step] if isinstance(step, str) and step != OWNER_AT else kind.base
     return kind.base == np.float64
 
 

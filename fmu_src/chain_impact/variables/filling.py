@@ -25,7 +25,7 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
 from chain_impact.scene.rules.key_rules import key_fields
 from chain_impact.scene.rules.rule_language import members_in, number_in, numbers_of
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.names import ENTRY_AT, INDEX_PLACE, DataPath
+from chain_impact.scene.words.names import ENTRY_AT, OWNER_AT, DataPath
 from chain_impact.variables.indices import layout_of, word_index
 from chain_impact.variables.kind import SIGNAL_OWNERS, VariableKind, fill_path
 from chain_impact.variables.listing import TANGENTS
@@ -80,11 +80,11 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
     """
     value_of = values_of(structure.numbers, structure.lists, scene)
     for path, rule, list_name, index_name in RECORD_NUMBERS.values():
-        *parts, key = (step for step in path if step != INDEX_PLACE)
+        *parts, key = (step for step in path if step != OWNER_AT)
         part = d
         for name in parts:
             part = part[name]
-        if INDEX_PLACE not in path:
+        if OWNER_AT not in path:
             part[key] = number_in(rule, value_of)
         elif members := members_in(list_name, value_of):
             entries = (
@@ -116,7 +116,7 @@ def _reader(kind: VariableKind) -> Callable[[Scene], list[Any]]:
     all owners' given values. A given value is the number DERIVED where the scene derives the value.
     """
     path = kind.scene_path or ()
-    if INDEX_PLACE not in path and ENTRY_AT not in path:
+    if OWNER_AT not in path and ENTRY_AT not in path:
         return _reader_of_one(kind, path)
     members, part, paths = _members(path)
     has_given = attrgetter(kind.stores_given_if)
@@ -172,7 +172,7 @@ def _members(
                 for j in range(len(link.points))
             ],
         )
-    index_place = path.index(INDEX_PLACE)
+    index_place = path.index(OWNER_AT)
     list_of, (path_to_list, path_in_member) = (
         _getter(path[:index_place]),
         (path[:index_place], path[index_place + 1 :]),

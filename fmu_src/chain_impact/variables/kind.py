@@ -17,14 +17,14 @@ from typing import Any, NamedTuple
 from chain_impact.scene.rules.key_rules import Derived
 from chain_impact.scene.words.names import (
     AXES,
-    INDEX_PLACE,
+    OWNER_AT,
     DataPath,
     NameParts,
     name_parts,
     sensitivity_name,
 )
 
-NEXT_PLACE = "{next}"
+NEXT_OWNER_AT = "{next}"
 MOTION = "given_channel"
 """The name of the part of the record with the motions given for base, walls and belts."""
 MOTIONS = ("position", "velocity", "acceleration")
@@ -289,7 +289,7 @@ def record_block(
     has_no_index = owner_kind in ("one", "slider")
     for k, kind in enumerate(kinds):
         steps = (part, *kind.record_path)
-        index = () if has_no_index or INDEX_PLACE in steps or NEXT_PLACE in steps else (INDEX_PLACE,)
+        index = () if has_no_index or OWNER_AT in steps or NEXT_OWNER_AT in steps else (OWNER_AT,)
         array_name = f"{owner_kind}.{kind.name}" if array else kind.array
         kinds[k] = replace(kind, record_path=(*steps, *index), array=array_name)
     return block(owner_kind, *kinds, prefix=prefix, **{"is_terminal": True} | extras)
@@ -300,5 +300,5 @@ def fill_path(path: DataPath, owner: Mapping[str, Any]) -> DataPath:
     if not owner:
         return path
     steps: dict[str | int, Any] = {f"{{{word}}}": value for word, value in owner.items()}
-    steps[NEXT_PLACE] = owner.get("at", 0) + 1
+    steps[NEXT_OWNER_AT] = owner.get("at", 0) + 1
     return tuple([steps.get(step, step) for step in path])

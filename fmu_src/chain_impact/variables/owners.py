@@ -20,7 +20,7 @@ from chain_impact.scene.facts import FACTS, LISTS, TRUE_FACT, SceneFacts
 from chain_impact.scene.keys.tables import Inputs, Outputs
 from chain_impact.scene.rules.rule_language import ValueOf, is_rule_true, members_in, number_in, value_at
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.names import INDEX_PLACE, DataPath
+from chain_impact.scene.words.names import OWNER_AT, DataPath
 
 REQUEST_KEYS = [
     f"{name}.{entry.name}"
@@ -139,11 +139,11 @@ class RecordNumber(NamedTuple):
     """One or several numbers in the record that are no parameters but follow from a rule.
 
     Attributes:
-        path: the path of the number in the record; with INDEX_PLACE, of several numbers.
+        path: the path of the number in the record; with OWNER_AT, of several numbers.
         number: the rule for the number.
         source_list: the name of a list, each member of which has a number; or a rule for the count of the
             numbers.
-        at: for several numbers: the rule for the index that replaces INDEX_PLACE for a member.
+        at: for several numbers: the rule for the index that replaces OWNER_AT for a member.
     """
 
     path: DataPath
@@ -163,22 +163,22 @@ RECORD_NUMBERS = {
     "interpolates": RecordNumber(("given_channel", "interpolates"), TRUE_FACT),
     "requested": RecordNumber(("latest", "requested_count"), "outputs.impacts"),
     "impulses": RecordNumber(("quadrature", "computed"), "needs_impulses"),
-    "site_link": RecordNumber(("site", "link", INDEX_PLACE), "link", "sites"),
-    "site_corner": RecordNumber(("site", "corner", INDEX_PLACE), "corner", "sites"),
-    "candidate_point": RecordNumber(("candidate", INDEX_PLACE, "point"), "n", "candidates"),
-    "candidate_wall": RecordNumber(("candidate", INDEX_PLACE, "wall"), "wall", "candidates"),
-    "candidate_stop": RecordNumber(("candidate", INDEX_PLACE, "stop"), "stop", "candidates"),
+    "site_link": RecordNumber(("site", "link", OWNER_AT), "link", "sites"),
+    "site_corner": RecordNumber(("site", "corner", OWNER_AT), "corner", "sites"),
+    "candidate_point": RecordNumber(("candidate", OWNER_AT, "point"), "n", "candidates"),
+    "candidate_wall": RecordNumber(("candidate", OWNER_AT, "wall"), "wall", "candidates"),
+    "candidate_stop": RecordNumber(("candidate", OWNER_AT, "stop"), "stop", "candidates"),
     "regularized": RecordNumber(("step", "regularized"), f"{NO_CONTACT}"),
     # a moving wall has two channels (prescribed motions): its displacement, and its motion as a belt
-    "belt": RecordNumber(("given_channel", "belt", INDEX_PLACE), "1", "moving_walls", at=f"{_CHANNEL} + 1"),
+    "belt": RecordNumber(("given_channel", "belt", OWNER_AT), "1", "moving_walls", at=f"{_CHANNEL} + 1"),
     "candidate_channel": RecordNumber(
-        ("wall_motion", INDEX_PLACE, "first_channel"),
+        ("wall_motion", OWNER_AT, "first_channel"),
         f"sum(moving_walls, (number == wall)*({_CHANNEL} + 1)) + -1",
         "candidates",
     ),
     "stop_law": RecordNumber(("stops", "law"), "sum(laws, (name == stops.model)*(order + 1))"),
     **{
-        f"wall_{key}": RecordNumber(("walls", key, INDEX_PLACE), "-1", f"{len(WALLS)} + candidates")
+        f"wall_{key}": RecordNumber(("walls", key, OWNER_AT), "-1", f"{len(WALLS)} + candidates")
         for key in ("restitution", "friction", "static_friction")
     },
 }

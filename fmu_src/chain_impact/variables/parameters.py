@@ -20,7 +20,7 @@ from chain_impact.scene.keys.chain_tables import Link, Site, Slider
 from chain_impact.scene.keys.signal_tables import NUMBERS, Signal
 from chain_impact.scene.keys.tables import Box, Contact, Initial, Material, Simulation, Solver, Stops, Wall
 from chain_impact.scene.rules.key_rules import Derived, key_fields
-from chain_impact.scene.words.names import AXES, ENTRY_AT, INDEX_PLACE, LINK_AT, DataPath, name_of
+from chain_impact.scene.words.names import AXES, ENTRY_AT, LINK_AT, OWNER_AT, DataPath, name_of
 from chain_impact.variables.kind import (
     LINK,
     MOTION,
@@ -150,36 +150,33 @@ PARAMETERS = (
         "link",
         *_table_kinds(
             Link,
-            scene_path=("chain", "links", INDEX_PLACE, KEY),
-            record_path=("chain", KEY, INDEX_PLACE),
+            scene_path=("chain", "links", OWNER_AT, KEY),
+            record_path=("chain", KEY, OWNER_AT),
             names=[key for key in _metadata(Link) if key not in ("points", "shape")],
             height={"number_for_none": 0.0, "hint": HAS_ONE},
             center_of_mass_offset={"only_if_in_file": True, "hint": HAS_ONE},
-            center_of_mass={"given_path": ("chain", "given_center_of_mass", INDEX_PLACE)},
-            inertia={"given_path": ("chain", "given_inertia", INDEX_PLACE)},
-            joint_damping={"record_path": ("given", "drive_damping", INDEX_PLACE), "tunable": "has_target"},
-            joint_stiffness={
-                "record_path": ("given", "drive_stiffness", INDEX_PLACE),
-                "tunable": "has_target",
-            },
+            center_of_mass={"given_path": ("chain", "given_center_of_mass", OWNER_AT)},
+            inertia={"given_path": ("chain", "given_inertia", OWNER_AT)},
+            joint_damping={"record_path": ("given", "drive_damping", OWNER_AT), "tunable": "has_target"},
+            joint_stiffness={"record_path": ("given", "drive_stiffness", OWNER_AT), "tunable": "has_target"},
             joint_rest_angle={
-                "record_path": ("given", "target", INDEX_PLACE),
+                "record_path": ("given", "target", OWNER_AT),
                 "when": ("target_is_parameter",),
                 "hint": HAS_TARGET,
             },
             joint_friction={
-                "record_path": ("drive", "friction", INDEX_PLACE),
+                "record_path": ("drive", "friction", OWNER_AT),
                 "when": ("may_have_friction",),
                 "hint": HAS_FRICTION,
             },
             joint_armature={"only_if_in_file": True, "hint": HAS_ONE},
             joint_torque_limit={
-                "record_path": ("drive", "limit", INDEX_PLACE),
+                "record_path": ("drive", "limit", OWNER_AT),
                 "number_for_none": math.inf,
                 "hint": HAS_ONE,
             },
-            joint_min={"record_path": ("drive", "min", INDEX_PLACE), "number_for_none": -math.inf},
-            joint_max={"record_path": ("drive", "max", INDEX_PLACE), "number_for_none": math.inf},
+            joint_min={"record_path": ("drive", "min", OWNER_AT), "number_for_none": -math.inf},
+            joint_max={"record_path": ("drive", "max", OWNER_AT), "number_for_none": math.inf},
         ),
         heading=LINK,
     ),
@@ -188,9 +185,9 @@ PARAMETERS = (
         *_table_kinds(
             Site,
             scene_path=("chain", "links", LINK_AT, "points", ENTRY_AT, KEY),
-            record_path=("site", KEY, INDEX_PLACE),
+            record_path=("site", KEY, OWNER_AT),
             names=("x", "y", "radius"),
-            radius={"given_path": ("site", "given_radius", INDEX_PLACE)},
+            radius={"given_path": ("site", "given_radius", OWNER_AT)},
         ),
         heading=SITE,
         when=("in_file",),
@@ -200,25 +197,25 @@ PARAMETERS = (
         *_table_kinds(
             Slider,
             scene_path=("chain", "slider", KEY),
-            record_path=("drive", KEY, INDEX_PLACE),
+            record_path=("drive", KEY, OWNER_AT),
             angle={"record_path": ("slider", "angle")},
             mass={"record_path": ("slider", "mass")},
-            damping={"record_path": ("given", "drive_damping", INDEX_PLACE), "tunable": "has_target"},
-            stiffness={"record_path": ("given", "drive_stiffness", INDEX_PLACE), "tunable": "has_target"},
+            damping={"record_path": ("given", "drive_damping", OWNER_AT), "tunable": "has_target"},
+            stiffness={"record_path": ("given", "drive_stiffness", OWNER_AT), "tunable": "has_target"},
             rest_position={
-                "record_path": ("given", "target", INDEX_PLACE),
+                "record_path": ("given", "target", OWNER_AT),
                 "when": ("target_is_parameter",),
                 "hint": HAS_TARGET.replace("angle", "position"),
             },
             friction={
-                "record_path": ("drive", "friction", INDEX_PLACE),
+                "record_path": ("drive", "friction", OWNER_AT),
                 "when": ("may_have_friction",),
                 "hint": HAS_FRICTION,
             },
             min={"number_for_none": -math.inf},
             max={"number_for_none": math.inf},
             force_limit={
-                "record_path": ("drive", "limit", INDEX_PLACE),
+                "record_path": ("drive", "limit", OWNER_AT),
                 "number_for_none": math.inf,
                 "hint": HAS_ONE,
             },
@@ -249,14 +246,14 @@ PARAMETERS = (
         "sloped wall",
         *_vector(
             Wall,
-            scene_path=("walls", INDEX_PLACE, "point"),
-            record_path=("walls", AXIS, INDEX_PLACE),
+            scene_path=("walls", OWNER_AT, "point"),
+            record_path=("walls", AXIS, OWNER_AT),
             text="{axis} of {}",
         ),
         *_table_kinds(
             Wall,
-            scene_path=("walls", INDEX_PLACE, KEY),
-            record_path=("walls", KEY, INDEX_PLACE),
+            scene_path=("walls", OWNER_AT, KEY),
+            record_path=("walls", KEY, OWNER_AT),
             names=("angle",),
         ),
         heading=SLOPED_WALL,
@@ -298,7 +295,7 @@ PARAMETERS = (
         *_table_kinds(
             Material,
             scene_path=("contact", "wall", "{name}", KEY),
-            record_path=("walls", KEY, INDEX_PLACE),
+            record_path=("walls", KEY, OWNER_AT),
             # −1 in the record means that the value of [contact] applies to this wall; a static friction of −1
             # beside a sliding friction of the wall means that both are equal
             restitution={"number_for_none": -1.0},
@@ -352,8 +349,8 @@ PARAMETERS = (
             "link",
             _parameter(
                 _metadata(Initial)[key],
-                scene_path=("initial", key, INDEX_PLACE),
-                record_path=("initial", name, INDEX_PLACE),
+                scene_path=("initial", key, OWNER_AT),
+                record_path=("initial", name, OWNER_AT),
                 text="initial " + _metadata(Initial)[key]["description"].replace("each link", "link {n}"),
             ),
         )
@@ -364,7 +361,7 @@ PARAMETERS = (
         *_table_kinds(
             Signal,
             scene_path=("signals", "{name}", KEY),
-            record_path=("signal", KEY, INDEX_PLACE),
+            record_path=("signal", KEY, OWNER_AT),
             names=NUMBERS,
         ),
         heading=SIGNAL,
@@ -374,12 +371,12 @@ PARAMETERS = (
         _parameter(
             _metadata(Signal)["times"],
             scene_path=("signals", "{name}", "times", ENTRY_AT),
-            record_path=("knot", "given_time", INDEX_PLACE),
+            record_path=("knot", "given_time", OWNER_AT),
         ),
         _parameter(
             _metadata(Signal)["values"],
             scene_path=("signals", "{name}", "values", ENTRY_AT),
-            record_path=("knot", "given_value", INDEX_PLACE),
+            record_path=("knot", "given_value", OWNER_AT),
         ),
         heading=SIGNAL,
     ),

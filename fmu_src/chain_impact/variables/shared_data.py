@@ -20,7 +20,7 @@ from chain_impact.scene.keys.chain_tables import ChainTable, Link, Slider
 from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.rules.key_rules import key_fields
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.names import INDEX_PLACE, DataPath
+from chain_impact.scene.words.names import OWNER_AT, DataPath
 from chain_impact.variables.parameters import PARAMETERS
 
 Part = TypeVar("Part")
@@ -62,7 +62,7 @@ scenes share nothing if one of the read fields is not the same object in both.""
 def _decisive_keys(table: type, path: DataPath) -> list[str]:
     """Return the keys of a table whose values may decide the layout of the record, or which variables exist.
 
-    ``path`` is the path of the table in a scene, with INDEX_PLACE in place of an index. The other keys of the
+    ``path`` is the path of the table in a scene, with OWNER_AT in place of an index. The other keys of the
     table are those of parameters that each scene with this table has.
     """
     numbers = {
@@ -75,7 +75,7 @@ def _decisive_keys(table: type, path: DataPath) -> list[str]:
 
 
 _contact_values = attrgetter(*_decisive_keys(Contact, ("contact",)))
-_link_values = attrgetter(*_decisive_keys(Link, ("chain", "links", INDEX_PLACE)))
+_link_values = attrgetter(*_decisive_keys(Link, ("chain", "links", OWNER_AT)))
 _slider_values = attrgetter(*_decisive_keys(Slider, ("chain", "slider")), "angle")
 """``_contact_values``, ``_link_values``, ``_slider_values``: functions that read the values of the
 ``_decisive_keys`` keys of [contact], of a link and of a slider. The angle of a slider is read, too, because

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 DataPath = tuple[str | int, ...]
 """A path in nested tables and lists: the keys, and the indices of lists, from 0."""
-INDEX_PLACE = "{at}"
+OWNER_AT = "{at}"
 """The placeholder of an index in the template of a path, such as ("chain", "links", "{at}", "mass").
 
 The template of the name of the value has {n} there, as in link[{n}].mass, and {name} for a wall.
@@ -39,7 +39,7 @@ def point_label(number: int, names: Mapping[int, str]) -> str:
 def name_of(path: DataPath, walls: Sequence[object] = ()) -> str:
     """Return the name of the value at a path of the scene.
 
-    For the template of a path, which has placeholders (INDEX_PLACE) for indices, the result is the template
+    For the template of a path, which has placeholders (OWNER_AT) for indices, the result is the template
     of a name. ``walls`` has the names of the entries of the scene's ``walls``, in order.
     """
     match path:
@@ -86,9 +86,9 @@ def _signal_steps(path: DataPath) -> DataPath:
 def _wall(number: int | str, walls: Sequence[object]) -> str | None:
     """Return entry ``number`` of ``walls``, the names of the walls; None if this entry is no text.
 
-    For the placeholder INDEX_PLACE in place of a number, the result is "{name}", the placeholder in names.
+    For the placeholder OWNER_AT in place of a number, the result is "{name}", the placeholder in names.
     """
-    name = "{name}" if number == INDEX_PLACE else walls[int(number)]
+    name = "{name}" if number == OWNER_AT else walls[int(number)]
     return name if isinstance(name, str) else None
 
 
@@ -350,6 +350,6 @@ def signal_hint(name: str, signals: Collection[str]) -> str | None:
 
 
 def _dotted_text(path: DataPath) -> str:
-    numbers = {INDEX_PLACE: "[{n}]", LINK_AT: "[{of}]", ENTRY_AT: "[{n}]"}
+    numbers = {OWNER_AT: "[{n}]", LINK_AT: "[{of}]", ENTRY_AT: "[{n}]"}
     steps = (f"[{step + 1}]" if isinstance(step, int) else numbers.get(step, f".{step}") for step in path)
     return "".join(steps).removeprefix(".")
