@@ -182,7 +182,7 @@ def meanings(recording: Recording) -> Iterator[str]:
 
 
 def site_numbers(recording: Recording) -> str:
-    """Return words for the numbers of the sites, the points of links beside the ends: "2–5 on link 1".
+    """Return words for the numbers of the sites, the points of links other than the ends: "2–5 on link 1".
 
     If the recording does not tell the links of these points, the words are "from 2 on the points of links".
     """

@@ -65,7 +65,7 @@ def scene_of_robot(path: Path, choices: ConversionChoices = ALL_CHOICES) -> tupl
 
 
 def read_robot(path: Path, keyframe: str | None = None) -> Robot:
-    """Return the robot of a file in URDF or MJCF; ``keyframe`` is the name of the start in MJCF (Choices).
+    """Return the robot of a file in URDF or MJCF; ``keyframe`` is that of ``ConversionChoices``.
 
     The errors are those of ``scene_of_robot``.
     """

@@ -85,10 +85,10 @@ def merge_embedded_scene(
 
 
 class _Merger:
-    """The merger of a scene with ``found``, the conversion of a file's elements.
+    """The merger of a scene with ``found_data``, from the conversion of a file's elements.
 
-    A value of the scene stays where ``found`` equals ``written``, the conversion of the elements that this
-    package writes for the scene.
+    A value of the scene stays where ``found_data`` equals ``written_data``, from the
+    conversion of the elements that this package writes for the scene.
 
     Attributes:
         alike: whether both conversions have the same kind of base and the same number of links.

@@ -78,7 +78,10 @@ class DescribedVariable:
             return math.nan
 
     def bound(self, name: str) -> float:
-        """Return the limit ``min`` or ``max`` (``name``); −∞ or ∞ if the variable does not have it."""
+        """Return the limit ``min`` or ``max`` (``name``); −∞ or ∞ if the variable or its type has none.
+
+        The result is NaN if the limit is no number of the type.
+        """
         text = self.attributes.get(name)
         if text is None or self.type in (*TEXTS, "Boolean"):
             return math.inf if name == "max" else -math.inf

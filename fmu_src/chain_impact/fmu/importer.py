@@ -208,9 +208,9 @@ def _keep_working_folder(kind: type) -> type:
 def _place_binaries(binaries: Path, folder: str) -> None:
     """Copy this machine's binaries to the folder ``folder`` of ``binaries``, in which fmpy looks for them.
 
-    Nothing is copied if ``folder`` has this machine's name in FMI 2.0. On ARM the two differ, because fmpy
-    looks for the binary of an FMI 2.0 FMU in the folder of x86-64. The machine's own folder has the name of
-    FMI 2.0 or the name of FMI 3.0; both names are tried.
+    Nothing is copied if ``folder`` has this machine's name in FMI 2.0, or if the machine is no known
+    platform. On ARM the two differ, because fmpy looks for the binary of an FMI 2.0 FMU in the folder of
+    x86-64. The machine's own folder has the name of FMI 2.0 or the name of FMI 3.0; both names are tried.
     """
     names = [HOST, PLATFORMS[HOST].fmi3] if HOST and folder != HOST else []
     for name in names:

@@ -30,7 +30,8 @@ from chain_impact.variables.prepared import PreparedScene
 
 REFERENCE_FILE = "resources/chain_impact_reference.csv"
 REFERENCE_TOLERANCE = 1e-12  # the solver's tolerance in the run whose outputs are the reference results
-# approximate number of communication steps of the table, if it covers the whole simulated time of the scene
+# approximate number of communication steps of the table, if it covers the whole simulated time of the scene;
+# fewer if the scene has fewer
 REFERENCE_ROWS = 100
 # if not more than REFERENCE_ROWS / SHORTENING rows are reliable, a table of a SHORTENING-th of the simulated
 # time, with communication steps that are shorter by the same ratio, is made instead; but no communication

@@ -10,7 +10,10 @@ from chain_impact.scene.words.names import name_parts
 
 
 def is_of_body(name: str) -> bool:
-    """Return whether a parameter decides how a body, or the line of a slider, is drawn."""
+    """Return whether a recording needs a parameter to draw bodies or the line of a slider.
+
+    These are the lengths, heights and points of links, the radius of contacts, and all of a slider.
+    """
     owner, _, _, quantity = name_parts(name)
     is_of_link = owner == "link" and (quantity in ("length", "height") or quantity.startswith("point["))
     return is_of_link or owner == "slider" or name == "contact.radius"

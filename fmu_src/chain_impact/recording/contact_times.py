@@ -40,7 +40,10 @@ def has_impulses(law: str) -> bool:
 
 
 def law_at(recording: Recording, *, is_stop: bool) -> str:
-    """Return the contact law at stops of joints, or that at walls and stops of a slider; "" if unknown."""
+    """Return the contact law at stops of joints, or that at walls and stops of a slider; "" if unknown.
+
+    Stops of joints without a known law of their own get the law at walls.
+    """
     return (is_stop and recording.stop_law) or recording.parameters.get("contact.model", "")
 
 

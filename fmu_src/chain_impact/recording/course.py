@@ -15,8 +15,10 @@ from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.words.names import STOPS
 from chain_impact.variables.prepared import PreparedScene
 
-COURSE_SAMPLES = 400  # number of times at which the course of an impact is computed
-# number of equally spaced times in a contact that lasts beyond the end that ``impact_ends`` gives
+# number of equally spaced times at which the course of an impact is computed; a contact that lasts beyond the
+# end that ``impact_ends`` gives has more
+COURSE_SAMPLES = 400
+# number of equally spaced times over the whole of such a long contact
 LASTING_SAMPLES = 4000
 # [1] the first of COURSE_SAMPLES times after the onset in geometric progression, relative to the duration of
 # a contact that lasts beyond the end that ``impact_ends`` gives

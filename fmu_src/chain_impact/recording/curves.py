@@ -21,12 +21,13 @@ TIMES_WITHIN_IMPACT, MOST_REFINED_IMPACTS = 50, 400
 # EARLY_TIMES further times in geometric progression, from EARLIEST_SHARE times its duration after the onset
 # on, because its largest force may come soon.
 LONG_CONTACT, EARLY_TIMES, EARLIEST_SHARE = 0.01, 100, 1e-3
-CLOSE_TIMES = 1000  # number of equally spaced times in a picture of one impact (a close view)
+# number of equally spaced times in a picture of one impact (a close view), besides the rows and bends
+CLOSE_TIMES = 1000
 # [1] time that a close view shows before and after the impact, relative to the impact's duration
 CLOSE_BEFORE, CLOSE_AFTER = 0.5, 1.0
 # BEND: a curve bends where it deviates from a straight line by more than this, relative to its range. PARTS:
-# an interval with a bend is divided into so many intervals. ROUNDS: this is repeated at most so many times,
-# but not if there would be more than MOST_TIMES times. Without the additional times, the largest force would
+# an interval with a bend is divided into so many intervals. ROUNDS: this is done at most so many times, but
+# not if there would be more than MOST_TIMES times. Without the additional times, the largest force would
 # be drawn too low if it occurs late in a long contact.
 BEND, ROUNDS, PARTS, MOST_TIMES = 0.01, 4, 4, 20_000
 # [1] the duration that a close view assumes for a contact that lasts to the end of the run, relative to the
@@ -35,7 +36,8 @@ LASTING_SHARE = 0.02
 # the close view of a contact that lasts more than LEAST_PULSES × its first pulse shows this pulse, which ends
 # at the latest at the time of ``impact_ends``
 LEAST_PULSES = 2.0
-# [1] the duration that a close view assumes for an impulse, which has none, relative to the run's duration
+# [1] the duration that a close view assumes for an impulse, which has none, and for a contact whose end is
+# unknown, relative to the run's duration
 IMPULSE_SHOWN = 1e-3
 
 

@@ -213,7 +213,11 @@ def _table(record: Any, walls: Sequence[str]) -> np.ndarray:
 
 
 def wall_names_of(record: Any) -> list[str]:
-    """Return the names of the walls by their numbers: those of the box, and those that columns name."""
+    """Return the names of walls and stops by their numbers, as far as columns tell them.
+
+    The walls of the box come first, then other walls in columns of contacts, stops of joints, stops of a
+    slider.
+    """
     names = [name_parts(str(name)) for name in names_of(record)]
     touched_names = [parts.name for parts in names if parts.owner == "contact" and parts.quantity == "force"]
     ends = [stop for stop in SLIDER_STOPS if stop in touched_names]

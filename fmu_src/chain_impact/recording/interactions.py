@@ -30,9 +30,9 @@ class Interaction:
         friction: the force of dry friction on the point, shape (T,) [N]; it is positive along t = (n_y,
             −n_x), for the wall's normal n. For a joint it is the moment of dry friction [N·m], for a slider
             the force of dry friction on the carriage [N]; both are positive where they push the angle or the
-            position to larger values. None without dry friction.
+            position to larger values. None without dry friction, or if unknown.
         sticking: shape (T,); above 0 in the rows in which the contact, joint or slider sticks, else 0. None
-            without dry friction.
+            without dry friction, or if unknown.
         kind: WALL, SLIDER_STOP, JOINT_STOP or FRICTION; ``wall`` does not tell it, because a wall may have
             the name of a stop if the chain has no such stop.
     """

@@ -22,7 +22,8 @@ LEAST_DURATION = 1e-4
 # [1] an impact without a duration, such as that of a rigid wall, and the ramps before and after such an
 # impact are shown for this fraction of the time of other impacts, because nothing moves during the impact
 INSTANT = 0.1
-FRAME_RATE = 60.0  # [1/s] frames per second on the screen, unless a sine needs more
+# [1/s] frames per second on the screen; more if a sine needs them, fewer in a film with MOST_FRAMES
+FRAME_RATE = 60.0
 # least number of frames in a period of the fastest sine that drives an input; with fewer, the motion would
 # look wrong
 FRAMES_OF_A_PERIOD = 16.0

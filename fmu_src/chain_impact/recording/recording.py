@@ -246,7 +246,10 @@ class Recording(OlderNames):
 
     @property
     def contact_forces(self) -> dict[tuple[int, str], np.ndarray | None]:
-        """(Point or joint, name of the wall or stop) → the force [N] or moment [N·m] there, shape (T,)."""
+        """(Point or joint, name of the wall or stop) → the force [N] or moment [N·m] there, shape (T,).
+
+        Dry friction in a joint or on a slider has the name "" and the force None.
+        """
         return {(interaction.point, interaction.wall): interaction.force for interaction in self.interactions}
 
     def __repr__(self) -> str:

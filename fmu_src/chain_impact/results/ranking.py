@@ -36,7 +36,8 @@ if TYPE_CHECKING:
 
 EXPONENTS = ("contact.exponent", "stop.exponent")
 """The parameters that change the unit, and so the meaning, of a stiffness."""
-# [1] the text tells that an effect above this, relative to the quantity, holds for smaller changes only
+# [1] the text tells that an effect above this, relative to the quantity, holds for smaller changes only,
+# unless a run has simulated the effect
 LARGE_SHARE = 0.2
 # [1] an effect that is at most this, relative to ``RankedQuantity.size``, is round-off and counts as none
 LEAST_EFFECT = 1e-12

@@ -65,8 +65,8 @@ class ListRule(NamedTuple):
 
 LISTS = {
     "sites": ListRule(
-        "points of links beside the ends; link and entry: indices; corner: its number, from 1, if it is a "
-        "corner of a box, else 0; label: its name"
+        "points of links other than the ends; link and entry: indices; corner: its number, from 1, if it is "
+        "a corner of a box, else 0; label: its name"
     ),
     "candidates": ListRule(
         "pairs, stops, slider_stops; n: number of the point or joint, 0 at the slider; wall: index; "
@@ -143,7 +143,7 @@ FACTS = {
     ),
     "has_inputs": Fact(
         " or ".join(f"inputs.{key}" for key in INPUTS_OF if key != "wall_motion"),
-        "there are inputs, beside motions of walls",
+        "there are inputs other than motions of walls",
     ),
     "has_limits": Fact(
         "has_value(chain.slider.force_limit) or any(chain.links, has_value(joint_torque_limit))",
@@ -152,7 +152,7 @@ FACTS = {
     "has_motions": Fact("inputs.base_motion or moving_walls", "inputs move the base or walls"),
     "has_bodies": Fact(
         "skewed or has_slider or sites",
-        "there is a slider, a point beside the ends of a link, or a given center_of_mass_offset",
+        "there is a slider, an additional point of a link, or a given center_of_mass_offset",
     ),
     "has_supply": Fact("has_inputs or inputs.wall_motion or has_limits", "energy may be supplied"),
     "needs_impulses": Fact(

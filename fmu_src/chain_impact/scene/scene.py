@@ -151,7 +151,7 @@ def parse_scene(text: str, source: str) -> Scene:
 
 
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
-    """Return the checked scene; errors name the path `source`, relative paths begin at its folder."""
+    """Return the checked scene; errors name the file `source`, in whose folder relative paths begin."""
     scene = _validated_scene(data, source, in_file=True)
     warn(source, checks.hints(scene))
     return scene

@@ -239,9 +239,9 @@ def values_of(
 ) -> np.ndarray:
     """Return the values of a piecewise polynomial at ``times`` [s].
 
-    Polynomial k has the coefficients ``powers[k]`` and begins at the time ``at[k]``; the first one also holds
-    before its start, the last one for all later times. At a start ``at[k]``, polynomial k gives the value if
-    ``side`` is "right", and the polynomial before it if ``side`` is "left".
+    Polynomial k has the coefficients ``powers[k]`` and begins at ``knot_times[k]`` [s]; the first one also
+    holds before its start, the last one for all later times. At the start of polynomial k, this polynomial
+    gives the value if ``side`` is "right", and the polynomial before it if ``side`` is "left".
     """
     k = np.maximum(np.searchsorted(knot_times, times, side=side) - 1, 0)
     return _sums_of_powers(powers[k], times - knot_times[k])

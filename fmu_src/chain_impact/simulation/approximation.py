@@ -3,7 +3,7 @@
 A piece is an interval with one polynomial for each function: its Chebyshev series from values at
 Chebyshev–Gauss points. The ends of a piece are not among these points, so the exact value at a jump does not
 matter. An interval in which a series does not converge is halved, or divided where the functions change from
-one polynomial to another. The piece before a jump replaces an interval up to SHORTEST_PIECE around it.
+one polynomial to another. The piece before a jump lasts until the piece after it.
 
 Source: J. P. Boyd 2001, *Chebyshev and Fourier Spectral Methods*, 2nd ed., Dover, section 2.12: the last
 coefficients bound the error.
@@ -38,14 +38,14 @@ HALVED_BEYOND = 2
 # would be wasted if polynomials fail
 BATCH_DOUBLINGS = 4
 RETRY_PIECES = 32  # a length of intervals for which polynomials failed is tried again after at most this many
-# largest number of successive intervals without a piece (SHORTEST_PIECE) in which a function is smooth
+# with more successive intervals that are dropped (SHORTEST_PIECE), a function counts as not smooth
 MOST_FAILED_INTERVALS = 4
 # [1] values of the functions for a piece shorter than this, relative to the run, count against MOST_CALLS
 SHORT_PIECE = 1 / 65536
 # largest number of times in a run at which the functions are evaluated for short pieces, jumps and kinks;
 # with more, the search gives up with an error
 MOST_CALLS = 15_000
-# Each piece of ``held`` in ``with_held`` raises the limit MOST_CALLS by CALLS_PER_PIECE, because the search
+# Each piece of ``steps`` in ``with_held`` raises the limit MOST_CALLS by CALLS_PER_PIECE, because the search
 # for polynomials begins anew in each of these pieces.
 CALLS_PER_PIECE = 50
 MOST_DEGREE = 5  # only a polynomial of at most this degree is extrapolated to find a jump or kink
@@ -245,8 +245,8 @@ class Approximator:
         """Return two times [s], just before and just after the only jump or kink of an interval.
 
         Both times are that of a kink if the polynomials of both sides have the functions' values at a time of
-        the search. The result is None if the search does not find just one jump or kink, or if a polynomial
-        beside it has a degree > MOST_DEGREE.
+        the search. The result is None if the search does not find just one jump or kink, or if beside it no
+        polynomial of a degree ≤ MOST_DEGREE is accurate.
         """
         quarter = 0.25 * (end - start)
         a, b = start + quarter, end - quarter
@@ -389,7 +389,7 @@ class Approximator:
 
 
 def _zero(powers: np.ndarray) -> float:
-    """Return a polynomial's zero near 0, by Newton's method; infinity if its slope at an iterate is 0."""
+    """Return an estimate of a polynomial's zero near 0, by Newton's method; infinity if a slope is 0."""
     x, rates = 0.0, polynomial.polyder(powers)
     for _ in range(NEWTON_STEPS):
         rate = float(polynomial.polyval(x, rates))

@@ -44,7 +44,7 @@ class Chain:
     and ``reset`` return to an earlier state.
 
     Attributes:
-        scene: the scene.
+        scene: the scene, without the values that ``set`` has changed.
     """
 
     def __init__(self, scene: SceneSource, *, record: bool | str | Iterable[str] = False) -> None:
@@ -126,7 +126,9 @@ class Chain:
         state; if this has no row here, as a state of another chain, the rows begin with it.
 
         Raises:
-            SceneError: when the chain keeps no rows.
+            SceneError: when the chain keeps no rows, or has no row yet and the run cannot continue with the
+                values that were set.
+            SimulationError: when the scene cannot start with the values that were set.
         """
         if self._rows is None:
             raise SceneError(f"{self.scene.name}: result() needs rows: create Chain(…, record=True)")

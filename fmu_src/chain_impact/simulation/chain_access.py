@@ -67,7 +67,7 @@ def access_to(variable: Variable, row: TableRow) -> Access:
 def with_present_values(
     prepared_scene: PreparedScene, accesses: Mapping[str, Access], start: np.ndarray, words: np.ndarray
 ) -> PreparedScene:
-    """Return the scene with the values of parameters that differ between two records of it.
+    """Return ``prepared_scene`` with the present values of the parameters that differ between two records.
 
     ``start`` are the words of the record at the start of the scene, ``words`` those of the present one.
     """

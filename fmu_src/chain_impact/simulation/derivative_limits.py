@@ -1,4 +1,4 @@
-"""Texts that tell users why derivatives end (``trust.reason``, kernel/tangent/trust.py), lack or err."""
+"""Texts that tell users why derivatives end (kernel/tangent/trust.py), are missing or are inexact."""
 
 from chain_impact.kernel.tangent.trust import (
     AT_FRICTION_LIMIT,

@@ -251,8 +251,8 @@ class DifferentiatedInstance(Instance):
 def is_rise(parameter: Variable) -> bool:
     """Return whether a parameter is the rise of a signal.
 
-    A parameter with respect to which derivatives are ``_missing`` is a rise of 0 or a friction of 0; this
-    function tells which of the two it is.
+    A parameter with respect to which derivatives are missing (``_is_missing``) is a rise of 0 or a friction
+    of 0; this function tells which of the two it is.
     """
     return parameter.record_path[:2] == ("signal", "rise")
 

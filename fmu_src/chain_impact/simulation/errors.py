@@ -23,11 +23,11 @@ class RunError(RuntimeError):
 
 
 class SimulationError(RunError):
-    """Raised when the solver cannot continue.
+    """Raised when the solver cannot start or continue.
 
     Attributes:
         status: the code, see ``chain_impact.kernel.status``.
-        time: the time at which the solver stopped [s].
+        time: the time at which the solver stopped [s]; 0 if the scene cannot start.
         part: the part of the scene that is the reason, such as a point and a wall; "" if no single part is.
         result: the ``Result`` up to this time; None if the scene cannot start, and for a
             ``Chain`` that keeps no rows.

@@ -101,7 +101,7 @@ class InputSchedule:
     def with_times(self, times: np.ndarray) -> InputSchedule:
         """Return the same inputs with other communication points: ``times`` [s], and the starts of pieces.
 
-        Pieces that start after the last of ``times`` are left out.
+        Starts after the last of ``times`` are left out.
         """
         begin_times = self.times[np.maximum(self.first_row - 1, 0)]
         merged_times = np.union1d(times, begin_times[begin_times <= times[-1]])
@@ -326,7 +326,7 @@ def _with_functions(
     """Return ``pieces``, those of all signals, with polynomials of the ``functions`` in their ``columns``.
 
     In ``pieces`` all signals are constant or linear; see ``Approximator.with_held``. ``errors`` are the
-    arguments ``accuracy`` and ``resolved`` of ``Approximator``, each with a number for each function.
+    arguments ``accuracy`` and ``resolution`` of ``Approximator``, each with a number for each function.
     """
     names = list(functions)
 

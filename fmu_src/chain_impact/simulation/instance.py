@@ -46,7 +46,8 @@ class Instance:
     ) -> None:
         """Load or compile the kernel; set the instance to its start, with the first values of the inputs.
 
-        The derivatives are those with respect to ``parameters``; None stands for the list of the scene.
+        The derivatives are those with respect to ``parameters``; None stands for those in
+        ``outputs.sensitivities`` of the scene.
 
         Raises:
             SimulationError: when the scene cannot start.

@@ -27,7 +27,7 @@ from chain_impact.simulation.pieces import Pieces, joined_points
 from chain_impact.variables.kind import MOTION, MOTIONS
 from chain_impact.variables.prepared import PreparedScene
 
-# arguments ``accuracy`` and ``resolved`` of ``Approximator`` for motions
+# arguments ``accuracy`` and ``resolution`` of ``Approximator`` for motions
 ACCURACY, FINELY_RESOLVED = 4e-15, 1e-15
 # [1] limits for the position, the speed and the acceleration, relative to the largest value of each: two
 # pieces that differ more than this where they meet make a jump. The limits are wide, because the time of a

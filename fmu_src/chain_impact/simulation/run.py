@@ -130,9 +130,10 @@ class SceneRerun:
     schedule: InputSchedule
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
-        """Return all outputs at the increasing ``times`` [s], shape (S,): a structured array, shape (S,).
+        """Return the outputs that change continuously at increasing ``times`` [s], shape (S,).
 
-        The array is shorter if the solver cannot continue, and empty if the run cannot start.
+        The result is a structured array of shape (S,). It is shorter if the solver cannot continue, and empty
+        if the run cannot start.
         """
         schedule = self.schedule.with_times(times)
         try:

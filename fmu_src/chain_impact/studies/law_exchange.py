@@ -114,9 +114,10 @@ def stiffened(scene: Scene, factor: float) -> Scene:
 
 
 def contact_at(scene: Scene, impact: np.void) -> Contact:
-    """Return ``scene.contact`` with the values of the wall, or of the joints' stops, at which an impact is.
+    """Return ``scene.contact`` with the stiffness and the restitution of the wall that an impact hits.
 
-    ``impact`` is a row of ``Result.impacts``.
+    At a stop of a joint, the law and all its values are those of the stops. ``impact`` is a row of
+    ``Result.impacts``.
     """
     contact, stops = scene.contact, scene.stops
     if is_scene_joint_stop(scene, impact["wall"]):

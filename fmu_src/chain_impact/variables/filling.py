@@ -289,6 +289,8 @@ def _law_number(name: str) -> int:
 def with_tangents(memory: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
     """Return a copy of the instance ``memory``, with tangent instances after it, in the field TANGENTS.
 
+    Their number is written into ``memory``, too.
+
     ``paths`` are the paths in the record of the parameters and inputs with respect to which the kernel
     computes derivatives. Each of these numbers has a direction of its own, in which its derivative is 1 and
     the derivatives of all others are 0. A tangent instance has DIRECTIONS directions.

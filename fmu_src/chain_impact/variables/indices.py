@@ -25,8 +25,8 @@ HEAD_WORDS = [kind.names is None for kind, *_ in layout_of(1, 0).fields.values()
 def word_index(dtype: np.dtype, path: DataPath) -> int:
     """Return the index of the number at a path in a record, in words of 8 bytes from the record's start.
 
-    ``dtype`` is the type of the record. Raises IndexError or KeyError if the path does not lead to a single
-    number of 8 bytes.
+    ``dtype`` is the type of the record. Raises IndexError, KeyError or ValueError if the path does not lead
+    to a single number of 8 bytes.
     """
     offset = 0
     for step in path:

@@ -284,7 +284,7 @@ def field_at(outputs: Any, path: DataPath) -> Any:
 def kernel_scope(scene: Scene) -> int:
     """Return the argument ``scope`` of ``kernel_library`` for a scene: the number of links, or ``GENERAL``.
 
-    It is ``GENERAL`` if inputs move the base or walls, signals drive inputs, or the fact "body" holds
+    It is ``GENERAL`` if inputs move the base or walls, signals drive inputs, or the fact "has_bodies" holds
     (scene/facts.py): other kernels have no code for these.
     """
     facts = SceneFacts(scene)

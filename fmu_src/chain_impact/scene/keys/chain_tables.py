@@ -15,7 +15,7 @@ OPTIONAL_NAME = (rf"({IDENTIFIER[0]})?", IDENTIFIER[1])
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Site:
-    """A point of a link beside the link's two ends, such as a heel or a corner; it may touch walls."""
+    """A point of a link that is not one of the link's two ends, such as a heel; it may touch walls."""
 
     x: float = scene_key("m", "position along the link, from the joint nearer to the base", label="Along")
     y: float = scene_key("m", "position to the left of the link's line", 0.0, label="Left")

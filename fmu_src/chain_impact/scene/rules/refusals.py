@@ -176,8 +176,8 @@ ENTRY_REFUSALS = (
 ``of`` is the list; the key is "", because the path of the list or of the entry is that of the error. The
 names in the rules are these facts. ``entry``: the value of the entry; ``before``: the entries before it in
 the list; ``movable``: the points that can move; ``walls``: the number of entries of ``walls``; ``reached``: a
-wall's name for each pair of a point and a wall that can touch, of which the kernel's record has room for as
-many entries of ``walls``; ``reserved``: the names that no entry of ``walls`` may have.
+wall's name for each pair of a point and a wall that can touch (the kernel's record has room for as many
+entries of ``walls`` as there are such pairs); ``reserved``: the names that no entry of ``walls`` may have.
 """
 LAW_FACTS = ("id", "allows_zero", "exponent", "impulsive")
 """The properties of a contact law that rules may name."""

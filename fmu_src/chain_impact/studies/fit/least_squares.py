@@ -25,8 +25,8 @@ class Search:
 
     Attributes:
         best: the model with the parameters that the search found.
-        converged: whether the search ended because a change was below ``enough`` (``minimize``) or below
-            SMALLEST_CHANGE; False after too many steps, or if the search could not begin.
+        converged: whether the search ended because a change was below ``enough_decrease`` (``minimize``) or
+            below SMALLEST_CHANGE; False after too many steps, or if the search could not begin.
         steps: how many values of the parameters were tried, the start included; 0 if the search could not
             begin.
     """

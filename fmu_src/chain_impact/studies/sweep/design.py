@@ -177,7 +177,7 @@ def sampled_design(
 def checked_integer(
     source: str, name: str, number: int, *, least_number: int = 1, end: int | None = None
 ) -> int:
-    """Return ``number``, the argument ``name`` of a sweep, if it is whole and least ≤ number < end.
+    """Return ``number``, the argument ``name`` of a sweep, if it is whole, ≥ ``least_number`` and < ``end``.
 
     ``end`` None means no upper limit. ``source`` is the name of the scene, for errors.
 

@@ -98,7 +98,8 @@ class Quantity:
     def is_without_touch(self, runs: Runs) -> np.ndarray:
         """Return whether each run has no value because nothing touches, shape (R,).
 
-        The table has 0 for a load, a penetration or a dissipated energy of such a run.
+        The table has 0 for a load, a penetration or a dissipated energy of such a run. For any other
+        quantity, the result is False for all runs.
         """
         if peak := PEAKS.get(self.column):
             loads = {
