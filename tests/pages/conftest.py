@@ -50,6 +50,11 @@ async function compiled(text) {{
   return modules.get(text);
 }}"""
 
+BEGUN = """new Promise((done) => new PerformanceObserver((marks, observer) => {
+  if (marks.getEntriesByName("first-frame").length) { observer.disconnect(); done(true); }
+}).observe({ type: "mark", buffered: true }))"""
+"""Waits for the first motion; a condition that is polled would request frames."""
+
 USUAL = {"viewport": DESK, "reduced_motion": "reduce", "color_scheme": "light"}
 """The options of a page that can be changed later."""
 
@@ -122,7 +127,7 @@ def open_page(browser, idle):
         if stopped:
             page.clock.pause_at(60)
         elif begins:
-            page.wait_for_function("performance.getEntriesByName('first-frame').length === 1")
+            page.wait_for_function(BEGUN)
         return page
 
     yield open_page

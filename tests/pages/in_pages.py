@@ -95,8 +95,19 @@ def draw_map(page):
     page.locator("#map-text").get_by_text("1681 runs in").wait_for()
 
 
-def time_of(page):
+def until_drawn(page):
+    """Wait until the page has drawn what has changed."""
     page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def resize(page, width, height):
+    """Change the size of the window, and wait until the page is drawn in it."""
+    page.set_viewport_size({"width": width, "height": height})
+    until_drawn(page)
+
+
+def time_of(page):
+    until_drawn(page)
     return float(page.evaluate(TIME_TEXT).removesuffix(" s"))
 
 

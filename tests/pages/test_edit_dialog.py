@@ -263,26 +263,26 @@ def test_a_dropped_file_replaces_scene_sliders_link_and_map(show, open_page, add
     until_told(other, "4 links")
 
 
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("name = 'Rod'\nmass = ", "not valid TOML: "),
-        ("name = 'Rod'\n", "chain.links is missing (links from base to tip)."),
-        (json.dumps({"links": 4}), "(at line 1)."),
-        ("\n[[link]]\nlength = 1\n", "link is unknown; the nearest key is chain.links (line 2)."),
-        (
-            "name = 'Rod'\n[[chain.links]]\nlength = 1\nmass = 1\n[[chain.links]]\nmas = 2\n",
-            "chain.links[2].mas is unknown; the nearest key is chain.links.mass (line 6).",
-        ),
-    ],
-)
-def test_a_dropped_file_that_is_no_scene_is_told_and_changes_nothing(show, text, told):
+NO_SCENES = {
+    "name = 'Rod'\nmass = ": "not valid TOML: ",
+    "name = 'Rod'\n": "chain.links is missing (links from base to tip).",
+    json.dumps({"links": 4}): "(at line 1).",
+    "\n[[link]]\nlength = 1\n": "link is unknown; the nearest key is chain.links (line 2).",
+    "name = 'Rod'\n[[chain.links]]\nlength = 1\nmass = 1\n[[chain.links]]\nmas = 2\n": (
+        "chain.links[2].mas is unknown; the nearest key is chain.links.mass (line 6)."
+    ),
+}
+"""Text of a file that is no scene → end of its refusal."""
+
+
+def test_a_dropped_file_that_is_no_scene_is_told_and_changes_nothing(show):
     page = show()
     before = page.evaluate("chainImpact.parameters")
-    page.evaluate(DROP, ["rod.toml", text])
-    until_told(page, "rod.toml cannot be opened: ", "edit-text")
-    assert told in refusal(page)
-    assert page.evaluate("chainImpact.parameters") == before
+    for k, (text, told) in enumerate(NO_SCENES.items()):
+        page.evaluate(DROP, [f"rod_{k}.toml", text])
+        until_told(page, f"rod_{k}.toml cannot be opened: ", "edit-text")
+        assert told in refusal(page)
+        assert page.evaluate("chainImpact.parameters") == before
 
 
 def test_a_valid_text_of_the_scene_acts_and_a_fault_is_told_with_its_line(show):

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from chain_impact import explore, load_scene, simulate
-from tests.pages.in_pages import DESK, PHONE, PIXELS, go_to, impacts_of, until, until_told
+from tests.pages.in_pages import DESK, PHONE, PIXELS, go_to, impacts_of, resize, until, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -143,12 +143,13 @@ def test_a_ratio_of_speeds_above_1_is_told_as_such_and_no_impulse_is_cut(show):
     assert page.evaluate("impacts.scrollWidth <= impacts.clientWidth")
 
 
-@pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
-def test_the_list_has_room_for_units_of_stops(show, size):
-    page = show("kneed_leg", hash_="#stop.restitution=0.5", viewport=size)
+def test_the_list_has_room_for_units_of_stops(show):
+    page = show("kneed_leg", hash_="#stop.restitution=0.5")
     page.evaluate("chainImpact.show({'stop.restitution': 0.3})")
     until_told(page, impacts_of({"stop.restitution": 0.3}, "kneed_leg"))
-    assert page.evaluate("impacts.scrollWidth <= impacts.clientWidth")
+    for size in (PHONE, DESK):
+        resize(page, **size)
+        assert page.evaluate("impacts.scrollWidth <= impacts.clientWidth"), size
     largest = page.locator("#impacts tbody tr:first-child td:last-child").inner_text()
     units = page.locator("#impacts th").all_inner_texts()
     assert units[4] == "speed, rad/s", "one unit for all"
@@ -176,21 +177,19 @@ def test_the_page_within_a_lesson_without_a_worker_and_in_an_old_browser(browser
     page.close()
 
 
-@pytest.mark.parametrize(
-    ("size", "scheme"),
-    [(DESK, "light"), (PHONE, "dark"), ({"width": 320, "height": 320}, "light")],
-    ids=["desk", "phone", "small"],
-)
-def test_the_page_stays_within_the_screen(show, size, scheme):
-    page = show(viewport=size, color_scheme=scheme)
-    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    assert page.locator("#scene").is_visible()
-    play = page.get_by_role("button", name="Play")
-    stage, below = page.locator("#view").bounding_box(), play.bounding_box()
-    assert below["y"] + below["height"] <= size["height"]
-    assert min(below["y"], stage["y"] + stage["height"]) - stage["y"] > 100, "the motion is in sight"
-    play.click()
-    page.get_by_role("button", name="Pause").wait_for()
+def test_the_page_stays_within_the_screen(show):
+    page = show()
+    for size in (DESK, PHONE, {"width": 320, "height": 320}):
+        page.emulate_media(color_scheme="dark" if size is PHONE else "light")
+        resize(page, **size)
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), size
+        assert page.locator("#scene").is_visible()
+        play = page.get_by_role("button", name="Play")
+        stage, below = page.locator("#view").bounding_box(), play.bounding_box()
+        assert below["y"] + below["height"] <= size["height"]
+        assert min(below["y"], stage["y"] + stage["height"]) - stage["y"] > 100, "the motion is in sight"
+        play.click()
+        page.get_by_role("button", name="Pause").click()
 
 
 def test_keys_move_grips_and_points_are_numbered(show):

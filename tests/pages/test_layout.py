@@ -6,7 +6,7 @@
 import pytest
 
 from chain_impact import simulate
-from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, go_to, impacts_of, until, until_told
+from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, go_to, impacts_of, resize, until, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -181,10 +181,9 @@ def test_the_end_of_the_column_cuts_no_card_of_a_scene_with_signals(show, size):
 
 
 @pytest.mark.parametrize("hash_", ["", "#curves=point[4].y,contact[2].y_min.force"], ids=["", "outputs"])
-@pytest.mark.parametrize("size", [(1366, 800), (1280, 720), (390, 844)], ids=lambda size: size[0])
-def test_no_combination_of_pins_outputs_and_messages_cuts_a_card(show, size, hash_):
+def test_no_combination_of_pins_outputs_and_messages_cuts_a_card(show, hash_):
     """The values have few impacts, many impacts, and a run that stops; the column fades where more is."""
-    page = show(hash_=hash_, viewport=dict(zip(("width", "height"), size, strict=True)))
+    page, sizes = show(hash_=hash_), ((1366, 800), (1280, 720), (390, 844))
     faults = [*(function_of("layout", name) for name in ("overlappingCards", "overfullCards")), CLASHES]
     for pins in range(3):
         for restitution, stiffness in ((0.7, 1e8), (0.5, 1e8), (0.5, 1e30)):
@@ -193,15 +192,19 @@ def test_no_combination_of_pins_outputs_and_messages_cuts_a_card(show, size, has
             told = "document.getElementById('status').checkVisibility()"
             until(page, told if stiffness > 1e8 else f"!{told}")
             until_told(page, "1 impact in" if stiffness > 1e8 else impacts_of(values))
-            assert [page.evaluate(fault) for fault in faults] == [[], [], []], (pins, values)
-        column = page.locator("aside")
-        column.evaluate("one => one.scrollTo(0, 0)")
-        until(page, "!document.querySelector('aside').matches('.more-above')")
-        more = column.evaluate("one => [one.scrollHeight > one.clientHeight, one.matches('.more-below')]")
-        assert more[0] == more[1]
-        if more[0]:
-            column.evaluate("one => one.scrollTo(0, 1e4)")
-            until(page, "document.querySelector('aside').matches('.more-above:not(.more-below)')")
+            for size in sizes:
+                resize(page, *size)
+                assert [page.evaluate(fault) for fault in faults] == [[], [], []], (pins, values, size)
+        for size in sizes:
+            resize(page, *size)
+            column = page.locator("aside")
+            column.evaluate("one => one.scrollTo(0, 0)")
+            until(page, "!document.querySelector('aside').matches('.more-above')")
+            more = column.evaluate("one => [one.scrollHeight > one.clientHeight, one.matches('.more-below')]")
+            assert more[0] == more[1], (pins, size)
+            if more[0]:
+                column.evaluate("one => one.scrollTo(0, 1e4)")
+                until(page, "document.querySelector('aside').matches('.more-above:not(.more-below)')")
         page.get_by_role("button", name="Pin").click()
 
 
@@ -232,15 +235,16 @@ def test_the_list_of_impacts_covers_no_part_of_a_chart(show, model, hash_):
     assert page.evaluate("document.getElementById('energy').clientHeight") >= 124
 
 
-@pytest.mark.parametrize("size", [*SIZES, DESK], ids=lambda size: f"{size['width']}")
-def test_a_page_without_impacts_is_as_wide_as_the_screen(show, size):
-    page = show(hash_="#simulation.stop_time=0.2", viewport=size)
+def test_a_page_without_impacts_is_as_wide_as_the_screen(show):
+    page = show(hash_="#simulation.stop_time=0.2")
     until(page, "document.querySelector('#impacts.none')")
-    assert page.locator("#contact").is_hidden()
     page.evaluate("chainImpact.show({'simulation.stop_time': 0.1})")
     until(page, "document.getElementById('impacts-before').textContent")
-    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    assert page.locator("#list").bounding_box()["width"] > 250.0
+    for size in (*SIZES, DESK):
+        resize(page, **size)
+        assert page.locator("#contact").is_hidden(), size
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), size
+        assert page.locator("#list").bounding_box()["width"] > 250.0, size
 
 
 def test_a_title_of_three_lines_covers_no_legend(show):
@@ -344,9 +348,11 @@ def test_the_line_on_an_impact_is_whole_before_the_impact_and_in_it(show, model,
             assert not page.evaluate(IS_CUT_OFF, "caption"), page.inner_text("#caption")
 
 
-@pytest.mark.parametrize("width", [1280, 1366])
-def test_a_long_name_of_a_point_cuts_no_number_of_the_list(show, width):
-    page = show("hopper", viewport={"width": width, "height": 800})
+def test_a_long_name_of_a_point_cuts_no_number_of_the_list(show):
+    page = show("hopper")
     until(page, "document.querySelectorAll('#impacts tbody tr').length > 2")
-    page.evaluate("document.querySelector('#impacts td:nth-child(3)').textContent = '14 (left heel)'")
-    assert page.evaluate("(list => list.scrollWidth <= list.clientWidth)(document.getElementById('impacts'))")
+    for width in (1280, 1366):
+        resize(page, width, 800)
+        page.evaluate("document.querySelector('#impacts td:nth-child(3)').textContent = '14 (left heel)'")
+        is_whole = "({ scrollWidth, clientWidth }) => scrollWidth <= clientWidth"
+        assert page.locator("#impacts").evaluate(is_whole), width

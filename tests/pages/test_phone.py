@@ -5,7 +5,7 @@
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import ON_ITS_SIDE, PHONE, until, until_told
+from tests.pages.in_pages import ON_ITS_SIDE, PHONE, resize, until, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -14,15 +14,16 @@ OVERLAPPING_CARDS = function_of("layout", "overlappingCards")
 IS_CUT_OFF = function_of("layout", "isCutOff")
 
 
-@pytest.mark.parametrize("size", [(844, 390), (932, 430), (844, 500)])
-def test_cards_lie_side_by_side_on_a_phone_on_its_side(show, size):
+def test_cards_lie_side_by_side_on_a_phone_on_its_side(show):
     """The list of impacts has the width of its table."""
-    page = show(viewport=dict(zip(("width", "height"), size, strict=True)), has_touch=True)
+    page = show(viewport=ON_ITS_SIDE, has_touch=True)
     for _ in range(2):
-        for scrolled in (0, 200, 400):
-            page.evaluate("to => scrollTo(0, to)", scrolled)
-            assert page.evaluate(OVERLAPPING_CARDS) == [], scrolled
-        assert not page.evaluate(IS_CUT_OFF, "impacts")
+        for size in ((844, 390), (932, 430), (844, 500)):
+            resize(page, *size)
+            for scrolled in (0, 200, 400):
+                page.evaluate("to => scrollTo(0, to)", scrolled)
+                assert page.evaluate(OVERLAPPING_CARDS) == [], (size, scrolled)
+            assert not page.evaluate(IS_CUT_OFF, "impacts"), size
         page.evaluate("document.getElementById('pin').click()")
 
 

@@ -25,8 +25,10 @@ from tests.pages.in_pages import (
     go_to,
     pixels,
     press,
+    resize,
     time_of,
     until,
+    until_drawn,
 )
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
@@ -312,16 +314,17 @@ def test_the_page_is_dark_where_that_is_wanted_and_changes_while_open(show_recor
     assert np.median(pixels(page)) > 200
 
 
-@pytest.mark.parametrize("viewport", [PHONE, {"width": 320, "height": 568}, ON_ITS_SIDE])
-def test_on_a_phone_all_fits_the_width_and_the_controls_are_in_sight(show_recording, viewport):
-    page = show_recording(viewport=viewport, has_touch=True)
-    assert page.evaluate("document.documentElement.scrollWidth") <= viewport["width"]
-    assert page.evaluate("(({ scrollWidth, clientWidth }) => scrollWidth <= clientWidth)(controls)")
-    for name in ("Previous impact", "Play", "Next impact"):
-        box = page.get_by_role("button", name=name, exact=True).bounding_box()
-        assert box["y"] + box["height"] <= viewport["height"]
-        assert min(box["width"], box["height"]) >= 32
-    assert count_of(pixels(page), LIGHT_CHAIN) > 150
+def test_on_a_phone_all_fits_the_width_and_the_controls_are_in_sight(show_recording):
+    page = show_recording(viewport=PHONE, has_touch=True)
+    for viewport in (PHONE, {"width": 320, "height": 568}, ON_ITS_SIDE):
+        resize(page, **viewport)
+        assert page.evaluate("document.documentElement.scrollWidth") <= viewport["width"]
+        assert page.evaluate("(({ scrollWidth, clientWidth }) => scrollWidth <= clientWidth)(controls)")
+        for name in ("Previous impact", "Play", "Next impact"):
+            box = page.get_by_role("button", name=name, exact=True).bounding_box()
+            assert box["y"] + box["height"] <= viewport["height"]
+            assert min(box["width"], box["height"]) >= 32
+        assert count_of(pixels(page), LIGHT_CHAIN) > 150
 
 
 @pytest.mark.parametrize("name", ["help", "map"])
@@ -337,7 +340,7 @@ def test_the_motion_pauses_behind_a_dialog_and_goes_on_after_it(show, name):
     until(page, f"!{playing}")
     page.locator(f"#{name}-open").click()
     page.keyboard.press("Escape")
-    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    until_drawn(page)
     assert not page.evaluate(playing), "a motion that the reader has paused stays paused"
 
 

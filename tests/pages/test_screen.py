@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, until, until_told
+from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, resize, until, until_drawn, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -21,7 +21,7 @@ STILL = "document.getElementById('stage').ariaBusy === 'false'"
 
 def settle(page):
     """Wait until the page has drawn the last change and finished the following run."""
-    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    until_drawn(page)
     until(page, STILL)
 
 
@@ -61,15 +61,15 @@ def drag(page, grip, by, origin=None):
     return parameters(page)
 
 
-@pytest.mark.parametrize(("wall", "key", "sign"), [("y_max", "ArrowUp", 1), ("y_min", "ArrowDown", -1)])
-def test_an_arrow_key_moves_a_wall_whose_grip_is_beside_it(show, wall, key, sign):
+def test_an_arrow_key_moves_a_wall_whose_grip_is_beside_it(show):
     """The grip of a wall at the edge of the view is inside the view, as a whole."""
     page = show()
-    before = parameters(page)[f"box.{wall}"]
-    page.locator(f'[data-grip="wall {wall}"]').focus()
-    page.keyboard.press(key)
-    settle(page)
-    assert sign * (parameters(page)[f"box.{wall}"] - before) > 0.0
+    for wall, key, sign in (("y_max", "ArrowUp", 1), ("y_min", "ArrowDown", -1)):
+        before = parameters(page)[f"box.{wall}"]
+        page.locator(f'[data-grip="wall {wall}"]').focus()
+        page.keyboard.press(key)
+        settle(page)
+        assert sign * (parameters(page)[f"box.{wall}"] - before) > 0.0
 
 
 @pytest.mark.parametrize(
@@ -290,13 +290,14 @@ def test_a_finger_reads_a_run_of_a_map_and_then_opens_it(show):
     assert page.evaluate("chainImpact.parameters['contact.restitution']") == "0.675", "the middle of the map"
 
 
-@pytest.mark.parametrize("size", [(1100, 640), (900, 640), (1366, 640), (1000, 1000)])
-def test_the_controls_cover_no_part_of_the_motion(show, size):
+def test_the_controls_cover_no_part_of_the_motion(show):
     """The page has the size of a frame in a notebook."""
-    page = show(viewport=dict(zip(("width", "height"), size, strict=True)))
+    page = show()
     ends = "[document.getElementById('view').getBoundingClientRect().bottom, "
-    view, controls = page.evaluate(ends + "document.querySelector('footer').getBoundingClientRect().top]")
-    assert view <= controls
+    for size in ((1100, 640), (900, 640), (1366, 640), (1000, 1000)):
+        resize(page, *size)
+        view, controls = page.evaluate(ends + "document.querySelector('footer').getBoundingClientRect().top]")
+        assert view <= controls, size
 
 
 SMALL = function_of("screen", "small")
@@ -306,18 +307,18 @@ CUT_OFF = """[...document.querySelectorAll("#controls > :not([hidden])")]
   .filter((one) => one.getBoundingClientRect().right > innerWidth).map((one) => one.textContent)"""
 
 
-@pytest.mark.parametrize("size", [PHONE, ON_ITS_SIDE], ids=["upright", "on its side"])
-def test_fingers_meet_every_control_of_a_phone(show, size):
-    page = show("kneed_leg", hash_="#gravity.y=-9", viewport=size, has_touch=True)
+def test_fingers_meet_every_control_of_a_phone(show):
+    page = show("kneed_leg", hash_="#gravity.y=-9", viewport=PHONE, has_touch=True)
     page.evaluate("document.querySelector('summary').click(), document.getElementById('pin').click()")
-    assert page.evaluate(SMALL, 32) == []
-    for name in ("edit", "map", "curves", "export", "help"):
-        page.evaluate(f"document.getElementById('{name}-open').click()")
-        assert page.evaluate(SMALL, 32) == [], name
-        assert (
-            page.evaluate(CUT_OFF.replace("#controls > :not([hidden])", f"#{name} :is(input, button)")) == []
-        )
-        page.keyboard.press("Escape")
+    for size in (PHONE, ON_ITS_SIDE):
+        resize(page, **size)
+        assert page.evaluate(SMALL, 32) == [], size
+        for name in ("edit", "map", "curves", "export", "help"):
+            page.evaluate(f"document.getElementById('{name}-open').click()")
+            assert page.evaluate(SMALL, 32) == [], (size, name)
+            cut_off = CUT_OFF.replace("#controls > :not([hidden])", f"#{name} :is(input, button)")
+            assert page.evaluate(cut_off) == [], (size, name)
+            page.keyboard.press("Escape")
 
 
 @pytest.mark.parametrize("size", [PHONE, ON_ITS_SIDE], ids=["upright", "on its side"])

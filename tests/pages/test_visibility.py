@@ -5,7 +5,7 @@
 
 import pytest
 
-from tests.pages.in_pages import DESK, PHONE, ROWS, until
+from tests.pages.in_pages import DESK, PHONE, ROWS, resize, until
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -23,11 +23,12 @@ def test_a_frame_shows_chain_and_walls_with_one_scale(show):
     assert shares == pytest.approx([shares[0]] * 4, rel=1e-3)
 
 
-@pytest.mark.parametrize("size", [DESK, ITS_SIDE, PHONE], ids=lambda size: str(size["width"]))
-def test_the_drawing_has_one_size_at_all_impacts(show, size):
-    page = show(viewport=size)
-    heights = page.evaluate(function_of("visibility", "heightsAtImpacts"))
-    assert len(heights) == 1
+def test_the_drawing_has_one_size_at_all_impacts(show):
+    page = show()
+    for size in (DESK, ITS_SIDE, PHONE):
+        resize(page, **size)
+        heights = page.evaluate(function_of("visibility", "heightsAtImpacts"))
+        assert len(heights) == 1, size
 
 
 def test_no_force_is_written_on_a_point_or_its_number(show):
@@ -59,11 +60,12 @@ CUT = """(width) => [...document.querySelectorAll("#controls > :not([hidden])")]
   .filter((one) => !one.checkVisibility() || one.getBoundingClientRect().right > width).length"""
 
 
-@pytest.mark.parametrize("width", [360, 390])
-def test_a_bar_for_scrolling_hides_no_control(show, width):
-    page = show(viewport={"width": width, "height": 740})
+def test_a_bar_for_scrolling_hides_no_control(show):
+    page = show(viewport=PHONE)
     page.add_style_tag(content="html { margin-right: 16px; }")
-    assert page.evaluate(CUT, width - 16) == 0
+    for width in (360, 390):
+        resize(page, width, 740)
+        assert page.evaluate(CUT, width - 16) == 0, width
 
 
 def test_a_low_phone_shows_all_controls_and_the_motion(show):
@@ -74,14 +76,15 @@ def test_a_low_phone_shows_all_controls_and_the_motion(show):
         assert page.locator("#view").bounding_box()["height"] > 0.65 * size["height"]
 
 
-@pytest.mark.parametrize("size", [TABLET, ITS_SIDE], ids=["upright", "on its side"])
-def test_a_tablet_shows_motion_energy_force_and_impacts_at_once(show, size):
-    page = show(viewport=size)
-    top = page.locator("footer").bounding_box()["y"]
-    for name in ("#view", "#energy", "#force"):
-        box = page.locator(name).bounding_box()
-        assert box["y"] + box["height"] <= top, name
-    assert page.locator("#list-title").bounding_box()["y"] < top - 20.0
+def test_a_tablet_shows_motion_energy_force_and_impacts_at_once(show):
+    page = show()
+    for size in (TABLET, ITS_SIDE):
+        resize(page, **size)
+        top = page.locator("footer").bounding_box()["y"]
+        for name in ("#view", "#energy", "#force"):
+            box = page.locator(name).bounding_box()
+            assert box["y"] + box["height"] <= top, (size, name)
+        assert page.locator("#list-title").bounding_box()["y"] < top - 20.0, size
 
 
 def test_the_list_of_impacts_takes_the_free_height_of_an_upright_tablet(show):
