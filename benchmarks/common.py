@@ -26,7 +26,7 @@ PACKAGES = ("numpy", "numba", "llvmlite", "scipy", "ziglang", "fmpy", "pythonfmu
 Name = TypeVar("Name")
 """The name of a contender: a text, or several values."""
 Timings = dict[Name, list[float]]
-"""CPU seconds per call of each contender, one number for each round."""
+"""CPU seconds per call of each contender, one number for each round in which it is timed (``interleave``)."""
 
 
 def interleave(

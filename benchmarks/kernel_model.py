@@ -126,13 +126,13 @@ def start_and_stop(prefix: str, left_out: int) -> Entries:
 
 
 def rate(_t, y, out, d):
-    """Set f(y)."""
+    """Set ``out`` to the rate f(y)."""
     rate_at(d, vector(y, len(d.step.state) - PLAIN), out)
 
 
 @compiled_function
 def least_event(d, y):
-    """Return the smallest event function plus CLEAR, and its rate, or 0 if it is that of a new latch."""
+    """Return the smallest event function plus CLEAR, and its rate, which is 0 if the event is a new latch."""
     lowest, slope = np.inf, 0.0
     locate_points(d, y)
     for c in range(d.candidates):
@@ -218,7 +218,7 @@ def raise_seen(d, y, seen):
 
 
 def look(y, seen, d):
-    """Raise the numbers in ``seen``."""
+    """Raise the numbers in ``seen`` to those of the state ``y`` (``raise_seen``)."""
     raise_seen(d, vector(y, len(d.step.state) - PLAIN), seen)
 
 
@@ -286,13 +286,13 @@ def static_depth(d):
 
 
 def cvode_rate(d, y, out):
-    """Set f(y)."""
+    """Set ``out`` to the rate f(y); return 0, which tells CVODE that the call has succeeded."""
     rate_at(d, vector(y, len(d.step.state) - CVODE), out)
     return 0
 
 
 def cvode_happen(d, time, y, found):
-    """Let the found events take effect."""
+    """Let the found events take effect (``happen``); return 0."""
     happen(d, time, vector(y, len(d.step.state) - CVODE), found)
     return 0
 
@@ -316,7 +316,7 @@ def cvode_roots(d, careful, y, value):
 
 
 def cvode_look(d, y, seen):
-    """Raise the numbers in ``seen``."""
+    """Raise the numbers in ``seen`` to those of the state ``y`` (``raise_seen``); return 0."""
     raise_seen(d, vector(y, len(d.step.state) - CVODE), seen)
     return 0
 

@@ -18,9 +18,10 @@ Entries = Mapping[tuple[str, float], tuple[Callable[[], object], dict[str, Any]]
 
 
 def judge(found: Outcome, problem: Problem, expected: dict[str, Any], stop: float) -> dict[str, Any]:
-    """Return the errors of the tip [mm] and of the onsets [µs]; the latter only if the impacts are right.
+    """Return counts of a run, whether its impacts are ``right``, and errors of tip [mm] and onsets [µs].
 
-    A run that failed has ``failed`` in place of the errors.
+    The error of onsets is missing if the impacts are not right, or if there are none. A run that failed has
+    ``failed`` in place of the errors.
     """
     row: dict[str, Any] = {"steps": found.steps, "rhs": found.rhs, "onsets": len(found.onsets)}
     true = [(one["candidate"], one["onset"]) for one in expected["impacts"] if one["onset"] < stop]
@@ -63,7 +64,7 @@ def seconds_at(error: float, rows: list[dict[str, Any]], key: str = "tip") -> fl
     """Return the time [s] that a contender needs for an error, interpolated between its runs.
 
     The logarithm of the time is interpolated over that of the error. If even the loosest run has a smaller
-    error, the result is the time of this run; if no run is so accurate, None.
+    error, the result is the time of this run; None if no run is so accurate, or if ``error`` is 0.
     """
     line = _front(rows, key)
     if not line or error <= 0.0 or math.log(error) < line[0][0]:

@@ -1,7 +1,8 @@
 """The success of methods at many stiffnesses and restitutions: ``python -m benchmarks stability``.
 
 A uniform rod (1 m, 1 kg, 0.3 rad) falls 0.1 m onto a floor, clatters and, for e < 1, settles: free flight,
-impacts and sustained contact in 3 s. Each cell of the map is one run with a limit of its CPU time. The other
+impacts and sustained contact in 3 s. Each cell of the map is one run; its CPU time has a limit,
+except with fixed steps. The other
 solvers are in the folder peers/.
 """
 
@@ -46,7 +47,7 @@ METHODS = (*OURS, CVODE, *SCIPY, NUMBALSODA, *FIXED)
 TOLERANCE = 1e-8
 STOP = 3.0  # [s] end of a run
 SAMPLE = 1e-4  # [s] time between the checks of our runs and of CVODE's
-BUDGET = 2.0  # [s] largest CPU time of a cell
+BUDGET = 2.0  # [s] limit of the CPU time of a cell, except for methods with fixed steps
 HEIGHT, TILT, LENGTH = 0.1, 0.3, 1.0  # [m], [rad], [m]
 # the largest gain of energy of a run that counts as completed, divided by the energy at the start; and its
 # largest depth, divided by the rod's length

@@ -62,7 +62,8 @@ def measured(name: str, rounds: int) -> tuple[list[dict[str, Any]], dict[str, st
 def start_up(name: str, cache: str = "") -> float | None:
     """Return the CPU time [s] of a new process until its first result; None if the process fails.
 
-    With an empty cache the process compiles the kernel.
+    ``cache`` is the folder of compiled kernels, "" for the usual one. With an empty folder the process
+    compiles the kernel.
     """
     program = FIRST.format(family=peers.FAMILIES[name], name=name)
     environment = os.environ | ({"CHAIN_IMPACT_CACHE": cache} if cache else {})

@@ -124,7 +124,8 @@ class Source:
         """Return this source with a tenth of its tolerance ``solver.tolerance``.
 
         Raises:
-            UsageError: when the tenth is below the least tolerance, or an FMU has no such parameter.
+            UsageError: when the tenth is below the least tolerance, an FMU has no such parameter, or its
+                value is set to a text that is no number.
         """
         tolerance, key = self._tolerance(), TOLERANCE.partition(".")[2]
         least_tolerance = next(field.metadata["minimum"] for field in fields(Solver) if field.name == key)

@@ -67,7 +67,10 @@ def best_known(effect: Effect) -> float:
 
 
 def simulated_first(effects: Sequence[Effect]) -> list[Effect]:
-    """Return effects whose ``change`` is the change in the run, the largest first, without ``simulated``."""
+    """Return effects whose ``change`` is the change in the run, or 0 without a run, the largest first.
+
+    The returned effects have no ``simulated``.
+    """
     return [
         effect._replace(change=effect.simulated or 0.0, simulated=None) for effect in sorted_by_run(effects)
     ]

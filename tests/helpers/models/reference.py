@@ -291,7 +291,10 @@ def momenta(result):
 
 
 def balance(result):
-    """Return the largest change of the energy balance, over the largest energy of the motion."""
+    """Return the range of the energy balance over the motion, relative to its energy.
+
+    That is the largest kinetic energy, or the range of the potential energy if that is larger.
+    """
     energy = result.energy
     ledger = energy["total"] + energy["dissipated"] - energy["supplied"]
     return np.ptp(ledger) / max(energy["kinetic"].max(), np.ptp(energy["potential"]))

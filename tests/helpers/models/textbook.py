@@ -114,7 +114,7 @@ class Textbook:
         return matrix, right
 
     def answer(self, matrix: np.ndarray, forces: np.ndarray) -> np.ndarray:
-        """Return M⁻¹ f; zero for a pinned base."""
+        """Return M⁻¹ f; for a pinned base the first two entries, of the base, are 0."""
         if not self.free.start:
             return self.solve(matrix, forces)
         free, answer = self.free, np.zeros_like(forces)

@@ -342,7 +342,8 @@ def off(found: np.ndarray, right: np.ndarray, values: np.ndarray, unit: float) -
     """Return the error of derivatives by a parameter with a value, over the largest derivative.
 
     Derivatives of an output that hardly depends on the parameter are compared with a thousandth of the output
-    over the parameter.
+    over the parameter. The error is 0 if no derivative is known (all are NaN), or if these and all values
+    are 0. NaN must stand at the same places in both.
     """
     kept = ~np.isnan(right)
     assert np.array_equal(kept, ~np.isnan(found))

@@ -10,7 +10,7 @@ TOLERANCE = 1e-12
 
 
 def driven(links, initial, *, base="pinned", **more):
-    """Return a chain in free space."""
+    """Return a chain without walls; its base is pinned unless told."""
     return build("Driven", links, initial, {}, {"points": []}, base=base, tolerance=TOLERANCE, **more)
 
 

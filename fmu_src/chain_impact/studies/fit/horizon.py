@@ -21,7 +21,7 @@ from chain_impact.studies.fit.problem import Evaluation, Problem
 # For P parameters and N values with a time, at least VALUES_PER_PARAMETER × P values have a time up to the
 # first horizon, or N / VALUES_PER_PARAMETER values if this number is smaller, but not fewer than P values.
 VALUES_PER_PARAMETER = 3
-# The model follows the data as long as its difference from each value in ``Problem.followed`` is at most
+# The model follows the data as long as its difference from each value in ``Problem.is_followed`` is at most
 # FOLLOWED_WITHIN × the size of the value's column: FOLLOWED_WITHIN[0] in the first series of searches,
 # FOLLOWED_WITHIN[1] in the second series.
 FOLLOWED_WITHIN = (0.01, 0.0025)
