@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.pictures.words.headline import place_words
+from chain_impact.pictures.words.headline import impact_text
 from chain_impact.recording.contact_times import impacts_at_peaks
 from tests.pictures.pictures import recorded
 
@@ -16,7 +16,7 @@ def test_a_long_contact_is_marked_when_its_force_is_largest():
     middles = 0.5 * (impacts["onset"] + impacts["end"])[ended]
     row = recording.time[1] - recording.time[0]
     assert marked["onset"][ended] == pytest.approx(middles, abs=row)
-    told = place_words(recording, 0).partition("peak at ")[2]
+    told = impact_text(recording, 0).partition("peak at ")[2]
     assert float(told.removesuffix(" s")) == pytest.approx(middles[0], abs=1e-3)
     page = recording.plot(panels=["motion", "impacts"])
     assert any(line.get_xdata()[:1] == [marked["onset"][0]] for axes in page.axes for line in axes.lines)
@@ -25,7 +25,7 @@ def test_a_long_contact_is_marked_when_its_force_is_largest():
 def test_a_short_contact_is_marked_at_its_onset():
     recording = recorded("pinned_arm")
     np.testing.assert_array_equal(impacts_at_peaks(recording)["onset"], recording.impacts["onset"])
-    assert "peak at" not in place_words(recording, 0)
+    assert "peak at" not in impact_text(recording, 0)
 
 
 def test_a_contact_is_marked_at_its_onset_if_no_row_has_its_peak():

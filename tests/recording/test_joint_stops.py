@@ -23,7 +23,7 @@ from chain_impact.recording.joint_stops import (
     JointRange,
     range_lines,
     ranges_of,
-    touching_place,
+    stop_mark,
 )
 from chain_impact.results.result import Result
 from tests.helpers.scenes.stops import UP, knee
@@ -60,7 +60,7 @@ def test_the_lines_of_a_range_begin_where_the_link_is_at_its_stop():
         )
     first, _ = range_lines(points, {1: JointRange(-math.inf, 0.0, 5.0)})
     assert complex(*first[-1]) == pytest.approx(5.0 * RANGE_RADIUS)  # a pinned base: measured from +x
-    place, direction = touching_place(points, 2)
+    place, direction = stop_mark(points, 2)
     assert (place.tolist(), direction.tolist()) == ([3.0, 4.0 + 2.0 * RANGE_RADIUS], [0.0, 1.0])
 
 

@@ -61,11 +61,11 @@ def _lower_input(context: Any, builder: ir.IRBuilder, signature: Any, arguments:
     number = context.cast(builder, given, kind, types.intp)
     fields = _inputs(part)
 
-    def place_of(field: Field) -> list[ir.Value]:
+    def address_and_shape(field: Field) -> list[ir.Value]:
         sizes = [affine_value(size, builder, instance) for size in field.shape]
         return [address_of(context, builder, instance, field), *sizes]
 
-    address, *shape = _choose_value(builder, number, [partial(place_of, field) for field in fields])
+    address, *shape = _choose_value(builder, number, [partial(address_and_shape, field) for field in fields])
     return array_at(context, builder, fields[0].kind, address, shape)
 
 
@@ -112,14 +112,14 @@ def _give_field(function: Callable[..., Any], paths: Sequence[Path], kind: types
         instance, number = arguments
         number = context.cast(builder, number, signature.args[1], types.intp)
 
-        def place_of(path: Path) -> list[ir.Value]:
+        def address_and_count(path: Path) -> list[ir.Value]:
             field = signature.args[0].field(*path)
             assert field.kind == kind
             assert not field.stride, f"{'.'.join(path)} is a column of a table"
             count = builder.udiv(affine_value(field.size, builder, instance), cgutils.intp_t(WORD))
             return [address_of(context, builder, instance, field), count]
 
-        address, count = _choose_value(builder, number, [partial(place_of, path) for path in paths])
+        address, count = _choose_value(builder, number, [partial(address_and_count, path) for path in paths])
         return array_at(context, builder, kind, address, [count])
 
 

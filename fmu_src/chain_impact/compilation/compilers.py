@@ -309,8 +309,8 @@ def run_zig(arguments: Iterable[str], output: Path) -> None:
         BuildError: when zig fails.
     """
     folders = {"ZIG_GLOBAL_CACHE_DIR": linker_folder(), "ZIG_LOCAL_CACHE_DIR": output.with_name("zig")}
-    places = {name: str(path) for name, path in folders.items()}
-    _check(_run("-m", "ziglang", *arguments, **places))
+    folder_texts = {name: str(path) for name, path in folders.items()}
+    _check(_run("-m", "ziglang", *arguments, **folder_texts))
 
 
 def _windows_flags() -> list[str]:

@@ -78,8 +78,8 @@ def _value_and_slopes(builder: ir.IRBuilder, dual: ir.Value) -> tuple[ir.Value, 
 def _repeat_number(builder: ir.IRBuilder, number: ir.Value) -> ir.Value:
     """Return a vector of DIRECTIONS entries, each of which is ``number``."""
     vector = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), number, cgutils.int32_t(0))
-    places = ir.Constant(ir.VectorType(cgutils.int32_t, DIRECTIONS), [0] * DIRECTIONS)
-    return builder.shuffle_vector(vector, ir.Constant(VECTOR, ir.Undefined), places)
+    lane_indices = ir.Constant(ir.VectorType(cgutils.int32_t, DIRECTIONS), [0] * DIRECTIONS)
+    return builder.shuffle_vector(vector, ir.Constant(VECTOR, ir.Undefined), lane_indices)
 
 
 def _scale_slopes(builder: ir.IRBuilder, number: ir.Value, slopes: ir.Value) -> ir.Value:

@@ -15,7 +15,7 @@ from typing import Any
 from chain_impact import files
 from chain_impact.compilation.errors import BuildError
 
-NO_PLACE = (
+UNUSABLE_FOLDER = (
     *(errno.EACCES, errno.EPERM, errno.EROFS),
     *(errno.ENOENT, errno.ENOSPC, errno.EDQUOT, errno.ENOTDIR),
 )
@@ -80,7 +80,7 @@ def explain_unwritable_folder(folder: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        if error.errno not in NO_PLACE or not _concerns(error.filename, folder):
+        if error.errno not in UNUSABLE_FOLDER or not _concerns(error.filename, folder):
             raise
         where, why = error.filename or folder, error.strerror or error
         raise BuildError(f"no kernel can be stored in {where} ({why}): {ADVICE}") from None

@@ -291,8 +291,8 @@ class _Merger:
                 points.append(table)
                 continue
             known_point = points_before[number]
-            place = [table["x"], table["y"]]
-            at_end = [i + end for end in (0, 1) if _are_equal(place, [end * length, 0.0])]
+            position = [table["x"], table["y"]]
+            at_end = [i + end for end in (0, 1) if _are_equal(position, [end * length, 0.0])]
             if number < first and at_end and _are_equal(table["radius"], known_point["radius"]):
                 ends |= {*at_end}
             elif number < first:

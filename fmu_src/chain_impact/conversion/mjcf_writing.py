@@ -115,9 +115,9 @@ def _add_chain(world: Element, scene: Scene) -> None:
         SubElement(body, "joint", {"name": f"joint[{i}]", "type": "hinge", "axis": HINGE, **keys})
         line = {"type": "capsule", "size": width, "fromto": _numbers(0.0, 0.0, 0.0, link.length, 0.0, 0.0)}
         SubElement(body, "geom", line, name=f"link[{i}]", mass="0", contype="0", conaffinity="0")
-        for point, place in ((i - 1, 0.0), (i, link.length)) if i == 1 else ((i, link.length),):
+        for point, distance in ((i - 1, 0.0), (i, link.length)) if i == 1 else ((i, link.length),):
             if point in scene.contact.points:
-                _add_ball(body, point, (place, 0.0), max(scene.contact.radius, radius))
+                _add_ball(body, point, (distance, 0.0), max(scene.contact.radius, radius))
         for site in link.points:
             number += 1
             _add_ball(body, number, (site.x, site.y), max(site.radius or 0.0, radius))
@@ -185,7 +185,7 @@ def _attributes(
 def _add_start(root: Element, scene: Scene) -> None:
     """Add to ``root`` a keyframe with the positions and velocities of all joints at the start of the run."""
     start = scene.initial
-    places, rates = {
+    positions, rates = {
         "pinned": ((), ()),
         "slider": ((0.0,), (start.slider_velocity,)),
         "free": (start.position, start.velocity),
@@ -195,7 +195,7 @@ def _add_start(root: Element, scene: Scene) -> None:
         SubElement(root, "keyframe"),
         "key",
         name="start",
-        qpos=_numbers(*places, *angles),
+        qpos=_numbers(*positions, *angles),
         qvel=_numbers(*rates, *speeds),
     )
 

@@ -94,22 +94,22 @@ class _Conversion:
     def run(self) -> ConversionResult:
         """Return the data of the scene, and the remarks on the conversion."""
         gravity = [rounded_to_zero(float(part)) for part in self.motion_plane.project(self._gravity())]
-        places = [self.motion_plane.project(hinge.anchor) for hinge in self.hinges]
-        places.append(places[-1] + self._tip())
+        positions = [self.motion_plane.project(hinge.anchor) for hinge in self.hinges]
+        positions.append(positions[-1] + self._tip())
         links: list[dict[str, Any]] = []
         directions = []
         for i, hinge in enumerate(self.hinges):
-            span = places[i + 1] - places[i]
+            span = positions[i + 1] - positions[i]
             length = float(np.linalg.norm(span))
             if length < ZERO_LENGTH:
                 self._refuse_length(i)
             directions.append(math.atan2(span[1], span[0]))
             links.append({"length": length, **self._mass(self.parts[i], hinge, span / length)})
         angles, speeds = self._state(links, directions)
-        base, start = self._base(places[0], gravity)
+        base, start = self._base(positions[0], gravity)
         began = start["position"], angles
         walls, points, differences = WallConversion(
-            self.robot, self.chosen, self.motion_plane, self.parts, places=places, start=began
+            self.robot, self.chosen, self.motion_plane, self.parts, positions=positions, start=began
         ).convert()
         bodies = ({"points": tables} if tables else {} for tables in points)
         links = [link | body for link, body in zip(links, bodies, strict=True)]

@@ -130,18 +130,18 @@ def is_within(inner_ball: Ball, outer_ball: Ball, joint: np.ndarray) -> bool:
     return distance + inner_ball.radius <= outer_ball.radius + max(inner_ball.blur, outer_ball.blur)
 
 
-def without_repeated_balls(balls: Sequence[list[Ball]], places: Sequence[np.ndarray]) -> list[list[Ball]]:
+def without_repeated_balls(balls: Sequence[list[Ball]], positions: Sequence[np.ndarray]) -> list[list[Ball]]:
     """Return the balls of each link, without those that lie in a ball of a neighbouring link for all angles.
 
     Balls with ``is_point`` always stay.
 
     Args:
         balls: the balls of each link, from the base to the tip.
-        places: positions of the joints, then of the tip, with the joints of the chain at zero [m].
+        positions: positions of the joints, then of the tip, with the joints of the chain at zero [m].
     """
     kept_balls = [list(link_balls) for link_balls in balls]
     for i in range(1, len(kept_balls)):
-        joint = places[i]
+        joint = positions[i]
         for link, neighbour in ((i, i - 1), (i - 1, i)):
             neighbour_balls = kept_balls[neighbour]
             kept_balls[link] = [

@@ -73,12 +73,12 @@ def read_urdf(path: Path) -> Robot:
         )
         raise SceneError(f"{path}: must have exactly one root link; {roots_text}")
     bodies: list[Body] = []
-    places: dict[str, int] = {}
+    body_indices: dict[str, int] = {}
     for name, joint in _links_in_order(roots[0], None, by_parent):
-        places[name] = len(bodies)
-        body = _body(name, links.get(name), joint, places[joint.parent] if joint else -1)
+        body_indices[name] = len(bodies)
+        body = _body(name, links.get(name), joint, body_indices[joint.parent] if joint else -1)
         bodies.append(replace(body, shapes=shapes.get(name, [])))
-    if lost_names := [name for name in link_names if name not in places]:
+    if lost_names := [name for name in link_names if name not in body_indices]:
         raise SceneError(
             f"{path}: joints make a ring of {names_text(lost_names, LINE_NAMES)}; "
             f"each link must lead back to {roots[0]}"

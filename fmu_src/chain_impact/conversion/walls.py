@@ -43,7 +43,7 @@ class WallConversion:
         joints: the joints of the chain.
         motion_plane: the plane of the motion.
         parts: the indices of the bodies of each link.
-        places: positions of the joints, then of the tip, with the joints of the chain at zero [m].
+        positions: positions of the joints, then of the tip, with the joints of the chain at zero [m].
         start: position of the base [m] and absolute angles of the links [rad] at the start.
         differences: the differences that ``convert`` has found, such as a plane that becomes no wall.
         walls: name of the plane, a point on it [m] and its unit normal, for each plane that becomes a wall.
@@ -53,7 +53,7 @@ class WallConversion:
     joints: ChosenJoints
     motion_plane: MotionPlane
     parts: Sequence[list[int]]
-    places: Sequence[np.ndarray]
+    positions: Sequence[np.ndarray]
     start: tuple[Sequence[float], Sequence[float]]
     differences: list[Difference] = field(default_factory=list)
     walls: list[tuple[str, np.ndarray, np.ndarray]] = field(default_factory=list)
@@ -99,7 +99,7 @@ class WallConversion:
             if friction > 0.0:
                 materials[name] = {"friction": friction}
         balls = [outermost_balls(self._touching_balls(i, contact_links)) for i in range(len(self.parts))]
-        points = self._points_at_start(without_repeated_balls(balls, self.places))
+        points = self._points_at_start(without_repeated_balls(balls, self.positions))
         contact = {
             **self._points(contact_links, balls),
             **({"wall": materials} if materials else {}),
@@ -154,7 +154,7 @@ class WallConversion:
 
     def _is_covered(self, end: int, balls: Sequence[list[Ball]]) -> bool:
         """Return whether point ``end`` of the chain lies in a ball of a link that begins or ends there."""
-        point = Ball(self.places[end], 0.0, "")
+        point = Ball(self.positions[end], 0.0, "")
         nearby_balls = chain(*balls[max(end - 1, 0) : end + 1])
         return any(is_within(point, ball, point.position) for ball in nearby_balls)
 
@@ -193,7 +193,7 @@ class WallConversion:
         return [
             ball
             for ball in balls
-            if not fixed or np.linalg.norm(ball.position - self.places[0]) > ZERO_LENGTH
+            if not fixed or np.linalg.norm(ball.position - self.positions[0]) > ZERO_LENGTH
         ]
 
     def _points_at_start(self, balls: Sequence[list[Ball]]) -> list[Points]:
@@ -204,10 +204,10 @@ class WallConversion:
         """
         position, points = np.array(self.start[0]), []
         for i, (link_balls, angle) in enumerate(zip(balls, self.start[1], strict=True)):
-            span = self.places[i + 1] - self.places[i]
+            span = self.positions[i + 1] - self.positions[i]
             length = float(np.linalg.norm(span))
             axis = np.array([math.cos(angle), math.sin(angle)])
-            tables = tables_of(link_balls, self.places[i], span / length)
+            tables = tables_of(link_balls, self.positions[i], span / length)
             points.append(
                 [table for table in tables if self._starts_outside(i, table, position, axis, length)]
             )
@@ -310,17 +310,17 @@ class WallConversion:
         Without ``balls``, the link touches walls with its two ends. Of the shapes that can touch, only those
         count that no points replace, and oblique cylinders, which reach beyond the points on their rims.
         """
-        ends = self.places[i : i + 2]
+        ends = self.positions[i : i + 2]
         contact_balls = balls or [Ball(end, 0.0, "") for end in ends]
         other_shapes = []
         for b in self.parts[i]:
             for shape in self.robot.bodies[b].shapes:
-                shape_place = shape, self.joints.poses[b], self.motion_plane
+                shape_pose = shape, self.joints.poses[b], self.motion_plane
                 if shape.touches and not self._is_point(shape):
                     other_shapes += (
-                        [reach(outline).max(axis=1)] if (outline := list(balls_of(*shape_place))) else []
+                        [reach(outline).max(axis=1)] if (outline := list(balls_of(*shape_pose))) else []
                     )
-                elif shape.touches and (reach_of_shape := reach_of_oblique(*shape_place)) is not None:
+                elif shape.touches and (reach_of_shape := reach_of_oblique(*shape_pose)) is not None:
                     other_shapes.append(reach_of_shape)
         excess = max(
             (

@@ -95,7 +95,7 @@ def data(recording: Recording) -> dict[str, Any]:
 
 def impacts(recording: Recording) -> list[dict[str, Any]]:
     """Return the impacts of a recording in the form of the page; unknown values are None."""
-    places = zip(
+    rows = zip(
         recording.impacts,
         recording.linear_impact_speeds.tolist(),
         recording.is_at_joint_stop.tolist(),
@@ -113,7 +113,7 @@ def impacts(recording: Recording) -> list[dict[str, Any]]:
             **{name: _number_or_none(impact[column]) for name, column in COLUMN_OF_QUANTITY.items()},
             "atStop": at_stop,
         }
-        for impact, linear_speed, at_stop in places
+        for impact, linear_speed, at_stop in rows
     ]
 
 

@@ -215,8 +215,12 @@ def draw_bars(
                 axes.plot([mark], [row], **DIAMOND)
     offset_style: dict[str, Any] = {"textcoords": "offset points", "fontsize": "small"}
     for row, text in zip(rows, block.texts, strict=True):
-        place: dict[str, Any] = {"xy": (1.0, row), "xycoords": axes.get_yaxis_transform(), "va": "center"}
-        axes.annotate(text.replace("-", "−"), xytext=(4.0, 0.0), **place, **offset_style)
+        text_position: dict[str, Any] = {
+            "xy": (1.0, row),
+            "xycoords": axes.get_yaxis_transform(),
+            "va": "center",
+        }
+        axes.annotate(text.replace("-", "−"), xytext=(4.0, 0.0), **text_position, **offset_style)
     title = axes.set_title(block.title, fontsize="small", color=INK, loc="left", wrap=True)
     if block.heading:
         axes.annotate(block.heading, (1.0, 1.0), (4.0, HEADING_SPACE), "axes fraction", **offset_style)

@@ -107,9 +107,11 @@ def _chain_figure(
     points = np.array([disc[:2] for disc in scene.start.values()])
     joints, sites = np.split(points, [len(scene.chain.links) + 1])
     planes, middle = list(scene.walls_at_start.values()), joints.mean(axis=0)
-    places = np.array([*points, *(_foot(plane, middle) for plane in planes)])
-    scale = max(np.ptp(places, axis=0) / (np.array(size) - border))  # the scale [m per inch] of the drawing
-    centre = 0.5 * (places.min(axis=0) + places.max(axis=0))
+    positions = np.array([*points, *(_foot(plane, middle) for plane in planes)])
+    scale = max(
+        np.ptp(positions, axis=0) / (np.array(size) - border)
+    )  # the scale [m per inch] of the drawing
+    centre = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
     axes = Figure(figsize=size).add_axes((0.0, 0.0, 1.0, 1.0), xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
     draw_room(axes, centre + 0.5 * scale * np.array([[-1.0], [1.0]]) * size, planes)

@@ -13,47 +13,52 @@ DASHES = ("-", "--", ":")
 SHORT_DASHES = ("-", (0.0, (1.6, 0.7)), (0.0, (0.8, 0.8)))
 
 
-def looks_of(names: Sequence[str], places: dict[str, int]) -> list[int]:
+def looks_of(names: Sequence[str], body_indices: dict[str, int]) -> list[int]:
     """Return, for each output of a panel, the index from 0 that determines the curve's colour and dashes.
 
     The colour is that of the index modulo the number of colours, the dashes those of the quotient. The index
-    belongs to the ``body_of`` the output: ``places`` has body → index. A body keeps its index from earlier
-    panels. If all bodies of a panel are of one kind, such as links, a new body has the index of an earlier
-    body with the same number, such as the point at its end. Any other new body gets an index that is free in
-    this panel. Of several outputs of one body, such as contacts of a point with two walls, each later one has
-    a colour that no body has or, if none is left, other dashes. New bodies and these later owners are added
-    to ``places``.
+    belongs to the ``body_of`` the output: ``body_indices`` has body → index. A body keeps its index from
+    earlier panels. If all bodies of a panel are of one kind, such as links, a new body has the index of an
+    earlier body with the same number, such as the point at its end. Any other new body gets an index that is
+    free in this panel. Of several outputs of one body, such as contacts of a point with two walls, each later
+    one has a colour that no body has or, if none is left, other dashes. New bodies and these later owners are
+    added to ``body_indices``.
 
-    In four cases the outputs are numbered in their order, from 0, and ``places`` does not change: two outputs
-    of the panel have the same owner; two bodies in the panel have the same index from earlier panels; an
-    index from earlier panels is not below the number of colours; or there are too few dashes.
+    In four cases the outputs are numbered in their order, from 0, and ``body_indices`` does not change: two
+    outputs of the panel have the same owner; two bodies in the panel have the same index from earlier panels;
+    an index from earlier panels is not below the number of colours; or there are too few dashes.
     """
     owners = [owner_of(name) for name in names]
     bodies = [body_of(owner) for owner in owners]
     bodies_once = list(dict.fromkeys(bodies))
     # number in brackets → index, for bodies of the only kind in the panel
-    places_by_part: dict[str, int] = {}
+    indices_by_number: dict[str, int] = {}
     if len({body.partition("[")[0] for body in bodies_once}) == 1:
-        places_by_part = {body.partition("[")[2]: number for body, number in places.items() if "[" in body}
-    body_places = [places.get(body, places_by_part.get(body.partition("[")[2], -1)) for body in bodies_once]
-    earlier = [number for number in body_places if number >= 0]
-    free_places = (number for number in range(2 * len(names)) if number not in earlier)
+        indices_by_number = {
+            body.partition("[")[2]: number for body, number in body_indices.items() if "[" in body
+        }
+    present_indices = [
+        body_indices.get(body, indices_by_number.get(body.partition("[")[2], -1)) for body in bodies_once
+    ]
+    earlier = [number for number in present_indices if number >= 0]
+    free_indices = (number for number in range(2 * len(names)) if number not in earlier)
     numbers = {
-        body: k if k >= 0 else next(free_places) for body, k in zip(bodies_once, body_places, strict=True)
+        body: k if k >= 0 else next(free_indices)
+        for body, k in zip(bodies_once, present_indices, strict=True)
     }
     looks, look_counts = [], Counter[str]()
-    used_colours = {*places.values(), *numbers.values()}
+    used_colours = {*body_indices.values(), *numbers.values()}
     free_colours = (number for number in range(len(PALETTE)) if number not in used_colours)
     for body, owner in zip(bodies, owners, strict=True):
-        look = places.get(owner, numbers[body] + len(PALETTE) * look_counts[body])
-        if look_counts[body] and owner not in places:
+        look = body_indices.get(owner, numbers[body] + len(PALETTE) * look_counts[body])
+        if look_counts[body] and owner not in body_indices:
             look = numbers[owner] = next(free_colours, look)
         looks.append(look)
         look_counts[body] += 1
     is_unclear = len({*owners}) < len(owners) or len({*looks}) < len(looks)
-    if is_unclear or max(body_places) >= len(PALETTE) or max(looks) >= len(PALETTE) * len(DASHES):
+    if is_unclear or max(present_indices) >= len(PALETTE) or max(looks) >= len(PALETTE) * len(DASHES):
         return list(range(len(names)))
-    places |= numbers
+    body_indices |= numbers
     return looks
 
 

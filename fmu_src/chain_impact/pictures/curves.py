@@ -246,7 +246,7 @@ def draw_all(
     if curves.onset is None:
         ends = np.array([time_span.start, time_span.end])
     keys = impact_handles(grid[0], recording, *(start + ends / factor))
-    places: dict[str, int] = {}
+    body_indices: dict[str, int] = {}
     labels: list[list[Label]] = []
     is_shown = (time >= ends[0]) & (time <= ends[1])
     for axes, names in zip(grid, (drawn_in(curves, names) for names in panels), strict=True):
@@ -259,7 +259,7 @@ def draw_all(
         starts = values_at_onset(curves, names)
         curves_in_panel = [curves.values[name] - starts.get(name, 0.0) for name in names]
         scale, unit = axis_unit(stored_unit, curves_in_panel, is_close=curves.onset is not None)
-        looks = zip(names, looks_of(names, places), hidden_counts(curves_in_panel), strict=True)
+        looks = zip(names, looks_of(names, body_indices), hidden_counts(curves_in_panel), strict=True)
         lines = {
             name: (
                 values,

@@ -77,8 +77,8 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
         axes.plot(times, shown_values, color=colour)
         if name != "speed" and values.max() > 0.0:
             top, look = int(values.argmax()), {"color": colour}
-            place = (float(times[top]), float(shown_values[top]))
-            peak_labels.append((axes, Label(force_text(float(values[top]), unit), place, look=look)))
+            position = (float(times[top]), float(shown_values[top]))
+            peak_labels.append((axes, Label(force_text(float(values[top]), unit), position, look=look)))
             axes.margins(y=LABEL_ROOM)
         if shown_time < np.ptp(course.time):
             axes.set_xlim(-SHOWN_BEFORE * time_factor * shown_time, time_factor * shown_time)

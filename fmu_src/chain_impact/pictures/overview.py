@@ -19,7 +19,7 @@ from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.motion.motion import all_entries, draw_motion, few_entries, note_on_lines
 from chain_impact.pictures.motion.view import GROWTH_FACTORS, is_flat, view_of
 from chain_impact.pictures.over_time.dry_friction import move_legend_to_foot
-from chain_impact.pictures.over_time.impacts import place_of_late_peaks
+from chain_impact.pictures.over_time.impacts import late_mark_text
 from chain_impact.pictures.over_time.time_axis import add_impact_key, add_rest_key, draw_clock, label_time
 from chain_impact.pictures.overview_layout import (
     SLIM,
@@ -61,10 +61,10 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
         ValueError: when a panel does not exist.
     """
     shown_panels = panels_to_draw(recording, panels)
-    late_place = place_of_late_peaks(recording) if is_narrow(figure) and "impacts" in shown_panels else ""
+    late_text = late_mark_text(recording) if is_narrow(figure) and "impacts" in shown_panels else ""
     notes = (
         full_names(recording),
-        f"lines below marks: {late_place}" if late_place else "",
+        f"lines below marks: {late_text}" if late_text else "",
         *recording.points_through_walls,
         unreached_walls(recording) if "motion" in shown_panels else "",
     )

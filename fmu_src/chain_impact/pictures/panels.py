@@ -12,7 +12,7 @@ from chain_impact.pictures.motion.impact_rings import number_rings
 from chain_impact.pictures.motion.line_motion import draw_along_line, line_of_motion
 from chain_impact.pictures.motion.motion import draw_motion
 from chain_impact.pictures.motion.named_points import name_points
-from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, draw_stick_slip, rubbing_places
+from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, draw_stick_slip, rubbing_locations
 from chain_impact.pictures.over_time.energies import draw_energy
 from chain_impact.pictures.over_time.impacts import draw_impacts, number_impacts
 from chain_impact.pictures.over_time.single_impact import draw_one_impact, is_alone, number_one_impact
@@ -42,7 +42,7 @@ class Panel(NamedTuple):
     write_numbers: Callable[[Axes, Recording, Ink], None] = lambda *_: None
 
 
-def draw_place(axes: Axes, recording: Recording) -> None:
+def draw_position(axes: Axes, recording: Recording) -> None:
     """Draw the position of the chain: over time for a ball that moves along a line, else in the plane."""
     axis = line_of_motion(recording)
     if axis is None:
@@ -51,7 +51,7 @@ def draw_place(axes: Axes, recording: Recording) -> None:
         draw_along_line(axes, recording, axis)
 
 
-def number_places(axes: Axes, recording: Recording, ink: Ink) -> None:
+def number_positions(axes: Axes, recording: Recording, ink: Ink) -> None:
     """Write numbers of impacts and names of points into the panel of a motion in the plane."""
     if line_of_motion(recording) is None:
         number_rings(axes, recording, ink)
@@ -59,7 +59,7 @@ def number_places(axes: Axes, recording: Recording, ink: Ink) -> None:
 
 
 PANELS = {
-    "motion": Panel(draw_place, lambda _: 1, lambda _: LINE_MOTION_HEIGHT, number_places),
+    "motion": Panel(draw_position, lambda _: 1, lambda _: LINE_MOTION_HEIGHT, number_positions),
     "impact": Panel(draw_one_impact, is_alone, write_numbers=number_one_impact),
     "energy": Panel(draw_energy, lambda recording: len(recording.energies)),
     "impacts": Panel(
@@ -71,7 +71,7 @@ PANELS = {
     "friction": Panel(
         draw_stick_slip,
         lambda recording: len(recording.stick_slip),
-        lambda recording: RUBBING_ROW * len(rubbing_places(recording)[:MOST_ROWS]),
+        lambda recording: RUBBING_ROW * len(rubbing_locations(recording)[:MOST_ROWS]),
     ),
 }
 """Name → panel, in the order in which a picture shows panels."""

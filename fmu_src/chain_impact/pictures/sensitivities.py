@@ -109,9 +109,9 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
         mark_impacts(axes, recording)
         mark_unknown(axes, recording, given_sensitivities)
         give_ticks(axes)
-    for place, axes in enumerate(panels):
+    for panel_index, axes in enumerate(panels):
         # the next row is full of panels, without the table, so that this panel has a panel below it
-        if (place // column_count + 2) * column_count <= len(panels):
+        if (panel_index // column_count + 2) * column_count <= len(panels):
             axes.tick_params(labelbottom=False)
         else:
             axes.set_xlabel(name_time(axes, float(recording.time[-1])))
@@ -163,9 +163,9 @@ def panels_of(figure: Figure, count: int, column_count: int) -> tuple[list[Axes]
     """
     rows, panels = -(-(count + 1) // column_count), list[Axes]()
     grid = figure.add_gridspec(rows, column_count)
-    for place in range(count):
+    for panel_index in range(count):
         first = panels[0] if panels else None
-        panels.append(figure.add_subplot(grid[divmod(place, column_count)], sharex=first))
+        panels.append(figure.add_subplot(grid[divmod(panel_index, column_count)], sharex=first))
     return panels, figure.add_subplot(grid[count // column_count, count % column_count :])
 
 

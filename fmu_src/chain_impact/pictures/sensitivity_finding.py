@@ -97,11 +97,11 @@ def finding_of(
     if not is_known[:, k].all():
         end = factor * recording.time[is_known[:, k]].max(initial=recording.time[0])
         end_words = f"not predictable after {end:.3g} {unit}"
-    places = _largest_changes(recording, sensitivities, outputs, k, is_known)
-    if not places:
+    change_rows = _largest_changes(recording, sensitivities, outputs, k, is_known)
+    if not change_rows:
         return SensitivityFinding(f"{recording.name}: {step}", end_words)
     checks = list[Checked]()
-    for output, row in places:
+    for output, row in change_rows:
         change = float(sensitivities.changes(output)[row, k])
         in_run = _change_in_run(recording, sensitivities, output, parameter, row)
         checks.append(Checked(output, k, row, change, in_run))
@@ -116,7 +116,7 @@ def finding_of(
     when_words = f"in a run, {times[0]}; to first order {first_order}" if told_change.is_wrong else times[0]
     if told_change is not largest_change and largest_change.change is not None:
         run_text = _size_text(largest_change.change, of_output)
-        when_words += f"; {_place_words(largest_change.output)} {times[1]}: {first_order} to first order"
+        when_words += f"; {_output_text(largest_change.output)} {times[1]}: {first_order} to first order"
         when_words += f", but {run_text} in a run"
         first_order = _size_text(told_change.first_order, of_output)
     size = f"about {first_order}" if told_change.change is None else _size_text(told_change.change, of_output)
@@ -142,16 +142,18 @@ def _largest_changes(
     """
     sizes = {name: _change_sizes(recording, sensitivities, name, k, is_known) for name in outputs}
     first = max(outputs, key=lambda name: sizes[name].max() / span_of(recording, name))
-    places = []
+    change_rows = []
     for name in outputs:
         if sensitivities.units[name] != sensitivities.units[first]:
             continue
         rows = np.flatnonzero(sizes[name])
         parts = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
-        places += [(name, int(part[sizes[name][part].argmax()])) for part in parts if part.size]
-    places.sort(key=lambda place: -sizes[place[0]][place[1]])
-    least_size = LEAST_TOLD * sizes[places[0][0]][places[0][1]] if places else 0.0
-    return [place for place in places if sizes[place[0]][place[1]] >= least_size][:MOST_CHECKED]
+        change_rows += [(name, int(part[sizes[name][part].argmax()])) for part in parts if part.size]
+    change_rows.sort(key=lambda change_row: -sizes[change_row[0]][change_row[1]])
+    least_size = LEAST_TOLD * sizes[change_rows[0][0]][change_rows[0][1]] if change_rows else 0.0
+    return [change_row for change_row in change_rows if sizes[change_row[0]][change_row[1]] >= least_size][
+        :MOST_CHECKED
+    ]
 
 
 def _change_words(output: str, size: str) -> str:
@@ -162,11 +164,11 @@ def _change_words(output: str, size: str) -> str:
     return f"changes {plain_name(output)} by {size}"
 
 
-def _place_words(output: str) -> str:
+def _output_text(output: str) -> str:
     """Return words for an output, such as "point 4 in y"."""
     *owner, quantity = plain_name(output).rsplit(" ", 1)
-    is_place = output.startswith("point[") and quantity in AXES
-    return f"{owner[0]} in {quantity}" if is_place else plain_name(output)
+    is_position = output.startswith("point[") and quantity in AXES
+    return f"{owner[0]} in {quantity}" if is_position else plain_name(output)
 
 
 def most_important(sensitivities: Sensitivities, relative_changes: np.ndarray, is_known: np.ndarray) -> int:

@@ -85,7 +85,7 @@ class RowBlock(NamedTuple):
     @property
     def middles(self) -> list[float]:
         """The middle of each row."""
-        return [self.top + self.height * (place + 0.5) for place in range(len(self.parameters))]
+        return [self.top + self.height * (k + 0.5) for k in range(len(self.parameters))]
 
 
 def draw_impact_changes(

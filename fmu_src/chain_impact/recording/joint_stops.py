@@ -88,7 +88,7 @@ def _directions(angles: np.ndarray) -> np.ndarray:
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
 
-def touching_place(points: np.ndarray, joint: int) -> tuple[np.ndarray, np.ndarray]:
+def stop_mark(points: np.ndarray, joint: int) -> tuple[np.ndarray, np.ndarray]:
     """Return where a joint's link crosses the arc of the joint's range [m], and the link's unit vector.
 
     Args:

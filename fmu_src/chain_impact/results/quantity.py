@@ -31,7 +31,7 @@ class RankedQuantity(NamedTuple):
     Attributes:
         value: the value, in the ``unit``.
         unit: the unit.
-        place_text: words for the impact, the joint or the time of the value.
+        location_text: words for the impact, the joint or the time of the value.
         slopes: the derivatives of the value with respect to the P parameters of the run, shape (P,).
         size: the size, in the ``unit``, to which a change is compared: a change that is tiny beside this size
             is round-off.
@@ -41,7 +41,7 @@ class RankedQuantity(NamedTuple):
 
     value: float
     unit: str
-    place_text: str
+    location_text: str
     slopes: np.ndarray
     size: float
     value_in: Callable[[Recording], float]
@@ -124,14 +124,16 @@ def _impact_quantity(
     value, slope = impact[field], slopes_of_impacts(sensitivities, field)
     units = impact_units(stop=recording.is_joint_stop(impact["wall"]))
     wall = recording.wall_names[impact["wall"]]
-    place_text = f"impact {number}, {recording.touching_part(impact)} at {wall}, t = {impact['onset']:.6g} s"
+    location_text = (
+        f"impact {number}, {recording.touching_part(impact)} at {wall}, t = {impact['onset']:.6g} s"
+    )
     value_in_run = partial(_impact_in, number=number, field=field)
     # a coordinate on a wall through the origin is 0 up to round-off, so its size counts as at least the
     # length of the chain
     links = sensitivities.prepared.scene.chain.links
     least_size = sum(link.length for link in links) if field in POSITION else 0.0
     size = max(abs(float(value)), least_size)
-    return RankedQuantity(float(value), units[field], place_text, slope[number - 1], size, value_in_run)
+    return RankedQuantity(float(value), units[field], location_text, slope[number - 1], size, value_in_run)
 
 
 def _impact_in(recording: Recording, number: int, field: str) -> float:
@@ -152,9 +154,9 @@ def _joint_force(recording: Recording, sensitivities: Sensitivities) -> RankedQu
             "output=…, if it is given, must have joint[*].peak_force"
         )
     name = max(names, key=lambda column: recording.columns[column][-1])
-    place_text = f"joint[{name_parts(name).n}], the largest of the run"
+    location_text = f"joint[{name_parts(name).n}], the largest of the run"
     end_quantity = _final_output(recording, sensitivities, name)
-    return end_quantity._replace(place_text=place_text, value_in=partial(_largest_end_in, names=names))
+    return end_quantity._replace(location_text=location_text, value_in=partial(_largest_end_in, names=names))
 
 
 def _is_joint_force(name: str) -> bool:
@@ -167,11 +169,11 @@ def _final_output(recording: Recording, sensitivities: Sensitivities, name: str)
     """Return the value of an output at the end of the run, with its derivatives."""
     values = recording.columns[name]
     size = max(abs(float(values[-1])), float(np.ptp(values)))
-    place_text = f"at the end, t = {recording.time[-1]:g} s"
+    location_text = f"at the end, t = {recording.time[-1]:g} s"
     slopes = sensitivities.slopes[-1, sensitivities.columns[name]]
     value_in_run = partial(_largest_end_in, names=[name])
     return RankedQuantity(
-        float(values[-1]), sensitivities.units[name], place_text, slopes, size, value_in_run
+        float(values[-1]), sensitivities.units[name], location_text, slopes, size, value_in_run
     )
 
 

@@ -362,7 +362,7 @@ def ranking_of(
         quantity,
         found_quantity.value,
         found_quantity.unit,
-        found_quantity.place_text,
+        found_quantity.location_text,
         effects,
         names_without_effect,
         unknown_names,

@@ -233,18 +233,18 @@ class DifferentiatedInstance(Instance):
         ]
         if trust["reason"] == TRUSTED:
             return tuple(sentences)
-        place_text, reasons, cause = "", REASONS, "impact"
+        location_text, reasons, cause = "", REASONS, "impact"
         if trust["reason"] in REASONS_OF_FRICTION:
             reasons, cause = REASONS_OF_FRICTION, "dry friction"
         if trust["point"] != NO_IMPACT and trust["wall"] == JOINT:
-            place_text = f", the {cause} of joint {trust['point']}"
+            location_text = f", the {cause} of joint {trust['point']}"
         elif trust["point"] != NO_IMPACT:
             scene, wall = self.prepared.scene, trust["wall"]
             touching_part = touching_part_name(int(trust["point"]), scene.stop_name(wall), scene.point_names)
-            place_text = f", the {cause} of {touching_part} at {scene.wall_names[wall]}"
+            location_text = f", the {cause} of {touching_part} at {scene.wall_names[wall]}"
             reasons = REASONS_AT_STOPS if is_scene_joint_stop(scene, wall) else reasons
         reason = reasons[int(trust["reason"])]
-        end_text = f"there are no derivatives from t = {trust['time']:.9g} s on{place_text}: {reason}"
+        end_text = f"there are no derivatives from t = {trust['time']:.9g} s on{location_text}: {reason}"
         return end_text, *sentences
 
 

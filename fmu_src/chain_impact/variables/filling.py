@@ -172,10 +172,10 @@ def _members(
                 for j in range(len(link.points))
             ],
         )
-    index_place = path.index(OWNER_AT)
+    index_step = path.index(OWNER_AT)
     list_of, (path_to_list, path_in_member) = (
-        _getter(path[:index_place]),
-        (path[:index_place], path[index_place + 1 :]),
+        _getter(path[:index_step]),
+        (path[:index_step], path[index_step + 1 :]),
     )
     return (
         list_of,

@@ -1,6 +1,6 @@
 """Films: their content as their viewers see them."""
 
-# Tests: pictures/film/charts.py, pictures/film/file_formats.py, pictures/film/places.py
+# Tests: pictures/film/charts.py, pictures/film/file_formats.py, pictures/film/film_layout.py
 # Tests: pictures/film/scale_bar.py, pictures/film/writing.py
 
 import itertools
@@ -16,7 +16,7 @@ from chain_impact.pictures.drawing.dark_ground import lightened_colour
 from chain_impact.pictures.drawing.style import LOAD, TIME_COLOURS, force_text
 from chain_impact.pictures.film.charts import largest_forces, stretch
 from chain_impact.pictures.film.film import FILM_STYLE, FORCE, Film
-from chain_impact.pictures.film.places import LEAST_WIDTH, SIZE_WITH_CHARTS, places_for
+from chain_impact.pictures.film.film_layout import LEAST_WIDTH, SIZE_WITH_CHARTS, layout_for
 from chain_impact.pictures.film.scale_bar import draw_scale_bar
 from chain_impact.pictures.film.writing import MOST_SLOWED_FRAMES, RATES, draw_frames, resolution, write_film
 from chain_impact.pictures.over_time.energies import ENERGIES
@@ -288,8 +288,8 @@ def test_rates_as_text(rate, text):
 
 def test_a_slim_motion_leaves_its_room_to_the_charts():
     figure, slim = Figure(SIZE_WITH_CHARTS), np.array([[0.0, 0.0], [0.4, 1.0]])
-    usual = places_for(figure, slim, is_wide=True, has_charts=False)
-    narrow, broad = (places_for(figure, slim * [part, 1.0], is_wide=True, has_charts=True) for part in (1, 9))
+    usual = layout_for(figure, slim, is_wide=True, has_charts=False)
+    narrow, broad = (layout_for(figure, slim * [part, 1.0], is_wide=True, has_charts=True) for part in (1, 9))
     assert usual == broad
     assert narrow.scene[2] == LEAST_WIDTH
     assert narrow.wider == pytest.approx(usual.scene[2] - LEAST_WIDTH)

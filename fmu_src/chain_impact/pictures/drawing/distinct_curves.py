@@ -124,8 +124,8 @@ def merged_dashes(lines: Sequence[np.ndarray]) -> list[Any]:
         )
     dashes: list[Any] = [None] * len(lines)
     for group in groups.values():
-        for place, k in enumerate(group[1:]):
-            dashes[k] = _dashes(place, len(group) - 1)
+        for index, k in enumerate(group[1:]):
+            dashes[k] = _dashes(index, len(group) - 1)
     return dashes
 
 
@@ -144,7 +144,7 @@ def parts_with_dashes(lines: Sequence[np.ndarray]) -> list[list[tuple[np.ndarray
     """
     measured_lines, parts = _measure_lines(lines), []
     evenly = [_points_at(*measured_line) for measured_line in measured_lines]
-    for k, (line, (_, way, places)) in enumerate(zip(lines, measured_lines, strict=True)):
+    for k, (line, (_, way, lengths)) in enumerate(zip(lines, measured_lines, strict=True)):
         merged_parts = np.array(
             [_distances(evenly[k], other_points) <= MERGING_DISTANCE for other_points in evenly]
         )
@@ -152,23 +152,23 @@ def parts_with_dashes(lines: Sequence[np.ndarray]) -> list[list[tuple[np.ndarray
         count_below, count_above = merged_parts[:k].sum(axis=0), merged_parts.sum(axis=0) - 1
         looks = np.where(count_below > 0, len(lines) * count_below + count_above, 0)
         for start, stop in _runs(looks):
-            looks[start:stop] *= places[stop - 1] - places[start] >= LEAST_DASHED
+            looks[start:stop] *= lengths[stop - 1] - lengths[start] >= LEAST_DASHED
         own_parts = []
         for start, stop in _runs(looks):
-            first, last = places[start], places[min(stop, PIECES - 1)]
-            part_places = np.concatenate([[first], way[(way > first) & (way < last)], [last]])
+            first, last = lengths[start], lengths[min(stop, PIECES - 1)]
+            part_lengths = np.concatenate([[first], way[(way > first) & (way < last)], [last]])
             dashes = _dashes(int(count_below[start]) - 1, int(count_above[start])) if looks[start] else None
-            own_parts.append((_points_at(line, way, part_places), dashes))
+            own_parts.append((_points_at(line, way, part_lengths), dashes))
         parts.append(own_parts)
     return parts
 
 
-def _dashes(place: int, count: int) -> tuple[float, tuple[float, float]]:
+def _dashes(index: int, count: int) -> tuple[float, tuple[float, float]]:
     """Return the dashes of one of ``count`` lines above a solid line: one dash of each line, and then a gap.
 
-    The solid line is visible through the gap. ``place`` is the number of the line, from 0.
+    The solid line is visible through the gap. ``index`` is the number of the line, from 0.
     """
-    return -DASH * place, (DASH, DASH * count)
+    return -DASH * index, (DASH, DASH * count)
 
 
 def _measure_lines(lines: Sequence[np.ndarray]) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
@@ -199,12 +199,12 @@ def _runs(values: np.ndarray) -> list[tuple[int, int]]:
     return list(pairwise([0, *(np.flatnonzero(np.diff(values)) + 1).tolist(), len(values)]))
 
 
-def _points_at(line: np.ndarray, way: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Return the points of a line at some ``places``, the lengths of the way along the line, shape (2, P).
+def _points_at(line: np.ndarray, way: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Return the points of a line at some ``lengths``, the lengths of the way along the line, shape (2, P).
 
     ``line`` has the shape (2, S); ``way`` has the length of the way at each of its points, shape (S,).
     """
-    return np.array([np.interp(places, way, part) for part in line])
+    return np.array([np.interp(lengths, way, part) for part in line])
 
 
 def is_fast(x_values: np.ndarray, values: np.ndarray, bins: int, least_turn: float) -> bool:

@@ -38,8 +38,8 @@ def write_end_labels(axes: Axes, lines: Sequence[tuple[str, float, str]]) -> lis
     many lines end at one height (FARTHEST), no name is written.
     """
     (low, high), values = axes.get_ylim(), sorted(value for _, value, _ in lines)
-    places = (np.array(values) - low) / (high - low)
-    if not len(places) or np.abs(spread_out(places, NAME_SHARE, 0.0, 1.0) - places).max() > FARTHEST:
+    positions = (np.array(values) - low) / (high - low)
+    if not len(positions) or np.abs(spread_out(positions, NAME_SHARE, 0.0, 1.0) - positions).max() > FARTHEST:
         return []
     look: dict[str, Any] = {"xycoords": axes.get_yaxis_transform(), "textcoords": "offset points"}
     look |= {"ha": "left", "va": "center", "fontsize": "small", "annotation_clip": False}
@@ -72,14 +72,14 @@ def spread(axes: Axes, labels: Sequence[EndLabel]) -> None:
         figure.add_artist(leader)
 
 
-def spread_out(places: np.ndarray, distance: float, low: float, high: float) -> np.ndarray:
-    """Return ascending ``places`` with at least ``distance`` between two, as little moved as possible.
+def spread_out(positions: np.ndarray, distance: float, low: float, high: float) -> np.ndarray:
+    """Return ascending ``positions`` with at least ``distance`` between two, as little moved as possible.
 
     All places are from ``low`` to ``high`` if there is room.
     """
     groups: list[tuple[float, int]] = []  # mean and number of places of each group of places that touch
-    for place in places.tolist():
-        groups.append((place, 1))
+    for position in positions.tolist():
+        groups.append((position, 1))
         while len(groups) > 1:
             (mean_before, count_before), (mean, count) = groups[-2:]
             if mean - mean_before >= 0.5 * distance * (count_before + count):

@@ -230,12 +230,12 @@ def _place(
         )
         for home in spared:
             is_inside &= ~((low < home[1] + shift) & (home[0] - shift < high)).all(axis=-1)
-        tried_places = np.argwhere(is_inside)
+        tried_positions = np.argwhere(is_inside)
         is_free = ink.were_free(low[is_inside], high[is_inside], on_pale=on_pale)
         # Limits > 0 concern leaders only; positions without a leader were already tried with the limit 0.
         if crossed:
-            is_free &= np.isin(steps[tried_places[:, 0]], LEADER_DISTANCES)
-        for step, turn in tried_places[is_free].tolist():
+            is_free &= np.isin(steps[tried_positions[:, 0]], LEADER_DISTANCES)
+        for step, turn in tried_positions[is_free].tolist():
             is_led = may_lead and steps[step] in LEADER_DISTANCES
             led: dict[str, Any] = {"arrowprops": LEADER, "zorder": LABEL_LAYER} if is_led else {}
             box, start = (low[step, turn], high[step, turn]), label_point if led else None
@@ -254,15 +254,15 @@ def _place(
 
 
 def _is_nearest_to_other(
-    middle: np.ndarray, half: np.ndarray, place: np.ndarray, other_places: np.ndarray
+    middle: np.ndarray, half: np.ndarray, position: np.ndarray, other_positions: np.ndarray
 ) -> bool:
-    """Return whether the middle or the box of a text is nearer to one of ``other_places`` than to ``place``.
+    """Return whether middle or box of a text is nearer to one of ``other_positions`` than to ``position``.
 
     All values are in pixels; ``half``: half of the width and of the height of the text.
     """
     for reach in (np.zeros(2), half):
-        own_gap = np.hypot(*np.maximum(np.abs(place - middle) - reach, 0.0))
-        gaps = np.hypot(*np.maximum(np.abs(other_places - middle) - reach, 0.0).T)
+        own_gap = np.hypot(*np.maximum(np.abs(position - middle) - reach, 0.0))
+        gaps = np.hypot(*np.maximum(np.abs(other_positions - middle) - reach, 0.0).T)
         if (gaps < own_gap - ROUND_OFF).any():
             return True
     return False

@@ -23,13 +23,13 @@ SAMPLE_PIECES = 12  # the number of pieces of the sample of a line that has many
 class ManyColours(HandlerLineCollection):
     """The sample of lines in a legend: a line in all colours of these lines, from the first to the last."""
 
-    def create_artists(self, legend: Any, orig_handle: Any, *place: Any) -> list[Any]:
-        """Return the sample for the lines ``orig_handle``, with matplotlib's arguments for the ``place``."""
+    def create_artists(self, legend: Any, orig_handle: Any, *box: Any) -> list[Any]:
+        """Return the sample for the lines ``orig_handle``, with matplotlib's arguments for its ``box``."""
         colours = orig_handle.get_colors()
         if len(colours) < SAMPLE_PIECES:
-            return list(super().create_artists(legend, orig_handle, *place))
-        _, _, width, height, _, transform = place
-        x, middle = np.linspace(-place[0], width - place[0], SAMPLE_PIECES + 1), 0.5 * (height - place[1])
+            return list(super().create_artists(legend, orig_handle, *box))
+        _, _, width, height, _, transform = box
+        x, middle = np.linspace(-box[0], width - box[0], SAMPLE_PIECES + 1), 0.5 * (height - box[1])
         ends = np.stack([x, np.full_like(x, middle)], axis=-1)
         rows = np.linspace(0, len(colours) - 1, SAMPLE_PIECES).astype(int)
         pieces = LineCollection(list(np.stack([ends[:-1], ends[1:]], axis=1)), colors=colours[rows])
@@ -91,8 +91,8 @@ def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> No
 def legend_at_head(figure: Figure, handles: Sequence[Any]) -> None:
     """Put a legend for all axes below the texts at the head of a figure, in as few rows as fit."""
     top = head_of(figure)
-    place = (LEFT_MARGIN / figure.get_figwidth(), 1.0 - top)
-    height = _legend_of_figure(figure, handles, loc="upper left", bbox_to_anchor=place, **LOOK)
+    anchor = (LEFT_MARGIN / figure.get_figwidth(), 1.0 - top)
+    height = _legend_of_figure(figure, handles, loc="upper left", bbox_to_anchor=anchor, **LOOK)
     reserve_margins(figure, top + height + 0.5 * GAP / figure.get_figheight(), 0.0)
 
 

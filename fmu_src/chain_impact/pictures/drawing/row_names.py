@@ -23,7 +23,7 @@ def lacking_for_rows(axes: Axes) -> float:
         or not isinstance(axes.yaxis.get_major_locator(), FixedLocator)
     ):
         return 0.0
-    places = axes.transData.transform([(0.0, label.get_position()[1]) for label in names])[:, 1]
-    distance = float(np.abs(np.diff(places)).min()) / figure.dpi
+    heights = axes.transData.transform([(0.0, label.get_position()[1]) for label in names])[:, 1]
+    distance = float(np.abs(np.diff(heights)).min()) / figure.dpi
     pitch = ROW_PITCH * float(names[0].get_fontsize()) / POINTS_IN_INCH
     return max(0.0, float(axes.bbox.height) / figure.dpi * (pitch / distance - 1.0))

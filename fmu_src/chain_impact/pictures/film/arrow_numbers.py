@@ -140,5 +140,5 @@ def sample_line(line: np.ndarray, step: float) -> np.ndarray:
     ``line`` has the corners of the line, shape (P, 2).
     """
     passed_lengths = np.append(0.0, np.hypot(*np.diff(line, axis=0).T).cumsum())
-    places = np.linspace(0.0, passed_lengths[-1], 2 + int(passed_lengths[-1] / step))
-    return np.stack([np.interp(places, passed_lengths, coordinate) for coordinate in line.T], axis=-1)
+    sample_lengths = np.linspace(0.0, passed_lengths[-1], 2 + int(passed_lengths[-1] / step))
+    return np.stack([np.interp(sample_lengths, passed_lengths, coordinate) for coordinate in line.T], axis=-1)

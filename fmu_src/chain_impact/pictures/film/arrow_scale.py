@@ -82,21 +82,21 @@ class ArrowScale:
         A mark whose number would touch that of the largest force, of 0, or of a larger force is left out.
         ``y`` is the height of the ruler above the figure's lower edge, relative to the figure's height.
         """
-        _, place, text_look = ruler_parts(axes, colour)
+        _, transform, text_look = ruler_parts(axes, colour)
         left, _ = axes.get_xlim()
         marks: dict[str, Any] = {"color": colour, "linewidth": 0.8, "markersize": 2.0 * RULER_TICK}
-        marks |= {"transform": place, "clip_on": False}
+        marks |= {"transform": transform, "clip_on": False}
         end = left + LONGEST_ARROW * self.side
         axes.plot([left, end], [y, y], **marks)
         axes.annotate(SCALE_NAME, (end, y), (4.0, 0.0), ha="left", **text_look)
         (largest_mark, *other_marks), taken_boxes = self.marks(), list[Bbox]()
-        for mark_place, text in [largest_mark, (0.0, "0"), *other_marks]:
+        for mark_offset, text in [largest_mark, (0.0, "0"), *other_marks]:
             text_below: dict[str, Any] = text_look | {"ha": "center", "va": "top"}
-            label = axes.annotate(text, (left + mark_place, y), (0.0, -RULER_TICK - 1.0), **text_below)
+            label = axes.annotate(text, (left + mark_offset, y), (0.0, -RULER_TICK - 1.0), **text_below)
             box = label.get_window_extent()
             # in a small film, this number may touch another one
             if any(box.padded(NUMBER_SPACE * box.height).overlaps(other_box) for other_box in taken_boxes):
                 label.remove()
                 continue
-            axes.plot([left + mark_place], [y], "|", **marks)
+            axes.plot([left + mark_offset], [y], "|", **marks)
             taken_boxes.append(box)

@@ -29,20 +29,20 @@ class Caption:
     """The caption of a film, a text of two lines."""
 
     def __init__(
-        self, figure: Figure, place: tuple[float, float], recording: Recording, times: np.ndarray
+        self, figure: Figure, position: tuple[float, float], recording: Recording, times: np.ndarray
     ) -> None:
         """Make the text, which is empty at first.
 
         Args:
             figure: the figure of the film.
-            place: the left edge of the text and the middle of its height, relative to the figure's size.
+            position: the left edge of the text and the middle of its height, relative to the figure's size.
             recording: the recording to show.
             times: the time of the recording that each frame shows [s]; empty for a film without captions.
         """
         self.figure, self.recording, self.times = figure, recording, times
         self.ends = contact_ends(recording)
         self.shown_number = 0  # the number of the impact in the caption, from 1; 0 for an empty caption
-        self.text = figure.text(*place, "\n", fontsize=NUMBER_SIZE, animated=True, va="center")
+        self.text = figure.text(*position, "\n", fontsize=NUMBER_SIZE, animated=True, va="center")
         self.lowest = self.text.get_window_extent().y0 - CAPTION_GAP * figure.dpi / 72.0  # [pixels]
         self.text.set_text("")
 

@@ -95,13 +95,13 @@ def stretch(axes: Axes, times: np.ndarray) -> bool:
         return False
     ticks = axes.get_xticks()
     ticks = ticks[np.abs(ticks - ticks.clip(*ends)) <= END_TOLERANCE * np.ptp(ends)]
-    tick_places = np.interp(ticks, times, frames)
+    tick_frames = np.interp(ticks, times, frames)
     axes.set_xscale(
         "function", functions=(lambda t: np.interp(t, times, frames), lambda k: np.interp(k, frames, times))
     )
     kept_ticks = [len(ticks) - 1]  # the last number stays, so that the end of the axis can be read
     for k in range(len(ticks)):
-        if np.abs(tick_places[kept_ticks] - tick_places[k]).min() >= TICK_GAP:
+        if np.abs(tick_frames[kept_ticks] - tick_frames[k]).min() >= TICK_GAP:
             kept_ticks.append(k)
     kept_ticks.sort()
     numbers = [f"{tick:.10g}" for tick in ticks[kept_ticks]]
@@ -156,13 +156,13 @@ def _name_peak(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) 
     name, force = max(forces.items(), key=lambda named_force: float(named_force[1].max()))
     peak_force = largest_wall_force(recording, forces) if name == "wall" else float(force.max())
     row, factor = int(force.argmax()), load_unit(float(force.max()), "N")[0]
-    place = float(recording.time[row]), factor * float(force[row])
-    is_left = axes.transAxes.inverted().transform(axes.transData.transform(place))[0] > 0.5  # noqa: PLR2004
+    position = float(recording.time[row]), factor * float(force[row])
+    is_left = axes.transAxes.inverted().transform(axes.transData.transform(position))[0] > 0.5  # noqa: PLR2004
     look: dict[str, Any] = {"color": FORCE_COLOURS[name], "fontsize": NUMBER_SIZE, "va": "center"}
     look |= {"ha": "right" if is_left else "left", "textcoords": "offset points"}
     # the cursor must not cut the text
     look |= {"animated": True, "path_effects": [withStroke(linewidth=TEXT_OUTLINE, foreground="white")]}
-    return axes.annotate(force_text(peak_force, "N"), place, (-4.0 if is_left else 4.0, 0.0), **look)
+    return axes.annotate(force_text(peak_force, "N"), position, (-4.0 if is_left else 4.0, 0.0), **look)
 
 
 def _draw_energies(axes: Axes, recording: Recording, top: float) -> None:

@@ -30,7 +30,7 @@ from chain_impact.pictures.film.arrow_numbers import Number, without_equals, wri
 from chain_impact.pictures.film.arrow_scale import ArrowScale, arrow_between
 from chain_impact.pictures.film.caption import Caption
 from chain_impact.pictures.film.charts import FORCE, add_veil, draw_charts, largest_forces, largest_wall_force
-from chain_impact.pictures.film.places import SIZE_WITH_CHARTS, places_for
+from chain_impact.pictures.film.film_layout import SIZE_WITH_CHARTS, layout_for
 from chain_impact.pictures.film.scale_bar import NUMBER_SIZE, draw_scale_bar
 from chain_impact.pictures.film.tip_trace import trace_of
 from chain_impact.pictures.motion.bodies import FILL, body_look, draw_rail
@@ -38,7 +38,7 @@ from chain_impact.pictures.motion.motion import colour_of_time
 from chain_impact.pictures.motion.walls import draw_pin, draw_room, has_motion
 from chain_impact.pictures.over_time.energies import ENERGIES
 from chain_impact.recording.interactions import FRICTION, JOINT_STOP
-from chain_impact.recording.joint_stops import range_lines, touching_place
+from chain_impact.recording.joint_stops import range_lines, stop_mark
 from chain_impact.recording.pacing import SLOW_RATE, TAIL, rate_text
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import film_view, pin_lines, positions_of, radius_of
@@ -91,17 +91,17 @@ class Film:
         self.tells_energies = is_wide and bool(recording.energies)
         radius = radius_of(recording)
         framing = film_view(positions_of(recording), recording.walls, radius, pinned=recording.pinned)
-        place = places_for(figure, framing[0], is_wide=is_wide, has_charts=self.tells_energies)
-        self.scene, sizes = figure.add_axes(place.scene), (13, 15) if is_wide else (10, 10)
-        figure.text(place.scene[0], 0.94, recording.name, fontsize=sizes[0], fontweight="bold", va="center")
+        layout = layout_for(figure, framing[0], is_wide=is_wide, has_charts=self.tells_energies)
+        self.scene, sizes = figure.add_axes(layout.scene), (13, 15) if is_wide else (10, 10)
+        figure.text(layout.scene[0], 0.94, recording.name, fontsize=sizes[0], fontweight="bold", va="center")
         artist_style: dict[str, Any] = {"animated": True, "va": "center"}
-        self.clock = figure.text(*place.clock, "", fontsize=sizes[1], fontweight="bold", **artist_style)
-        self.rate = figure.text(*place.rate, "", fontsize=10, **artist_style)
+        self.clock = figure.text(*layout.clock, "", fontsize=sizes[1], fontweight="bold", **artist_style)
+        self.rate = figure.text(*layout.rate, "", fontsize=10, **artist_style)
         listed_times = times if self.tells_energies else times[:0]
-        self.caption = Caption(figure, place.caption, recording, listed_times)
+        self.caption = Caption(figure, layout.caption, recording, listed_times)
         self._draw_ground(*framing)
         self.cursors, self.peak_names = (
-            draw_charts(figure, recording, times, self.caption.lowest, place.wider)
+            draw_charts(figure, recording, times, self.caption.lowest, layout.wider)
             if self.tells_energies
             else ([], [])
         )
@@ -129,7 +129,7 @@ class Film:
         if peak > 0.0:
             self.scale.draw(self.scene, SCALE, MUTED)
         if self.loads:
-            self._draw_key(figure, 0.99 if not is_wide else place.scene[0] + place.scene[2])
+            self._draw_key(figure, 0.99 if not is_wide else layout.scene[0] + layout.scene[2])
         self._suit(figure)
 
     def _add_bodies(self, radius: float) -> None:
@@ -222,8 +222,8 @@ class Film:
             frame: the index of the frame, from 0.
             rate: simulated seconds per second on the screen.
         """
-        time, places = self.times[frame], self.points[frame]
-        points = places[: self.recording.link_count + 1]
+        time, positions = self.times[frame], self.points[frame]
+        points = positions[: self.recording.link_count + 1]
         passed_rows = np.searchsorted(self.trace_times, time, side="right")
         self.traced = np.append(self.path[:passed_rows], points[-1:], axis=0)
         self.trace.set_segments(list(np.stack([self.traced[:-1], self.traced[1:]], axis=1)))
@@ -232,12 +232,12 @@ class Film:
         self._colour_chain(time)
         self.rings.set_data(*self.spots[self.recording.impacts["onset"] <= time].T)
         for point, disc in self.discs.items():
-            disc.set_center(tuple(places[point]))
+            disc.set_center(tuple(positions[point]))
         for link, body in self.bodies.items():
             body.set_xy(placed_corners(self.recording.outlines[link], points[link - 1], points[link]))
         for carriage, rail in self.carriage:
             carriage.set_xy(rail.carriage(points[0]))
-        self.sites.set_data(*places[len(points) :].T)
+        self.sites.set_data(*positions[len(points) :].T)
         self.chain.set_data(*points.T)
         self.joints.set_data(*points[:-1].T)
         self.tip.set_data(*points[-1:].T)
@@ -310,7 +310,7 @@ class Film:
                 joint = self.points[frame, max(interaction.point - 1, 0)]
                 self._add_line(joint, "o", markeredgecolor=INK, markersize=7)
             elif interaction.kind == JOINT_STOP and force > 0.0:
-                mark, (dx, dy) = touching_place(self.points[frame], interaction.point)
+                mark, (dx, dy) = stop_mark(self.points[frame], interaction.point)
                 self._add_line(mark, "o", markersize=9)
                 tangent = np.array([dy, -dx])
                 self.numbers.append(Number(force, force_text(force, "N·m"), mark, tangent, FORCE))

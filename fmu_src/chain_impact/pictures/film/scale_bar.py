@@ -35,9 +35,9 @@ def ruler_parts(axes: Axes, colour: str) -> tuple[Figure, Any, dict[str, Any]]:
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
-    place: Any = blended_transform_factory(axes.transData, figure.transFigure)
-    look: dict[str, Any] = {"xycoords": place, "textcoords": "offset points", "fontsize": NUMBER_SIZE}
-    return figure, place, look | {"color": colour, "va": "center", "annotation_clip": False}
+    transform: Any = blended_transform_factory(axes.transData, figure.transFigure)
+    look: dict[str, Any] = {"xycoords": transform, "textcoords": "offset points", "fontsize": NUMBER_SIZE}
+    return figure, transform, look | {"color": colour, "va": "center", "annotation_clip": False}
 
 
 def draw_scale_bar(axes: Axes, height: float, colour: str) -> list[Artist]:
@@ -46,11 +46,11 @@ def draw_scale_bar(axes: Axes, height: float, colour: str) -> list[Artist]:
     The bar ends at the right edge of the axes. ``height`` is the height of the bar above the foot of the
     figure, relative to the height of the figure.
     """
-    figure, place, text_look = ruler_parts(axes, colour)
+    figure, transform, text_look = ruler_parts(axes, colour)
     left, right = axes.get_xlim()
     length = round_length(LONGEST_BAR * (right - left))
     text = f"{1000.0 * length:.3g} mm" if length < SMALL_LENGTH else f"{length:.3g} m"
     look: dict[str, Any] = {"color": colour, "linewidth": 0.8, "marker": "|", "markersize": 6.0}
-    bar = Line2D([right - length, right], [height, height], transform=place, **look)
+    bar = Line2D([right - length, right], [height, height], transform=transform, **look)
     label = axes.annotate(text, (right - length, height), (-5.0, 0.0), ha="right", **text_look)
     return [figure.add_artist(bar), label]

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from chain_impact.pictures.drawing.dark_ground import Ground
 from chain_impact.pictures.film.file_formats import write_gif, write_mp4
 from chain_impact.pictures.film.film import FILM_COLOURS, FILM_STYLE, Film
-from chain_impact.pictures.film.places import SIZE_WITH_CHARTS
+from chain_impact.pictures.film.film_layout import SIZE_WITH_CHARTS
 from chain_impact.progress import Progress
 from chain_impact.recording.pacing import fastest_sine, frame_times, slow_spans
 from chain_impact.recording.recording import Recording

@@ -17,7 +17,7 @@ from chain_impact.pictures.motion.walls import wall_line
 from chain_impact.pictures.over_time.impacts import marks_of, rows_by_height
 from chain_impact.pictures.words.headline import marked_peaks
 from chain_impact.pictures.words.impact_numbers import numbers_of
-from chain_impact.recording.joint_stops import touching_place
+from chain_impact.recording.joint_stops import stop_mark
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import NO_WALL
 
@@ -39,8 +39,10 @@ def rows_by_speed(recording: Recording) -> np.ndarray:
 
 def draw_rings(axes: Axes, recording: Recording) -> None:
     """Draw the rings of all impacts, at walls and at stops; close impacts share a ring (``rings``)."""
-    places = rings(axes, recording)
-    plot_rings(axes, recording, {row: place for place, rows in places.items() for row in rows}, RING_SIZE)
+    positions = rings(axes, recording)
+    plot_rings(
+        axes, recording, {row: position for position, rows in positions.items() for row in rows}, RING_SIZE
+    )
 
 
 def plot_rings(
@@ -54,9 +56,9 @@ def plot_rings(
     """
     look: dict[str, Any] = {"marker": "o", "markersize": size, "markerfacecolor": "none", "linestyle": ""}
     ring_peaks = [peak for peak in marked_peaks(recording) if peak.row in spots]
-    if places := list(dict.fromkeys(spots.values())):
-        label = "impacts" if len(places) > len(ring_peaks) else "_"
-        axes.plot(*np.transpose(places), **look, color=INK, zorder=5, label=label)
+    if positions := list(dict.fromkeys(spots.values())):
+        label = "impacts" if len(positions) > len(ring_peaks) else "_"
+        axes.plot(*np.transpose(positions), **look, color=INK, zorder=5, label=label)
     for peak in ring_peaks:
         peak_style = {"color": PEAK_COLOUR, "markeredgewidth": PEAK_WIDTH, "zorder": 5.2, "label": peak.words}
         axes.plot(*spots[peak.row], **look | peak_style)
@@ -87,15 +89,15 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> None:
     """
     ink.bar(*_obstacles(axes, recording))
     is_told = name_loads(axes, recording, ink, slice(1))
-    place_in = {row: place for place, row in enumerate(rows_by_height(marks_of(recording)[1]).tolist())}
+    rank_of_row = {row: rank for rank, row in enumerate(rows_by_height(marks_of(recording)[1]).tolist())}
     labels = []
-    for ring_place, hits in rings(axes, recording).items():
-        whole_list, short = numbers_of(sorted(hits, key=place_in.__getitem__))
+    for ring_position, hits in rings(axes, recording).items():
+        whole_list, short = numbers_of(sorted(hits, key=rank_of_row.__getitem__))
         impact = recording.impacts[hits[0]]
         is_stop = recording.is_joint_stop(impact["wall"]) or recording.touching_part(impact) == "slider"
-        place = _label_place(recording, impact, ring_place)
-        label = Label(whole_list, *place, short=short, least_cosine=-1.0 if is_stop else LEAST_COSINE)
-        labels.append((min(map(place_in.__getitem__, hits)), label))
+        position = _label_position(recording, impact, ring_position)
+        label = Label(whole_list, *position, short=short, least_cosine=-1.0 if is_stop else LEAST_COSINE)
+        labels.append((min(map(rank_of_row.__getitem__, hits)), label))
     ordered_labels = [label for _, label in sorted(labels, key=lambda entry: entry[0])]
     place_labels(axes, ordered_labels, ink, lines=True, fontsize="small", color=INK)
     if is_told:
@@ -112,37 +114,37 @@ def _obstacles(axes: Axes, recording: Recording) -> tuple[list[np.ndarray], floa
     lines = [recording.points[0], recording.points[-1]]
     view, walls = np.transpose([axes.get_xlim(), axes.get_ylim()]), list(recording.walls.values())
     lines += [wall_line(wall, walls, view) for wall in walls]
-    lines += [np.array([ring_place]) for ring_place in rings(axes, recording)]
+    lines += [np.array([ring_position]) for ring_position in rings(axes, recording)]
     return [axes.transData.transform(line) for line in lines], 0.5 * RING_SIZE * figure.dpi / 72.0
 
 
-def _label_place(
-    recording: Recording, impact: np.void, ring_place: tuple[float, float]
+def _label_position(
+    recording: Recording, impact: np.void, ring_position: tuple[float, float]
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return the position for an impact's label, and the unit vector from this position to the label.
 
-    The position is ``ring_place``, the place of the impact's ring. The vector points into the wall or, at a
-    stop of a joint, to the right of the link's direction from the base to the tip. At a stop of a slider, the
-    position is an end of the stop's mark, and the vector points along the mark, away from it.
+    The position is ``ring_position``, the place of the impact's ring. The vector points into the wall or, at
+    a stop of a joint, to the right of the link's direction from the base to the tip. At a stop of a slider,
+    the position is an end of the stop's mark, and the vector points along the mark, away from it.
     """
     if recording.is_joint_stop(impact["wall"]):
-        x, y = touching_place(recording.pose_at(impact["onset"]), impact["point"])[1]
-        return ring_place, (float(y), float(-x))
+        x, y = stop_mark(recording.pose_at(impact["onset"]), impact["point"])[1]
+        return ring_position, (float(y), float(-x))
     nx, ny = recording.wall_of(impact).normal
     if recording.touching_part(impact) != "slider":
-        return ring_place, (-nx, -ny)
+        return ring_position, (-nx, -ny)
     tangent = (-ny, nx) if nx >= 0.0 else (ny, -nx)
     assert recording.rail is not None
     reach = recording.rail.half
-    return (ring_place[0] + reach * tangent[0], ring_place[1] + reach * tangent[1]), tangent
+    return (ring_position[0] + reach * tangent[0], ring_position[1] + reach * tangent[1]), tangent
 
 
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
     """Return the rings: position of a ring → rows of its impacts in ``recording.impacts``, fastest first.
 
-    The position of a ring is the ``ring_place`` of its fastest impact, by ``rows_by_speed``. A slower impact
-    at the same wall or stop belongs to this ring if the distance from its spot to the ring's position is less
-    than RING_DISTANCE × the larger side of the view; in a narrow figure NARROW_RING_DISTANCE.
+    The position of a ring is the ``ring_position`` of its fastest impact, by ``rows_by_speed``. A slower
+    impact at the same wall or stop belongs to this ring if the distance from its spot to the ring's position
+    is less than RING_DISTANCE × the larger side of the view; in a narrow figure NARROW_RING_DISTANCE.
     """
     figure = axes.get_figure(root=True)
     is_small = figure is not None and is_narrow(figure)
@@ -152,10 +154,10 @@ def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[in
     walls = recording.impacts["wall"]
     for row in rows_by_speed(recording).tolist():
         x, y = recording.impact_position(recording.impacts[row]).tolist()
-        near_places = (
-            ring_place
-            for ring_place, hits in hits_at.items()
-            if walls[hits[0]] == walls[row] and np.hypot(ring_place[0] - x, ring_place[1] - y) < spacing
+        near_positions = (
+            ring_position
+            for ring_position, hits in hits_at.items()
+            if walls[hits[0]] == walls[row] and np.hypot(ring_position[0] - x, ring_position[1] - y) < spacing
         )
-        hits_at.setdefault(next(near_places, (x, y)), []).append(row)
+        hits_at.setdefault(next(near_positions, (x, y)), []).append(row)
     return hits_at

@@ -94,13 +94,13 @@ def shifted_foot(pose: np.ndarray, joint: int, force: np.ndarray, shift: float) 
     return np.asarray(foot)
 
 
-def part_in_view(places: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> float:
+def part_in_view(positions: np.ndarray, ways: np.ndarray, corners: np.ndarray) -> float:
     """Return the largest factor, at most 1, on the lengths of arrows with which all arrows end in a view.
 
-    ``places`` has the feet of the arrows, ``ways`` the vectors from the feet to the heads, both of shape
+    ``positions`` has the feet of the arrows, ``ways`` the vectors from the feet to the heads, both of shape
     (A, 2) [m]; ``corners`` are the lower left and the upper right corner of the view, shape (2, 2) [m].
     """
-    room = np.where(ways > 0.0, corners[1], corners[0]) - places
+    room = np.where(ways > 0.0, corners[1], corners[0]) - positions
     parts = np.divide(room, ways, out=np.ones_like(ways), where=ways != 0.0)
     return float(parts.min(initial=1.0))
 

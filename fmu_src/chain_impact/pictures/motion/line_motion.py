@@ -51,10 +51,10 @@ def draw_along_line(axes: Axes, recording: Recording, axis: int) -> None:
     """
     ball = ball_of(recording)
     assert ball is not None
-    time, place, radius = recording.time, recording.points[:, ball, axis], recording.touching_radii[ball]
+    time, position, radius = recording.time, recording.points[:, ball, axis], recording.touching_radii[ball]
     surfaces = wall_surfaces(recording, axis)
-    all_places = [place - radius, place + radius, *surfaces.values()]
-    low, high = min(map(np.min, all_places)), max(map(np.max, all_places))
+    all_positions = [position - radius, position + radius, *surfaces.values()]
+    low, high = min(map(np.min, all_positions)), max(map(np.max, all_positions))
     span = high - low
     low, high = low - BALL_MARGIN * span, high + BALL_MARGIN * span
     for name, surface in surfaces.items():
@@ -67,8 +67,12 @@ def draw_along_line(axes: Axes, recording: Recording, axis: int) -> None:
         axes.fill_between(time, surface, wall_edge, color=OUTSIDE_COLOUR, linewidth=0.0, zorder=0.5)
     if radius > 0.0:
         look: dict[str, Any] = {"color": BLUE, "alpha": BALL_OPACITY, "linewidth": 0.0, "zorder": 1.5}
-        axes.fill_between(time, place - radius, place + radius, label=f"ball, radius {radius:g} m", **look)
-    axes.plot(time, place, color=BLUE, linewidth=1.2, label=f"path of the {'centre' if radius else 'ball'}")
+        axes.fill_between(
+            time, position - radius, position + radius, label=f"ball, radius {radius:g} m", **look
+        )
+    axes.plot(
+        time, position, color=BLUE, linewidth=1.2, label=f"path of the {'centre' if radius else 'ball'}"
+    )
     draw_hits(axes, recording, surfaces)
     axes.set_ylim(low, high)
     axes.set_ylabel(f"{'xy'[axis]} [m]")
@@ -83,9 +87,9 @@ def draw_hits(axes: Axes, recording: Recording, surfaces: dict[str, np.ndarray])
     """
     hits = [(row["onset"], surfaces.get(recording.wall_names[row["wall"]])) for row in recording.impacts]
     spots = {
-        row: (float(onset), float(np.interp(onset, recording.time, hit_place)))
-        for row, (onset, hit_place) in enumerate(hits)
-        if hit_place is not None
+        row: (float(onset), float(np.interp(onset, recording.time, hit_position)))
+        for row, (onset, hit_position) in enumerate(hits)
+        if hit_position is not None
     }
     if spots:
         figure = axes.get_figure(root=True)
@@ -99,10 +103,10 @@ def wall_surfaces(recording: Recording, axis: int) -> dict[str, np.ndarray]:
 
     ``axis`` is the axis along which the ball moves, and so the axis of this coordinate: 0 for x, 1 for y.
     """
-    ball, zero_places, surfaces = ball_of(recording), np.zeros(len(recording.time)), {}
+    ball, no_motion, surfaces = ball_of(recording), np.zeros(len(recording.time)), {}
     for name in view_of(recording).walls:
         wall = recording.walls[name]
-        offset = wall.offset + recording.moved_walls.get(name, zero_places)
+        offset = wall.offset + recording.moved_walls.get(name, no_motion)
         # The surface of the wall with the normal n is the line of all p with n·p = offset. The result is the
         # coordinate along the axis of that p whose coordinate across the axis equals the ball's.
         transverse_part = wall.normal[1 - axis] * recording.points[:, ball, 1 - axis]

@@ -236,10 +236,11 @@ def density(path: np.ndarray, size: float) -> float:
     """
     way = np.append(0.0, np.hypot(*np.diff(path, axis=0).T).cumsum())
     count = min(MOST_SAMPLES, 2 + int(2.0 * way[-1] / (LINE_CELL * size)))
-    places = np.stack(
+    positions = np.stack(
         [np.interp(np.linspace(0.0, way[-1], count), way, coordinate) for coordinate in path.T], axis=-1
     )
     areas = [
-        len(np.unique(np.floor(places / (cell * size)), axis=0)) * cell**2 for cell in (LINE_CELL, AREA_CELL)
+        len(np.unique(np.floor(positions / (cell * size)), axis=0)) * cell**2
+        for cell in (LINE_CELL, AREA_CELL)
     ]
     return areas[0] / areas[1]

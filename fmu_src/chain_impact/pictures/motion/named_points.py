@@ -34,19 +34,22 @@ def name_points(axes: Axes, recording: Recording, ink: Ink) -> None:
     A point without a name has its number; the first one also has the word "point". A name stands nearer to
     its own point than to any other point of the chain.
     """
-    points, places = touching_points(recording), recording.all_points[0]
+    points, positions = touching_points(recording), recording.all_points[0]
     if len(points) > MOST_NAMED_POINTS:
         return
-    middle, word = places.mean(axis=0), POINT
+    middle, word = positions.mean(axis=0), POINT
     for point in points:
-        way = places[point] - middle
+        way = positions[point] - middle
         length = float(np.hypot(*way))
         x, y = (way / length if length > 0.0 else np.array([0.0, 1.0])).tolist()
-        other_places = [(float(px), float(py)) for px, py in np.delete(places, point, axis=0)]
+        other_positions = [(float(px), float(py)) for px, py in np.delete(positions, point, axis=0)]
         name = recording.point_names.get(point, "")
         text = shortened_name(name) if name else f"{word}{point}"
         label = Label(
-            text, (float(places[point][0]), float(places[point][1])), (x, y), other_marks=other_places
+            text,
+            (float(positions[point][0]), float(positions[point][1])),
+            (x, y),
+            other_marks=other_positions,
         )
         look = {"fontsize": "small", "color": TIME_COLOURS(0.0), "gid": NAME}
         if not place_labels(axes, [label], ink, lines=True, **look) and not name:

@@ -53,9 +53,9 @@ def is_flat(recording: Recording) -> bool:
     """
     if recording.pinned or recording.rail or recording.outlines:
         return False
-    places = drawn_positions(recording)
-    width, height = np.ptp(places, axis=(0, 1))
-    return bool(len(places) > 1 and 0.0 < height < FLATTEST * width)
+    positions = drawn_positions(recording)
+    width, height = np.ptp(positions, axis=(0, 1))
+    return bool(len(positions) > 1 and 0.0 < height < FLATTEST * width)
 
 
 def seen_size(recording: Recording) -> float:
@@ -84,19 +84,19 @@ def view_of(
     to the longer side of the view without margins. A motion that ``is_flat`` has a range along y of its own
     (FLAT_MARGIN).
     """
-    places = {
+    walls_at_ends = {
         (name, end): wall
         for end, walls in enumerate((recording.walls, *wall_extremes(recording)))
         for name, wall in walls.items()
         if end == 0 or name in recording.moved_walls
     }
-    everywhere, visible_places = dict(places), drawn_positions(recording)
-    view, near_walls = view_corners(visible_places, places, pinned=recording.pinned)
+    everywhere, visible_positions = dict(walls_at_ends), drawn_positions(recording)
+    view, near_walls = view_corners(visible_positions, walls_at_ends, pinned=recording.pinned)
     if recording.moved_walls:
         names = {name for name, _ in near_walls}
-        places = {wall_key: wall for wall_key, wall in places.items() if wall_key[0] in names}
+        walls_at_ends = {wall_key: wall for wall_key, wall in walls_at_ends.items() if wall_key[0] in names}
         view, near_walls = view_corners(
-            visible_places, places, near_distance=FARTHEST_WALL, pinned=recording.pinned
+            visible_positions, walls_at_ends, near_distance=FARTHEST_WALL, pinned=recording.pinned
         )
     width = np.ptp(view, axis=0).max()
     margin = np.full((2, 2), VIEW_MARGIN * width)
@@ -127,20 +127,20 @@ def view_of(
                 inwards = max(0.0, wall_distances - band * width)
                 view[int(normal[axis] < 0.0), axis] += np.sign(normal[axis]) * inwards
     if is_flat(recording):
-        low, high = visible_places[..., 1].min(), visible_places[..., 1].max()
+        low, high = visible_positions[..., 1].min(), visible_positions[..., 1].max()
         view[:, 1] = low - FLAT_MARGIN * (high - low), high + FLAT_MARGIN * (high - low)
     return View(view, list(dict.fromkeys(name for name, _ in met_walls)))
 
 
 def drawn_positions(recording: Recording) -> np.ndarray:
     """Return the positions of points, corners of a carriage, and DISC_ENDS of discs, shape (T, M, 2) [m]."""
-    places, points = positions_of(recording), recording.all_points
+    positions, points = positions_of(recording), recording.all_points
     rims = [
         points[:, [point]] + radius * DISC_ENDS
         for point, radius in recording.touching_radii.items()
         if radius > 0.0 and point < points.shape[1]
     ]
-    return np.concatenate([places, *rims], axis=1)
+    return np.concatenate([positions, *rims], axis=1)
 
 
 def wall_extremes(recording: Recording) -> Iterator[dict[str, HalfPlane]]:

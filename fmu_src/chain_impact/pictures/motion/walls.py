@@ -45,9 +45,9 @@ def moving_walls(recording: Recording, names: Iterable[str]) -> list[str]:
     return [name for name in names if has_motion(recording.moved_walls.get(name, np.zeros(1)))]
 
 
-def has_motion(places: np.ndarray) -> bool:
-    """Return whether ``places``, positions over time of shape (T, …), change."""
-    return bool((places != places[0]).any())
+def has_motion(positions: np.ndarray) -> bool:
+    """Return whether ``positions``, positions over time of shape (T, …), change."""
+    return bool((positions != positions[0]).any())
 
 
 def _corners(walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:

@@ -31,31 +31,36 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
     """Draw phases of dry friction: a bar while a contact, joint or slider sticks, a line while it slides.
 
     Each contact, joint or slider has a row, with its name at the left; only the first MOST_ROWS of
-    ``rubbing_places`` are drawn. If all contacts are at one wall, the legend has the name of this wall.
+    ``rubbing_locations`` are drawn. If all contacts are at one wall, the legend has the name of this wall.
     In a narrow figure, names with a wall lack the word "point", which the legend then has.
     """
-    phases, shown_places = recording.stick_slip, sorted(rubbing_places(recording)[:MOST_ROWS], reverse=True)
+    phases, shown_locations = (
+        recording.stick_slip,
+        sorted(rubbing_locations(recording)[:MOST_ROWS], reverse=True),
+    )
     for phase, length in zip(phases, phase_lengths(recording), strict=True):
-        if (location := element_label(phase, recording.wall_names, recording.point_names)) in shown_places:
-            row, is_sticking = shown_places.index(location), phase["mode"] == STICKS
+        if (location := element_label(phase, recording.wall_names, recording.point_names)) in shown_locations:
+            row, is_sticking = shown_locations.index(location), phase["mode"] == STICKS
             colour, height = (INK, PHASE_HEIGHT) if is_sticking else (GREY, 0.3 * PHASE_HEIGHT)
             axes.barh(row, length, height, left=phase["start"], color=colour)
-    walls = {wall for location in shown_places if (wall := location.partition(" at ")[2])}
+    walls = {wall for location in shown_locations if (wall := location.partition(" at ")[2])}
     figure = axes.get_figure(root=True)
     is_brief = len(walls) > 1 and figure is not None and is_narrow(figure)
-    names = [row_name(location, has_wall=len(walls) > 1, is_brief=is_brief) for location in shown_places]
-    axes.set_yticks(range(len(shown_places)), names, fontsize="small")
-    axes.set_ylim(-0.5, len(shown_places) - 0.5)
+    names = [row_name(location, has_wall=len(walls) > 1, is_brief=is_brief) for location in shown_locations]
+    axes.set_yticks(range(len(shown_locations)), names, fontsize="small")
+    axes.set_ylim(-0.5, len(shown_locations) - 0.5)
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
     is_held = phases["mode"] == STICKS
-    place = f" at {shortened_name(*walls)}" if len(walls) == 1 else ""
-    handles: list[Any] = [Patch(color=INK, label=f"sticks{place}")] if is_held.any() else []
+    wall_text = f" at {shortened_name(*walls)}" if len(walls) == 1 else ""
+    handles: list[Any] = [Patch(color=INK, label=f"sticks{wall_text}")] if is_held.any() else []
     # a contact may slide for an instant before it sticks; phases of sliding that are too short to be visible
     # need no entry in the legend
     is_long = phase_lengths(recording) > SHORT_SHARE * recording.duration
     if (is_long & ~is_held).any() or not handles:
-        handles.append(Line2D([], [], color=GREY, linewidth=2.0, label=f"slides{'' if handles else place}"))
+        handles.append(
+            Line2D([], [], color=GREY, linewidth=2.0, label=f"slides{'' if handles else wall_text}")
+        )
     if is_brief:
         handles.append(Line2D([], [], linestyle="", label=ROWS))
     legend_above(axes, handles)
@@ -88,7 +93,7 @@ def phase_lengths(recording: Recording) -> np.ndarray:
     return np.asarray(ends - phases["start"])
 
 
-def rubbing_places(recording: Recording) -> list[str]:
+def rubbing_locations(recording: Recording) -> list[str]:
     """Return words for each contact, joint or slider with phases of dry friction.
 
     The order is by the sum of the durations of all phases, of sticking and of sliding, the largest sum first.

@@ -19,7 +19,7 @@ from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.labels import Label
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import GREY, INK, PEAK_COLOUR, is_narrow, load_unit, scale_numbers
-from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, rubbing_places
+from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, rubbing_locations
 from chain_impact.pictures.over_time.time_axis import show_all_time
 from chain_impact.pictures.words.headline import impact_values, marked_peaks
 from chain_impact.pictures.words.impact_numbers import label_subsets, numbers_of, write_first_fitting
@@ -122,9 +122,9 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         handles, _ = axes.get_legend_handles_labels()
         if lanes:
             handles.append(Line2D([], [], color=GREY, linewidth=CONTACT, label="in contact"))
-        if (place_text := place_of_late_peaks(recording)) and not is_narrow(figure):
+        if (mark_text := late_mark_text(recording)) and not is_narrow(figure):
             stem: dict[str, Any] = {"color": INK, "marker": "|", "markersize": STEM_KEY}
-            handles.append(Line2D([], [], linestyle="", markeredgewidth=STEM, label=place_text, **stem))
+            handles.append(Line2D([], [], linestyle="", markeredgewidth=STEM, label=mark_text, **stem))
         legend_above(axes, handles)
     else:
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=INK)
@@ -151,12 +151,12 @@ def are_told(figure: Figure, recording: Recording, rows: np.ndarray) -> bool:
     """Return whether a panel of dry friction in the figure shows the contacts of the impacts in ``rows``."""
     if all(axes.get_label() != "friction" for axes in figure.axes):
         return False
-    shown_places = rubbing_places(recording)[:MOST_ROWS]
+    shown_locations = rubbing_locations(recording)[:MOST_ROWS]
     walls, names = recording.wall_names, recording.point_names
-    return all(element_label(recording.impacts[row], walls, names) in shown_places for row in rows)
+    return all(element_label(recording.impacts[row], walls, names) in shown_locations for row in rows)
 
 
-def place_of_late_peaks(recording: Recording) -> str:
+def late_mark_text(recording: Recording) -> str:
     """Return words for the times at which marks stand; "" if they all stand at the onsets.
 
     The words are in the legend or, in a narrow figure, whose legend lacks room, at the foot of the figure.
@@ -182,9 +182,9 @@ def draw_contacts(axes: Axes, spans: np.ndarray, lane: int, name: str, colour: s
     # the lines are below the axes; they are cut off only at the left and right edge of the axes
     lines.set_clip_path(Rectangle((0.0, -1.0), 1.0, 2.0, transform=axes.transAxes))
     lines.set_in_layout(False)
-    place: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points"}
-    place |= {"ha": "right", "va": "center", "fontsize": "small", "annotation_clip": False, "gid": LANE}
-    axes.annotate(number_of(name), (0.0, 0.0), (-NAME_GAP, -depth), **place)
+    text_style: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points"}
+    text_style |= {"ha": "right", "va": "center", "fontsize": "small", "annotation_clip": False, "gid": LANE}
+    axes.annotate(number_of(name), (0.0, 0.0), (-NAME_GAP, -depth), **text_style)
 
 
 def shown_values(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
@@ -308,18 +308,20 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
     times, heights = marks_of(recording)
     if not len(times):
         return
-    step, places = numbered_step(axes, recording), list(zip(times.tolist(), heights.tolist(), strict=True))
+    step, positions = numbered_step(axes, recording), list(zip(times.tolist(), heights.tolist(), strict=True))
     common_rows = {row: rows for rows in common_marks(recording, times, heights).values() for row in rows}
     strongest = {peak.row: peak.value for peak in marked_peaks(recording)}
 
     def label(rows: Sequence[int]) -> Label:
         """Return the label of the impacts ``rows`` at the mark of the first one."""
-        (text, short), place = numbers_of(rows), places[rows[0]]
-        other_places = [place for row, place in enumerate(places) if row not in common_rows[rows[0]]]
+        (text, short), position = numbers_of(rows), positions[rows[0]]
+        other_positions = [
+            position for row, position in enumerate(positions) if row not in common_rows[rows[0]]
+        ]
         if rows[0] in strongest and len(rows) == 1:
             words, look = f"{text}: {strongest[rows[0]]}", {"color": PEAK_COLOUR}
-            return Label(words, place, short=text, look=look, other_marks=other_places)
-        return Label(text, place, short=short, other_marks=other_places)
+            return Label(words, position, short=text, look=look, other_marks=other_positions)
+        return Label(text, position, short=short, other_marks=other_positions)
 
     tries = [[label([row]) for row in range(step - 1, len(times), step)]] if step > 1 else []
     for rows in label_subsets(rows_by_height(heights).tolist()):

@@ -78,8 +78,8 @@ def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray
         return (row, course.time, course.force) if len(course.time) else None
     end = recording.time[-1] if lasts(impact) else impact["end"]
     is_inside = (recording.time >= impact["onset"]) & (recording.time <= end)
-    place = int(impact["point"]), recording.wall_names[impact["wall"]]
-    force = recording.contact_forces.get(place)
+    pair = int(impact["point"]), recording.wall_names[impact["wall"]]
+    force = recording.contact_forces.get(pair)
     if force is None or np.count_nonzero(is_inside) < LEAST_CONTACT_ROWS:
         return None
     return row, recording.time[is_inside], force[is_inside]
@@ -139,6 +139,6 @@ def number_one_impact(axes: Axes, recording: Recording, ink: Ink) -> None:
         unit = unit_at(
             "peak_force", stop=recording.is_joint_stop(recording.impacts["wall"][hardest_course[0]])
         )
-        place = float(times[top]), float(forces[top])
-        label = Label(force_text(float(peak), unit), place, look={"color": PEAK_COLOUR})
+        position = float(times[top]), float(forces[top])
+        label = Label(force_text(float(peak), unit), position, look={"color": PEAK_COLOUR})
         place_labels(axes, [label], ink, lines=True, fontsize="small")

@@ -50,9 +50,9 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
 
 def _slim_box(axes: Any, _: Any) -> Bbox:
     """Return the box of the axes of ``draw_clock``: upper edge and width stay, the height is CLOCK_HEIGHT."""
-    figure, place = axes.get_figure(root=True), axes.get_position(original=True)
+    figure, box = axes.get_figure(root=True), axes.get_position(original=True)
     assert figure is not None
-    return Bbox([[place.x0, place.y1 - CLOCK_HEIGHT / figure.get_figheight()], [place.x1, place.y1]])
+    return Bbox([[box.x0, box.y1 - CLOCK_HEIGHT / figure.get_figheight()], [box.x1, box.y1]])
 
 
 def label_time(axes: Axes, recording: Recording) -> None:

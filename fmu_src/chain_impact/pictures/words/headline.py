@@ -74,8 +74,8 @@ class Peak(NamedTuple):
         """The quantity and its value: "peak force 12.6 kN", "30 equal impulses of 0.981 N·s"."""
         if self.equal_count == 1:
             return f"{self.words} {self.value}"
-        quantity, *place = self.words.removeprefix("largest ").split(" at ")
-        return f"{self.equal_count} equal {' at '.join([f'{quantity}s', *place])} of {self.value}"
+        quantity, *location = self.words.removeprefix("largest ").split(" at ")
+        return f"{self.equal_count} equal {' at '.join([f'{quantity}s', *location])} of {self.value}"
 
 
 def headline(recording: Recording, first: str | None = None, *, short: bool = False) -> str:
@@ -269,11 +269,11 @@ def peak_impact_words(recording: Recording, peak: Peak, valued: bool) -> str:
     """
     if peak.equal_count > 1:
         beginning = f"{peak.text}, the first in " if valued else "the first in "
-        return f"{beginning}{place_words(recording, peak.row)}"
-    return f"{peak.words}{f' {peak.value}' if valued else ''} in {place_words(recording, peak.row)}"
+        return f"{beginning}{impact_text(recording, peak.row)}"
+    return f"{peak.words}{f' {peak.value}' if valued else ''} in {impact_text(recording, peak.row)}"
 
 
-def place_words(recording: Recording, row: int) -> str:
+def impact_text(recording: Recording, row: int) -> str:
     """Return words for the impact in a row: "impact 1: ball hits y_min at 0.5 s with 2 m/s, peak at 0.7 s".
 
     The time of the peak is told if it is later than the onset (``peak_time``).

@@ -220,7 +220,7 @@ def check_start(scene: SceneContents) -> None:
                 point_text = scene.point_label(point)
                 subject = f"{point_text} at {_position(x, y)} is {depth:.6g} m deep in"
                 is_beyond = name not in WALLS and all(
-                    wall.clearance(*place) < 0.0 for *place, _ in candidates.values()
+                    wall.clearance(*position) < 0.0 for *position, _ in candidates.values()
                 )
                 questions = ["all points are inside: turn its normal?"] * (
                     is_beyond and not angle_hints(scene)

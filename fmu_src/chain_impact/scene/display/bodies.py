@@ -188,11 +188,11 @@ class Rail:
                 ends FREE_END · ``size`` beyond the outermost of these positions.
         """
         axis, normal = self.direction, np.array([-math.sin(self.angle), math.cos(self.angle)])
-        base_places = (bases - self.origin) @ axis
+        base_positions = (bases - self.origin) @ axis
         free_length = FREE_END * self.size
         ends = [
-            (self.low - self.half, base_places.min() - free_length),
-            (self.high + self.half, base_places.max() + free_length),
+            (self.low - self.half, base_positions.min() - free_length),
+            (self.high + self.half, base_positions.max() + free_length),
         ]
         positions = [
             self.origin + (stop if math.isfinite(stop) else free_length) * axis for stop, free_length in ends

@@ -51,7 +51,7 @@ class Table:
     rows: list[list[Any]]
     lines: list[str]
 
-    def cell_place(self, row: int, name: str) -> str:
+    def cell_name(self, row: int, name: str) -> str:
         """Return the words for a cell in errors: "data.csv: line 3: time"; ``row`` is a row's index."""
         return f"{self.source}: {self.lines[row]}: {name}"
 
@@ -86,7 +86,7 @@ class Table:
             number = math.inf
         if not math.isfinite(number):
             raise SceneError(
-                f"{self.cell_place(row, name)} = {value_text(value)} must be a finite number{alternative}"
+                f"{self.cell_name(row, name)} = {value_text(value)} must be a finite number{alternative}"
                 f"{decimal_comma(value)}"
             )
         return number
@@ -163,7 +163,7 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
         order_text = (
             f"{times[row - 1]:g} [s], the value of the row before; only two rows may be equal, for a jump"
         )
-        raise SceneError(f"{table.cell_place(row, TIME)} = {times[row]:g} must be > {order_text}")
+        raise SceneError(f"{table.cell_name(row, TIME)} = {times[row]:g} must be > {order_text}")
     if times[-1] - times[0] > TOO_LONG * stop:
         lasts = f"lasts {times[-1] - times[0]:g} s, and the run {stop:g} s"
         raise SceneError(f"{table.source}: {TIME} {lasts}: is it in seconds?")
@@ -207,7 +207,7 @@ def _column(table: Table, name: str) -> np.ndarray:
     for row in range(len(table.rows)):
         if table.cell(row, name) is None:
             raise SceneError(
-                f"{table.cell_place(row, name)} is empty: a table of inputs has a number in each cell"
+                f"{table.cell_name(row, name)} is empty: a table of inputs has a number in each cell"
             )
     return np.array([table.number(row, name, alternative="") for row in range(len(table.rows))])
 

@@ -191,7 +191,7 @@ class _Book:
             later_text = (
                 f" and > {earlier_time:g}, the value of the row before" if earlier_time >= 0.0 else ""
             )
-            raise SceneError(f"{table.cell_place(row, TIME)} = {time:g} must be a time >= 0 [s]{later_text}")
+            raise SceneError(f"{table.cell_name(row, TIME)} = {time:g} must be a time >= 0 [s]{later_text}")
         for name in names:
             if name not in self._inputs:
                 self._add(table, row, name, time, False)
@@ -203,7 +203,7 @@ class _Book:
         """Add the impact that a row describes, and its quantities in the columns ``names``."""
         if ONSET not in table.names and table.cell(row, TIME) is not None:
             raise SceneError(
-                f"{table.cell_place(row, TIME)} = {table.number(row, TIME):g} has no meaning for an impact"
+                f"{table.cell_name(row, TIME)} = {table.number(row, TIME):g} has no meaning for an impact"
                 f"{CALL_ONSET.format(TIME)}"
             )
         number, point, wall = (self._meaning_of_cell(table, row, name) for name in IMPACT_COLUMNS)
@@ -229,8 +229,8 @@ class _Book:
             stops = dict.fromkeys(stop for _, stop in self._scene.chain.stops)
             known_names = [*self._scene.half_planes, *stops, *self._scene.slider_stops]
             if cell not in known_names:
-                place, columns = table.cell_place(row, name), ", ".join(known_names) or "none"
-                raise SceneError(f"{place} = {value_text(cell)} must be a wall of the scene: {columns}")
+                cell_text, columns = table.cell_name(row, name), ", ".join(known_names) or "none"
+                raise SceneError(f"{cell_text} = {value_text(cell)} must be a wall of the scene: {columns}")
             return self._scene.wall_names.index(cell)
         points = sorted({point for point, _ in candidates_of(self._scene)})
         labels = [*self._scene.point_names.values()]
@@ -245,7 +245,7 @@ class _Book:
         is_name = name == POINT and bool(names) and isinstance(cell, str) and cell.isidentifier()
         number = -1.0 if is_name else table.number(row, name)
         if number != int(number) or (number not in points if name == POINT else number < 1):
-            raise SceneError(f"{table.cell_place(row, name)} = {value_text(cell)} must be {allowed_text}")
+            raise SceneError(f"{table.cell_name(row, name)} = {value_text(cell)} must be {allowed_text}")
         return int(number)
 
     def _add(self, table: Table, row: int, name: str, time_or_impact: float, of_impact: bool) -> None:
@@ -257,7 +257,7 @@ class _Book:
         if not math.isnan(value):
             if name == JOINT_FORCE and not self._scene.outputs.loads:
                 raise SceneError(
-                    f"{table.cell_place(row, name)} = {value:g} needs the forces in joints: "
+                    f"{table.cell_name(row, name)} = {value:g} needs the forces in joints: "
                     f"{self._scene.name}: outputs.loads = false must be true"
                 )
             self._found.append(
@@ -272,7 +272,7 @@ class _Book:
             sigma = standard_deviation(name, self._sigma[name], value)
         # isnan comes first, because a comparison with NaN ends a process that traps invalid operations
         if not math.isnan(sigma) and sigma <= 0.0:
-            raise SceneError(f"{table.cell_place(row, column)} = {sigma:g} must be > 0")
+            raise SceneError(f"{table.cell_name(row, column)} = {sigma:g} must be > 0")
         return sigma
 
 

@@ -96,13 +96,13 @@ class Column:
     Attributes:
         data_set: index of the data set.
         rows: indices of these values among the values of all data sets, shape (K,).
-        places: position of each value on the horizontal axis, shape (K,): for an output the time [s]; for a
-            quantity of an impact the number of the model's impact, NaN if the model lacks the impact.
+        positions: position of each value on the horizontal axis, shape (K,): for an output the time [s]; for
+            a quantity of an impact the number of the model's impact, NaN if the model lacks the impact.
     """
 
     data_set: int
     rows: np.ndarray
-    places: np.ndarray
+    positions: np.ndarray
 
 
 def plot_fit(
@@ -255,28 +255,28 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
         mark_style |= {"markersize": FIT_DOT, "markeredgewidth": 0, "label": dots_label}
         if over_impacts:
             mark_style |= {"yerr": scale * USUAL_RESIDUAL * fit.sigma[part.rows], "capsize": 2}
-            values.errorbar(part.places, scale * values_of_data[part.rows], **mark_style)
+            values.errorbar(part.positions, scale * values_of_data[part.rows], **mark_style)
             model = scale * (values_of_data[part.rows] + fit.residuals[part.rows])
-            values.plot(part.places, model, "_", color=MODEL, **MODEL_DASH)
+            values.plot(part.positions, model, "_", color=MODEL, **MODEL_DASH)
         else:
             look = {"color": colour} if has_several else {"color": MODEL, "label": "model"}
             run = results[part.data_set]
-            has_lines |= _curve((values, residuals), run, scale * run[name], part.places.max(), look)
+            has_lines |= _curve((values, residuals), run, scale * run[name], part.positions.max(), look)
             step = math.ceil(len(part.rows) / MOST_DOTS)
             mark_style |= {"markevery": step} | ({"label": f"{dots_label} (1 of {step})"} if step > 1 else {})
-            values.plot(part.places, scale * values_of_data[part.rows], **mark_style)
+            values.plot(part.positions, scale * values_of_data[part.rows], **mark_style)
         ratios = fit.residuals[part.rows] / fit.sigma[part.rows]
-        residuals.plot(part.places, ratios, ".", color=colour, markersize=3)
+        residuals.plot(part.positions, ratios, ".", color=colour, markersize=3)
         if not over_impacts and len(ratios) >= LEAST_FOR_MEAN:
-            mean_line = running_means(part.places, ratios)
+            mean_line = running_means(part.positions, ratios)
             residuals.plot(*mean_line, color=colour if has_several else MODEL, linewidth=1.4, label=MEAN)
     values.set_ylabel(f"{name}{bracketed_unit(unit)}")
     values.tick_params(labelbottom=False)
     residuals.set_ylabel("Δ [σ]")
-    last = max((float(np.nanmax(part.places, initial=0.0)) for part in parts), default=0.0)
+    last = max((float(np.nanmax(part.positions, initial=0.0)) for part in parts), default=0.0)
     residuals.set_xlabel("number of the impact" if over_impacts else name_time(residuals, last))
     if over_impacts:
-        numbers = np.concatenate([part.places for part in parts])
+        numbers = np.concatenate([part.positions for part in parts])
         if np.isfinite(numbers).any():  # False if the model has none of the measured impacts
             residuals.set_xlim(np.nanmin(numbers) - AXIS_MARGIN, np.nanmax(numbers) + AXIS_MARGIN)
         residuals.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
@@ -324,10 +324,10 @@ def _columns(fit: Estimates, name: str, results: list[Result]) -> list[Column]:
         rows = np.flatnonzero(np.array(data.quantity) == name)
         if len(rows):
             data_rows = data.row[rows]
-            places = (
+            positions = (
                 _numbers(data, data_rows, results[k]) if name in MEASURED_OF_IMPACT else data.times[data_rows]
             )
-            columns.append(Column(k, first + rows, places))
+            columns.append(Column(k, first + rows, positions))
         first += len(data)
     return columns
 

@@ -138,7 +138,7 @@ def _thin_out(bar: Colorbar, ticks: dict[float, str], width: float) -> None:
     needed_width = sum(DIGIT * (len(text) + 1) for text in ticks.values())
     kept_ticks = list(ticks)[:: int(np.ceil(needed_width / width)) or 1]
     bar.minorlocator = mpl.ticker.NullLocator()
-    bar.set_ticks(kept_ticks, labels=[ticks[place] for place in kept_ticks])
+    bar.set_ticks(kept_ticks, labels=[ticks[tick] for tick in kept_ticks])
 
 
 def has_bar_above(axes: Axes) -> bool:

@@ -96,7 +96,7 @@ def draw_contours(
         line.remove()
         if len(pieces) <= MOST_PIECES:
             pieces_of_levels[level] = pieces
-    places = {
+    pieces_in_axes = {
         level: [_axes_fractions(piece, scales) for piece in pieces]
         for level, pieces in pieces_of_levels.items()
     }
@@ -104,17 +104,17 @@ def draw_contours(
     for level, pieces in pieces_of_levels.items():
         other_pieces = [
             piece
-            for other_level, level_pieces in places.items()
+            for other_level, level_pieces in pieces_in_axes.items()
             if other_level != level
             for piece in level_pieces
         ]
         kept_labels = []
-        for piece, place in zip(pieces, places[level], strict=True):
-            row = _roomiest_index(place, [*other_pieces, *taken_points])
-            if row is None or np.ptp(place, axis=0).max() < LEAST_LENGTH:
+        for piece, piece_in_axes in zip(pieces, pieces_in_axes[level], strict=True):
+            row = _roomiest_index(piece_in_axes, [*other_pieces, *taken_points])
+            if row is None or np.ptp(piece_in_axes, axis=0).max() < LEAST_LENGTH:
                 continue
             kept_labels.append(Path(piece))
-            taken_points.append(place[row : row + 1])
+            taken_points.append(piece_in_axes[row : row + 1])
             x, y = piece[row]
             ground = mesh.to_rgba(np.asarray(level))
             halo = [

@@ -95,8 +95,8 @@ def ring_hidden_marks(axes: Axes, curves: Sequence[np.ndarray], looks: Sequence[
     most_hiding = max((int(counts.max(initial=0)) for counts in hidden_counts), default=0)
     if not most_hiding:
         return
-    places = np.unique(np.concatenate(points_of)[:, 0].round(3))
-    room = float(np.diff(places).min()) if len(places) > 1 else np.inf
+    positions = np.unique(np.concatenate(points_of)[:, 0].round(3))
+    room = float(np.diff(positions).min()) if len(positions) > 1 else np.inf
     step = min(RING_STEP, max(0.0, room - MARK_SIZE - MARK_EDGE) / most_hiding)
     for curve, counts, look in zip(curves, hidden_counts, looks, strict=True):
         shown_points = curve[:, np.isfinite(curve[1])]

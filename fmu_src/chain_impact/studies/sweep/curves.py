@@ -72,8 +72,8 @@ def draw_curves(
     values, is_sampled = runs[abscissa.name], runs.design.samples is not None
     lines, has_missed, has_lines = lines_of(runs, abscissa, choice), False, False
     looks = [
-        look | _marks(place, len(rows), is_sampled=is_sampled) | {"label": " = ".join(names)}
-        for place, ((names, rows), look) in enumerate(
+        look | _marks(index, len(rows), is_sampled=is_sampled) | {"label": " = ".join(names)}
+        for index, ((names, rows), look) in enumerate(
             zip(lines.items(), looks_of(lines, choice), strict=False)
         )
     ]
@@ -142,13 +142,13 @@ def gaps_words(
     return "; ".join(filter(None, parts))
 
 
-def _marks(place: int, count: int, *, is_sampled: bool) -> dict[str, Any]:
-    """Return the marks of the line number ``place`` with a number of points, with matplotlib's names."""
+def _marks(index: int, count: int, *, is_sampled: bool) -> dict[str, Any]:
+    """Return the marks of the line number ``index`` with a number of points, with matplotlib's names."""
     if is_sampled:
         return {"marker": ".", "linestyle": "", "rasterized": True}
     if count > FEW_VALUES:
         return {"marker": ".", "markersize": DOT_SIZE, "linewidth": LINE_WIDTH}
-    marker = MARKERS[place % len(MARKERS)]
+    marker = MARKERS[index % len(MARKERS)]
     return {"marker": marker, "markersize": MARK_SIZE, "linewidth": LINE_WIDTH, "clip_on": False}
 
 

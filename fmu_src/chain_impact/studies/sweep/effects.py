@@ -96,9 +96,9 @@ def effects_on(runs: Runs, quantity: Quantity, variations: Sequence[Variation]) 
 def _terms(runs: Runs, variation: Variation, degree: int) -> np.ndarray:
     """Return the terms of the fit for a parameter in each run, shape (R, number of terms)."""
     values = runs[variation.name]
-    levels, places = np.unique(values, return_inverse=True)
+    levels, level_indices = np.unique(values, return_inverse=True)
     if variation.choices:
-        return np.asarray(np.eye(len(levels))[places][:, 1:])
+        return np.asarray(np.eye(len(levels))[level_indices][:, 1:])
     abscissas = (np.log(values) if is_logarithmic(variation) else values).astype(float)
     low, span = abscissas.min(), np.ptp(abscissas) or 1.0
     return legvander(2.0 * (abscissas - low) / span - 1.0, min(degree, max(1, len(levels) - 1)))[:, 1:]

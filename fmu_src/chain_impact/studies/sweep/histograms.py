@@ -107,8 +107,8 @@ def draw_samples(
     for k, quantity in enumerate(quantities):
         effects = effects_on(runs, quantity, variations)
         is_fitted = effects is not None and effects.explained >= TRENDING
-        places = panels[panels_per_quantity * k + 1 : panels_per_quantity * (k + 1)]
-        for axes, variation in zip(places, drawn_variations, strict=True):
+        choice_panels = panels[panels_per_quantity * k + 1 : panels_per_quantity * (k + 1)]
+        for axes, variation in zip(choice_panels, drawn_variations, strict=True):
             values = quantity.values_or_nan(runs)
             is_alone = effects is not None and is_fitted and variation is not drawn_variations[0]
             if effects is not None and is_alone:
@@ -197,12 +197,12 @@ def _scatter(
     parameter_values = runs[variation.name]
     if variation.choices:
         names = variation.shown_values(np.unique(variation.values)).tolist()
-        # the dots of a choice lie side by side, at places that repeat in each run of the program
+        # the dots of a choice lie side by side, at positions that repeat in each run of the program
         sideways_shifts = (np.arange(len(runs)) * GOLDEN) % 1.0 - 0.5
-        places = np.array([names.index(name) for name in parameter_values])
-        for place in range(len(names)):
-            _draw_box(axes, place, shown_values[(places == place) & np.isfinite(shown_values)])
-        parameter_values = places + DOTS_PART * sideways_shifts
+        positions = np.array([names.index(name) for name in parameter_values])
+        for position in range(len(names)):
+            _draw_box(axes, position, shown_values[(positions == position) & np.isfinite(shown_values)])
+        parameter_values = positions + DOTS_PART * sideways_shifts
         axes.set_xticks(range(len(names)), names)
         axes.set_xlim(-0.5, len(names) - 0.5)
     else:
@@ -222,14 +222,14 @@ def _scatter(
         give_ticks(axes)
 
 
-def _draw_box(axes: Axes, place: int, values: np.ndarray) -> None:
-    """Draw a box around the middle half of some values, with a line at their median, at a place along x."""
+def _draw_box(axes: Axes, position: int, values: np.ndarray) -> None:
+    """Draw a box around the middle half of some values, with a line at their median, at an x position."""
     if values.size:
         low, middle, high = np.quantile(values, (0.25, 0.5, 0.75))
         look: dict[str, Any] = {"edgecolor": INK, "linewidth": BOX_LINE, "zorder": 3.0}
-        axes.bar([place], [high - low], BOX_WIDTH, [low], color="none", **look)
+        axes.bar([position], [high - low], BOX_WIDTH, [low], color="none", **look)
         half = 0.5 * BOX_WIDTH
-        axes.hlines([middle], place - half, place + half, INK, linewidth=2.0 * BOX_LINE, zorder=3.0)
+        axes.hlines([middle], position - half, position + half, INK, linewidth=2.0 * BOX_LINE, zorder=3.0)
 
 
 def edges_of(values: np.ndarray, *, logarithmic: bool, integer: bool) -> np.ndarray:

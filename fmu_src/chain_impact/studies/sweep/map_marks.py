@@ -27,7 +27,7 @@ HATCHED_STYLE: dict[str, Any] = {"facecolor": "white", "edgecolor": "0.6", "hatc
 SCENE = "scene"  # the name of the mark
 # the places of the name from which ``place_names`` chooses, the first free one: its distance from the mark
 # [points] to the right and up, and how it is aligned
-PLACES = [
+NAME_POSITIONS = [
     ((0.0, 4.5), "center", "bottom"),
     ((0.0, -4.5), "center", "top"),
     ((6.0, 0.0), "left", "center"),
@@ -66,19 +66,19 @@ def place_names(figure: Figure) -> None:
             if isinstance(name, Annotation) and name.get_text() == SCENE:
                 values = [text.get_window_extent() for text in axes.texts if text is not name]
                 placed_names = []
-                for place in PLACES:
-                    _put(name, place)
+                for position in NAME_POSITIONS:
+                    _put(name, position)
                     box = name.get_window_extent()
                     is_outside = not np.allclose(Bbox.union([axes.bbox, box]).size, axes.bbox.size)
                     covered = [box.overlaps(value) for value in values]
                     covered += [line.intersects_bbox(box, filled=False) for line in lines]
                     placed_names.append((is_outside, sum(covered)))
-                _put(name, PLACES[placed_names.index(min(placed_names))])
+                _put(name, NAME_POSITIONS[placed_names.index(min(placed_names))])
 
 
-def _put(name: Annotation, place: tuple[tuple[float, float], str, str]) -> None:
-    """Put the name of a mark at one of PLACES."""
-    name.xyann, ha, va = place
+def _put(name: Annotation, position: tuple[tuple[float, float], str, str]) -> None:
+    """Put the name of a mark at one of NAME_POSITIONS."""
+    name.xyann, ha, va = position
     name.set(ha=ha, va=va)
 
 

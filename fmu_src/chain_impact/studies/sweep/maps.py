@@ -217,7 +217,7 @@ def _write_values(
     ``scales``: as for ``_draw_group``; ``shown_values``: the values in the map, with a row for each cell of
     the vertical axis; ``own_values``: the scene's value on each axis, or None.
     """
-    places = np.asarray(mesh.norm(shown_values)) / (
+    colour_fractions = np.asarray(mesh.norm(shown_values)) / (
         mesh.norm.Ncmap - 1 if isinstance(mesh.norm, BoundaryNorm) else 1
     )
     figure = axes.get_figure(root=True)
@@ -228,7 +228,7 @@ def _write_values(
     for row, column in np.argwhere(~np.ma.getmaskarray(shown_values)).tolist():
         cell_middle = (scales[0].middles[column], scales[1].middles[row])
         text_offset, va = (-4.0, "top") if [column, row] == marked_cell else (0.0, "center")
-        ink = "black" if places[row, column] > LIGHT_COLOUR else "white"
+        ink = "black" if colour_fractions[row, column] > LIGHT_COLOUR else "white"
         text = number_text(shown_values[row, column], digits)
         look: dict[str, Any] = {"va": va, "ha": "center", "color": ink, "fontsize": "x-small"}
         look["gid"] = COLOURED_GROUND
