@@ -67,6 +67,7 @@ STEPS = """([most, least]) => {
 
 
 PACKAGE = Path(chain_impact.__file__).parent
+ROOT = Path(__file__).parents[2]
 
 
 def named_twins(pattern, comment, language):
@@ -86,6 +87,19 @@ def test_twins_name_each_other():
     assert len(ours) > 20
     assert ours == theirs
     assert {name for pair in ours for name in pair if not (PACKAGE / name).is_file()} == set()
+
+
+def test_the_list_of_twins_names_the_tests_that_compare_them():
+    """A line has a module, its twin, and a test file that names the twin in a line ``# Tests:``."""
+    lines = (ROOT / "docs" / "development" / "twins.txt").read_text("utf-8").splitlines()[1:]
+    pairs = {
+        (module, twin.removeprefix("pages/browser/"))
+        for module, twin in named_twins("*.py", r'""".*?"""', "JavaScript")
+    }
+    assert [tuple(line.split()[:2]) for line in lines] == sorted(pairs)
+    for _, twin, test in map(str.split, lines):
+        told = re.findall(r"^# Tests: (.*)", (Path(__file__).parent / test).read_text("utf-8"), re.MULTILINE)
+        assert f"pages/browser/{twin}" in ", ".join(told).split(", "), test
 
 
 def random(seed):

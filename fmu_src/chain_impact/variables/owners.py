@@ -1,10 +1,9 @@
 """Tables of rules that find the owners of a scene's variables, their conditions, and numbers of the record.
 
-An owner is a part of a scene that has variables, such as a link. Python (structure.py) and a page
-(pages/browser/scene/owners.js) evaluate the rules, which are in the language of rule_language.py and name
-facts and lists of scene/facts.py. Example: a link with ``has_friction`` is an owner of the kind "joint with
-friction", which has the outputs of dry friction; the record has room for these outputs, because the fact
-"has_dry_friction" is true.
+An owner is a part of a scene that has variables, such as a link. The rules are in the language of
+rule_language.py and name facts and lists of scene/facts.py; structure.py evaluates them. Example: a link with
+``has_friction`` is an owner of the kind "joint with friction", which has the outputs of dry friction; the
+record has room for these outputs, because the fact "has_dry_friction" is true.
 The twin in JavaScript is pages/browser/scene/owners.js.
 """
 
