@@ -16,14 +16,15 @@ def dispatch_by_number(functions):
 def join_functions(first, *others):
     """Return a function that calls several functions, one after the other, with its own arguments.
 
-    The returned function returns nothing. If ``first`` is the only function, the result is ``first``.
+    The returned function has at least two arguments, the instance and a step size, and returns nothing. If
+    ``first`` is the only function, the result is ``first``.
     """
     if not others:
         return first
     following = join_functions(*others)
 
-    def both(d, h, *more):
+    def call_all(d, h, *more):
         first(d, h, *more)
         following(d, h, *more)
 
-    return both
+    return call_all

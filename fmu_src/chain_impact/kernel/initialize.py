@@ -52,7 +52,10 @@ from chain_impact.kernel.record.ranges import (
 from chain_impact.kernel.record.state import FIRST_ANGLE, dissipated_at, omega_at, supplied_at, velocity_at
 from chain_impact.kernel.status import (
     BASE_BEYOND_WALL,
+    CANDIDATE_PART,
+    DRIVE_PART,
     FORCES_NOT_FOUND,
+    LINK_PART,
     MASS_MATRIX_SINGULAR,
     NOT_FINITE,
     OK,
@@ -60,9 +63,7 @@ from chain_impact.kernel.status import (
     STARTS_INSIDE_WALL,
     STOPS_REVERSED,
     UNKNOWN_METHOD,
-    refuse_candidate,
-    refuse_drive,
-    refuse_link,
+    refuse_part,
     set_status,
 )
 from chain_impact.kernel.transmitted_forces import start_transmitted_forces
@@ -241,10 +242,10 @@ def check_parameters(d):
         return PARAMETER_OUT_OF_RANGE
     first, _ = find_loose_links(d.chain, d.slides and d.slider.mass == 0.0)
     if first >= 0:
-        return refuse_link(d, first, MASS_MATRIX_SINGULAR)
+        return refuse_part(d, LINK_PART, first, MASS_MATRIX_SINGULAR)
     for i in range(drive_count(d)):
         if not d.drive.min[i] < d.drive.max[i]:
-            return refuse_drive(d, i, STOPS_REVERSED)
+            return refuse_part(d, DRIVE_PART, i, STOPS_REVERSED)
     if not 1 <= d.solver.method <= len(SOLVER_METHODS):
         return UNKNOWN_METHOD
     return OK
@@ -272,11 +273,11 @@ def refuse_value(d, k, i):
     the entry belongs to no link, site or slider, no cause is stored.
     """
     if RANGE_OWNERS[k] == LINK_OWNERS and i < d.links:
-        return refuse_link(d, i, PARAMETER_OUT_OF_RANGE)
+        return refuse_part(d, LINK_PART, i, PARAMETER_OUT_OF_RANGE)
     if d.slides and (RANGE_OWNERS[k] == LINK_OWNERS or RANGE_OWNERS[k] == CARRIAGE_OWNER):
-        return refuse_drive(d, d.links, PARAMETER_OUT_OF_RANGE)
+        return refuse_part(d, DRIVE_PART, d.links, PARAMETER_OUT_OF_RANGE)
     if RANGE_OWNERS[k] == SITE_OWNERS:
-        return refuse_link(d, d.site.link[i], PARAMETER_OUT_OF_RANGE)
+        return refuse_part(d, LINK_PART, d.site.link[i], PARAMETER_OUT_OF_RANGE)
     return PARAMETER_OUT_OF_RANGE
 
 
@@ -306,7 +307,7 @@ def check_start(d):
     for c in range(d.candidates):
         clearance, _ = clearance_and_rate(d, c)
         if not clearance >= -ALLOWED_OVERLAP:
-            return refuse_candidate(d, c, STARTS_INSIDE_WALL)
+            return refuse_part(d, CANDIDATE_PART, c, STARTS_INSIDE_WALL)
     if d.channels > 0 and check_base_at_walls(d) != OK:
         return BASE_BEYOND_WALL
     return FORCES_NOT_FOUND if d.constraints.outcome == UNSOLVED else OK

@@ -88,25 +88,28 @@ def set_status(d, status):
     return status
 
 
-def refuse_candidate(d, c, status):
-    """Store candidate c as the cause of the fault ``status``; return the status, which the caller sets."""
-    d.fault.part = 1 + c
-    return status
+# The kinds of parts of a scene that can cause a fault, in the order of the parts' numbers in `fault.part`:
+# candidates, links, drives (of the joints, then of the slider), and the base at the wall of each candidate.
+# ``parts_in_words`` in scene/candidates.py has the words for these numbers.
+CANDIDATE_PART, LINK_PART, DRIVE_PART, BASE_PART = range(4)
 
 
-def refuse_base(d, c, status):
-    """Store the base at candidate c's wall as the cause of the fault ``status``, and return the status."""
-    d.fault.part = 1 + d.candidates + 2 * d.links + d.slides + c
-    return status
+def refuse_part(d, kind, index, status):
+    """Store the part of the scene that causes a fault; return the fault's status, which the caller sets.
 
-
-def refuse_link(d, i, status):
-    """Store link i, counted from 0, as the cause of the fault ``status``, and return the status."""
-    d.fault.part = 1 + d.candidates + i
-    return status
-
-
-def refuse_drive(d, i, status):
-    """Store drive i, of a joint or slider, as the cause of the fault ``status``, and return the status."""
-    d.fault.part = 1 + d.candidates + d.links + i
+    Args:
+        d: the instance.
+        kind: the kind of the part: CANDIDATE_PART, LINK_PART, DRIVE_PART or BASE_PART.
+        index: the index of the part among the parts of its kind, from 0; for BASE_PART the index of the
+            candidate at whose wall the base is.
+        status: the status of the fault.
+    """
+    number = 1 + index
+    if kind > CANDIDATE_PART:
+        number += d.candidates
+    if kind > LINK_PART:
+        number += d.links
+    if kind > DRIVE_PART:
+        number += d.links + d.slides
+    d.fault.part = number
     return status

@@ -24,7 +24,7 @@ from chain_impact.kernel.chain.signals import has_signal, signal_at
 from chain_impact.kernel.record.constants import INPUT_DEGREE
 from chain_impact.kernel.record.input_fields import CHANNEL, TARGET, input_field, may_change_in_piece
 from chain_impact.kernel.record.state import time_at
-from chain_impact.kernel.status import OK, WALL_JUMPS, refuse_candidate
+from chain_impact.kernel.status import CANDIDATE_PART, OK, WALL_JUMPS, refuse_part
 
 # values of given.pending beside 0. REINITIALIZE: values were set, so the solver restarts; CONTINUES:
 # the next piece of the inputs continues the piece in use without a jump
@@ -276,7 +276,7 @@ def refuse_channel(d, j):
     for c in range(d.candidates):
         if d.wall_motion.first_channel[d.candidates - 1 - c] == j:
             first = d.candidates - 1 - c
-    return refuse_candidate(d, first, WALL_JUMPS)
+    return refuse_part(d, CANDIDATE_PART, first, WALL_JUMPS)
 
 
 def set_cubic(d, j, time, h):

@@ -16,7 +16,7 @@ from chain_impact.kernel.mathematics.root_search import MOST_GUESSES
 from chain_impact.kernel.ode.dense import fraction_at_time
 from chain_impact.kernel.ode.last_step import ensure_dense, truncate_step
 from chain_impact.kernel.record.constants import SOLVER_READER
-from chain_impact.kernel.status import BASE_BEYOND_WALL, OK, refuse_base
+from chain_impact.kernel.status import BASE_BEYOND_WALL, BASE_PART, OK, refuse_part
 
 
 def end_where_wall_meets_base(d):
@@ -45,7 +45,7 @@ def check_base_at_walls(d):
         # if ``end_where_wall_meets_base`` has cut the step, the clearance is −ALLOWED_OVERLAP up to
         # round-off; the limit −ALLOWED_OVERLAP/2 leaves a margin for this round-off
         if faces_base(d, c) and base_clearance(d, c) < -0.5 * ALLOWED_OVERLAP:
-            return refuse_base(d, c, BASE_BEYOND_WALL)
+            return refuse_part(d, BASE_PART, c, BASE_BEYOND_WALL)
     return OK
 
 

@@ -29,6 +29,7 @@ from chain_impact.kernel.forces.laws import (
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.record.operations import copy_row
 from chain_impact.kernel.status import (
+    CANDIDATE_PART,
     EXPONENT_NOT_ALLOWED,
     FRICTION_WITH_RIGID_WALLS,
     OK,
@@ -37,7 +38,7 @@ from chain_impact.kernel.status import (
     RIGID_WHILE_TOUCHING,
     STATIC_BELOW_SLIDING,
     UNKNOWN_LAW,
-    refuse_candidate,
+    refuse_part,
 )
 
 # The largest depth in a wall at which a point at the end of a step counts as not touching, relative to the
@@ -105,11 +106,11 @@ def check_laws(d):
     for c in range(d.candidates):
         status = check_law(d, c) if d.law.same_as[c] == c else OK
         if status != OK:
-            return refuse_candidate(d, c, status)
+            return refuse_part(d, CANDIDATE_PART, c, status)
     for k in range(d.contacts.compliant_count):
         c = d.contacts.active_index[k]
         if is_impulsive(given_law_number(d, c)):
-            return refuse_candidate(d, c, RIGID_WHILE_TOUCHING)
+            return refuse_part(d, CANDIDATE_PART, c, RIGID_WHILE_TOUCHING)
     return OK
 
 

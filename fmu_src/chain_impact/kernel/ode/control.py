@@ -34,17 +34,6 @@ from chain_impact.kernel.status import NO_ROOM, NOT_FINITE, STEP_TOO_SMALL
 
 AUTOMATIC_METHOD = 1
 
-# Constants of the two methods: the entry 0 is for EXPLICIT, the entry 1 for IMPLICIT. The error of a step is
-# proportional to the power ERROR_ORDER of the step's size. The next size that follows from the last error is
-# multiplied by SAFETY_FACTOR, so that few steps are rejected. ONSET_SIZE is the size of the first step of a
-# contact at a tolerance of 1, divided by ``contact_time_scale``; the error of this step is proportional to
-# the power ONSET_ORDER of the step's size.
-ERROR_ORDER = (8, 7)
-SAFETY_FACTOR = (0.8, 0.85)
-ONSET_SIZE = (4.5, 1.2)
-# ONSET_ORDER of the implicit method is 3/2 + 2, for the default exponent: the elastic force is proportional
-# to δ^(3/2), and the motion is the double integral of the force
-ONSET_ORDER = (8, 3.5)
 # The size of a step that passes the end of a contact, divided by the predicted way to this end, both in the
 # step's integration variable. The prediction has an error of some hundredths; with a ratio closer to 1 a step
 # could end just before the end of the contact, and leave a tiny step.
@@ -54,32 +43,6 @@ END_OVERSHOOT = 1.04
 def prescribed_method(choice):
     """Return EXPLICIT or IMPLICIT (record/constants.py) for ``choice``, a number > 0; −1 for `auto`."""
     return choice - AUTOMATIC_METHOD - 1
-
-
-# The least and the largest ratio by which the error of a step changes the size of the next try or step. The
-# authors of DOP853 use 1/3 and 6.
-LEAST_RATIO, LARGEST_RATIO = 0.1, 6.0
-SIZE_EXPONENT = tuple(-1.0 / order for order in ERROR_ORDER)
-ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
-# The size after a step that was rejected for one of the outcomes from CHECK_FAILED on is computed as if the
-# step had this error, relative to the tolerance; index: the outcome. After CHECK_FAILED the next try is about
-# a seventh as long in the explicit method, and an eighth in the implicit method; after TIME_REVERSED and
-# NEWTON_SLOW about half as long, and after DIVERGED (record/constants.py) a third.
-ERROR_OF_OUTCOME = (0.0, 0.0, 0.0, 1e6, 50.0, 40.0, 700.0)
-# a smaller error of a step, relative to the tolerance, counts as LEAST_ERROR in the choice of the next size,
-# because a power of 0 with a negative exponent is infinite
-LEAST_ERROR = 1e-16
-# [rad] The rotation of the fastest link in the first step of a flight, at a tolerance of 1. With a larger
-# value more of these steps are rejected, with a smaller value these steps are shorter than needed
-# (tests/kernel/ode/test_control.py). ONSET_SIZE is chosen in the same way.
-FIRST_STEP_ROTATION = 2.8
-# The values that replace ONSET_SIZE and ONSET_ORDER for the first explicit step of a contact that begins
-# while other contacts last. The integration variable of this step is time. After the onset the force is
-# proportional to a fractional power of time, so the order of the error is lower than the method's order.
-SECOND_CONTACT_SIZE, SECOND_CONTACT_ORDER = 15.0, 3.0
-# [m, rad, m/s, rad/s] A coordinate or rate of a smaller absolute value is set to 0. Otherwise, in a chain at
-# rest, it could decay until its square is denormal, and some processors are slow with denormal numbers.
-FADED_VALUE = 1e-100
 
 
 def begin_trial(d, h):
@@ -138,6 +101,26 @@ def propose_flight_size(d):
     propose_size(d, d.step.flight_size)
 
 
+# The error of a step is proportional to the power ERROR_ORDER of the step's size. Of the two entries of this
+# and of the other constants of methods, the first is for EXPLICIT, the second for IMPLICIT.
+ERROR_ORDER = (8, 7)
+# the factor by which the next size that follows from the last error is multiplied, so that few steps are
+# rejected
+SAFETY_FACTOR = (0.8, 0.85)
+# The least and the largest ratio by which the error of a step changes the size of the next try or step. The
+# authors of DOP853 use 1/3 and 6.
+LEAST_RATIO, LARGEST_RATIO = 0.1, 6.0
+SIZE_EXPONENT = tuple(-1.0 / order for order in ERROR_ORDER)
+# The size after a step that was rejected for one of the outcomes from CHECK_FAILED on is computed as if the
+# step had this error, relative to the tolerance; index: the outcome. After CHECK_FAILED the next try is about
+# a seventh as long in the explicit method, and an eighth in the implicit method; after TIME_REVERSED and
+# NEWTON_SLOW about half as long, and after DIVERGED (record/constants.py) a third.
+ERROR_OF_OUTCOME = (0.0, 0.0, 0.0, 1e6, 50.0, 40.0, 700.0)
+# a smaller error of a step, relative to the tolerance, counts as LEAST_ERROR in the choice of the next size,
+# because a power of 0 with a negative exponent is infinite
+LEAST_ERROR = 1e-16
+
+
 def next_size_factor(d):
     """Return the next size over the tried one: at least LEAST_RATIO, not yet limited to LARGEST_RATIO."""
     outcome, method = d.trial.outcome, d.step.method
@@ -145,6 +128,12 @@ def next_size_factor(d):
         return LEAST_RATIO
     error = ERROR_OF_OUTCOME[outcome] if outcome >= CHECK_FAILED else max(d.trial.error, LEAST_ERROR)
     return max(LEAST_RATIO, SAFETY_FACTOR[method] * d.trial.cost_factor * power(error, SIZE_EXPONENT[method]))
+
+
+# [rad] The rotation of the fastest link in the first step of a flight, at a tolerance of 1. With a larger
+# value more of these steps are rejected, with a smaller value these steps are shorter than needed
+# (tests/kernel/ode/test_control.py).
+FIRST_STEP_ROTATION = 2.8
 
 
 def size_in_flight(d, y, rate):
@@ -160,6 +149,16 @@ def size_in_flight(d, y, rate):
     return turn / max(largest_speed, turn)
 
 
+# The size of the first step of a contact at a tolerance of 1, divided by ``contact_time_scale``. The two
+# numbers are chosen in the same way as FIRST_STEP_ROTATION.
+ONSET_SIZE = (4.5, 1.2)
+# The error of the first step of a contact is proportional to the power ONSET_ORDER of the step's size. For
+# the implicit method this order is 3/2 + 2, for the default exponent: the elastic force is proportional to
+# δ^(3/2), and the motion is the double integral of the force.
+ONSET_ORDER = (8, 3.5)
+ONSET_EXPONENT = tuple(1.0 / order for order in ONSET_ORDER)
+
+
 def size_at_onset(d, c, method):
     """Return a size [s], in the step's variable, for the first step after an event in candidate c's contact.
 
@@ -167,6 +166,12 @@ def size_at_onset(d, c, method):
     contact has a force law. ``method``: EXPLICIT or IMPLICIT.
     """
     return ONSET_SIZE[method] * contact_time_scale(d, c) * power(d.solver.tolerance, ONSET_EXPONENT[method])
+
+
+# The values that replace ONSET_SIZE and ONSET_ORDER for the first explicit step of a contact that begins
+# while other contacts last. The integration variable of this step is time. After the onset the force is
+# proportional to a fractional power of time, so the order of the error is lower than the method's order.
+SECOND_CONTACT_SIZE, SECOND_CONTACT_ORDER = 15.0, 3.0
 
 
 def size_at_second_onset(d, c):
@@ -251,6 +256,11 @@ def raise_scales(d, y, scale, contact_count):
         speed = max(speed, frequency * round_off)
     for j in range(velocity_at(n), dissipated_at(n)):
         scale[j] = max(scale[j], speed * (1.0 if j < omega_at(n) else 1.0 / longest_link))
+
+
+# [m, rad, m/s, rad/s] A coordinate or rate of a smaller absolute value is set to 0. Otherwise, in a chain at
+# rest, it could decay until its square is denormal, and some processors are slow with denormal numbers.
+FADED_VALUE = 1e-100
 
 
 def clear_faded(d, y):
