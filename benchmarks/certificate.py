@@ -210,7 +210,7 @@ class Certificate:
         if step.first and not stop:
             gap += abs(nx) * far[0] + abs(ny) * far[1]
             rate += abs(nx) * far[n] + abs(ny) * far[n + 1]
-        return float(far[-1] if c == step.regularized else gap) * SLACK, float(rate) * SLACK
+        return float(far[-1] if c == step.regularized_candidate else gap) * SLACK, float(rate) * SLACK
 
     def _decide(self, c: int) -> str:
         """Return the verdict on candidate c: whether its event function falls through zero in the step.

@@ -35,7 +35,7 @@ class Step:
         step, touch, chain, own = d["step"], d["contacts"], d["chain"], d["inputs"]
         self.links, self.pinned = int(d["links"]), bool(chain["has_base_joint"])
         self.size, self.kept = float(step["size"]), float(step["end_fraction"])
-        self.regularized, self.lever = int(step["regularized"]), float(chain["longest_link"])
+        self.regularized, self.lever = int(step["regularized_candidate"]), float(chain["longest_link"])
         free = range(2 * self.pinned, self.links + 2)
         variables = [*free, *(self.links + 2 + j for j in free)]
         variables += [2 * self.links + 6] if self.regularized >= 0 else []

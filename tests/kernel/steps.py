@@ -58,9 +58,9 @@ def set_step(d: Plain, motion: Motion, size: float, start: float = 0.0, regulari
     step.dense[:] = np.linalg.solve(basis(nodes).T, values)
     step.state[:], step.state_end[:] = motion.at(0.0), motion.at(size)
     scratch.rate_start[:], scratch.rate_end[:] = motion.at(0.0, 1), motion.at(size, 1)
-    step.start, step.clock, step.communication_point = start, start, start
+    step.start, step.time_origin, step.communication_point = start, start, start
     step.end = start + step.state_end[time_at(d.links)]
-    step.size, step.end_fraction, step.regularized = size, 1.0, regularized
+    step.size, step.end_fraction, step.regularized_candidate = size, 1.0, regularized
     step.last_method = step.method = EXPLICIT
     step.dense_for, step.rate_known, scratch.located_at_end = SOLVER_READER, 1, 1
     step.break_count += 1

@@ -185,7 +185,7 @@ def test_in_free_flight_no_point_is_located():
 
 def test_the_inputs_are_those_at_the_time_of_the_state():
     _, d, y, _ = prepared("pinned", 1)
-    d.inputs.piece.degree, d.inputs.piece.scale, d.step.clock = 1, 1.0, 0.5
+    d.inputs.piece.degree, d.inputs.piece.scale, d.step.time_origin = 1, 1.0, 0.5
     d.inputs.piece.motor[:2, 0] = 1.0, 2.0
     y[state.time_at(1)] = 0.25
     equations.rate_from_points(d, y, np.zeros(len(y)))

@@ -29,10 +29,10 @@ DONE = {
         "update_instance_to_communication_point",
         "move_end",
     ],
-    hooks.indices_valid: ["within_bounds"],
+    hooks.are_tangents_sound: ["is_record_sound"],
     hooks.tangent_words: [],
 }
-ANSWERS = {hooks.indices_valid: 1, hooks.tangent_words: 0}
+ANSWERS = {hooks.are_tangents_sound: 1, hooks.tangent_words: 0}
 # the hooks that make one call for each instance
 ONE = {hooks.on_start: start_tangent, hooks.on_restart: restart_tangent, hooks.on_step: replay}
 
@@ -79,7 +79,7 @@ def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monke
     # the first instance gets the earliest end of all, and the other instances get it from the first
     pairs = [(first, other) for other in others] + [(other, first) for other in others]
     assert shared == ([] if function in ANSWERS else pairs)
-    assert answer == {hooks.indices_valid: 1, hooks.tangent_words: 15}.get(function)
+    assert answer == {hooks.are_tangents_sound: 1, hooks.tangent_words: 15}.get(function)
     assert [(name, id(t)) for name, t, _ in called] == [
         (name, id(t)) for t in tangents for name in DONE[function]
     ]
@@ -89,14 +89,14 @@ def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monke
 def test_an_instance_of_duals_that_does_not_fit_is_not_sound(monkeypatch):
     tangents = [SimpleNamespace(**SIZES) for _ in range(2)]
     d = SimpleNamespace(tangents=2, tangent_instances=tangents, **SIZES)
-    monkeypatch.setattr(entry, "within_bounds", lambda t: t is not d)
-    assert HOOKS[hooks.indices_valid](d)
+    monkeypatch.setattr(entry, "is_record_sound", lambda t: t is not d)
+    assert HOOKS[hooks.are_tangents_sound](d)
     for field in SIZES:
         setattr(tangents[1], field, 99)
-        assert not HOOKS[hooks.indices_valid](d)
+        assert not HOOKS[hooks.are_tangents_sound](d)
         setattr(tangents[1], field, getattr(d, field))
-    monkeypatch.setattr(entry, "within_bounds", lambda t: t is not tangents[0])
-    assert not HOOKS[hooks.indices_valid](d)
+    monkeypatch.setattr(entry, "is_record_sound", lambda t: t is not tangents[0])
+    assert not HOOKS[hooks.are_tangents_sound](d)
 
 
 @pytest.mark.parametrize(

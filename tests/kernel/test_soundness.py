@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import entry, hooks
-from chain_impact.kernel.entry import is_sound, within_bounds
+from chain_impact.kernel.entry import is_record_sound, is_sound
 from chain_impact.kernel.forces.friction import list_sticking
 from chain_impact.kernel.forces.laws import LAW_COUNT
 from chain_impact.kernel.record.constants import (
@@ -55,7 +55,7 @@ def test_without_candidates_no_contact_is_regularized():
     still = {"position": [0.0, 0.0], "angles": [0.0] * 3}
     d = record_of(table([{"length": 0.3, "mass": 1.0}] * 3, initial=still))
     assert is_sound(d) == 1
-    d.step.regularized = 0
+    d.step.regularized_candidate = 0
     assert is_sound(d) == 0
 
 
@@ -70,7 +70,7 @@ def test_each_candidate_has_a_law_once_a_run_has_started(d):
 # lower and upper bound of each index of a chain of N links with C candidates and 7 impacts
 BOUNDS = {
     ("chain", "meeting_joint"): (0, 3),
-    ("step", "regularized"): (NO_CONTACT, 15),
+    ("step", "regularized_candidate"): (NO_CONTACT, 15),
     ("step", "method"): (EXPLICIT, IMPLICIT),
     ("step", "last_method"): (EXPLICIT, IMPLICIT),
     ("step", "dense_for"): (0, SOLVER_READER),
@@ -120,7 +120,7 @@ def assert_fits(d, record, field, i, cases):
     before = d[record][field] if i is None else d[record][field][i]
     for value, fits in cases:
         put(d[record], field, i, value)
-        assert bool(within_bounds(d)) == fits, (field, i, value)
+        assert bool(is_record_sound(d)) == fits, (field, i, value)
     put(d[record], field, i, before)
 
 
@@ -138,14 +138,14 @@ def test_each_index_has_its_least_and_its_most(record, field):
         d.impact.count = 7
         if field == "stop":
             d.candidate.point[:] = 1  # stops belong to joints, and joints are counted from 1
-    assert within_bounds(d)
+    assert is_record_sound(d)
     shape = np.shape(d[record][field])
     for i in range(shape[0]) if shape else [None]:
         too_small = least - 1 if (record, field) in BOUNDS else min(least, 0) - 1
         assert_fits(d, record, field, i, ((least, True), (too_small, False)))
         if most is not None:
             assert_fits(d, record, field, i, ((most, True), (most + 1, False), (1 << 40, False)))
-    assert within_bounds(d)
+    assert is_record_sound(d)
 
 
 def test_no_more_contacts_have_a_force_than_there_are():
@@ -157,13 +157,13 @@ def test_no_more_contacts_have_a_force_than_there_are():
 def test_a_law_may_be_missing_only_before_a_start_without_contacts():
     _, d = chain(np.random.default_rng(0), 3)
     d.law.number[5] = 0
-    assert not within_bounds(d)
+    assert not is_record_sound(d)
     d.chain.longest_link = 0.0  # the start derives the size
-    assert within_bounds(d)
+    assert is_record_sound(d)
     mark_touching(d, [1])
-    assert not within_bounds(d)
+    assert not is_record_sound(d)
     d.law.number[5] = 1
-    assert within_bounds(d)
+    assert is_record_sound(d)
 
 
 def test_a_law_is_copied_from_a_candidate_that_is_not_later():
@@ -176,7 +176,7 @@ def test_only_stops_have_the_numbers_after_those_of_walls():
     """Joints begin at 1, because the base, point 0, has no preceding link."""
     d = stopped_chain(3)[1]
     last, stop = 4 + d.candidates - 1, stops_of(d)[0]
-    assert within_bounds(d)
+    assert is_record_sound(d)
     assert_fits(d, "candidate", "wall", 0, ((last, True), (last + 1, False)))
     assert_fits(d, "candidate", "wall", stop, ((last + 2, True),))
     assert_fits(d, "candidate", "point", stop, ((1, True), (3, True), (0, False), (4, False)))
@@ -189,7 +189,7 @@ def test_a_stop_belongs_to_a_joint_and_not_to_a_point_on_a_link():
     d = record_of(table(links, initial=still, base="pinned", box={"y_min": -1.0}))
     stops = stops_of(d)
     assert (d.sites, len(stops)) == (2, 2)
-    assert within_bounds(d)
+    assert is_record_sound(d)
     for c in range(d.candidates):
         last = 2 if c in stops else 2 + 2
         assert_fits(d, "candidate", "point", c, ((last, True), (last + 1, False)))
@@ -200,7 +200,7 @@ def test_the_degree_of_a_piece_has_its_bounds(part):
     _, d = chain(np.random.default_rng(0), 1)
     for degree, fits in ((0, True), (INPUT_DEGREE, True), (-1, False), (INPUT_DEGREE + 1, False)):
         d[part].piece.degree = degree
-        assert bool(within_bounds(d)) == fits
+        assert bool(is_record_sound(d)) == fits
         d[part].piece.degree = 0
 
 
@@ -220,15 +220,15 @@ def test_a_record_without_room_for_friction_has_none():
 def test_a_users_law_is_one_more(monkeypatch):
     _, d = chain(np.random.default_rng(0), 1)
     d.law.number[0] = LAW_COUNT + 1
-    assert not within_bounds(d)
+    assert not is_record_sound(d)
     monkeypatch.setattr(entry, "is_present", lambda: 1)
-    assert within_bounds(d)
+    assert is_record_sound(d)
 
 
 def test_a_record_is_sound_with_what_is_beside_it(monkeypatch):
     _, d = chain(np.random.default_rng(0), 1)
     assert is_sound(d) == 1
-    monkeypatch.setattr(hooks, "indices_valid", lambda d: 0)
+    monkeypatch.setattr(hooks, "are_tangents_sound", lambda d: 0)
     assert is_sound(d) == 0
 
 

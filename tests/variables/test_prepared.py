@@ -12,8 +12,7 @@ import pytest
 from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.fmu.documents import documents
 from chain_impact.fmu.native_target import native_files
-from chain_impact.kernel.chain.inertia import DERIVED
-from chain_impact.kernel.record.constants import NO_CONTACT, SOLVER_METHODS
+from chain_impact.kernel.record.constants import NO_CONTACT, NOT_GIVEN, SOLVER_METHODS
 from chain_impact.scene.candidates import candidates_of
 from chain_impact.scene.errors import UnknownNameError
 from chain_impact.scene.files.models import model_names
@@ -78,8 +77,8 @@ def test_a_new_instance_holds_nothing_but_the_scene():
     instance = PreparedScene(scene).new_instance()
     assert instance.nbytes < BUFFER
     assert instance.tobytes() == PreparedScene(scene).new_instance().tobytes()
-    assert instance[0]["step"]["regularized"] == NO_CONTACT
-    instance[0]["step"]["regularized"] = 0
+    assert instance[0]["step"]["regularized_candidate"] == NO_CONTACT
+    instance[0]["step"]["regularized_candidate"] = 0
     for field in (
         "step",
         "contacts",
@@ -153,7 +152,7 @@ def test_stops_and_materials_stand_in_the_record():
     assert d["stops"]["law"] == 0, "that of contact"
     assert (d["stops"]["exponent"], d["stops"]["minimum_impact_speed"]) == (1.5, 1e-3)
     assert (d["given"]["stop_stiffness"], d["stops"]["restitution"]) == (1e5, 0.7)
-    assert d["stops"]["given_exponent"] == d["given"]["stop_restitution"] == DERIVED
+    assert d["stops"]["given_exponent"] == d["given"]["stop_restitution"] == NOT_GIVEN
     assert d["walls"]["stiffness"].tolist() == [0.0, 0.0, 0.0, 1e6] + [0.0] * 23
     assert d["walls"]["restitution"].tolist() == [0.25] + [-1.0] * 26
 

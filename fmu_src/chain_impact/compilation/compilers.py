@@ -94,7 +94,7 @@ LAW: OpenFunctions = {
 }
 HOOKS: OpenFunctions = {
     **{name: ("ptr", ("ptr",), 0) for name in vars(hooks) if name.startswith("on_")},
-    "indices_valid": ("i64", ("ptr",), 1),
+    "are_tangents_sound": ("i64", ("ptr",), 1),
     "tangent_words": ("i64", ("ptr",), 0),
 }
 REGISTERS = """declare hidden i64 @usual_registers()

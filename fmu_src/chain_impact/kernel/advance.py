@@ -374,7 +374,7 @@ def apply_pending_events(d):
 
     Return the number of events, and whether a kink of a force or the limit of a drive is among them.
     """
-    events, has_kink = d.drive.mode_change_pending + count_mode_changes(d), d.drive.mode_change_pending > 0
+    events, has_kink = d.drive.event + count_mode_changes(d), d.drive.event > 0
     for c in range(d.candidates):
         events += d.contacts.event[c] != NO_EVENT
         has_kink = has_kink or d.contacts.event[c] == KINK

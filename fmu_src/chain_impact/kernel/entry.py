@@ -8,7 +8,7 @@ wrong number leads to a fault or to wrong results, never to an access outside th
 from chain_impact.kernel import hooks
 from chain_impact.kernel.advance import advance, must_restart, restart
 from chain_impact.kernel.chain.signals import knot_count
-from chain_impact.kernel.constraints.geometry import candidate_within_bounds
+from chain_impact.kernel.constraints.geometry import is_candidate_sound
 from chain_impact.kernel.cost import (
     UNLIMITED,
     allow_any_length,
@@ -34,15 +34,15 @@ def is_sound(d):
 
     The caller must check the sizes at the start of the record, such as the number of links.
     """
-    return 1 if within_bounds(d) and hooks.indices_valid(d) == 1 else 0
+    return 1 if is_record_sound(d) and hooks.are_tangents_sound(d) == 1 else 0
 
 
-def within_bounds(d):
+def is_record_sound(d):
     """Return whether every index and length of a loop in the record is within its bounds."""
-    return indices_within_bounds(d) and relations_hold(d)
+    return are_indices_sound(d) and are_relations_sound(d)
 
 
-def indices_within_bounds(d):
+def are_indices_sound(d):
     """Return whether each index is within the bounds that its layout declares (record/fields.py)."""
     for k in range(len(BOUNDED_PATHS)):
         values, least, most = bounded_field(d, k), least_bound(d, k), most_bound(d, k)
@@ -52,21 +52,21 @@ def indices_within_bounds(d):
     return True
 
 
-def relations_hold(d):
+def are_relations_sound(d):
     """Return whether indices and counts whose bounds depend on other numbers are within these bounds."""
     laws = LAW_COUNT + is_present()
     fits = d.contact_log.count >= 0 and is_within(d.contacts.compliant_count, 0, d.contacts.active_count)
     fits = fits and is_within(d.chain.base_moves, 0, d.channels // 2)
     for c in range(d.candidates):
-        fits = fits and candidate_within_bounds(d, c)
+        fits = fits and is_candidate_sound(d, c)
         fits = fits and is_within(d.wall_motion.first_channel[c], -1, max(-1, d.channels - 2))
         fits = fits and is_within(d.law.number[c], least_law(d), laws)
         fits = fits and is_within(d.law.same_as[c], 0, c)
         fits = fits and is_within(d.contacts.impact_number[c], 0, d.impact.count)
-    return fits and friction_counts_fit(d) and signals_fit(d)
+    return fits and are_friction_counts_sound(d) and are_signals_sound(d)
 
 
-def signals_fit(d):
+def are_signals_sound(d):
     """Return whether the indices of all signals, knots and driven values are within the record."""
     signal = d.signal
     for j in range(d.signals):
@@ -82,7 +82,7 @@ def signals_fit(d):
     return True
 
 
-def friction_counts_fit(d):
+def are_friction_counts_sound(d):
     """Return whether the counts of elements with friction fit together; none may be below 0.
 
     The count of contacts with friction and the count of sticking elements are at most that of all elements

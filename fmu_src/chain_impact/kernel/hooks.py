@@ -36,10 +36,10 @@ def on_truncate(_d):
     """
 
 
-def indices_valid(_d):
-    """Return 1: all indices in the tangent instances after the record are valid, since there are none.
+def are_tangents_sound(_d):
+    """Return 1: all indices in the tangent instances after the record are within bounds: there are none.
 
-    The function that replaces this one returns 0 if one of them is not valid.
+    The function that replaces this one returns 0 if an index is not within its bounds.
     """
     return 1
 

@@ -154,7 +154,7 @@ def fill_state(d, theta):
     for m in range(d.channels):
         out.channel[m] = d.channel.position[m]
     for j in range(d.signals):
-        value, rate, curvature = signal_at(d, j, d.step.clock + y[time_at(n)])
+        value, rate, curvature = signal_at(d, j, d.step.time_origin + y[time_at(n)])
         out.signal[j, 0], out.signal[j, 1], out.signal[j, 2] = value, rate, curvature
     out.kinetic, out.potential = mechanical_energy(d, y)
     out.elastic = stored_energy(d, y)

@@ -18,12 +18,12 @@ from typing import Any
 import numpy as np
 
 from chain_impact import map_colours
-from chain_impact.kernel.chain.inertia import DERIVED, corner_of_box
+from chain_impact.kernel.chain.inertia import corner_of_box
 from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS
 from chain_impact.kernel.constraints.geometry import BOX_NORMALS, STOP_CODES
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.record.constants import WALLS
+from chain_impact.kernel.record.constants import NOT_GIVEN, WALLS
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STARTS_INSIDE_WALL, STATUS_TEXT
@@ -131,7 +131,7 @@ def page_data() -> dict[str, Any]:
         "record": {"WORD": WORD, "COUNTS": COUNTS},
         "kernel": {
             "REINITIALIZE": REINITIALIZE,
-            "DERIVED": DERIVED,
+            "NOT_GIVEN": NOT_GIVEN,
             "FRICTION_WITH_RIGID_WALLS": FRICTION_WITH_RIGID_WALLS,
             "PARALLEL_COSINE": PARALLEL_COSINE,
             "STARTS_INSIDE_WALL": STARTS_INSIDE_WALL,

@@ -15,10 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.chain.inertia import DERIVED
 from chain_impact.kernel.forces.candidate_laws import USER_LAW
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.record.constants import SOLVER_METHODS
+from chain_impact.kernel.record.constants import NOT_GIVEN, SOLVER_METHODS
 from chain_impact.kernel.record.counts import Counts
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
@@ -113,7 +112,7 @@ def _reader(kind: VariableKind) -> Callable[[Scene], list[Any]]:
     """Return a function from a scene to the list of numbers for a kind of parameters, one for each owner.
 
     If the scene's record has two fields for the parameter, the list has first all owners' values in use, then
-    all owners' given values. A given value is the number DERIVED where the scene derives the value.
+    all owners' given values. A given value is the number NOT_GIVEN where the scene derives the value.
     """
     path = kind.scene_path or ()
     if OWNER_AT not in path and ENTRY_AT not in path:
@@ -148,7 +147,7 @@ def _reader_of_one(kind: VariableKind, path: DataPath) -> Callable[[Scene], list
             value = kind.number_for_none
         if not kind.given_path or (kind.stores_given_if and not has_given(scene)):
             return [value]
-        return [value, DERIVED if path in scene.derived_paths else value]
+        return [value, NOT_GIVEN if path in scene.derived_paths else value]
 
     return read_values
 
@@ -185,12 +184,12 @@ def _members(
 
 
 def _with_derived_marks(scene: Scene, paths: Sequence[DataPath], values: Sequence[Any]) -> list[Any]:
-    """Return ``values`` with the number DERIVED in place of each value that the scene derives.
+    """Return ``values`` with the number NOT_GIVEN in place of each value that the scene derives.
 
     ``paths`` are the paths of ``values`` in the scene.
     """
     derived = frozenset(scene.derived_paths)
-    return [DERIVED if path in derived else value for path, value in zip(paths, values, strict=True)]
+    return [NOT_GIVEN if path in derived else value for path, value in zip(paths, values, strict=True)]
 
 
 def _getter(path: DataPath) -> Callable[[Any], Any]:

@@ -167,7 +167,7 @@ RECORD_NUMBERS = {
     "candidate_point": RecordNumber(("candidate", OWNER_AT, "point"), "n", "candidates"),
     "candidate_wall": RecordNumber(("candidate", OWNER_AT, "wall"), "wall", "candidates"),
     "candidate_stop": RecordNumber(("candidate", OWNER_AT, "stop"), "stop", "candidates"),
-    "regularized": RecordNumber(("step", "regularized"), f"{NO_CONTACT}"),
+    "regularized_candidate": RecordNumber(("step", "regularized_candidate"), f"{NO_CONTACT}"),
     # a moving wall has two channels (prescribed motions): its displacement, and its motion as a belt
     "belt": RecordNumber(("given_channel", "belt", OWNER_AT), "1", "moving_walls", at=f"{_CHANNEL} + 1"),
     "candidate_channel": RecordNumber(

@@ -77,7 +77,7 @@ class Stamps:
             raise StaleError(f"{group} of another state: {' < '.join(names)}")
 
     def _time_of(self, y: np.ndarray) -> float:
-        return float(self.d.step.clock + y[time_at(self.d.links)])
+        return float(self.d.step.time_origin + y[time_at(self.d.links)])
 
     def _state_of(self, reader: FrameType) -> np.ndarray | None:
         """Return the state y of a reader or of one of its callers; None if there is none."""

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.inertia import (
-    DERIVED,
     corner_of_box,
     given_or_derived,
     inertia_of_box,
     middle_of_rod,
 )
 from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.record.constants import NOT_GIVEN
 from chain_impact.kernel.status import OK
 from tests.kernel.chains import chain, stopped_chain
 from tests.kernel.tangent.dual import Dual
@@ -20,9 +20,9 @@ from tests.kernel.tangent.dual import Dual
 
 def test_a_given_value_is_in_use_and_else_the_derived_one():
     """The derived value has the derivatives of its source, and the given value its own derivative."""
-    for given, right in ((0.0, 0.0), (0.3, 0.3), (DERIVED, 0.1)):
+    for given, right in ((0.0, 0.0), (0.3, 0.3), (NOT_GIVEN, 0.1)):
         assert given_or_derived(given, 0.1) == right
-    given, derived = Dual(DERIVED, [1.0, 0.0]), Dual(0.25, [0.0, 0.5])
+    given, derived = Dual(NOT_GIVEN, [1.0, 0.0]), Dual(0.25, [0.0, 0.5])
     found = given_or_derived(given, derived)
     assert (found.value, found.slope.tolist()) == (0.25, [1.0, 0.5])
     given = Dual(0.3, [1.0, 0.0])
@@ -53,7 +53,7 @@ def test_the_box_is_a_uniform_rectangle_with_four_corners():
 def test_each_start_derives_anew_what_is_not_given():
     _, d = chain(np.random.default_rng(0), 2)
     given = [d.chain.center_of_mass[1], d.chain.inertia[1]]
-    d.chain.given_center_of_mass[0] = d.chain.given_inertia[0] = DERIVED
+    d.chain.given_center_of_mass[0] = d.chain.given_inertia[0] = NOT_GIVEN
     for length, mass in ((0.8, 2.0), (1.7, 0.3)):
         d.chain.length[:], d.chain.mass[:] = length, mass
         assert initialize(d, 0.0) == OK
@@ -64,7 +64,7 @@ def test_each_start_derives_anew_what_is_not_given():
 
 def test_stops_follow_the_walls_where_nothing_else_is_given():
     _, d = stopped_chain(2)
-    d.stops.given_exponent = d.given.stop_restitution = DERIVED
+    d.stops.given_exponent = d.given.stop_restitution = NOT_GIVEN
     d.contact_settings.exponent, d.given.restitution = 1.3, 0.35
     assert initialize(d, 0.0) == OK
     own = np.flatnonzero(d.candidate.stop)

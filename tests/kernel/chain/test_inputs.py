@@ -22,7 +22,7 @@ def driven(degree=2):
     piece = given["piece"]
     piece["degree"], piece["middle"], piece["scale"], piece["end"] = degree, 1.0, 1.0, 2.0
     piece["motor"][1:3, 0] = 2.0, 3.0
-    block[0]["step"]["regularized"] = -1
+    block[0]["step"]["regularized_candidate"] = -1
     d = Plain(block[0])
     inputs.apply_inputs(d)
     return d
@@ -39,7 +39,7 @@ def driven(degree=2):
 )
 def test_a_step_ends_with_the_piece_or_well_before(degree, end, regularized, size, expected):
     d = driven(degree)
-    d.step.end, d.step.regularized = end, regularized
+    d.step.end, d.step.regularized_candidate = end, regularized
     assert inputs.limit_to_input_piece(d, size) == expected
 
 
@@ -57,7 +57,7 @@ def test_a_state_sees_the_inputs_at_its_time():
     """The time in a state counts from the clock; constant inputs stay as they are."""
     d = driven()
     y = d.step.state.copy()
-    d.step.clock, y[time_at(d.links)] = 1.25, 0.5
+    d.step.time_origin, y[time_at(d.links)] = 1.25, 0.5
     inputs.ensure_inputs(d, y)
     assert list(d.inputs.motor[:2]) == [1.0 + 2.0 * 0.75 + 3.0 * 0.75**2, 4.0]
     d = driven(degree=0)

@@ -180,7 +180,7 @@ def test_a_regularized_contact_ends_at_the_root_of_u():
     set_step(d, motion, 1.0)
     rates = [clearance_and_rate(d, c)[1] for c in range(d.candidates)]
     c = int(np.argmax(rates))
-    d.step.regularized = c
+    d.step.regularized_candidate = c
     mark_touching(d, [c])
     # u′ is close to the rate of the motion: the point leaves where u falls to zero
     d.contacts.expected_penetration[c], d.contacts.latched_speed[c] = 0.5 * rates[c] / 0.7, 1.0

@@ -145,7 +145,7 @@ def test_a_clearance_is_above_its_least_bernstein_coefficient(seed, active):
     rng = np.random.default_rng(seed)
     _, d = chain(rng, 1)
     search, c, h = d.search, 3, 0.7
-    d.step.size, d.step.regularized, d.contacts.active[c] = h, -1, active
+    d.step.size, d.step.regularized_candidate, d.contacts.active[c] = h, -1, active
     ends = rng.normal(size=(2, 3))
     names = [[f"phi_{end}{part}" for part in ("", "_rate", "_curvature")] for end in ("start", "end")]
     for row, values in zip(names, ends, strict=True):
@@ -160,7 +160,7 @@ def test_a_clearance_is_above_its_least_bernstein_coefficient(seed, active):
 @pytest.mark.parametrize(("end", "expected"), [(0.1, True), (0.0, False), (-0.1, False)])
 def test_the_root_of_the_regularized_contact_decides_by_its_end(end, expected):
     _, d = chain(np.random.default_rng(0), 1)
-    d.step.regularized, d.search.phi_end[2] = 2, end
+    d.step.regularized_candidate, d.search.phi_end[2] = 2, end
     d.search.phi_start[2] = -9.0
     assert exclusion.stays_in_contact(d, 2, 1e9) == expected
 
@@ -222,7 +222,7 @@ def test_the_way_of_a_step_counts_the_acceleration_at_its_start(monkeypatch, cha
 def quiet_start(regularized=-1):
     d, _ = stepped(0, size=0.01, near=1.0)
     d.search.safe_distance, d.search.speed_bound, d.search.acceleration_bound = 5.0, 0.0, 0.0
-    d.step.regularized = regularized
+    d.step.regularized_candidate = regularized
     exclusion.remember_clearances(d, CURVATURES_KNOWN)
     return d
 
@@ -274,7 +274,7 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
     y, u = random_state(rng, d), 0.6
     y[sundman_u_at(2)] = u
     locate_points(d, y)
-    d.step.regularized = regularized
+    d.step.regularized_candidate = regularized
     make_rigid(d, impulsive)
     d.contacts.expected_penetration[:] = 0.3
     mark_touching(d, [2, 4])
@@ -307,7 +307,7 @@ def test_second_derivatives_are_those_in_the_variable_of_the_step(regularized):
     _, d = chain(rng, 2)
     motion = free_motion(rng, d)
     mark_touching(d, [2, 4])
-    d.contacts.expected_penetration[:], d.step.regularized = 0.3, regularized
+    d.contacts.expected_penetration[:], d.step.regularized_candidate = 0.3, regularized
     u, h, rates = 0.6, 1e-5, []
     y, rate = motion.at(0.0), motion.at(0.0, 1)
     y[sundman_u_at(2)] = u

@@ -264,7 +264,7 @@ def test_a_force_bends_where_it_ends_or_has_its_kink_in_time(whose, regularized,
     """The end of a regularized contact is smooth in the contact's own variable."""
     d = arrived()
     d.contacts.event[:] = NO_EVENT
-    d.contacts.event[whose], d.step.regularized = kind, regularized
+    d.contacts.event[whose], d.step.regularized_candidate = kind, regularized
     smooth = regularized == whose and kind == CONTACT_ENDS
     assert force_has_kink(d) == (kind in {CONTACT_ENDS, KINK} and not smooth)
 

@@ -19,7 +19,7 @@ from tests.kernel.chains import chain, stopped_chain, stops_of
 def interval(start, end, rates, curvature, *, active=0, size=2.0):
     """Set candidate 0 with these φ and φ′ at the ends of the step, and a bound on |φ″|."""
     _, d = chain(np.random.default_rng(0), 1)
-    d.step.size, d.step.regularized, d.chain.longest_link = size, -1, 1.0
+    d.step.size, d.step.regularized_candidate, d.chain.longest_link = size, -1, 1.0
     d.contacts.active[0] = active
     search = d.search
     search.phi_start[:], search.phi_end[:] = 9.0, 9.0
@@ -97,7 +97,7 @@ def test_a_deep_point_without_inward_motion_is_an_onset(active):
 @pytest.mark.parametrize(("end", "verdict"), [(-1e-3, CROSSES), (0.0, QUIET), (0.3, QUIET)])
 def test_the_regularized_contact_ends_where_its_root_is_negative(end, verdict):
     d = interval(1.0, end, (1.0, 1.0), 1e9)
-    d.step.regularized = 0
+    d.step.regularized_candidate = 0
     assert crossing.check_candidate(d, 0, 0.0, 1.0) == verdict
 
 
@@ -170,7 +170,7 @@ def test_intervals_are_halved_where_needed_and_widen_again(monkeypatch, near, en
 
 def test_curvature_bounds_of_stops_and_points_hold(bounded):
     d, along_x, along_y = bounded
-    d.step.regularized = NO_CONTACT
+    d.step.regularized_candidate = NO_CONTACT
     crossing.bound_curvature(d)
     reach = [0.0]
     for i in range(LINKS):

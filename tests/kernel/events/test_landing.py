@@ -112,9 +112,9 @@ def test_a_candidate_starts_clear_by_its_taylor_polynomial(gap, rate, bend, clea
     # other events and the regularized contact do not count; one of many candidates suffices
     d.contacts.event[1] = KINK
     assert not starts_clear(d, 0.1)
-    d.contacts.event[1], d.step.regularized = ONSET, 1
+    d.contacts.event[1], d.step.regularized_candidate = ONSET, 1
     assert not starts_clear(d, 0.1)
-    d.step.regularized, d.contacts.event[5] = -1, ONSET
+    d.step.regularized_candidate, d.contacts.event[5] = -1, ONSET
     assert starts_clear(d, 0.1)
 
 

@@ -56,7 +56,7 @@ def test_each_row_of_the_list_keeps_the_values_of_its_impact(kept):
     locate_points(d, y)
     make_rigid(d, 1)
     contact_log.clear_log(d)
-    d.latest.requested_count, d.step.size, d.step.regularized = kept, 1.0, -1
+    d.latest.requested_count, d.step.size, d.step.regularized_candidate = kept, 1.0, -1
     rows, lasting = [], {}
     for moment in range(1, 6 * LATEST_COUNT):
         d.step.start, d.step.end = moment - 1.0, float(moment)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.inertia import DERIVED
 from chain_impact.kernel.initialize import derive_chain
+from chain_impact.kernel.record.constants import NOT_GIVEN
 from tests.helpers.models.reference import mass_matrix
 from tests.kernel.chains import chain, free_coordinates, gradients, locate_touching_state
 
@@ -19,7 +19,7 @@ def problem(base="free", pressed=(1, 0, 1, 1), seed=0, masses=None):
     scene, d = chain(rng, 4, base, model="newton_impact")
     if masses:
         d.chain.mass[:] = masses
-        d.chain.given_center_of_mass[:] = d.chain.given_inertia[:] = DERIVED
+        d.chain.given_center_of_mass[:] = d.chain.given_inertia[:] = NOT_GIVEN
         derive_chain(d)
     candidates = CANDIDATES[: len(pressed)]
     if base == "pinned":

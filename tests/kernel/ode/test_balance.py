@@ -165,12 +165,12 @@ def test_the_units_are_those_of_the_stretched_chain():
     d, _ = moving()
     mass, size = d.chain.mass, max(d.chain.length)
     reach = size + np.cumsum(d.chain.length)
-    assert d.balance.unit_motion == pytest.approx(
+    assert d.balance.root_reference_energy == pytest.approx(
         math.sqrt(sum(mass * reach**2 + d.chain.inertia)), rel=1e-13
     )
     weight = sum(mass) * math.hypot(*d.chain.gravity)
     assert d.balance.weight == pytest.approx(weight, rel=1e-13)
-    assert d.balance.unit_scale == pytest.approx(weight * reach[-1] + sum(mass) * size**2, rel=1e-13)
+    assert d.balance.reference_energy == pytest.approx(weight * reach[-1] + sum(mass) * size**2, rel=1e-13)
 
 
 def slid():
@@ -187,8 +187,9 @@ def slid():
 def test_the_carriage_of_a_slider_moves_and_has_a_weight():
     d, _ = slid()
     assert d.balance.weight == pytest.approx(2.5 * 9.81, rel=1e-13)
-    assert d.balance.unit_motion**2 == pytest.approx(2.0 * 0.25 + 0.5 + d.chain.inertia[0], rel=1e-13)
-    assert d.balance.unit_scale == pytest.approx(2.5 * 9.81 + 2.5 * 0.25, rel=1e-13)
+    root = d.balance.root_reference_energy
+    assert root**2 == pytest.approx(2.0 * 0.25 + 0.5 + d.chain.inertia[0], rel=1e-13)
+    assert d.balance.reference_energy == pytest.approx(2.5 * 9.81 + 2.5 * 0.25, rel=1e-13)
 
 
 def test_the_force_of_a_sliders_spring_counts_over_the_longest_link():
@@ -217,7 +218,7 @@ def test_a_balance_starts_from_the_present_energies():
     own.value_end, own.allowed_change = 4.5, 1e9
     balance.begin_window(d)
     assert own.window_value == 4.5
-    right = 3.0 * TOLERANCE * (own.unit_motion**2 + own.unit_scale)
+    right = 3.0 * TOLERANCE * (own.root_reference_energy**2 + own.reference_energy)
     assert (own.least_allowed_change, own.allowed_change) == pytest.approx((right, right), rel=1e-13)
     # after a discontinuity the balance starts from the new state, with newly located points
     d.step.break_count, d.scratch.position.x[:] = 12, 1e9
@@ -245,7 +246,7 @@ def test_the_scale_is_that_of_errors_in_speeds_and_in_heights(springs):
     d, y = moving(springs=springs)
     own, (kinetic, potential) = d.balance, mechanical_energy(d, y)
     others = abs(y[dissipated_at(LINKS)]) + abs(y[supplied_at(LINKS)])
-    scale = (math.sqrt(2.0 * kinetic) + own.unit_motion) ** 2 + own.unit_scale + others
+    scale = (math.sqrt(2.0 * kinetic) + own.root_reference_energy) ** 2 + own.reference_energy + others
     known = own.weight * (abs(y[0]) + abs(y[1])) + abs(potential) + kinetic + others
     turns = np.diff(y[2 : LINKS + 2], prepend=0.0) - d.inputs.target[:-1]
     moments = springs * d.inputs.drive_stiffness[:-1] * abs(turns)
@@ -281,7 +282,7 @@ def test_contacts_add_the_work_of_forces_over_depth_errors():
 def test_the_budget_is_that_of_errors_in_speeds_at_the_available_energy():
     d, _ = moving()
     d.step.end, speed = 4.0, math.sqrt(2.0 * 50.0)
-    right = 3.0 * TOLERANCE * (speed * (speed + d.balance.unit_motion) + d.balance.unit_scale)
+    right = 3.0 * TOLERANCE * (speed * (speed + d.balance.root_reference_energy) + d.balance.reference_energy)
     assert balance.loss_budget(d, 50.0) == pytest.approx(1.3 * right, rel=1e-13)
     assert (balance.ENERGY_LOSS, balance.LOSS_TIME, balance.STEP_CHANGE) == (3.0, 10.0, 3.0)
 

@@ -285,7 +285,7 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
 
     def unsolved(d, _h, _size):
         own = d.implicit
-        own.contraction, own.relative_correction, own.iterations = contraction, correction, 4
+        own.convergence_rate, own.relative_correction, own.iterations = contraction, correction, 4
         return False
 
     monkeypatch.setattr(collocation, "_converge", unsolved)

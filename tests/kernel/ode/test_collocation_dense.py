@@ -96,7 +96,7 @@ def test_dense_output_of_coordinates_meets_the_clearances(step, monkeypatch):
     asked = []
 
     def project_coordinates(d, _y, derivative, change):
-        asked.append((derivative, d.implicit.normal[:2].tolist()))
+        asked.append((derivative, d.implicit.target_clearance[:2].tolist()))
         change[:] = rng.uniform(-1e-3, 1e-3, len(change))
         changes[len(asked)] = change.copy()
 

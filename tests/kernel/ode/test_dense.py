@@ -26,7 +26,7 @@ def d():
     _, d = chain(rng, LINKS)
     for part in (d.step.state, d.step.dense):
         part[:] = rng.uniform(-1.0, 1.0, part.shape)
-    d.step.size, d.step.start, d.step.regularized = 0.25, 3.0, -1
+    d.step.size, d.step.start, d.step.regularized_candidate = 0.25, 3.0, -1
     return d
 
 
@@ -63,7 +63,7 @@ def test_a_component_and_its_rate_stay_within_their_bounds(d, j):
 
 def falling(d, start, end, lasts=1.0):
     """Let u vary linearly from ``start`` to ``end``, and time be ∫u, over a step of size 1."""
-    d.step.size, d.step.regularized = lasts, 0
+    d.step.size, d.step.regularized_candidate = lasts, 0
     d.step.state[[ROOT, CLOCK]] = start, 0.0
     d.step.dense[:, [ROOT, CLOCK]] = 0.0
     d.step.dense[0, ROOT] = end - start
@@ -92,7 +92,7 @@ def test_the_first_of_two_times_on_the_dense_output_is_taken(d):
     time = falling(d, 0.1, 0.3)
     assert dense.regularized_fraction(d, time(1.0)) == dense.regularized_fraction(d, 2.0 * time(1.0)) == 1.0
     # a step without its own contact is uniform in time
-    d.step.regularized, d.step.size = -1, 0.25
+    d.step.regularized_candidate, d.step.size = -1, 0.25
     assert dense.fraction_at_time(d, 3.1) == pytest.approx(0.4)
 
 

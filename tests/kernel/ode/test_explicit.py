@@ -310,7 +310,7 @@ def test_a_regularized_step_passes_the_end_of_a_contact():
     _, d = chain(rng, 3)
     d.step.state_end[:] = locate_touching_state(rng, d, [6])
     equations.rate_from_state(d, d.step.state_end, d.scratch.rate_start)
-    d.contacts.expected_penetration[6], d.step.regularized, root = 0.1, 6, state.sundman_u_at(3)
+    d.contacts.expected_penetration[6], d.step.regularized_candidate, root = 0.1, 6, state.sundman_u_at(3)
     u, slope = d.step.state_end[root], d.scratch.stage[0, root] = 0.3, -0.8
     longest = size_toward_end(d, 1e3)
     roots = np.roots([0.5 * sundman.root_curvature(d, u, slope), slope, u])

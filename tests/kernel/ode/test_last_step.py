@@ -196,7 +196,7 @@ def test_without_contact_a_step_runs_in_time():
     d = with_a_step(started())
     d.step.next_size, breaks = 0.5 * H, int(d.step.break_count)
     last_step.choose_variable(d, False)
-    assert d.step.regularized == -1
+    assert d.step.regularized_candidate == -1
     assert d.step.next_size == 0.5 * H
     assert d.step.break_count == breaks
     assert list(d.step.state_end[-2:]) == [1.0, 0.0]
@@ -211,7 +211,7 @@ def test_a_step_of_no_length_is_the_state_at_all_of_its_fractions():
     for theta in (0.0, 0.3, 1.0):
         interpolate_state(d.step, theta, y)
         np.testing.assert_array_equal(y, there)
-    times = [float(d.step[name]) for name in ("communication_point", "start", "end", "clock")]
+    times = [float(d.step[name]) for name in ("communication_point", "start", "end", "time_origin")]
     assert times == [0.7] * 4
     assert d.step.size == 1.0
 

@@ -13,15 +13,15 @@ from chain_impact.kernel.record.constants import IMPLICIT, RADAU_STAGES
 from tests.helpers.kernel.plain import Plain
 
 ORDER = 9  # of Radau IIA with 5 stages
-SCALARS = ("relative_correction", "contraction")
+SCALARS = ("relative_correction", "convergence_rate")
 
 
 def record(start, weight=1e14):
     """Return the fields of an instance that the iteration reads; ``weight`` scales the corrections."""
     size = len(start)
     implicit = np.dtype(
-        [(name, float, (RADAU_STAGES, size)) for name in ("stages", "rates", "parts")]
-        + [(name, float, (size,)) for name in ("z_start", "rate_start", "z", "error_weight")]
+        [(name, float, (RADAU_STAGES, size)) for name in ("stages", "rates", "right_hand_sides")]
+        + [(name, float, (size,)) for name in ("z_start", "rate_start", "z_scratch", "error_weight")]
         + [(name, float) for name in SCALARS]
         + [("iterations", int)]
     )
@@ -44,7 +44,7 @@ def problem(rate, jacobian):
         out[: len(y)] = rate(y)
 
     def solve(d, h, _size):
-        parts, matrix = d.implicit.parts, h * jacobian(d.implicit.z_start)
+        parts, matrix = d.implicit.right_hand_sides, h * jacobian(d.implicit.z_start)
         one = np.eye(len(matrix))
         parts[0] = np.linalg.solve(one - radau.REAL_EIGENVALUE * matrix, parts[0])
         for pair, (real, imaginary) in enumerate(radau.COMPLEX_EIGENVALUES):
@@ -131,7 +131,7 @@ def test_error_estimates_have_orders_five_and_six_and_combine_to_seven(kind, est
         d = record(np.array([1.5, -1.0, 0.3]), 1.0)
         step(d, h)
         error = error_of(d, h)
-        found.append([*np.abs(d.implicit.parts[:2]).max(1), error])
+        found.append([*np.abs(d.implicit.right_hand_sides[:2]).max(1), error])
     slopes = np.diff(np.log(found), axis=0) / np.diff(np.log(sizes))[:, None]
     expected = [RADAU_STAGES + 1, RADAU_STAGES, control.ERROR_ORDER[IMPLICIT]]
     np.testing.assert_allclose(slopes, [expected] * 2, rtol=0, atol=0.15)
@@ -172,6 +172,6 @@ def test_an_iteration_without_convergence_is_given_up():
     d = record(np.array([1.0, 1e2]))
     assert not step(d, 1.0)
     assert d.implicit.iterations < radau.MOST_ITERATIONS
-    assert d.implicit.contraction > 1.0
+    assert d.implicit.convergence_rate > 1.0
     step, _ = problem(lambda y: np.array([np.nan, 0.0]), lambda y: np.zeros((2, 2)))
     assert not step(record(np.array([1.0, 1.0])), 1.0)

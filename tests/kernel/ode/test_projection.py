@@ -59,7 +59,7 @@ def test_coordinates_move_to_clearances_as_the_chain_responds_to_impulses(step, 
     scene, d, touched, y, _ = step
     now = np.array([clearance_and_rate(d, c)[derivative] for c in touched])
     wanted, change = np.array([2e-4, -3e-4]), np.zeros(HALF)
-    d.implicit.normal[:2] = now + wanted
+    d.implicit.target_clearance[:2] = now + wanted
     expected = response(scene, d, y, touched, wanted)
     moved = y.copy()
     extended.project_coordinates(d, moved, derivative, change)

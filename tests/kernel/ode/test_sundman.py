@@ -29,7 +29,7 @@ def test_a_step_from_the_onset_keeps_the_order_of_the_method():
     assert initialize(d, 0.0) == 0
     d.contacts.event[0] = ONSET
     assert begin_step(d) == 1
-    assert d.step.regularized == 0
+    assert d.step.regularized_candidate == 0
 
     def energy(y):
         """Return ½ m v² + K δ^(5/2)/(5/2), with the mass of 1 kg and δ from u."""
@@ -82,7 +82,7 @@ def contact(seed=17):
     y = locate_touching_state(np.random.default_rng(seed), d, [c], DEPTH)
     d.contacts.expected_penetration[c], d.contacts.latched_speed[c] = SCALE, 1.0
     d.contacts.effective_mass[c] = 1.0
-    d.step.regularized, d.step.method = c, EXPLICIT
+    d.step.regularized_candidate, d.step.method = c, EXPLICIT
     return d, c, y
 
 
@@ -103,7 +103,7 @@ def test_a_rate_in_its_variable_is_that_in_time_times_p(u):
     assert again.tolist() == rate.tolist()
     # the same for the rate of a step, and without a contact the rate in time
     for regularized, expected in ((c, rate.tolist()), (NO_CONTACT, in_time.tolist())):
-        d.step.regularized = regularized
+        d.step.regularized_candidate = regularized
         sundman.regularized_rate(d, y, again)
         assert again.tolist() == expected
     sundman.regularize_rate(d, y, in_time, again)
@@ -145,7 +145,7 @@ def test_time_passes_as_p_says_and_as_itself_without_a_contact():
         (0, 0.4, sundman.RESTING_SUM),
         (NO_CONTACT, 1.0, 1.0),
     ):
-        d.step.regularized, y[U] = regularized, 0.5
+        d.step.regularized_candidate, y[U] = regularized, 0.5
         assert sundman.time_rate_at(d, 0.5) == sundman.time_rate_for_sizes(d, y) == pytest.approx(rate)
         y[U] = 1e-9
         assert sundman.time_rate_for_sizes(d, y) == least
@@ -162,7 +162,7 @@ def test_a_step_must_not_go_far_beyond_the_end(u, time, right):
     d, _, y = contact()
     y[U], y[state.time_at(LINKS)] = u, time
     assert sundman.runs_back(d, y) == right
-    d.step.regularized = NO_CONTACT
+    d.step.regularized_candidate = NO_CONTACT
     assert not sundman.runs_back(d, y)
 
 

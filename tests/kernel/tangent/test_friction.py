@@ -175,7 +175,7 @@ def test_a_stopped_element_has_no_derivative_of_its_speed(monkeypatch, t):
         located[:] = [tuple(number.slope) for number in y]
 
     monkeypatch.setattr(friction, "activate_all", lambda _t: None)
-    monkeypatch.setattr(friction, "set_unforced_to_state", lambda _t, _derivative: None)
+    monkeypatch.setattr(friction, "set_unforced_to_speeds", lambda _t: None)
     monkeypatch.setattr(friction, "solve_stopping_impulses", solve_stopping_impulses)
     monkeypatch.setattr(friction, "locate_points", locate_points)
     friction.clear_sticking_speeds(t)

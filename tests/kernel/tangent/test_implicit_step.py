@@ -146,10 +146,10 @@ def dual(*slopes):
 def slopes(start, end, parts):
     """Return a two-component step, with these slopes of its start, its last stage and its corrections."""
     none = np.array([[dual(), dual()] for _ in range(RADAU_STAGES)], object)
-    own = SimpleNamespace(z_start=[dual(*one) for one in start], stages=none.copy(), parts=none)
+    own = SimpleNamespace(z_start=[dual(*one) for one in start], stages=none.copy(), right_hand_sides=none)
     own.stages[RADAU_STAGES - 1] = [dual(*one) for one in end]
     for (i, j), part in parts.items():
-        own.parts[i, j] = dual(*part)
+        own.right_hand_sides[i, j] = dual(*part)
     d = SimpleNamespace(friction=SimpleNamespace(stuck_count=0), step=SimpleNamespace(size=0.1))
     d.implicit, d.chain = SimpleNamespace(error_weight=[2.0, 10.0]), None
     return d, SimpleNamespace(implicit=own)
@@ -161,7 +161,7 @@ def test_a_correction_is_relative_to_the_worst_direction():
         [(3.0, 1.0), (1.0, 2.0)], [(1.0, 0.0), (-0.5, 0.0)], {(0, 0): (-0.04,), (2, 1): (0.004, 0.06)}
     )
     assert replay.last_correction(d, t, 2) == pytest.approx(max(0.08 / 8.0, 0.6 / 20.0))
-    t.implicit.parts[4, 0] = dual(1.0)
+    t.implicit.right_hand_sides[4, 0] = dual(1.0)
     assert replay.last_correction(d, t, 2) == pytest.approx(2.0 / 8.0)
     assert replay.last_correction(d, t, 0) == 0.0
 
@@ -208,7 +208,7 @@ def test_the_linear_system_is_that_of_the_run():
 @pytest.mark.parametrize("contacts", [0, 1, 2])
 def test_a_step_is_made_of_the_stages_of_the_run(monkeypatch, reason, converges, contacts):
     d, called = SimpleNamespace(step=SimpleNamespace(start=1.5)), []
-    t = SimpleNamespace(trust=SimpleNamespace(reason=reason), implicit=SimpleNamespace(z="z"))
+    t = SimpleNamespace(trust=SimpleNamespace(reason=reason), implicit=SimpleNamespace(z_scratch="z"))
     t.trial = SimpleNamespace(state="y")
     right = ["extend_start", "extrapolate_stages", "copy_stages", "copy_jacobian_data", "factorize_real"]
     for name in [*right, "set_step_end", "project_clearances"]:

@@ -43,7 +43,7 @@ CASES = {
 }
 # the last step and its results: equal bits
 SAME = {
-    "step": ("start", "end", "size", "state", "state_end", "dense", "end_fraction", "regularized"),
+    "step": ("start", "end", "size", "state", "state_end", "dense", "end_fraction", "regularized_candidate"),
     "contacts": (
         "active",
         "onset",
@@ -102,18 +102,18 @@ def instances(regularized=-1, events=(NO_EVENT, NO_EVENT), end_fraction=1.0, met
     sizes = {"candidates": 2, "friction_elements": 3, "channels": 0, "signals": 0}
     d, t = SimpleNamespace(**sizes), SimpleNamespace(links=LINKS, **sizes)
     d.step = SimpleNamespace(
-        last_method=method, size=0.2, end_fraction=end_fraction, regularized=regularized, end=1.5
+        last_method=method, size=0.2, end_fraction=end_fraction, regularized_candidate=regularized, end=1.5
     )
     d.step.state_end = rng.normal(size=SIZE)
     d.scratch = SimpleNamespace(rate_end=rng.normal(size=SIZE))
     d.chain = SimpleNamespace(limited=0)
-    d.drive = SimpleNamespace(mode_change_pending=0)
-    t.drive = SimpleNamespace(mode_change_pending=0)
+    d.drive = SimpleNamespace(event=0)
+    t.drive = SimpleNamespace(event=0)
     d.contacts, d.inputs, t.inputs = SimpleNamespace(event=list(events)), SimpleNamespace(), SimpleNamespace()
     d.friction_element = SimpleNamespace(event=[NO_EVENT, SLIDING_ENDS, NO_EVENT])
     t.contacts = SimpleNamespace(event=[NO_EVENT, NO_EVENT], active_count=1, active_index=[1])
     t.contacts.latched_speed = [dual(0.5, 1.0, 2.0)] * 2
-    t.step = SimpleNamespace(method=-1, regularized=regularized, end=dual(1.4999, 3.0, 4.0))
+    t.step = SimpleNamespace(method=-1, regularized_candidate=regularized, end=dual(1.4999, 3.0, 4.0))
     t.step.start_delay = dual(0.0)
     t.step.state_end = np.array([dual(9.0, *rng.normal(size=2)) for _ in range(SIZE)], object)
     t.scratch, t.trust = SimpleNamespace(acceleration="acceleration"), SimpleNamespace(neglected=0.0)
@@ -247,7 +247,7 @@ def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
     """Contacts have priority over mode changes, and mode changes over kinks of a force."""
     _, t = instances(regularized)
     t.step.start = t.step.end - 0.2
-    *t.contacts.event, t.friction_element.event[1], t.drive.mode_change_pending = events
+    *t.contacts.event, t.friction_element.event[1], t.drive.event = events
     names = {KINK: "kink", RELEASE: "release"}
     monkeypatch.setattr(step_ends, "delay_of_crossing", lambda _t, c, kind: (c, kind))
     monkeypatch.setattr(step_ends, "delay_without_force_jump", lambda _t, c, kind: f"{names[kind]} of {c}")
@@ -266,7 +266,7 @@ def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
 def test_events_that_a_jump_causes_have_the_time_of_the_jump(calls, events):
     """A step of zero length ends where a force is beyond its kink, or a speed is much larger than before."""
     _, t = instances(events=events)
-    *t.contacts.event, t.step.start, t.drive.mode_change_pending = *events, t.step.end, 1
+    *t.contacts.event, t.step.start, t.drive.event = *events, t.step.end, 1
     step_ends.move_end(t)
     assert calls == []
 
@@ -295,7 +295,7 @@ def test_the_end_of_a_step_moves_along_the_motion(calls):
 )
 def test_a_step_after_a_drives_limit_starts_at_a_plain_time(monkeypatch, calls, limit, events, fixed):
     d, t = instances()
-    t.drive.mode_change_pending, t.contacts.event, t.friction_element.event = (
+    t.drive.event, t.contacts.event, t.friction_element.event = (
         limit,
         list(events),
         [NO_EVENT] * 3,

@@ -192,9 +192,9 @@ def test_a_replay_starts_as_the_instance_does(twins):
         "communication_point",
         "start",
         "end",
-        "clock",
+        "time_origin",
         "size",
-        "regularized",
+        "regularized_candidate",
         "method",
         "switch_after",
     ):

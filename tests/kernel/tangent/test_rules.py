@@ -119,7 +119,7 @@ def step_of(numbers, regularized, make=lambda number, _: number):
     table = {(m, j): made[COUNT * m + j] for m in range(7) for j in range(COUNT)}
     start, size = made[-2:]
     step = SimpleNamespace(state=made[-2 - COUNT : -2], dense=table, start=start, size=size)
-    step.regularized = regularized
+    step.regularized_candidate = regularized
     return SimpleNamespace(links=1, step=step)
 
 

@@ -2,7 +2,7 @@
 
 Values that a scene does not give, such as the inertia, are derived from others, and stay derived: a change of
 a length also changes the centre of mass and the inertia. So the record has a field for the given value,
-which is DERIVED if no value is given, and a field for the value in use. The kernel sets the field in use at
+which is NOT_GIVEN if no value is given, and a field for the value in use. The kernel sets the field in use at
 initialization. If the value can be set at any time, the kernel also sets the field in use when new values are
 applied. ``Chain.set`` and FMUs write a value into both fields, for example into ``given_inertia`` and
 ``inertia``, so that the new value can be read at once. Sweeps and the page write only the field of the given
@@ -21,20 +21,16 @@ is the tip or coincides with the link's centre of mass. If the chain has no such
 recursion is positive, as in the elimination of a positive definite matrix.
 """
 
-DERIVED = -1.7976931348623157e308
-"""The number in the field of a given value if no value is given, so that the kernel derives the value.
-
-DERIVED is the lowest double; no scene gives this number as a value.
-"""
+from chain_impact.kernel.record.constants import NOT_GIVEN
 
 
 def given_or_derived(given, derived):
-    """Return the value ``given``, or ``derived`` if ``given`` is DERIVED, which means that no value is given.
+    """Return the value ``given``, or ``derived`` if ``given`` is NOT_GIVEN.
 
-    In the second case the term ``given − DERIVED`` is 0. In a tangent instance this term has the derivatives
-    with respect to the value, as if the derived value had been given.
+    In the second case the term ``given − NOT_GIVEN`` is 0. In a tangent instance this term has the
+    derivatives with respect to the value, as if the derived value had been given.
     """
-    return derived + (given - DERIVED) if given == DERIVED else given
+    return derived + (given - NOT_GIVEN) if given == NOT_GIVEN else given
 
 
 def middle_of_rod(length):

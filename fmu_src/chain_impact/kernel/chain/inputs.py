@@ -23,6 +23,7 @@ from chain_impact.kernel.chain.prescribed_motion import move_channels
 from chain_impact.kernel.chain.signals import has_signal, signal_at
 from chain_impact.kernel.record.constants import INPUT_DEGREE
 from chain_impact.kernel.record.input_fields import CHANNEL, TARGET, input_field, may_change_in_piece
+from chain_impact.kernel.record.method import is_regularized
 from chain_impact.kernel.record.state import time_at
 from chain_impact.kernel.status import CANDIDATE_PART, OK, WALL_JUMPS, refuse_part
 
@@ -112,9 +113,9 @@ def are_inputs_in_use(d):
 def ensure_inputs(d, y):
     """Set the inputs to their values at the time that the state y contains, unless they are constant."""
     if d.inputs.piece.degree > 0:
-        set_inputs(d, d.step.clock + y[time_at(d.links)])
+        set_inputs(d, d.step.time_origin + y[time_at(d.links)])
     elif d.signals > 0:
-        set_signal_inputs(d, d.step.clock + y[time_at(d.links)])
+        set_signal_inputs(d, d.step.time_origin + y[time_at(d.links)])
 
 
 def set_inputs(d, time):
@@ -176,7 +177,7 @@ def limit_to_input_piece(d, h):
     The step ends at the piece's end or well before (``limit_to_time``). If the step is through a regularized
     contact, or the inputs are constant, the result is h.
     """
-    if d.inputs.piece.degree == 0 or d.step.regularized >= 0:
+    if d.inputs.piece.degree == 0 or is_regularized(d):
         return h
     return limit_to_time(d, d.inputs.piece.end, h)
 

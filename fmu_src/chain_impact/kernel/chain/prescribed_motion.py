@@ -26,7 +26,7 @@ from chain_impact.kernel.record.state import time_at
 
 def move_channels_to_state(d, y):
     """Set the motions of all channels to those at the time that the state y contains (``move_channels``)."""
-    move_channels(d, d.step.clock + y[time_at(d.links)])
+    move_channels(d, d.step.time_origin + y[time_at(d.links)])
 
 
 def move_channels(d, time):

@@ -145,7 +145,7 @@ def first_stop(d, c):
     return c - 1 if is_upper else c
 
 
-def candidate_within_bounds(d, c):
+def is_candidate_sound(d, c):
     """Return whether the stop, point, place and wall of candidate c exist in this record.
 
     A record from outside may contain any numbers.

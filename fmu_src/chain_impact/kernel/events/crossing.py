@@ -28,12 +28,11 @@ from chain_impact.kernel.ode.dense import interpolate_state, rate_bounds, rate_b
 from chain_impact.kernel.ode.last_step import ensure_dense
 from chain_impact.kernel.record.constants import (
     CONTACT_ENDS,
-    NO_CONTACT,
     NO_EVENT,
     ONSET,
     SOLVER_READER,
 )
-from chain_impact.kernel.record.method import was_implicit
+from chain_impact.kernel.record.method import is_regularized, was_implicit
 from chain_impact.kernel.record.state import omega_at, sundman_u_at, velocity_at
 
 FINEST_RESOLUTION = 1e-15  # the finest resolution of ``make_passage_search``, as a fraction of a step
@@ -165,7 +164,7 @@ def check_candidate(d, c, a, b):
     """
     width = (b - a) * d.step.size
     start, end = d.search.phi_start[c], d.search.phi_end[c]
-    if c == d.step.regularized:
+    if c == d.step.regularized_candidate:
         # the sign of u at the end decides: within one step of a regularized contact, a point does not leave
         # its wall and return to this wall
         return CROSSES if end < 0.0 else QUIET
@@ -295,7 +294,7 @@ def bound_curvature(d):
     # the second derivative of the clearance g in the step's variable s is d²g/ds² = p d(ġ)/ds + p′ ġ, with
     # p = dt/ds; `p` and `change` are bounds, by p ≤ u and |p′| ≤ |u′| (sundman.py)
     p, change = 1.0, 0.0
-    if d.step.regularized != NO_CONTACT:
+    if is_regularized(d):
         p, change = rate_bounds(d.step, sundman_u_at(n))
     along_x = rate_bounds(d.step, velocity_at(n))
     along_y = rate_bounds(d.step, velocity_at(n) + 1)

@@ -14,7 +14,8 @@ from chain_impact.kernel.constraints.geometry import clearance_acceleration, cle
 from chain_impact.kernel.ode.last_step import ensure_points, largest_turn
 from chain_impact.kernel.ode.sundman import root_curvature, root_rate, time_rate_at
 from chain_impact.kernel.ode.sundman_rate import regularized_time_rate_change
-from chain_impact.kernel.record.constants import CURVATURES_KNOWN, DISTANCE_KNOWN, NO_CONTACT, NOTHING_KNOWN
+from chain_impact.kernel.record.constants import CURVATURES_KNOWN, DISTANCE_KNOWN, NOTHING_KNOWN
+from chain_impact.kernel.record.method import is_regularized
 from chain_impact.kernel.record.state import sundman_u_at
 
 # [rad] If a link turns, or the phase of an input advances, by SMALL_TURN or more in an explicit step, the
@@ -170,10 +171,12 @@ def remains_far(d):
     search.safe_distance -= distance
     if not (known_clearances(d) >= CURVATURES_KNOWN and search.safe_distance > allowed_position_error(d)):
         return False
-    if step.regularized == NO_CONTACT:
-        is_far = d.contacts.compliant_count == 0
+    if is_regularized(d):
+        is_far = step.state_end[sundman_u_at(d.links)] > 0.0 and force_stays_smooth(
+            d, step.regularized_candidate
+        )
     else:
-        is_far = step.state_end[sundman_u_at(d.links)] > 0.0 and force_stays_smooth(d, step.regularized)
+        is_far = d.contacts.compliant_count == 0
     if is_far:
         remember_clearances(d, DISTANCE_KNOWN)
     return is_far
@@ -222,7 +225,7 @@ def stays_in_contact(d, c, error):
     The regularized contact lasts if u > 0 at the end of the step. Any other contact lasts if the penetration
     stays above ``error`` − ``harmless_depth`` [m] (``stays_positive``).
     """
-    if c == d.step.regularized:
+    if c == d.step.regularized_candidate:
         # φ of a regularized contact is u. That u > 0 at the end of the step suffices, because within one such
         # step the point does not leave its wall and return to it.
         return d.search.phi_end[c] > 0.0
@@ -248,7 +251,7 @@ def measure_all_candidates(d, y):
     d.search.safe_distance = least_clearance
     for k in range(d.contacts.compliant_count):
         c = d.contacts.active_index[k]
-        if c == d.step.regularized:
+        if c == d.step.regularized_candidate:
             d.search.phi_end_curvature[c] = root_curvature(d, d.search.phi_end[c], d.search.phi_end_rate[c])
         else:
             d.search.phi_end_curvature[c] = -d.search.phi_end_curvature[c]
@@ -277,7 +280,7 @@ def sundman_u_now(d, y):
     u′ is the derivative in the step's integration variable. The points must be located for y. Without a
     regularized contact the results are 1 and 0.
     """
-    if d.step.regularized == NO_CONTACT:
+    if not is_regularized(d):
         return 1.0, 0.0
     u = y[sundman_u_at(d.links)]
     return u, root_rate(d, u)
@@ -290,7 +293,7 @@ def set_clearance(d, c, u, slope):
     exceptions: for the regularized contact φ is ``u``, and φ′ is ``slope`` = u′ (``sundman_u_now``); for a
     contact at a rigid wall φ is infinite, and φ′ is 0. φ′ is the rate in the step's integration variable.
     """
-    if c == d.step.regularized:
+    if c == d.step.regularized_candidate:
         d.search.phi_end[c], d.search.phi_end_rate[c] = u, slope
         return
     if d.contacts.active[c] and d.law.impulsive[c]:

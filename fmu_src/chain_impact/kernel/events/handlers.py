@@ -45,7 +45,7 @@ from chain_impact.kernel.record.constants import (
     ONSET,
     RELATCH,
 )
-from chain_impact.kernel.record.method import is_implicit
+from chain_impact.kernel.record.method import is_implicit, is_regularized
 
 # A contact ends already before its point is outside, if the point needs at most LEAVING_TIME times the
 # contact's time scale to get out. Otherwise an impact would take one step more: a tenth of the impact's cost,
@@ -100,7 +100,7 @@ def apply_events(d):
     contacts, onset, may_have_jumped = d.contacts, -1, False
     # whether the proposed step size stays valid if a contact lasts and none begins: after the end of a
     # friction or drive mode and, in the loop below, after a kink or a relatch
-    keeps_size = count_mode_changes(d) + d.drive.mode_change_pending > 0
+    keeps_size = count_mode_changes(d) + d.drive.event > 0
     # ``rigid``: a rigid wall holds a point or has an event; ``rigid_impact``: a point hits a rigid wall
     rigid, rigid_impact = any_point_held(d), has_rigid_onset(d)
     locate_points(d, d.step.state_end)
@@ -201,7 +201,7 @@ def force_has_kink(d):
 
     KINK and CONTACT_ENDS are such events; but if the regularized contact ends, the result is False.
     """
-    if d.step.regularized >= 0 and d.contacts.event[d.step.regularized] == CONTACT_ENDS:
+    if is_regularized(d) and d.contacts.event[d.step.regularized_candidate] == CONTACT_ENDS:
         return False
     for c in range(d.candidates):
         if d.contacts.event[c] in (CONTACT_ENDS, KINK):

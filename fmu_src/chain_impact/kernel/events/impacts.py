@@ -64,7 +64,8 @@ from chain_impact.kernel.forces.holding import (
     add_change,
     project_state,
     set_unforced_to_accelerations,
-    set_unforced_to_state,
+    set_unforced_to_positions,
+    set_unforced_to_speeds,
     solve_positions,
     work_of_impulses,
 )
@@ -209,7 +210,7 @@ def find_impulses(d, fraction):
     """
     constraints, loss, exchange = d.constraints, 0.0, 0.0
     activate_all(d)
-    set_unforced_to_state(d, 1)
+    set_unforced_to_speeds(d)
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
         c = d.contacts.active_index[k]
         least_speed = d.law.minimum_impact_speed[c]
@@ -358,7 +359,7 @@ def release_clearance(d, c, position_scale):
 def release_contacts(d):
     """End held contacts outside the active set, and give them a clearance, ``release_clearance``."""
     any_released, position_scale = False, largest_coordinate(d)
-    set_unforced_to_state(d, 0)
+    set_unforced_to_positions(d)
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
         c, is_released = d.contacts.active_index[k], not d.constraints.in_active_set[k]
         add_to_active_set(d, k, release_clearance(d, c, position_scale) if is_released else 0.0)

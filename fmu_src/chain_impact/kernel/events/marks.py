@@ -1,4 +1,4 @@
-"""The marks of events found in the last step, in the parts ``contacts``, ``element`` and ``drive``.
+"""The marks of events found in the last step, in the parts ``contacts``, ``friction_element`` and ``drive``.
 
 Only this module sets the marks. A mark stays until the next step applies the event (handlers.py,
 friction_modes.py, saturation.py), or until the last step is rejected or cut before the event. handlers.py and
@@ -37,12 +37,12 @@ def drop_mode_marks(d):
     mark_saturation(d, 0)
 
 
-def mark_saturation(d, mode_change_pending):
-    """Set the one mark of all drives: ``mode_change_pending`` is 1 if the mode of any drive ends, else 0.
+def mark_saturation(d, event):
+    """Set the one event of all drives: ``event`` is 1 if the mode of any drive ends, else 0.
 
-    With the mark 1, the modes of all drives are chosen again at the start of the next step.
+    After the event, the modes of all drives are chosen again at the start of the next step.
     """
-    d.drive.mode_change_pending = mode_change_pending
+    d.drive.event = event
 
 
 def copy_marks(d, t):
@@ -51,7 +51,7 @@ def copy_marks(d, t):
         t.contacts.event[c] = d.contacts.event[c]
     for e in range(d.friction_elements):
         t.friction_element.event[e] = d.friction_element.event[e]
-    t.drive.mode_change_pending = d.drive.mode_change_pending
+    t.drive.event = d.drive.event
 
 
 def ends_in_onset(d):

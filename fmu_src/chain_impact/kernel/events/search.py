@@ -169,7 +169,7 @@ def starts_clear(d, time):
     accelerate_points(d, d.step.state, d.scratch.rate_start)
     is_clear = False
     for c in range(d.candidates):
-        if d.contacts.event[c] in (ONSET, CONTACT_ENDS) and c != d.step.regularized:
+        if d.contacts.event[c] in (ONSET, CONTACT_ENDS) and c != d.step.regularized_candidate:
             sign = -1.0 if d.contacts.active[c] else 1.0
             clearance, clearance_rate = clearance_and_rate(d, c)
             # the change of the clearance g, also of a candidate in contact: ġ t + ½ g̈ t²

@@ -22,6 +22,7 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.record.constants import SOLVER_READER
 from chain_impact.kernel.record.input_fields import CHANNEL
+from chain_impact.kernel.record.method import is_regularized
 from chain_impact.kernel.status import OK, SIGNAL_JUMPS
 
 # The effect of the end of a signal's segment on the motion. NO_JUMP: neither speeds nor accelerations jump.
@@ -40,7 +41,7 @@ def limit_to_signal_segment(d, h):
     The step ends exactly at that time or well before it (``limit_to_time``). A step in the fictitious time of
     a contact keeps the size h.
     """
-    return h if d.step.regularized >= 0 else limit_to_time(d, first_segment_end(d), h)
+    return h if is_regularized(d) else limit_to_time(d, first_segment_end(d), h)
 
 
 def first_segment_end(d):

@@ -72,22 +72,26 @@ LARGEST_REMAINING_RESIDUAL = 0.5
 CONTACT_RESISTANCE = 1e3
 
 
-def set_unforced_to_state(d, derivative):
+def set_unforced_to_positions(d):
     """Set ``constraints.unforced_motion`` to clearances of contacts, and distances of elements from anchors.
 
-    The contacts are the active ones, the elements are those that stick. If ``derivative`` is 1, the function
-    sets the rates of these clearances and distances.
+    The contacts are the active ones, the elements are those that stick.
     """
     constraints, first = d.constraints, d.contacts.active_count
     for k in range(first):
-        clearance, clearance_rate = clearance_and_rate(d, d.contacts.active_index[k])
-        constraints.unforced_motion[k] = clearance_rate if derivative else clearance
+        constraints.unforced_motion[k], _ = clearance_and_rate(d, d.contacts.active_index[k])
     for i in range(d.friction.stuck_count):
         e = d.friction_element.stuck_index[i]
-        if derivative:
-            constraints.unforced_motion[first + i] = tangential_rate(d, e)
-        else:
-            constraints.unforced_motion[first + i] = tangential_position(d, e) - d.friction_element.anchor[e]
+        constraints.unforced_motion[first + i] = tangential_position(d, e) - d.friction_element.anchor[e]
+
+
+def set_unforced_to_speeds(d):
+    """Set ``constraints.unforced_motion`` to the rates of the numbers of ``set_unforced_to_positions``."""
+    constraints, first = d.constraints, d.contacts.active_count
+    for k in range(first):
+        _, constraints.unforced_motion[k] = clearance_and_rate(d, d.contacts.active_index[k])
+    for i in range(d.friction.stuck_count):
+        constraints.unforced_motion[first + i] = tangential_rate(d, d.friction_element.stuck_index[i])
 
 
 def set_unforced_to_load_motion(d):
@@ -181,17 +185,18 @@ def project_state(d, y):
     constraints, energy_index = d.constraints, dissipated_at(d.links)
     for k in range(d.contacts.compliant_count if has_sticking(d) else 0):
         constraints.resistance[k] = contact_resistance(d)
-    for derivative in range(2):
-        activate_all(d)
-        set_unforced_to_state(d, derivative)
-        if derivative:
-            solve_stopping_impulses(d)
-        else:
-            solve_positions(d)
-            if d.channels > 0:
-                note_squeezed(d, SQUEEZED_DEPTH * d.chain.longest_link)
-        add_change(d, y, derivative * velocity_at(d.links))
-        locate_points_now(d, y)
+    activate_all(d)
+    set_unforced_to_positions(d)
+    solve_positions(d)
+    if d.channels > 0:
+        note_squeezed(d, SQUEEZED_DEPTH * d.chain.longest_link)
+    add_change(d, y, 0)
+    locate_points_now(d, y)
+    activate_all(d)
+    set_unforced_to_speeds(d)
+    solve_stopping_impulses(d)
+    add_change(d, y, velocity_at(d.links))
+    locate_points_now(d, y)
     if d.channels > 0:
         y[supplied_at(d.links)] += work_of_impulses(d)
     for k in range(constraint_count(d)):

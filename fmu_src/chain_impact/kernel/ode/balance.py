@@ -128,9 +128,9 @@ def start_balance(d, time):
         # m (s + Σ L)² + I over the links, with the longest link s, Σ L up to the end of the link, and the
         # armature's inertia in I
         square += chain.mass[i] * reach * reach + (chain.inertia[i] + armature_of_drive(d, i))
-    balance.unit_motion = math.sqrt(square)
+    balance.root_reference_energy = math.sqrt(square)
     balance.weight = total * chain.gravity_magnitude
-    balance.unit_scale = balance.weight * reach + chain.energy_scale
+    balance.reference_energy = balance.weight * reach + chain.energy_scale
     balance.window_start, balance.run_start = time, time
     evaluate_balance_at_end(d)
     balance.value_start, balance.run_value = balance.value_end, balance.value_end
@@ -146,7 +146,7 @@ def begin_window(d):
     balance = d.balance
     balance.window_value = balance.value_end
     # `least_allowed` is the part of a step's allowed change that does not depend on the state
-    energy = balance.unit_motion * balance.unit_motion + balance.unit_scale
+    energy = balance.root_reference_energy * balance.root_reference_energy + balance.reference_energy
     balance.least_allowed_change = STEP_CHANGE * d.solver.tolerance * energy
     balance.allowed_change = balance.least_allowed_change
 
@@ -279,7 +279,11 @@ def loss_budget(d, available):
     (``loss_allowed``).
     """
     balance, speed = d.balance, math.sqrt(2.0 * available)
-    loss = ENERGY_LOSS * d.solver.tolerance * (speed * (speed + balance.unit_motion) + balance.unit_scale)
+    loss = (
+        ENERGY_LOSS
+        * d.solver.tolerance
+        * (speed * (speed + balance.root_reference_energy) + balance.reference_energy)
+    )
     return loss * (1.0 + (d.step.end - balance.run_start) / LOSS_TIME)
 
 
@@ -355,8 +359,8 @@ def energy_scales(d, y):
     # the potential energy may be a small difference of large energies, whose round-off counts
     summed = d.balance.weight * (abs(d.scratch.position.x[0]) + abs(d.scratch.position.y[0])) + abs(potential)
     summed += kinetic + abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
-    speed = math.sqrt(2.0 * kinetic) + d.balance.unit_motion
-    scale = speed * speed + d.balance.unit_scale + impact_energy(d)
+    speed = math.sqrt(2.0 * kinetic) + d.balance.root_reference_energy
+    scale = speed * speed + d.balance.reference_energy + impact_energy(d)
     scale += abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
     if d.chain.has_springs:
         for i in range(drive_count(d)):

@@ -119,16 +119,16 @@ def factorize_systems(d, h):
 
 
 def solve_systems(d, h, component_count):
-    """Replace the right-hand sides ``implicit.parts``, of z's length, by the solutions for step size h."""
-    parts = d.implicit.parts
-    solve_real(d, h * REAL_EIGENVALUE, parts[0])
+    """Replace ``implicit.right_hand_sides``, of z's length, by the solutions for step size h."""
+    rows = d.implicit.right_hand_sides
+    solve_real(d, h * REAL_EIGENVALUE, rows[0])
     for pair in range(PAIR_COUNT):
-        solve_complex(d, shift_of(pair, h), pair, parts[1 + 2 * pair], parts[2 + 2 * pair], component_count)
+        solve_complex(d, shift_of(pair, h), pair, rows[1 + 2 * pair], rows[2 + 2 * pair], component_count)
 
 
 def set_residual(d, i, j, residual):
-    """Set component j of row i of the right-hand sides, ``implicit.parts``, to the number ``residual``."""
-    d.implicit.parts[i, j] = residual
+    """Set component j of row i of ``implicit.right_hand_sides`` to the number ``residual``."""
+    d.implicit.right_hand_sides[i, j] = residual
 
 
 def can_extrapolate(d):
@@ -190,7 +190,7 @@ def size_for_fast_motion(d, h):
     """
     implicit, shift, component_count = d.implicit, h * REAL_EIGENVALUE, extended_length(d)
     factorize_real(d, shift)
-    fast_part, decayed_part, weight = implicit.parts[0], implicit.parts[1], implicit.error_weight
+    fast_part, decayed_part = implicit.right_hand_sides[0], implicit.right_hand_sides[1]
     for j in range(component_count):
         fast_part[j] = implicit.rate_start[j]
     solve_real(d, shift, fast_part)
@@ -201,8 +201,8 @@ def size_for_fast_motion(d, h):
     count_other_cost(d, 3)
     fast_error, decayed_error = 0.0, 0.0
     for j in range(velocity_at(d.links), dissipated_at(d.links)):
-        fast_error = max(fast_error, abs(fast_part[j]) * weight[j])
-        decayed_error = max(decayed_error, abs(decayed_part[j]) * weight[j])
+        fast_error = max(fast_error, abs(fast_part[j]) * implicit.error_weight[j])
+        decayed_error = max(decayed_error, abs(decayed_part[j]) * implicit.error_weight[j])
     if not (math.isfinite(fast_error) and fast_error > decayed_error > 0.0):
         return h
     # the operator leaves the part 1/(1 + ρ h μ) of a motion that decays with the rate ρ; h μ is ``shift``
@@ -260,20 +260,20 @@ def integrate_trial(d, h):
         set_step_end(d, h)
         error = error_estimate(d, h, component_count)
         if clearance_count(d) > 0:
-            change, mismatch = project_clearances(d, implicit.z, d.trial.state)
+            change, mismatch = project_clearances(d, implicit.z_scratch, d.trial.state)
             error = max(error, change, mismatch)
         set_outcome(d, error, cost_factor(implicit))
     elif not math.isfinite(implicit.relative_correction):
         reject_step(d, INFINITE)
     else:
-        reject_step(d, DIVERGED if implicit.contraction > 1.0 else NEWTON_SLOW)
+        reject_step(d, DIVERGED if implicit.convergence_rate > 1.0 else NEWTON_SLOW)
 
 
 def cost_factor(implicit):
     """Return a factor < 1 on the next size, which is smaller after more or slower Newton iterations."""
     factor = (2.0 * MOST_ITERATIONS + 1.0) / (2.0 * MOST_ITERATIONS + implicit.iterations)
-    if implicit.contraction > SLOW_CONVERGENCE:
-        factor = min(factor, math.sqrt(max(0.5, SLOW_CONVERGENCE / implicit.contraction)))
+    if implicit.convergence_rate > SLOW_CONVERGENCE:
+        factor = min(factor, math.sqrt(max(0.5, SLOW_CONVERGENCE / implicit.convergence_rate)))
     return factor
 
 
@@ -281,37 +281,37 @@ def set_step_end(d, h):
     """Set the extended state z and the state y at the end of a step of size h; locate the points there."""
     implicit, y = d.implicit, d.trial.state
     for j in range(extended_length(d)):
-        implicit.z[j] = implicit.z_start[j] + implicit.stages[LAST_STAGE, j]
+        implicit.z_scratch[j] = implicit.z_start[j] + implicit.stages[LAST_STAGE, j]
     for j in range(sundman_u_at(d.links)):
-        y[j] = implicit.z[j]
+        y[j] = implicit.z_scratch[j]
     y[sundman_u_at(d.links)], y[time_at(d.links)] = 1.0, h
-    copy_tried_quadratures(d, implicit.z, quadrature_at(d, 0))
+    copy_tried_quadratures(d, implicit.z_scratch, quadrature_at(d, 0))
     locate_points(d, y)
 
 
 def error_estimate(d, h, component_count):
     """Return the error of the components of z in a step h [s], over the tolerance; ∞ if not finite."""
-    implicit, parts, shift = d.implicit, d.implicit.parts, h * REAL_EIGENVALUE
+    implicit, rows, shift = d.implicit, d.implicit.right_hand_sides, h * REAL_EIGENVALUE
     for j in range(component_count):
         start, end = implicit.rate_start[j], implicit.rates[LAST_STAGE, j]
         for i in range(RADAU_STAGES):
             start -= START_WEIGHTS[i] * implicit.rates[i, j]
         for i in range(LAST_STAGE):
             end -= END_WEIGHTS[i] * implicit.rates[i, j]
-        parts[0, j], parts[1, j] = shift * start, shift * end
-    solve_real(d, shift, parts[0])
-    solve_real(d, shift, parts[1])
-    first, second = largest_errors(parts[0], parts[1], implicit.error_weight, component_count)
+        rows[0, j], rows[1, j] = shift * start, shift * end
+    solve_real(d, shift, rows[0])
+    solve_real(d, shift, rows[1])
+    first, second = largest_errors(rows[0], rows[1], implicit.error_weight, component_count)
     if first == math.inf:
         return math.inf
     if any_constraint(d):
         # A projection onto the constraints leaves a fast motion of stiff joints at the start of the step.
         # This motion decays within the step, but would dominate the error estimate of a step of any length. A
         # second solution of the system removes this motion from the estimate.
-        solve_real(d, shift, parts[0])
+        solve_real(d, shift, rows[0])
         count_other_cost(d, 1)
         for j in range(dissipated_at(d.links)):
-            d.scratch.y_error[0, j], d.scratch.y_error[1, j] = parts[0, j], parts[1, j]
+            d.scratch.y_error[0, j], d.scratch.y_error[1, j] = rows[0, j], rows[1, j]
         first_force, second_force = force_errors(d)
         first = max(first, first_force / d.solver.tolerance)
         second = max(second, second_force / d.solver.tolerance)
@@ -363,16 +363,16 @@ def match_clearances(d):
         for derivative in range(2):
             for k in range(clearance_count(d)):
                 component = rate_at(d, k) if derivative else clearance_at(d, k)
-                implicit.normal[k] = extended_component(d, component, third / 3.0)
+                implicit.target_clearance[k] = extended_component(d, component, third / 3.0)
             project_coordinates(d, d.scratch.state, derivative, change)
             for j in range(len(change)):
-                implicit.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
+                implicit.dense_corrections[third - 1, derivative * velocity_at(d.links) + j] = change[j]
             if derivative == 0:
-                implicit.thirds[third - 1, last_component] = (
+                implicit.dense_corrections[third - 1, last_component] = (
                     -work_along(d, change) if d.friction.active_count > 0 else 0.0
                 )
     for j in range(last_component + 1):
-        change_at_one, change_at_two = implicit.thirds[0, j], implicit.thirds[1, j]
+        change_at_one, change_at_two = implicit.dense_corrections[0, j], implicit.dense_corrections[1, j]
         # the coefficients F₅ and F₆ change the dense output by 8/729 F₅ + 8/2187 F₆ at one third of the step,
         # and by 8/729 F₅ + 16/2187 F₆ at two thirds
         dense[6, j] = 2187.0 / 8.0 * (change_at_two - change_at_one)

@@ -19,6 +19,7 @@ from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.mathematics.root_search import MOST_GUESSES, next_guess
 from chain_impact.kernel.ode.sundman_rate import regularized_time_rate
 from chain_impact.kernel.record.constants import DENSE_COEFFICIENTS
+from chain_impact.kernel.record.method import is_regularized
 from chain_impact.kernel.record.state import sundman_u_at, time_at
 
 # the exponents p and q of the interpolant y₀ + Σ F_m θᵖ (1−θ)^q, in the order of its coefficients F₀ to F₆
@@ -49,7 +50,7 @@ def change_up_to(step, theta, j):
 def fraction_at_time(d, time):
     """Return the fraction θ of the last step at a ``time`` [s]."""
     elapsed = time - d.step.start
-    if d.step.regularized < 0:
+    if not is_regularized(d):
         return elapsed / d.step.size
     return regularized_fraction(d, elapsed)
 
@@ -65,19 +66,19 @@ def event_fraction(_d):
 
 def regularized_fraction(d, elapsed):
     """Return the fraction θ of the last step, a regularized one, a time ``elapsed`` [s] after its start."""
-    step, root, clock = d.step, sundman_u_at(d.links), time_at(d.links)
-    at_end = step.state[root] + step.dense[0, root]
-    if elapsed >= step.dense[0, clock] and at_end >= 0.0:
+    step, u_index, time_index = d.step, sundman_u_at(d.links), time_at(d.links)
+    at_end = step.state[u_index] + step.dense[0, u_index]
+    if elapsed >= step.dense[0, time_index] and at_end >= 0.0:
         return 1.0
     # Newton's method for θ, in an interval that contains θ. The slope is dt/dθ = h p, with the step size h
-    # and p = ``regularized_time_rate``. Where u (component ``root``) is ≥ 0, time increases with θ; where u <
-    # 0, the contact has ended, and θ is too large.
+    # and p = ``regularized_time_rate``. Where u (component ``u_index``) is ≥ 0, time increases with θ; where
+    # u < 0, the contact has ended, and θ is too large.
     low, high, theta = 0.0, 1.0, 0.5
     for tries in range(MOST_GUESSES):
-        error = interpolate_component(step, theta, clock) - elapsed
+        error = interpolate_component(step, theta, time_index) - elapsed
         if error == 0.0:
             break
-        u = interpolate_component(step, theta, root)
+        u = interpolate_component(step, theta, u_index)
         if error > 0.0 or u < 0.0:
             high = theta
         else:

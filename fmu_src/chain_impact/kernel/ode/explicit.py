@@ -29,6 +29,7 @@ from chain_impact.kernel.ode.control import (
 from chain_impact.kernel.ode.dense import set_quadrature_stage, set_quadrature_stage_at_end
 from chain_impact.kernel.ode.sundman import regularize_rate, regularized_rate, root_curvature, runs_back
 from chain_impact.kernel.record.constants import NO_CONTACT, STAGE_COUNT, TIME_REVERSED
+from chain_impact.kernel.record.method import is_regularized
 from chain_impact.kernel.record.state import sundman_u_at
 
 # The number of stages of a step, 0 to 11. Stage 12 is the rate at the end of the step; stages 13 to 15 are
@@ -211,7 +212,7 @@ def size_toward_end(d, h):
     """
     if d.contacts.compliant_count == 0:
         return h
-    if d.step.regularized == NO_CONTACT:
+    if not is_regularized(d):
         return size_toward_ends(d, h)
     root = sundman_u_at(d.links)
     u, slope = d.step.state_end[root], d.scratch.stage[0, root]
@@ -300,7 +301,7 @@ def is_smooth(d, h):
     the penetration between 0 and 1/2: at the onset the force then rises more steeply than u, and the step
     loses its order of accuracy.
     """
-    c = d.step.regularized
+    c = d.step.regularized_candidate
     if d.contacts.active_count == 0 and d.chain.base_moves:
         return h * rate_of_base(d) > FAST_SINE
     return c != NO_CONTACT and not 0.0 < d.law.rate_exponent[c] < 0.5

@@ -141,7 +141,7 @@ def extended_rate(d, z, elapsed, rate):
     The contact forces are evaluated at the clearances in z, not at those that follow from the coordinates.
     """
     if d.inputs.piece.degree > 0 or d.channels > 0 or d.signals > 0:
-        set_inputs(d, d.step.clock + elapsed)
+        set_inputs(d, d.step.time_origin + elapsed)
     locate_points_now(d, z)
     clear_loads(d)
     dissipated = 0.0
@@ -299,11 +299,11 @@ CLEARANCE_MISMATCH = 0.03
 def project_coordinates(d, y, derivative, change):
     """Change coordinates in y to reach given clearances, or velocities to reach given rates of clearances.
 
-    ``implicit.normal`` has the clearances or rates to be reached. ``derivative`` is 0 for coordinates and
-    clearances, and 1 for velocities and rates. A contact whose impedance D is far larger than the chain's
-    mass almost reaches the given value; a soft contact only comes nearer to it. The points must have been
-    located for y, but need not be located again after the coordinates in y have changed. The change of the
-    coordinates or velocities is stored in ``change``, shape (N+2,).
+    ``implicit.target_clearance`` has the clearances or rates to be reached. ``derivative`` is 0 for
+    coordinates and clearances, and 1 for velocities and rates. A contact whose impedance D is far larger than
+    the chain's mass almost reaches the given value; a soft contact only comes nearer to it. The points must
+    have been located for y, but need not be located again after the coordinates in y have changed. The change
+    of the coordinates or velocities is stored in ``change``, shape (N+2,).
     """
     implicit, first = d.implicit, derivative * velocity_at(d.links)
     clear_used_loads(d, d.scratch.load)
@@ -311,7 +311,7 @@ def project_coordinates(d, y, derivative, change):
         c = d.contacts.active_index[k]
         clearance, clearance_rate = clearance_and_rate(d, c)
         impulse = contact_impedance(d, k, implicit.shift) * (
-            implicit.normal[k] - (clearance_rate if derivative else clearance)
+            implicit.target_clearance[k] - (clearance_rate if derivative else clearance)
         )
         add_along_row(normal_row(d, c), d.scratch.load, impulse)
     solve_in_space(d, implicit.link_vector, d.scratch, SHIFTED, change)
@@ -333,7 +333,7 @@ def project_clearances(d, z, y):
     mismatch = largest_mismatch(d, z) / CLEARANCE_MISMATCH
     for derivative in range(2):
         for k in range(clearance_count(d)):
-            implicit.normal[k] = z[rate_at(d, k) if derivative else clearance_at(d, k)]
+            implicit.target_clearance[k] = z[rate_at(d, k) if derivative else clearance_at(d, k)]
         project_coordinates(d, y, derivative, change)
         for j in range(coordinate_count(d.links)):
             error = max(error, abs(change[j]) * implicit.error_weight[derivative * velocity_at(d.links) + j])

@@ -61,7 +61,7 @@ def uncounted_work(d):
     explicit step, the change of the end by round-off and by the projection. The points must be located at the
     projected end. The work is negative if friction dissipates energy.
     """
-    change, y, z = d.scratch.change, d.trial.state, d.implicit.z
+    change, y, z = d.scratch.change, d.trial.state, d.implicit.z_scratch
     for j in range(coordinate_count(d.links)):
         if is_implicit(d):
             change[j] = y[j] - z[j]
@@ -124,9 +124,9 @@ def count_holding_work(d, h):
     work_before = holding_work_at(d, implicit.z_start, 0.0)
     for i in range(RADAU_STAGES):
         for j in range(sundman_u_at(d.links)):
-            implicit.z[j] = implicit.z_start[j] + implicit.stages[i, j]
+            implicit.z_scratch[j] = implicit.z_start[j] + implicit.stages[i, j]
         implicit.stages[i, dissipated_at(d.links)] -= (
-            holding_work_at(d, implicit.z, h * RADAU_NODES[i]) - work_before
+            holding_work_at(d, implicit.z_scratch, h * RADAU_NODES[i]) - work_before
         )
 
 
@@ -136,6 +136,6 @@ def holding_work_at(d, z, elapsed):
     The elements are at their places in the extended state z, ``elapsed`` [s] after the step's start.
     """
     if d.channels > 0:
-        set_inputs(d, d.step.clock + elapsed)
+        set_inputs(d, d.step.time_origin + elapsed)
     locate_points_now(d, z)
     return work_of_holding(d)

@@ -64,7 +64,7 @@ def reset_step(d, time, y):
     step.size = 1.0
     step.remainder = step.remainder_whole = step.remainder_end
     reset_quadratures(d)
-    step.regularized = NO_CONTACT
+    step.regularized_candidate = NO_CONTACT
     step.dense_for = SOLVER_READER
     # no implicit step may extrapolate its stages from this step, so the method is EXPLICIT
     step.last_method = EXPLICIT
@@ -72,9 +72,9 @@ def reset_step(d, time, y):
 
 
 def reset_times(d, time):
-    """Set start, end and clock of the last step, and the communication point, to ``time`` [s]."""
+    """Set start, end and time origin of the last step, and the communication point, to ``time`` [s]."""
     step = d.step
-    step.communication_point, step.start, step.end, step.clock = time, time, time, time
+    step.communication_point, step.start, step.end, step.time_origin = time, time, time, time
 
 
 def set_start_delay(d, delay):
@@ -250,10 +250,10 @@ def choose_variable(d, size_chosen):
     """
     step, root = d.step, sundman_u_at(d.links)
     rate_before, (contact, u) = time_rate_for_sizes(d, step.state_end), find_lone_contact(d)
-    changed = contact != step.regularized
-    step.regularized = contact
+    changed = contact != step.regularized_candidate
+    step.regularized_candidate = contact
     step.state_end[root] = u
-    step.state_end[time_at(d.links)], step.clock = 0.0, step.end
+    step.state_end[time_at(d.links)], step.time_origin = 0.0, step.end
     if changed:
         step.break_count += 1
         if not size_chosen:

@@ -123,15 +123,15 @@ def _transformed(i):
             for m in range(RADAU_STAGES):
                 rates += rate_weights[m] * implicit.rates[m, j]
                 stages += stage_weights[m] * implicit.stages[m, j]
-            implicit.parts[i, j] = h * rates - stages
+            implicit.right_hand_sides[i, j] = h * rates - stages
 
     return transformed
 
 
 def _correct(d, component_count):
-    """Add RIGHT · W to the stages; set ``implicit.z`` to each component's largest |change| at any stage.
+    """Add RIGHT · W to the stages; set ``implicit.z_scratch`` to the largest |change| of each component.
 
-    The rows of W are the solutions of the linear systems, in ``implicit.parts``.
+    The rows of W are the solutions of the linear systems, in ``implicit.right_hand_sides``.
     """
     implicit = d.implicit
     # this loop has no sum or maximum over the components, so that the compiler can use vector instructions
@@ -140,10 +140,10 @@ def _correct(d, component_count):
         for i in range(RADAU_STAGES):
             change = 0.0
             for m in range(RADAU_STAGES):
-                change += RIGHT[i][m] * implicit.parts[m, j]
+                change += RIGHT[i][m] * implicit.right_hand_sides[m, j]
             implicit.stages[i, j] += change
             largest = max(largest, abs(change))
-        implicit.z[j] = largest
+        implicit.z_scratch[j] = largest
 
 
 _transform = join_functions(*(_transformed(i) for i in range(RADAU_STAGES)))
@@ -161,7 +161,7 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
             just called.
         factorize: function (d, h) that factorizes the systems.
         solve: function (d, h, component_count) that replaces the right-hand sides r in the rows of
-            ``implicit.parts`` by the solutions w.
+            ``implicit.right_hand_sides`` by the solutions w.
 
     Returns:
         Three functions (d, h, component_count) for a step of size h [s]; ``component_count`` is the length of
@@ -178,8 +178,8 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
             # this stage
             stage = (i + RADAU_STAGES // 2 + 1) % RADAU_STAGES
             for j in range(component_count):
-                implicit.z[j] = implicit.z_start[j] + implicit.stages[stage, j]
-            rate(d, implicit.z, h * RADAU_NODES[stage], implicit.rates[stage])
+                implicit.z_scratch[j] = implicit.z_start[j] + implicit.stages[stage, j]
+            rate(d, implicit.z_scratch, h * RADAU_NODES[stage], implicit.rates[stage])
             note(d, stage)
         _transform(d, h, component_count)
 
@@ -189,7 +189,7 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
         for j in range(component_count):
             # a NaN in a solution reaches this sum through the last stage; max() could hide the NaN
             total += implicit.error_weight[j] * implicit.stages[RADAU_STAGES - 1, j]
-            largest_correction = max(largest_correction, implicit.error_weight[j] * implicit.z[j])
+            largest_correction = max(largest_correction, implicit.error_weight[j] * implicit.z_scratch[j])
         implicit.relative_correction = largest_correction if math.isfinite(total) else math.inf
 
     def converge(d, h, component_count):
@@ -198,16 +198,16 @@ def simplified_newton(begin, rate, note, linearize, factorize, solve):
         for k in range(1, MOST_ITERATIONS + 1):
             find_residuals(d, h, component_count)
             if k == 1:
-                linearize(d, implicit.z)
+                linearize(d, implicit.z_scratch)
                 factorize(d, h)
             solve(d, h, component_count)
             correct_stages(d, h, component_count)
             implicit.iterations = k
             if not implicit.relative_correction < FAILED_CORRECTION:
-                implicit.contraction = math.inf
+                implicit.convergence_rate = math.inf
                 return False
             theta = implicit.relative_correction / correction_before if correction_before > 0.0 else 0.0
-            correction_before, implicit.contraction = implicit.relative_correction, theta
+            correction_before, implicit.convergence_rate = implicit.relative_correction, theta
             # The first correction does not show the convergence rate, so there is always a second one: while
             # the chain is at rest, the first correction is small, but the remaining error may be larger than
             # this correction.

@@ -24,7 +24,7 @@ from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.function_marks import inlined
 from chain_impact.kernel.ode.sundman_rate import regularized_time_rate
 from chain_impact.kernel.record.constants import NO_CONTACT
-from chain_impact.kernel.record.method import is_implicit
+from chain_impact.kernel.record.method import is_implicit, is_regularized
 from chain_impact.kernel.record.state import sundman_u_at, time_at
 
 # The least u = √(δ/δ*) to which a regularized step may go. u is integrated, so it may become negative: then
@@ -40,7 +40,7 @@ RESTING_SUM = 0.1
 def regularized_rate(d, y, rate):
     """Set ``rate`` to dy/ds at the state y; s is the integration variable of the tried or last step."""
     rate_from_state(d, y, rate)
-    if d.step.regularized != NO_CONTACT:
+    if is_regularized(d):
         convert_to_fictitious_time(d, y, rate)
 
 
@@ -51,7 +51,7 @@ def regularize_rate(d, y, rate_in_time, rate):
     """
     for j in range(len(rate)):
         rate[j] = rate_in_time[j]
-    if d.step.regularized != NO_CONTACT:
+    if is_regularized(d):
         convert_to_fictitious_time(d, y, rate)
 
 
@@ -69,8 +69,12 @@ def root_rate(d, u):
 
     The points must be located.
     """
-    _, clearance_rate = clearance_and_rate(d, d.step.regularized)
-    return -0.5 * clearance_rate / (d.contacts.expected_penetration[d.step.regularized] * (1.0 + u * u))
+    _, clearance_rate = clearance_and_rate(d, d.step.regularized_candidate)
+    return (
+        -0.5
+        * clearance_rate
+        / (d.contacts.expected_penetration[d.step.regularized_candidate] * (1.0 + u * u))
+    )
 
 
 def root_curvature(d, u, slope):
@@ -78,7 +82,7 @@ def root_curvature(d, u, slope):
 
     The points must be located and accelerated.
     """
-    quotient, c = 1.0 / (1.0 + u * u), d.step.regularized
+    quotient, c = 1.0 / (1.0 + u * u), d.step.regularized_candidate
     # u″ = p δ̈/(2 δ* (1 + u²)) − 2 u u′²/(1 + u²), with u′ = du/ds, p = dt/ds and δ̈ = d²δ/dt² of the
     # penetration δ
     curvature = (
@@ -92,7 +96,7 @@ def time_rate_at(d, u):
 
     ``u`` is the root of the relative penetration of the regularized contact.
     """
-    return 1.0 if d.step.regularized == NO_CONTACT else regularized_time_rate(u)
+    return 1.0 if not is_regularized(d) else regularized_time_rate(u)
 
 
 def time_rate_for_sizes(d, y):
@@ -109,9 +113,7 @@ def runs_back(d, y):
     This is so if u < LEAST_ROOT in y, or if the end of the step is not later in time than its start. For a
     step that runs in time, the result is False.
     """
-    return d.step.regularized != NO_CONTACT and (
-        y[sundman_u_at(d.links)] < LEAST_ROOT or y[time_at(d.links)] <= 0.0
-    )
+    return is_regularized(d) and (y[sundman_u_at(d.links)] < LEAST_ROOT or y[time_at(d.links)] <= 0.0)
 
 
 def find_lone_contact(d):

@@ -19,7 +19,8 @@ PAIR_COUNT = 2  # number of pairs of complex eigenvalues of the matrix Q (ode/ra
 SLOT_COUNT = 3  # number of slots of `scratch.factors` (chain/response.py)
 # values of step.dense_for: for whom the step's dense output was completed; NO_READER: for nobody yet
 NO_READER, OUTPUT_READER, SOLVER_READER = 0, 1, 2
-# value of step.regularized if no contact is regularized: the integration variable of the step is time
+# value of step.regularized_candidate if no contact is regularized: the integration variable of the step is
+# time
 NO_CONTACT = -1
 
 # ---- events, contacts and dry friction
@@ -36,6 +37,13 @@ NOTHING_KNOWN, VALUES_KNOWN, CURVATURES_KNOWN, DISTANCE_KNOWN = 0, 1, 2, 3
 STICKS, NO_FRICTION = 0, 2  # values of `friction_element.mode`; the values ±1 stand for sliding along ±t
 WALLS = ("x_min", "x_max", "y_min", "y_max")
 """The walls of the box in the order of their numbers, from 0. The numbers of walls at any angle follow."""
+
+# ---- given values
+NOT_GIVEN = -1.7976931348623157e308
+"""The number in the field of a given value if no value is given, so that the kernel derives the value.
+
+NOT_GIVEN is the lowest double; no scene gives this number as a value.
+"""
 
 # ---- inputs and signals
 INPUT_DEGREE = 9  # the highest degree of the polynomials of a piece of the inputs

@@ -29,7 +29,7 @@ def bounded_integer(least: int, most: int) -> np.dtype:
     """Return the type of an integer field whose values must be ≥ ``least`` and ≤ ``most``.
 
     The kernel uses most of these integers as an index or a number of iterations: with a value beyond the
-    bounds the kernel could access memory outside the record. ``within_bounds`` in kernel/entry.py checks
+    bounds the kernel could access memory outside the record. ``is_record_sound`` in kernel/entry.py checks
     these fields in a record from outside. Each bound is an integer that must depend affinely on the record's
     counts (counts.py).
     """

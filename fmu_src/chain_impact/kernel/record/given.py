@@ -34,11 +34,11 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         ("gravity", REAL, (2,)),  # m/s², x and y of gravity
         ("length", POSITIVE, (links,)),  # m, length of each link
         ("mass", POSITIVE, (links,)),  # kg, mass of each link
-        # m, given distance along each link from its proximal joint to its centre of mass; the number DERIVED
-        # of chain/inertia.py: not given, the middle of the link is used
+        # m, given distance along each link from its proximal joint to its centre of mass; NOT_GIVEN: the
+        # middle of the link is used
         ("given_center_of_mass", REAL, (links,)),
-        # kg·m², given inertia of each link about its centre of mass; the number DERIVED of chain/inertia.py:
-        # not given, the inertia of a uniform rod or box is used
+        # kg·m², given inertia of each link about its centre of mass; NOT_GIVEN: the inertia of a uniform rod
+        # or box is used
         ("given_inertia", REAL, (links,)),
         ("height", NOT_NEGATIVE, (links,)),  # m, height, across the link, of a link that is a box; else 0
         # m, how far the centre of mass lies to the left of the link's line; < 0: to the right
@@ -116,7 +116,7 @@ def stops_dtype() -> np.dtype:
     """Return the layout of the contact law of stops in joints; `given` has its stiffness and restitution."""
     return layout(
         ("law", INTEGER),  # number of the law of stops in joints, from 1; 0: the law of the walls is used
-        # exponent n of the law of stops; the number DERIVED of chain/inertia.py: that of `contact_settings`
+        # exponent n of the law of stops; NOT_GIVEN: that of `contact_settings` is used
         ("given_exponent", REAL),
         ("minimum_impact_speed", POSITIVE),  # rad/s, least impact speed in the law of stops in joints
         # ---- derived at initialization
@@ -141,7 +141,7 @@ def slider_dtype() -> np.dtype:
 
 
 @settable(AT_START)
-@written_by("events/saturation.py", mode_change_pending="events/marks.py", mode_margin="equations.py")
+@written_by("events/saturation.py", event="events/marks.py", mode_margin="equations.py")
 def drive_dtype(links: int) -> np.dtype:
     """Return the layout of the drives, see kernel/chain/drives.py: a row for each joint, then for the slider.
 
@@ -163,7 +163,7 @@ def drive_dtype(links: int) -> np.dtype:
         ("mode", INTEGER, rows),
         ("chosen_mode", INTEGER, rows),  # in a tangent instance: the drive's ``mode`` in the primal instance
         # 1: at the end of the last step the mode of some drive ends; 0: none ends
-        ("mode_change_pending", INTEGER),
+        ("event", INTEGER),
         # N·m, the least result of ``mode_margin`` (chain/drives.py) in the stages of the tried step, or 0 if
         # this is larger; a negative number says that a drive has passed the end of its mode
         ("mode_margin", REAL),
@@ -249,8 +249,7 @@ def given_dtype(links: int) -> np.dtype:
         # coefficient of static friction of walls without any coefficient in `walls`; 0: equal to ``friction``
         ("static_friction", REAL),
         ("stop_stiffness", REAL),  # N·m/rad^exponent, stiffness of stops in joints
-        # restitution of stops in joints; the number DERIVED of chain/inertia.py: not given, ``restitution``
-        # is used
+        # restitution of stops in joints; NOT_GIVEN: ``restitution`` is used
         ("stop_restitution", REAL),
         # N·m·s/rad, damping of each joint's drive; the last entry belongs to the slider, N·s/m
         ("drive_damping", NOT_NEGATIVE, (links + 1,)),
@@ -284,8 +283,7 @@ def site_dtype(links: int, sites: int) -> np.dtype:
         ("corner", INTEGER, (sites,)),
         ("x", FINITE, (sites,)),  # m, position of the site along the link, from the proximal joint
         ("y", FINITE, (sites,)),  # m, distance of the site from the link's line; > 0: to the left
-        # m, given radius; the number DERIVED of chain/inertia.py: not given, `contact_settings.radius` is
-        # used
+        # m, given radius; NOT_GIVEN: `contact_settings.radius` is used
         ("given_radius", REAL, (sites,)),
         # ---- derived at initialization
         ("radius", NOT_NEGATIVE, (sites,)),  # m, radius of the site, given or that of the settings

@@ -1,10 +1,10 @@
-"""Which of the two methods of integration a step has.
+"""Which of the two methods of integration a step has, and which integration variable.
 
 Modules ask these functions, and do not compare the codes of the methods; only ode/methods.py chooses a code.
 """
 
 from chain_impact.kernel.function_marks import inlined
-from chain_impact.kernel.record.constants import IMPLICIT
+from chain_impact.kernel.record.constants import IMPLICIT, NO_CONTACT
 
 
 @inlined
@@ -17,3 +17,9 @@ def is_implicit(d):
 def was_implicit(d):
     """Return whether the last step had the implicit method, not the explicit one."""
     return d.step.last_method == IMPLICIT
+
+
+@inlined
+def is_regularized(d):
+    """Return whether the step runs in the fictitious time of a regularized contact, not in time."""
+    return d.step.regularized_candidate != NO_CONTACT

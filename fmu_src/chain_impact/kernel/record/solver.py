@@ -45,7 +45,7 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         ("communication_point", REAL),  # s, the communication point; between calls it lies in the last step
         ("start", REAL),  # s, time at which the last step starts
         # s, time that is added to the entry t of the state y: the start of the last or of the tried step
-        ("clock", REAL),
+        ("time_origin", REAL),
         ("end", REAL),  # s, time of the last step's end or, if the step was cut, of the cut
         # s, time from ``start`` to the event that begins the step: 0; in a tangent instance this 0 has
         # derivatives
@@ -77,7 +77,7 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         ("break_count", INTEGER),
         # index of the candidate of the regularized contact, in whose fictitious time the step runs; −1: the
         # integration variable is time
-        ("regularized", bounded_integer(NO_CONTACT, candidates - 1)),
+        ("regularized_candidate", bounded_integer(NO_CONTACT, candidates - 1)),
         ("method", bounded_integer(EXPLICIT, IMPLICIT)),  # number of the method of the tried or next step
         # s, size of the other method's steps when the method changed; 0: not known
         ("other_method_size", REAL),
@@ -164,10 +164,10 @@ def balance_dtype() -> np.dtype:
         # J, the largest energy that motion, springs, walls and heat together can have had at any time up to
         # the end of the last step
         ("available_energy", REAL),
-        # √J, the number √E₁ in the formula of the energy's scale S (kernel/ode/balance.py)
-        ("unit_motion", REAL),
-        # J, the sum M g (s + Σ L_i) + E₂ in the formula of the energy's scale S (kernel/ode/balance.py)
-        ("unit_scale", REAL),
+        # √J, √E₁ in the formula of the energy's scale S (ode/balance.py): the root of an energy of motion
+        ("root_reference_energy", REAL),
+        # J, the sum M g (s + Σ L_i) + E₂ in the formula of the energy's scale S (ode/balance.py)
+        ("reference_energy", REAL),
         ("weight", REAL),  # N, weight of chain and carriage
     )
 
@@ -313,12 +313,12 @@ def search_dtype(candidates: int) -> np.dtype:
         ("z_start", "rate_start", "link_vector", "contact_stiffness", "contact_damping"), "ode/extended.py"
     ),
     **dict.fromkeys(("drive_stiffness", "drive_damping", "shift", "pairs"), "ode/extended.py"),
-    **dict.fromkeys(("iterations", "relative_correction", "contraction"), "ode/radau.py"),
-    **dict.fromkeys(("contact_set_of_step", "last_stages", "thirds"), "ode/collocation.py"),
-    **dict.fromkeys(("z", "stages"), ("ode/collocation.py", "ode/radau.py", "ode/friction_work.py")),
+    **dict.fromkeys(("iterations", "relative_correction", "convergence_rate"), "ode/radau.py"),
+    **dict.fromkeys(("contact_set_of_step", "last_stages", "dense_corrections"), "ode/collocation.py"),
+    **dict.fromkeys(("z_scratch", "stages"), ("ode/collocation.py", "ode/radau.py", "ode/friction_work.py")),
     friction_force="ode/friction_work.py",
-    parts=("ode/collocation.py", "ode/radau.py"),
-    normal=("ode/collocation.py", "ode/extended.py"),
+    right_hand_sides=("ode/collocation.py", "ode/radau.py"),
+    target_clearance=("ode/collocation.py", "ode/extended.py"),
     error_weight="ode/collocation.py",
 )
 def implicit_dtype(links: int, candidates: int, friction_elements: int, sites: int) -> np.dtype:
@@ -331,7 +331,7 @@ def implicit_dtype(links: int, candidates: int, friction_elements: int, sites: i
     extended = state + 3 * candidates + friction_elements
     # Data of the linear systems with complex shifts s, one shift of each conjugate pair. ``factors`` has a
     # slot for each shift; the other fields serve one system at a time. For the real shift, `scratch` has such
-    # data, and ``parts`` has x.
+    # data, and ``right_hand_sides`` has x.
     pairs = layout(
         ("factors", factors_dtype(links, COMPLEX, PAIR_COUNT)),
         ("impedance", impedance_dtype(links, sites, COMPLEX)),
@@ -343,9 +343,9 @@ def implicit_dtype(links: int, candidates: int, friction_elements: int, sites: i
     return layout(
         ("z_start", REAL, (extended,)),  # extended state z at the start of a step
         ("rate_start", REAL, (extended,)),  # rate ż of the extended state at the start of a step
-        # the extended state that is evaluated; after ``correct_stages`` (ode/radau.py) the largest absolute
-        # change of each entry
-        ("z", REAL, (extended,)),
+        # memory with an entry for each component of z: the extended state that is evaluated; after
+        # ``correct_stages`` (ode/radau.py) the largest absolute change of each component
+        ("z_scratch", REAL, (extended,)),
         # in an implicit step the weights 1/(tolerance × scale) of errors in z; in an explicit step the scales
         # of errors in y and in clearances
         ("error_weight", REAL, (extended,)),
@@ -355,7 +355,7 @@ def implicit_dtype(links: int, candidates: int, friction_elements: int, sites: i
         # at the nodes
         ("friction_force", REAL, (RADAU_STAGES, friction_elements)),
         # right-hand sides of the linear systems, later their solutions (kernel/ode/radau.py)
-        ("parts", REAL, (RADAU_STAGES, extended)),
+        ("right_hand_sides", REAL, (RADAU_STAGES, extended)),
         # increments of z from the start of the last step to its nodes
         ("last_stages", REAL, (RADAU_STAGES, extended)),
         # value of `contacts.contact_set` in the step of ``last_stages``; while `contacts.contact_set` has it,
@@ -366,9 +366,9 @@ def implicit_dtype(links: int, candidates: int, friction_elements: int, sites: i
         ("relative_correction", REAL),
         # convergence rate θ of Newton's iteration, the ratio of its last two corrections; ∞ after a
         # correction above FAILED_CORRECTION (ode/radau.py)
-        ("contraction", REAL),
+        ("convergence_rate", REAL),
         # changes of y, at one third and at two thirds of the step, by which the dense output is corrected
-        ("thirds", REAL, (2, state)),
+        ("dense_corrections", REAL, (2, state)),
         # m, link vectors L_i in the state at which the Jacobian A was evaluated
         ("link_vector", vectors_dtype(links + 1)),
         # N/m, slope ∂F/∂δ of the force F of each active contact with a force law, by the penetration; in the
@@ -385,7 +385,7 @@ def implicit_dtype(links: int, candidates: int, friction_elements: int, sites: i
         ("drive_damping", REAL, (links + 1,)),
         # m or m/s, clearances or their rates to which ``project_coordinates`` (ode/extended.py) moves the
         # active contacts; in the order of `contacts.active_index`
-        ("normal", REAL, (candidates,)),
+        ("target_clearance", REAL, (candidates,)),
         # s, real shift s of the linear systems (1 − s A) x = r, for which `scratch.factors` contains the
         # elimination
         ("shift", REAL),

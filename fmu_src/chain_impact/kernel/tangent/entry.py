@@ -7,7 +7,7 @@ the tangent instances.
 import math
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.entry import within_bounds
+from chain_impact.kernel.entry import is_record_sound
 from chain_impact.kernel.events.contact_log import update_instance_to_communication_point
 from chain_impact.kernel.observe import fill_outputs, refill_outputs_but_integrals
 from chain_impact.kernel.ode.last_step import (
@@ -92,7 +92,7 @@ def truncate_tangent(d, t):
     move_end(t)
 
 
-def are_all_valid(d):
+def are_all_tangents_sound(d):
     """Return 1 if all tangent instances have the counts of d and valid indices, else 0."""
     fits = True
     for b in range(d.tangents):
@@ -105,7 +105,7 @@ def are_all_valid(d):
             and t.channels == d.channels
         )
         fits = fits and t.sites == d.sites and t.signals == d.signals and t.knots == d.knots
-        fits = fits and within_bounds(t)
+        fits = fits and is_record_sound(t)
     return 1 if fits else 0
 
 
@@ -121,7 +121,7 @@ HOOKS = {
     hooks.on_observe: act_on_all_tangents(observe_tangent),
     hooks.on_observe_trial: act_on_all_tangents(observe_trial_of_tangent),
     hooks.on_truncate: act_on_all_tangents(truncate_tangent),
-    hooks.indices_valid: are_all_valid,
+    hooks.are_tangents_sound: are_all_tangents_sound,
     hooks.tangent_words: tangent_word_count,
 }
 """Function of kernel/hooks.py → its replacement in a kernel that carries derivatives."""

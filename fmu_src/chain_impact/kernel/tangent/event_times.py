@@ -37,15 +37,15 @@ def make_motion_functions(function):
     φ uses located points and known forces. The state beyond the end of the last step is extrapolated by ẏ.
 
     Returns:
-        A function of (t, c, time) that returns φ at a ``time`` [s], a dual number, counted from the end of
-        the last step; and a function of (t, c) that returns φ̇ at this end, without derivatives. Both leave
-        the points located at another time.
+        A function of (t, c, delay) that returns φ with a ``delay`` [s], a dual number, after the end of the
+        last step; and a function of (t, c) that returns φ̇ at this end, without derivatives. Both leave the
+        points located at another time.
     """
 
-    def after(t, c, time):
+    def after(t, c, delay):
         y, state, rate = t.scratch.state, t.step.state_end, t.scratch.rate_end
         for j in range(len(y)):
-            y[j] = state[j] + value(rate[j]) * time
+            y[j] = state[j] + value(rate[j]) * delay
         locate_points(t, y)
         rate_from_points(t, y, t.scratch.rate)
         return function(t, c)
@@ -65,14 +65,14 @@ def make_delay(after):
     event. When the returned function ends, points and forces are again those at the end of the last step.
     """
 
-    def delay(t, c, rate):
-        time = dual_with_slope(0.0, 0.0, t.step.end)
+    def find_delay(t, c, rate):
+        delay = dual_with_slope(0.0, 0.0, t.step.end)
         for _ in range(NEWTON_ITERATIONS):
-            time += dual_with_slope(0.0, -reciprocal(rate), after(t, c, time))
+            delay += dual_with_slope(0.0, -reciprocal(rate), after(t, c, delay))
         evaluate_end(t)
-        return time
+        return delay
 
-    return delay
+    return find_delay
 
 
 def evaluate_end(t):

@@ -28,7 +28,7 @@ from chain_impact.kernel.events.onset_modes import begins_now
 from chain_impact.kernel.forces.friction import list_sticking
 from chain_impact.kernel.forces.holding import (
     CONTACT_RESISTANCE,
-    set_unforced_to_state,
+    set_unforced_to_speeds,
     solve_stopping_impulses,
 )
 from chain_impact.kernel.record.constants import NO_FRICTION, SLIDING_ENDS, STICKING_ENDS, STICKS
@@ -191,14 +191,14 @@ def friction_drops(t, e):
     return value(t.law.static_friction[e]) > value(t.law.friction[e])
 
 
-def check_changes(t, time):
-    """End the derivatives if mode changes at the last step's end have other delays than ``time`` [s].
+def check_changes(t, delay):
+    """End the derivatives if mode changes at the last step's end have other delays than ``delay`` [s].
 
     A change with another delay is allowed if its effect is negligible.
 
     Args:
         t: the tangent instance, with the points located at the end of the last step.
-        time: the delay of one of the changes, a dual number of value 0.
+        delay: the delay of one of the changes, a dual number of value 0.
     """
     stopped_count, any_slow = 0, False
     for i in range(t.friction.active_count):
@@ -208,8 +208,8 @@ def check_changes(t, time):
             stops = t.friction_element.event[e] == SLIDING_ENDS or abs(value(speed)) <= value(rest_speed(t))
             stopped_count += stops
             any_slow = any_slow or (stops and acceleration_may_be_error(t, e))
-            speed_after = speed + value(tangential_acceleration(t, e)) * time
-            if stops and not stays_at_rest(t, speed_after, time) and not is_negligible(t, speed_after):
+            speed_after = speed + value(tangential_acceleration(t, e)) * delay
+            if stops and not stays_at_rest(t, speed_after, delay) and not is_negligible(t, speed_after):
                 end_derivatives(
                     t, SLOW_CHANGE if acceleration_may_be_error(t, e) else SIMULTANEOUS_CHANGES, e
                 )
@@ -224,19 +224,19 @@ def check_changes(t, time):
             matters = t.friction_element.event[e] == STICKING_ENDS and (
                 friction_drops(t, e) or any_stops_sliding(t)
             )
-            if matters and not slips_for_nearby_parameters(t, e, time):
+            if matters and not slips_for_nearby_parameters(t, e, delay):
                 end_derivatives(t, SIMULTANEOUS_CHANGES, e)
         evaluate_end(t)
 
 
-def slips_for_nearby_parameters(t, e, time):
+def slips_for_nearby_parameters(t, e, delay):
     """Return whether element e begins to slide at a delayed time for nearby parameters, too.
 
     This is so if the margin of static friction of e, whose value is zero, has no derivatives at that time.
-    ``time`` [s] is the delay, a dual number of value 0; derivatives up to SAME_TIME_SLOPE times a scale count
-    as zero.
+    ``delay`` [s] is the delay, a dual number of value 0; derivatives up to SAME_TIME_SLOPE times a scale
+    count as zero.
     """
-    margin = margin_after(t, e, time)
+    margin = margin_after(t, e, delay)
     force, limit = t.friction_element.force[e], t.friction_element.friction_limit[e]
     for k in range(DIRECTIONS):
         scale = abs(slope(force, k)) + abs(slope(limit, k)) + value(limit) * largest_displacement(t, k)
@@ -253,8 +253,8 @@ def any_stops_sliding(t):
     return False
 
 
-def stays_at_rest(t, speed_after, time):
-    """Return whether an element at rest is at rest after a delay ``time`` [s] for nearby parameters, too.
+def stays_at_rest(t, speed_after, delay):
+    """Return whether an element at rest is at rest after a delay ``delay`` [s] for nearby parameters, too.
 
     ``speed_after`` is the element's speed after the delay, a dual number of the value 0. The result is true
     if the derivatives of ``speed_after`` are almost zero (SAME_TIME_SLOPE).
@@ -263,7 +263,7 @@ def stays_at_rest(t, speed_after, time):
     for k in range(DIRECTIONS):
         scale = largest_slope(t.scratch.velocity, k) + fastest_speed(t) * largest_displacement(t, k)
         if abs(slope(speed_after, k)) > SAME_TIME_SLOPE * (
-            scale + largest_acceleration * abs(slope(time, k))
+            scale + largest_acceleration * abs(slope(delay, k))
         ):
             return False
     return True
@@ -308,7 +308,7 @@ def clear_sticking_speeds(t):
     stay as long as the elements stick, for example for a rod that lies almost flat.
     """
     activate_all(t)
-    set_unforced_to_state(t, 1)
+    set_unforced_to_speeds(t)
     solve_stopping_impulses(t)
     first = velocity_at(t.links)
     for j in range(coordinate_count(t.links)):

@@ -69,7 +69,7 @@ from chain_impact.kernel.ode.methods import begin_explicit
 from chain_impact.kernel.ode.radau import REAL_EIGENVALUE
 from chain_impact.kernel.record.constants import CONTACT_ENDS, RADAU_STAGES
 from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START
-from chain_impact.kernel.record.method import is_implicit
+from chain_impact.kernel.record.method import is_implicit, is_regularized
 from chain_impact.kernel.record.state import dissipated_at, velocity_at
 from chain_impact.kernel.tangent.duals import (
     DIRECTIONS,
@@ -190,7 +190,7 @@ def make_implicit(d, t, h):
         mark_untrusted(t, NOT_CONVERGED, NO_IMPACT, d.step.start)
     set_step_end(t, h)
     if clearance_count(t) > 0:
-        project_clearances(t, t.implicit.z, t.trial.state)
+        project_clearances(t, t.implicit.z_scratch, t.trial.state)
 
 
 def copy_stages(d, t, component_count):
@@ -244,14 +244,15 @@ def solve_slopes(d, t, h, component_count):
 
     The systems are solved for one direction of derivatives at a time, in the scratch memory of d.
     """
+    rows = t.implicit.right_hand_sides
     for k in range(DIRECTIONS):
         for i in range(RADAU_STAGES):
             for j in range(component_count):
-                set_residual(d, i, j, slope(t.implicit.parts[i, j], k))
+                set_residual(d, i, j, slope(rows[i, j], k))
         solve_systems(d, h, component_count)
         for i in range(RADAU_STAGES):
             for j in range(component_count):
-                t.implicit.parts[i, j] = replace_slope(t.implicit.parts[i, j], k, d.implicit.parts[i, j])
+                rows[i, j] = replace_slope(rows[i, j], k, d.implicit.right_hand_sides[i, j])
 
 
 def last_correction(d, t, component_count):
@@ -267,7 +268,7 @@ def last_correction(d, t, component_count):
                 slope_scale, weight[j] * abs(slope(implicit.z_start[j] + implicit.stages[LAST_STAGE, j], k))
             )
             for i in range(RADAU_STAGES):
-                part = weight[j] * abs(slope(implicit.parts[i, j], k))
+                part = weight[j] * abs(slope(implicit.right_hand_sides[i, j], k))
                 largest = max(largest, part)
                 total += part  # max() can lose a NaN; this sum, which is tested below, cannot
         if not math.isfinite(total + slope_scale):
@@ -352,7 +353,7 @@ def ends_regularized(d):
     The force has a kink there. d has computed the step beyond the kink, and has not repeated the step to end
     there. t makes only the part of the step up to the kink.
     """
-    return d.step.regularized >= 0 and d.contacts.event[d.step.regularized] == CONTACT_ENDS
+    return is_regularized(d) and d.contacts.event[d.step.regularized_candidate] == CONTACT_ENDS
 
 
 def copy_end_values(d, t):

@@ -15,6 +15,7 @@ from chain_impact.kernel.forces import force_formula, holding, user_law
 from chain_impact.kernel.mathematics import angles, exponentials, logarithms, powers
 from chain_impact.kernel.ode import dense, sundman_rate
 from chain_impact.kernel.ode.last_step import evaluate_start
+from chain_impact.kernel.record.method import is_regularized
 from chain_impact.kernel.record.state import sundman_u_at, time_at
 from chain_impact.kernel.tangent.duals import (
     DIRECTIONS,
@@ -118,15 +119,15 @@ def choose_saturation(t):
 
 def shift_start(t, delay):
     """Give the start of the next step the derivatives of a ``delay`` [s]: move the state along the motion."""
-    y, rate, time = t.step.state_end, t.scratch.rate_start, dual_with_slope(0.0, 1.0, delay)
-    if has_slope(time):
-        forget_peaks(t, time)
+    y, rate, shift = t.step.state_end, t.scratch.rate_start, dual_with_slope(0.0, 1.0, delay)
+    if has_slope(shift):
+        forget_peaks(t, shift)
     for j in range(sundman_u_at(t.links)):
-        y[j] += value(rate[j]) * time
+        y[j] += value(rate[j]) * shift
     quadrature = t.quadrature
     for k in range(quadrature.count):
-        quadrature.state_end[k] += value(quadrature.rate_end[k]) * time
-    if t.channels > 0 or has_slope(time):
+        quadrature.state_end[k] += value(quadrature.rate_end[k]) * shift
+    if t.channels > 0 or has_slope(shift):
         evaluate_start(t)
 
 
@@ -137,15 +138,15 @@ def fraction_at_time(t, time):
     of the kernel's own ``fraction_at_time`` with dual numbers would not do: it stops when the value is exact,
     and the derivatives may then not be exact.
     """
-    step, clock = t.step, time_at(t.links)
+    step, time_index = t.step, time_at(t.links)
     elapsed = time - step.start
-    if step.regularized < 0:
+    if not is_regularized(t):
         return elapsed / step.size
     theta = value(dense.regularized_fraction(t, elapsed))
     rate = value(step.size) * sundman_rate.regularized_time_rate(
         value(dense.interpolate_component(step, theta, sundman_u_at(t.links)))
     )
-    error = dense.interpolate_component(step, theta, clock) - elapsed
+    error = dense.interpolate_component(step, theta, time_index) - elapsed
     # a Newton step for the fraction θ at the time t, from its value θ₀: θ = θ₀ − (t(θ₀) − t)/ṫ with ṫ =
     # dt/dθ; where a contact begins or ends ṫ = 0, and ``reciprocal`` sets the derivatives of θ to 0
     return dual_with_slope(theta, -reciprocal(max(0.0, rate)), error)
@@ -159,7 +160,7 @@ def event_fraction(t):
     """
     step = t.step
     rate = value(step.size)
-    if step.regularized >= 0:
+    if is_regularized(t):
         rate *= sundman_rate.regularized_time_rate(value(step.state[sundman_u_at(t.links)]))
     return dual_with_slope(0.0, reciprocal(max(0.0, rate)), step.start_delay)
 

@@ -43,9 +43,9 @@ def move_end(t):
             return
     if count_mode_changes(t) > 0:
         prepare_end(t)
-        time = delay_of_change(t)
-        check_changes(t, time)
-        move_along(t, time)
+        delay = delay_of_change(t)
+        check_changes(t, delay)
+        move_along(t, delay)
         return
     # if the step has no length, its event is caused by a jump at its start, and has no delay of its own
     if not step_length(t) > 0.0:
@@ -55,7 +55,7 @@ def move_end(t):
             prepare_end(t)
             move_along(t, delay_without_force_jump(t, c, t.contacts.event[c]))
             return
-    if t.drive.mode_change_pending:
+    if t.drive.event:
         prepare_end(t)
         move_along(t, delay_of_saturation(t))
 
@@ -81,7 +81,7 @@ def is_crossing(t, c):
     # at the end of a regularized contact dt/ds = 0, with the step's variable s, so a shift of the end in s
     # changes nothing
     if kind == CONTACT_ENDS:
-        return c != t.step.regularized
+        return c != t.step.regularized_candidate
     return kind == ONSET or (kind == RELATCH and step_length(t) > 0.0)
 
 
@@ -95,19 +95,19 @@ def prepare_end(t):
     ensure_points(t)
 
 
-def move_along(t, time):
+def move_along(t, delay):
     """Give the state and time at the end of the last step the derivatives of a shift along the motion.
 
-    ``time`` [s] is the shift, a dual number of the value 0, so no value changes.
+    ``delay`` [s] is the shift, a dual number of the value 0, so no value changes.
     """
     y, rate = t.step.state_end, t.scratch.rate_end
     for j in range(sundman_u_at(t.links)):
-        y[j] += value(rate[j]) * time
-    y[time_at(t.links)] += time
-    t.step.end += time
+        y[j] += value(rate[j]) * delay
+    y[time_at(t.links)] += delay
+    t.step.end += delay
     quadrature = t.quadrature
     for k in range(quadrature.count):
-        quadrature.state_end[k] += value(quadrature.rate_end[k]) * time
+        quadrature.state_end[k] += value(quadrature.rate_end[k]) * delay
     count_break(t)
 
 
@@ -116,12 +116,12 @@ def ends_at_limit(t):
 
     The result is false if an event of a contact or of dry friction ends the step, too.
     """
-    return t.drive.mode_change_pending != 0 and not ends_with_contact(t)
+    return t.drive.event != 0 and not ends_with_contact(t)
 
 
 def ends_with_segment(t):
     """Return whether the last step ends where a segment of a signal ends, and no other event happens."""
-    if t.drive.mode_change_pending != 0 or ends_with_contact(t):
+    if t.drive.event != 0 or ends_with_contact(t):
         return False
     for j in range(t.signals):
         if has_segment_ended(t, j):

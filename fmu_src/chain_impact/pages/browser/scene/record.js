@@ -52,7 +52,7 @@ export function recordOf(kit, structure, driven, rows, values, byName) {
       throw new RangeError(`walls: the record has room for ${sceneNumbers.candidates}`);
     }
     write(word, value.number, type === "real", owner.at);
-    if (givenWord && sceneNumbers[givenWordWhen]) write(givenWord, value.derived ? SHARED.kernel.DERIVED : value.number, true, owner.at);
+    if (givenWord && sceneNumbers[givenWordWhen]) write(givenWord, value.derived ? SHARED.kernel.NOT_GIVEN : value.number, true, owner.at);
   }
   return bytes;
 }
