@@ -64,7 +64,7 @@ def missing(d: Any) -> str:
         "what sticks by dry friction": d["friction"]["stuck_count"] > 0,
         "dry friction of laws that damp on approach only": drawn.any(),
         "rotors of drives": d["chain"]["has_armatures"],
-        "moving base or walls": d["channels"] > 0 and d["channel"]["piece"][1:].any(),
+        "moving base or walls": d["channel_count"] > 0 and d["channel"]["piece"][1:].any(),
         "inputs that vary in a step": course["degree"] > 0 and any(part.any() for part in varied),
         "contact law of the user": USER_LAW in d["law"]["number"],
     }

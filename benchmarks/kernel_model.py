@@ -90,8 +90,8 @@ def happen(d, time, y, found):
     d.step.end = time
     for j in range(len(y)):
         d.step.state_end[j] = y[j]
-    for c in range(d.candidates):
-        kind = RELATCH if found[d.candidates + c] < 0 else NO_EVENT
+    for c in range(d.candidate_count):
+        kind = RELATCH if found[d.candidate_count + c] < 0 else NO_EVENT
         if d.contacts.active[c] and found[c] > 0:
             kind = CONTACT_ENDS
         elif not d.contacts.active[c] and found[c] < 0:
@@ -135,7 +135,7 @@ def least_event(d, y):
     """Return the smallest event function plus CLEAR, and its rate, which is 0 if the event is a new latch."""
     lowest, slope = np.inf, 0.0
     locate_points(d, y)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         gap, gap_rate = clearance_and_rate(d, c)
         sign = -1.0 if d.contacts.active[c] else 1.0
         if sign * gap < lowest:
@@ -167,14 +167,14 @@ def switch(d, clock, values, found):
         clock[0] += dt
     hop = np.inf
     locate_points(d, y)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         gap, gap_rate = clearance_and_rate(d, c)
         active = d.contacts.active[c]
         sign = -1.0 if active else 1.0
         falls = sign * gap_rate < 0.0 and sign * gap <= -sign * gap_rate * AT_ZERO + 1e-15
         found[c] = (1 if active else -1) if falls else 0
         fast = active and -gap_rate >= RELATCH_RATIO * d.contacts.latched_speed[c] * (1.0 - 1e-9)
-        found[d.candidates + c] = -1 if fast and not falls else 0
+        found[d.candidate_count + c] = -1 if fast and not falls else 0
         if falls:
             hop = min(hop, abs(gap_rate) * HOP / 9.81)
     d.step.next_size = clock[1]
@@ -183,7 +183,7 @@ def switch(d, clock, values, found):
         clock[1] = min(clock[1], hop)
         return 0
     clock[1] = d.step.next_size
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if found[c] < 0 and d.contacts.active[c]:
             clock[1] = min(
                 clock[1], FIRST_STEP * d.contacts.expected_penetration[c] / d.contacts.latched_speed[c]
@@ -200,7 +200,7 @@ def looked_at(d, y):
     locate_points(d, y)
     kinetic, potential = mechanical_energy(d, y)
     deepest, outside = 0.0, 0.0
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         gap, _ = clearance_and_rate(d, c)
         deepest = max(deepest, -gap)
         if not d.contacts.active[c]:
@@ -238,18 +238,18 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
     Returns:
         The number of steps taken.
     """
-    size, n = len(d.step.state) - PLAIN, d.links + 2
+    size, n = len(d.step.state) - PLAIN, d.link_count + 2
     y, z, stage = vector(values, size), d.scratch.state, d.scratch.stage
     highest, deepest = -np.inf, 0.0
     for step in range(count):
         energy, deep, _ = looked_at(d, y)
         any_event = False
-        for c in range(d.candidates):
+        for c in range(d.candidate_count):
             gap, gap_rate = clearance_and_rate(d, c)
             active = d.contacts.active[c]
             found[c] = (1 if active else 0) if gap >= 0.0 else (0 if active else -1)
             fast = active and gap < 0.0 and -gap_rate > RELATCH_RATIO * d.contacts.latched_speed[c]
-            found[d.candidates + c] = -1 if fast else 0
+            found[d.candidate_count + c] = -1 if fast else 0
             any_event = any_event or found[c] != 0 or fast
         if any_event:
             happen(d, step * dt, y, found)
@@ -306,12 +306,14 @@ def cvode_roots(d, careful, y, value):
     """
     margin = MARGIN * static_depth(d) if careful else 0.0
     locate_points(d, vector(y, len(d.step.state) - CVODE))
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         gap, gap_rate = clearance_and_rate(d, c)
         active = d.contacts.active[c]
         value[c] = gap - margin if active else gap
         # δ̇ = −ġ
-        value[d.candidates + c] = RELATCH_RATIO * d.contacts.latched_speed[c] + gap_rate if active else 1.0
+        value[d.candidate_count + c] = (
+            RELATCH_RATIO * d.contacts.latched_speed[c] + gap_rate if active else 1.0
+        )
     return 0
 
 
@@ -327,7 +329,7 @@ def cvode_weights(d, careful, y, weight):
     The usual allowed error is tolerance × (|y| + scale) with the kernel's scale. A careful CVODE allows for
     positions tolerance × scale, and during a contact at most POSITION_ERROR × the static penetration.
     """
-    n, tolerance = d.links, d.solver.tolerance
+    n, tolerance = d.link_count, d.solver.tolerance
     position = tolerance * d.chain.longest_link
     if careful and d.contacts.active_count > 0:
         position = min(position, POSITION_ERROR * static_depth(d))

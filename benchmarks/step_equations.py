@@ -33,7 +33,7 @@ class Step:
     def __init__(self, d: Any) -> None:
         """Copy the needed data from the record."""
         step, touch, chain, own = d["step"], d["contacts"], d["chain"], d["inputs"]
-        self.links, self.pinned = int(d["links"]), bool(chain["has_base_joint"])
+        self.links, self.pinned = int(d["link_count"]), bool(chain["has_base_joint"])
         self.size, self.kept = float(step["size"]), float(step["end_fraction"])
         self.regularized, self.lever = int(step["regularized_candidate"]), float(chain["longest_link"])
         free = range(2 * self.pinned, self.links + 2)

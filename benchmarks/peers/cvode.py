@@ -52,7 +52,7 @@ class Cvode(OnInstance):
         )
         record = self.instance.record
         states = len(record["step"]["state"]) - CVODE
-        self.settings = Settings(states, int(record["candidates"]), adams, careful, budget)
+        self.settings = Settings(states, int(record["candidate_count"]), adams, careful, budget)
 
     def run(self, seen: np.ndarray | None = None) -> int:
         """Run once; return how many of the times are reached.

@@ -20,7 +20,7 @@ class OnKernel(OnInstance):
         self.tolerance, self.contacts = scene.solver.tolerance, self.instance.record["contacts"]
         self.model = kernel_model.load(len(scene.chain.links))
         self.y = np.zeros(2 * len(scene.chain.links) + 4)
-        self.found = np.zeros(2 * self.instance.record["candidates"], np.int32)
+        self.found = np.zeros(2 * self.instance.record["candidate_count"], np.int32)
         self.clock = np.zeros(2)  # time and proposed step [s]
         self.rate, self.least = (
             ctypes.cast(f, ctypes.c_void_p).value for f in (self.model.plain_rate, self.model.plain_least)

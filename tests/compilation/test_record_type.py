@@ -32,7 +32,7 @@ def number(affine, links, candidates, elements):
 
 
 def per(affine, count):
-    """Return the slope of a count, such as ``links``."""
+    """Return the slope of a count, such as ``link_count``."""
     return affine.slopes[COUNTS.index(count)]
 
 
@@ -74,15 +74,22 @@ def test_tables_of_candidates_and_elements_are_last_in_the_record():
     for path in ("step", "scratch", "statistics", "friction"):
         for place, field in TABLE.items():
             if place[:1] == (path,):
-                assert {per(field.offset, count) for count in ("candidates", "friction_elements")} == {0}
-                assert {per(field.size, count) for count in ("candidates", "friction_elements")} == {0}
-    assert per(TABLE["contacts", "active_count"].offset, "candidates") == 0
+                assert {
+                    per(field.offset, count) for count in ("candidate_count", "friction_element_count")
+                } == {0}
+                assert {
+                    per(field.size, count) for count in ("candidate_count", "friction_element_count")
+                } == {0}
+    assert per(TABLE["contacts", "active_count"].offset, "candidate_count") == 0
     for path in ("contacts", "law", "search", "contact_log"):
-        assert per(TABLE[path,].offset, "friction_elements") == 0
+        assert per(TABLE[path,].offset, "friction_element_count") == 0
     moving = (("given_channel",), ("channel",), ("wall_motion",), ("site",), ("signal",), ("knot",))
     for place, field in TABLE.items():
         if place[:1] not in ((), ("output",), ("transmitted",), *moving):
-            assert (per(field.offset, "transmitted_rows"), per(field.size, "transmitted_rows")) == (0, 0)
+            assert (per(field.offset, "transmitted_row_count"), per(field.size, "transmitted_row_count")) == (
+                0,
+                0,
+            )
 
 
 def test_a_size_that_is_not_affine_is_refused():

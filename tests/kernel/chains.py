@@ -94,7 +94,7 @@ def stops_of(d: Plain) -> list[int]:
 
 def random_state(rng: np.random.Generator, d: Plain) -> np.ndarray:
     """Return a random state y of a record, whose u and time are those of the start of a step."""
-    n = d.links
+    n = d.link_count
     y = rng.uniform(-2.0, 2.0, len(d.step.state))
     if d.chain.has_base_joint:
         y[:2] = y[n + 2 : n + 4] = 0.0
@@ -167,7 +167,7 @@ def potential_slopes(d: Plain, y: np.ndarray) -> np.ndarray:
         locate_points(d, moved)
         return mechanical_energy(d, moved)[1]
 
-    return np.array([slope(partial(potential, j), 0.0, 1e-6) for j in range(d.links + 2)])
+    return np.array([slope(partial(potential, j), 0.0, 1e-6) for j in range(d.link_count + 2)])
 
 
 def relative_motion(count: int) -> np.ndarray:

@@ -55,24 +55,24 @@ def tangents(scene: Scene, d: Plain, y: np.ndarray, elements: Any) -> np.ndarray
     """Return the gradients of the tangential coordinates of elements, shape (count, N+2)."""
     rows = []
     for e in elements:
-        if e < d.candidates:
+        if e < d.candidate_count:
             _, tx, ty = tangent_row(d, e)
-            jacobian = point_jacobian(scene, y[2 : d.links + 2], int(d.candidate.point[e]))
+            jacobian = point_jacobian(scene, y[2 : d.link_count + 2], int(d.candidate.point[e]))
             rows.append(np.array([tx, ty]) @ jacobian)
         else:
-            row, i = np.zeros(d.links + 2), drive_of_element(d, e)
+            row, i = np.zeros(d.link_count + 2), drive_of_element(d, e)
             row[2 + i] = d.chain.longest_link
             if i > 0:
                 row[1 + i] = -d.chain.longest_link
             rows.append(row)
-    return np.array(rows).reshape(-1, d.links + 2)
+    return np.array(rows).reshape(-1, d.link_count + 2)
 
 
 def mobility(scene: Scene, d: Plain, y: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return M⁻¹ Jᵀ and W = J M⁻¹ Jᵀ of gradients; a pinned base does not move."""
     free = slice(2, None) if d.chain.has_base_joint else slice(None)
     response = np.zeros(rows.T.shape)
-    mass = mass_matrix(scene, y[2 : d.links + 2])
+    mass = mass_matrix(scene, y[2 : d.link_count + 2])
     response[free] = np.linalg.solve(mass[free, free], rows[:, free].T)
     return response, rows @ response
 
@@ -89,9 +89,9 @@ class AtRest:
         self.d, self.elements, n = (
             d,
             [int(e) for e in d.friction_element.index[: d.friction.active_count]],
-            d.links,
+            d.link_count,
         )
-        d.law.friction[:] = rng.uniform(0.02, 1.5, d.candidates)
+        d.law.friction[:] = rng.uniform(0.02, 1.5, d.candidate_count)
         d.law.static_friction[:] = holding * d.law.friction
         d.drive.friction[:-1] *= rng.uniform(0.1, 20.0, n)
         self.scene = scene
@@ -132,12 +132,14 @@ class AtRest:
         d = self.d
         held = [
             d.law.static_friction[e] * d.contacts.force[e]
-            if e < d.candidates
-            else d.drive.friction[e - d.candidates] / d.chain.longest_link
+            if e < d.candidate_count
+            else d.drive.friction[e - d.candidate_count] / d.chain.longest_link
             for e in self.elements
         ]
-        own = [d.law.friction[e] * d.contacts.force[e] if e < d.candidates else 0.0 for e in self.elements]
-        return np.array(held), np.where(np.array(self.elements) < d.candidates, own, held)
+        own = [
+            d.law.friction[e] * d.contacts.force[e] if e < d.candidate_count else 0.0 for e in self.elements
+        ]
+        return np.array(held), np.where(np.array(self.elements) < d.candidate_count, own, held)
 
     def consistent(self) -> dict[tuple[int, ...], np.ndarray]:
         """Return all combinations of modes that fulfil their conditions → t·a."""

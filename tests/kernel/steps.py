@@ -35,7 +35,7 @@ class Motion:
 
 def free_motion(rng: np.random.Generator, d: Plain, *, speed: float = 2.0, bend: float = 3.0) -> Motion:
     """Return a quadratic motion of the coordinates in time, with their rates and the time."""
-    n, half = d.links, d.links + 2
+    n, half = d.link_count, d.link_count + 2
     parts = np.zeros((3, len(d.step.state)))
     parts[0, :half] = rng.uniform(-2.0, 2.0, half)
     parts[1, :half] = rng.uniform(-speed, speed, half)
@@ -59,7 +59,7 @@ def set_step(d: Plain, motion: Motion, size: float, start: float = 0.0, regulari
     step.state[:], step.state_end[:] = motion.at(0.0), motion.at(size)
     scratch.rate_start[:], scratch.rate_end[:] = motion.at(0.0, 1), motion.at(size, 1)
     step.start, step.time_origin, step.communication_point = start, start, start
-    step.end = start + step.state_end[time_at(d.links)]
+    step.end = start + step.state_end[time_at(d.link_count)]
     step.size, step.end_fraction, step.regularized_candidate = size, 1.0, regularized
     step.last_method = step.method = EXPLICIT
     step.dense_for, step.rate_known, scratch.located_at_end = SOLVER_READER, 1, 1
@@ -70,7 +70,7 @@ def set_step(d: Plain, motion: Motion, size: float, start: float = 0.0, regulari
 
 def points_of(d: Plain, y: np.ndarray) -> np.ndarray:
     """Return the points of a state, as complex numbers; for many states, shape (…, N+1)."""
-    n = d.links
+    n = d.link_count
     ends = np.cumsum(d.chain.length * np.exp(1j * y[..., 2 : n + 2]), axis=-1)
     base = y[..., 0:1] + 1j * y[..., 1:2]
     return base + np.concatenate([np.zeros_like(base), ends], axis=-1)
@@ -85,7 +85,7 @@ def normals_of(d: Plain) -> np.ndarray:
 
 def gaps_of(d: Plain, y: np.ndarray, candidates: Iterable[int] | None = None) -> np.ndarray:
     """Return the clearances of candidates for states, shape (…, count), for the offsets of their walls."""
-    chosen = list(range(d.candidates)) if candidates is None else list(candidates)
+    chosen = list(range(d.candidate_count)) if candidates is None else list(candidates)
     return along_normals(d, y, chosen) - d.candidate.offset[chosen] - d.contact_settings.radius
 
 
@@ -107,7 +107,7 @@ def walls_away(d: Plain) -> None:
 
 def translation(d: Plain, x: Iterable[float], y: Iterable[float]) -> Motion:
     """Return a motion of the chain without rotation: polynomials in time of its base, lowest power first."""
-    n, half = d.links, d.links + 2
+    n, half = d.link_count, d.link_count + 2
     parts = np.zeros((DENSE_COEFFICIENTS + 1, len(d.step.state)))
     for axis, powers in enumerate((list(x), list(y))):
         parts[: len(powers), axis] = powers
@@ -126,7 +126,7 @@ def held_tip(size: float, force: Iterable[float]) -> tuple[Plain, int, Motion]:
     motion = translation(d, [0.0], [0.0])
     walls_away(d)
     set_step(d, motion, size)
-    c = next(c for c in range(d.candidates) if d.candidate.point[c] == 1)
+    c = next(c for c in range(d.candidate_count) if d.candidate.point[c] == 1)
     wall_at(d, c, motion.at(0.0), 0.0)
     mark_touching(d, [c])
     d.chain.gravity[:] = d.chain.gravity_magnitude = 0.0

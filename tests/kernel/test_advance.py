@@ -59,7 +59,7 @@ def test_a_call_pauses_after_its_cost_and_goes_on():
 @pytest.mark.parametrize(("logged", "full"), [(0, False), (6, False), (7, True), (8, True), (100, True)])
 def test_the_log_of_changes_is_full_without_room_for_each_element(logged, full):
     d = initialized(pendulum())  # a pendulum of two elements, whose modes both change at the start
-    assert (d.friction_elements, d.friction_changes.count, len(d.friction_changes.time)) == (2, 2, 8)
+    assert (d.friction_element_count, d.friction_changes.count, len(d.friction_changes.time)) == (2, 2, 8)
     d.friction_changes.count = logged
     assert loop.log_is_full(d, 10) == full
     steps = int(d.statistics.steps)
@@ -71,7 +71,7 @@ def test_the_log_of_changes_is_full_without_room_for_each_element(logged, full):
     assert loop.advance(d, 3e-3, 5, UNLIMITED) == OK
     # a record without dry friction has no log of changes
     d = started()
-    assert (d.friction_elements, len(d.friction_changes.time)) == (0, 0)
+    assert (d.friction_element_count, len(d.friction_changes.time)) == (0, 0)
     assert not loop.log_is_full(d, 10)
 
 
@@ -226,7 +226,7 @@ def test_points_held_by_rigid_walls_are_found_again_after_a_change(held, changed
     """A contact ends if its wall has got a force law, or if the wall would have to pull the point."""
     d = at_end_of_a_step(model="newton_impact", restitution=0.5)
     y = locate_touching_state(np.random.default_rng(3), d, [0] * held, 0.0)
-    y[d.links + 2 :] = 0.0  # at rest
+    y[d.link_count + 2 :] = 0.0  # at rest
     d.step.state_end[:], d.step.start, d.step.end = y, 0.4, 0.5
     d.law.impulsive[0] = not changed
     normal = np.array(normal_row(d, 0)[1:])

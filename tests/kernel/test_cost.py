@@ -68,7 +68,7 @@ def test_a_call_returns_after_a_cost_that_falls_with_the_points_of_a_chain(count
 
 
 def test_too_many_events_in_a_short_time_are_a_storm(d):
-    limit = cost.MOST_EVENTS * d.candidates
+    limit = cost.MOST_EVENTS * d.candidate_count
     d.budget.event_start, d.budget.event_count = 5.0, 7
     assert cost.check_events(d, limit - 7) == OK
     assert d.budget.event_count == limit

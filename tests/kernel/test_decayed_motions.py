@@ -83,7 +83,7 @@ def test_faded_motions_are_cleared_and_others_are_kept(size, sign):
 
 
 def test_a_value_of_zero_keeps_its_derivatives():
-    d = SimpleNamespace(links=1)
+    d = SimpleNamespace(link_count=1)
     y = [Dual(number, [1.0, 2.0]) for number in (0.0, 1e-170, 1.0, *[1e-200] * 3)]
     control.clear_faded(d, y)
     assert [getattr(one, "value", one) for one in y] == [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
@@ -169,12 +169,12 @@ def test_a_sticking_element_with_a_faded_speed_is_stopped(size, contacts, base):
         d.friction_element.friction_limit[e] = 1.0
         set_element_anchor(d, e)
     list_sticking(d)
-    first = velocity_at(d.links)
-    y[first : dissipated_at(d.links)] = size
+    first = velocity_at(d.link_count)
+    y[first : dissipated_at(d.link_count)] = size
     locate_points(d, y)
     holding.project_state(d, y)
     assert finite(*y)
-    assert np.abs(y[first : dissipated_at(d.links)]).max() <= 10.0 * size + 1e-300
+    assert np.abs(y[first : dissipated_at(d.link_count)]).max() <= 10.0 * size + 1e-300
 
 
 @small

@@ -21,7 +21,7 @@ def prepared(base, count, **more):
     """Return a chain with all that resists and drives, in contact with two walls by some depth; its state."""
     rng = np.random.default_rng([count, len(base)])
     scene, d = chain(rng, count, base, springs=True, dampers=True, inputs=True, **more)
-    candidates = [1, d.candidates - 1]
+    candidates = [1, d.candidate_count - 1]
     y = locate_touching_state(rng, d, candidates)
     for k, c in enumerate(candidates):
         if not d.contact_settings.any_rigid:

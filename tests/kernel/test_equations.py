@@ -40,11 +40,11 @@ def prepared(base, count, touching=(), **more):
 
 
 def omega_of(d, y):
-    return y[state.omega_at(d.links) : state.omega_at(d.links) + d.links]
+    return y[state.omega_at(d.link_count) : state.omega_at(d.link_count) + d.link_count]
 
 
 def rates(d, rate):
-    return rate[state.velocity_at(d.links) : state.velocity_at(d.links) + d.links + 2]
+    return rate[state.velocity_at(d.link_count) : state.velocity_at(d.link_count) + d.link_count + 2]
 
 
 @BASES

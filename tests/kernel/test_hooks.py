@@ -58,7 +58,7 @@ def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monke
     own = {"output": output, "trust": SimpleNamespace(split=0, missing=[0] * DIRECTIONS)}
     tangents = [SimpleNamespace(**SIZES, **own, words=[0.0] * 5) for _ in range(3)]
     d = SimpleNamespace(
-        tangents=3, tangent_instances=tangents, step=SimpleNamespace(communication_point=1.5), **SIZES
+        tangent_count=3, tangent_instances=tangents, step=SimpleNamespace(communication_point=1.5), **SIZES
     )
     d.statistics = SimpleNamespace(status=0)
 
@@ -88,7 +88,7 @@ def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monke
 
 def test_an_instance_of_duals_that_does_not_fit_is_not_sound(monkeypatch):
     tangents = [SimpleNamespace(**SIZES) for _ in range(2)]
-    d = SimpleNamespace(tangents=2, tangent_instances=tangents, **SIZES)
+    d = SimpleNamespace(tangent_count=2, tangent_instances=tangents, **SIZES)
     monkeypatch.setattr(entry, "is_record_sound", lambda t: t is not d)
     assert HOOKS[hooks.are_tangents_sound](d)
     for field in SIZES:
@@ -113,7 +113,7 @@ def test_slopes_that_cannot_be_trusted_are_none(trusted, status, missing, kept, 
     words = [float(k) for k in range(2 * (1 + DIRECTIONS))]
     trust = SimpleNamespace(split=0, missing=[int(k in missing) for k in range(DIRECTIONS)])
     t = SimpleNamespace(output=SimpleNamespace(words=words), trust=trust)
-    d = SimpleNamespace(tangents=1, tangent_instances=[t], statistics=SimpleNamespace(status=status))
+    d = SimpleNamespace(tangent_count=1, tangent_instances=[t], statistics=SimpleNamespace(status=status))
     d.step = SimpleNamespace(communication_point=0.0)
     monkeypatch.setattr(entry, "set_communication_point_in_step", lambda t, time: None)
     monkeypatch.setattr(entry, "fill_outputs", lambda t: None)

@@ -195,7 +195,7 @@ def test_a_parameter_out_of_its_range_is_refused(record, field, value):
                 d[record][name][i] = value
         assert check_parameters(d) == (OK if good else PARAMETER_OUT_OF_RANGE)
         of_link = record == "chain" and field != "box_wall"
-        assert d.fault.part == (1 + d.candidates + i if of_link and not good else d.fault.part)
+        assert d.fault.part == (1 + d.candidate_count + i if of_link and not good else d.fault.part)
         if not good:
             assert initialize(d, 0.0) == d.statistics.status == PARAMETER_OUT_OF_RANGE
 
@@ -230,7 +230,7 @@ def test_links_that_can_turn_without_moving_mass_are_refused():
 )
 def test_a_start_beyond_a_wall_is_refused(depth, status):
     _, d = prepared()
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         d.candidate.offset[:] = -1e6
         d.chain.longest_link, d.candidate.radius[:] = 1.0, 0.0
         d.candidate.normal_x[c], d.candidate.normal_y[c] = 0.0, 1.0

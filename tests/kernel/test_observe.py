@@ -58,8 +58,8 @@ def let_touch(d, y, clearances):
 def let_integrate(d, lines):
     """Let the impulse of each contact be a line over the step; candidate c had c N·s at its onset."""
     integrals = d.quadrature
-    integrals.impulse_at_onset[:] = np.arange(d.candidates)
-    integrals.integral[: d.candidates] = integrals.impulse_at_onset
+    integrals.impulse_at_onset[:] = np.arange(d.candidate_count)
+    integrals.integral[: d.candidate_count] = integrals.impulse_at_onset
     integrals.dense[:] = 0.0
     for place, (start, rise) in enumerate(lines):
         integrals.state[place], integrals.state_end[place] = start, start + rise
@@ -119,9 +119,11 @@ def test_positions_and_velocities_are_those_of_the_state(seen):
 
 def test_a_contact_has_the_force_of_its_law_and_the_stored_impulse(seen):
     force, rate = force_of(seen)
-    expected = np.zeros((4, seen.d.candidates))
+    expected = np.zeros((4, seen.d.candidate_count))
     expected[:3, IN] = force, 1e-3, rate
-    expected[3] = np.arange(seen.d.candidates)  # those without contact have the impulse at their last onset
+    expected[3] = np.arange(
+        seen.d.candidate_count
+    )  # those without contact have the impulse at their last onset
     expected[3, [IN, OUT]] = [start + rise * seen.theta for start, rise in IMPULSES]
     for name, values in zip(("force", "penetration", "penetration_rate", "impulse"), expected, strict=True):
         np.testing.assert_allclose(seen.d.output[name], values, rtol=1e-6, atol=1e-7)
@@ -203,7 +205,7 @@ NAMES = ("force", "impulse", "penetration", "penetration_rate")
 
 def let_stops_act(d, rng, at_max):
     """Set outputs of contacts, of a joint at one stop only, and combine them; return the values set."""
-    given = {name: rng.uniform(1.0, 2.0, d.candidates) for name in NAMES}
+    given = {name: rng.uniform(1.0, 2.0, d.candidate_count) for name in NAMES}
     for name in ("force", "penetration", "penetration_rate"):  # an impulse remains from the other stop
         given[name][stops_of(d)[1 - at_max :: 2]] = 0.0
     for name in NAMES:
@@ -237,7 +239,7 @@ def test_walls_keep_their_outputs_beside_stops(base, at_max):
     _, d = stopped_chain(3, base)
     given = let_stops_act(d, np.random.default_rng(5), at_max)
     stops = stops_of(d)
-    walls = [c for c in range(d.candidates) if c not in stops]
+    walls = [c for c in range(d.candidate_count) if c not in stops]
     for name in NAMES:
         np.testing.assert_array_equal(d.output[name][walls], given[name][walls])
         assert not d.output[name][stops[1::2]].any()
@@ -264,7 +266,7 @@ def stopped():
     motion = free_motion(np.random.default_rng(3), d)
     low, high = stops_of(d)
     set_step(d, motion, SIZE)
-    y, n = motion.at(0.0), d.links
+    y, n = motion.at(0.0), d.link_count
     angle, rate = y[3] - y[2], y[n + 5] - y[n + 4]
     d.drive.min[1], d.drive.max[1] = angle - 1.0, angle - 0.02
     set_candidate_rows(d)
@@ -297,4 +299,4 @@ def test_the_moment_of_a_stop_acts_on_both_links(stopped):
     """So the momentum of the chain does not change."""
     d, _, high, rate = stopped
     assert not vectors(d.scratch.load).any()
-    assert d.scratch.load.x[d.links + 2] == pytest.approx(-force_of_stop(d, high, rate), rel=1e-9)
+    assert d.scratch.load.x[d.link_count + 2] == pytest.approx(-force_of_stop(d, high, rate), rel=1e-9)

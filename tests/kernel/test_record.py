@@ -82,7 +82,7 @@ def test_without_dry_friction_there_is_no_room_for_it():
 
 def test_readers_of_the_sizes_have_the_order_of_the_record():
     head = list(instance_dtype(1, 0).names[:HEAD_WORDS])
-    assert head == [*COUNTS, *FEATURES, "tangents"]
+    assert head == [*COUNTS, *FEATURES, "tangent_count"]
     assert [f"chain_{name}" for name in head[:-1]] == [*compilers._SIZES]
     assert len(COUNTS) + len(FEATURES) + 1 == HEAD_WORDS
 

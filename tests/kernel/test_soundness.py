@@ -168,14 +168,14 @@ def test_a_law_may_be_missing_only_before_a_start_without_contacts():
 
 def test_a_law_is_copied_from_a_candidate_that_is_not_later():
     _, d = chain(np.random.default_rng(0), 3)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         assert_fits(d, "law", "same_as", c, ((0, True), (c, True), (c + 1, False), (-1, False)))
 
 
 def test_only_stops_have_the_numbers_after_those_of_walls():
     """Joints begin at 1, because the base, point 0, has no preceding link."""
     d = stopped_chain(3)[1]
-    last, stop = 4 + d.candidates - 1, stops_of(d)[0]
+    last, stop = 4 + d.candidate_count - 1, stops_of(d)[0]
     assert is_record_sound(d)
     assert_fits(d, "candidate", "wall", 0, ((last, True), (last + 1, False)))
     assert_fits(d, "candidate", "wall", stop, ((last + 2, True),))
@@ -188,9 +188,9 @@ def test_a_stop_belongs_to_a_joint_and_not_to_a_point_on_a_link():
     still = {"position": [0.0, 1.0], "angles": [0.0, 0.0]}
     d = record_of(table(links, initial=still, base="pinned", box={"y_min": -1.0}))
     stops = stops_of(d)
-    assert (d.sites, len(stops)) == (2, 2)
+    assert (d.site_count, len(stops)) == (2, 2)
     assert is_record_sound(d)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         last = 2 if c in stops else 2 + 2
         assert_fits(d, "candidate", "point", c, ((last, True), (last + 1, False)))
 
@@ -212,7 +212,7 @@ def test_the_loops_over_a_signal_have_their_bounds(field):
 
 def test_a_record_without_room_for_friction_has_none():
     _, d = chain(np.random.default_rng(0), 3)
-    assert d.friction_elements == 0
+    assert d.friction_element_count == 0
     for field in ("is_present", "active_count", "contact_count", "stuck_count", "stuck_joints"):
         assert_fits(d, "friction", field, None, ((1, False), (0, True)))
 
@@ -235,9 +235,9 @@ def test_a_record_is_sound_with_what_is_beside_it(monkeypatch):
 @pytest.mark.parametrize(
     ("links", "path", "value"),
     [
-        (2, ("candidates",), 1 << 20),
-        (12, ("candidates",), 1 << 20),
-        (12, ("links",), 1 << 20),  # in the kernel for any number of links
+        (2, ("candidate_count",), 1 << 20),
+        (12, ("candidate_count",), 1 << 20),
+        (12, ("link_count",), 1 << 20),  # in the kernel for any number of links
         (2, ("contacts", "active_count"), -2),
         (12, ("step", "method"), 7),
     ],

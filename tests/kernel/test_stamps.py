@@ -83,7 +83,7 @@ def test_components_as_long_as_a_state_are_no_state():
     """This scene has as many loads as its state has entries."""
     d = run(random_scenes.scene(random_scenes.SLANTED + 662), 1e-9, rows=2)
     assert d.statistics.status == OK
-    assert d.transmitted_rows == len(d.step.state)
+    assert d.transmitted_row_count == len(d.step.state)
 
 
 def test_a_read_of_another_state_is_found():

@@ -136,7 +136,7 @@ def test_derivatives_change_nothing_in_the_run_itself(writers):
 def test_every_form_of_a_write_is_found():
     source = """
 def f(d, law, y):
-    own, n = d.contacts, d.links
+    own, n = d.contacts, d.link_count
     latest = d.latest
     own.event[0], latest.onset[n] = 1, 2.0
     law.number[0] += 1

@@ -124,15 +124,15 @@ def test_behind_an_instance_are_those_that_carry_its_derivatives():
     varied = varied_by(prepared, names)
     plain, memory = prepared.new_instance([])[0], prepared.new_instance(varied)[0]
     count = -(-len(names) // DIRECTIONS)
-    assert (plain["tangents"], memory["tangents"]) == (0, count)
+    assert (plain["tangent_count"], memory["tangent_count"]) == (0, count)
     behind = memory[memory.dtype.names[-1]]
     assert behind.shape == (count,)
     for name in plain.dtype.names:
-        if name != "tangents":
+        if name != "tangent_count":
             assert memory[name].tobytes() == plain[name].tobytes()
 
     def check(source, duals):
-        for name in set(source.dtype.names) - {"tangents"}:
+        for name in set(source.dtype.names) - {"tangent_count"}:
             if source.dtype[name].base.names:
                 check(source[name], duals[name])
             else:

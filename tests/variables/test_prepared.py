@@ -32,7 +32,10 @@ def test_the_record_has_no_pointers_and_knows_its_candidates():
         assert not instance.dtype.hasobject
         assert np.frombuffer(instance.tobytes(), instance.dtype) == instance
         held = instance[0]
-        assert (held["links"], held["candidates"]) == (len(scene.chain.links), len(candidates_of(scene)))
+        assert (held["link_count"], held["candidate_count"]) == (
+            len(scene.chain.links),
+            len(candidates_of(scene)),
+        )
         pairs = zip(held["candidate"]["point"], held["candidate"]["wall"], strict=True)
         assert list(pairs) == candidates_of(scene)
 
@@ -125,7 +128,7 @@ def test_the_start_of_a_prepared_scene_does_not_change():
     prepared = PreparedScene(load_scene("rod_drop"))
     assert prepared.start.tobytes() == prepared.new_instance().tobytes()
     with pytest.raises(ValueError, match="read-only"):
-        prepared.start["links"] = 2
+        prepared.start["link_count"] = 2
     starts, law = {v.name: prepared.start_text(v) for v in prepared.parameters}, CONTACT_LAWS["zhang_sharf"]
     assert (starts["link[1].length"], starts["contact.model"]) == ("0.6", str(law.number))
 

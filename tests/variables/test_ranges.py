@@ -126,7 +126,7 @@ def test_the_compiled_kernel_refuses_values_out_of_range_by_their_link():
             assert caught.value.status == PARAMETER_OUT_OF_RANGE, (part, field)
             if shape == (len(links),) and part != "walls":
                 of_links += 1
-                assert d["fault"]["part"] == 1 + d["candidates"] + len(links) - 1
+                assert d["fault"]["part"] == 1 + d["candidate_count"] + len(links) - 1
     assert of_links > 10
 
 

@@ -61,7 +61,7 @@ def test_names_in_the_tables_are_known():
         assert meaning
         known |= {name}
     assert COUNT_RULES.keys() == {*COUNTS}
-    assert names_of(*COUNT_RULES.values()) <= known
+    assert are_known(known, *COUNT_RULES.values())
     known |= {*COUNTS}
     for kind, row in OWNER_KINDS.items():
         rules = [row.condition, row.source_list, *row.numbers.values(), *row.conditions.values()]

@@ -248,7 +248,7 @@ def test_columns_are_those_of_the_recorded_outputs():
             rubbing if scene.has_friction else 0,
             links + len(scene.wall_names) if scene.outputs.loads else 0,
         )
-        given = PreparedScene(scene).counts.channels, len(scene.chain.sites), len(driven_by(scene))
+        given = PreparedScene(scene).counts.channel_count, len(scene.chain.sites), len(driven_by(scene))
         assert outputs.dtype == output_dtype(links, pairs, *rows, *given)
         width = outputs.dtype.itemsize // 8
         outputs.view(np.float64)[:] = np.arange(3 * width)

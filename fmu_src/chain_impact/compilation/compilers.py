@@ -63,7 +63,7 @@ a kernel without the rare features take less time."""
 _SIZES = tuple(f"chain_{name}" for name in (*COUNTS, *FEATURES))
 """The names of the LLVM functions that return the counts and flags at the start of a record, in the record's
 order."""
-_RARE_SIZES = _SIZES[COUNTS.index("channels") :]
+_RARE_SIZES = _SIZES[COUNTS.index("channel_count") :]
 """The last names in _SIZES: those of the functions that return counts and flags of rare features. In kernels
 for a number of links, or for any number (None), these functions return 0."""
 KernelScope = int | tuple[int, ...] | None
@@ -135,7 +135,7 @@ def add_prelude(module: str, scope: KernelScope, registers: str = REGISTERS) -> 
         fixed = dict(zip(_SIZES, scope, strict=True))
     else:
         fixed = dict.fromkeys(() if scope == GENERAL else _RARE_SIZES, 0) | (
-            {"chain_links": scope} if scope else {}
+            {"chain_link_count": scope} if scope else {}
         )
     prelude = "".join(
         FIXED_COUNT_CODE.format(name=name, number=fixed[name])

@@ -36,7 +36,7 @@ from chain_impact.kernel.record.fields import REAL, is_table
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.duals import dual_dtype, tangent_dtype
 
-# name of a count in an instance, such as ``links`` → name of the LLVM function that returns it
+# name of a count in an instance, such as ``link_count`` → name of the LLVM function that returns it
 COUNT_FUNCTIONS = {name: f"chain_{name}" for name in COUNTS}
 # name of a flag in an instance, such as ``slides`` → name of the LLVM function that returns the flag; no size
 # depends on flags

@@ -133,8 +133,8 @@ def _reference_results(prepared_scene: PreparedScene, times: np.ndarray) -> Refe
 
     The results end where runs with two tolerances begin to differ.
     """
-    ends = {f"point[{k}].{axis}" for k in (0, prepared_scene.counts.links) for axis in "xy"}
-    ends |= {f"link[{i}].angle" for i in (1, prepared_scene.counts.links)}
+    ends = {f"point[{k}].{axis}" for k in (0, prepared_scene.counts.link_count) for axis in "xy"}
+    ends |= {f"link[{i}].angle" for i in (1, prepared_scene.counts.link_count)}
     # outputs of the whole chain: the energies, the number of impacts, and the data of the last impact
     whole_chain = [v for v in prepared_scene.outputs if v.kind.owner_kind == "one"]
     ends |= {v.name for v in whole_chain if v.kind.parts.owner in ("energy", "impact")}
@@ -223,7 +223,7 @@ def _inputs(prepared_scene: PreparedScene, times: np.ndarray) -> dict[str, np.nd
     rate = turn[1] / times[1]
     # The amplitude of a torque is divided by the number of links, so that all torques together move chains of
     # few and of many links about equally.
-    torque = TORQUE_AMPLITUDE * nominal["inertial_moment"] / prepared_scene.counts.links
+    torque = TORQUE_AMPLITUDE * nominal["inertial_moment"] / prepared_scene.counts.link_count
     size = {"joint": torque, "tip": torque / nominal["size"]}
     signals = {}
     for i, variable in enumerate(prepared_scene.inputs):

@@ -166,7 +166,7 @@ def _words(prepared_scene: PreparedScene) -> dict[str, int]:
         "contradiction_word": ("channel", "contradiction"),
         "position_word": (MOTION, "position", 0),
     }
-    has_motions = prepared_scene.counts.channels > 0
+    has_motions = prepared_scene.counts.channel_count > 0
     words = {name: word_index(prepared_scene.start.dtype, path) for name, path in paths.items()}
     return words | {
         name: word_index(prepared_scene.start.dtype, path) if has_motions else 0

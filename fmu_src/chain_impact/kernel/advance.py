@@ -116,8 +116,8 @@ def log_is_full(d, capacity):
         return True
     return (
         capacity < UNLIMITED
-        and d.friction_elements > 0
-        and d.friction_changes.count > len(d.friction_changes.time) - d.friction_elements
+        and d.friction_element_count > 0
+        and d.friction_changes.count > len(d.friction_changes.time) - d.friction_element_count
     )
 
 
@@ -165,7 +165,7 @@ def restart_if_changed(d, time):
 
     Return the status of the run; after an earlier fault nothing is done.
     """
-    if d.channels > 0 and d.statistics.status == OK:
+    if d.channel_count > 0 and d.statistics.status == OK:
         set_status(d, interpolate_prescribed_motions(d, time))
     if d.statistics.status == OK and must_restart(d):
         set_status(d, restart(d))
@@ -247,8 +247,8 @@ def apply_laws(d):
 def take_accepted_step(d):
     """Take one accepted step, up to the first event in the step; return a status."""
     clear_outcome(d)
-    status = check_base_at_walls(d) if d.channels > 0 else OK
-    if d.signals > 0 and status == OK:
+    status = check_base_at_walls(d) if d.channel_count > 0 else OK
+    if d.signal_count > 0 and status == OK:
         status = check_segments(d)
     if status == OK:
         status = check_solved(d, check_events(d, begin_step(d)))
@@ -257,9 +257,9 @@ def take_accepted_step(d):
     if status == OK:
         count_step(d, was_implicit(d))
         status = check_balance(d)
-    if status == OK and d.channels > 0:
+    if status == OK and d.channel_count > 0:
         end_where_wall_meets_base(d)
-    if status == OK and d.signals > 0:
+    if status == OK and d.signal_count > 0:
         end_at_segment(d)
     return status if status != OK else check_cost(d)
 
@@ -273,7 +273,7 @@ def shrink_until_accepted(d):
     """Try smaller and smaller steps until a step, up to its first event, is accepted; return a status."""
     size = min(d.step.next_size, LONGEST_STEP)
     limit = limit_to_input_piece(d, size)
-    if d.signals > 0:
+    if d.signal_count > 0:
         limit = limit_to_signal_segment(d, limit)
     h, growth = prepare_step(d, limit), control.LARGEST_RATIO
     if limit < size:
@@ -353,9 +353,9 @@ def begin_step(d):
     events, has_kink = apply_pending_events(d)
     if d.given.pending:
         apply_next_input_piece(d)
-        if d.channels > 0:
+        if d.channel_count > 0:
             evaluate_start(d)
-    if d.signals > 0 and begin_segments(d):
+    if d.signal_count > 0 and begin_segments(d):
         control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
     has_landed = events > 0 and d.contact_settings.any_rigid and d.contacts.compliant_count == 0
     if has_landed and not is_implicit(d):
@@ -375,7 +375,7 @@ def apply_pending_events(d):
     Return the number of events, and whether a kink of a force or the limit of a drive is among them.
     """
     events, has_kink = d.drive.event + count_mode_changes(d), d.drive.event > 0
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         events += d.contacts.event[c] != NO_EVENT
         has_kink = has_kink or d.contacts.event[c] == KINK
 

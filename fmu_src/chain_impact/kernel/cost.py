@@ -81,7 +81,7 @@ def cost_before_pause(d):
 
     The caller of the kernel can then stop the run, or call the kernel again.
     """
-    return PAUSE_COST // (d.links + 1)
+    return PAUSE_COST // (d.link_count + 1)
 
 
 def begin_communication_step(d):
@@ -122,5 +122,7 @@ def check_events(d, events):
         budget.event_start = d.step.end
         budget.event_count = 0
     budget.event_count += events
-    elements = d.candidates + (d.links + d.slides if d.friction.is_present or d.chain.has_drive_limits else 0)
+    elements = d.candidate_count + (
+        d.link_count + d.slides if d.friction.is_present or d.chain.has_drive_limits else 0
+    )
     return OK if budget.event_count <= MOST_EVENTS * elements else EVENT_STORM

@@ -56,10 +56,10 @@ def are_relations_sound(d):
     """Return whether indices and counts whose bounds depend on other numbers are within these bounds."""
     laws = LAW_COUNT + is_present()
     fits = d.contact_log.count >= 0 and is_within(d.contacts.compliant_count, 0, d.contacts.active_count)
-    fits = fits and is_within(d.chain.base_moves, 0, d.channels // 2)
-    for c in range(d.candidates):
+    fits = fits and is_within(d.chain.base_moves, 0, d.channel_count // 2)
+    for c in range(d.candidate_count):
         fits = fits and is_candidate_sound(d, c)
-        fits = fits and is_within(d.wall_motion.first_channel[c], -1, max(-1, d.channels - 2))
+        fits = fits and is_within(d.wall_motion.first_channel[c], -1, max(-1, d.channel_count - 2))
         fits = fits and is_within(d.law.number[c], least_law(d), laws)
         fits = fits and is_within(d.law.same_as[c], 0, c)
         fits = fits and is_within(d.contacts.impact_number[c], 0, d.impact.count)
@@ -69,15 +69,15 @@ def are_relations_sound(d):
 def are_signals_sound(d):
     """Return whether the indices of all signals, knots and driven values are within the record."""
     signal = d.signal
-    for j in range(d.signals):
+    for j in range(d.signal_count):
         driven, first, last = signal.input[j], signal.first_knot[j], signal.last_knot[j]
-        values = d.channels if driven == CHANNEL else len(input_field(d.inputs, driven))
+        values = d.channel_count if driven == CHANNEL else len(input_field(d.inputs, driven))
         if not (is_within(signal.index[j], 0, values - 1) and 0 <= first <= signal.segment[j] <= last):
             return False
         # index of the first of the given times and values of the signal; there are as many as its knots
         given = signal.first_knot[signal.source[j]]
         knots = knot_count(signal.form[j], signal.shape[signal.source[j]])
-        if not (0 <= given <= d.knots - 1 - (last - first) and last - first + 1 >= knots):
+        if not (0 <= given <= d.knot_count - 1 - (last - first) and last - first + 1 >= knots):
             return False
     return True
 
@@ -89,8 +89,10 @@ def are_friction_counts_sound(d):
     with friction; the count of sticking joints and slider is at most that of all sticking elements.
     """
     friction = d.friction
-    fits = is_within(friction.is_present, 0, min(1, d.friction_elements)) and d.friction_changes.count >= 0
-    fits = fits and is_within(friction.contact_count, 0, min(friction.active_count, d.candidates))
+    fits = (
+        is_within(friction.is_present, 0, min(1, d.friction_element_count)) and d.friction_changes.count >= 0
+    )
+    fits = fits and is_within(friction.contact_count, 0, min(friction.active_count, d.candidate_count))
     fits = fits and is_within(friction.stuck_count, 0, friction.active_count)
     return fits and is_within(friction.stuck_joints, 0, friction.stuck_count)
 
@@ -179,7 +181,7 @@ def trajectory(d, words, times, spans, rows, of_state):
         The number of rows that are filled. This number is smaller than T in three cases: after a fault, if
         the log of ended contacts or that of dry friction is full, and after about a second of computing.
     """
-    log_capacity = len(d.contact_log.point) - d.candidates
+    log_capacity = len(d.contact_log.point) - d.candidate_count
     cost_limit = cost_so_far(d) + cost_before_pause(d)
     for row in range(len(times)):
         allow_any_length(d)
@@ -242,7 +244,7 @@ def finish_run(d, end_time, cost_limit):
     Contacts that still last at the end are logged, because the outputs of peak forces and penetrations come
     from the log.
     """
-    log_capacity = len(d.contact_log.point) - d.candidates
+    log_capacity = len(d.contact_log.point) - d.candidate_count
     status = LOG_FULL
     allow_any_length(d)
     while status == LOG_FULL:

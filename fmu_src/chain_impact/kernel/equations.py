@@ -57,7 +57,7 @@ def energy_balance(d, y):
 
 def other_energy(d, y):
     """Return the energy balance [J] without kinetic and potential energy, for the located points."""
-    return stored_energy(d, y) + y[dissipated_at(d.links)] - y[supplied_at(d.links)]
+    return stored_energy(d, y) + y[dissipated_at(d.link_count)] - y[supplied_at(d.link_count)]
 
 
 def stored_energy(d, y):
@@ -79,7 +79,7 @@ def mechanical_energy(d, y):
 
     The points must be located for y.
     """
-    n = d.links
+    n = d.link_count
     kinetic, potential = 0.0, 0.0
     for i in range(n):
         m, ratio, omega = d.chain.mass[i], d.chain.center_of_mass_ratio[i], y[omega_at(n) + i]
@@ -151,9 +151,9 @@ def add_constraints(d, y, rate):
     """
     if any_constraint(d):
         add_constraint_forces(d, y, rate)
-        rate[dissipated_at(d.links)] += static_power(d)
-    if d.channels > 0:
-        rate[supplied_at(d.links)] += power_of_motion(d, y, rate)
+        rate[dissipated_at(d.link_count)] += static_power(d)
+    if d.channel_count > 0:
+        rate[supplied_at(d.link_count)] += power_of_motion(d, y, rate)
 
 
 def free_rate_from_inputs(d, y, rate):
@@ -166,7 +166,7 @@ def free_rate_from_loads(d, y, dissipated, rate):
 
     ``dissipated`` is the power [W] that contacts and sliding friction dissipate.
     """
-    n = d.links
+    n = d.link_count
     supplied = 0.0
     if d.chain.has_springs_or_dampers or d.chain.has_inputs or d.chain.has_joint_places:
         drive_dissipated, supplied = set_joint_moments(d, y)
@@ -210,9 +210,9 @@ def set_joint_moments(d, y):
     dissipated, supplied = 0.0, 0.0
     # without inputs no force acts at the tip; the tip's velocity is not read, as in flight it is not computed
     if d.chain.has_inputs:
-        force, velocity, tip = d.inputs.tip_force, d.scratch.velocity, d.links
+        force, velocity, tip = d.inputs.tip_force, d.scratch.velocity, d.link_count
         supplied = force[0] * velocity.x[tip] + force[1] * velocity.y[tip]
-    for i in range(d.links):
+    for i in range(d.link_count):
         torque = 0.0
         if i >= first_joint(d):
             torque, drive_dissipated, drive_supplied = force_and_powers_of_drive(d, y, i)
@@ -231,13 +231,13 @@ def set_joint_moments(d, y):
 
 def add_place_moments(d):
     """Add the moments of stops and dry friction in joints to the links, from the loads at joints' places."""
-    for i in range(d.links):
+    for i in range(d.link_count):
         add_joint_moment(d, i, d.chain.longest_link * d.scratch.load.x[joint_place(d, i)])
 
 
 def add_spring_moments(d, y):
     """Add the moments of the springs of passive drives in joints to the links that the joints connect."""
-    for i in range(d.links):
+    for i in range(d.link_count):
         add_joint_moment(d, i, -passive_spring_resistance(d, y, i))
 
 

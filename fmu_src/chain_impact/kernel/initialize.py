@@ -73,9 +73,9 @@ def initialize(d, time):
     """Start a run at ``time`` [s]: derive constants, check parameters, set the state; return a status."""
     derive_chain(d)
     clear_run(d, time)
-    if d.signals > 0:
+    if d.signal_count > 0:
         derive_signals(d, time)
-    if d.channels > 0:
+    if d.channel_count > 0:
         begin_prescribed_motions(d, time)
     apply_inputs(d)
     derive_drives(d)
@@ -98,7 +98,7 @@ def set_run_start(d, time):
     set_initial_state(d, d.scratch.state)
     reset_step(d, time, d.scratch.state)
     clear_loads(d)
-    if d.transmitted_rows > 0:
+    if d.transmitted_row_count > 0:
         start_transmitted_forces(d, time)
     choose_saturation(d)
     restart_friction_modes(d, True)
@@ -106,10 +106,10 @@ def set_run_start(d, time):
 
 def set_initial_state(d, y):
     """Set the coordinates, rates and energies in y to the initial values; the energies are 0."""
-    n = d.links
+    n = d.link_count
     for j in range(2):
         # the state does not contain the position of a moving base: the entries are 0
-        y[j] = 0.0 if d.channels > 0 and d.chain.base_moves else d.initial.position[j]
+        y[j] = 0.0 if d.channel_count > 0 and d.chain.base_moves else d.initial.position[j]
         y[velocity_at(n) + j] = d.initial.velocity[j]
     if d.slides:
         rate = d.initial.slider_velocity
@@ -179,7 +179,7 @@ def derive_chain(d):
             chain.distal_inertia[i] += chain.mass[i] * beside * beside
         chain.longest_link = max(chain.longest_link, chain.length[i])
         chain.reach += chain.length[i]
-    if d.sites > 0:
+    if d.site_count > 0:
         derive_sites(d)
     total, armatures = d.slider.mass if d.slides else 0.0, 0.0
     for i in range(len(chain.length)):
@@ -190,7 +190,7 @@ def derive_chain(d):
         chain.gravity[0] * chain.gravity[0] + chain.gravity[1] * chain.gravity[1]
     )
     chain.has_joint_stops = 0
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if is_at_joint_stop(d, c):
             chain.has_joint_stops = 1
     if d.slides:
@@ -204,9 +204,9 @@ def derive_sites(d):
     radius [m], and the position divided by the length of its link.
     """
     before, s, chain = 0.0, 0, d.chain
-    for i in range(d.links):
+    for i in range(d.link_count):
         chain.first_site[i] = s
-        while s < d.sites and d.site.link[s] == i:
+        while s < d.site_count and d.site.link[s] == i:
             length = chain.length[i]
             if d.site.corner[s] > 0:
                 d.site.x[s], d.site.y[s] = corner_of_box(d.site.corner[s], length, chain.height[i])
@@ -216,7 +216,7 @@ def derive_sites(d):
             chain.reach = max(chain.reach, before + math.sqrt(x * x + y * y))
             s += 1
         before += chain.length[i]
-    chain.first_site[d.links] = s
+    chain.first_site[d.link_count] = s
 
 
 def derive_drives(d):
@@ -238,7 +238,7 @@ def check_parameters(d):
     status = check_ranges(d)
     if status != OK:
         return status
-    if d.signals > 0 and not signals_are_valid(d):
+    if d.signal_count > 0 and not signals_are_valid(d):
         return PARAMETER_OUT_OF_RANGE
     first, _ = find_loose_links(d.chain, d.slides and d.slider.mass == 0.0)
     if first >= 0:
@@ -272,10 +272,10 @@ def refuse_value(d, k, i):
     The cause is the link or the slider to which the entry belongs; for a site it is the link of the site. If
     the entry belongs to no link, site or slider, no cause is stored.
     """
-    if RANGE_OWNERS[k] == LINK_OWNERS and i < d.links:
+    if RANGE_OWNERS[k] == LINK_OWNERS and i < d.link_count:
         return refuse_part(d, LINK_PART, i, PARAMETER_OUT_OF_RANGE)
     if d.slides and (RANGE_OWNERS[k] == LINK_OWNERS or RANGE_OWNERS[k] == CARRIAGE_OWNER):
-        return refuse_part(d, DRIVE_PART, d.links, PARAMETER_OUT_OF_RANGE)
+        return refuse_part(d, DRIVE_PART, d.link_count, PARAMETER_OUT_OF_RANGE)
     if RANGE_OWNERS[k] == SITE_OWNERS:
         return refuse_part(d, LINK_PART, d.site.link[i], PARAMETER_OUT_OF_RANGE)
     return PARAMETER_OUT_OF_RANGE
@@ -304,10 +304,10 @@ def check_start(d):
     kinetic, potential = mechanical_energy(d, d.step.state)
     if not math.isfinite(kinetic + potential + stored_energy(d, d.step.state)):
         return NOT_FINITE
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         clearance, _ = clearance_and_rate(d, c)
         if not clearance >= -ALLOWED_OVERLAP:
             return refuse_part(d, CANDIDATE_PART, c, STARTS_INSIDE_WALL)
-    if d.channels > 0 and check_base_at_walls(d) != OK:
+    if d.channel_count > 0 and check_base_at_walls(d) != OK:
         return BASE_BEYOND_WALL
     return FORCES_NOT_FOUND if d.constraints.outcome == UNSOLVED else OK

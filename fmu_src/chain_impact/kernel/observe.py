@@ -71,13 +71,13 @@ def fill_outputs(d):
     counts, theta = read_cost_counts(d), fraction_at_time(d, d.step.communication_point)
     fill_outputs_but_integrals(d, theta)
     fill_quadratures(d, theta)
-    if d.transmitted_rows > 0:
+    if d.transmitted_row_count > 0:
         fill_joint_impulses(d)
     list_latest(d)
     if d.chain.has_joint_stops:
         combine_forces(d)
         combine_impulses(d)
-    if d.transmitted_rows > 0:
+    if d.transmitted_row_count > 0:
         fill_joint_force_peaks(d)
     restore_cost_counts(d, counts)
 
@@ -100,7 +100,7 @@ def fill_outputs_but_integrals(d, theta):
     If requested, the transmitted forces of joints and walls are filled, too, but not their impulses and
     peaks.
     """
-    n, out, scratch, y, rate = d.links, d.output, d.scratch, d.scratch.state, d.scratch.rate
+    n, out, scratch, y, rate = d.link_count, d.output, d.scratch, d.scratch.state, d.scratch.rate
     fill_state(d, theta)
     true_rate_from_inputs(d, y, rate)
     correct_near_fold(d, theta, y, rate)
@@ -111,17 +111,17 @@ def fill_outputs_but_integrals(d, theta):
     if d.slides:
         out.slider_acceleration = drive_component(d, rate, velocity_at(n), n)
     fill_forces(d)
-    if d.friction_elements > 0:
+    if d.friction_element_count > 0:
         fill_friction(d)
-    if d.transmitted_rows > 0:
+    if d.transmitted_row_count > 0:
         fill_transmitted_forces(d, y, rate)
 
 
 def fill_points(d, vectors, out):
     """Copy the ``vectors`` of points 0…N and of sites to ``out``, whose row k has the vector of point k."""
-    for k in range(d.links + 1):
+    for k in range(d.link_count + 1):
         out[k, 0], out[k, 1] = vectors.x[k], vectors.y[k]
-    for s in range(d.sites):
+    for s in range(d.site_count):
         k, place = point_of_site(d, s), site_place(d, s)
         out[k, 0], out[k, 1] = vectors.x[place], vectors.y[place]
 
@@ -131,10 +131,10 @@ def fill_state(d, theta):
 
     Afterwards the points are located there.
     """
-    n, out, y = d.links, d.output, d.scratch.state
+    n, out, y = d.link_count, d.output, d.scratch.state
     interpolate_state(d.step, theta, y)
     locate_points(d, y)
-    if d.channels > 0 and any_constraint(d):
+    if d.channel_count > 0 and any_constraint(d):
         # The dense output satisfies constraints and prescribed motions only up to its error, so the state y
         # is projected. For the projection, ``set_true_loads`` sets the limits of friction: dependent
         # sticking elements share the load in proportion to these limits.
@@ -151,9 +151,9 @@ def fill_state(d, theta):
     if d.slides:
         out.slider_position = slider_position(d, y)
         out.slider_velocity = drive_component(d, y, velocity_at(n), n)
-    for m in range(d.channels):
+    for m in range(d.channel_count):
         out.channel[m] = d.channel.position[m]
-    for j in range(d.signals):
+    for j in range(d.signal_count):
         value, rate, curvature = signal_at(d, j, d.step.time_origin + y[time_at(n)])
         out.signal[j, 0], out.signal[j, 1], out.signal[j, 2] = value, rate, curvature
     out.kinetic, out.potential = mechanical_energy(d, y)
@@ -166,7 +166,7 @@ def fill_state(d, theta):
 def fill_forces(d):
     """Fill the outputs of contacts, except impulses, from the located points and the last evaluated ẏ."""
     out = d.output
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
     for k in range(d.contacts.active_count):
         c = d.contacts.active_index[k]
@@ -181,14 +181,14 @@ def fill_forces(d):
 def fill_friction(d):
     """Fill the outputs of dry friction, except impulses and energy, after ``fill_forces``."""
     friction, out = d.friction, d.output.friction
-    for e in range(d.friction_elements):
+    for e in range(d.friction_element_count):
         out.force[e], out.sticking[e] = 0.0, 0.0
         out.drive_friction[e], out.drive_sticking[e] = 0.0, 0.0
     for i in range(friction.active_count):
         e = d.friction_element.index[i]
         mode = d.friction_element.mode[e]
         sticks = 1.0 if mode == STICKS else 0.0
-        if e >= d.candidates:
+        if e >= d.candidate_count:
             k = drive_of_element(d, e)
             out.drive_friction[k] = lever_of_drive(d, k) * d.friction_element.force[e]
             out.drive_sticking[k] = sticks
@@ -215,15 +215,15 @@ def fill_quadrature(d, i, value):
     The last two quadratures, the components of the impulse of the force at the tip, have no output; the
     impulses in the joints are computed from them.
     """
-    e = i - d.candidates
+    e = i - d.candidate_count
     if e < 0:
         d.output.impulse[i] = value
-    elif e < d.friction_elements:
+    elif e < d.friction_element_count:
         d.output.friction.impulse[e] = value
-    elif e == d.friction_elements:
+    elif e == d.friction_element_count:
         d.output.friction.dissipated = value
     else:
-        store_tip_impulse(d, e - d.friction_elements - 1, value)
+        store_tip_impulse(d, e - d.friction_element_count - 1, value)
 
 
 def combine_forces(d):
@@ -233,7 +233,7 @@ def combine_forces(d):
     its two stops at a time; moments at joint_max are negative.
     """
     out = d.output
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         arm = lever_of_candidate(d, c)
         if is_at_joint_stop(d, c):
             moment = joint_stop_moment(d, c, out.force[c])
@@ -252,7 +252,7 @@ def combine_impulses(d):
     negative.
     """
     out = d.output
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if is_at_joint_stop(d, c):
             impulse = joint_stop_moment(d, c, out.impulse[c])
             out.impulse[c] = 0.0

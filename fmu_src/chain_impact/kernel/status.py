@@ -106,10 +106,10 @@ def refuse_part(d, kind, index, status):
     """
     number = 1 + index
     if kind > CANDIDATE_PART:
-        number += d.candidates
+        number += d.candidate_count
     if kind > LINK_PART:
-        number += d.links
+        number += d.link_count
     if kind > DRIVE_PART:
-        number += d.links + d.slides
+        number += d.link_count + d.slides
     d.fault.part = number
     return status

@@ -62,7 +62,7 @@ def start_transmitted_forces(d, time):
     locate_points(d, d.step.state_end)
     transmitted.run_start, transmitted.searched_end = time, math.nan
     set_link_momenta(d, transmitted.start_x, transmitted.start_y)
-    for i in range(d.links):
+    for i in range(d.link_count):
         set_joint_force_peak(d, i, 0.0, time)
 
 
@@ -81,7 +81,7 @@ def set_joint_force_peak(d, i, square, time):
 
 def set_link_momenta(d, x, y):
     """Set x and y to the momentum [N·s] of each link, for the located points."""
-    for i in range(d.links):
+    for i in range(d.link_count):
         vx, vy = vector_at_center_of_mass(d, d.scratch.velocity, i)
         x[i], y[i] = d.chain.mass[i] * vx, d.chain.mass[i] * vy
 
@@ -92,7 +92,7 @@ def set_joint_forces(d, contact_force, friction_force, x, y):
     ``contact_force`` has the normal force [N] of each candidate, and ``friction_force`` the friction force
     [N] of each element.
     """
-    for i in range(d.links):
+    for i in range(d.link_count):
         ax, ay = vector_at_center_of_mass(d, d.scratch.acceleration, i)
         x[i] = d.chain.mass[i] * (ax - d.chain.gravity[0])
         y[i] = d.chain.mass[i] * (ay - d.chain.gravity[1])
@@ -121,9 +121,9 @@ def sum_from_tip(d, at_tip, x, y):
     walls on the link; or the integral of this sum over time. The force, or impulse, in a joint is the sum of
     these entries from the joint's outer link to the tip, minus the force, or impulse, ``at_tip``.
     """
-    x[d.links - 1] -= at_tip[0]
-    y[d.links - 1] -= at_tip[1]
-    for i in range(d.links - 2, -1, -1):
+    x[d.link_count - 1] -= at_tip[0]
+    y[d.link_count - 1] -= at_tip[1]
+    for i in range(d.link_count - 2, -1, -1):
         x[i] += x[i + 1]
         y[i] += y[i + 1]
 
@@ -135,7 +135,7 @@ def wall_force(d, c, along_normal, along_tangent):
     """
     _, nx, ny = normal_row(d, c)
     fx, fy = along_normal[c] * nx, along_normal[c] * ny
-    if d.friction_elements > 0:
+    if d.friction_element_count > 0:
         _, tx, ty = tangent_row(d, c)
         fx += along_tangent[c] * tx
         fy += along_tangent[c] * ty
@@ -151,13 +151,13 @@ def fill_transmitted_forces(d, y, rate):
     """
     out = d.output
     set_joint_forces(d, out.force, out.friction.force, out.transmitted.x, out.transmitted.y)
-    for i in range(d.links):
+    for i in range(d.link_count):
         out.transmitted.moment[i] = transmitted_moment(d, y, rate, i)
-        if d.friction_elements > 0:
+        if d.friction_element_count > 0:
             out.transmitted.moment[i] += out.friction.drive_friction[i]
     if d.slides:
         fill_slider_reaction(d)
-    for row in range(d.links, d.transmitted_rows):
+    for row in range(d.link_count, d.transmitted_row_count):
         out.transmitted.x[row], out.transmitted.y[row], out.transmitted.moment[row] = 0.0, 0.0, 0.0
     for k in range(d.contacts.active_count):
         c = d.contacts.active_index[k]
@@ -191,7 +191,7 @@ def add_force_on_wall(d, c):
     if wall >= len(WALLS):
         x -= d.walls.x[wall - len(WALLS)]
         y -= d.walls.y[wall - len(WALLS)]
-    row = d.links + wall
+    row = d.link_count + wall
     out.transmitted.x[row] -= fx
     out.transmitted.y[row] -= fy
     out.transmitted.moment[row] -= x * fy - y * fx
@@ -207,10 +207,10 @@ def fill_joint_impulses(d):
     y = out.transmitted.impulse_y
     duration = d.step.communication_point - transmitted.run_start
     set_link_momenta(d, x, y)
-    for i in range(d.links):
+    for i in range(d.link_count):
         x[i] -= transmitted.start_x[i] + d.chain.mass[i] * d.chain.gravity[0] * duration
         y[i] -= transmitted.start_y[i] + d.chain.mass[i] * d.chain.gravity[1] * duration
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         subtract_contact(d, c, out.impulse, out.friction.impulse, x, y)
     sum_from_tip(d, transmitted.tip_impulse, x, y)
 
@@ -224,17 +224,17 @@ def fill_joint_force_peaks(d):
     out, transmitted, rises = d.output.transmitted, d.transmitted, False
     if transmitted.searched_break_count != d.step.break_count or transmitted.searched_end != d.step.end:
         search_step_for_peaks(d)
-        for i in range(d.links):
+        for i in range(d.link_count):
             transmitted.searched_square[i] = transmitted.largest_square[i]
         transmitted.searched_break_count, transmitted.searched_end = d.step.break_count, d.step.end
-    for i in range(d.links):
+    for i in range(d.link_count):
         transmitted.largest_square[i] = transmitted.peak_square[i]
         transmitted.largest_time[i] = transmitted.peak_time[i]
         raise_largest(d, i, out.x[i] * out.x[i] + out.y[i] * out.y[i], d.step.communication_point)
         rises = rises or transmitted.searched_square[i] > transmitted.largest_square[i]
     if rises:
         search_peaks(d, d.step.communication_point, d.step.communication_point)
-    for i in range(d.links):
+    for i in range(d.link_count):
         out.peak[i] = math.sqrt(transmitted.largest_square[i]) if transmitted.largest_square[i] > 0.0 else 0.0
         out.peak_time[i] = transmitted.largest_time[i]
 
@@ -250,12 +250,12 @@ def raise_joint_force_peaks(d):
     transmitted, contacts, counts = d.transmitted, d.contacts, read_cost_counts(d)
     ensure_dense(d, OUTPUT_READER)
     search_step_for_peaks(d)
-    for i in range(d.links):
+    for i in range(d.link_count):
         if transmitted.largest_square[i] > transmitted.peak_square[i]:
             set_joint_force_peak(d, i, transmitted.largest_square[i], transmitted.largest_time[i])
     for k in range(contacts.active_count):
         c = contacts.active_index[k]
-        for i in range(first_joint(d), d.links):
+        for i in range(first_joint(d), d.link_count):
             if transmitted.largest_square[i] > contacts.joint_square[c]:
                 set_joint_square(d, c, transmitted.largest_square[i], i + 1)
     # the search has evaluated other times: set the forces, and what follows from them, to those at the end of
@@ -275,7 +275,7 @@ def search_step_for_peaks(d):
     transmitted, least_square = d.transmitted, math.inf
     for k in range(d.contacts.active_count):
         least_square = min(least_square, d.contacts.joint_square[d.contacts.active_index[k]])
-    for i in range(d.links):
+    for i in range(d.link_count):
         transmitted.largest_square[i] = min(transmitted.peak_square[i], least_square)
     search_peaks(d, d.step.end, time_of_peak(d, d.step.end, d.step.end))
 
@@ -293,9 +293,9 @@ def search_peaks(d, time, peak_at_end):
         theta = first + (end - first) * m / intervals
         set_joint_forces_at(d, theta)
         sampled_at = peak_at_end if m == intervals else time_of_peak(d, time_of_joint_forces(d), theta)
-        for i in range(d.links):
+        for i in range(d.link_count):
             transmitted.square_after[i] = square_of_force(d, i)
-        for i in range(d.links):
+        for i in range(d.link_count):
             left = transmitted.square_before[i]
             top = transmitted.square_middle[i]
             right = transmitted.square_after[i]
@@ -321,7 +321,7 @@ def time_of_peak(_d, time, _place):
 
 def time_of_joint_forces(d):
     """Return the time [s] of the forces in ``transmitted.x`` and ``.y``, after ``set_joint_forces_at``."""
-    return d.step.start + d.scratch.state[time_at(d.links)]
+    return d.step.start + d.scratch.state[time_at(d.link_count)]
 
 
 def raise_largest(d, i, square, time):

@@ -286,7 +286,7 @@ def _layout() -> dict[str, Any]:
         "part": word_terms(("fault", "part")),
         "time": word_terms(("step", "communication_point")),
         "impulses": word_terms(("quadrature", "computed")),
-        "loads": word_terms(("transmitted_rows",)),
+        "loads": word_terms(("transmitted_row_count",)),
         "contactLog": {
             "count": word_terms(("contact_log", "count")),
             "collected": word_terms(("contact_log", "collected")),

@@ -79,7 +79,7 @@ LISTS = {
     ),
     "sloped_walls": ListRule("walls at any angle; name"),
     "laws": ListRule("contact laws, a user's law last; name"),
-    "signals": ListRule("driven inputs; name: of the signal; input; knot_count"),
+    "signals": ListRule("driven inputs; name: of the signal; input; knots: their number"),
     "steps": ListRule(
         "steps of each driven input; name: of the signal; input; entry: index; knot: index in record"
     ),
@@ -159,7 +159,6 @@ FACTS = {
         "outputs.contacts or outputs.impacts or outputs.loads or has_dry_friction and outputs.energies",
         "some output needs the impulses of contacts",
     ),
-    "knots": Fact("sum(signals, knot_count)", "the number of polynomials (knots) of all signals"),
 }
 """Name → fact of a scene. A fact comes after the facts that its rule names. ``SceneFacts`` has further facts:
 the keys of [inputs] and [outputs], such as ``inputs.tip_force``."""
@@ -279,7 +278,7 @@ def _walls(facts: SceneFacts) -> list[dict[str, Any]]:
 
 def _signals(facts: SceneFacts) -> list[dict[str, Any]]:
     return [
-        {"name": signal.signal, "input": signal.input, "knot_count": signal.knot_count}
+        {"name": signal.signal, "input": signal.input, "knots": signal.knot_count}
         for signal in driven_by(facts.scene)
     ]
 

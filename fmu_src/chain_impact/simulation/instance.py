@@ -90,7 +90,7 @@ class Instance:
         self.record["fault"], self.record["output"] = copied_memory[0]["fault"], copied_memory[0]["output"]
         for part, field in DERIVED_DURING_RUN:
             self.record[part][field] = copied_memory[0][part][field]
-        if self.record["tangents"]:
+        if self.record["tangent_count"]:
             self._memory[0][TANGENTS]["output"] = copied_memory[0][TANGENTS]["output"]
         return status
 
@@ -215,7 +215,7 @@ class Instance:
         rows = np.ndarray(len(impacts), LOG_DTYPE, impacts)
         if not self._integers.item(log.integrates):
             rows["impulse"] = np.nan
-        if not self.prepared.counts.transmitted_rows:
+        if not self.prepared.counts.transmitted_row_count:
             rows["joint_force"] = np.nan
         return rows
 

@@ -88,7 +88,7 @@ def channels_of(prepared_scene: PreparedScene) -> list[Channel]:
     """Return the channels of a moving base, of moving walls and of belts, in the order of the record."""
     names = {variable.record_path: variable.name for variable in prepared_scene.inputs}
     scene, channels = prepared_scene.scene, []
-    for j in range(prepared_scene.counts.channels):
+    for j in range(prepared_scene.counts.channel_count):
         position, velocity, acceleration = (names.get((MOTION, field, j), "") for field in MOTIONS)
         base = scene.inputs.base_motion and j < len(AXES)
         start = scene.initial.position[j] if base else 0.0

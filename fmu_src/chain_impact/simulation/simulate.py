@@ -192,7 +192,7 @@ def _warn(instance: Instance, result: Result) -> None:
     # ``hints`` takes long, and returns nothing unless a point is deeper in a wall than ``BodySize.deep``
     if instance.record["peaks"]["penetration"] > smallest_body(scene).deep:
         warn(scene.name, hints(scene, result.impacts))
-    if result.prepared.counts.channels and instance.record["channel"]["contradiction"]:
+    if result.prepared.counts.channel_count and instance.record["channel"]["contradiction"]:
         warn(scene.name, instance.contradictions)
 
 

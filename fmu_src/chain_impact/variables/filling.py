@@ -238,7 +238,8 @@ def _words_of(
     """
     numbers = {
         **counts._asdict(),
-        "link_facts": counts.links,
+        "link_facts": counts.link_count,
+        "sites": counts.site_count,
         "sloped_walls": sloped_walls,
         "has_slider": has_slider,
     }
@@ -298,7 +299,7 @@ def with_tangents(memory: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
     names = layout.names or ()
     tangents = (TANGENTS, tangent_dtype(layout), (count,))
     record = np.zeros(1, np.dtype([*((name, layout[name]) for name in names), tangents]))
-    memory["tangents"] = count
+    memory["tangent_count"] = count
     for name in names:
         record[name] = memory[name]
     _copy_values(memory[0], record[0][TANGENTS])

@@ -40,19 +40,18 @@ OWN_CONDITIONS = {
 """Name of a condition that single owners meet, not the scene → its meaning. No such condition has the name of
 a fact."""
 COUNT_RULES = {
-    "links": "link_facts",
-    "candidates": "candidates",
-    "friction_elements": (
+    "link_count": "link_facts",
+    "candidate_count": "candidates",
+    "friction_element_count": (
         "has_dry_friction*link_facts + has_dry_friction*candidates + has_dry_friction*has_slider"
     ),
-    "transmitted_rows": "outputs.loads*link_facts + outputs.loads*walls",
-    "channels": "2*inputs.base_motion + 2*moving_walls",
-    "sites": "sites",
-    "signals": "signals",
-    "knots": "knots",
+    "transmitted_row_count": "outputs.loads*link_facts + outputs.loads*walls",
+    "channel_count": "2*inputs.base_motion + 2*moving_walls",
+    "site_count": "sites",
+    "signal_count": "signals",
+    "knot_count": "sum(signals, knots)",
 }
-"""Name of a count at the start of a record (kernel/record/counts.py) → the rule for its number, a sum of
-products."""
+"""Name of a count at the start of a record (kernel/record/counts.py) → the rule for its number."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,7 +91,7 @@ OWNER_KINDS = {
         },
     ),
     "point": OwnerKind(
-        source_list="links + sites + 1",
+        source_list="link_count + site_count + 1",
         numbers={"n": "order", "at": "order"},
         conditions={"base_at_rest": "pinned and not inputs.base_motion and not order"},
     ),
@@ -115,7 +114,7 @@ OWNER_KINDS = {
     ),
     "slider": OwnerKind(
         source_list="has_slider",
-        numbers={"at": "links"},
+        numbers={"at": "link_count"},
         conditions={
             "has_target": "inputs.joint_targets",
             "target_is_parameter": "not has_target",
@@ -126,7 +125,7 @@ OWNER_KINDS = {
     # if a point can touch a wall, each wall of the scene has a material, also a wall that no point can touch
     "material": OwnerKind(source_list="walls", condition="exists and pair_count", numbers={"at": "order"}),
     "moving wall": OwnerKind(source_list="moving_walls", numbers={"at": _CHANNEL}),
-    "touched wall": OwnerKind(source_list="walls", condition="touched", numbers={"at": "links + order"}),
+    "touched wall": OwnerKind(source_list="walls", condition="touched", numbers={"at": "link_count + order"}),
     "signal": OwnerKind(source_list="signals", numbers={"at": "order"}),
     "step": OwnerKind(source_list="steps", numbers={"n": "entry + 1", "at": "knot"}),
     "impact": OwnerKind(source_list="outputs.impacts", numbers=_NUMBERED_BY_ORDER),
@@ -177,7 +176,7 @@ RECORD_NUMBERS = {
     ),
     "stop_law": RecordNumber(("stops", "law"), "sum(laws, (name == stops.model)*(order + 1))"),
     **{
-        f"wall_{key}": RecordNumber(("walls", key, OWNER_AT), "-1", f"{len(WALLS)} + candidates")
+        f"wall_{key}": RecordNumber(("walls", key, OWNER_AT), "-1", f"{len(WALLS)} + candidate_count")
         for key in ("restitution", "friction", "static_friction")
     },
 }

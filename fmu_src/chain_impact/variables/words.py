@@ -47,7 +47,7 @@ def scene_words(structure: Structure) -> dict[str, Any]:
     statuses = {code: text for code, text in STATUS_TEXT.items() if code not in absent_words}
     walls = ", ".join(f"{w} {wall}" for w, wall in enumerate(names, 1))
     return {
-        "points": numbers["links"] + numbers["sites"],
+        "points": numbers["link_count"] + numbers["site_count"],
         "walls": numbers["walls"],
         "most_status": max(statuses),
         # The number of a wall is an integer variable, not an enumeration: the items of an enumeration count
@@ -106,8 +106,8 @@ def _ground(structure: Structure) -> str:
 
 def _label(structure: Structure, point: int) -> str:
     """Return " (heel, link 2)" or " (link 2)" for an additional point of a link; "" for an end."""
-    links = structure.numbers["links"]
-    if point <= links:
+    link_count = structure.numbers["link_count"]
+    if point <= link_count:
         return ""
-    site = structure.lists["sites"][point - links - 1]
+    site = structure.lists["sites"][point - link_count - 1]
     return " (" + (f"{site['label']}, " if site["label"] else "") + f"link {site['link'] + 1})"

@@ -48,11 +48,11 @@ class Stamps:
 
     def links_of(self, y: np.ndarray) -> bytes:
         """Return the part of a state on which the link vectors depend."""
-        return y[FIRST_ANGLE : FIRST_ANGLE + self.d.links].tobytes()
+        return y[FIRST_ANGLE : FIRST_ANGLE + self.d.link_count].tobytes()
 
     def places_of(self, y: np.ndarray) -> bytes:
         """Return the part of a state on which places and velocities depend."""
-        return y[: 2 * coordinate_count(self.d.links)].tobytes()
+        return y[: 2 * coordinate_count(self.d.link_count)].tobytes()
 
     def rubs_not(self, e: int) -> bool:
         """Return whether element e has no friction, and the force 0 in every state."""
@@ -71,13 +71,13 @@ class Stamps:
         else:
             stale = self.links != angles or stamp != self.places
             stale = stale or (y is not None and self.places != self.places_of(y))
-            stale = stale or (y is not None and self.d.channels > 0 and self.moved != self._time_of(y))
+            stale = stale or (y is not None and self.d.channel_count > 0 and self.moved != self._time_of(y))
         if stale:
             names = [frame.f_code.co_name for frame in _outward(reader, 6)]
             raise StaleError(f"{group} of another state: {' < '.join(names)}")
 
     def _time_of(self, y: np.ndarray) -> float:
-        return float(self.d.step.time_origin + y[time_at(self.d.links)])
+        return float(self.d.step.time_origin + y[time_at(self.d.link_count)])
 
     def _state_of(self, reader: FrameType) -> np.ndarray | None:
         """Return the state y of a reader or of one of its callers; None if there is none."""
@@ -88,7 +88,7 @@ class Stamps:
                 end: np.ndarray = self.d.step.state_end
                 return end
             y, of_vectors = frame.f_locals.get("y"), isinstance(frame.f_locals.get("x"), np.ndarray)
-            if isinstance(y, np.ndarray) and y.shape == (state_length(self.d.links),) and not of_vectors:
+            if isinstance(y, np.ndarray) and y.shape == (state_length(self.d.link_count),) and not of_vectors:
                 return y
         return None
 
@@ -129,7 +129,7 @@ def stamp(d: Plain) -> None:
     groups = [(getattr(scratch, group), axis, group) for group in GROUPS for axis in "xy"]
     forces = [
         (d.contacts, "force", "contact"),
-        *([(d.friction_element, "force", "friction")] if d.friction_elements else []),
+        *([(d.friction_element, "force", "friction")] if d.friction_element_count else []),
     ]
     for part, field, group in groups + forces:
         numbers = getattr(part, field).view(Stamped)

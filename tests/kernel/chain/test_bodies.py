@@ -143,16 +143,16 @@ def sites_of(reference):
 
 def test_accelerations_by_forces_at_sites_agree_with_lagrange(moving):
     d, y, reference, _ = moving
-    n, force = d.links, reference.force.copy()
+    n, force = d.link_count, reference.force.copy()
     d.candidate.offset[:] = 0.3  # the floor is above some points
     locate_points(d, y)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         begin_force_contact(d, c)
     list_active_contacts(d)
     rate = np.zeros_like(y)
     rate_from_state(d, y, rate)
     sites = sites_of(reference)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         _, jacobian, _ = reference.point(*sites[d.candidate.point[c] - n - 1])
         force += jacobian.T @ [0.0, d.contacts.force[c]]
     wanted = reference.solved(reference.mass, force)
@@ -178,7 +178,7 @@ def test_the_kinetic_energy_is_that_of_the_mass_matrix(moving):
 
 def test_impedances_at_points_of_links_act_as_springs_there(moving):
     d, y, reference, rng = moving
-    n, mass, force = d.links, reference.mass.copy(), np.zeros(d.links + 2)
+    n, mass, force = d.link_count, reference.mass.copy(), np.zeros(d.link_count + 2)
     locate_points(d, y)
     clear_impedance(d, d.scratch.impedance)
     clear_used_loads(d, d.scratch.load)

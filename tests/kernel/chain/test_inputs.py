@@ -54,10 +54,10 @@ def test_inputs_go_on_where_the_last_step_ends_with_the_piece():
 
 
 def test_a_state_sees_the_inputs_at_its_time():
-    """The time in a state counts from the clock; constant inputs stay as they are."""
+    """The time in a state counts from the time origin; constant inputs stay as they are."""
     d = driven()
     y = d.step.state.copy()
-    d.step.time_origin, y[time_at(d.links)] = 1.25, 0.5
+    d.step.time_origin, y[time_at(d.link_count)] = 1.25, 0.5
     inputs.ensure_inputs(d, y)
     assert list(d.inputs.motor[:2]) == [1.0 + 2.0 * 0.75 + 3.0 * 0.75**2, 4.0]
     d = driven(degree=0)

@@ -31,23 +31,23 @@ def sprung(request):
 
 def test_every_joint_has_its_own_and_a_free_base_is_no_joint(sprung):
     links, d, _y = sprung
-    held = [1.0 if i > 0 or d.chain.has_base_joint else 0.0 for i in range(d.links)]
+    held = [1.0 if i > 0 or d.chain.has_base_joint else 0.0 for i in range(d.link_count)]
     own = [
         (link.joint_damping * one, link.joint_stiffness * one) for link, one in zip(links, held, strict=True)
     ]
-    assert [drive_slopes(d, i) for i in range(d.links)] == own
+    assert [drive_slopes(d, i) for i in range(d.link_count)] == own
     extend_start(d)
     extended_slopes(d, d.implicit.z_start)
-    assert [drive_resistance(d, i, 0.3) for i in range(d.links)] == [0.3 * (c + 0.3 * k) for c, k in own]
+    assert [drive_resistance(d, i, 0.3) for i in range(d.link_count)] == [0.3 * (c + 0.3 * k) for c, k in own]
     assert [has_effect(k) for _, k in own] == [one > 0.0 for one in held]
 
 
 def test_springs_store_half_the_stiffness_times_the_squared_stretch(sprung):
     links, d, y = sprung
-    angles = y[2 : d.links + 2]
+    angles = y[2 : d.link_count + 2]
     relative = np.diff(angles, prepend=0.0) - [link.joint_rest_angle for link in links]
     np.testing.assert_allclose(
-        [spring_stretch(d, y, i) for i in range(d.links)], relative, rtol=0, atol=1e-15
+        [spring_stretch(d, y, i) for i in range(d.link_count)], relative, rtol=0, atol=1e-15
     )
     stiffness = np.array([link.joint_stiffness for link in links])
     stiffness[0] *= d.chain.has_base_joint
@@ -56,9 +56,9 @@ def test_springs_store_half_the_stiffness_times_the_squared_stretch(sprung):
 
 def test_springs_are_slack_at_rest_angles_and_while_the_chain_turns(sprung):
     links, d, y = sprung
-    y[2 : d.links + 2] = np.cumsum([link.joint_rest_angle for link in links])
+    y[2 : d.link_count + 2] = np.cumsum([link.joint_rest_angle for link in links])
     assert spring_energy(d, y) == pytest.approx(0.0, abs=1e-28)
-    y[2 : d.links + 2] += 0.7
+    y[2 : d.link_count + 2] += 0.7
     turned = 0.5 * links[0].joint_stiffness * 0.7**2 * d.chain.has_base_joint
     assert spring_energy(d, y) == pytest.approx(turned, rel=1e-13, abs=1e-28)
 

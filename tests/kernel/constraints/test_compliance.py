@@ -35,18 +35,21 @@ def made(case, resist=True):
     y, stops, across = random_state(rng, d), stops_of(d), relative_motion(count)
     kinematics.locate_points(d, y)
     mark_touching(
-        d, [0, 3, *stops[1::3], *stops[::4]] if stops else rng.choice(d.candidates, touching, replace=False)
+        d,
+        [0, 3, *stops[1::3], *stops[::4]]
+        if stops
+        else rng.choice(d.candidate_count, touching, replace=False),
     )
     # values from an earlier problem
     set_impedances(d.scratch.impedance, random_impedances(rng, count + 1, 5.0) + 0.3)
     d.scratch.load.x[:] = d.scratch.load.y[:] = 9.0
-    walls = [c for c in range(d.candidates) if c not in stops]
+    walls = [c for c in range(d.candidate_count) if c not in stops]
     of_walls = dict(zip(walls, gradients(scene, d, y[2 : count + 2], walls), strict=True))
     rows = [
         of_walls[c]
         if c in walls
         else d.candidate.stop[c] * d.chain.longest_link * across[d.candidate.point[c] - 1]
-        for c in range(d.candidates)
+        for c in range(d.candidate_count)
     ]
     touched = np.array([rows[c] for c in d.contacts.active_index[: d.contacts.active_count]]).reshape(
         -1, count + 2
@@ -64,7 +67,7 @@ def solved(d, matrix, right):
 
 def assert_moved(scene, d, angles, change):
     """Assert that points and joints move as the change of the coordinates says."""
-    count = d.links
+    count = d.link_count
     moved = [point_jacobian(scene, angles, k) @ change for k in range(count + 1)]
     np.testing.assert_allclose(vectors(d.scratch.place_change), moved, rtol=0, atol=1e-9)
     if d.chain.has_joint_stops:
@@ -74,7 +77,7 @@ def assert_moved(scene, d, angles, change):
 
 def assert_loads(scene, d, angles, added, work):
     """Assert the work of loads of points and joints, and the addition of their impedances to M."""
-    own, count = d.scratch.impedance, d.links
+    own, count = d.scratch.impedance, d.link_count
     for k, load in enumerate(vectors(d.scratch.load)):
         at = point_jacobian(scene, angles, k)
         work = work - at.T @ load
@@ -97,9 +100,9 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
     Also the loads and impedances: the virtual work is Jᵀ p, and the energy of impedances ½ Σ D (n·v)².
     """
     scene, d, angles, _, jacobian, rng = made(case, resist)
-    count, active, across = d.links, len(jacobian), relative_motion(d.links)
+    count, active, across = d.link_count, len(jacobian), relative_motion(d.link_count)
     assert d.chain.has_springs_or_dampers == (resist and (count > 1 or d.chain.has_base_joint))
-    impedance, impulse = rng.uniform(0.0, 30.0, d.candidates), rng.normal(size=d.candidates)
+    impedance, impulse = rng.uniform(0.0, 30.0, d.candidate_count), rng.normal(size=d.candidate_count)
     compliance.factorize_contacts(d, response.HELD, impedance)
     compliance.solve_contacts(d, response.HELD, impulse, d.constraints.change)
     added, work = jacobian.T @ np.diag(impedance[:active]) @ jacobian, jacobian.T @ impulse[:active]
@@ -107,7 +110,7 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
     np.testing.assert_allclose(d.constraints.change, expected, rtol=0, atol=1e-10)
     assert_moved(scene, d, angles, expected)
     assert_loads(scene, d, angles, added, work)
-    for i in range(d.links):
+    for i in range(d.link_count):
         d.implicit.drive_damping[i], d.implicit.drive_stiffness[i] = drive_slopes(d, i)
         d.scratch.impedance.joint[i] = drive_resistance(d, i, time)
     geometry.add_joint_impedances(d, d.scratch.impedance)

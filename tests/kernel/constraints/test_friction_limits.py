@@ -33,10 +33,10 @@ def set_limits(chain, limits):
     """Set the friction limits of the elements [N]."""
     d = chain.d
     for e, limit in zip(chain.elements, limits, strict=True):
-        if e < d.candidates:
+        if e < d.candidate_count:
             d.law.static_friction[e] = d.law.friction[e] = limit / d.contacts.force[e]
         else:
-            d.drive.friction[e - d.candidates] = limit * d.chain.longest_link
+            d.drive.friction[e - d.candidate_count] = limit * d.chain.longest_link
             d.friction_element.friction_limit[e] = limit
 
 

@@ -64,7 +64,7 @@ def placed(request):
 def test_each_candidate_has_the_normal_and_the_offset_of_its_wall(placed):
     scene, d = placed
     planes = list(scene.half_planes.values())
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         expected = planes[c % len(planes)]
         np.testing.assert_allclose(normal_row(d, c)[1:], expected.normal, rtol=0, atol=3e-16)
         assert d.candidate.offset[c] == pytest.approx(expected.offset, rel=1e-14, abs=1e-14)
@@ -81,7 +81,7 @@ def test_a_clearance_and_its_rate_are_those_of_the_point(placed):
     y = np.random.default_rng(3).normal(size=len(d.scratch.state))
     kinematics.locate_points(d, y)
     names = list(scene.half_planes)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         point, wall = d.candidate.point[c], scene.half_planes[names[c % len(names)]]
         gap, rate = clearance_and_rate(d, c)
         place = d.scratch.position.x[point], d.scratch.position.y[point]
@@ -124,9 +124,9 @@ def differenced(d, y, change):
 
     def gaps(shift):
         moved = y.copy()
-        moved[: d.links + 2] += shift * change
+        moved[: d.link_count + 2] += shift * change
         kinematics.locate_points(d, moved)
-        return np.array([clearance_and_rate(d, c)[0] for c in range(d.candidates)])
+        return np.array([clearance_and_rate(d, c)[0] for c in range(d.candidate_count)])
 
     changes = slope(gaps, 0.0, 1e-6)
     kinematics.locate_points(d, y)
@@ -146,8 +146,8 @@ def test_the_clearance_of_a_stop_is_angle_times_lever_arm(stopped):
         limit = (d.drive.min if side > 0 else d.drive.max)[joint]
         assert clearance_and_rate(d, c)[0] == pytest.approx(size * side * (angles[joint] - limit), rel=1e-13)
         assert lever_of_candidate(d, c) == size
-        assert (d.candidate.place[c], d.candidate.normal_x[c]) == (d.links + joint + 1, side)
-    rates = np.array([clearance_and_rate(d, c)[1] for c in range(d.candidates)])
+        assert (d.candidate.place[c], d.candidate.normal_x[c]) == (d.link_count + joint + 1, side)
+    rates = np.array([clearance_and_rate(d, c)[1] for c in range(d.candidate_count)])
     np.testing.assert_allclose(rates, differenced(d, y, y[5:10]), rtol=0, atol=1e-6)
 
 
@@ -160,7 +160,7 @@ def assert_adjoint(d, rows, change):
     motion = d.scratch.place_change
     load = d.scratch.load
     own = d.scratch.impedance
-    turns, points = np.diff(change[2:], prepend=0.0), slice(0, d.links + 1)
+    turns, points = np.diff(change[2:], prepend=0.0), slice(0, d.link_count + 1)
     for row in rows:
         speed, force = dot(row, motion), rng.normal()
         load.x[:] = load.y[:] = load.joint[:] = own.xx[:] = own.xy[:] = own.yy[:] = own.joint[:] = 9.0
@@ -172,19 +172,19 @@ def assert_adjoint(d, rows, change):
         power = load.x[points] @ motion.x[points] + load.y[points] @ motion.y[points] + load.joint @ turns
         assert power == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
         response.clear_impedance(d, own)
-        own.xy[d.links + 1 :] = own.yy[d.links + 1 :] = 0.0  # no function reads these numbers
+        own.xy[d.link_count + 1 :] = own.yy[d.link_count + 1 :] = 0.0  # no function reads these numbers
         add_impedance(row, own, 1.0)
         add_impedance(row, own, 1.5)
         energy = own.xx @ motion.x**2 + 2.0 * (own.xy @ (motion.x * motion.y)) + own.yy @ motion.y**2
         assert energy == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
         add_joint_impedances(d, own)
-        if row[0] > d.links:
+        if row[0] > d.link_count:
             assert own.joint @ turns**2 == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
 
 
 def any_change(d):
     """Return some change of the coordinates, along which the points and joints move."""
-    change = np.random.default_rng(8).normal(size=d.links + 2)
+    change = np.random.default_rng(8).normal(size=d.link_count + 2)
     change[: 2 * d.chain.has_base_joint] = 0.0
     kinematics.move_points(d, d.scratch.link_vector, change, d.scratch.place_change)
     return change
@@ -193,7 +193,7 @@ def any_change(d):
 def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
     d, y = stopped
     change, bound = any_change(d), length_bound(d, d.scratch.place_change)
-    rows = [normal_row(d, c) for c in range(d.candidates)]
+    rows = [normal_row(d, c) for c in range(d.candidate_count)]
     assert_adjoint(d, rows, change)
     speeds = [dot(row, d.scratch.place_change) for row in rows]
     assert np.abs(speeds).max() <= bound
@@ -231,12 +231,12 @@ def test_round_off_of_clearances_is_that_of_coordinates_or_angles():
     position.x[:], position.y[:] = np.linspace(-3.0, 3.0, len(position.x)), 2.5
     y[2:5] = 0.5, -1.5, 4.0
     joints = {1: 0.5, 2: 2.0, 3: 5.5}
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         point = d.candidate.point[c]
         right = size * joints[int(point)] if d.candidate.stop[c] else abs(position.x[point]) + 2.5
         assert coordinate_sum(d, c, y) == pytest.approx(right, rel=1e-13)
     position.y[:] = -2.5
-    c = next(c for c in range(d.candidates) if not d.candidate.stop[c])
+    c = next(c for c in range(d.candidate_count) if not d.candidate.stop[c])
     assert coordinate_sum(d, c, y) == pytest.approx(abs(position.x[d.candidate.point[c]]) + 2.5, rel=1e-13)
 
 
@@ -257,7 +257,7 @@ def test_the_tangent_of_a_wall_is_its_normal_turned_backward(rubbing):
     """t = (n_y, −n_x): to the right along a floor."""
     scene, d, _ = rubbing
     planes = scene.half_planes
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         place, *t = tangent_row(d, c)
         assert place == d.candidate.point[c]
         nx, ny = list(planes.values())[c % len(planes)].normal
@@ -269,12 +269,12 @@ def test_the_tangent_of_a_wall_is_its_normal_turned_backward(rubbing):
 def test_the_tangent_of_a_joint_is_its_angle_at_the_arm(rubbing):
     """J v by the angle's rate, ψ̇ = θ̇_i − θ̇_{i−1}; motions and loads along tangents are adjoint."""
     _, d, y = rubbing
-    n = d.links
+    n = d.link_count
     rates = np.diff(y[n + 4 : 2 * n + 4], prepend=0.0)
     for i in range(n):
-        e = d.candidates + i
+        e = d.candidate_count + i
         assert tangent_row(d, e) == (n + 1 + i, 1.0, 0.0)
         speed = tangential_rate(d, e)
         assert speed == pytest.approx(d.chain.longest_link * rates[i], rel=1e-12, abs=1e-14)
     change = any_change(d)
-    assert_adjoint(d, [tangent_row(d, e) for e in range(d.friction_elements)], change)
+    assert_adjoint(d, [tangent_row(d, e) for e in range(d.friction_element_count)], change)

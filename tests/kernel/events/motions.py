@@ -21,7 +21,7 @@ def moving(seed, *, count=2, size=0.4, near=3, touching=0, base="free"):
     motion = free_motion(rng, d)
     walls_away(d)
     set_step(d, motion, size, start=rng.uniform(0.0, 3.0))
-    chosen = rng.choice(d.candidates, near + touching, replace=False)
+    chosen = rng.choice(d.candidate_count, near + touching, replace=False)
     for c in chosen[:near]:
         wall_at(d, c, motion.at(0.0), rng.uniform(0.05, 0.5))
     for c in chosen[near:]:
@@ -47,7 +47,7 @@ def phi(d, motion, theta):
 def first_fall(d, motion):
     """Return the first θ at which some φ falls through zero, and its candidate, by samples and brentq."""
     values, best = phi(d, motion, SAMPLES), (-1.0, -1)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         falls = np.flatnonzero((values[:-1, c] > 0.0) & (values[1:, c] <= 0.0))
         if len(falls):
             low, high = SAMPLES[falls[0]], SAMPLES[falls[0] + 1]

@@ -130,7 +130,7 @@ def test_peaks_until_a_time_within_the_step():
         force, deepest, elsewhere = contact_log.find_peaks(d, 1, rate, d.step.start + until, OUTPUT_READER)
         assert force == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
         assert deepest == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
-        assert elsewhere == (rate <= 0.0 or y[d.links + 3] >= 0.0)
+        assert elsewhere == (rate <= 0.0 or y[d.link_count + 3] >= 0.0)
         assert d.contacts.peak_force[1] == d.contacts.max_penetration[1] == 0.0
         assert d.statistics.rhs_evaluations == evaluations
 
@@ -245,7 +245,7 @@ def test_the_state_of_contacts_is_noted_at_the_communication_point(impulsive, ke
         t = until * FINE
         assert latest.end[0] == d.step.communication_point
         assert latest.impulse[0] == 4.5
-        assert latest.separation_speed[0] == pytest.approx(y[d.links + 3], rel=1e-12)
+        assert latest.separation_speed[0] == pytest.approx(y[d.link_count + 3], rel=1e-12)
         force = 50.0 if impulsive else forces(d, t, TURNING).max()
         assert latest.peak_force[0] == pytest.approx(force, rel=1e-6)
         deepest = 0.0 if impulsive else depth(t, TURNING).max()

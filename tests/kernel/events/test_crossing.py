@@ -57,7 +57,7 @@ def test_a_dip_between_the_ends_of_a_step_is_found(falling, depth):
     else:
         expected = 0.5 - math.sqrt(depth / a)
         assert found == pytest.approx(expected, abs=1e-12 + 1e-16 / depth)
-        assert d.contacts.event.tolist() == [int(k == c) * ONSET for k in range(d.candidates)]
+        assert d.contacts.event.tolist() == [int(k == c) * ONSET for k in range(d.candidate_count)]
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -74,7 +74,7 @@ def test_only_suspects_are_followed(seed):
         begin_next_interval(d)
         d.search.suspect_count = len(suspects)
         d.search.suspect_index[: len(suspects)] = suspects
-        others = np.setdiff1d(np.arange(d.candidates), suspects)
+        others = np.setdiff1d(np.arange(d.candidate_count), suspects)
         for field in ("phi_start", "phi_start_rate", "phi_end", "phi_end_rate", "curvature"):
             d.search[field][others] = math.nan
         again = crossing.find_crossing(d)
@@ -92,7 +92,7 @@ def test_points_that_arrive_at_one_moment_are_one_event(clock, counted):
     motion = translation(d, [0.3], [0.5, -2.0])
     walls_away(d)
     set_step(d, motion, 1.0, start=clock)
-    floor = [c for c in range(d.candidates) if d.candidate.wall[c] == 2]
+    floor = [c for c in range(d.candidate_count) if d.candidate.wall[c] == 2]
     for c, late in zip(floor, (0.0, 1e-9, 1e-13, 0.3, 3e-12), strict=True):
         wall_at(d, c, motion.at(0.0), 2.0 * (0.4 + late))
     prepare(d)
@@ -125,7 +125,7 @@ def test_the_curvature_of_a_clearance_is_bounded_and_not_by_too_much(seed, base)
         second = np.abs(parts[0] - 2.0 * parts[1] + parts[2]) / h**2
         assert (second <= d.search.curvature + 1e-4).all()  # round-off of differences
     # L (|α| + ω²) of all preceding links and the base's acceleration; both bounds are sharp at the ends
-    n = d.links
+    n = d.link_count
     turns = [np.abs(motion.at(t)[n + 4 : 2 * n + 4]).max(axis=0) for t in (0.0, 0.2)]
     bends = np.abs(motion.at(0.0, 1)[n + 2 : 2 * n + 4]).sum()
     most = bends * (1.0 + d.chain.length.max()) + d.chain.reach * np.max(turns) ** 2 * 4.0
@@ -178,7 +178,7 @@ def test_a_regularized_contact_ends_at_the_root_of_u():
     motion.coefficients[:, time_at(2)] = 0.0, 0.3, 0.0
     walls_away(d)
     set_step(d, motion, 1.0)
-    rates = [clearance_and_rate(d, c)[1] for c in range(d.candidates)]
+    rates = [clearance_and_rate(d, c)[1] for c in range(d.candidate_count)]
     c = int(np.argmax(rates))
     d.step.regularized_candidate = c
     mark_touching(d, [c])

@@ -30,7 +30,7 @@ def stepped(seed, *, size=0.1, near=0.3, count=3, base="free", touching=0, **mor
     motion = free_motion(rng, d)
     walls_away(d)
     set_step(d, motion, size, start=2.0)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         wall_at(d, c, motion.at(0.0), near * rng.uniform(0.5, 1.5) * (1.0 if c >= touching else -1.0))
     mark_touching(d, range(touching))
     d.contacts.latched_speed[:] = 1e3
@@ -87,14 +87,14 @@ def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
         d, _motion = stepped(0, near=2.0)
         # the walls are close to the end of the step, so that the known clearance is small
         if field == "turn":
-            d.scratch.rate_end[d.links + 4] = 2.0 / d.step.size**2 * 1.1
+            d.scratch.rate_end[d.link_count + 4] = 2.0 / d.step.size**2 * 1.1
         elif field == "input_rate":
             d.search.input_rate = 1.1 / d.step.size
         else:
             d.chain.joint_rate_bound = 20.0 / d.step.size
         assert not exclusion.excludes_events(d)
         if field != "fade":
-            assert d.search.suspect_index.tolist() == list(range(d.candidates))
+            assert d.search.suspect_index.tolist() == list(range(d.candidate_count))
         assert exclusion.excludes_events(stepped(0, near=2.0)[0])
 
 
@@ -104,7 +104,9 @@ def test_the_search_follows_free_candidates_but_no_held_ones(held):
     motion = translation(d, [0.0], [0.0, -1.0])
     walls_away(d)
     set_step(d, motion, 0.5, start=2.0)
-    near, resting = (c for c in range(d.candidates) if d.candidate.wall[c] == 2 and d.candidate.point[c] < 2)
+    near, resting = (
+        c for c in range(d.candidate_count) if d.candidate.wall[c] == 2 and d.candidate.point[c] < 2
+    )
     for c in (near, resting):
         wall_at(d, c, motion.at(0.0), 0.4)
     if held:
@@ -130,10 +132,10 @@ def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, f
         walls_away(d)
         set_step(d, motion, 0.5, start=2.0)
         d.search.input_rate, d.chain.joint_rate_bound = turn / 0.5, fade / 0.5
-        mark_touching(d, range(d.candidates) if active else [])
+        mark_touching(d, range(d.candidate_count) if active else [])
         d.contacts.latched_speed[:], d.contacts.penetration_rate[:] = 1.0, 0.0
         gap = (clear * off if off > 0.0 else clear) - d.law.harmless_depth[0]
-        for c in range(d.candidates):
+        for c in range(d.candidate_count):
             wall_at(d, c, motion.at(0.0), -gap if active else gap)
         assert exclusion.excludes_events(d) == (clear > 1.0 or (off == 0.0 and clear > 0.0))
 
@@ -210,7 +212,7 @@ def test_the_way_of_a_step_counts_the_acceleration_at_its_start(monkeypatch, cha
     """way = h (v + h a), with the larger acceleration of both ends; nothing moves at the end."""
     d, _ = stepped(0, size=0.01, near=1.0)
     assert exclusion.excludes_events(d)
-    d.channels, (safe, lasted) = channels, (d.search.safe_distance, d.step.end - d.step.start)
+    d.channel_count, (safe, lasted) = channels, (d.search.safe_distance, d.step.end - d.step.start)
     monkeypatch.setattr(exclusion, "fastest_wall", lambda d: (0.0, 0.0))
     for vectors in (d.scratch.velocity, d.scratch.acceleration):
         vectors.x[:], vectors.y[:] = 0.0, 0.0
@@ -240,7 +242,7 @@ def test_a_touching_point_is_near_unless_its_contact_is_regularized():
     for u, crossed, expected in ((0.5, 0, True), (0.0, 0, False), (-0.1, 0, False), (0.5, 1, False)):
         d = quiet_start(regularized=2)
         mark_touching(d, [2])
-        d.step.state_end[sundman_u_at(d.links)], d.contacts.kink_crossed[2] = u, crossed
+        d.step.state_end[sundman_u_at(d.link_count)], d.contacts.kink_crossed[2] = u, crossed
         assert exclusion.remains_far(d) == expected
         assert exclusion.known_clearances(d) == (DISTANCE_KNOWN if expected else CURVATURES_KNOWN)
 
@@ -283,7 +285,7 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
     slope = 0.0 if regularized < 0 else -0.5 * clearance_and_rate(d, 2)[1] / (0.3 * (1.0 + u * u))
     assert found == pytest.approx((1.0, 0.0) if regularized < 0 else (u, slope), rel=1e-12)
     assert exclusion.set_clearances(d, y) == found[1]
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         gap, rate = clearance_and_rate(d, c)
         sign = -1.0 if c in (2, 4) else 1.0
         expected = sign * gap, sign * pace * rate
@@ -326,7 +328,7 @@ def test_second_derivatives_are_those_in_the_variable_of_the_step(regularized):
     np.testing.assert_allclose(
         d.search.phi_end_curvature, (rates[0] - rates[1]) / (2 * h), rtol=1e-6, atol=1e-6
     )
-    apart = [c for c in range(d.candidates) if c not in (2, 4)]
+    apart = [c for c in range(d.candidate_count) if c not in (2, 4)]
     assert d.search.safe_distance == d.search.phi_end[apart].min()
     assert time_at(2) == len(y) - 1
 

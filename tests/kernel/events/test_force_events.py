@@ -165,7 +165,7 @@ def test_a_contact_is_latched_again_at_twice_its_impact_speed():
     assert RELATCH_RATIO == 2.0
     locate_at_fraction(d, 1.0)
     assert find_force_event(d, -1.0) == pytest.approx(0.37, abs=2e-12)
-    assert d.contacts.event.tolist() == [int(c == 1) * RELATCH for c in range(d.candidates)]
+    assert d.contacts.event.tolist() == [int(c == 1) * RELATCH for c in range(d.candidate_count)]
     # the points are located at the found time
     assert d.scratch.position.y[0] == pytest.approx(-(0.37**2), abs=1e-11)
 
@@ -255,7 +255,7 @@ def test_a_point_is_released_where_its_force_falls_through_zero():
     d.contacts.event[:] = 7
     evaluations = d.statistics.rhs_evaluations
     assert force_events.find_release(d, -1.0) == pytest.approx(FALLS, abs=1e-10)
-    assert d.contacts.event.tolist() == [int(k == c) * RELEASE for k in range(d.candidates)]
+    assert d.contacts.event.tolist() == [int(k == c) * RELEASE for k in range(d.candidate_count)]
     assert d.statistics.rhs_evaluations > evaluations + 8
 
 

@@ -90,9 +90,9 @@ def test_moving_elements_slide_in_the_direction_of_their_motion(jumped):
     assert d.friction_element.mode[elements].tolist() == signs
     assert not d.friction_element.decided_by_forces[elements].any()
     assert not d.friction_element.slack[elements].any()
-    assert d.friction_element.mode[list(set(range(d.friction_elements)) - set(elements))].tolist() == [
+    assert d.friction_element.mode[list(set(range(d.friction_element_count)) - set(elements))].tolist() == [
         NO_FRICTION
-    ] * (d.friction_elements - len(elements))
+    ] * (d.friction_element_count - len(elements))
 
 
 def test_anchors_are_kept_by_what_stuck_before_and_otherwise_set():
@@ -129,7 +129,7 @@ def test_an_element_at_its_limit_slides_against_its_force(seed):
     assert not any(chain.modes)
     e = chain.elements[-1]
     force = float(d.friction_element.force[e])
-    d.drive.friction[e - d.candidates] = 0.9 * abs(force) * d.chain.longest_link
+    d.drive.friction[e - d.candidate_count] = 0.9 * abs(force) * d.chain.longest_link
     d.friction_element.event[e] = STICKING_ENDS
     assert count_mode_changes(d) == 1
     choose_friction_modes(d, False)
@@ -143,7 +143,7 @@ def test_joints_of_a_chain_without_friction_have_no_mode():
     d = chain.d
     d.drive.friction[:] = 0.0
     choose_friction_modes(d, True)
-    assert (d.friction_element.mode[d.candidates :] == NO_FRICTION).all()
+    assert (d.friction_element.mode[d.candidate_count :] == NO_FRICTION).all()
     assert d.friction.active_count == 2
     list_sticking(d)
     assert d.friction.stuck_joints == 0
@@ -156,7 +156,7 @@ def test_no_mark_of_a_change_outlives_the_choice_of_modes():
     d.contacts.active[d.contacts.active_index[0]] = 0
     list_active_contacts(d)
     choose_friction_modes(d, False)
-    assert d.friction.active_count < d.friction_elements
+    assert d.friction.active_count < d.friction_element_count
     assert not d.friction_element.event.any()
 
 
@@ -252,7 +252,7 @@ def test_sliding_at_rest_may_accelerate_backward_by_round_off(one, part, wrong):
 def test_sliding_at_rest_may_accelerate_backward_as_what_sticks_does(one, part, wrong):
     """The acceleration of a held element is as large as the error of the holding force."""
     d, c = one
-    other = d.candidates - 1
+    other = d.candidate_count - 1
     assert d.candidate.place[other] != d.candidate.place[c]
     d.scratch.acceleration.x[:], d.scratch.acceleration.y[:] = 0.0, 0.0
     d.friction.stuck_count, d.friction_element.stuck_index[0] = 1, other

@@ -397,7 +397,7 @@ def test_an_impact_updates_rates_and_kink_sides_of_force_contacts(monkeypatch):
     _, d = chain(rng, 2)
     touched, sides = [0, 5, 9], []
     y = locate_touching_state(rng, d, touched)
-    make_rigid(d, np.arange(d.candidates) == 5)
+    make_rigid(d, np.arange(d.candidate_count) == 5)
     d.step.state_end[:] = y
     d.scratch.velocity.x[:] = 1e9  # velocities of an earlier state
     d.contacts.penetration_rate[:], d.contacts.force_rate[:] = 77.0, -5.0
@@ -417,7 +417,7 @@ def test_a_force_contact_begins_if_its_point_moves_inward():
     found = set()
     for seed in range(12):
         d, y, jacobian, _, w, (rigid, soft) = touching(seed, (1, 6))
-        make_rigid(d, np.arange(d.candidates) != soft)
+        make_rigid(d, np.arange(d.candidate_count) != soft)
         before = jacobian @ y[6:12]
         p = complementary_impulses(w[:1, :1], before[:1], -E * before[:1])
         inward = bool((before + w[:, 0] * p[0])[1] < 0.0)

@@ -176,7 +176,7 @@ def test_curvature_bounds_of_stops_and_points_hold(bounded):
     for i in range(LINKS):
         omega, alpha = rate_bounds(d.step, omega_at(LINKS) + i)
         reach.append(reach[-1] + d.chain.length[i] * (alpha + omega**2))
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         _, bend = crossing.base_motion_bounds(d, c, along_x, along_y)
         links = 0.0 if d.candidate.stop[c] else reach[d.candidate.point[c]]
         assert d.search.curvature[c] == pytest.approx(bend + links, rel=1e-12)

@@ -141,8 +141,8 @@ HALF = 0.5  # dt/ds of a regularized step with u = 1
 
 def with_rate(d, motion, rate):
     """Return the same positions in a step whose variable s advances time by the given rate dt/ds."""
-    motion.coefficients[:, velocity_at(d.links) : velocity_at(d.links) + 2] /= rate
-    motion.coefficients[1, time_at(d.links)] = rate
+    motion.coefficients[:, velocity_at(d.link_count) : velocity_at(d.link_count) + 2] /= rate
+    motion.coefficients[1, time_at(d.link_count)] = rate
     return motion
 
 

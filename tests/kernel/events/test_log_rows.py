@@ -24,7 +24,7 @@ def test_contacts_that_last_are_logged_behind_those_that_have_ended(count):
     log, size, stop, arm = d.contact_log, len(d.contact_log.point), stops_of(d)[0], 1.4
     d.chain.longest_link, log.count = arm, count % size
     active = [0, stop]
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         d.contacts.active[c] = c in active
         d.contacts.onset[c] = 0.1 * c
         d.contacts.peak_force[c] = 3.0 + c
@@ -61,7 +61,7 @@ def test_each_row_of_the_list_keeps_the_values_of_its_impact(kept):
     for moment in range(1, 6 * LATEST_COUNT):
         d.step.start, d.step.end = moment - 1.0, float(moment)
         d.step.communication_point = d.step.end
-        c = int(rng.integers(d.candidates))
+        c = int(rng.integers(d.candidate_count))
         rate = float(clearance_and_rate(d, c)[1])
         if d.contacts.active[c]:
             ended = lasting.pop(c)

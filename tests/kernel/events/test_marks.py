@@ -24,7 +24,7 @@ def d():
     listed = int(d.friction_element.index[1])
     marks.mark_mode_change(d, listed, STICKING_ENDS)
     marks.mark_mode_change(
-        d, next(e for e in range(d.friction_elements) if e not in d.friction_element.index), SLIDING_ENDS
+        d, next(e for e in range(d.friction_element_count) if e not in d.friction_element.index), SLIDING_ENDS
     )
     return d
 

@@ -48,7 +48,7 @@ def run_to_change(d, until):
 def test_a_step_ends_where_a_link_with_a_dry_joint_stops(speed, method):
     table, exact = braked_link(speed, 0.4)
     d = started(table | {"solver": {"method": method}})
-    (joint,) = range(d.candidates, d.friction_elements)
+    (joint,) = range(d.candidate_count, d.friction_element_count)
     assert d.friction_element.mode[joint] == np.sign(speed)
     assert run_to_change(d, 2.0 * exact.stop) == {joint: SLIDING_ENDS}
     assert d.step.end == pytest.approx(exact.stop, abs=RESOLVED)
@@ -94,7 +94,7 @@ def compound_pendulum(moment):
 def test_a_step_ends_where_a_force_reaches_its_limit(part, method):
     table, angle = compound_pendulum(part)
     d = started(table | {"solver": {"method": method}})
-    joint = d.candidates + 1
+    joint = d.candidate_count + 1
     assert d.friction_element.mode[joint] == STICKS
     assert run_to_change(d, 2.0) == {joint: STICKING_ENDS}
     # within the error of the step at the default tolerance
@@ -119,7 +119,7 @@ def test_both_joints_of_a_symmetric_chain_stop_in_one_step():
     dry = rod | {"joint_friction": 0.3}
     initial = {"angles": [-0.5, 0.0, 0.5], "angular_velocities": [-2.0, 0.0, 2.0], "velocity": [0.0, 0.0]}
     d = started(scene_table("Fold", [rod, dry, dry], initial, {}, contact_table(points=[]), stop_time=2.0))
-    joints = [d.candidates + 1, d.candidates + 2]
+    joints = [d.candidate_count + 1, d.candidate_count + 2]
     assert run_to_change(d, 2.0) == dict.fromkeys(joints, SLIDING_ENDS)
     for e in joints:
         assert abs(tangential_rate(d, e)) < 1e-9
@@ -247,7 +247,7 @@ def test_sliding_has_ended_where_it_is_backward_by_more_than_round_off(rubbing, 
 def test_sticking_has_ended_where_the_force_is_beyond_the_limit():
     table, angle = compound_pendulum(0.8)
     d = started(table)
-    joint = d.candidates + 1
+    joint = d.candidate_count + 1
     evaluations = int(d.statistics.rhs_evaluations)
     for offset, ended in ((1e-7, False), (-1e-7, True)):
         d.step.state[2:4] = d.step.state_end[2:4] = angle + offset

@@ -168,7 +168,7 @@ def test_the_earliest_event_is_that_of_the_motion(seed, near, touching, implicit
 
 def test_without_candidates_there_is_no_event():
     _, d = chain(np.random.default_rng(0), 1)
-    d.numpy_record["candidates"] = 0
+    d.numpy_record["candidate_count"] = 0
     assert find_event(d) == -1.0
 
 

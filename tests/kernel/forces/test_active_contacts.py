@@ -92,7 +92,7 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
     """v₀ has a lower bound, and the depth is that of an elastic impact: K δⁿ⁺¹/(n+1) = ½ m v₀²."""
     rng = np.random.default_rng(3)
     scene, d = chain(rng, 3, **of_law(law), restitution=0.6, minimum_impact_speed=1e-2)
-    c = d.candidates - 2
+    c = d.candidate_count - 2
     y = locate_touching_state(rng, d, [c], depth=0.0)
     (gradient,) = gradients(scene, d, y[2:5], [c])
     shift = -speed - gradient @ y[5:10]
@@ -141,7 +141,7 @@ def test_the_side_of_its_kink_is_that_on_which_a_contact_is(law):
         sides.append(int(rate > 0.0))
         assert (active_contacts.kink_height(d, c) < 0.0) == (rate > 0.0)
     assert len({int(point[c]) for c in candidates}) == 3
-    d.contacts.beyond_kink[:] = [*[5] * d.candidates]
+    d.contacts.beyond_kink[:] = [*[5] * d.candidate_count]
     make_rigid(d, law == "newton_impact")
     active_contacts.set_kink_sides(d)
     if d.contact_settings.any_rigid:  # a rigid wall has no contact force law
@@ -156,10 +156,10 @@ def test_the_side_of_its_kink_is_that_on_which_a_contact_is(law):
 def test_only_what_the_contacts_have_noted_is_forgotten():
     _, d = chain(np.random.default_rng(0), 3)
     mark_touching(d, [1, 4, 7])
-    make_rigid(d, np.isin(np.arange(d.candidates), [4, 7]))
+    make_rigid(d, np.isin(np.arange(d.candidate_count), [4, 7]))
     d.contacts.kink_crossed[:], d.constraints.least_force[:] = 1, -2.0
     equations.clear_stage_notes(d)
-    others = [c for c in range(d.candidates) if c not in (1, 4, 7)]
+    others = [c for c in range(d.candidate_count) if c not in (1, 4, 7)]
     assert not d.contacts.kink_crossed[[1, 4, 7]].any()
     assert not d.constraints.least_force[[4, 7]].any()
     assert d.contacts.kink_crossed[others].all()
@@ -171,7 +171,7 @@ def test_only_what_the_contacts_have_noted_is_forgotten():
 def test_contacts_with_a_force_are_listed_first_and_no_impulse_holds_them(touching, rigid):
     _, d = chain(np.random.default_rng(0), 3)
     mark_touching(d, touching)
-    make_rigid(d, np.isin(np.arange(d.candidates), list(rigid)))
+    make_rigid(d, np.isin(np.arange(d.candidate_count), list(rigid)))
     d.contacts.active_count = d.contacts.compliant_count = 5
     d.contacts.active_index[:], listings = 11, int(d.contacts.contact_set)
     active_contacts.list_active_contacts(d)
@@ -194,7 +194,7 @@ def test_beside_a_rigid_contact_only_the_others_have_a_force(rigid):
     lost, loads = active_contacts.set_loads_of_step(d), vectors(d.scratch.load)
     mark_touching(d, candidates)
     d.contacts.force[rigid] = -5.0
-    make_rigid(d, np.arange(d.candidates) == rigid)
+    make_rigid(d, np.arange(d.candidate_count) == rigid)
     assert active_contacts.set_loads_of_step(d) == lost
     np.testing.assert_array_equal(vectors(d.scratch.load), loads)
     assert d.contacts.force[rigid] == -5.0
@@ -204,7 +204,7 @@ def test_the_stops_among_the_contacts_are_counted():
     _, d = stopped_chain(3)
     stops = stops_of(d)
     for touching in ([], [0, 1], stops[:1], [0, *stops[:3]], [*stops, 0]):
-        d.contacts.active[:] = np.isin(np.arange(d.candidates), touching)
+        d.contacts.active[:] = np.isin(np.arange(d.candidate_count), touching)
         d.contacts.joint_stop_count = 9
         active_contacts.list_active_contacts(d)
         assert d.contacts.active_count == len(touching)

@@ -240,7 +240,7 @@ def test_candidates_of_one_origin_have_one_law():
     wall = d.candidate.wall[1]
     d.walls.restitution[wall] = 0.2
     assert start_laws(d) == OK
-    origins = [-2 if d.candidate.stop[c] else wall == d.candidate.wall[c] for c in range(d.candidates)]
+    origins = [-2 if d.candidate.stop[c] else wall == d.candidate.wall[c] for c in range(d.candidate_count)]
     assert len(set(origins)) == 3
     assert d.law.same_as.tolist() == [origins.index(origin) for origin in origins]
     d.walls.restitution[wall], d.given.stop_restitution = 0.9, 0.1
@@ -344,7 +344,7 @@ def test_a_users_law_of_a_stop_takes_and_returns_what_belongs_to_angles(monkeypa
     size, d.stops.law = d.chain.longest_link, USER_LAW
     d.stops.exponent, d.given.stop_stiffness, d.given.stop_restitution = 1.3, 5e3, 0.4
     assert start_laws(d) == OK
-    c = d.candidates - 1
+    c = d.candidate_count - 1
     d.contacts.effective_mass[c], d.contacts.latched_speed[c] = 0.3 / size**2, 2.0 * size
     force, elastic = law_force(d, c, 0.1 * size, 0.7 * size)
     assert told[0] == pytest.approx((0.1, 0.7, 2.0, 0.3, 5e3, 1.3, 0.4), rel=1e-12)

@@ -73,9 +73,9 @@ def test_sliding_friction_is_a_load_against_the_motion(base, contacts, joints, s
     free = rate_at(d, y)
     rows = tangents(scene, d, y, found)
     response, _ = mobility(scene, d, y, rows)
-    normal = np.array([d.contacts.force[e] if e < d.candidates else 0.0 for e in found])
+    normal = np.array([d.contacts.force[e] if e < d.candidate_count else 0.0 for e in found])
     sizes = np.where(normal > 0.0, MU * normal, MOMENT / d.chain.longest_link)
-    n = d.links
+    n = d.link_count
     np.testing.assert_allclose(
         rate[n + 2 : 2 * n + 4] - free[n + 2 : 2 * n + 4], response @ (-sign * sizes), rtol=1e-9, atol=1e-9
     )
@@ -102,7 +102,7 @@ def test_sticking_elements_have_no_tangential_acceleration(base, contacts, joint
     np.testing.assert_allclose(left, 0.0, atol=1e-11 * (1.0 + np.abs(bias).max()))
     response, w = mobility(scene, d, y, tangents(scene, d, y, found))
     forces = np.linalg.lstsq(w, -bias, rcond=1e-10)[0]
-    n = d.links
+    n = d.link_count
     gained = rate[n + 2 : 2 * n + 4] - free[n + 2 : 2 * n + 4]
     np.testing.assert_allclose(gained, response @ forces, rtol=1e-7, atol=1e-7)
     if np.linalg.cond(w) < 1e8:
@@ -168,7 +168,7 @@ def test_a_contact_that_begins_has_a_mode_and_is_listed(room):
     d.law.friction[:] = d.law.static_friction[:] = MU
     d.contact_settings.any_friction = 1
     friction.set_friction_used(d)
-    assert (d.friction_elements > 0, d.friction.is_present) == (room, room)
+    assert (d.friction_element_count > 0, d.friction.is_present) == (room, room)
     active_contacts.begin_force_contact(d, 1)
     active_contacts.list_active_contacts(d)
     assert d.contacts.active_count == 1
@@ -182,7 +182,7 @@ def test_notes_of_friction_in_a_step_are_forgotten_with_the_step():
     found = elements_of(d)
     d.friction_element.margin[:] = -1.0
     equations.clear_stage_notes(d)
-    others = sorted(set(range(d.friction_elements)) - set(found))
+    others = sorted(set(range(d.friction_element_count)) - set(found))
     assert not d.friction_element.margin[found].any()
     assert (d.friction_element.margin[others] == -1.0).all()
 

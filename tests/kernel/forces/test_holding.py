@@ -50,7 +50,7 @@ def test_held_points_have_no_acceleration_and_their_least_force_is_kept(base):
     np.testing.assert_allclose(own.unforced_motion[:4], second, rtol=1e-4, atol=1e-4)
     assert most == max(np.abs(d.scratch.acceleration.x).max(), np.abs(d.scratch.acceleration.y).max())
     force = np.linalg.solve(w, -own.unforced_motion[:4])
-    own.least_force[:] = np.where(np.arange(d.candidates) % 2, -1e9, 0.0)
+    own.least_force[:] = np.where(np.arange(d.candidate_count) % 2, -1e9, 0.0)
     holding.add_constraint_forces(d, y, rate)
     np.testing.assert_allclose(own.impulse[:4], force, rtol=1e-8, atol=1e-8)
     np.testing.assert_allclose(rate[6:12], before[6:12] + response @ force, rtol=1e-8, atol=1e-8)

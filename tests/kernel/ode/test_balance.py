@@ -264,7 +264,7 @@ def test_the_scale_is_that_of_errors_in_speeds_and_in_heights(springs):
 def test_contacts_add_the_work_of_forces_over_depth_errors():
     d, y = moving()
     without = balance.energy_scales(d, y)
-    touched = [next(c for c in range(d.candidates) if d.candidate.point[c] == point) for point in (1, 3)]
+    touched = [next(c for c in range(d.candidate_count) if d.candidate.point[c] == point) for point in (1, 3)]
     for c in touched:
         move_wall_to_depth(d, c, 2e-3)
     mark_touching(d, touched)

@@ -88,7 +88,7 @@ def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
             for k in range(int(d.contacts.active_count)):
                 gap, _ = geometry.clearance_and_rate(d, int(d.contacts.active_index[k]))
                 found.append(
-                    abs(gap / collocation.extended_component(d, sundman_u_at(d.links) + k, theta) - 1.0)
+                    abs(gap / collocation.extended_component(d, sundman_u_at(d.link_count) + k, theta) - 1.0)
                 )
     assert max(seen.values()) > 1e-3
     for found in errors.values():

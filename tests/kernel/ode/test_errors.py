@@ -24,7 +24,7 @@ def deep(depth=1e-3, **more):
     rng = np.random.default_rng(5)
     scene, d = chain(rng, LINKS, **more)
     d.solver.tolerance = TOLERANCE
-    touched = [c for c in range(d.candidates) if d.candidate.point[c] in (1, 3)][:4:3]
+    touched = [c for c in range(d.candidate_count) if d.candidate.point[c] in (1, 3)][:4:3]
     y = locate_touching_state(rng, d, touched, depth)
     d.trial.state[:] = y
     d.scratch.y_error[:] = 0.0
@@ -37,7 +37,7 @@ def deep(depth=1e-3, **more):
 
 def scales(d, y):
     """Return the error scale of each component of a state: its allowed error over the tolerance."""
-    n, size = d.links, d.chain.longest_link
+    n, size = d.link_count, d.chain.longest_link
     energy = d.chain.energy_scale + abs(y[dissipated_at(n)]) + control.impact_energy(d)
     turns = 1.0 + np.abs(y[omega_at(n) : dissipated_at(n)])
     return np.concatenate(

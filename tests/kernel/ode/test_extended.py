@@ -22,7 +22,7 @@ def touching():
     """Return two links with two points in walls at the end of a step, with impulses, and the state."""
     rng = np.random.default_rng(37)
     scene, d = chain(rng, LINKS, springs=True, dampers=True)
-    touched = [next(c for c in range(d.candidates) if d.candidate.point[c] == point) for point in (0, 2)]
+    touched = [next(c for c in range(d.candidate_count) if d.candidate.point[c] == point) for point in (0, 2)]
     y = locate_touching_state(rng, d, touched)
     d.step.state_end[:] = y
     equations.rate_from_state(d, y, d.scratch.rate_start)
@@ -40,7 +40,7 @@ def test_clearances_their_rates_and_impulses_stand_one_after_the_other(touching)
     d.quadrature.computed = 0
     dense.reset_quadratures(d)
     assert extended.extended_length(d) == FIRST + 4
-    make_rigid(d, np.arange(d.candidates) == touched[0])
+    make_rigid(d, np.arange(d.candidate_count) == touched[0])
     assert extended.clearance_count(d) == 1
     assert [clearance_at(d, 0), rate_at(d, 0), extended.extended_length(d)] == [FIRST, FIRST + 1, FIRST + 2]
 

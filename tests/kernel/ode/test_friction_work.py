@@ -25,7 +25,7 @@ def rubbing():
 def test_only_the_corrected_motion_dissipates_whatever_the_rates_contain(rubbing, speed):
     """The stages have other forces and speeds when their rates are evaluated."""
     rng, d, elements, slopes = rubbing
-    lost, first, count = dissipated_at(d.links), velocity_at(d.links), slopes.shape[1]
+    lost, first, count = dissipated_at(d.link_count), velocity_at(d.link_count), slopes.shape[1]
     d.implicit.z_start[:] = d.implicit.stages[:] = 0.0
     expected = np.zeros(RADAU_STAGES)
     for m in range(RADAU_STAGES):

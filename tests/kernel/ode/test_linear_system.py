@@ -42,7 +42,7 @@ def linearized(turn, stiffness, damping):
 def jacobian(d, turn):
     """Return a, assembled: rows of ẋ, v̇, ġ, g̈ and ṗ in the unknowns x, v, g, ġ and p."""
     count = int(d.contacts.active_count)
-    size = state.sundman_u_at(d.links) + 3 * count
+    size = state.sundman_u_at(d.link_count) + 3 * count
     angles = d.step.state_end[2 : N + 2]
     scene, candidate = turned(load_scene("four_link_box"), turn), d.candidate
     names, chosen = list(scene.half_planes), d.contacts.active_index[:count]

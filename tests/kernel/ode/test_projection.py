@@ -32,7 +32,7 @@ def step():
     """
     rng = np.random.default_rng(11)
     scene, d = chain(rng, LINKS)
-    touched = [c for c in range(d.candidates) if d.candidate.point[c] in (1, 3)][:4:3]
+    touched = [c for c in range(d.candidate_count) if d.candidate.point[c] in (1, 3)][:4:3]
     y = locate_touching_state(rng, d, touched)
     d.contacts.expected_penetration[touched] = [2e-3, 5e-4]
     d.contacts.latched_speed[touched], d.contacts.effective_mass[touched] = 0.5, 1.0

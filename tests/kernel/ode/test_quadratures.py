@@ -100,7 +100,7 @@ def d():
     d.quadrature.dense[:], d.quadrature.stage[:] = (
         rng.uniform(1.0, 9.0, part.shape) for part in (d.quadrature.dense, d.quadrature.stage)
     )
-    d.contacts.force[:] = rng.uniform(1.0, 9.0, d.candidates)
+    d.contacts.force[:] = rng.uniform(1.0, 9.0, d.candidate_count)
     d.scratch.stage[:] = rng.uniform(0.1, 0.9, d.scratch.stage.shape)
     return d
 
@@ -127,19 +127,19 @@ def test_integrals_of_dry_friction_follow_those_of_contacts(contacts, joints):
     d.quadrature.computed = 1
     dense.reset_quadratures(d)
     own, touched = d.quadrature, d.contacts.active_index[:contacts]
-    last = d.candidates + d.friction_elements
-    assert own.index[: own.count].tolist() == [*touched, *(d.candidates + touched), last]
+    last = d.candidate_count + d.friction_element_count
+    assert own.index[: own.count].tolist() == [*touched, *(d.candidate_count + touched), last]
     rng = np.random.default_rng(2)
     d.contacts.force[:], d.friction_element.force[:] = (
-        rng.normal(size=d.candidates),
-        rng.normal(size=d.friction_elements),
+        rng.normal(size=d.candidate_count),
+        rng.normal(size=d.friction_element_count),
     )
     d.friction.power = 3.5
     own.rate[:] = 99.0
     dense.store_end_rates(d)
     dense.commit_quadratures(d)
     right = np.zeros(len(own.integral))
-    right[touched], right[d.candidates + touched] = (
+    right[touched], right[d.candidate_count + touched] = (
         d.contacts.force[touched],
         d.friction_element.force[touched],
     )
@@ -230,7 +230,7 @@ def test_without_them_nothing_is_done(d, name):
 )
 def test_rigid_walls_give_their_impulses_at_once_and_none_that_pulls(d, rigid, impulses, given):
     """Compliant contacts get no immediate impulse."""
-    make_rigid(d, np.isin(np.arange(d.candidates), rigid))
+    make_rigid(d, np.isin(np.arange(d.candidate_count), rigid))
     d.constraints.impulse[:2] = impulses
     right = d.quadrature.integral.copy()
     right[TOUCHED] += given

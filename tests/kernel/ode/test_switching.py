@@ -296,8 +296,8 @@ def test_a_chain_without_resistance_is_explicit_if_the_solver_chooses(pressed):
     mark_touching(d, touched)
     d.solver.method = AUTOMATIC_METHOD + 1 + IMPLICIT
     for rigid, method in (
-        (np.ones(d.candidates), EXPLICIT),
-        (np.arange(d.candidates) != touched[0], IMPLICIT),
+        (np.ones(d.candidate_count), EXPLICIT),
+        (np.arange(d.candidate_count) != touched[0], IMPLICIT),
     ):
         make_rigid(d, rigid)
         d.step.method = 1 - method

@@ -15,7 +15,7 @@ TOLERANCE = 1e-6
 @pytest.fixture
 def t():
     """Return an instance of dual numbers with friction at candidate 1 and in the joint, element 2."""
-    one = SimpleNamespace(candidates=2, friction_elements=3)
+    one = SimpleNamespace(candidate_count=2, friction_element_count=3)
     one.friction = SimpleNamespace(active_count=2)
     one.friction_element = SimpleNamespace(
         index=[1, 2, 9], event=[NO_EVENT] * 3, mode=[1] * 3, decided_by_forces=[1] * 3
@@ -165,7 +165,7 @@ def test_a_stopped_element_has_no_derivative_of_its_speed(monkeypatch, t):
     t.friction_element.mode_before = [STICKS, NO_FRICTION, STICKS]
     assert not friction.any_begins_to_stick(t)
     # a free point: two coordinates and their rates
-    t.links, t.step.state_end = 0, [dual(1.0 + j, 2.0, 3.0) for j in range(4)]
+    t.link_count, t.step.state_end = 0, [dual(1.0 + j, 2.0, 3.0) for j in range(4)]
     located = []
 
     def solve_stopping_impulses(t):
@@ -221,7 +221,7 @@ def test_two_that_break_loose_at_one_moment_must_do_so_for_all_parameters(
     t.friction_element.event[1:] = STICKING_ENDS, STICKING_ENDS
     t.friction_element.mode = [STICKS] * 3
     t.law.static_friction = [dual(0.4)] * 2
-    t.candidates, restored = 3, []
+    t.candidate_count, restored = 3, []
     t.law.friction, t.law.static_friction = [dual(0.3)] * 3, [dual(0.4)] * 3
     t.friction_element.force, t.friction_element.friction_limit = (
         [dual(9.0, 1.0, 0.0)] * 3,

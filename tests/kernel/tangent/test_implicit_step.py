@@ -83,7 +83,7 @@ def test_derivatives_that_an_iteration_does_not_reach_are_not_there(more):
     Parameters without influence lose their derivatives, too, in each instance of dual numbers.
     """
     slopes, instance = slopes_of(replace(hanging(0.05, 1e-8), parameters=(*more, *PARAMETERS)))
-    assert instance.record["tangents"] == 1 + (len(more) > 0)
+    assert instance.record["tangent_count"] == 1 + (len(more) > 0)
     assert np.isnan(slopes).all()
     (limit,) = instance.limits
     assert limit.startswith("there are no derivatives from t = 0 s on: ")
@@ -194,7 +194,7 @@ def test_the_linear_system_is_that_of_the_run():
         slopes = {"contact_stiffness": [5 * scale, 6 * scale], "contact_damping": [7 * scale, 8 * scale]}
         slopes |= {"drive_stiffness": [9 * scale, 10 * scale], "drive_damping": [11 * scale, 12 * scale]}
         own = SimpleNamespace(link_vector=link, z_start=[scale], **slopes)
-        return SimpleNamespace(links=2, slides=0, contacts=SimpleNamespace(active_count=1), implicit=own)
+        return SimpleNamespace(link_count=2, slides=0, contacts=SimpleNamespace(active_count=1), implicit=own)
 
     d, t = data(1), data(100)
     replay.copy_jacobian_data(d, t)

@@ -99,8 +99,8 @@ def parts(number):
 def instances(regularized=-1, events=(NO_EVENT, NO_EVENT), end_fraction=1.0, method=EXPLICIT):
     """Return an instance after a step of 0.2 s, and an instance of dual numbers before the step."""
     rng = np.random.default_rng(31)
-    sizes = {"candidates": 2, "friction_elements": 3, "channels": 0, "signals": 0}
-    d, t = SimpleNamespace(**sizes), SimpleNamespace(links=LINKS, **sizes)
+    sizes = {"candidate_count": 2, "friction_element_count": 3, "channel_count": 0, "signal_count": 0}
+    d, t = SimpleNamespace(**sizes), SimpleNamespace(link_count=LINKS, **sizes)
     d.step = SimpleNamespace(
         last_method=method, size=0.2, end_fraction=end_fraction, regularized_candidate=regularized, end=1.5
     )

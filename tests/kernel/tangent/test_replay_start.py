@@ -65,7 +65,7 @@ def both():
     for name in GIVEN[6:]:
         d["given"].numpy_record[name] = rng.uniform(0.5, 2.0, np.shape(d["given"][name]))
     t = random_duals(rng, d.numpy_record.dtype)
-    t.links, t.candidates = d.links, d.candidates
+    t.link_count, t.candidate_count = d.link_count, d.candidate_count
     return d, t
 
 
@@ -155,7 +155,7 @@ def twins(monkeypatch):
     fields = [*((name, dtype[name]) for name in dtype.names), ("trust", duals.TRUST)]
     t = Plain(np.zeros(1, np.dtype(fields))[0])
     blank = record_of(scene)
-    for name in ("links", "candidates", "candidate"):
+    for name in ("link_count", "candidate_count", "candidate"):
         t.numpy_record[name] = blank.numpy_record[name]
     t.chain.has_base_joint, t.chain.has_inputs = d.chain.has_base_joint, d.chain.has_inputs
     return d, t

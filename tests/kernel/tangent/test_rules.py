@@ -120,7 +120,7 @@ def step_of(numbers, regularized, make=lambda number, _: number):
     start, size = made[-2:]
     step = SimpleNamespace(state=made[-2 - COUNT : -2], dense=table, start=start, size=size)
     step.regularized_candidate = regularized
-    return SimpleNamespace(links=1, step=step)
+    return SimpleNamespace(link_count=1, step=step)
 
 
 @pytest.mark.parametrize("regularized", [-1, 0])

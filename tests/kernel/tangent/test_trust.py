@@ -103,7 +103,7 @@ def dual(number):
 def instance(events=(), speeds=(3.0, 4.0)):
     """Return two points with these speeds along x and y [m/s], and four candidates with these events."""
     events = (*events, *[NO_EVENT] * (4 - len(events)))
-    t = SimpleNamespace(links=1, candidates=4)
+    t = SimpleNamespace(link_count=1, candidate_count=4)
     t.contacts = SimpleNamespace(event=list(events), active_index=[2], compliant_count=1)
     t.contacts.latched_speed, t.contacts.penetration_rate = [dual(0.5)] * 4, [dual(0.3)] * 4
     t.candidate = SimpleNamespace(point=[4, 5, 6, 7], wall=[0, 1, 2, 3])

@@ -44,12 +44,12 @@ def first_joint(d):
 
 def drive_count(d):
     """Return the number of rows of drives: one for each link, and one more if there is a slider."""
-    return d.links + d.slides
+    return d.link_count + d.slides
 
 
 def is_slider(d, i):
     """Return whether drive i belongs to the slider; the other drives belong to joints."""
-    return i == d.links
+    return i == d.link_count
 
 
 def drive_component(d, values, first, i):
@@ -152,8 +152,8 @@ def armature_of_drive(d, i):
 def armature_energy(d, y):
     """Return the kinetic energy [J] of the rotors, the sum of ½ I_a ψ̇² with the rates ψ̇ of the joints."""
     energy = 0.0
-    for i in range(d.links):
-        rate = relative_to_previous(y, omega_at(d.links), i)
+    for i in range(d.link_count):
+        rate = relative_to_previous(y, omega_at(d.link_count), i)
         energy += 0.5 * armature_of_drive(d, i) * (rate * rate)
     return energy
 
@@ -218,7 +218,7 @@ def unlimited_force(d, y, i):
     """Return the force or torque F [N·m or N] that drive i would have without a limit."""
     if i < first_joint(d):
         return 0.0
-    rate = drive_component(d, y, velocity_at(d.links), i) - d.inputs.target_velocity[i]
+    rate = drive_component(d, y, velocity_at(d.link_count), i) - d.inputs.target_velocity[i]
     return d.inputs.motor[i] - d.inputs.drive_damping[i] * rate - unlimited_spring_resistance(d, y, i)
 
 
@@ -238,7 +238,9 @@ def transmitted_moment(d, y, rate, i):
     F is the drive's torque, I_a the inertia of its rotor, and ψ̈ the angular acceleration of the joint in
     ``rate``, the rate ẏ of the state y.
     """
-    return drive_force(d, y, i) - armature_of_drive(d, i) * relative_to_previous(rate, omega_at(d.links), i)
+    return drive_force(d, y, i) - armature_of_drive(d, i) * relative_to_previous(
+        rate, omega_at(d.link_count), i
+    )
 
 
 def force_and_powers_of_drive(d, y, i):
@@ -248,7 +250,7 @@ def force_and_powers_of_drive(d, y, i):
     force, −``passive_spring_resistance``. For a powered drive they contain the spring, and all power is
     supplied.
     """
-    rate = drive_component(d, y, velocity_at(d.links), i)
+    rate = drive_component(d, y, velocity_at(d.link_count), i)
     if is_powered(d, i):
         force = drive_force(d, y, i)
         return force, 0.0, force * rate

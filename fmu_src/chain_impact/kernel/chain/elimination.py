@@ -82,7 +82,7 @@ def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
     A (xx, xy, yy) and b (x, y) at the link's inner joint. The arguments axx to by are A' and b' at the link's
     outer joint.
     """
-    joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
+    joint, omega = i + 1 if outward else i, y[omega_at(d.link_count) + i]
     link = lx, ly, _, _, _ = arm_of_link(d, d.scratch.link_vector, i, outward)
     w2 = omega * omega
     # d = b' − f − ω² A' L is the force at the outer joint, with the load f there, if α = 0 and the inner
@@ -99,7 +99,7 @@ def eliminate_end(d, y, i, outward):
     The inertia H of ``hinge_inertia`` is a constant for this link. Returns A (xx, xy, yy) and b (x, y) at the
     link's inner joint, as ``eliminate_inner`` does.
     """
-    joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
+    joint, omega = i + 1 if outward else i, y[omega_at(d.link_count) + i]
     link = _, _, sx, sy, inertia = arm_of_link(d, d.scratch.link_vector, i, outward)
     dx, dy = -d.scratch.load.x[joint], -d.scratch.load.y[joint]
     w2 = omega * omega
@@ -117,7 +117,7 @@ def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
     m, gx, gy = d.chain.mass[i], d.chain.gravity[0], d.chain.gravity[1]
     # the moment about the inner joint without accelerations: h₀ = L⊥·d − m r_C⊥·g − τ
     h0 = (lx * dy - ly * dx) + (sy * gx - sx * gy - d.scratch.moment[i])
-    if d.sites > 0:
+    if d.site_count > 0:
         h0 -= d.scratch.load.link[i]
     kx, ky = hx * inverse, hy * inverse
     elimination = d.scratch.elimination
@@ -141,7 +141,7 @@ def accelerate_link(d, y, i, outward, ax, ay, rate):
     If ``outward`` is true, the inner joint is the proximal joint. Returns x and y of the acceleration [m/s²]
     of the outer joint, at the other end of the link.
     """
-    elimination, speed_index = d.scratch.elimination, omega_at(d.links) + i
+    elimination, speed_index = d.scratch.elimination, omega_at(d.link_count) + i
     # the variable ``a`` is α = −(h·a + h₀)/H for the acceleration a of the inner joint
     a = -(elimination.gain_x[i] * ax + elimination.gain_y[i] * ay + elimination.bias[i])
     rate[speed_index] = a
@@ -168,7 +168,7 @@ def solve_accelerations(d, y, rate):
     if d.chain.has_base_joint:
         solve_along_arms(d, y, rate, 0)
     else:
-        solve_along_arms(d, y, rate, d.links // 2)
+        solve_along_arms(d, y, rate, d.link_count // 2)
 
 
 @inlined
@@ -178,7 +178,7 @@ def solve_along_arms(d, y, rate, middle):
     The part of the chain on each side of this joint is an arm. If ``middle`` is 0, the base, there is only
     the arm that ends at the tip: for a pinned or sliding base, or a free chain of one link.
     """
-    n = d.links
+    n = d.link_count
     axx, axy, ayy, bx, by = eliminate_end(d, y, n - 1, True)
     cxx, cxy, cyy, dx, dy = 0.0, 0.0, 0.0, 0.0, 0.0
     if middle > 0:
@@ -217,7 +217,7 @@ def solve_along_arms(d, y, rate, middle):
     # joint: the links get the base's given acceleration, but the rate of the base is 0, because the solver
     # does not integrate the base's motion.
     cx, cy = ax, ay
-    if d.channels > 0 and d.chain.base_moves:
+    if d.channel_count > 0 and d.chain.base_moves:
         ax, ay = d.channel.acceleration[0], d.channel.acceleration[1]
     for k in range(n - middle):
         ax, ay = accelerate_link(d, y, middle + k, True, ax, ay, rate)

@@ -73,10 +73,10 @@ def apply_inputs(d):
             values[j] = powers[0, j] = given_values[j]
             for m in range(1, piece_in_use.degree + 1):
                 powers[m, j] = given_powers[m, j]
-    for j in range(d.channels):
+    for j in range(d.channel_count):
         for m in range(piece_in_use.degree + 1):
             d.channel.piece[m, j] = d.given_channel.piece[m, j]
-    if d.signals > 0:
+    if d.signal_count > 0:
         set_signal_inputs(d, d.step.end)
 
 
@@ -93,7 +93,7 @@ def are_inputs_in_use(d):
     given, inputs, piece_in_use = d.given, d.inputs, d.inputs.piece
     if given.piece.degree > 0 or piece_in_use.degree > 0:
         return False
-    for j in range(d.channels):
+    for j in range(d.channel_count):
         if d.given_channel.piece[0, j] != d.channel.piece[0, j]:
             return False
     for i in range(len(given.drive_damping)):
@@ -113,9 +113,9 @@ def are_inputs_in_use(d):
 def ensure_inputs(d, y):
     """Set the inputs to their values at the time that the state y contains, unless they are constant."""
     if d.inputs.piece.degree > 0:
-        set_inputs(d, d.step.time_origin + y[time_at(d.links)])
-    elif d.signals > 0:
-        set_signal_inputs(d, d.step.time_origin + y[time_at(d.links)])
+        set_inputs(d, d.step.time_origin + y[time_at(d.link_count)])
+    elif d.signal_count > 0:
+        set_signal_inputs(d, d.step.time_origin + y[time_at(d.link_count)])
 
 
 def set_inputs(d, time):
@@ -127,9 +127,9 @@ def set_inputs(d, time):
             values, powers = input_field(d.inputs, k), input_field(piece, k)
             for j in range(len(values)):
                 values[j] = evaluate_polynomial(powers, piece.degree, j, x)
-    if d.signals > 0:
+    if d.signal_count > 0:
         set_signal_inputs(d, time)
-    if d.channels > 0:
+    if d.channel_count > 0:
         move_channels(d, time)
 
 
@@ -139,7 +139,7 @@ def set_signal_inputs(d, time):
     If a signal drives the target of a drive, the signal's rate sets the target velocity. Prescribed motions
     are set by ``move_channels``.
     """
-    for j in range(d.signals):
+    for j in range(d.signal_count):
         k, i = d.signal.input[j], d.signal.index[j]
         if k == CHANNEL:
             continue
@@ -197,7 +197,7 @@ def limit_to_time(d, time, h):
 
 def belts_jump(d):
     """Return whether the speed of any belt jumps at the start of the present piece of the inputs."""
-    return d.channels > 0 and d.given_channel.jumps != 0
+    return d.channel_count > 0 and d.given_channel.jumps != 0
 
 
 def begin_prescribed_motions(d, time):
@@ -208,7 +208,7 @@ def begin_prescribed_motions(d, time):
     """
     given, channel, piece = d.given_channel, d.channel, d.given.piece
     channel.run_start, channel.cubic_end, channel.contradiction = time, time, 0
-    for j in range(d.channels):
+    for j in range(d.channel_count):
         channel.given_position[j], channel.given_velocity[j] = given.position[j], given.velocity[j]
         channel.given_acceleration[j] = given.acceleration[j]
         channel.given_time[j] = time
@@ -220,7 +220,7 @@ def begin_prescribed_motions(d, time):
     piece.degree, piece.middle, piece.scale, piece.end = 0, time, 1.0, math.inf
     piece.change_rate = 0.0
     given.jumps = 0
-    for j in range(d.channels):
+    for j in range(d.channel_count):
         for m in range(INPUT_DEGREE + 1):
             given.piece[m, j] = 0.0
         if given.belt[j]:
@@ -243,18 +243,18 @@ def interpolate_prescribed_motions(d, time):
         WALL_JUMPS if the given position of a wall jumps (see UNEXPLAINED_PART); else OK.
     """
     given, channel, piece = d.given_channel, d.channel, d.given.piece
-    if d.channels == 0 or not given.interpolates or not time > d.step.communication_point:
+    if d.channel_count == 0 or not given.interpolates or not time > d.step.communication_point:
         return OK
     if time == channel.cubic_end and d.given.pending != REINITIALIZE:
         return OK  # the same communication step continues after a pause, so all is set
     start, h = d.step.communication_point, time - d.step.communication_point
     move_channels(d, start)
-    for j in range(d.channels):
+    for j in range(d.channel_count):
         if not has_signal(d, j) and not store_given_motion(d, j, start):
             return refuse_channel(d, j)
     channel.cubic_end = time
     moves, jumps = False, False
-    for j in range(d.channels):
+    for j in range(d.channel_count):
         if has_signal(d, j):
             continue
         is_smooth = set_cubic(d, j, time, h)
@@ -274,9 +274,9 @@ def interpolate_prescribed_motions(d, time):
 def refuse_channel(d, j):
     """Store the cause of a fault, the first candidate at the wall that channel j moves; return WALL_JUMPS."""
     first = 0
-    for c in range(d.candidates):
-        if d.wall_motion.first_channel[d.candidates - 1 - c] == j:
-            first = d.candidates - 1 - c
+    for c in range(d.candidate_count):
+        if d.wall_motion.first_channel[d.candidate_count - 1 - c] == j:
+            first = d.candidate_count - 1 - c
     return refuse_part(d, CANDIDATE_PART, first, WALL_JUMPS)
 
 

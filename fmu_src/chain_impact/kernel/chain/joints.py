@@ -39,15 +39,15 @@ from chain_impact.kernel.chain.sites import clear_link_moments
 def joint_rate_bound(d):
     """Return an upper bound [1/s] on the rates of all motions that springs and dampers cause; it may be ∞."""
     damping, stiffness = 0.0, 0.0
-    for i in range(d.links):
+    for i in range(d.link_count):
         c, k = slopes_below_limit(d, i)
-        if i + 1 < d.links:
+        if i + 1 < d.link_count:
             outer = slopes_below_limit(d, i + 1)
             c, k = c + outer[0], k + outer[1]
         damping = max(damping, rate_from_resistance(2.0 * c, d.chain.inertia[i]))
         stiffness = max(stiffness, rate_from_resistance(2.0 * k, d.chain.inertia[i]))
     if d.slides:
-        c, k = slopes_below_limit(d, d.links)
+        c, k = slopes_below_limit(d, d.link_count)
         damping = max(damping, rate_from_resistance(c, d.slider.mass))
         stiffness = max(stiffness, rate_from_resistance(k, d.slider.mass))
     return damping + math.sqrt(stiffness)
@@ -70,7 +70,7 @@ def largest_joint_rate(d, y):
     set_link_vectors(d, y)
     scratch, fastest = d.scratch, 0.0
     clear_impedance(d, scratch.impedance)
-    for i in range(d.links):
+    for i in range(d.link_count):
         scratch.impedance.joint[i] = armature_of_drive(d, i)
     factorize_matrix(d, scratch.link_vector, scratch, FREE, True)
     clear_vectors(d, scratch.load)

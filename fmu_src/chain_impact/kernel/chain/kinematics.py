@@ -80,7 +80,7 @@ def locate_points(d, y):
 
     Prescribed motions of base, walls and belts are first set to those at the time that y contains.
     """
-    if d.channels > 0:
+    if d.channel_count > 0:
         move_channels_to_state(d, y)
     locate_points_now(d, y)
 
@@ -93,10 +93,10 @@ def locate_points_now(d, y):
 
 def locate_from_link_vectors(d, y):
     """Locate the points for the state y, whose link vectors and prescribed motions have been set."""
-    n, link, position, velocity = d.links, d.scratch.link_vector, d.scratch.position, d.scratch.velocity
+    n, link, position, velocity = d.link_count, d.scratch.link_vector, d.scratch.position, d.scratch.velocity
     x, y_ = y[0], y[1]
     vx, vy = y[velocity_at(n)], y[velocity_at(n) + 1]
-    if d.channels > 0 and d.chain.base_moves:
+    if d.channel_count > 0 and d.chain.base_moves:
         channel = d.channel
         x, y_, vx, vy = channel.position[0], channel.position[1], channel.velocity[0], channel.velocity[1]
     for i in range(n):
@@ -122,7 +122,7 @@ def set_joint_places(d, values, first, vectors):
     accelerations or changes of these angles, x gets the rate, acceleration or change of the joint's angle,
     times the length of the longest link.
     """
-    for i in range(d.links):
+    for i in range(d.link_count):
         vectors.x[joint_place(d, i)] = d.chain.longest_link * relative_to_previous(values, first, i)
 
 
@@ -132,9 +132,9 @@ def accelerate_points(d, y, rate):
     A joint's place gets the acceleration of the joint's angle times the length of the longest link. The
     points must be located for y.
     """
-    n, link, acceleration = d.links, d.scratch.link_vector, d.scratch.acceleration
+    n, link, acceleration = d.link_count, d.scratch.link_vector, d.scratch.acceleration
     ax, ay = rate[velocity_at(n)], rate[velocity_at(n) + 1]
-    if d.channels > 0 and d.chain.base_moves:
+    if d.channel_count > 0 and d.chain.base_moves:
         ax, ay = d.channel.acceleration[0], d.channel.acceleration[1]
     for i in range(n):
         acceleration.x[i], acceleration.y[i] = ax, ay
@@ -152,10 +152,10 @@ def accelerate_points(d, y, rate):
 def clear_vectors(d, vectors):
     """Set the vectors of all places in use to zero."""
     # in a kernel for one number of links, the count is a constant for the compiler, which unrolls this loop
-    for k in range(d.links + 1):
+    for k in range(d.link_count + 1):
         vectors.x[k], vectors.y[k] = 0.0, 0.0
     if d.chain.has_joint_places:
-        for k in range(joint_place(d, 0), joint_place(d, d.links)):
+        for k in range(joint_place(d, 0), joint_place(d, d.link_count)):
             vectors.x[k], vectors.y[k] = 0.0, 0.0
     clear_sites(d, vectors)
 
@@ -193,7 +193,7 @@ def move_points(d, link_vectors, change, response):
     motion of point i gives that of point i + 1: Δp_{i+1} = Δp_i + Δθ_i L_i⊥. If ``change`` is a change of the
     coordinates' rates, ``response`` gets the changes of the places' velocities.
     """
-    n = d.links
+    n = d.link_count
     x, y = change[0], change[1]
     for i in range(n):
         response.x[i], response.y[i] = x, y
@@ -208,12 +208,12 @@ def move_points(d, link_vectors, change, response):
 def largest_component(d, vectors):
     """Return the largest absolute value of all components in the vectors of all places in use."""
     largest = 0.0
-    for k in range(d.links + 1):
+    for k in range(d.link_count + 1):
         largest = max(largest, abs(vectors.x[k]), abs(vectors.y[k]))
     if d.chain.has_joint_places:
-        for k in range(joint_place(d, 0), joint_place(d, d.links)):
+        for k in range(joint_place(d, 0), joint_place(d, d.link_count)):
             largest = max(largest, abs(vectors.x[k]))
-    for k in range(site_place(d, 0), site_place(d, d.sites)):
+    for k in range(site_place(d, 0), site_place(d, d.site_count)):
         largest = max(largest, abs(vectors.x[k]), abs(vectors.y[k]))
     return largest
 

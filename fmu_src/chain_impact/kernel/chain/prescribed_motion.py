@@ -26,7 +26,7 @@ from chain_impact.kernel.record.state import time_at
 
 def move_channels_to_state(d, y):
     """Set the motions of all channels to those at the time that the state y contains (``move_channels``)."""
-    move_channels(d, d.step.time_origin + y[time_at(d.links)])
+    move_channels(d, d.step.time_origin + y[time_at(d.link_count)])
 
 
 def move_channels(d, time):
@@ -36,7 +36,7 @@ def move_channels(d, time):
     """
     channel, piece = d.channel, d.inputs.piece
     x, run_time = (time - piece.middle) * piece.scale, time - channel.run_start
-    for m in range(d.channels):
+    for m in range(d.channel_count):
         s, v, half_a = channel.piece[piece.degree, m], 0.0 * x, 0.0 * x
         for k in range(1, piece.degree + 1):
             half_a = half_a * x + v
@@ -53,11 +53,11 @@ def move_channels(d, time):
             v * piece.scale + channel.added_velocity[m] + run_time * channel.added_acceleration[m]
         )
         channel.acceleration[m] = 2.0 * half_a * piece.scale * piece.scale + channel.added_acceleration[m]
-    for j in range(d.signals):
+    for j in range(d.signal_count):
         if d.signal.input[j] == CHANNEL:
             m = d.signal.index[j]
             channel.position[m], channel.velocity[m], channel.acceleration[m] = signal_at(d, j, time)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         m = d.wall_motion.first_channel[c]
         if m >= 0:
             move_wall(d, c, m)
@@ -85,7 +85,7 @@ def channel_bounds(d, m):
         if p > 1:
             acceleration = acceleration * largest_x + (p - 1) * coefficient
     speed, acceleration = speed * scale, acceleration * scale * scale
-    for j in range(d.signals):
+    for j in range(d.signal_count):
         if d.signal.input[j] == CHANNEL and d.signal.index[j] == m:
             speed, acceleration = signal_bounds(d, j)
     return speed, acceleration
@@ -97,7 +97,7 @@ def fastest_wall(d):
     A wall's motion along its normal and the motion of its belt count separately.
     """
     speed, acceleration = 0.0, 0.0
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if d.wall_motion.first_channel[c] >= 0:
             speed = max(speed, abs(d.wall_motion.velocity[c]), abs(d.wall_motion.belt_velocity[c]))
             acceleration = max(
@@ -113,7 +113,7 @@ def travel_of_piece(d):
     channel's polynomial, and ``travel_of_sines``, the sum of the amplitudes of all channels that sines drive.
     """
     largest_sum = 0.0
-    for m in range(d.channels):
+    for m in range(d.channel_count):
         coefficient_sum = 0.0
         for p in range(1, d.inputs.piece.degree + 1):
             coefficient_sum += abs(d.channel.piece[p, m])
@@ -128,7 +128,7 @@ def travel_of_sines(d):
     acceleration twice.
     """
     signal, amplitude_sum = d.signal, 0.0
-    for j in range(d.signals):
+    for j in range(d.signal_count):
         if signal.form[j] == SINE and signal.input[j] == CHANNEL:
             i = signal.source[j]
             amplitude = abs(signal.amplitude[i])

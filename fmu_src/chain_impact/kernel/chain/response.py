@@ -104,15 +104,15 @@ def clear_impedance(d, impedance):
     These numbers are the impedances D at points and sites, and at the places of joints if joints have places
     (``xx`` only); and the resistances κ in all joints, if any joint may resist (``joints_resist``).
     """
-    for k in range(d.links + 1):
+    for k in range(d.link_count + 1):
         impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
     if d.chain.has_joint_places:
-        for k in range(joint_place(d, 0), joint_place(d, d.links)):
+        for k in range(joint_place(d, 0), joint_place(d, d.link_count)):
             impedance.xx[k] = 0.0
-    for s in range(d.sites):
+    for s in range(d.site_count):
         k = site_place(d, s)
         impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
-    for i in range(d.links if joints_resist(d) else 0):
+    for i in range(d.link_count if joints_resist(d) else 0):
         impedance.joint[i] = 0.0
 
 
@@ -130,7 +130,7 @@ def factorize_matrix(d, link_vectors, space, slot, coupled):
         coupled: whether joints may transmit moments. If not, all resistances κ_i count as zero here, and all
             angular impulses μ_i in ``solve_response``; both functions then take less time.
     """
-    n, middle, impedance = d.links, d.chain.meeting_joint, space.impedance
+    n, middle, impedance = d.link_count, d.chain.meeting_joint, space.impedance
     space.factors.coupled[slot] = 1 if coupled else 0
     axx, axy, ayy, ex, ey, p = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     cxx, cxy, cyy, fx, fy, q = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -172,7 +172,7 @@ def copy_factors(d, coupled):
     elimination, factors = d.scratch.elimination, d.scratch.factors
     set_middle_mobility(d, factors, FREE, elimination.middle_xx, elimination.middle_xy, elimination.middle_yy)
     factors.coupled[FREE] = 1 if coupled else 0
-    for i in range(d.links):
+    for i in range(d.link_count):
         factors.gain_x[FREE, i], factors.gain_y[FREE, i] = elimination.gain_x[i], elimination.gain_y[i]
         factors.inverse[FREE, i] = elimination.inverse[i]
         factors.coupling[FREE, i], factors.complement[FREE, i] = 0.0, 1.0
@@ -210,7 +210,7 @@ def factorize_link(d, link_vectors, space, slot, coupled, i, outward, resistance
     link = lx, ly, _, _, _ = arm_of_link(d, link_vectors, i, outward)
     hx, hy, about_joint = hinge_inertia(link, axx, axy, ayy)
     for s in range(
-        d.chain.first_site[i] if d.sites > 0 else 0, d.chain.first_site[i + 1] if d.sites > 0 else 0
+        d.chain.first_site[i] if d.site_count > 0 else 0, d.chain.first_site[i + 1] if d.site_count > 0 else 0
     ):
         rx, ry = site_arm(d, link_vectors, s)
         if not outward:
@@ -252,7 +252,12 @@ def solve_response(d, link_vectors, space, slot, change):
         change: result Δ, in its first N + 2 entries: the change of the base's velocity [m/s] and of the
             links' angular velocities [rad/s]. Further entries of the array stay as they are.
     """
-    n, middle, load, coupled = d.links, d.chain.meeting_joint, space.load, space.factors.coupled[slot] != 0
+    n, middle, load, coupled = (
+        d.link_count,
+        d.chain.meeting_joint,
+        space.load,
+        space.factors.coupled[slot] != 0,
+    )
     bx, by, t = 0.0, 0.0, 0.0
     cx, cy, u = 0.0, 0.0, 0.0
     for k in range(n - middle):

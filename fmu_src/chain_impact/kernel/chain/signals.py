@@ -63,7 +63,7 @@ def signal_at(d, j, time):
 
 def has_signal(d, m):
     """Return whether a signal drives channel m, a prescribed motion."""
-    for j in range(d.signals):
+    for j in range(d.signal_count):
         if d.signal.input[j] == CHANNEL and d.signal.index[j] == m:
             return True
     return False
@@ -185,7 +185,7 @@ def make_largest_rate(acts):
 
     def rate(d):
         largest = 0.0
-        for j in range(d.signals):
+        for j in range(d.signal_count):
             if acts(d, j):
                 largest = max(largest, signal_rate(d, j))
         return largest
@@ -247,7 +247,7 @@ def derive_signals(d, time):
     integrated.
     """
     signal = d.signal
-    for j in range(d.signals):
+    for j in range(d.signal_count):
         i, k = signal.source[j], signal.first_knot[j]
         signal.begin[j], signal.integrals[j] = 0.0, 0
         signal.degree[j] = signal.order[j] + (RAMP_DEGREE if signal.form[j] == RAMP else 0)
@@ -365,7 +365,7 @@ def signals_are_valid(d):
     integrated, its frequency and the frequency's rate of change must not both be 0.
     """
     signal = d.signal
-    for j in range(d.signals):
+    for j in range(d.signal_count):
         i, total = signal.source[j], 0.0
         for k in range(signal.first_knot[j], signal.last_knot[j] + 1):
             if k > signal.first_knot[j] and not d.knot.time[k] >= d.knot.time[k - 1]:

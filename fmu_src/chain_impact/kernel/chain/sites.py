@@ -17,7 +17,7 @@ from chain_impact.kernel.function_marks import inlined
 @inlined
 def joint_place(d, i):
     """Return the index among all places of link i's proximal joint, i from 0; joints follow points 0…N."""
-    return d.links + 1 + i
+    return d.link_count + 1 + i
 
 
 @inlined
@@ -27,19 +27,19 @@ def site_place(d, s):
     The index is the same in a scene without stops and friction in joints, where the places of joints are not
     used.
     """
-    return 2 * d.links + 1 + s
+    return 2 * d.link_count + 1 + s
 
 
 @inlined
 def point_of_site(d, s):
     """Return the number of site s as a point: the sites come after the points 0…N."""
-    return d.links + 1 + s
+    return d.link_count + 1 + s
 
 
 @inlined
 def site_of_point(d, point):
     """Return the index s of the site whose number as a point is ``point``, which is > N."""
-    return point - d.links - 1
+    return point - d.link_count - 1
 
 
 @inlined
@@ -55,7 +55,7 @@ def locate_sites(d, y, first, position, velocity):
 
     The angular velocities of the links begin at index ``first`` of the state y.
     """
-    for s in range(d.sites):
+    for s in range(d.site_count):
         i, k = d.site.link[s], site_place(d, s)
         rx, ry = site_arm(d, d.scratch.link_vector, s)
         position.x[k], position.y[k] = position.x[i] + rx, position.y[i] + ry
@@ -68,7 +68,7 @@ def set_site_motions(d, link_vectors, turns, first, vectors):
     The vectors are velocities, small motions, or accelerations without the part −ω² r. The rotations of the
     links, angular velocities, small angles or angular accelerations, begin at index ``first`` of ``turns``.
     """
-    for s in range(d.sites):
+    for s in range(d.site_count):
         i, k = d.site.link[s], site_place(d, s)
         rx, ry = site_arm(d, link_vectors, s)
         vectors.x[k] = vectors.x[i] - turns[first + i] * ry
@@ -82,7 +82,7 @@ def accelerate_sites(d, y, rate, first, acceleration):
     α at the same index of its ``rate``.
     """
     set_site_motions(d, d.scratch.link_vector, rate, first, acceleration)
-    for s in range(d.sites):
+    for s in range(d.site_count):
         k, omega = site_place(d, s), y[first + d.site.link[s]]
         rx, ry = site_arm(d, d.scratch.link_vector, s)
         acceleration.x[k] -= omega * omega * rx
@@ -91,7 +91,7 @@ def accelerate_sites(d, y, rate, first, acceleration):
 
 def clear_sites(d, vectors):
     """Set the vectors of all sites to zero."""
-    for k in range(site_place(d, 0), site_place(d, d.sites)):
+    for k in range(site_place(d, 0), site_place(d, d.site_count)):
         vectors.x[k], vectors.y[k] = 0.0, 0.0
 
 
@@ -100,7 +100,7 @@ def has_link_moments(d):
 
     Forces at sites, and forces on centres of mass beside the lines of links, cause such moments.
     """
-    return d.sites > 0 or d.skewed != 0
+    return d.site_count > 0 or d.skewed != 0
 
 
 def clear_link_moments(d, load):
@@ -108,7 +108,7 @@ def clear_link_moments(d, load):
 
     The torques of drives are not among these moments: they are in ``scratch.moment``.
     """
-    for i in range(d.links if has_link_moments(d) else 0):
+    for i in range(d.link_count if has_link_moments(d) else 0):
         load.link[i] = 0.0
 
 
@@ -119,7 +119,7 @@ def move_site_loads(d, link_vectors, load):
     sites in ``load`` are zero.
     """
     clear_link_moments(d, load)
-    for s in range(d.sites):
+    for s in range(d.site_count):
         i, k = d.site.link[s], site_place(d, s)
         rx, ry = site_arm(d, link_vectors, s)
         load.x[i] += load.x[k]

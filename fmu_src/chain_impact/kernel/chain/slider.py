@@ -27,6 +27,6 @@ def slider_position(d, y):
 
 def carriage_energy(d, y):
     """Return the kinetic and the potential energy [J] of the carriage in the state y."""
-    first, gravity = velocity_at(d.links), d.chain.gravity
+    first, gravity = velocity_at(d.link_count), d.chain.gravity
     rate = slider_component(d, y[first], y[first + 1])
     return 0.5 * d.slider.mass * rate * rate, -d.slider.mass * (gravity[0] * y[0] + gravity[1] * y[1])

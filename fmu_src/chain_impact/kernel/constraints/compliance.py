@@ -50,7 +50,7 @@ def mean_mass(d):
 
     An armature counts as its inertia divided by the square of the longest link.
     """
-    return d.chain.energy_scale / (d.chain.longest_link * d.chain.longest_link * d.links)
+    return d.chain.energy_scale / (d.chain.longest_link * d.chain.longest_link * d.link_count)
 
 
 def holding_impedance(d):
@@ -137,12 +137,12 @@ def solve_accelerations_with_armatures(d, y, rate):
     centre of mass has at constant angular velocities. The loads at the points have their old values
     afterwards; the factors of M stay in ``scratch.factors``.
     """
-    scratch, n = d.scratch, d.links
+    scratch, n = d.scratch, d.link_count
     load, link, motion = scratch.load, scratch.link_vector, scratch.place_change
     for k in range(n + 1):
         motion.x[k], motion.y[k] = load.x[k], load.y[k]
     ax, ay, moment = 0.0, 0.0, 0.0
-    if d.channels > 0 and d.chain.base_moves:
+    if d.channel_count > 0 and d.chain.base_moves:
         ax, ay = d.channel.acceleration[0], d.channel.acceleration[1]
     for i in range(n):
         ratio, omega = d.chain.center_of_mass_ratio[i], y[omega_at(n) + i]

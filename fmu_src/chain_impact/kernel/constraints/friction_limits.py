@@ -124,7 +124,7 @@ def upper_limit(d, k):
     if k < first:
         return math.inf
     e = d.friction_element.stuck_index[k - first]
-    ratio = d.law.friction[e] / d.law.static_friction[e] if e < d.candidates else 1.0
+    ratio = d.law.friction[e] / d.law.static_friction[e] if e < d.candidate_count else 1.0
     return max(0.0, ratio * d.friction_element.friction_limit[e])
 
 

@@ -49,10 +49,10 @@ AT_WALL = 0  # value of candidate.stop for a candidate at a wall, not at a stop
 
 def set_candidate_rows(d):
     """Set the place and radius of each candidate, and the normal and offset of its wall or stop."""
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         wall, point = d.candidate.wall[c], d.candidate.point[c]
         d.candidate.place[c], d.candidate.radius[c] = point, d.contact_settings.radius
-        if point > d.links:
+        if point > d.link_count:
             s = site_of_point(d, point)
             d.candidate.place[c], d.candidate.radius[c] = site_place(d, s), d.site.radius[s]
         if is_at_stop(d, c):
@@ -91,7 +91,7 @@ def set_stop(d, c):
     """
     candidate = d.candidate
     sign = stop_sign(d, c)
-    i = d.candidate.point[c] - 1 if is_at_joint_stop(d, c) else d.links
+    i = d.candidate.point[c] - 1 if is_at_joint_stop(d, c) else d.link_count
     candidate.place[c], x, y = row_of_drive(d, i)
     # a sum with 0.0 is never −0.0, which outputs would print
     candidate.normal_x[c], candidate.normal_y[c] = sign * x + 0.0, sign * y + 0.0
@@ -151,14 +151,16 @@ def is_candidate_sound(d, c):
     A record from outside may contain any numbers.
     """
     # the numbers of joints begin at 1; the numbers of stops follow the numbers of the walls
-    first_point, last_point = (1, d.links) if is_at_joint_stop(d, c) else (0, d.links + d.sites)
-    last_wall = len(WALLS) + d.candidates - 1
+    first_point, last_point = (
+        (1, d.link_count) if is_at_joint_stop(d, c) else (0, d.link_count + d.site_count)
+    )
+    last_wall = len(WALLS) + d.candidate_count - 1
     if is_at_stop(d, c):
         last_wall += STOP_COUNT
     return (
         SLIDER_MAX <= d.candidate.stop[c] <= SLIDER_MIN
         and first_point <= d.candidate.point[c] <= last_point
-        and 0 <= d.candidate.place[c] < site_place(d, d.sites)
+        and 0 <= d.candidate.place[c] < site_place(d, d.site_count)
         and 0 <= d.candidate.wall[c] <= last_wall
     )
 
@@ -174,9 +176,9 @@ def tangent_row(d, e):
     At a wall t = (n_y, −n_x), with the normal n. The elements after the candidates are the joints, then the
     slider; their rows are along their coordinates.
     """
-    if e < d.candidates:
+    if e < d.candidate_count:
         return d.candidate.place[e], d.candidate.normal_y[e], -d.candidate.normal_x[e]
-    return row_of_drive(d, e - d.candidates)
+    return row_of_drive(d, e - d.candidate_count)
 
 
 def row_of_drive(d, i):
@@ -239,7 +241,7 @@ def clearance_and_rate(d, c):
     row = normal_row(d, c)
     clearance = dot(row, d.scratch.position) - d.candidate.offset[c] - d.candidate.radius[c]
     clearance_rate = dot(row, d.scratch.velocity)
-    if d.channels > 0:
+    if d.channel_count > 0:
         clearance_rate -= d.wall_motion.velocity[c]
     return clearance, clearance_rate
 
@@ -247,7 +249,7 @@ def clearance_and_rate(d, c):
 def clearance_acceleration(d, c):
     """Return g̈ [m/s²], the second derivative of candidate c's clearance, from the accelerated points."""
     acceleration = dot(normal_row(d, c), d.scratch.acceleration)
-    if d.channels > 0:
+    if d.channel_count > 0:
         acceleration -= d.wall_motion.acceleration[c]
     return acceleration
 
@@ -255,19 +257,21 @@ def clearance_acceleration(d, c):
 def tangential_position(d, e):
     """Return the coordinate [m] of element e along t, at a wall relative to the belt, at located points."""
     coordinate = dot(tangent_row(d, e), d.scratch.position)
-    return coordinate - d.wall_motion.travel[e] if d.channels > 0 and e < d.candidates else coordinate
+    return (
+        coordinate - d.wall_motion.travel[e] if d.channel_count > 0 and e < d.candidate_count else coordinate
+    )
 
 
 def tangential_rate(d, e):
     """Return the speed [m/s] of element e along t, at a wall relative to the belt, at located points."""
     speed = dot(tangent_row(d, e), d.scratch.velocity)
-    return speed - d.wall_motion.belt_velocity[e] if d.channels > 0 and e < d.candidates else speed
+    return speed - d.wall_motion.belt_velocity[e] if d.channel_count > 0 and e < d.candidate_count else speed
 
 
 def tangential_acceleration(d, e):
     """Return the acceleration [m/s²] of e along t, at a wall relative to the belt, at accelerated points."""
     a = dot(tangent_row(d, e), d.scratch.acceleration)
-    return a - d.wall_motion.belt_acceleration[e] if d.channels > 0 and e < d.candidates else a
+    return a - d.wall_motion.belt_acceleration[e] if d.channel_count > 0 and e < d.candidate_count else a
 
 
 def constraint_acceleration(d, k):
@@ -284,7 +288,7 @@ def add_joint_loads(d, load):
     the longest link, so a force at the place is a moment at this lever arm.
     """
     if d.chain.has_joint_places:
-        for i in range(d.links):
+        for i in range(d.link_count):
             load.joint[i] += d.chain.longest_link * load.x[joint_place(d, i)]
 
 
@@ -292,7 +296,7 @@ def add_joint_impedances(d, impedance):
     """Add to each joint's impedance its rotor's inertia, and the impedance of stop and drive × lever arm²."""
     if d.chain.has_joint_places or d.chain.has_armatures:
         square = d.chain.longest_link * d.chain.longest_link
-        for i in range(d.links):
+        for i in range(d.link_count):
             impedance.joint[i] += armature_of_drive(d, i)
             if d.chain.has_joint_places:
                 impedance.joint[i] += square * impedance.xx[joint_place(d, i)]
@@ -308,7 +312,7 @@ def clear_used_loads(d, load):
 def largest_velocity(d):
     """Return the largest |component| [m/s] of the velocities of all places, moving walls and belts."""
     largest = largest_component(d, d.scratch.velocity)
-    if d.channels > 0:
+    if d.channel_count > 0:
         speed, _ = fastest_wall(d)
         largest = max(largest, speed)
     return largest
@@ -325,7 +329,7 @@ def largest_coordinate(d):
 def largest_acceleration(d):
     """Return the largest |component| [m/s²] of the accelerations of all places, moving walls and belts."""
     largest = largest_component(d, d.scratch.acceleration)
-    if d.channels > 0:
+    if d.channel_count > 0:
         _, acceleration = fastest_wall(d)
         largest = max(largest, acceleration)
     return largest
@@ -337,12 +341,12 @@ def length_bound(d, vectors):
     Points and sites have clearances; so do joints, if any joint has a stop. ``vectors`` belong to all places.
     """
     bound = 0.0
-    for k in range(d.links + 1):
+    for k in range(d.link_count + 1):
         bound = max(bound, abs(vectors.x[k]) + abs(vectors.y[k]))
     if d.chain.has_joint_stops:
-        for k in range(joint_place(d, 0), joint_place(d, d.links)):
+        for k in range(joint_place(d, 0), joint_place(d, d.link_count)):
             bound = max(bound, abs(vectors.x[k]))
-    for k in range(site_place(d, 0), site_place(d, d.sites)):
+    for k in range(site_place(d, 0), site_place(d, d.site_count)):
         bound = max(bound, abs(vectors.x[k]) + abs(vectors.y[k]))
     return bound
 
@@ -365,7 +369,7 @@ def link_of(d, c):
     This link ends at the candidate's point, or carries the candidate's site; for the base it is link 0.
     """
     point = d.candidate.point[c]
-    return max(point, 1) - 1 if point <= d.links else d.site.link[site_of_point(d, point)]
+    return max(point, 1) - 1 if point <= d.link_count else d.site.link[site_of_point(d, point)]
 
 
 def lever_of_candidate(d, c):

@@ -25,7 +25,7 @@ def end_where_wall_meets_base(d):
     ``check_base_at_walls`` then ends the run. Afterwards the points are located at the end of the step.
     """
     reached = d.step.end
-    for c in range(d.candidates if d.chain.has_base_joint and not d.slides else 0):
+    for c in range(d.candidate_count if d.chain.has_base_joint and not d.slides else 0):
         if faces_base(d, c):
             reached = time_of_meeting(d, c, reached)
     if reached < d.step.end:
@@ -41,7 +41,7 @@ def check_base_at_walls(d):
     The base is beyond the wall if ``base_clearance`` is below −ALLOWED_OVERLAP/2.
     """
     move_channels(d, d.step.end)
-    for c in range(d.candidates if d.chain.has_base_joint and not d.slides else 0):
+    for c in range(d.candidate_count if d.chain.has_base_joint and not d.slides else 0):
         # if ``end_where_wall_meets_base`` has cut the step, the clearance is −ALLOWED_OVERLAP up to
         # round-off; the limit −ALLOWED_OVERLAP/2 leaves a margin for this round-off
         if faces_base(d, c) and base_clearance(d, c) < -0.5 * ALLOWED_OVERLAP:

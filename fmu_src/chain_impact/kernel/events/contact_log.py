@@ -46,7 +46,7 @@ def update_peaks(d):
     """Update the peaks of active contacts and, if requested, of joint forces for the last step."""
     if d.contacts.active_count > 0:
         update_extremes(d)
-    if d.transmitted_rows > 0:
+    if d.transmitted_row_count > 0:
         raise_joint_force_peaks(d)
 
 
@@ -161,7 +161,7 @@ def end_at_communication_point(d):
     """
     ends_here = d.step.end == d.step.communication_point
     truncate_to_communication_point(d)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if not (ends_here and d.contacts.event[c] == ONSET):
             mark_contact_event(d, c, NO_EVENT)
     if not ends_here:
@@ -271,7 +271,7 @@ def log_active_contacts(d):
     In a full log this overwrites the oldest entries.
     """
     row = d.contact_log.count
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if d.contacts.active[c]:
             log_with_peaks(d, c, row, math.nan, math.nan)
             row += 1

@@ -290,7 +290,7 @@ def bound_curvature(d):
     a stiff wall this bound is far too large. After an implicit step, which integrates the clearances of such
     points, ``bound_curvatures`` sets smaller bounds.
     """
-    n = d.links
+    n = d.link_count
     # the second derivative of the clearance g in the step's variable s is d²g/ds² = p d(ġ)/ds + p′ ġ, with
     # p = dt/ds; `p` and `change` are bounds, by p ≤ u and |p′| ≤ |u′| (sundman.py)
     p, change = 1.0, 0.0
@@ -309,7 +309,7 @@ def bound_curvature(d):
     for k in range(d.search.suspect_count):
         c = d.search.suspect_index[k]
         v, a = base_motion_bounds(d, c, along_x, along_y)
-        if d.channels > 0 and is_at_wall(d, c):
+        if d.channel_count > 0 and is_at_wall(d, c):
             speed, acceleration = prescribed_bounds(d, c)
             # v and a are bounds on |ġ| and |dġ/ds|. A channel is a function of time t, so its acceleration
             # times the bound p on dt/ds adds to the bound on |dġ/ds|.
@@ -327,7 +327,7 @@ def links_curvature(d, c):
     The candidate must not be a joint's stop.
     """
     curvature, point = d.scratch.curvature, d.candidate.point[c]
-    if point <= d.links:
+    if point <= d.link_count:
         return curvature[point]
     s = site_of_point(d, point)
     i, along, beside = d.site.link[s], d.site.along[s], d.site.beside[s]
@@ -346,7 +346,7 @@ def base_motion_bounds(d, c, along_x, along_y):
     """
     if is_at_joint_stop(d, c):
         link = d.candidate.point[c] - 1
-        first, arm = omega_at(d.links) + link, d.chain.longest_link
+        first, arm = omega_at(d.link_count) + link, d.chain.longest_link
         if link == 0:
             v, a = rate_bounds(d.step, first)
         else:
@@ -356,7 +356,7 @@ def base_motion_bounds(d, c, along_x, along_y):
     if nx * ny == 0.0:
         # the normal n is along x or y, so one of the two terms is 0
         return abs(nx) * along_x[0] + abs(ny) * along_y[0], abs(nx) * along_x[1] + abs(ny) * along_y[1]
-    return rate_bounds_along(d.step, velocity_at(d.links), nx, ny)
+    return rate_bounds_along(d.step, velocity_at(d.link_count), nx, ny)
 
 
 def prescribed_bounds(d, c):

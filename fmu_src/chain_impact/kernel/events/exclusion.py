@@ -67,7 +67,7 @@ def excludes_events(d):
         measure_all_candidates(d, d.step.state)
         ensure_points(d)
     begin_next_interval(d)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         d.search.phi_start_curvature[c] = d.search.phi_end_curvature[c]
     measure_all_candidates(d, d.step.state_end)
     remember_clearances(d, CURVATURES_KNOWN)
@@ -76,13 +76,13 @@ def excludes_events(d):
     # rate ρ above the angular velocity of the rotation, |φ⁽⁶⁾| = ρ⁴ |φ̈| counts, with the φ̈ of the rotation.
     decay = (d.step.end - d.step.start) * d.chain.joint_rate_bound
     distance = distance_per_radian(d)
-    if d.channels > 0:
+    if d.channel_count > 0:
         distance += travel_of_piece(d)
     turn_square, larger_square = turn * turn, max(turn, decay)
     larger_square *= larger_square
     error = distance * turn_square * (larger_square * larger_square) / 4608.0
     is_excluded, clearance_error = turn < SMALL_TURN, error + allowed_position_error(d)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         # The loop has no branches, so that the compiler can use vector instructions: both conditions are
         # evaluated for all candidates. The second condition is true for every contact: contacts with a force
         # are tested below, and held points have no crossings.
@@ -102,8 +102,8 @@ def excludes_events(d):
 
 def suspect_all_candidates(d):
     """Let the search examine all candidates."""
-    d.search.suspect_count = d.candidates
-    for c in range(d.candidates):
+    d.search.suspect_count = d.candidate_count
+    for c in range(d.candidate_count):
         d.search.suspect_index[c] = c
 
 
@@ -116,7 +116,7 @@ def suspect_candidates_near(d, clearance_error, penetration_error):
         penetration_error: the error [m] of the penetrations of candidates in contact.
     """
     search, count = d.search, 0
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if d.contacts.active[c]:
             is_suspect = not d.law.impulsive[c] and not stays_in_contact(d, c, penetration_error)
         else:
@@ -143,7 +143,7 @@ def distance_per_radian(d):
     of the joint's angle, 2 rad, times the length of the longest link; this counts only if the scene has stops
     in joints and more than one link.
     """
-    if d.chain.has_joint_stops and d.links > 1:
+    if d.chain.has_joint_stops and d.link_count > 1:
         return max(d.chain.reach, 2.0 * d.chain.longest_link)
     return d.chain.reach
 
@@ -159,7 +159,7 @@ def remains_far(d):
     speed, acceleration = search.speed_bound, search.acceleration_bound
     search.speed_bound = length_bound(d, d.scratch.velocity)
     search.acceleration_bound = length_bound(d, d.scratch.acceleration)
-    if d.channels > 0:
+    if d.channel_count > 0:
         wall_speed, wall_acceleration = fastest_wall(d)
         search.speed_bound = search.speed_bound + wall_speed
         search.acceleration_bound = search.acceleration_bound + wall_acceleration
@@ -172,7 +172,7 @@ def remains_far(d):
     if not (known_clearances(d) >= CURVATURES_KNOWN and search.safe_distance > allowed_position_error(d)):
         return False
     if is_regularized(d):
-        is_far = step.state_end[sundman_u_at(d.links)] > 0.0 and force_stays_smooth(
+        is_far = step.state_end[sundman_u_at(d.link_count)] > 0.0 and force_stays_smooth(
             d, step.regularized_candidate
         )
     else:
@@ -240,10 +240,10 @@ def measure_all_candidates(d, y):
     located and accelerated for y.
     """
     slope = set_clearances(d, y)
-    u = y[sundman_u_at(d.links)]
+    u = y[sundman_u_at(d.link_count)]
     p, rate_change = time_rate_at(d, u), regularized_time_rate_change(u, slope)
     least_clearance = math.inf
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         # derivatives of a clearance φ in the step's variable s, with p = dt/ds: φ′ = p φ̇, φ″ = p² φ̈ + p′ φ̇
         _, clearance_rate = clearance_and_rate(d, c)
         d.search.phi_end_curvature[c] = p * p * clearance_acceleration(d, c) + rate_change * clearance_rate
@@ -264,7 +264,7 @@ def set_clearances(d, y):
     """
     u, slope = sundman_u_now(d, y)
     p = time_rate_at(d, u)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         # all candidates are first treated as without contact: a branch in this loop would cost more than
         # setting active contacts again below
         clearance, clearance_rate = clearance_and_rate(d, c)
@@ -282,7 +282,7 @@ def sundman_u_now(d, y):
     """
     if not is_regularized(d):
         return 1.0, 0.0
-    u = y[sundman_u_at(d.links)]
+    u = y[sundman_u_at(d.link_count)]
     return u, root_rate(d, u)
 
 
@@ -309,6 +309,6 @@ def set_clearance(d, c, u, slope):
 
 def begin_next_interval(d):
     """Copy φ and φ′ of all candidates from the end of an interval to the start of the next interval."""
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         d.search.phi_start[c] = d.search.phi_end[c]
         d.search.phi_start_rate[c] = d.search.phi_end_rate[c]

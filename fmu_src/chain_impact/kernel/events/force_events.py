@@ -226,15 +226,15 @@ def plausible_pull(d):
     If a wall pulls more strongly in a stage, the stage has passed a toggle position, where forces go to
     infinity. The step and its time of release are then wrong.
     """
-    first, turn_rate, carriage = omega_at(d.links), 1.0, 0.0
+    first, turn_rate, carriage = omega_at(d.link_count), 1.0, 0.0
     if d.slides:
-        carriage = abs(drive_component(d, d.scratch.rate_start, velocity_at(d.links), d.links))
-    for i in range(d.links):
+        carriage = abs(drive_component(d, d.scratch.rate_start, velocity_at(d.link_count), d.link_count))
+    for i in range(d.link_count):
         omega, alpha = d.step.state[first + i], d.scratch.rate_start[first + i]
         turn_rate = max(turn_rate, omega * omega + abs(alpha))
     longest_link = d.chain.longest_link
     mass = d.chain.energy_scale / (longest_link * longest_link)
-    return mass * (d.chain.gravity_magnitude + carriage + d.links * longest_link * turn_rate)
+    return mass * (d.chain.gravity_magnitude + carriage + d.link_count * longest_link * turn_rate)
 
 
 def least_force(d, _c, theta):
@@ -299,7 +299,7 @@ def may_pass_limit(d, c):
     The result is true if any drive has a limit and the inputs are polynomials in time; else, if a stage or
     the end of the step shows such an end, or if a fast signal acts in a drive with a limit.
     """
-    if d.signals > 0 and d.inputs.piece.degree == 0:
+    if d.signal_count > 0 and d.inputs.piece.degree == 0:
         turn = (d.step.end - d.step.start) * rate_in_limited_drives(d)
         return is_past_limit(d, c) or (d.chain.has_drive_limits != 0 and turn > TURN_OF_STAGES)
     return d.chain.has_drive_limits != 0

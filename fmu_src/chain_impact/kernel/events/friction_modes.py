@@ -63,7 +63,7 @@ def choose_friction_modes(d, speeds_may_jump):
     """
     friction = d.friction
     list_friction(d)
-    for e in range(d.friction_elements):
+    for e in range(d.friction_element_count):
         d.friction_element.mode_before[e] = NO_FRICTION if begins_now(d, e) else d.friction_element.mode[e]
         set_friction_mode(d, e, NO_FRICTION)
     for i in range(friction.active_count):
@@ -275,10 +275,10 @@ def clear_changes(d):
 def log_changes(d):
     """Log the changes of friction modes at the last step's end; a full log loses its oldest entries."""
     log = d.friction_changes
-    for e in range(d.friction_elements):
+    for e in range(d.friction_element_count):
         if d.friction_element.mode[e] != d.friction_element.mode_before[e]:
             row = log.count % len(log.time)
-            joint = e >= d.candidates
+            joint = e >= d.candidate_count
             log.time[row], log.mode[row] = d.step.end, d.friction_element.mode[e]
             log.point[row] = joint_number(d, e) if joint else d.candidate.point[e]
             log.wall[row] = -1 if joint else d.candidate.wall[e]

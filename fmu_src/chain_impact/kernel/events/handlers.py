@@ -112,7 +112,7 @@ def apply_events(d):
     had_forces = contacts.compliant_count > 0
     if not had_forces:
         control.store_flight_size(d)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         kind = contacts.event[c]
         if d.law.impulsive[c]:
             rigid = rigid or kind != NO_EVENT
@@ -203,7 +203,7 @@ def force_has_kink(d):
     """
     if is_regularized(d) and d.contacts.event[d.step.regularized_candidate] == CONTACT_ENDS:
         return False
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if d.contacts.event[c] in (CONTACT_ENDS, KINK):
             return True
     return False

@@ -105,7 +105,7 @@ def handle_impact(d):
     # the state may be interpolated, so that it violates the constraints a little, and is projected first
     project_state(d, d.step.state_end)
     has_hit = False
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if contacts.event[c] == ONSET and d.law.impulsive[c]:
             latch_onset(d, c)
             has_hit = True
@@ -131,7 +131,7 @@ def handle_impact(d):
 
 def has_rigid_onset(d):
     """Return whether an onset is marked at a rigid wall or a rigid stop."""
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if d.contacts.event[c] == ONSET and d.law.impulsive[c]:
             return True
     return False
@@ -144,7 +144,7 @@ def begin_late_contacts(d):
     or −1 if no contact begins.
     """
     onset, round_off = -1, SIGN_TOLERANCE * largest_velocity(d)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         _, clearance_rate = clearance_and_rate(d, c)
         if d.contacts.event[c] == ONSET and not d.law.impulsive[c] and clearance_rate < -round_off:
             begin_force_contact(d, c)
@@ -171,7 +171,7 @@ def join_near_contacts(d):
     Otherwise a link wedged between two walls would hit the walls in turn, infinitely often in a finite time.
     """
     contacts, position_scale = d.contacts, largest_coordinate(d)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         clearance, _ = clearance_and_rate(d, c)
         if (
             d.law.impulsive[c]
@@ -193,9 +193,9 @@ def apply_impulses(d):
         c = d.contacts.active_index[k]
         if d.contacts.event[c] == NEIGHBOUR and d.constraints.impulse[k] > 0.0:
             latch_onset(d, c)
-    add_change(d, d.step.state_end, velocity_at(d.links))
+    add_change(d, d.step.state_end, velocity_at(d.link_count))
     count_dissipated(d, max(0.0, loss))
-    if d.channels > 0:
+    if d.channel_count > 0:
         count_supplied(d, work_of_impulses(d))
     add_impulses_of_impact(d)
     locate_points_now(d, d.step.state_end)
@@ -277,9 +277,9 @@ def is_gentle(d):
     impulses could make a joint slide, the joint's friction would lift points, these points would arrive
     gently again, and so on without end.
     """
-    force = mean_mass(d) * d.links * (d.chain.gravity_magnitude + d.chain.longest_link)
+    force = mean_mass(d) * d.link_count * (d.chain.gravity_magnitude + d.chain.longest_link)
     are_slow, energy, distance, position_scale = True, 0.0, 0.0, largest_coordinate(d)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if d.contacts.event[c] == ONSET and d.law.impulsive[c]:
             speed = d.contacts.impact_speed[c]
             are_slow = are_slow and speed <= LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]

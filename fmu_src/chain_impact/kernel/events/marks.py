@@ -26,13 +26,13 @@ def drop_events(d):
 
 def drop_contact_events(d):
     """Remove the marks of candidates, but keep the marks of friction modes and drives."""
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         d.contacts.event[c] = NO_EVENT
 
 
 def drop_mode_marks(d):
     """Remove the marks of mode changes, of dry friction and of drives, in the last step."""
-    for e in range(d.friction_elements):
+    for e in range(d.friction_element_count):
         d.friction_element.event[e] = 0
     mark_saturation(d, 0)
 
@@ -47,16 +47,16 @@ def mark_saturation(d, event):
 
 def copy_marks(d, t):
     """Copy the marks of the primal instance d to the tangent instance t."""
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         t.contacts.event[c] = d.contacts.event[c]
-    for e in range(d.friction_elements):
+    for e in range(d.friction_element_count):
         t.friction_element.event[e] = d.friction_element.event[e]
     t.drive.event = d.drive.event
 
 
 def ends_in_onset(d):
     """Return whether any candidate has the mark ONSET: a contact begins where the last step ends."""
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if d.contacts.event[c] == ONSET:
             return True
     return False

@@ -22,7 +22,7 @@ COMPARISON_TIME = 1e-6
 
 def begins_now(d, e):
     """Return whether element e belongs to a contact that begins now, at the end of the last step."""
-    return e < d.candidates and d.contacts.active[e] != 0 and d.contacts.onset[e] == d.step.end
+    return e < d.candidate_count and d.contacts.active[e] != 0 and d.contacts.onset[e] == d.step.end
 
 
 def decide_onsets(d):

@@ -79,7 +79,7 @@ def find_event(d):
         rejected; then the result has no meaning.
     """
     d.search.input_rate = max(d.inputs.piece.change_rate, rate_of_signals(d))
-    if d.candidates == 0:
+    if d.candidate_count == 0:
         return find_event_without_crossing(d)
     if was_implicit(d):
         suspect_all_candidates(d)
@@ -105,7 +105,7 @@ def find_event(d):
     remember_clearances(d, VALUES_KNOWN)
     # The state of a regularized step contains the time since the step's start. Nothing controls the error of
     # this time within the step: an event before the start is an error of the step.
-    if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
+    if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.link_count)) < 0.0:
         reject_step(d, CHECK_FAILED)
     return theta
 
@@ -144,13 +144,13 @@ def is_credible_crossing(d, theta):
 
     The caller has set the state, the clearances and their rates at θ.
     """
-    if theta <= EARLY_THETA and starts_clear(d, d.scratch.state[time_at(d.links)]):
+    if theta <= EARLY_THETA and starts_clear(d, d.scratch.state[time_at(d.link_count)]):
         return False
     if theta == 0.0:
         # a point that is inside a wall at the start of the step is inside in a shorter step as well, so a
         # rejection would not help
         return True
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if d.contacts.event[c] == ONSET:
             is_deep = d.search.phi_end[c] < -DEEPEST_ONSET * d.chain.longest_link
             if is_deep or d.search.phi_end_rate[c] > 0.0:
@@ -168,7 +168,7 @@ def starts_clear(d, time):
     locate_points(d, d.step.state)
     accelerate_points(d, d.step.state, d.scratch.rate_start)
     is_clear = False
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if d.contacts.event[c] in (ONSET, CONTACT_ENDS) and c != d.step.regularized_candidate:
             sign = -1.0 if d.contacts.active[c] else 1.0
             clearance, clearance_rate = clearance_and_rate(d, c)
@@ -230,7 +230,7 @@ def onset_lateness(d, y):
     locate_points(d, y)
     latest, largest_depth = -math.inf, 0.0
     duration = d.step.size * time_rate_for_sizes(d, y)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if d.contacts.event[c] == ONSET:
             clearance, clearance_rate = clearance_and_rate(d, c)
             lateness = clearance / (clearance_rate * duration)
@@ -251,7 +251,7 @@ def drop_separating_onsets(d, theta):
     Return ``theta``, or −1 if no event is left.
     """
     has_event = False
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if not d.contacts.active[c] and d.search.phi_end_rate[c] > 0.0:
             mark_contact_event(d, c, NO_EVENT)
         has_event = has_event or d.contacts.event[c] != NO_EVENT

@@ -47,7 +47,7 @@ def limit_to_signal_segment(d, h):
 def first_segment_end(d):
     """Return the time [s] at which the first of the segments in use ends."""
     first = segment_end(d, 0)
-    for j in range(1, d.signals):
+    for j in range(1, d.signal_count):
         first = min(first, segment_end(d, j))
     return first
 
@@ -72,7 +72,7 @@ def check_segments(d):
 
     The travel and the speed of a belt may jump.
     """
-    for j in range(d.signals):
+    for j in range(d.signal_count):
         if d.signal.input[j] == CHANNEL and has_segment_ended(d, j):
             before, rate, curvature = signal_at(d, j, d.step.end)
             k, lap = d.signal.segment[j], d.signal.lap[j]
@@ -111,7 +111,7 @@ def begin_segments(d):
         SPEED_JUMPS.
     """
     last_signal = -1
-    for j in range(d.signals):
+    for j in range(d.signal_count):
         if has_segment_ended(d, j):
             last_signal = j
     effect = NO_JUMP
@@ -124,7 +124,7 @@ def begin_segments(d):
                 commit_quadratures(d)
                 restart_contacts_and_modes(d, effect == SPEED_JUMPS)
                 reset_step(d, d.step.end, d.step.state_end)
-            if effect != NO_JUMP or d.channels > 0:
+            if effect != NO_JUMP or d.channel_count > 0:
                 evaluate_start(d)
             shift_start(d, -delay)
     return effect

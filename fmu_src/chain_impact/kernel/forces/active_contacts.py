@@ -82,7 +82,7 @@ def store_force(d, c, force):
 def clear_loads(d):
     """Set the loads at all places and in the joints to zero, but the load at the tip to the input force."""
     clear_used_loads(d, d.scratch.load)
-    tip = d.links
+    tip = d.link_count
     d.scratch.load.x[tip] = d.inputs.tip_force[0]
     d.scratch.load.y[tip] = d.inputs.tip_force[1]
 
@@ -295,7 +295,7 @@ def list_contacts_of_kind(d, impulsive):
     ``impulsive`` is 1 for the contacts at rigid walls, 0 for the contacts with force laws.
     """
     contacts = d.contacts
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if contacts.active[c] and d.law.impulsive[c] == impulsive:
             contacts.active_index[contacts.active_count] = c
             contacts.active_count += 1

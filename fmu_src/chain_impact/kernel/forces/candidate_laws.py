@@ -53,7 +53,7 @@ USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked
 
 def start_laws(d):
     """Find which candidates have the same law, and set the laws of all candidates; return a status."""
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         first, source = 0, law_origin(d, c)
         while law_origin(d, first) != source:
             first += 1
@@ -87,7 +87,7 @@ def update_laws(d):
         return status
     d.contact_settings.any_force, d.contact_settings.any_rigid, d.contact_settings.any_friction = 0, 0, 0
     d.stops.restitution = given_or_derived(d.given.stop_restitution, d.given.restitution)
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         first = d.law.same_as[c]
         if first == c:
             derive_damping(d, c)
@@ -103,7 +103,7 @@ def check_laws(d):
 
     RIGID_WHILE_TOUCHING means that an active contact with a force law would get the law of rigid walls.
     """
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         status = check_law(d, c) if d.law.same_as[c] == c else OK
         if status != OK:
             return refuse_part(d, CANDIDATE_PART, c, status)
@@ -116,7 +116,7 @@ def check_laws(d):
 
 def are_laws_in_use(d):
     """Return whether all candidates have their given laws; only parameters that a run can change count."""
-    for c in range(d.candidates):
+    for c in range(d.candidate_count):
         if d.law.same_as[c] == c and not is_law_in_use(d, c):
             return False
     return True

@@ -62,12 +62,12 @@ def may_have_friction(d, c):
 
 def drive_of_element(d, e):
     """Return the drive of element e, a joint or the slider: the joint's index from 0, or N for the slider."""
-    return e - d.candidates
+    return e - d.candidate_count
 
 
 def joint_number(d, e):
     """Return the number of element e, a joint or the slider: the joint's number 1…N, or 0 for the slider."""
-    return (drive_of_element(d, e) + 1) % (d.links + 1)
+    return (drive_of_element(d, e) + 1) % (d.link_count + 1)
 
 
 def set_friction_used(d):
@@ -76,12 +76,12 @@ def set_friction_used(d):
     If the record has no elements (room for friction), ``friction.is_present`` is 0.
     """
     has_friction = max(d.contact_settings.any_friction, d.chain.has_drive_friction)
-    d.friction.is_present = has_friction if d.friction_elements > 0 else 0
+    d.friction.is_present = has_friction if d.friction_element_count > 0 else 0
 
 
 def clear_friction(d):
     """Set the modes of all elements to "no friction"."""
-    for e in range(d.friction_elements):
+    for e in range(d.friction_element_count):
         set_friction_mode(d, e, NO_FRICTION)
 
 
@@ -119,7 +119,7 @@ def list_friction(d):
     friction.contact_count = friction.active_count
     for i in range(first_joint(d), drive_count(d) if d.chain.has_drive_friction else 0):
         if d.drive.friction[i] > 0.0:
-            e = d.candidates + i
+            e = d.candidate_count + i
             d.friction_element.index[friction.active_count] = e
             d.friction_element.friction_limit[e] = d.drive.friction[i] / lever_of_drive(d, i)
             friction.active_count += 1
@@ -138,7 +138,7 @@ def list_sticking(d):
         if d.friction_element.mode[e] == STICKS:
             d.friction_element.stuck_index[friction.stuck_count] = e
             friction.stuck_count += 1
-            friction.stuck_joints += e >= d.candidates
+            friction.stuck_joints += e >= d.candidate_count
 
 
 def suspend_sticking(d):
@@ -155,7 +155,7 @@ def clear_other_forces(d):
 
     Otherwise the output would keep an old force, for example if the friction of a wall has been set to 0.
     """
-    for e in range(d.friction_elements):
+    for e in range(d.friction_element_count):
         if d.friction_element.mode[e] == NO_FRICTION:
             d.friction_element.force[e] = 0.0
 
@@ -197,7 +197,7 @@ def apply_friction(d):
         e = d.friction_element.index[i]
         # for a joint and the slider the limits of static and of sliding friction are equal
         sliding = d.friction_element.friction_limit[e]
-        if e < d.candidates:
+        if e < d.candidate_count:
             normal = friction_load(d, e)
             d.friction_element.friction_limit[e] = d.law.static_friction[e] * normal
             sliding = d.law.friction[e] * normal

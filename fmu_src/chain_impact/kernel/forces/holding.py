@@ -119,7 +119,7 @@ def add_change(d, y, first):
 
     ``first`` is 0 for coordinates, and velocity_at(N) for their rates.
     """
-    for j in range(coordinate_count(d.links)):
+    for j in range(coordinate_count(d.link_count)):
         y[first + j] += d.constraints.change[j]
 
 
@@ -150,7 +150,7 @@ def add_constraint_forces(d, y, rate):
     activate_all(d)
     if solve_equality(d, scale) > d.solver.tolerance * scale:
         note_moving(d, d.solver.tolerance * scale)
-    add_change(d, rate, velocity_at(d.links))
+    add_change(d, rate, velocity_at(d.link_count))
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
         c = d.contacts.active_index[k]
         constraints.least_force[c] = min(constraints.least_force[c], constraints.impulse[k])
@@ -182,23 +182,23 @@ def project_state(d, y):
     belts and base during the projection counts as supplied energy. At the end the points are located in the
     projected state.
     """
-    constraints, energy_index = d.constraints, dissipated_at(d.links)
+    constraints, energy_index = d.constraints, dissipated_at(d.link_count)
     for k in range(d.contacts.compliant_count if has_sticking(d) else 0):
         constraints.resistance[k] = contact_resistance(d)
     activate_all(d)
     set_unforced_to_positions(d)
     solve_positions(d)
-    if d.channels > 0:
+    if d.channel_count > 0:
         note_squeezed(d, SQUEEZED_DEPTH * d.chain.longest_link)
     add_change(d, y, 0)
     locate_points_now(d, y)
     activate_all(d)
     set_unforced_to_speeds(d)
     solve_stopping_impulses(d)
-    add_change(d, y, velocity_at(d.links))
+    add_change(d, y, velocity_at(d.link_count))
     locate_points_now(d, y)
-    if d.channels > 0:
-        y[supplied_at(d.links)] += work_of_impulses(d)
+    if d.channel_count > 0:
+        y[supplied_at(d.link_count)] += work_of_impulses(d)
     for k in range(constraint_count(d)):
         # the energy that a constraint's impulse p dissipates: −½ p (u⁻ + u⁺), with the speeds u⁻ before and
         # u⁺ after it
@@ -238,7 +238,7 @@ def power_of_motion(d, y, rate):
         return power
     accelerate_points(d, y, rate)
     total = 0.0
-    for i in range(d.links):
+    for i in range(d.link_count):
         total += d.chain.mass[i]
     # Newton's law for the whole chain gives the force F₀ that moves the base, with the links' masses m, the
     # accelerations a_C of their centres of mass, gravity g and the other forces F: F₀ = Σ m (a_C − g) − Σ F
@@ -258,7 +258,7 @@ def work_of_impulses(d):
             if sticks
             else d.contacts.active_index[k]
         )
-        if e < d.candidates and is_at_wall(d, e):
+        if e < d.candidate_count and is_at_wall(d, e):
             _, nx, ny = constraint_row(d, k)
             impulse = constraints.impulse[k]
             if k < d.contacts.compliant_count:
@@ -280,7 +280,7 @@ def total_momentum(d, vectors):
     ``vectors`` are velocities, changes of velocities, or accelerations of the points.
     """
     x, y = 0.0, 0.0
-    for i in range(d.links):
+    for i in range(d.link_count):
         cx, cy = vector_at_center_of_mass(d, vectors, i)
         x, y = x + d.chain.mass[i] * cx, y + d.chain.mass[i] * cy
     return x, y
@@ -325,7 +325,7 @@ def solve_positions(d):
         remaining_residual = max(
             remaining_residual, abs(constraints.target_motion[k] - constraints.reached_motion[k])
         )
-    for j in range(coordinate_count(d.links)):
+    for j in range(coordinate_count(d.link_count)):
         largest_change = max(
             largest_change, abs(constraints.change[j]) / (longest_link if j < FIRST_ANGLE else 1.0)
         )

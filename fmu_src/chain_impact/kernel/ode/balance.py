@@ -121,7 +121,7 @@ def start_balance(d, time):
     chain, balance = d.chain, d.balance
     reach, carriage = chain.longest_link, d.slider.mass if d.slides else 0.0
     total, square = carriage, carriage * reach * reach
-    for i in range(d.links):
+    for i in range(d.link_count):
         total += chain.mass[i]
         reach += chain.length[i]
         # E₁, twice the kinetic energy of carriage and stretched chain: m s² of the carriage, plus the sum of
@@ -164,7 +164,7 @@ def apply_next_input_piece(d):
     Two pieces of a prescribed motion meet only up to round-off, so the energy changes a little. This change
     counts as supplied energy.
     """
-    if d.channels == 0:
+    if d.channel_count == 0:
         apply_inputs(d)
         return
     y = d.step.state_end
@@ -251,7 +251,7 @@ def largest_available_energy(d, y, potential):
 
     The present state y counts, too; ``potential`` is the potential energy [J] in y.
     """
-    balance, supplied = d.balance, y[supplied_at(d.links)]
+    balance, supplied = d.balance, y[supplied_at(d.link_count)]
     return max(
         balance.available_energy,
         balance.least_allowed_change + balance.run_value - potential + max(0.0, supplied),
@@ -311,7 +311,7 @@ def is_middle_correct(d):
     y = d.scratch.state
     ensure_dense(d, SOLVER_READER)
     interpolate_state(d.step, 0.5, y)
-    if not dissipates_evenly(d, y[dissipated_at(d.links)]):
+    if not dissipates_evenly(d, y[dissipated_at(d.link_count)]):
         return False
     locate_points(d, y)
     change = abs(energy_balance(d, y) - d.balance.value_end)
@@ -328,7 +328,7 @@ def dissipates_evenly(d, middle):
     lies outside by at most MIDDLE_CHANGE × STEP_CHANGE × the tolerance × the scale that control.py has for
     this energy.
     """
-    start, end = d.step.state[dissipated_at(d.links)], d.step.state_end[dissipated_at(d.links)]
+    start, end = d.step.state[dissipated_at(d.link_count)], d.step.state_end[dissipated_at(d.link_count)]
     scale = d.chain.energy_scale + abs(end) + impact_energy(d)
     slack = MIDDLE_CHANGE * STEP_CHANGE * d.solver.tolerance * scale
     return min(start, end) - slack <= middle <= max(start, end) + slack
@@ -358,10 +358,10 @@ def energy_scales(d, y):
     kinetic, potential = mechanical_energy(d, y)
     # the potential energy may be a small difference of large energies, whose round-off counts
     summed = d.balance.weight * (abs(d.scratch.position.x[0]) + abs(d.scratch.position.y[0])) + abs(potential)
-    summed += kinetic + abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
+    summed += kinetic + abs(y[dissipated_at(d.link_count)]) + abs(y[supplied_at(d.link_count)])
     speed = math.sqrt(2.0 * kinetic) + d.balance.root_reference_energy
     scale = speed * speed + d.balance.reference_energy + impact_energy(d)
-    scale += abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
+    scale += abs(y[dissipated_at(d.link_count)]) + abs(y[supplied_at(d.link_count)])
     if d.chain.has_springs:
         for i in range(drive_count(d)):
             force = abs(spring_resistance(d, y, i))

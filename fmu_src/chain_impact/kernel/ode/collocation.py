@@ -162,7 +162,7 @@ def prepare_step(d, h):
 def set_weights(d):
     """Set the weights of errors in z: 1/(tolerance × scale), or 0 for components that are not controlled."""
     weight = d.implicit.error_weight
-    for j in range(supplied_at(d.links), extended_length(d)):
+    for j in range(supplied_at(d.link_count), extended_length(d)):
         weight[j] = math.inf
     set_scales(d, d.step.state_end, weight, clearance_count(d))
     raise_scales(d, d.step.state_end, weight, clearance_count(d))
@@ -200,7 +200,7 @@ def size_for_fast_motion(d, h):
     solve_real(d, shift, decayed_part)
     count_other_cost(d, 3)
     fast_error, decayed_error = 0.0, 0.0
-    for j in range(velocity_at(d.links), dissipated_at(d.links)):
+    for j in range(velocity_at(d.link_count), dissipated_at(d.link_count)):
         fast_error = max(fast_error, abs(fast_part[j]) * implicit.error_weight[j])
         decayed_error = max(decayed_error, abs(decayed_part[j]) * implicit.error_weight[j])
     if not (math.isfinite(fast_error) and fast_error > decayed_error > 0.0):
@@ -222,7 +222,7 @@ def extrapolate_stages(d, h, component_count):
         part = h * RADAU_NODES[i]
         for j in range(component_count):
             implicit.stages[i, j] = 0.0
-        for j in range(velocity_at(d.links)):
+        for j in range(velocity_at(d.link_count)):
             implicit.stages[i, j] = part * implicit.rate_start[j]
         for k in range(clearance_count(d)):
             implicit.stages[i, clearance_at(d, k)] = part * implicit.rate_start[clearance_at(d, k)]
@@ -282,9 +282,9 @@ def set_step_end(d, h):
     implicit, y = d.implicit, d.trial.state
     for j in range(extended_length(d)):
         implicit.z_scratch[j] = implicit.z_start[j] + implicit.stages[LAST_STAGE, j]
-    for j in range(sundman_u_at(d.links)):
+    for j in range(sundman_u_at(d.link_count)):
         y[j] = implicit.z_scratch[j]
-    y[sundman_u_at(d.links)], y[time_at(d.links)] = 1.0, h
+    y[sundman_u_at(d.link_count)], y[time_at(d.link_count)] = 1.0, h
     copy_tried_quadratures(d, implicit.z_scratch, quadrature_at(d, 0))
     locate_points(d, y)
 
@@ -310,7 +310,7 @@ def error_estimate(d, h, component_count):
         # second solution of the system removes this motion from the estimate.
         solve_real(d, shift, rows[0])
         count_other_cost(d, 1)
-        for j in range(dissipated_at(d.links)):
+        for j in range(dissipated_at(d.link_count)):
             d.scratch.y_error[0, j], d.scratch.y_error[1, j] = rows[0, j], rows[1, j]
         first_force, second_force = force_errors(d)
         first = max(first, first_force / d.solver.tolerance)
@@ -336,7 +336,7 @@ def store_stages(d, faded):
             clear_faded(d, implicit.last_stages[i])
     implicit.contact_set_of_step = d.contacts.contact_set
     for j in range(len(d.scratch.state)):
-        set_dense(d.step, j, implicit.last_stages, j, RADAU_STAGES if j < sundman_u_at(d.links) else 1)
+        set_dense(d.step, j, implicit.last_stages, j, RADAU_STAGES if j < sundman_u_at(d.link_count) else 1)
     for k in range(d.quadrature.count):
         set_dense(d.quadrature, k, implicit.last_stages, quadrature_at(d, k), RADAU_STAGES)
 
@@ -354,7 +354,7 @@ def match_clearances(d):
     ``project_coordinates`` gives the changes; dry friction along these changes adds to the dissipated energy.
     """
     dense, implicit, change = d.step.dense, d.implicit, d.scratch.change
-    last_component = dissipated_at(d.links)
+    last_component = dissipated_at(d.link_count)
     if clearance_count(d) == 0:
         return
     for third in range(1, 3):
@@ -366,7 +366,7 @@ def match_clearances(d):
                 implicit.target_clearance[k] = extended_component(d, component, third / 3.0)
             project_coordinates(d, d.scratch.state, derivative, change)
             for j in range(len(change)):
-                implicit.dense_corrections[third - 1, derivative * velocity_at(d.links) + j] = change[j]
+                implicit.dense_corrections[third - 1, derivative * velocity_at(d.link_count) + j] = change[j]
             if derivative == 0:
                 implicit.dense_corrections[third - 1, last_component] = (
                     -work_along(d, change) if d.friction.active_count > 0 else 0.0

@@ -142,7 +142,7 @@ def size_in_flight(d, y, rate):
     It is the time in which a link turns by FIRST_STEP_ROTATION × tolerance^(1/8) [rad], with the largest |ω|
     or √|α| of all links as the angular velocity; but at most 1 s.
     """
-    n, largest_speed = d.links, 0.0
+    n, largest_speed = d.link_count, 0.0
     for i in range(n):
         largest_speed = max(largest_speed, abs(y[omega_at(n) + i]), math.sqrt(abs(rate[omega_at(n) + i])))
     turn = FIRST_STEP_ROTATION * power(d.solver.tolerance, -SIZE_EXPONENT[EXPLICIT])
@@ -221,13 +221,13 @@ def set_scales(d, y, scale, contact_count):
     Other components have no scales, and their errors are not controlled: u and t, whose errors are far
     smaller than those of the motion, the rates of clearances, and the quadratures.
     """
-    n, longest_link = d.links, d.chain.longest_link
+    n, longest_link = d.link_count, d.chain.longest_link
     for j in range(velocity_at(n)):
         scale[j] = longest_link if j < FIRST_ANGLE else 1.0
     for j in range(velocity_at(n), dissipated_at(n)):
         scale[j] = (longest_link if j < omega_at(n) else 1.0) + abs(y[j])
     scale[dissipated_at(n)] = d.chain.energy_scale + abs(y[dissipated_at(n)]) + impact_energy(d)
-    if d.channels > 0:
+    if d.channel_count > 0:
         scale[supplied_at(n)] = d.chain.energy_scale + abs(y[supplied_at(n)]) + impact_energy(d)
     for k in range(contact_count):
         scale[sundman_u_at(n) + k] = penetration_scale(d, d.contacts.active_index[k])
@@ -241,7 +241,7 @@ def raise_scales(d, y, scale, contact_count):
     v₀/δ* (``penetration_scale``) turns a round-off ε of a position into a speed ω ε, so the scales of
     clearances, velocities and angular velocities are raised. The arguments are those of ``set_scales``.
     """
-    n, longest_link, largest_angle, speed = d.links, d.chain.longest_link, 0.0, 0.0
+    n, longest_link, largest_angle, speed = d.link_count, d.chain.longest_link, 0.0, 0.0
     if contact_count == 0:
         return
     for i in range(n):
@@ -268,9 +268,9 @@ def clear_faded(d, y):
     count = 0
     # The first loop only counts, without branches, so that it is fast: in most calls nothing has to be
     # cleared. The coordinates and rates are the entries of y before the dissipated energy.
-    for j in range(dissipated_at(d.links)):
+    for j in range(dissipated_at(d.link_count)):
         count += 0.0 < abs(y[j]) < FADED_VALUE
-    for j in range(dissipated_at(d.links) if count > 0 else 0):
+    for j in range(dissipated_at(d.link_count) if count > 0 else 0):
         # a component of exactly 0 is skipped, so that it keeps its derivatives in a tangent instance
         if 0.0 < abs(y[j]) < FADED_VALUE:
             y[j] = 0.0
@@ -286,7 +286,7 @@ def no_step_status(d):
 
 def controlled_count(d):
     """Return the number of components at the start of y whose errors are controlled."""
-    return supplied_at(d.links) + (1 if d.channels > 0 else 0)
+    return supplied_at(d.link_count) + (1 if d.channel_count > 0 else 0)
 
 
 @inlined
@@ -315,7 +315,7 @@ def scaled_errors(d):
     y, scale, total = d.trial.state, d.implicit.error_weight, 0.0
     first_error, second_error, first, second = d.scratch.y_error[0], d.scratch.y_error[1], 0.0, 0.0
     set_scales(d, y, scale, d.contacts.active_count)
-    first_clearance = sundman_u_at(d.links)
+    first_clearance = sundman_u_at(d.link_count)
     for j in range(controlled_count(d)):
         # max() can hide a NaN; a sum cannot
         total += abs(first_error[j] + y[j]) + abs(second_error[j] + y[j])
@@ -352,7 +352,7 @@ def force_errors(d):
 def force_error(d, error, i, c, k):
     """Return a bound [N or N·m] on the error of drive i's force, from the ``error`` of a state, c and k."""
     return k * abs(drive_component(d, error, 0, i)) + c * abs(
-        drive_component(d, error, velocity_at(d.links), i)
+        drive_component(d, error, velocity_at(d.link_count), i)
     )
 
 

@@ -66,7 +66,7 @@ def event_fraction(_d):
 
 def regularized_fraction(d, elapsed):
     """Return the fraction θ of the last step, a regularized one, a time ``elapsed`` [s] after its start."""
-    step, u_index, time_index = d.step, sundman_u_at(d.links), time_at(d.links)
+    step, u_index, time_index = d.step, sundman_u_at(d.link_count), time_at(d.link_count)
     at_end = step.state[u_index] + step.dense[0, u_index]
     if elapsed >= step.dense[0, time_index] and at_end >= 0.0:
         return 1.0
@@ -139,10 +139,10 @@ IMPULSE_SAMPLES = 16
 # called where the rate of the state has just been evaluated. The record has room for all kinds
 # (record/contacts.py). The impulses of walls and stops come first, with an entry for each candidate.
 QUADRATURES = (
-    ("impulse of a wall [N·s]", lambda d: d.candidates, lambda d, c: d.contacts.force[c]),
+    ("impulse of a wall [N·s]", lambda d: d.candidate_count, lambda d, c: d.contacts.force[c]),
     (
         "impulse of dry friction [N·s]",
-        lambda d: d.friction_elements,
+        lambda d: d.friction_element_count,
         lambda d, e: d.friction_element.force[e],
     ),
     ("energy that dry friction dissipates [J]", lambda _d: 1, lambda d, _i: d.friction.power),
@@ -170,12 +170,12 @@ def list_quadratures(d):
         for k in range(d.contacts.active_count):
             add_quadrature(d, d.contacts.active_index[k])
         for k in range(d.friction.contact_count):
-            add_quadrature(d, d.candidates + d.friction_element.index[k])
+            add_quadrature(d, d.candidate_count + d.friction_element.index[k])
         if d.friction.active_count > 0:
-            add_quadrature(d, d.candidates + d.friction_elements)
-        if d.transmitted_rows > 0 and d.chain.has_inputs:
+            add_quadrature(d, d.candidate_count + d.friction_element_count)
+        if d.transmitted_row_count > 0 and d.chain.has_inputs:
             for j in range(2):
-                add_quadrature(d, d.candidates + d.friction_elements + 1 + j)
+                add_quadrature(d, d.candidate_count + d.friction_element_count + 1 + j)
 
 
 def add_quadrature(d, i):
@@ -214,14 +214,14 @@ def set_quadrature_stage(d, i):
 
     The rate of the state must have just been evaluated.
     """
-    set_quadrature_rates(d, d.scratch.stage[i, time_at(d.links)], d.quadrature.stage[i])
+    set_quadrature_rates(d, d.scratch.stage[i, time_at(d.link_count)], d.quadrature.stage[i])
 
 
 def set_quadrature_stage_at_end(d, i):
     """Set stage i of the quadratures from their stored rates at the end of the last step."""
     quadrature = d.quadrature
     for k in range(quadrature.count):
-        quadrature.stage[i, k] = quadrature.rate_end[k] * d.scratch.stage[i, time_at(d.links)]
+        quadrature.stage[i, k] = quadrature.rate_end[k] * d.scratch.stage[i, time_at(d.link_count)]
 
 
 def correct_falling_impulses(d):
@@ -269,7 +269,7 @@ def quadrature_within(d, theta, k):
     """
     quadrature, below, above = d.quadrature, d.quadrature.state_end[k], d.quadrature.state_end[k]
     value = interpolate_component(quadrature, theta, k)
-    if quadrature.index[k] >= d.candidates:
+    if quadrature.index[k] >= d.candidate_count:
         return value
     for i in range(IMPULSE_SAMPLES):
         sample = d.step.end_fraction * (IMPULSE_SAMPLES - 1 - i) / IMPULSE_SAMPLES

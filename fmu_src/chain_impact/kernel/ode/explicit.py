@@ -214,7 +214,7 @@ def size_toward_end(d, h):
         return h
     if not is_regularized(d):
         return size_toward_ends(d, h)
-    root = sundman_u_at(d.links)
+    root = sundman_u_at(d.link_count)
     u, slope = d.step.state_end[root], d.scratch.stage[0, root]
     if u + 2.0 * slope * h >= 0.0:
         return h

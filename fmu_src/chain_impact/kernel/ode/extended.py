@@ -79,7 +79,7 @@ def clearance_at(d, k):
     z has no u and t, which are the last two entries of y. So in z the clearances begin at the index that u
     has in y.
     """
-    return sundman_u_at(d.links) + k
+    return sundman_u_at(d.link_count) + k
 
 
 def clearance_count(d):
@@ -107,7 +107,7 @@ def extended_length(d):
 
 def extend_start(d):
     """Set the extended state z and its rate ż at the start of the next step, from y, ẏ and quadratures."""
-    scratch, implicit, n = d.scratch, d.implicit, d.links
+    scratch, implicit, n = d.scratch, d.implicit, d.link_count
     if not scratch.located_at_end:
         locate_points(d, d.step.state_end)
     accelerate_points(d, d.step.state_end, scratch.rate_start)
@@ -140,7 +140,7 @@ def extended_rate(d, z, elapsed, rate):
 
     The contact forces are evaluated at the clearances in z, not at those that follow from the coordinates.
     """
-    if d.inputs.piece.degree > 0 or d.channels > 0 or d.signals > 0:
+    if d.inputs.piece.degree > 0 or d.channel_count > 0 or d.signal_count > 0:
         set_inputs(d, d.step.time_origin + elapsed)
     locate_points_now(d, z)
     clear_loads(d)
@@ -154,8 +154,8 @@ def extended_rate(d, z, elapsed, rate):
     free_rate_from_loads(d, z, dissipated, rate)
     if any_constraint(d):
         add_constraint_forces(d, z, rate)
-    if d.channels > 0:
-        rate[supplied_at(d.links)] += power_of_motion(d, z, rate)
+    if d.channel_count > 0:
+        rate[supplied_at(d.link_count)] += power_of_motion(d, z, rate)
     set_quadrature_rates(d, 1.0, rate[quadrature_at(d, 0) :])
     accelerate_points(d, z, rate)
     clearance_rates(d, z, rate)
@@ -168,7 +168,7 @@ def extended_slopes(d, z):
     present link vectors, for the linear systems.
     """
     implicit, link = d.implicit, d.scratch.link_vector
-    for i in range(d.links):
+    for i in range(d.link_count):
         implicit.link_vector.x[i], implicit.link_vector.y[i] = link.x[i], link.y[i]
     for i in range(drive_count(d)):
         implicit.drive_damping[i], implicit.drive_stiffness[i] = drive_slopes(d, i)
@@ -203,10 +203,12 @@ def factorize_shift(d, s, space, slot):
     for k in range(clearance_count(d), constraint_count(d)):
         add_impedance(constraint_row(d, k), space.impedance, d.constraints.impedance[k])
     if d.chain.has_springs_or_dampers:
-        for i in range(d.links):
+        for i in range(d.link_count):
             space.impedance.joint[i] = drive_resistance(d, i, s)
         if d.slides:
-            add_impedance(row_of_drive(d, d.links), space.impedance, drive_resistance(d, d.links, s))
+            add_impedance(
+                row_of_drive(d, d.link_count), space.impedance, drive_resistance(d, d.link_count, s)
+            )
     add_joint_impedances(d, space.impedance)
     factorize_matrix(
         d, d.implicit.link_vector, space, slot, d.chain.has_springs_or_dampers != 0 or are_joints_loaded(d)
@@ -218,7 +220,7 @@ def solve_shift(d, s, space, slot, x):
 
     The array x contains r at the call, and the solution afterwards.
     """
-    n, implicit, change = d.links, d.implicit, space.change
+    n, implicit, change = d.link_count, d.implicit, space.change
     clear_used_loads(d, space.load)
     if d.chain.has_springs_or_dampers:
         for i in range(drive_count(d)):
@@ -305,7 +307,7 @@ def project_coordinates(d, y, derivative, change):
     have been located for y, but need not be located again after the coordinates in y have changed. The change
     of the coordinates or velocities is stored in ``change``, shape (N+2,).
     """
-    implicit, first = d.implicit, derivative * velocity_at(d.links)
+    implicit, first = d.implicit, derivative * velocity_at(d.link_count)
     clear_used_loads(d, d.scratch.load)
     for k in range(clearance_count(d)):
         c = d.contacts.active_index[k]
@@ -315,7 +317,7 @@ def project_coordinates(d, y, derivative, change):
         )
         add_along_row(normal_row(d, c), d.scratch.load, impulse)
     solve_in_space(d, implicit.link_vector, d.scratch, SHIFTED, change)
-    for j in range(coordinate_count(d.links)):
+    for j in range(coordinate_count(d.link_count)):
         y[first + j] += change[j]
 
 
@@ -335,8 +337,10 @@ def project_clearances(d, z, y):
         for k in range(clearance_count(d)):
             implicit.target_clearance[k] = z[rate_at(d, k) if derivative else clearance_at(d, k)]
         project_coordinates(d, y, derivative, change)
-        for j in range(coordinate_count(d.links)):
-            error = max(error, abs(change[j]) * implicit.error_weight[derivative * velocity_at(d.links) + j])
+        for j in range(coordinate_count(d.link_count)):
+            error = max(
+                error, abs(change[j]) * implicit.error_weight[derivative * velocity_at(d.link_count) + j]
+            )
     return error, mismatch
 
 

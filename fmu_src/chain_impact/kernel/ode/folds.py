@@ -60,7 +60,7 @@ def correct_near_fold(d, theta, y, rate):
     count_evaluations(d, 1)
     if is_smooth:
         replace_impulses(d, d.constraints.refined_force)
-        add_change(d, rate, velocity_at(d.links))
+        add_change(d, rate, velocity_at(d.link_count))
         store_constraint_forces(d)
 
 

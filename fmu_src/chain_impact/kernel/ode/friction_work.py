@@ -34,7 +34,7 @@ def correct_friction_energy(d, h):
     for m in range(RADAU_STAGES if d.friction.active_count > d.friction.stuck_count else 0):
         power = power_of_correction(d, m)
         for i in range(RADAU_STAGES):
-            d.implicit.stages[i, dissipated_at(d.links)] -= h * Q[i][m] * power
+            d.implicit.stages[i, dissipated_at(d.link_count)] -= h * Q[i][m] * power
     if has_sticking(d):
         count_holding_work(d, h)
 
@@ -48,8 +48,8 @@ def power_of_correction(d, m):
     forces along the uncorrected speeds, so the same forces must be used to take this work back. In a chain at
     rest the uncorrected speeds may be far larger than the corrected speeds.
     """
-    implicit, change, first = d.implicit, d.scratch.change, velocity_at(d.links)
-    for j in range(coordinate_count(d.links)):
+    implicit, change, first = d.implicit, d.scratch.change, velocity_at(d.link_count)
+    for j in range(coordinate_count(d.link_count)):
         change[j] = implicit.z_start[first + j] + implicit.stages[m, first + j] - implicit.rates[m, j]
     return work_of_sliding(d, change, implicit.friction_force[m])
 
@@ -62,7 +62,7 @@ def uncounted_work(d):
     projected end. The work is negative if friction dissipates energy.
     """
     change, y, z = d.scratch.change, d.trial.state, d.implicit.z_scratch
-    for j in range(coordinate_count(d.links)):
+    for j in range(coordinate_count(d.link_count)):
         if is_implicit(d):
             change[j] = y[j] - z[j]
         else:
@@ -123,9 +123,9 @@ def count_holding_work(d, h):
     implicit = d.implicit
     work_before = holding_work_at(d, implicit.z_start, 0.0)
     for i in range(RADAU_STAGES):
-        for j in range(sundman_u_at(d.links)):
+        for j in range(sundman_u_at(d.link_count)):
             implicit.z_scratch[j] = implicit.z_start[j] + implicit.stages[i, j]
-        implicit.stages[i, dissipated_at(d.links)] -= (
+        implicit.stages[i, dissipated_at(d.link_count)] -= (
             holding_work_at(d, implicit.z_scratch, h * RADAU_NODES[i]) - work_before
         )
 
@@ -135,7 +135,7 @@ def holding_work_at(d, z, elapsed):
 
     The elements are at their places in the extended state z, ``elapsed`` [s] after the step's start.
     """
-    if d.channels > 0:
+    if d.channel_count > 0:
         set_inputs(d, d.step.time_origin + elapsed)
     locate_points_now(d, z)
     return work_of_holding(d)

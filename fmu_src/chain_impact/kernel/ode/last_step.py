@@ -57,7 +57,7 @@ def reset_step(d, time, y):
         step.state[j] = y[j]
         for m in range(len(step.dense)):
             step.dense[m, j] = 0.0
-    step.state[sundman_u_at(d.links)], step.state[time_at(d.links)] = 1.0, 0.0
+    step.state[sundman_u_at(d.link_count)], step.state[time_at(d.link_count)] = 1.0, 0.0
     for j in range(len(step.state)):
         step.state_end[j] = step.state[j]
     reset_times(d, time)
@@ -109,7 +109,7 @@ def make_last_step(d):
     accept_quadratures(d)
     step.start = step.end
     step.size, step.end_fraction = d.trial.size, 1.0
-    step.end = step.start + y[time_at(d.links)]
+    step.end = step.start + y[time_at(d.link_count)]
     step.last_method = step.method
     step.dense_for = NO_READER
     step.rate_known = 0
@@ -130,7 +130,7 @@ def project_trial(d):
     loses is therefore stored in ``remainder_end``, and added in the next step; otherwise the losses of many
     steps would add up.
     """
-    step, y, index = d.step, d.trial.state, dissipated_at(d.links)
+    step, y, index = d.step, d.trial.state, dissipated_at(d.link_count)
     if d.friction.active_count == 0:
         project_state(d, y)
         return
@@ -141,14 +141,14 @@ def project_trial(d):
 
 def add_dissipated(d, y, change, before):
     """Set the dissipated energy in y to ``before`` + ``change`` [J]; store the sum's error of rounding."""
-    energy_index = dissipated_at(d.links)
+    energy_index = dissipated_at(d.link_count)
     y[energy_index] = before + change
     d.step.remainder_end = change - (y[energy_index] - before)
 
 
 def count_dissipated(d, energy):
     """Add an energy [J] that is lost at the end of the last step to the dissipated energy."""
-    d.step.state_end[dissipated_at(d.links)] += energy
+    d.step.state_end[dissipated_at(d.link_count)] += energy
 
 
 def evaluate_start(d):
@@ -160,7 +160,7 @@ def evaluate_start(d):
 
 def count_supplied(d, energy):
     """Add an energy [J] that inputs or motions supply at the last step's end to the supplied energy."""
-    d.step.state_end[supplied_at(d.links)] += energy
+    d.step.state_end[supplied_at(d.link_count)] += energy
 
 
 def roll_back(d):
@@ -178,7 +178,7 @@ def truncate_step(d, theta):
     """Cut the last step at its fraction θ: the state at the end becomes that of the dense output there."""
     ensure_dense(d, SOLVER_READER)
     end_at_fraction(d, theta)
-    d.step.end = d.step.start + d.step.state_end[time_at(d.links)]
+    d.step.end = d.step.start + d.step.state_end[time_at(d.link_count)]
 
 
 def end_at_fraction(d, theta):
@@ -186,7 +186,7 @@ def end_at_fraction(d, theta):
 
     The function also sets ``step.end_fraction`` and counts a break; the caller sets ``step.end``.
     """
-    step, energy_index = d.step, dissipated_at(d.links)
+    step, energy_index = d.step, dissipated_at(d.link_count)
     interpolate_state(step, theta, step.state_end)
     # Rounding has made the dissipated energy too small by ``remainder`` at the start of the step, and by
     # ``remainder_whole`` at its end. At θ the interpolant is too small by ``remainder``, a number between
@@ -248,12 +248,12 @@ def choose_variable(d, size_chosen):
         size_chosen: whether the proposed size is already in units of the chosen variable, as after contacts
             have begun or ended; otherwise a change of the variable converts the size.
     """
-    step, root = d.step, sundman_u_at(d.links)
+    step, root = d.step, sundman_u_at(d.link_count)
     rate_before, (contact, u) = time_rate_for_sizes(d, step.state_end), find_lone_contact(d)
     changed = contact != step.regularized_candidate
     step.regularized_candidate = contact
     step.state_end[root] = u
-    step.state_end[time_at(d.links)], step.time_origin = 0.0, step.end
+    step.state_end[time_at(d.link_count)], step.time_origin = 0.0, step.end
     if changed:
         step.break_count += 1
         if not size_chosen:
@@ -281,9 +281,9 @@ def find_rate(d, are_points_located):
     else:
         rate_from_state(d, y, rate)
     store_end_rates(d)
-    if d.candidates > 0:
+    if d.candidate_count > 0:
         if not touching:
-            if d.channels > 0:
+            if d.channel_count > 0:
                 move_channels_to_state(d, y)
             locate_from_link_vectors(d, y)
         accelerate_points(d, y, rate)
@@ -309,9 +309,9 @@ def largest_turn(d):
     The estimate is not below the rotation if |ω| and |α| of each link are largest at an end of the step. The
     rates at both ends must be known.
     """
-    first, duration, scratch = omega_at(d.links), d.step.end - d.step.start, d.scratch
+    first, duration, scratch = omega_at(d.link_count), d.step.end - d.step.start, d.scratch
     turn = 0.0
-    for i in range(d.links):
+    for i in range(d.link_count):
         omega = max(abs(d.step.state[first + i]), abs(d.step.state_end[first + i]))
         alpha = max(abs(scratch.rate_start[first + i]), abs(scratch.rate_end[first + i]))
         turn = max(turn, duration * (omega + 0.5 * duration * alpha))

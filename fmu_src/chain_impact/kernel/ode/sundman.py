@@ -57,11 +57,11 @@ def regularize_rate(d, y, rate_in_time, rate):
 
 def convert_to_fictitious_time(d, y, rate):
     """Convert ``rate`` from dy/dt to dy/ds in state y, s the fictitious time; points must be located."""
-    u = y[sundman_u_at(d.links)]
+    u = y[sundman_u_at(d.link_count)]
     p = regularized_time_rate(u)
     for j in range(len(rate)):
         rate[j] *= p
-    rate[sundman_u_at(d.links)] = root_rate(d, u)
+    rate[sundman_u_at(d.link_count)] = root_rate(d, u)
 
 
 def root_rate(d, u):
@@ -104,7 +104,7 @@ def time_rate_for_sizes(d, y):
 
     Without the lower limit a size would be divided by almost 0 where the contact begins or ends.
     """
-    return max(RESTING_SUM, time_rate_at(d, y[sundman_u_at(d.links)]))
+    return max(RESTING_SUM, time_rate_at(d, y[sundman_u_at(d.link_count)]))
 
 
 def runs_back(d, y):
@@ -113,7 +113,9 @@ def runs_back(d, y):
     This is so if u < LEAST_ROOT in y, or if the end of the step is not later in time than its start. For a
     step that runs in time, the result is False.
     """
-    return is_regularized(d) and (y[sundman_u_at(d.links)] < LEAST_ROOT or y[time_at(d.links)] <= 0.0)
+    return is_regularized(d) and (
+        y[sundman_u_at(d.link_count)] < LEAST_ROOT or y[time_at(d.link_count)] <= 0.0
+    )
 
 
 def find_lone_contact(d):

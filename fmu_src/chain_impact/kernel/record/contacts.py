@@ -14,10 +14,10 @@ LATEST_COUNT = LOG_SIZE  # length of the list of the latest impacts; a scene req
 
 
 @written_by("constraints/geometry.py", offset=("constraints/geometry.py", "chain/prescribed_motion.py"))
-def candidate_dtype(candidates: int) -> np.dtype:
+def candidate_dtype(candidate_count: int) -> np.dtype:
     """Return the layout of the candidates: pairs of a point and a wall, stops of joints and of the slider."""
     return table(
-        candidates,
+        candidate_count,
         # number of the point, 0…N, or N+1…N+P for sites; at a stop in a joint the number of the joint, 1…N;
         # at a stop of the slider 0
         ("point", INTEGER),
@@ -38,13 +38,13 @@ def candidate_dtype(candidates: int) -> np.dtype:
 
 
 @written_by("forces/candidate_laws.py")
-def law_dtype(candidates: int) -> np.dtype:
+def law_dtype(candidate_count: int) -> np.dtype:
     """Return the layout of the contact law of each candidate.
 
     A stop in a joint has the law of a wall for the joint's place, at a lever arm (constraints/geometry.py).
     """
     return table(
-        candidates,
+        candidate_count,
         ("same_as", INTEGER),  # index of the first candidate with the same law, which can be this one
         ("number", INTEGER),  # number of the law, from 1; 0: no law has been set
         ("stiffness", REAL),  # N/m^exponent, stiffness K
@@ -65,9 +65,9 @@ def law_dtype(candidates: int) -> np.dtype:
     )
 
 
-def most_constraints(candidates: int, friction_elements: int) -> int:
+def most_constraints(candidate_count: int, friction_element_count: int) -> int:
     """Return the largest number of constraints: one for each candidate and one for each element."""
-    return candidates + friction_elements
+    return candidate_count + friction_element_count
 
 
 @written_by(
@@ -78,7 +78,7 @@ def most_constraints(candidates: int, friction_elements: int) -> int:
         ("damping", "expected_penetration", "kink_crossed", "kink_margin"), "forces/force_formula.py"
     ),
 )
-def contacts_dtype(candidates: int) -> np.dtype:
+def contacts_dtype(candidate_count: int) -> np.dtype:
     """Return the layout of the data of the contacts, one entry for each candidate.
 
     The speed v₀ of the law and the effective mass are latched at the onset, as are expected penetration and
@@ -89,49 +89,50 @@ def contacts_dtype(candidates: int) -> np.dtype:
         # number of the present set of contacts: ``list_active_contacts`` adds 1. An implicit step with
         # another number may have entries of other contacts, and does not predict the next step
         ("contact_set", INTEGER),
-        ("active_count", bounded_integer(0, candidates)),
+        ("active_count", bounded_integer(0, candidate_count)),
         # number of active contacts with a force law; these come first in ``active_index``
         ("compliant_count", INTEGER),
         ("joint_stop_count", INTEGER),  # number of active stops in joints
         # indices of the candidates with active contacts; only the first ``active_count`` entries are used
-        ("active_index", bounded_integer(0, candidates - 1), (candidates,)),
-        ("active", bounded_integer(0, 1), (candidates,)),  # 1: the candidate is in contact; 0: it is not
+        ("active_index", bounded_integer(0, candidate_count - 1), (candidate_count,)),
+        ("active", bounded_integer(0, 1), (candidate_count,)),  # 1: the candidate is in contact; 0: it is not
         # the event of a candidate at `step.end`, which the next step applies: a mark of events/marks.py
-        ("event", bounded_integer(0, NEIGHBOUR), (candidates,)),
-        ("onset", REAL, (candidates,)),  # s, onset of the candidate's latest contact
-        ("impact_speed", REAL, (candidates,)),  # m/s, approach speed along the normal at the onset, ≥ 0
+        ("event", bounded_integer(0, NEIGHBOUR), (candidate_count,)),
+        ("onset", REAL, (candidate_count,)),  # s, onset of the candidate's latest contact
+        ("impact_speed", REAL, (candidate_count,)),  # m/s, approach speed along the normal at the onset, ≥ 0
         # m/s, speed v₀ in the law: the impact speed, but at least `law.minimum_impact_speed`
-        ("latched_speed", REAL, (candidates,)),
-        ("effective_mass", REAL, (candidates,)),  # kg, effective mass 1/(J M⁻¹ Jᵀ) at the onset
+        ("latched_speed", REAL, (candidate_count,)),
+        ("effective_mass", REAL, (candidate_count,)),  # kg, effective mass 1/(J M⁻¹ Jᵀ) at the onset
         # m, expected penetration δ*; at a rigid wall the length of the longest link
-        ("expected_penetration", REAL, (candidates,)),
-        ("damping", REAL, (candidates,)),  # N·s/m^(p+1), damping d of the force law
+        ("expected_penetration", REAL, (candidate_count,)),
+        ("damping", REAL, (candidate_count,)),  # N·s/m^(p+1), damping d of the force law
         # m/s, rate of the penetration at the start of the step that is searched for peaks: a peak lies in the
         # step if the rate falls through 0
-        ("penetration_rate", REAL, (candidates,)),
+        ("penetration_rate", REAL, (candidate_count,)),
         # N/s, rate of the contact force at the start of the step that is searched for peaks; only the sign is
         # used, and after an event the number 1 stands for a force that may rise
-        ("force_rate", REAL, (candidates,)),
-        ("force", REAL, (candidates,)),  # N, force of an active candidate at the last evaluation of ẏ
+        ("force_rate", REAL, (candidate_count,)),
+        ("force", REAL, (candidate_count,)),  # N, force of an active candidate at the last evaluation of ẏ
         # side of the kink (forces/force_formula.py) whose smooth force a step uses on both sides; 1: the side
         # beyond the kink; 0: the side before the kink
-        ("beyond_kink", INTEGER, (candidates,)),
+        ("beyond_kink", INTEGER, (candidate_count,)),
         # m/s, a rate of the penetration counts as beyond the kink δ̇ = 0 only if its absolute value exceeds
         # this margin; 0 if the law damps in both directions
-        ("kink_margin", REAL, (candidates,)),
+        ("kink_margin", REAL, (candidate_count,)),
         # 1: a stage or the end of the tried step lies on the side that ``beyond_kink`` does not name, by more
         # than ``kink_margin``
-        ("kink_crossed", INTEGER, (candidates,)),
-        ("impact_number", INTEGER, (candidates,)),  # `impact.count` after the candidate's latest onset
-        ("peak_force", REAL, (candidates,)),  # N, peak force in the contact so far
-        ("max_penetration", REAL, (candidates,)),  # m, largest penetration in the contact so far
-        ("joint_square", REAL, (candidates,)),  # N², largest squared force in any joint during the contact
-        ("joint", INTEGER, (candidates,)),  # number of the joint with ``joint_square``, 1…N; 0 for none
+        ("kink_crossed", INTEGER, (candidate_count,)),
+        ("impact_number", INTEGER, (candidate_count,)),  # `impact.count` after the candidate's latest onset
+        ("peak_force", REAL, (candidate_count,)),  # N, peak force in the contact so far
+        ("max_penetration", REAL, (candidate_count,)),  # m, largest penetration in the contact so far
+        # N², largest squared force in any joint during the contact
+        ("joint_square", REAL, (candidate_count,)),
+        ("joint", INTEGER, (candidate_count,)),  # number of the joint with ``joint_square``, 1…N; 0 for none
         # m, errors of the clearances of the active contacts, in the order of ``active_index``; row 0 and row
         # 1 belong to the two error estimates of an explicit step
-        ("clearance_error", REAL, (2, candidates)),
-        ("x", REAL, (candidates,)),  # m, x of the position at the onset (``touching_position``)
-        ("y", REAL, (candidates,)),
+        ("clearance_error", REAL, (2, candidate_count)),
+        ("x", REAL, (candidate_count,)),  # m, x of the position at the onset (``touching_position``)
+        ("y", REAL, (candidate_count,)),
     )
 
 
@@ -157,10 +158,8 @@ def latest_dtype() -> np.dtype:
     ``max_penetration`` and N·m·s for ``impulse``.
     """
     return layout(
-        (
-            "requested_count",
-            bounded_integer(0, LATEST_COUNT),
-        ),  # number of latest impacts that the scene requests
+        # number of latest impacts that the scene requests
+        ("requested_count", bounded_integer(0, LATEST_COUNT)),
         # number of ended contacts when the list was last written; −1: a contact was active at this time
         ("listed_count", INTEGER),
         # point of each impact, as in `candidate.point`; −1 for no impact
@@ -188,7 +187,7 @@ def latest_dtype() -> np.dtype:
     least_force="forces/holding.py",
     sampled_force="events/contact_log.py",
 )
-def constraints_dtype(links: int, candidates: int, friction_elements: int) -> np.dtype:
+def constraints_dtype(link_count: int, candidate_count: int, friction_element_count: int) -> np.dtype:
     """Return the layout of the constraints: first the active contacts, then the sticking elements.
 
     Contacts with a force law have entries, but are never in the active set. The unit of ``unforced_motion``,
@@ -198,11 +197,11 @@ def constraints_dtype(links: int, candidates: int, friction_elements: int) -> np
     - speeds [m/s], with impulses in N·s: find_impulses, project_state (second pass), clear_sticking_speeds
     - accelerations [m/s²], with forces in N: add_constraint_forces, update_active_set, decide_onsets
     """
-    count = most_constraints(candidates, friction_elements)
+    count = most_constraints(candidate_count, friction_element_count)
     return layout(
         # change that all impulses together cause: of each coordinate, or of its rate or its acceleration,
         # depending on the problem
-        ("change", REAL, (coordinate_count(links),)),
+        ("change", REAL, (coordinate_count(link_count),)),
         # SOLVED, or the reason why the search for constraint forces has failed in the tried step or at the
         # events before it: UNSOLVED, MOVING or SQUEEZED of constraints/impulses.py
         ("outcome", INTEGER),
@@ -232,31 +231,28 @@ def constraints_dtype(links: int, candidates: int, friction_elements: int) -> np
         ("force_difference", REAL, (count,)),
         # N, force of the rigid wall on each held point at the last two times that the search for peaks has
         # sampled, the earlier time first; the points are in the order of ``contacts.active_index``
-        ("sampled_force", REAL, (2, candidates)),
+        ("sampled_force", REAL, (2, candidate_count)),
         # N, least force of the rigid wall on each held candidate in the stages of a step; 0 if none is < 0
-        ("least_force", REAL, (candidates,)),
+        ("least_force", REAL, (candidate_count,)),
     )
 
 
 @written_by("constraints/friction_limits.py")
-def limited_forces_dtype(links: int, friction_elements: int) -> np.dtype:
+def limited_forces_dtype(link_count: int, friction_element_count: int) -> np.dtype:
     """Return the layout of the scratch memory of constraints/friction_limits.py.
 
     That module finds, by iterations, constraint forces within the limits of friction.
     """
     # at least the number of constraints, because every candidate is an element; 0 in a scene without friction
-    count = 2 * friction_elements
+    count = 2 * friction_element_count
     return layout(
         # m/s² or rad/s², accelerations of the coordinates that the constraint forces cause
-        ("change", REAL, (coordinate_count(links),)),
-        (
-            "inside_limits",
-            INTEGER,
-            (count,),
-        ),  # 1: the force is between its limits; 0: the force is at a limit
+        ("change", REAL, (coordinate_count(link_count),)),
+        # 1: the force is between its limits; 0: the force is at a limit
+        ("inside_limits", INTEGER, (count,)),
         # ±1: the force of a sticking element is at its limit, with the sign of ``sign_at_limit``; 0: the
         # |force| is below the limit; the elements are in the order of ``friction_element.stuck_index``
-        ("at_limit", INTEGER, (friction_elements,)),
+        ("at_limit", INTEGER, (friction_element_count,)),
         ("force", REAL, (count,)),  # N, force p⁺ of each constraint after an iteration
         # N, force p of each constraint before the iteration: 0 before the first one, else the force p⁺ of the
         # iteration before
@@ -272,7 +268,7 @@ def limited_forces_dtype(links: int, friction_elements: int) -> np.dtype:
 
 
 @written_by("events/contact_log.py")
-def contact_log_dtype(candidates: int) -> np.dtype:
+def contact_log_dtype(candidate_count: int) -> np.dtype:
     """Return the layout of the log of contacts, a ring buffer: the ended contacts, then the active contacts.
 
     A caller that collects the ended contacts sets ``collected`` to ``count``. The log always contains the
@@ -281,7 +277,7 @@ def contact_log_dtype(candidates: int) -> np.dtype:
     angles and moments: rad/s for speeds, N·m for ``peak_force``, rad for ``max_penetration``, kg·m² for
     ``effective_mass`` and N·m·s for ``impulse``.
     """
-    log = LOG_SIZE + candidates
+    log = LOG_SIZE + candidate_count
     return layout(
         ("count", INTEGER),  # number of contacts that have ended since the start of the run
         # value of ``count`` when the caller last collected ended contacts
@@ -318,17 +314,17 @@ def peaks_dtype() -> np.dtype:
 
 
 @written_by("ode/dense.py", impulse_at_onset="forces/active_contacts.py")
-def quadrature_dtype(candidates: int, friction_elements: int) -> np.dtype:
+def quadrature_dtype(candidate_count: int, friction_element_count: int) -> np.dtype:
     """Return the layout of the quadratures: integrals along the motion, in the order of ode/dense.py.
 
     ``integral`` and ``rate`` have an entry for each quadrature. The fields after ``index`` have entries only
     for the quadratures that steps integrate at present, in the order of ``index``.
     """
-    count = candidates + friction_elements + 3
+    count = candidate_count + friction_element_count + 3
     return layout(
         ("computed", INTEGER),  # 1: steps integrate quadratures; 0: no output needs a quadrature
         # N·s, value of ``integral`` at the onset of the candidate's latest contact
-        ("impulse_at_onset", REAL, (candidates,)),
+        ("impulse_at_onset", REAL, (candidate_count,)),
         # integral of each quadrature from the run's start to the last ``commit_quadratures`` or impact
         ("integral", REAL, (count,)),
         # rate of each quadrature at the last ``commit_quadratures``; 0 if the quadrature was not integrated

@@ -108,19 +108,19 @@ def vectors_dtype(points: int, scalar: type = REAL) -> np.dtype:
     return layout(("x", scalar, (points,)), ("y", scalar, (points,)))
 
 
-def place_count(links: int, sites: int) -> int:
-    """Return the number of places of a chain with N ``links``: points 0…N, joints 1…N, all ``sites``."""
-    return 2 * links + 1 + sites
+def place_count(link_count: int, site_count: int) -> int:
+    """Return the number of places of a chain: points 0…N and joints 1…N, for N links, then all sites."""
+    return 2 * link_count + 1 + site_count
 
 
-def loads_dtype(links: int, sites: int, scalar: type = REAL) -> np.dtype:
+def loads_dtype(link_count: int, site_count: int, scalar: type = REAL) -> np.dtype:
     """Return the layout of loads: forces at places, moments of joints and links; or of impulses."""
-    places = place_count(links, sites)
-    numbers = ((name, scalar, (links,)) for name in ("joint", "link"))
+    places = place_count(link_count, site_count)
+    numbers = ((name, scalar, (link_count,)) for name in ("joint", "link"))
     return layout(("x", scalar, (places,)), ("y", scalar, (places,)), *numbers)
 
 
-def impedance_dtype(links: int, sites: int, scalar: type = REAL) -> np.dtype:
+def impedance_dtype(link_count: int, site_count: int, scalar: type = REAL) -> np.dtype:
     """Return the layout of impedances: a symmetric 2×2 matrix [kg] at each place, κ [kg·m²] in each joint."""
-    matrices = ((name, scalar, (place_count(links, sites),)) for name in ("xx", "xy", "yy"))
-    return layout(*matrices, ("joint", scalar, (links,)))
+    matrices = ((name, scalar, (place_count(link_count, site_count),)) for name in ("xx", "xy", "yy"))
+    return layout(*matrices, ("joint", scalar, (link_count,)))

@@ -10,12 +10,12 @@ CHANGES_OF_EACH = 4
 
 
 @written_by("forces/friction.py")
-def friction_dtype(friction_elements: int) -> np.dtype:
+def friction_dtype(friction_element_count: int) -> np.dtype:
     """Return the layout of the data of all dry friction; `friction_element` has each element's data."""
     return layout(
         ("is_present", INTEGER),  # 1: some wall, joint or the slider has dry friction
         # number of elements with friction at present: active contacts, joints and the slider, in this order
-        ("active_count", bounded_integer(0, friction_elements)),
+        ("active_count", bounded_integer(0, friction_element_count)),
         ("contact_count", INTEGER),  # number of active contacts among these elements
         ("stuck_count", INTEGER),  # number of sticking elements: contacts, joints and the slider
         ("stuck_joints", INTEGER),  # number of sticking joints, plus 1 if the slider sticks
@@ -28,14 +28,14 @@ def friction_dtype(friction_elements: int) -> np.dtype:
     event="events/marks.py",
     **dict.fromkeys(("mode_before", "slack", "decided_by_forces"), "events/friction_modes.py"),
 )
-def friction_element_dtype(friction_elements: int) -> np.dtype:
+def friction_element_dtype(friction_element_count: int) -> np.dtype:
     """Return the layout of each element's data: the candidates, then the joints 1…N, then the slider."""
-    elements = (friction_elements,)
+    elements = (friction_element_count,)
     return layout(
         # indices of the elements with friction; only the first `friction.active_count` entries are used
-        ("index", bounded_integer(0, friction_elements - 1), elements),
+        ("index", bounded_integer(0, friction_element_count - 1), elements),
         # indices of the sticking elements; only the first `friction.stuck_count` entries are used
-        ("stuck_index", bounded_integer(0, friction_elements - 1), elements),
+        ("stuck_index", bounded_integer(0, friction_element_count - 1), elements),
         # 0: sticks; ±1: slides along ±t; 2: no friction
         ("mode", bounded_integer(-1, NO_FRICTION), elements),
         # the event of an element at `step.end`, which the next step applies: a mark of events/marks.py
@@ -61,12 +61,12 @@ def friction_element_dtype(friction_elements: int) -> np.dtype:
 
 
 @written_by("events/friction_modes.py")
-def friction_changes_dtype(friction_elements: int) -> np.dtype:
+def friction_changes_dtype(friction_element_count: int) -> np.dtype:
     """Return the layout of the log of changes of friction modes.
 
     Friction that begins or ends is a change, too. A caller that has collected changes sets ``count`` to 0.
     """
-    log = CHANGES_OF_EACH * friction_elements
+    log = CHANGES_OF_EACH * friction_element_count
     return layout(
         ("count", INTEGER),  # number of changes since the caller has last collected them
         ("time", REAL, (log,)),  # s, time of each change

@@ -28,23 +28,24 @@ EFFECT_FLAGS = (
 
 @settable(AT_START)
 @written_by("initialize.py", **dict.fromkeys(EFFECT_FLAGS, "chain/drives.py"))
-def chain_dtype(links: int, sites: int) -> np.dtype:
+def chain_dtype(link_count: int, site_count: int) -> np.dtype:
     """Return the layout of the chain's data, and of the walls of the box."""
     return layout(
         ("gravity", REAL, (2,)),  # m/s², x and y of gravity
-        ("length", POSITIVE, (links,)),  # m, length of each link
-        ("mass", POSITIVE, (links,)),  # kg, mass of each link
+        ("length", POSITIVE, (link_count,)),  # m, length of each link
+        ("mass", POSITIVE, (link_count,)),  # kg, mass of each link
         # m, given distance along each link from its proximal joint to its centre of mass; NOT_GIVEN: the
         # middle of the link is used
-        ("given_center_of_mass", REAL, (links,)),
+        ("given_center_of_mass", REAL, (link_count,)),
         # kg·m², given inertia of each link about its centre of mass; NOT_GIVEN: the inertia of a uniform rod
         # or box is used
-        ("given_inertia", REAL, (links,)),
-        ("height", NOT_NEGATIVE, (links,)),  # m, height, across the link, of a link that is a box; else 0
+        ("given_inertia", REAL, (link_count,)),
+        # m, height, across the link, of a link that is a box; else 0
+        ("height", NOT_NEGATIVE, (link_count,)),
         # m, how far the centre of mass lies to the left of the link's line; < 0: to the right
-        ("center_of_mass_offset", FINITE, (links,)),
+        ("center_of_mass_offset", FINITE, (link_count,)),
         # kg·m², inertia of the rotor of each joint's drive against the relative rotation in the joint
-        ("joint_armature", NOT_NEGATIVE, (links,)),
+        ("joint_armature", NOT_NEGATIVE, (link_count,)),
         ("box_wall", FINITE, (len(WALLS),)),  # m, positions of the walls x_min, x_max, y_min, y_max
         # 1: a joint connects link 1 with the base, which is pinned or slides; 0: the base is free
         ("has_base_joint", INTEGER),
@@ -55,9 +56,9 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         ("base_moves", INTEGER),
         # ---- derived at initialization
         # m, distance along each link from its proximal joint to its centre of mass, given or derived
-        ("center_of_mass", FINITE, (links,)),
+        ("center_of_mass", FINITE, (link_count,)),
         # kg·m², inertia of each link about its centre of mass, given or derived
-        ("inertia", NOT_NEGATIVE, (links,)),
+        ("inertia", NOT_NEGATIVE, (link_count,)),
         ("has_springs", INTEGER),  # 1: some drive, of a joint or the slider, has a spring
         ("has_springs_or_dampers", INTEGER),  # 1: some drive has a damper or a spring
         ("has_joint_stops", INTEGER),  # 1: some joint has a stop; stops of the slider do not count
@@ -69,17 +70,17 @@ def chain_dtype(links: int, sites: int) -> np.dtype:
         # 1/s, upper bound on the decay rates and angular frequencies that dampers and springs of drives cause
         ("joint_rate_bound", REAL),
         # distance along each link from its proximal joint to its centre of mass, divided by the link's length
-        ("center_of_mass_ratio", REAL, (links,)),
+        ("center_of_mass_ratio", REAL, (link_count,)),
         # distance of each link's centre of mass to the left of the link's line, divided by the link's length
-        ("offset_ratio", REAL, (links,)),
-        ("proximal_inertia", REAL, (links,)),  # kg·m², inertia of each link about its proximal joint
-        ("distal_inertia", REAL, (links,)),  # kg·m², inertia of each link about its far end
+        ("offset_ratio", REAL, (link_count,)),
+        ("proximal_inertia", REAL, (link_count,)),  # kg·m², inertia of each link about its proximal joint
+        ("distal_inertia", REAL, (link_count,)),  # kg·m², inertia of each link about its far end
         # index of the first site of each link, with links counted from 0: link i has the sites from
         # first_site[i] to first_site[i + 1] − 1; entry N is the number of sites
-        ("first_site", bounded_integer(0, sites), (links + 1,)),
+        ("first_site", bounded_integer(0, site_count), (link_count + 1,)),
         # number of the point at which the two arms of the elimination meet (chain/elimination.py): 0, the
         # base, if the base has a joint; else N/2, rounded down
-        ("meeting_joint", bounded_integer(0, links)),
+        ("meeting_joint", bounded_integer(0, link_count)),
         ("gravity_magnitude", REAL),  # m/s², magnitude of the vector ``gravity``
         ("reach", REAL),  # m, largest distance from the base that a point or site can have
         # m, length of the longest link: the scale of positions, to which errors and round-off are relative
@@ -142,7 +143,7 @@ def slider_dtype() -> np.dtype:
 
 @settable(AT_START)
 @written_by("events/saturation.py", event="events/marks.py", mode_margin="equations.py")
-def drive_dtype(links: int) -> np.dtype:
+def drive_dtype(link_count: int) -> np.dtype:
     """Return the layout of the drives, see kernel/chain/drives.py: a row for each joint, then for the slider.
 
     The row of a slider has N and m in place of N·m and rad; without a slider, this row is not used.
@@ -151,7 +152,7 @@ def drive_dtype(links: int) -> np.dtype:
     run (damping, stiffness, targets and torque), `inputs` has those of these values that are in use, and
     `chain` has ``joint_armature``.
     """
-    rows = (links + 1,)
+    rows = (link_count + 1,)
     return layout(
         ("friction", NOT_NEGATIVE, rows),  # N·m, largest moment of dry friction in the joint
         # N·m, largest absolute value of the sum of the torques of motor, spring and damper; ∞: no limit
@@ -172,13 +173,13 @@ def drive_dtype(links: int) -> np.dtype:
 
 @settable(AT_START)
 @written_by()
-def initial_dtype(links: int) -> np.dtype:
+def initial_dtype(link_count: int) -> np.dtype:
     """Return the layout of the positions and velocities at the start of a run."""
     return layout(
         ("position", REAL, (2,)),  # m, initial position of the base, x and y
         ("velocity", REAL, (2,)),  # m/s, initial velocity of the base, x and y; not used with a slider
-        ("angle", REAL, (links,)),  # rad, initial absolute angle of each link
-        ("angular_velocity", REAL, (links,)),  # rad/s, initial angular velocity of each link
+        ("angle", REAL, (link_count,)),  # rad, initial absolute angle of each link
+        ("angular_velocity", REAL, (link_count,)),  # rad/s, initial angular velocity of each link
         ("slider_velocity", FINITE),  # m/s, initial velocity of the base along the line of a slider
     )
 
@@ -196,19 +197,19 @@ def solver_dtype() -> np.dtype:
     )
 
 
-def input_fields(links: int, *rows: int, target: object = REAL) -> list[tuple[object, ...]]:
+def input_fields(link_count: int, *rows: int, target: object = REAL) -> list[tuple[object, ...]]:
     """Return a field for each input: an array of the input's values, such as the torque of each motor.
 
     With a number in ``rows``, the array has this number of rows, a row for each coefficient of a polynomial,
     and a column for each value. ``target`` is the type of targets, REAL or FINITE, a real in a checked range.
     """
     return [
-        (name, target if k == TARGET else REAL, (*rows, links + 1 if size == EACH_DRIVE else size))
+        (name, target if k == TARGET else REAL, (*rows, link_count + 1 if size == EACH_DRIVE else size))
         for k, (name, size) in enumerate(INPUT_SIZES.items())
     ]
 
 
-def piece_dtype(links: int) -> np.dtype:
+def piece_dtype(link_count: int) -> np.dtype:
     """Return the layout of one piece of the inputs: an interval in which they are polynomials of time.
 
     kernel/chain/inputs.py has the formula.
@@ -222,13 +223,13 @@ def piece_dtype(links: int) -> np.dtype:
         ("end", REAL),  # s, end of the piece, up to round-off; without meaning if ``degree`` is 0
         # rad/s, how fast the inputs change in the piece: the angular frequency of a sine that is as fast
         ("change_rate", REAL),
-        *input_fields(links, INPUT_DEGREE + 1),  # coefficients of the polynomials of the inputs
+        *input_fields(link_count, INPUT_DEGREE + 1),  # coefficients of the polynomials of the inputs
     )
 
 
 @settable(AT_ANY_TIME)
 @written_by(pending="chain/inputs.py", piece="chain/inputs.py")
-def given_dtype(links: int) -> np.dtype:
+def given_dtype(link_count: int) -> np.dtype:
     """Return the layout of the values that an importer can set at any time.
 
     The kernel applies new values at the start of the next call that advances the run. A piece of the inputs
@@ -252,67 +253,67 @@ def given_dtype(links: int) -> np.dtype:
         # restitution of stops in joints; NOT_GIVEN: ``restitution`` is used
         ("stop_restitution", REAL),
         # N·m·s/rad, damping of each joint's drive; the last entry belongs to the slider, N·s/m
-        ("drive_damping", NOT_NEGATIVE, (links + 1,)),
+        ("drive_damping", NOT_NEGATIVE, (link_count + 1,)),
         # N·m/rad, stiffness of each joint's drive; the last entry belongs to the slider, N/m
-        ("drive_stiffness", NOT_NEGATIVE, (links + 1,)),
-        *input_fields(links, target=FINITE),
-        ("piece", piece_dtype(links)),
+        ("drive_stiffness", NOT_NEGATIVE, (link_count + 1,)),
+        *input_fields(link_count, target=FINITE),
+        ("piece", piece_dtype(link_count)),
     )
 
 
 @written_by("chain/inputs.py")
-def inputs_dtype(links: int) -> np.dtype:
+def inputs_dtype(link_count: int) -> np.dtype:
     """Return the layout of the values in use of the inputs, and of the damping and stiffness of drives."""
     return layout(
         # N·m·s/rad, damping of each joint's drive; the last entry belongs to the slider, N·s/m
-        ("drive_damping", REAL, (links + 1,)),
+        ("drive_damping", REAL, (link_count + 1,)),
         # N·m/rad, stiffness of each joint's drive; the last entry belongs to the slider, N/m
-        ("drive_stiffness", REAL, (links + 1,)),
-        *input_fields(links),
-        ("piece", piece_dtype(links)),
+        ("drive_stiffness", REAL, (link_count + 1,)),
+        *input_fields(link_count),
+        ("piece", piece_dtype(link_count)),
     )
 
 
 @settable(AT_START)
 @written_by("initialize.py")
-def site_dtype(links: int, sites: int) -> np.dtype:
+def site_dtype(link_count: int, site_count: int) -> np.dtype:
     """Return the layout of the sites in the order of their links: points of links other than their ends."""
     return layout(
-        ("link", bounded_integer(0, links - 1), (sites,)),  # index of the site's link, from 0
+        ("link", bounded_integer(0, link_count - 1), (site_count,)),  # index of the site's link, from 0
         # 1 to 4: number of the box's corner at which the site lies (``corner_of_box``); 0: not a corner
-        ("corner", INTEGER, (sites,)),
-        ("x", FINITE, (sites,)),  # m, position of the site along the link, from the proximal joint
-        ("y", FINITE, (sites,)),  # m, distance of the site from the link's line; > 0: to the left
+        ("corner", INTEGER, (site_count,)),
+        ("x", FINITE, (site_count,)),  # m, position of the site along the link, from the proximal joint
+        ("y", FINITE, (site_count,)),  # m, distance of the site from the link's line; > 0: to the left
         # m, given radius; NOT_GIVEN: `contact_settings.radius` is used
-        ("given_radius", REAL, (sites,)),
+        ("given_radius", REAL, (site_count,)),
         # ---- derived at initialization
-        ("radius", NOT_NEGATIVE, (sites,)),  # m, radius of the site, given or that of the settings
-        ("along", REAL, (sites,)),  # position x of the site divided by the link's length
-        ("beside", REAL, (sites,)),  # position y of the site divided by the link's length
+        ("radius", NOT_NEGATIVE, (site_count,)),  # m, radius of the site, given or that of the settings
+        ("along", REAL, (site_count,)),  # position x of the site divided by the link's length
+        ("beside", REAL, (site_count,)),  # position y of the site divided by the link's length
     )
 
 
 @settable(AT_ANY_TIME)
 @written_by()
-def walls_dtype(candidates: int) -> np.dtype:
+def walls_dtype(candidate_count: int) -> np.dtype:
     """Return the layout of the walls at any angle, and of the materials of all walls.
 
     The arrays have room for a wall at an angle for each candidate. New values of materials take effect at any
     time, those of ``x``, ``y`` and ``angle`` at the start of the next run.
     """
     return layout(
-        ("x", FINITE, (candidates,)),  # m, x of one point on the edge of each wall
-        ("y", FINITE, (candidates,)),  # m, y of the same point
+        ("x", FINITE, (candidate_count,)),  # m, x of one point on the edge of each wall
+        ("y", FINITE, (candidate_count,)),  # m, y of the same point
         # rad, direction of each wall, from +x; the free side is to the left of this direction
-        ("angle", FINITE, (candidates,)),
+        ("angle", FINITE, (candidate_count,)),
         # ---- materials of all walls; the walls of the box come first
         # N/m^exponent, stiffness K of each wall; 0: the wall has no own stiffness, `given.stiffness` is used
-        ("stiffness", REAL, (len(WALLS) + candidates,)),
+        ("stiffness", REAL, (len(WALLS) + candidate_count,)),
         # restitution of each wall; −1: `given.restitution` is used
-        ("restitution", REAL, (len(WALLS) + candidates,)),
+        ("restitution", REAL, (len(WALLS) + candidate_count,)),
         # coefficient of sliding friction of each wall; −1: `given.friction` is used
-        ("friction", REAL, (len(WALLS) + candidates,)),
+        ("friction", REAL, (len(WALLS) + candidate_count,)),
         # coefficient of static friction of each wall; 0: equal to the wall's coefficient of sliding; −1: not
         # given, so equal to this wall's own coefficient of sliding or, without one, `given.static_friction`
-        ("static_friction", REAL, (len(WALLS) + candidates,)),
+        ("static_friction", REAL, (len(WALLS) + candidate_count,)),
     )

@@ -65,13 +65,13 @@ from chain_impact.kernel.record.solver import (
     **dict.fromkeys(("transmitted", "slider_reaction", "slider_moment"), "transmitted_forces.py"),
 )
 def output_dtype(
-    links: int,
-    candidates: int,
-    friction_elements: int,
-    transmitted_rows: int,
-    channels: int = 0,
-    sites: int = 0,
-    signals: int = 0,
+    link_count: int,
+    candidate_count: int,
+    friction_element_count: int,
+    transmitted_row_count: int,
+    channel_count: int = 0,
+    site_count: int = 0,
+    signal_count: int = 0,
 ) -> np.dtype:
     """Return the layout of the outputs at the communication point.
 
@@ -80,18 +80,18 @@ def output_dtype(
     > 0 at joint_min], the angle beyond the stop [rad], the rate of this angle [rad/s], and the sum of the
     angular impulses [N·m·s]; the entry of the second stop is 0.
     """
-    points = links + 1 + sites
+    points = link_count + 1 + site_count
     return layout(
         ("point_position", REAL, (points, 2)),  # m, positions of the points 0…N, then of the sites
         ("point_velocity", REAL, (points, 2)),  # m/s, velocities of the points 0…N, then of the sites
         ("point_acceleration", REAL, (points, 2)),  # m/s², accelerations of the points 0…N, then of the sites
-        ("angle", REAL, (links,)),  # rad, absolute angle of each link from +x
-        ("angular_velocity", REAL, (links,)),  # rad/s, absolute angular velocity of each link
-        ("angular_acceleration", REAL, (links,)),  # rad/s², absolute angular acceleration of each link
+        ("angle", REAL, (link_count,)),  # rad, absolute angle of each link from +x
+        ("angular_velocity", REAL, (link_count,)),  # rad/s, absolute angular velocity of each link
+        ("angular_acceleration", REAL, (link_count,)),  # rad/s², absolute angular acceleration of each link
         # rad, angle of each link relative to the link before; entry 0: absolute angle of link 1
-        ("joint_angle", REAL, (links,)),
+        ("joint_angle", REAL, (link_count,)),
         # rad/s, angular velocity of each link relative to the link before; entry 0: absolute, of link 1
-        ("joint_angular_velocity", REAL, (links,)),
+        ("joint_angular_velocity", REAL, (link_count,)),
         ("slider_position", REAL),  # m, position of the base along the slider's line, 0 at the start
         ("slider_velocity", REAL),  # m/s, velocity of the base along the slider's line
         ("slider_acceleration", REAL),  # m/s², acceleration of the base along the slider's line
@@ -101,14 +101,14 @@ def output_dtype(
         # N·m, moment of the slider's line on the carriage, anticlockwise; set as ``slider_reaction``
         ("slider_moment", REAL),
         # N, normal force of the wall on the point, ≥ 0; for joints' stops see ``combine_forces``
-        ("force", REAL, (candidates,)),
+        ("force", REAL, (candidate_count,)),
         # m, penetration of each candidate; 0 without contact and at a rigid wall
-        ("penetration", REAL, (candidates,)),
+        ("penetration", REAL, (candidate_count,)),
         # m/s, rate of the penetration, > 0 during compression; 0 where ``penetration`` is 0
-        ("penetration_rate", REAL, (candidates,)),
+        ("penetration_rate", REAL, (candidate_count,)),
         # N·s, normal impulse of the wall on the point since the run's start; for joints' stops see
         # ``combine_impulses``
-        ("impulse", REAL, (candidates,)),
+        ("impulse", REAL, (candidate_count,)),
         ("kinetic", REAL),  # J, kinetic energy of links, armatures and carriage
         ("potential", REAL),  # J, potential energy of gravity, zero at the origin
         ("elastic", REAL),  # J, energy stored in contacts and in springs of passive drives
@@ -117,12 +117,12 @@ def output_dtype(
         # J, energy supplied by inputs, powered drives and prescribed motions since the run's start
         ("supplied", REAL),
         ("total", REAL),  # J, sum of the kinetic, potential and elastic energy
-        ("friction", friction_output_dtype(friction_elements)),
-        ("transmitted", transmitted_output_dtype(transmitted_rows)),
+        ("friction", friction_output_dtype(friction_element_count)),
+        ("transmitted", transmitted_output_dtype(transmitted_row_count)),
         # m, position of each channel: base, walls and belts with prescribed motions
-        ("channel", REAL, (channels,)),
+        ("channel", REAL, (channel_count,)),
         # value of each signal that drives an input or a motion, and the first and second derivative in time
-        ("signal", REAL, (signals, 3)),
+        ("signal", REAL, (signal_count, 3)),
     )
 
 
@@ -134,9 +134,9 @@ STATE_OUTPUTS = (
 """The outputs that ``observe_state`` (observe.py) fills; they contain no forces and no accelerations."""
 
 
-def friction_output_dtype(friction_elements: int) -> np.dtype:
+def friction_output_dtype(friction_element_count: int) -> np.dtype:
     """Return the layout of the outputs of dry friction; an element is a candidate, a joint or the slider."""
-    elements = (friction_elements,)
+    elements = (friction_element_count,)
     return layout(
         ("force", REAL, elements),  # N, friction force of the wall on a point, along t = (n_y, −n_x)
         ("impulse", REAL, elements),  # N·s, impulse of ``force`` since the run's start
@@ -217,24 +217,33 @@ def transmitted_dtype(rows: int) -> np.dtype:
 
 def instance_dtype(*counts: int) -> np.dtype:
     """Return the layout of an instance; ``counts`` are the values of ``Counts`` in their order."""
-    links, candidates, friction_elements, transmitted_rows, channels, sites, signals, knots = Counts(*counts)
+    (
+        link_count,
+        candidate_count,
+        friction_element_count,
+        transmitted_row_count,
+        channel_count,
+        site_count,
+        signal_count,
+        knot_count,
+    ) = Counts(*counts)
     return layout(
         *((name, INTEGER) for name in COUNTS),
         ("skewed", INTEGER),  # 1: the centre of mass of some link may lie beside the link's line; else 0
         ("slides", INTEGER),  # 1: the base slides along a line, on a carriage; 0: the base is free or pinned
         # number of tangent instances that follow the record in memory (kernel/tangent/)
-        ("tangents", INTEGER),
-        ("chain", chain_dtype(links, sites)),
+        ("tangent_count", INTEGER),
+        ("chain", chain_dtype(link_count, site_count)),
         ("contact_settings", contact_settings_dtype()),
         ("stops", stops_dtype()),
         ("slider", slider_dtype()),
-        ("drive", drive_dtype(links)),
-        ("initial", initial_dtype(links)),
+        ("drive", drive_dtype(link_count)),
+        ("initial", initial_dtype(link_count)),
         ("solver", solver_dtype()),
-        ("given", given_dtype(links)),
-        ("inputs", inputs_dtype(links)),
-        ("step", step_dtype(links, candidates)),
-        ("trial", trial_dtype(links)),
+        ("given", given_dtype(link_count)),
+        ("inputs", inputs_dtype(link_count)),
+        ("step", step_dtype(link_count, candidate_count)),
+        ("trial", trial_dtype(link_count)),
         ("impact", impact_dtype()),
         ("latest", latest_dtype()),
         ("peaks", peaks_dtype()),
@@ -242,29 +251,37 @@ def instance_dtype(*counts: int) -> np.dtype:
         ("fault", fault_dtype()),
         ("budget", budget_dtype()),
         ("balance", balance_dtype()),
-        ("scratch", scratch_dtype(links, sites)),
-        ("friction", friction_dtype(friction_elements)),
-        ("contacts", contacts_dtype(candidates)),
-        ("candidate", candidate_dtype(candidates)),
-        ("walls", walls_dtype(candidates)),
-        ("law", law_dtype(candidates)),
-        ("search", search_dtype(candidates)),
-        ("contact_log", contact_log_dtype(candidates)),
-        ("implicit", implicit_dtype(links, candidates, friction_elements, sites)),
-        ("constraints", constraints_dtype(links, candidates, friction_elements)),
-        ("limited_forces", limited_forces_dtype(links, friction_elements)),
-        ("friction_element", friction_element_dtype(friction_elements)),
-        ("quadrature", quadrature_dtype(candidates, friction_elements)),
-        ("friction_changes", friction_changes_dtype(friction_elements)),
+        ("scratch", scratch_dtype(link_count, site_count)),
+        ("friction", friction_dtype(friction_element_count)),
+        ("contacts", contacts_dtype(candidate_count)),
+        ("candidate", candidate_dtype(candidate_count)),
+        ("walls", walls_dtype(candidate_count)),
+        ("law", law_dtype(candidate_count)),
+        ("search", search_dtype(candidate_count)),
+        ("contact_log", contact_log_dtype(candidate_count)),
+        ("implicit", implicit_dtype(link_count, candidate_count, friction_element_count, site_count)),
+        ("constraints", constraints_dtype(link_count, candidate_count, friction_element_count)),
+        ("limited_forces", limited_forces_dtype(link_count, friction_element_count)),
+        ("friction_element", friction_element_dtype(friction_element_count)),
+        ("quadrature", quadrature_dtype(candidate_count, friction_element_count)),
+        ("friction_changes", friction_changes_dtype(friction_element_count)),
         (
             "output",
-            output_dtype(links, candidates, friction_elements, transmitted_rows, channels, sites, signals),
+            output_dtype(
+                link_count,
+                candidate_count,
+                friction_element_count,
+                transmitted_row_count,
+                channel_count,
+                site_count,
+                signal_count,
+            ),
         ),
-        ("transmitted", transmitted_dtype(transmitted_rows)),
-        ("wall_motion", wall_motion_dtype(candidates)),
-        ("given_channel", given_channel_dtype(channels)),
-        ("channel", channel_dtype(channels)),
-        ("site", site_dtype(links, sites)),
-        ("signal", signal_dtype(signals, knots)),
-        ("knot", knot_dtype(knots)),
+        ("transmitted", transmitted_dtype(transmitted_row_count)),
+        ("wall_motion", wall_motion_dtype(candidate_count)),
+        ("given_channel", given_channel_dtype(channel_count)),
+        ("channel", channel_dtype(channel_count)),
+        ("site", site_dtype(link_count, site_count)),
+        ("signal", signal_dtype(signal_count, knot_count)),
+        ("knot", knot_dtype(knot_count)),
     )

@@ -28,7 +28,7 @@ def fields_with_mark(layout, mark):
     return found
 
 
-_SMALL, _LARGE = (fields_with_mark(instance_dtype(*Counts(links, 1)), "range") for links in (2, 3))
+_SMALL, _LARGE = (fields_with_mark(instance_dtype(*Counts(link_count, 1)), "range") for link_count in (2, 3))
 RANGED_PATHS = tuple(_SMALL)
 """The paths of all fields of real numbers that must lie in a range, such as ("chain", "mass")."""
 RANGE_LEAST, RANGE_MOST = zip(*(field.base.metadata["range"] for field in _SMALL.values()), strict=True)

@@ -38,9 +38,9 @@ from chain_impact.kernel.status import LAST_STATUS, OK
     **dict.fromkeys(("next_size", "flight_size"), "ode/control.py"),
     **dict.fromkeys(("method", "stiff_count", "switch_after", "other_method_size"), "ode/methods.py"),
 )
-def step_dtype(links: int, candidates: int) -> np.dtype:
+def step_dtype(link_count: int, candidate_count: int) -> np.dtype:
     """Return the layout of the last accepted step, of its dense output, and of data for the next step."""
-    state = state_length(links)
+    state = state_length(link_count)
     return layout(
         ("communication_point", REAL),  # s, the communication point; between calls it lies in the last step
         ("start", REAL),  # s, time at which the last step starts
@@ -77,7 +77,7 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
         ("break_count", INTEGER),
         # index of the candidate of the regularized contact, in whose fictitious time the step runs; −1: the
         # integration variable is time
-        ("regularized_candidate", bounded_integer(NO_CONTACT, candidates - 1)),
+        ("regularized_candidate", bounded_integer(NO_CONTACT, candidate_count - 1)),
         ("method", bounded_integer(EXPLICIT, IMPLICIT)),  # number of the method of the tried or next step
         # s, size of the other method's steps when the method changed; 0: not known
         ("other_method_size", REAL),
@@ -87,11 +87,11 @@ def step_dtype(links: int, candidates: int) -> np.dtype:
 
 
 @written_by("ode/control.py", state=("ode/collocation.py", "ode/last_step.py"))
-def trial_dtype(links: int) -> np.dtype:
+def trial_dtype(link_count: int) -> np.dtype:
     """Return the layout of the outcome of the tried step."""
     return layout(
         ("size", REAL),  # size of the tried step in its integration variable: time [s] or fictitious time [s]
-        ("state", REAL, (state_length(links),)),  # state y at the end of the tried step
+        ("state", REAL, (state_length(link_count),)),  # state y at the end of the tried step
         # ACCEPTED, or the reason why the tried step is rejected, such as INACCURATE (kernel/ode/control.py)
         ("outcome", bounded_integer(ACCEPTED, DIVERGED)),
         # error of the tried step relative to the tolerance or, if larger, the energy that the step loses,
@@ -172,14 +172,14 @@ def balance_dtype() -> np.dtype:
     )
 
 
-def factors_dtype(links: int, scalar: type, slots: int) -> np.dtype:
+def factors_dtype(link_count: int, scalar: type, slots: int) -> np.dtype:
     """Return the layout of the factors of ``slots`` matrices M + Jᵀ D J + K (chain/response.py)."""
     return layout(
         # factors of each link, with the inertia H and the coupling h of the link's rotation, and the
         # resistance κ of the link's inner joint: ``gain`` h/(H + κ), ``inverse`` 1/(H + κ), ``coupling``
         # σ = κ/(H + κ) and ``complement`` 1 − σ = H/(H + κ)
         *(
-            (name, scalar, (slots, links))
+            (name, scalar, (slots, link_count))
             for name in ("gain_x", "gain_y", "inverse", "coupling", "complement")
         ),
         # 1: joints transmit moments in the slot's matrix; 0: ``coupling`` and ``complement`` have no meaning
@@ -189,7 +189,7 @@ def factors_dtype(links: int, scalar: type, slots: int) -> np.dtype:
     )
 
 
-def elimination_dtype(links: int) -> np.dtype:
+def elimination_dtype(link_count: int) -> np.dtype:
     """Return the layout of the results of chain/elimination.py.
 
     For each link these are h/H (``gain_x``, ``gain_y``), 1/H (``inverse``) and h₀/H (``bias``). H is the
@@ -197,7 +197,7 @@ def elimination_dtype(links: int) -> np.dtype:
     about this joint with the joint's acceleration, and h₀ the moment about it without accelerations.
     """
     return layout(
-        *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse", "bias")),
+        *((name, REAL, (link_count,)) for name in ("gain_x", "gain_y", "inverse", "bias")),
         # kg, articulated inertia at the joint where the arms of a free chain meet, or at a base on a slider;
         # not set with a pinned base
         *((name, REAL) for name in ("middle_xx", "middle_xy", "middle_yy")),
@@ -219,11 +219,11 @@ def elimination_dtype(links: int) -> np.dtype:
     curvature="events/crossing.py",
     **dict.fromkeys(("position", "velocity", "acceleration", "located_at_end"), "chain/kinematics.py"),
 )
-def scratch_dtype(links: int, sites: int) -> np.dtype:
+def scratch_dtype(link_count: int, site_count: int) -> np.dtype:
     """Return the layout of the scratch memory; fields are valid only within a step, unless noted."""
-    points, state = links + 1, state_length(links)
-    places, loads = vectors_dtype(place_count(links, sites)), loads_dtype(links, sites)
-    impedance = impedance_dtype(links, sites)
+    points, state = link_count + 1, state_length(link_count)
+    places, loads = vectors_dtype(place_count(link_count, site_count)), loads_dtype(link_count, site_count)
+    impedance = impedance_dtype(link_count, site_count)
     return layout(
         ("stage", REAL, (STAGE_COUNT, state)),  # rates dy/ds at the stages of a step
         ("rate_start", REAL, (state,)),  # ẏ at the start of the step
@@ -238,13 +238,14 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
         ("link_vector", vectors_dtype(points)),
         # loads on the chain, forces or impulses: N or N·s at places, N·m or N·m·s in joints and on links
         ("load", loads),
-        ("moment", REAL, (links,)),  # N·m, sum of the moments on each link in its proximal and distal joint
+        # N·m, sum of the moments on each link in its proximal and distal joint
+        ("moment", REAL, (link_count,)),
         ("thrust", REAL),  # N, force of the slider's motor, spring and damper on the carriage
         ("impedance", impedance),  # impedance D of each place [kg], and impedance of each joint [kg·m²]
         # factors of the matrices M + Jᵀ D J + K, see kernel/chain/response.py
-        ("factors", factors_dtype(links, REAL, SLOT_COUNT)),
+        ("factors", factors_dtype(link_count, REAL, SLOT_COUNT)),
         # results of the recursion for the accelerations, see kernel/chain/elimination.py
-        ("elimination", elimination_dtype(links)),
+        ("elimination", elimination_dtype(link_count)),
         # m, positions of all places: points, sites and, if `chain.has_joint_places`, joints (with an angle
         # times the longest link as x)
         ("position", places),
@@ -254,7 +255,7 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
         # valid after this step; 0: they may belong to another time
         ("located_at_end", INTEGER),
         # changes of all coordinates, of their rates or of their accelerations: the response of the chain
-        ("change", REAL, (coordinate_count(links),)),
+        ("change", REAL, (coordinate_count(link_count),)),
         ("place_change", places),  # motions of all places that changes of the coordinates cause
         # m/s², for each point, a bound on the second derivative of the position relative to the base, by the
         # integration variable of the step: time or fictitious time, both in seconds
@@ -267,7 +268,7 @@ def scratch_dtype(links: int, sites: int) -> np.dtype:
     curvature=("events/crossing.py", "ode/collocation.py"),
     input_rate="events/search.py",
 )
-def search_dtype(candidates: int) -> np.dtype:
+def search_dtype(candidate_count: int) -> np.dtype:
     """Return the layout of the search for events, with each φ (exclusion.py) at both ends of an interval."""
     return layout(
         # what is known of the candidates' φ (``phi_end``) at the last step's end: a value of
@@ -285,26 +286,23 @@ def search_dtype(candidates: int) -> np.dtype:
         ("acceleration_bound", REAL),
         # number of candidates that the search examines; other candidates have no event in the step
         ("suspect_count", INTEGER),
-        (
-            "suspect_index",
-            INTEGER,
-            (candidates,),
-        ),  # indices of the ``suspect_count`` candidates to be examined
+        # indices of the ``suspect_count`` candidates to be examined
+        ("suspect_index", INTEGER, (candidate_count,)),
         # m/s², bound, for the whole step, on the second derivative, by the step's variable, of the clearance
         # of each candidate that the search examines
-        ("curvature", REAL, (candidates,)),
+        ("curvature", REAL, (candidate_count,)),
         # φ of each candidate at the start and the end of the searched interval: the clearance [m]; in contact
         # the penetration [m], u of the regularized contact, or ∞ at a rigid wall (events/exclusion.py)
-        ("phi_start", REAL, (candidates,)),
-        ("phi_end", REAL, (candidates,)),
+        ("phi_start", REAL, (candidate_count,)),
+        ("phi_end", REAL, (candidate_count,)),
         # φ′ of each candidate at the start and the end of the interval: the derivative of φ by the step's
         # integration variable, time or fictitious time, both in seconds
-        ("phi_start_rate", REAL, (candidates,)),
-        ("phi_end_rate", REAL, (candidates,)),
+        ("phi_start_rate", REAL, (candidate_count,)),
+        ("phi_end_rate", REAL, (candidate_count,)),
         # φ″ of each candidate, the second derivative, at the start and the end of the whole step, which may
         # have several intervals
-        ("phi_start_curvature", REAL, (candidates,)),
-        ("phi_end_curvature", REAL, (candidates,)),
+        ("phi_start_curvature", REAL, (candidate_count,)),
+        ("phi_end_curvature", REAL, (candidate_count,)),
     )
 
 
@@ -321,23 +319,25 @@ def search_dtype(candidates: int) -> np.dtype:
     target_clearance=("ode/collocation.py", "ode/extended.py"),
     error_weight="ode/collocation.py",
 )
-def implicit_dtype(links: int, candidates: int, friction_elements: int, sites: int) -> np.dtype:
+def implicit_dtype(
+    link_count: int, candidate_count: int, friction_element_count: int, site_count: int
+) -> np.dtype:
     """Return the layout of the scratch memory of an implicit step, and of the data of the last implicit step.
 
     The extended state z consists of y without the last two entries, the clearances of active contacts with a
     force law, the rates of these clearances, and the quadratures (kernel/ode/extended.py).
     """
-    state = state_length(links)
-    extended = state + 3 * candidates + friction_elements
+    state = state_length(link_count)
+    extended = state + 3 * candidate_count + friction_element_count
     # Data of the linear systems with complex shifts s, one shift of each conjugate pair. ``factors`` has a
     # slot for each shift; the other fields serve one system at a time. For the real shift, `scratch` has such
     # data, and ``right_hand_sides`` has x.
     pairs = layout(
-        ("factors", factors_dtype(links, COMPLEX, PAIR_COUNT)),
-        ("impedance", impedance_dtype(links, sites, COMPLEX)),
-        ("load", loads_dtype(links, sites, COMPLEX)),
-        ("place_change", vectors_dtype(place_count(links, sites), COMPLEX)),
-        ("change", COMPLEX, (coordinate_count(links),)),
+        ("factors", factors_dtype(link_count, COMPLEX, PAIR_COUNT)),
+        ("impedance", impedance_dtype(link_count, site_count, COMPLEX)),
+        ("load", loads_dtype(link_count, site_count, COMPLEX)),
+        ("place_change", vectors_dtype(place_count(link_count, site_count), COMPLEX)),
+        ("change", COMPLEX, (coordinate_count(link_count),)),
         ("x", COMPLEX, (extended,)),  # right-hand side of the linear system, later its solution
     )
     return layout(
@@ -353,7 +353,7 @@ def implicit_dtype(links: int, candidates: int, friction_elements: int, sites: i
         ("rates", REAL, (RADAU_STAGES, extended)),  # rate ż of the extended state at the nodes
         # N, force of dry friction on each element with friction, in a joint the moment over the longest link,
         # at the nodes
-        ("friction_force", REAL, (RADAU_STAGES, friction_elements)),
+        ("friction_force", REAL, (RADAU_STAGES, friction_element_count)),
         # right-hand sides of the linear systems, later their solutions (kernel/ode/radau.py)
         ("right_hand_sides", REAL, (RADAU_STAGES, extended)),
         # increments of z from the start of the last step to its nodes
@@ -370,22 +370,22 @@ def implicit_dtype(links: int, candidates: int, friction_elements: int, sites: i
         # changes of y, at one third and at two thirds of the step, by which the dense output is corrected
         ("dense_corrections", REAL, (2, state)),
         # m, link vectors L_i in the state at which the Jacobian A was evaluated
-        ("link_vector", vectors_dtype(links + 1)),
+        ("link_vector", vectors_dtype(link_count + 1)),
         # N/m, slope ∂F/∂δ of the force F of each active contact with a force law, by the penetration; in the
         # order of `contacts.active_index`
-        ("contact_stiffness", REAL, (candidates,)),
+        ("contact_stiffness", REAL, (candidate_count,)),
         # N·s/m, slope ∂F/∂δ̇ of the force F of each active contact with a force law, by the rate of the
         # penetration; in the order of `contacts.active_index`
-        ("contact_damping", REAL, (candidates,)),
+        ("contact_damping", REAL, (candidate_count,)),
         # N·m/rad, slope −∂F/∂ψ of the torque F of each joint's drive, by the joint's angle ψ; the last entry
         # belongs to the slider [N/m]
-        ("drive_stiffness", REAL, (links + 1,)),
+        ("drive_stiffness", REAL, (link_count + 1,)),
         # N·m·s/rad, slope −∂F/∂ψ̇ of the torque F of each joint's drive, by the joint's rate ψ̇; the last
         # entry belongs to the slider [N·s/m]
-        ("drive_damping", REAL, (links + 1,)),
+        ("drive_damping", REAL, (link_count + 1,)),
         # m or m/s, clearances or their rates to which ``project_coordinates`` (ode/extended.py) moves the
         # active contacts; in the order of `contacts.active_index`
-        ("target_clearance", REAL, (candidates,)),
+        ("target_clearance", REAL, (candidate_count,)),
         # s, real shift s of the linear systems (1 − s A) x = r, for which `scratch.factors` contains the
         # elimination
         ("shift", REAL),

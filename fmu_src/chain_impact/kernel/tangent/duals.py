@@ -46,10 +46,8 @@ TRUST = np.dtype(
         # a sum over the changes of positions whose derivatives are neglected: changes by a speed that
         # friction stops soon. Each change adds its share (``is_negligible`` in tangent/friction.py)
         ("neglected", np.float64),
-        (
-            "split",
-            np.int64,
-        ),  # 1: the derivatives of friction impulses are not known (``mark_split``)
+        # 1: the derivatives of friction impulses are not known (``mark_split``)
+        ("split", np.int64),
         # 1: the motion has no derivative in this direction (rises.py, and ``check_coefficient`` in trust.py)
         ("missing", np.int64, (DIRECTIONS,)),
     ]

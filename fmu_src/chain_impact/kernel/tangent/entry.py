@@ -30,11 +30,11 @@ def act_on_all_tangents(act):
     """
 
     def act_on_all(d):
-        for b in range(d.tangents):
+        for b in range(d.tangent_count):
             act(d, tangent_instance(d, b))
-        for b in range(1, d.tangents):
+        for b in range(1, d.tangent_count):
             copy_reason(tangent_instance(d, 0), tangent_instance(d, b))
-        for b in range(1, d.tangents):
+        for b in range(1, d.tangent_count):
             copy_reason(tangent_instance(d, b), tangent_instance(d, 0))
 
     return act_on_all
@@ -95,23 +95,28 @@ def truncate_tangent(d, t):
 def are_all_tangents_sound(d):
     """Return 1 if all tangent instances have the counts of d and valid indices, else 0."""
     fits = True
-    for b in range(d.tangents):
+    for b in range(d.tangent_count):
         t = tangent_instance(d, b)
-        fits = fits and t.links == d.links and t.candidates == d.candidates
+        fits = fits and t.link_count == d.link_count and t.candidate_count == d.candidate_count
         fits = (
             fits
-            and t.friction_elements == d.friction_elements
-            and t.transmitted_rows == d.transmitted_rows
-            and t.channels == d.channels
+            and t.friction_element_count == d.friction_element_count
+            and t.transmitted_row_count == d.transmitted_row_count
+            and t.channel_count == d.channel_count
         )
-        fits = fits and t.sites == d.sites and t.signals == d.signals and t.knots == d.knots
+        fits = (
+            fits
+            and t.site_count == d.site_count
+            and t.signal_count == d.signal_count
+            and t.knot_count == d.knot_count
+        )
         fits = fits and is_record_sound(t)
     return 1 if fits else 0
 
 
 def tangent_word_count(d):
     """Return the number of words, of 8 bytes each, of all tangent instances together."""
-    return d.tangents * len(as_words(tangent_instance(d, 0)))
+    return d.tangent_count * len(as_words(tangent_instance(d, 0)))
 
 
 HOOKS = {

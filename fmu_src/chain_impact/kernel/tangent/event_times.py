@@ -128,7 +128,7 @@ def delay_of_segment(t):
 
     If no signal's segment ends there, the result is 0 without derivatives.
     """
-    for j in range(t.signals):
+    for j in range(t.signal_count):
         if has_segment_ended(t, j):
             return dual_with_slope(0.0, 1.0, segment_end(t, j) - t.step.end)
     return dual_with_slope(0.0, 0.0, t.step.end)

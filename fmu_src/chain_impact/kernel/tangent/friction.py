@@ -186,7 +186,7 @@ def friction_drops(t, e):
 
     µ is the coefficient of sliding friction, µ_s that of static friction.
     """
-    if e >= t.candidates:
+    if e >= t.candidate_count:
         return False
     return value(t.law.static_friction[e]) > value(t.law.friction[e])
 
@@ -275,7 +275,7 @@ def make_modes_consistent(t):
     The derivatives end if errors of the run, not the forces, have decided one of these modes, and this choice
     matters (``is_nearly_at_limit``).
     """
-    for e in range(t.friction_elements):
+    for e in range(t.friction_element_count):
         # the mode of an element whose sticking has just ended is certain
         if t.friction_element.mode_before[e] == STICKS and t.friction_element.mode[e] != STICKS:
             t.friction_element.decided_by_forces[e] = 0
@@ -310,8 +310,8 @@ def clear_sticking_speeds(t):
     activate_all(t)
     set_unforced_to_speeds(t)
     solve_stopping_impulses(t)
-    first = velocity_at(t.links)
-    for j in range(coordinate_count(t.links)):
+    first = velocity_at(t.link_count)
+    for j in range(coordinate_count(t.link_count)):
         t.step.state_end[first + j] += dual_with_slope(0.0, 1.0, t.constraints.change[j])
     locate_points(t, t.step.state_end)
 
@@ -352,9 +352,9 @@ def check_coefficients(t):
 
     The motion has only one-sided derivatives with respect to such parameters (``check_coefficient``).
     """
-    if t.friction_elements == 0:
+    if t.friction_element_count == 0:
         return
-    for c in range(t.candidates):
+    for c in range(t.candidate_count):
         if t.contacts.active[c]:
             check_coefficient(t, t.law.static_friction[c])
     for i in range(first_joint(t), drive_count(t)):

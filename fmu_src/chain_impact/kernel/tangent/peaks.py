@@ -25,7 +25,7 @@ def forget_peaks(t, delay):
     set. A peak that is found later, at the start of the next step, gets NaN from ``step.start_delay``.
     """
     set_start_delay(t, replace_slopes_by_nan(t.step.start_delay, delay))
-    for i in range(t.links if t.transmitted_rows > 0 else 0):
+    for i in range(t.link_count if t.transmitted_row_count > 0 else 0):
         at_end, peak = value(square_of_force(t, i)), t.transmitted.peak_square[i]
         if at_end >= value(peak):
             time = replace_slopes_by_nan(t.transmitted.peak_time[i], delay)

@@ -106,13 +106,13 @@ def start_tangent(d, t):
     copy_given(d, t, AT_START)
     derive_chain(t)
     clear_run(t, d.step.communication_point)
-    if d.signals > 0:
+    if d.signal_count > 0:
         derive_signals(t, d.step.communication_point)
     copy_given_and_modes(d, t)
     apply_inputs(t)
     derive_drives(t)
     # each constant of a law is derived again: its derivatives may have changed where its value has not
-    for c in range(t.candidates):
+    for c in range(t.candidate_count):
         t.law.number[c] = 0
     start_laws(t)
     begin_trust(t)
@@ -143,9 +143,9 @@ def copy_given_and_modes(d, t):
     its position, velocity and acceleration.
     """
     copy_given(d, t, AT_ANY_TIME)
-    if d.channels > 0:
+    if d.channel_count > 0:
         copy_values(d.channel, t.channel)
-    for j in range(d.channels):
+    for j in range(d.channel_count):
         t.channel.added_position[j] = dual_with_slope(0.0, 1.0, t.given_channel.position[j])
         t.channel.added_velocity[j] = dual_with_slope(0.0, 1.0, t.given_channel.velocity[j])
         t.channel.added_acceleration[j] = dual_with_slope(0.0, 1.0, t.given_channel.acceleration[j])
@@ -154,7 +154,7 @@ def copy_given_and_modes(d, t):
 
 def copy_modes(d, t):
     """Store the modes of friction and drives of d in ``chosen_mode`` of t; t does not choose modes."""
-    for e in range(d.friction_elements):
+    for e in range(d.friction_element_count):
         t.friction_element.chosen_mode[e] = d.friction_element.mode[e]
     if d.chain.has_drive_limits:
         for i in range(drive_count(d)):
@@ -205,7 +205,7 @@ def copy_stages(d, t, component_count):
 def copy_jacobian_data(d, t):
     """Copy the data of A, d's Jacobian, to t: link vectors; stiffness and damping of contacts and drives."""
     source, implicit = d.implicit, t.implicit
-    for i in range(d.links):
+    for i in range(d.link_count):
         implicit.link_vector.x[i] = source.link_vector.x[i]
         implicit.link_vector.y[i] = source.link_vector.y[i]
     for k in range(d.contacts.active_count):
@@ -291,7 +291,7 @@ def speed_by_friction(d, t, direction):
         force = max(
             force, abs(slope(t.friction_element.friction_limit[d.friction_element.stuck_index[i]], direction))
         )
-    for j in range(velocity_at(d.links), dissipated_at(d.links)):
+    for j in range(velocity_at(d.link_count), dissipated_at(d.link_count)):
         weight = max(weight, d.implicit.error_weight[j])
     return force * d.step.size * weight / mean_mass(d)
 
@@ -307,9 +307,9 @@ def replay(d, t):
     # only values are copied: the derivatives in t are those with respect to constants that are added to the
     # inputs
     copy_values(d.inputs, t.inputs)
-    if d.channels > 0:
+    if d.channel_count > 0:
         copy_values(d.channel, t.channel)
-    if d.signals > 0:
+    if d.signal_count > 0:
         if d.statistics.steps == 1:
             delay_jumps(t)
         begin_segments(t)
@@ -331,7 +331,7 @@ def replay(d, t):
     correct_falling_impulses(t)
     copy_marks(d, t)
     move_end(t)
-    if d.signals > 0:
+    if d.signal_count > 0:
         move_to_segment(t)
 
 

@@ -36,7 +36,7 @@ def check_rises(t):
     """Clear ``trust.missing``, then mark in it the directions in which a rise time of 0 has no derivative."""
     for k in range(DIRECTIONS):
         t.trust.missing[k] = 0
-    for j in range(t.signals):
+    for j in range(t.signal_count):
         if is_sudden(t, j) and not is_differentiable(t, j):
             rise = t.signal.rise[t.signal.source[j]]
             for k in range(DIRECTIONS):
@@ -92,7 +92,7 @@ def nearest_clearance(t):
     """Return the least clearance [m] of all candidates at the end of the last step, without derivatives."""
     least_clearance = math.inf
     locate_points(t, t.step.state_end)
-    for c in range(t.candidates):
+    for c in range(t.candidate_count):
         clearance, _ = clearance_and_rate(t, c)
         least_clearance = min(least_clearance, value(clearance))
     return least_clearance
@@ -103,7 +103,7 @@ def delay_jumps(t):
 
     A sine that starts at this time, with a rise time of 0, may begin with a jump; a rise delays this jump.
     """
-    for j in range(t.signals):
+    for j in range(t.signal_count):
         i = t.signal.source[j]
         jump, _ = jump_at_begin(t, j)
         if is_sudden(t, j) and value(t.signal.start[i]) == value(t.step.end) and jump != 0.0:

@@ -122,12 +122,12 @@ def shift_start(t, delay):
     y, rate, shift = t.step.state_end, t.scratch.rate_start, dual_with_slope(0.0, 1.0, delay)
     if has_slope(shift):
         forget_peaks(t, shift)
-    for j in range(sundman_u_at(t.links)):
+    for j in range(sundman_u_at(t.link_count)):
         y[j] += value(rate[j]) * shift
     quadrature = t.quadrature
     for k in range(quadrature.count):
         quadrature.state_end[k] += value(quadrature.rate_end[k]) * shift
-    if t.channels > 0 or has_slope(shift):
+    if t.channel_count > 0 or has_slope(shift):
         evaluate_start(t)
 
 
@@ -138,13 +138,13 @@ def fraction_at_time(t, time):
     of the kernel's own ``fraction_at_time`` with dual numbers would not do: it stops when the value is exact,
     and the derivatives may then not be exact.
     """
-    step, time_index = t.step, time_at(t.links)
+    step, time_index = t.step, time_at(t.link_count)
     elapsed = time - step.start
     if not is_regularized(t):
         return elapsed / step.size
     theta = value(dense.regularized_fraction(t, elapsed))
     rate = value(step.size) * sundman_rate.regularized_time_rate(
-        value(dense.interpolate_component(step, theta, sundman_u_at(t.links)))
+        value(dense.interpolate_component(step, theta, sundman_u_at(t.link_count)))
     )
     error = dense.interpolate_component(step, theta, time_index) - elapsed
     # a Newton step for the fraction θ at the time t, from its value θ₀: θ = θ₀ − (t(θ₀) − t)/ṫ with ṫ =
@@ -161,7 +161,7 @@ def event_fraction(t):
     step = t.step
     rate = value(step.size)
     if is_regularized(t):
-        rate *= sundman_rate.regularized_time_rate(value(step.state[sundman_u_at(t.links)]))
+        rate *= sundman_rate.regularized_time_rate(value(step.state[sundman_u_at(t.link_count)]))
     return dual_with_slope(0.0, reciprocal(max(0.0, rate)), step.start_delay)
 
 

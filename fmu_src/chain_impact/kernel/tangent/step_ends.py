@@ -35,7 +35,7 @@ def move_end(t):
     The dense output does not change, and its derivatives stay those at fixed times. If a force only has a
     kink at the event, the time of the event affects a peak or the end of a contact, but not the motion.
     """
-    for c in range(t.candidates):
+    for c in range(t.candidate_count):
         if is_crossing(t, c):
             prepare_end(t)
             check_onsets(t)
@@ -50,7 +50,7 @@ def move_end(t):
     # if the step has no length, its event is caused by a jump at its start, and has no delay of its own
     if not step_length(t) > 0.0:
         return
-    for c in range(t.candidates):
+    for c in range(t.candidate_count):
         if t.contacts.event[c] in (KINK, RELEASE):
             prepare_end(t)
             move_along(t, delay_without_force_jump(t, c, t.contacts.event[c]))
@@ -101,9 +101,9 @@ def move_along(t, delay):
     ``delay`` [s] is the shift, a dual number of the value 0, so no value changes.
     """
     y, rate = t.step.state_end, t.scratch.rate_end
-    for j in range(sundman_u_at(t.links)):
+    for j in range(sundman_u_at(t.link_count)):
         y[j] += value(rate[j]) * delay
-    y[time_at(t.links)] += delay
+    y[time_at(t.link_count)] += delay
     t.step.end += delay
     quadrature = t.quadrature
     for k in range(quadrature.count):
@@ -123,7 +123,7 @@ def ends_with_segment(t):
     """Return whether the last step ends where a segment of a signal ends, and no other event happens."""
     if t.drive.event != 0 or ends_with_contact(t):
         return False
-    for j in range(t.signals):
+    for j in range(t.signal_count):
         if has_segment_ended(t, j):
             return True
     return False
@@ -131,7 +131,7 @@ def ends_with_segment(t):
 
 def ends_with_contact(t):
     """Return whether the last step ends with an event of a contact or of dry friction."""
-    for c in range(t.candidates):
+    for c in range(t.candidate_count):
         if t.contacts.event[c]:
             return True
     return count_mode_changes(t) > 0

@@ -46,7 +46,7 @@ def check_onsets(t):
     Coefficients of friction at the onsets are checked, too (``check_coefficient``).
     """
     onsets, least_speed, first = 0, math.inf, -1
-    for c in range(t.candidates):
+    for c in range(t.candidate_count):
         if t.contacts.event[c] == ONSET:
             onsets += 1
             _, clearance_rate = clearance_and_rate(t, c)
@@ -90,7 +90,7 @@ def fastest_speed(t):
     largest_speed, velocity = 0.0, t.scratch.velocity
     for k in range(len(velocity.x)):
         # the places of joints are left out, because no point moves with their velocities
-        if not t.links < k <= 2 * t.links:
+        if not t.link_count < k <= 2 * t.link_count:
             x, y = value(velocity.x[k]), value(velocity.y[k])
             largest_speed = max(largest_speed, math.sqrt(x * x + y * y))
     return largest_speed
@@ -154,7 +154,7 @@ def mark_untrusted(t, reason, c, time):
     trust = t.trust
     trust.reason, trust.time = reason, time
     trust.point, trust.wall = NO_IMPACT, 0
-    if c >= t.candidates:
+    if c >= t.candidate_count:
         trust.point, trust.wall = joint_number(t, c), JOINT
     elif c != NO_IMPACT:
         trust.point, trust.wall = t.candidate.point[c], t.candidate.wall[c]

@@ -46,7 +46,7 @@ function drawnOf(kit, sceneNumbers, outputs) {
     entries.get(key).words[drawn[1]] = word;
   }
   return {
-    points: range(sceneNumbers.links + 1 + sceneNumbers.sites).map((k) =>
+    points: range(sceneNumbers.link_count + 1 + sceneNumbers.site_count).map((k) =>
       kit.points.map((coordinate) => wordIndex(coordinate, sceneNumbers, k))),
     groups: mapped(groups, (entries) => [...entries.values()]),
   };
@@ -88,7 +88,7 @@ function partsInWords({ file, pairs, stops, sliderStops, wallNames }, pointNames
 export function describe(kit, file, command) {
   const structure = structureOf(file, kit);
   const { stops, wallNames, existingWalls, sceneNumbers, sites } = structure;
-  const pointNames = sites.flatMap(({ name }, s) => (name ? [[sceneNumbers.links + 1 + s, name]] : []));
+  const pointNames = sites.flatMap(({ name }, s) => (name ? [[sceneNumbers.link_count + 1 + s, name]] : []));
   const all = (groups) => rowsOfOwners(groups, structure).filter(({ has }) => has);
   const [motions, settable] = [all(kit.motions), all(kit.inputs)];
   const filledAll = (row, key) => row[key].map((name) => filled(name, row.owner));
@@ -119,7 +119,7 @@ export function describe(kit, file, command) {
     file,
     text: file.description,
     command,
-    links: sceneNumbers.links,
+    links: sceneNumbers.link_count,
     pinned: file.chain.base === "pinned",
     wallNames,
     walls: wallsAt({ walls: Object.fromEntries(existingWalls.map((name) => [name, null])) }, (name) => values.get(name)?.number),

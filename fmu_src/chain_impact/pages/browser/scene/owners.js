@@ -41,7 +41,7 @@ function listsOf({ file, driven, sites, sliderStops, stops, existingWalls, wallN
       ({ name, exists: existingWalls.includes(name), touched: pairs.some(([, wall]) => wall === number) })),
     sloped_walls: file.walls.map(({ name }) => ({ name })),
     laws: kit.laws.map((name) => ({ name })),
-    signals: driven.map(({ name, input, knots }) => ({ name, input, knot_count: knots })),
+    signals: driven.map(({ name, input, knots }) => ({ name, input, knots })),
     steps: driven.filter(({ signal }) => signal.form === "steps").flatMap(({ name, input, signal, first }) =>
       signal.times.map((_, entry) => ({ name, input, entry, knot: first + entry }))),
   };

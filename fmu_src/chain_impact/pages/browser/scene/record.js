@@ -48,8 +48,8 @@ export function recordOf(kit, structure, driven, rows, values, byName) {
   for (const { name, ownerKind, word, givenWord, givenWordWhen, type, owner, numberForNone } of rows) {
     const value = values.get(name) ?? (ownerKind === "link" || ownerKind === "slider" ? { number: Number(numberForNone) } : null);
     if (!value || (ownerKind === "sloped wall" && !mayTouch)) continue;
-    if (ownerKind === "sloped wall" && owner.at >= sceneNumbers.candidates) {
-      throw new RangeError(`walls: the record has room for ${sceneNumbers.candidates}`);
+    if (ownerKind === "sloped wall" && owner.at >= sceneNumbers.candidate_count) {
+      throw new RangeError(`walls: the record has room for ${sceneNumbers.candidate_count}`);
     }
     write(word, value.number, type === "real", owner.at);
     if (givenWord && sceneNumbers[givenWordWhen]) write(givenWord, value.derived ? SHARED.kernel.NOT_GIVEN : value.number, true, owner.at);
