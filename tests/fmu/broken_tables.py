@@ -64,10 +64,10 @@ def mutants_of(whole):
 
     And the numbers with one valid value.
     """
-    guid_ends, head_ends, row = 64, 184, struct.calcsize("<ddqqqiiii")
-    numbers = struct.unpack_from("<15q", whole, guid_ends)
-    count, rows_at, record_at = numbers[0], numbers[9], numbers[13]
-    head = [guid_ends + 8 * i for i in range(15)]
+    guid_ends, head_ends, row = 64, 208, struct.calcsize("<ddqqqiiii")
+    numbers = struct.unpack_from("<18q", whole, guid_ends)
+    count, rows_at, record_at = numbers[0], numbers[12], numbers[16]
+    head = [guid_ends + 8 * i for i in range(18)]
     record = [record_at + 8 * i for i in range(6)]
     rows = [rows_at + row * i + 16 + 8 * k for i in (0, 1, count // 2, count - 1) for k in range(5)]
     mutants = {}
@@ -82,7 +82,7 @@ def mutants_of(whole):
         for flip in (0x01, 0x80, 0xFF):
             changed = bytes([whole[at] ^ flip])
             mutants[f"byte {at} ^ {flip}"] = whole[:at] + changed + whole[at + 1 :]
-    return mutants, [f"{at}: " for at in (head[13], head[14], *record[1:4])]
+    return mutants, [f"{at}: " for at in (head[16], head[17], *record[1:4])]
 
 
 def fates(fmu):

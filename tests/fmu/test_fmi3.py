@@ -55,7 +55,7 @@ def test_an_impossible_instance_is_refused_in_one_sentence(fmu):
         assert library.said() == [f"fmi3Instantiate{kind}: this FMU is for co-simulation only"]
     for form in (str(odd), f"{odd}/"):
         assert library.instantiate(resources=form.encode())
-    (library.folder / "resources" / "model.bin").write_bytes(b"x" * 200)
+    (library.folder / "resources" / "model.bin").write_bytes(b"x" * 300)
     refused("has a file model.bin that is damaged")
     assert library.c.fmi3GetVersion() == b"3.0"
 

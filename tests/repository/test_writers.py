@@ -27,7 +27,7 @@ SHARED = {
     "search.curvature",
     "trial.state",
     "scratch.load",
-    *(f"implicit.{name}" for name in ("z", "stages", "parts", "normal")),
+    *(f"implicit.{name}" for name in ("z_scratch", "stages", "right_hand_sides", "target_clearance")),
 }
 
 

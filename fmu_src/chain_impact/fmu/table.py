@@ -45,10 +45,12 @@ HEAD_FORMATS = {
     "guid": "40s",
     **dict.fromkeys(("variable_count", "status_count", "part_count"), "q"),
     **dict.fromkeys(("time_word", "changed_word", "tolerance_word", "part_word"), "q"),
-    # two words: that with the number, from 1, of a channel whose given positions and velocities contradict
-    # each other, or 0 for none; that with the given position of the first channel. Without prescribed motions
-    # the index of both words is 0.
-    **dict.fromkeys(("contradiction_word", "position_word"), "q"),
+    # words of prescribed motions, all 0 if the scene has none: that with the number, from 1, of a channel
+    # whose given positions and velocities contradict each other, or 0 for none; those that describe this
+    # contradiction, the distance [m], its duration [s] and the given velocity [m/s]; and that with the given
+    # position of the first channel
+    **dict.fromkeys(("contradiction_word", "distance_word", "duration_word", "velocity_word"), "q"),
+    "position_word": "q",
     # offsets in bytes from the beginning of the file
     **dict.fromkeys(("variables_at", "statuses_at", "parts_at", "texts_at", "record_at"), "q"),
     "record_size": "q",
@@ -164,6 +166,9 @@ def _words(prepared_scene: PreparedScene) -> dict[str, int]:
     }
     motion_words: dict[str, DataPath] = {
         "contradiction_word": ("channel", "contradiction"),
+        "distance_word": ("channel", "contradiction_distance"),
+        "duration_word": ("channel", "contradiction_duration"),
+        "velocity_word": ("channel", "contradiction_velocity"),
         "position_word": (MOTION, "position", 0),
     }
     has_motions = prepared_scene.counts.channel_count > 0

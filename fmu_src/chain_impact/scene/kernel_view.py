@@ -25,4 +25,4 @@ def signals_view(signals: np.ndarray, knots: np.ndarray) -> SimpleNamespace:
         name: SimpleNamespace(**{field: part[field] for field in part.dtype.names or ()})
         for name, part in parts.items()
     }
-    return SimpleNamespace(signals=1, **views)
+    return SimpleNamespace(signal_count=1, **views)

@@ -242,11 +242,11 @@ class Instance:
         name = names.get((MOTION, "position", channel - 1))
         if not name:
             return []
-        distance, duration = channels["contradiction_distance"], channels["contradiction_duration"]
+        distance, duration, velocity = (
+            channels[f"contradiction_{quantity}"] for quantity in ("distance", "duration", "velocity")
+        )
         motion_text = f"{name} has been moved by {distance:.9g} m in {duration:.9g} s"
-        return [
-            f"{motion_text}, which contradicts its velocity of {channels['new_velocity']:.9g} m/s: give both"
-        ]
+        return [f"{motion_text}, which contradicts its velocity of {velocity:.9g} m/s: give both"]
 
     @property
     def time(self) -> float:

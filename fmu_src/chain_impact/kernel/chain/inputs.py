@@ -345,7 +345,7 @@ def store_given_motion(d, j, time):
     is_refused = not moves_base and excess > largest_displacement + ignored_displacement
     if is_refused or channel.contradiction == 0:
         channel.contradiction, channel.contradiction_distance = j + 1, displacement
-        channel.contradiction_duration, channel.new_velocity = duration, v
+        channel.contradiction_duration, channel.contradiction_velocity = duration, v
     if is_refused:
         return False
     if at_rest and duration > 0.0:

@@ -2,7 +2,7 @@
 
 Newton's law of impact is valid for any number of contacts at once, in the form of Moreau (1988, *Unilateral
 contact and dry friction in finite freedom dynamics*). The law holds for all candidates that touch: those that
-arrive, and those that are held, with ġ = 0. It reads
+arrive, and those that are held, with ġ = 0. (docs/development/terms.md explains words such as held.) It reads
 
     u⁺ = u⁻ + W p,   0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0,
 

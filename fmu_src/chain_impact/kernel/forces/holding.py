@@ -3,7 +3,7 @@
 constraints/impulses.py computes the impulses that bring the motions along constraints from
 ``unforced_motion`` to ``target_motion``. This module sets ``unforced_motion`` to clearances, speeds or
 accelerations, and applies the impulses to the rate ẏ or to the state. Constraints are numbered as in
-``constraint_row``.
+``constraint_row``. docs/development/terms.md explains words such as element, held, impedance and place.
 """
 
 import math

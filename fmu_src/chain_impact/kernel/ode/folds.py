@@ -22,16 +22,14 @@ from chain_impact.kernel.record.state import velocity_at
 # step. Samples may lie outside the step, the farther ones by up to half the step's size: there the dense
 # output is extrapolated, as if no event ended the step.
 LEAST_DISTANCE, LARGEST_DISTANCE = 2.0**-10, 2.0**-2
-# SAMPLE_OFFSETS: the times of the four samples of a force, counted from the output's time, in units of the
-# time to the nearer samples. VALUE_WEIGHTS: the weights of the four forces with which a cubic polynomial
-# through them gives the force at the output. DIFFERENCE_WEIGHTS: weights with which the sum of the four
-# forces is 0 for a polynomial of degree 2. A part c/ε of the force, with the time ε since the fold, makes
-# this sum about −3 c divided by the time to the nearer samples.
-SAMPLE_OFFSETS, VALUE_WEIGHTS, DIFFERENCE_WEIGHTS = (
-    (-1.0, 1.0, -2.0, 2.0),
-    (2 / 3, 2 / 3, -1 / 6, -1 / 6),
-    (2.0, -2.0, -1.0, 1.0),
-)
+# the times of the four samples of a force, counted from the output's time, in units of the time to the nearer
+# samples
+SAMPLE_OFFSETS = (-1.0, 1.0, -2.0, 2.0)
+# the weights of the four forces with which a cubic polynomial through them gives the force at the output
+VALUE_WEIGHTS = (2 / 3, 2 / 3, -1 / 6, -1 / 6)
+# Weights with which the sum of the four forces is 0 for a polynomial of degree 2. A part c/ε of the force,
+# with the time ε since the fold, makes this sum about −3 c divided by the time to the nearer samples.
+DIFFERENCE_WEIGHTS = (2.0, -2.0, -1.0, 1.0)
 # The forces of constraints pass a fold smoothly if the sum of the four samples of each force, with the
 # weights DIFFERENCE_WEIGHTS, has a size of at most UNEVEN_PART times the largest of all forces that
 # VALUE_WEIGHTS gives at the output.

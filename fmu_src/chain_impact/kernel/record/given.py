@@ -34,11 +34,11 @@ def chain_dtype(link_count: int, site_count: int) -> np.dtype:
         ("gravity", REAL, (2,)),  # m/s², x and y of gravity
         ("length", POSITIVE, (link_count,)),  # m, length of each link
         ("mass", POSITIVE, (link_count,)),  # kg, mass of each link
-        # m, given distance along each link from its proximal joint to its centre of mass; NOT_GIVEN: the
-        # middle of the link is used
+        # m, given distance along each link from its proximal joint to its centre of mass; NOT_GIVEN
+        # (constants.py): the middle of the link is used
         ("given_center_of_mass", REAL, (link_count,)),
-        # kg·m², given inertia of each link about its centre of mass; NOT_GIVEN: the inertia of a uniform rod
-        # or box is used
+        # kg·m², given inertia of each link about its centre of mass; NOT_GIVEN (constants.py): the inertia of
+        # a uniform rod or box is used
         ("given_inertia", REAL, (link_count,)),
         # m, height, across the link, of a link that is a box; else 0
         ("height", NOT_NEGATIVE, (link_count,)),
@@ -117,7 +117,7 @@ def stops_dtype() -> np.dtype:
     """Return the layout of the contact law of stops in joints; `given` has its stiffness and restitution."""
     return layout(
         ("law", INTEGER),  # number of the law of stops in joints, from 1; 0: the law of the walls is used
-        # exponent n of the law of stops; NOT_GIVEN: that of `contact_settings` is used
+        # exponent n of the law of stops; NOT_GIVEN (constants.py): that of `contact_settings` is used
         ("given_exponent", REAL),
         ("minimum_impact_speed", POSITIVE),  # rad/s, least impact speed in the law of stops in joints
         # ---- derived at initialization
@@ -250,7 +250,7 @@ def given_dtype(link_count: int) -> np.dtype:
         # coefficient of static friction of walls without any coefficient in `walls`; 0: equal to ``friction``
         ("static_friction", REAL),
         ("stop_stiffness", REAL),  # N·m/rad^exponent, stiffness of stops in joints
-        # restitution of stops in joints; NOT_GIVEN: ``restitution`` is used
+        # restitution of stops in joints; NOT_GIVEN (constants.py): ``restitution`` is used
         ("stop_restitution", REAL),
         # N·m·s/rad, damping of each joint's drive; the last entry belongs to the slider, N·s/m
         ("drive_damping", NOT_NEGATIVE, (link_count + 1,)),
@@ -284,7 +284,7 @@ def site_dtype(link_count: int, site_count: int) -> np.dtype:
         ("corner", INTEGER, (site_count,)),
         ("x", FINITE, (site_count,)),  # m, position of the site along the link, from the proximal joint
         ("y", FINITE, (site_count,)),  # m, distance of the site from the link's line; > 0: to the left
-        # m, given radius; NOT_GIVEN: `contact_settings.radius` is used
+        # m, given radius; NOT_GIVEN (constants.py): `contact_settings.radius` is used
         ("given_radius", REAL, (site_count,)),
         # ---- derived at initialization
         ("radius", NOT_NEGATIVE, (site_count,)),  # m, radius of the site, given or that of the settings

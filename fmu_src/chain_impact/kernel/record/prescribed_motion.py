@@ -33,13 +33,13 @@ def channel_dtype(channel_count: int) -> np.dtype:
         ("run_start", REAL),  # s, time at which the run started
         ("cubic_end", REAL),  # s, the communication point at which the cubics of the motions end
         # number, from 1, of the first channel whose given positions and velocities contradict each other; 0:
-        # none. The next three fields describe the contradiction to the user
+        # none
         ("contradiction", INTEGER),
         # m, displacement of the channel in ``contradiction`` between its previous and its new given values
         ("contradiction_distance", REAL),
         # s, time from the previous to the new given values of the channel in ``contradiction``
         ("contradiction_duration", REAL),
-        ("new_velocity", REAL),  # m/s, new given velocity of the channel in ``contradiction``
+        ("contradiction_velocity", REAL),  # m/s, new given velocity of the channel in ``contradiction``
         # m, position after the last `move_channels` (chain/prescribed_motion.py)
         ("position", REAL, (channel_count,)),
         ("velocity", REAL, (channel_count,)),  # m/s, velocity after the last `move_channels`

@@ -169,18 +169,18 @@ int fail(Instance *instance, int status, int fault) {
 static void warn(Instance *instance) {
     const Table *table = instance->table;
     if (table->contradiction_word == 0 || instance->warned) return;
-    /* the kernel's note on such a motion: the number of its channel, from 1, or 0 for no such motion; the distance
-       moved [m]; the time for this distance [s]; and the given velocity [m/s] */
-    const Word *words = instance->record + table->contradiction_word;
-    if (words->integer == 0) return;
+    const Word *record = instance->record;
+    const int64_t channel = record[table->contradiction_word].integer;
+    if (channel == 0) return;
     const Variable *variables = in_table(table, table->variables_at);
     const char *name = "a motion";
     for (int64_t i = 0; i < table->variable_count; i++)
-        if (variables[i].role == INPUT && variables[i].word == table->position_word + words->integer - 1)
+        if (variables[i].role == INPUT && variables[i].word == table->position_word + channel - 1)
             name = text_of(table, variables[i].name);
     instance->warned = 1;
     say(instance, WARNING, "%s has been moved by %s m in %s s, which contradicts its velocity of %s m/s: give both",
-        name, rounded(words[1].real).text, rounded(words[2].real).text, rounded(words[3].real).text);
+        name, rounded(record[table->distance_word].real).text, rounded(record[table->duration_word].real).text,
+        rounded(record[table->velocity_word].real).text);
 }
 
 /* Make a step of `size` seconds from the time `now` [s]. Unless the call is refused, set *onset_due: 1 if the step ends

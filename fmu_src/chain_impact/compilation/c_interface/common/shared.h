@@ -37,6 +37,9 @@ typedef struct {
     int64_t tolerance_word;
     int64_t part_word;
     int64_t contradiction_word;
+    int64_t distance_word;
+    int64_t duration_word;
+    int64_t velocity_word;
     int64_t position_word;
     int64_t variables_at;
     int64_t statuses_at;

@@ -66,8 +66,9 @@ int is_whole(const Table *table) {
     if (!is_word(table, table->time_word) || !is_word(table, table->changed_word) ||
         !is_word(table, table->tolerance_word) || !is_word(table, table->part_word))
         return 0;
-    if (table->contradiction_word != 0 && (!is_word(table, table->contradiction_word) ||
-                                           !is_word(table, table->contradiction_word + 3)))
+    if (table->contradiction_word != 0 &&
+        (!is_word(table, table->contradiction_word) || !is_word(table, table->distance_word) ||
+         !is_word(table, table->duration_word) || !is_word(table, table->velocity_word)))
         return 0;
     const Variable *variables = in_table(table, table->variables_at);
     for (int64_t i = 0; i < table->variable_count; i++)
