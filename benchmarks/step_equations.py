@@ -35,10 +35,13 @@ class Step:
         step, touch, chain, own = d["step"], d["contacts"], d["chain"], d["inputs"]
         self.links, self.pinned = int(d["link_count"]), bool(chain["has_base_joint"])
         self.size, self.kept = float(step["size"]), float(step["end_fraction"])
-        self.regularized, self.lever = int(step["regularized_candidate"]), float(chain["longest_link"])
+        self.regularized_candidate, self.lever = (
+            int(step["regularized_candidate"]),
+            float(chain["longest_link"]),
+        )
         free = range(2 * self.pinned, self.links + 2)
         variables = [*free, *(self.links + 2 + j for j in free)]
-        variables += [2 * self.links + 6] if self.regularized >= 0 else []
+        variables += [2 * self.links + 6] if self.regularized_candidate >= 0 else []
         self.free = len(free)
         self.first = self.free - self.links  # index of the first angle
         self.polynomials = [_powers(step["state"][j], step["dense"][:, j]) for j in variables]
@@ -77,7 +80,9 @@ class Step:
         # units of errors: 1 divided by the scales of the variables
         self.unit = 2.0 ** np.round(np.log2(unit))
         self.scale = (
-            arb(float(touch["expected_penetration"][self.regularized])) if self.regularized >= 0 else arb(1)
+            arb(float(touch["expected_penetration"][self.regularized_candidate]))
+            if self.regularized_candidate >= 0
+            else arb(1)
         )
 
     def _bodies(self, chain: Any) -> None:
@@ -131,7 +136,7 @@ class Step:
         """Return D (z′ − f(z)) for a rate z′ in the step's variable, and g and ġ of some candidates."""
         n, links, zero = self.free, range(self.links), arb_series([0])
         theta, omega, alpha = z[self.first : n], z[n + self.first : 2 * n], rate[n + self.first : 2 * n]
-        pace = z[-1] / (1 + z[-1] * z[-1]) if self.regularized >= 0 else arb_series([1])
+        pace = z[-1] / (1 + z[-1] * z[-1]) if self.regularized_candidate >= 0 else arb_series([1])
         units = [(angle.cos(), angle.sin()) for angle in theta]
         gaps = {c: self._gap(c, z, units) for c in asked}
         moments = [zero] * (self.links + 1)
@@ -161,8 +166,10 @@ class Step:
                     cosine, sine = (theta[i] - theta[j]).cos(), (theta[i] - theta[j]).sin()
                     row += self.masses[i][j] * (cosine * alpha[j] + sine * pace * omega[j] * omega[j])
             rows.append(row)
-        if self.regularized >= 0:
-            rows.append(rate[-1] + gaps[self.regularized][1] / (2 * self.scale * (1 + z[-1] * z[-1])))
+        if self.regularized_candidate >= 0:
+            rows.append(
+                rate[-1] + gaps[self.regularized_candidate][1] / (2 * self.scale * (1 + z[-1] * z[-1]))
+            )
         return rows, gaps
 
     def _gap(self, c: int, z: Row, units: Row) -> tuple[Any, Any]:
@@ -197,12 +204,12 @@ class Step:
         """
         if c not in self.active:
             return gap
-        return z[-1] if c == self.regularized else -gap[0], -gap[1]
+        return z[-1] if c == self.regularized_candidate else -gap[0], -gap[1]
 
     def _force(self, c: int, z: Row, gap: tuple[Any, Any]) -> Any:
         """Return the force of a contact, from √δ, which in its own variable is u √δ*."""
         stiffness, exponent, damping, rate_exponent = self.forces[c]
-        root = z[-1] * self.scale.sqrt() if c == self.regularized else (-gap[0]).sqrt()
+        root = z[-1] * self.scale.sqrt() if c == self.regularized_candidate else (-gap[0]).sqrt()
         return stiffness * _power(root, 2 * exponent) - damping * _power(root, 2 * rate_exponent) * gap[1]
 
 

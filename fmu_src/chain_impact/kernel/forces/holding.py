@@ -185,18 +185,19 @@ def project_state(d, y):
     constraints, energy_index = d.constraints, dissipated_at(d.link_count)
     for k in range(d.contacts.compliant_count if has_sticking(d) else 0):
         constraints.resistance[k] = contact_resistance(d)
-    activate_all(d)
-    set_unforced_to_positions(d)
-    solve_positions(d)
-    if d.channel_count > 0:
-        note_squeezed(d, SQUEEZED_DEPTH * d.chain.longest_link)
-    add_change(d, y, 0)
-    locate_points_now(d, y)
-    activate_all(d)
-    set_unforced_to_speeds(d)
-    solve_stopping_impulses(d)
-    add_change(d, y, velocity_at(d.link_count))
-    locate_points_now(d, y)
+    # first the positions, then the speeds; a loop, because compiled code would contain two copies otherwise
+    for of_speeds in range(2):
+        activate_all(d)
+        if of_speeds:
+            set_unforced_to_speeds(d)
+            solve_stopping_impulses(d)
+        else:
+            set_unforced_to_positions(d)
+            solve_positions(d)
+            if d.channel_count > 0:
+                note_squeezed(d, SQUEEZED_DEPTH * d.chain.longest_link)
+        add_change(d, y, of_speeds * velocity_at(d.link_count))
+        locate_points_now(d, y)
     if d.channel_count > 0:
         y[supplied_at(d.link_count)] += work_of_impulses(d)
     for k in range(constraint_count(d)):
