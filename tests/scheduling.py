@@ -9,23 +9,25 @@ from xdist.scheduler import LoadFileScheduling
 
 from tests import tiers
 
-# The slowest files come first, so that all processes end together. Of the first two files, one links plain
-# kernels while the other links the kernel with derivatives.
+# The slowest files come first, by their CPU seconds, so that all processes end together. Of the first two
+# files, one links plain kernels while the other links the kernel with derivatives. Files of pages stay in
+# their room, which has one browser in each process.
 SLOWEST = (
     "tests/scenarios/test_random_scenes.py",
     "tests/simulation/test_derivatives.py",
+    "tests/fmu/test_platforms.py",
     "tests/repository/test_docs.py",
     "tests/scenarios/test_derivatives.py",
-    "tests/fmu/test_platforms.py",
+    "tests/fmu/test_fuzzer.py",
+    "tests/scenarios/test_carried_arm.py",
     "tests/studies/sweep/test_cluster.py",
     "tests/compilation/test_browser.py",
-    "tests/pages/test_edit_dialog.py",
     "tests/scenarios/test_law_file.py",
-    "tests/fmu/test_fuzzer.py",
     "tests/cli/test_commands.py",
     "tests/fmu/test_build.py",
+    "tests/repository/test_search.py",
+    "tests/scenarios/test_arches.py",
     "tests/scenarios/test_models.py",
-    "tests/pages/test_sliders.py",
     "tests/kernel/test_soundness.py",
 )
 # number of new objects after which garbage is collected; Python's 700 take a tenth of the time of a picture

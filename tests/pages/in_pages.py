@@ -32,7 +32,7 @@ LATER = "performance.now = ((now) => () => now() + 900)(performance.now.bind(per
 SUBTITLE = "document.getElementById('subtitle').textContent"
 TIME_TEXT = "document.getElementById('time').textContent"
 LOCAL_LINK = "The link works on this computer only: to send it, save this page."
-MAP = {"simulation.stop_time": 0.8}
+MAP = {"simulation.stop_time": 0.45}
 """Changes of the dropped rod whose map has few impacts in each run."""
 ANGLE_AXIS = "Initial angle of link 1, °"
 """The title of the second axis of this map."""

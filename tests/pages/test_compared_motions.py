@@ -191,16 +191,17 @@ def test_a_pin_is_in_sight_at_once(show, size):
     assert box["y"] + box["height"] < page.locator("footer").bounding_box()["y"]
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_pins_have_colours_of_their_own(show, scheme):
-    page = show(color_scheme=scheme)
+def test_pins_have_colours_of_their_own(show):
+    page = show()
     names = [*(f"pin-{k}" for k in range(1, 6)), *ENERGIES, "total", "chain", "tip"]
-    style = "getComputedStyle(document.documentElement)"
-    found = page.evaluate(f"names => names.map((name) => {style}.getPropertyValue(`--${{name}}`))", names)
-    colours = [np.array(mpl.colors.to_rgb(one.strip())) for one in found]
-    for one, other in itertools.combinations(range(len(colours)), 2):
-        if one < 5:
-            assert abs(colours[one] - colours[other]).sum() > 0.3, (names[one], names[other])
+    values = "names.map((name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`))"
+    for scheme in ("light", "dark"):
+        page.emulate_media(color_scheme=scheme)
+        found = page.evaluate(f"names => {values}", names)
+        colours = [np.array(mpl.colors.to_rgb(one.strip())) for one in found]
+        for one, other in itertools.combinations(range(len(colours)), 2):
+            if one < 5:
+                assert abs(colours[one] - colours[other]).sum() > 0.3, (scheme, names[one], names[other])
 
 
 OUTSIDE = function_of("compared_motions", "outside")
@@ -251,9 +252,8 @@ def test_a_phone_has_room_for_the_change_that_names_a_pin(show):
     assert name.evaluate("name => name.scrollWidth <= name.clientWidth")
 
 
-@pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
-def test_pins_are_named_by_the_changes_in_which_they_differ(show, size):
-    page = show(hash_="#contact.restitution=0.4&contact.stiffness=1e6&gravity.y=-9.5", viewport=size)
+def test_pins_are_named_by_the_changes_in_which_they_differ(show):
+    page = show(hash_="#contact.restitution=0.4&contact.stiffness=1e6&gravity.y=-9.5")
     page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({'contact.stiffness': 1e7, 'solver.tolerance': 1e-7})")
     until(page, "document.querySelector('.pin-text').textContent.includes('1e7')")
@@ -262,9 +262,11 @@ def test_pins_are_named_by_the_changes_in_which_they_differ(show, size):
         "present: Stiffness = 1e7\u202fN/m¹·⁵, Solver tolerance = 1e-7",
         "Stiffness = 1e6\u202fN/m¹·⁵, Solver tolerance = 1e-8",
     ]
-    assert names.evaluate_all("all => all.every((one) => one.scrollWidth <= one.clientWidth)")
-    assert names.evaluate_all("all => all.every((one) => one.scrollHeight <= one.clientHeight + 1)")
-    assert page.locator("#pins").evaluate("list => list.scrollWidth <= list.clientWidth"), "no column is cut"
+    for size in (PHONE, DESK):
+        resize(page, **size)
+        assert names.evaluate_all("all => all.every((one) => one.scrollWidth <= one.clientWidth)"), size
+        assert names.evaluate_all("all => all.every((one) => one.scrollHeight <= one.clientHeight + 1)"), size
+        assert page.locator("#pins").evaluate("list => list.scrollWidth <= list.clientWidth"), "no cut column"
     page.keyboard.press("Escape")
     page.evaluate("location.hash = '#'")
     until(page, "document.querySelector('.pin-text').textContent === 'present'")

@@ -15,13 +15,19 @@ pytestmark = needs_browser
 
 
 CHARTS = ("#force", ".curve-chart", "#energy")
+OUTPUTS = "#curves=point[4].y,impact.count"
+
+
+def enlarge(page, chart):
+    """Enlarge a chart, or the first of several."""
+    page.locator(f"section:has({chart}) .enlarge").click()
+    until(page, f"document.querySelector('{chart}').clientWidth > 400")
 
 
 def show_enlarged(show, chart):
     """Return a page with an enlarged chart, or the first of several."""
-    page = show(hash_="#curves=point[4].y,impact.count")
-    page.locator(f"section:has({chart}) .enlarge").click()
-    until(page, f"document.querySelector('{chart}').clientWidth > 400")
+    page = show(hash_=OUTPUTS)
+    enlarge(page, chart)
     return page
 
 
@@ -37,32 +43,32 @@ def zoom_in(page, chart):
     return plot
 
 
-@pytest.mark.parametrize("chart", CHARTS)
-def test_an_enlarged_chart_stands_below_a_smaller_motion(show, chart):
-    page = show(hash_="#curves=point[4].y,impact.count")
-    if chart == "#energy":
-        page.get_by_role("button", name="Energy", exact=True).click()
-    small, stage = (page.locator(where).first.bounding_box() for where in (chart, "#stage"))
-    page.locator(f"section:has({chart}) .enlarge").click()
-    until(page, f"document.querySelector('{chart}').clientWidth > 400")
-    plot, below = (page.locator(where).first.bounding_box() for where in (f"{chart} .u-over", "#stage"))
-    assert below["y"] + below["height"] < plot["y"] < stage["y"] + stage["height"]
-    page.keyboard.press("Escape")
-    until(page, f"document.querySelector('{chart}').clientWidth < 400")
-    assert page.locator(chart).first.bounding_box() | {"y": 0} == small | {"y": 0}
+def test_an_enlarged_chart_stands_below_a_smaller_motion(show):
+    page = show(hash_=OUTPUTS)
+    for chart in CHARTS:
+        if chart == "#energy":
+            page.get_by_role("button", name="Energy", exact=True).click()
+        small, stage = (page.locator(where).first.bounding_box() for where in (chart, "#stage"))
+        enlarge(page, chart)
+        plot, below = (page.locator(where).first.bounding_box() for where in (f"{chart} .u-over", "#stage"))
+        assert below["y"] + below["height"] < plot["y"] < stage["y"] + stage["height"], chart
+        page.keyboard.press("Escape")
+        until(page, f"document.querySelector('{chart}').clientWidth < 400")
+        assert page.locator(chart).first.bounding_box() | {"y": 0} == small | {"y": 0}, chart
 
 
-@pytest.mark.parametrize("chart", CHARTS)
-def test_a_drag_and_keys_show_a_part_of_the_time(show, chart):
-    page = show_enlarged(show, chart)
-    zoom_in(page, chart)
-    page.keyboard.press("Escape")
-    page.locator(f"{chart}.zoomed").first.wait_for(state="detached")
-    page.locator(chart).first.focus()
-    page.keyboard.press("+")
-    page.locator(f"{chart}.zoomed").first.wait_for()
-    page.keyboard.press("-")
-    page.locator(f"{chart}.zoomed").first.wait_for(state="detached")
+def test_a_drag_and_keys_show_a_part_of_the_time(show):
+    page = show(hash_=OUTPUTS)
+    for chart in CHARTS:
+        enlarge(page, chart)
+        zoom_in(page, chart)
+        page.keyboard.press("Escape")
+        page.locator(f"{chart}.zoomed").first.wait_for(state="detached")
+        page.locator(chart).first.focus()
+        page.keyboard.press("+")
+        page.locator(f"{chart}.zoomed").first.wait_for()
+        page.keyboard.press("-")
+        page.locator(f"{chart}.zoomed").first.wait_for(state="detached")
 
 
 def test_charts_of_outputs_show_the_same_part_and_tell_the_present_values(show):

@@ -59,16 +59,18 @@ def test_the_number_of_a_joint_is_whole_in_the_list_of_impacts(show):
         assert cell.evaluate("({ scrollWidth, clientWidth }) => scrollWidth <= clientWidth")
 
 
-@pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
-def test_cards_follow_each_other_as_keys_do_the_contact_force_first(show, viewport):
+def test_cards_follow_each_other_as_keys_do_the_contact_force_first(show):
     """The list of impacts follows the contact force on a wide screen, and comes last on a phone."""
-    page = show("cart_pole", hash_="#curves=point[1].y", viewport=viewport)
+    page = show("cart_pole", hash_="#curves=point[1].y")
     until(page, "document.querySelectorAll('#outputs-over-time dt.of-curve').length > 0")
-    cards = page.locator("aside > section:not(#list)").evaluate_all(
-        "cards => cards.map((card) => [card.querySelector('h2').id, card.getBoundingClientRect().top])"
-    )
-    assert [name for name, _ in cards] == ["contact-title", "outputs-title", "inputs-title", "energy-title"]
-    assert cards == sorted(cards, key=lambda card: card[1])
+    order = ["contact-title", "outputs-title", "inputs-title", "energy-title"]
+    for viewport in (DESK, PHONE):
+        resize(page, **viewport)
+        cards = page.locator("aside > section:not(#list)").evaluate_all(
+            "cards => cards.map((card) => [card.querySelector('h2').id, card.getBoundingClientRect().top])"
+        )
+        assert [name for name, _ in cards] == order, viewport
+        assert cards == sorted(cards, key=lambda card: card[1]), viewport
 
 
 def test_the_labels_of_sliders_have_one_line_on_a_desk(show):

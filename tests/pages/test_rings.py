@@ -116,12 +116,13 @@ def test_numbers_stay_beside_the_points_of_a_body_that_is_small_on_a_phone(show_
     assert seen > 4
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_numbers_of_impacts_are_readable(show_recording, recording, scheme):
-    page, seen = show_recording(color_scheme=scheme), 0
+def test_numbers_of_impacts_are_readable(show_recording, recording):
+    page, seen = show_recording(), 0
     for later in np.linspace(0.01, 0.3, 8):
         go_to(page, recording.impacts["onset"][1] + later)
-        contrasts = page.evaluate(CONTRASTS, ".ring-number")
-        seen += len(contrasts)
-        assert min(contrasts, default=21.0) >= 4.5  # WCAG 2.2, 1.4.3
-    assert seen > 1
+        for scheme in ("dark", "light"):
+            page.emulate_media(color_scheme=scheme)
+            contrasts = page.evaluate(CONTRASTS, ".ring-number")
+            seen += len(contrasts)
+            assert min(contrasts, default=21.0) >= 4.5, scheme  # WCAG 2.2, 1.4.3
+    assert seen > 2

@@ -7,8 +7,8 @@ import re
 import numpy as np
 import pytest
 
-from chain_impact import load_scene, simulate
-from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, resize, until, until_drawn, until_told
+from chain_impact import load_scene
+from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, impacts_of, resize, until, until_drawn, until_told
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -72,26 +72,23 @@ def test_an_arrow_key_moves_a_wall_whose_grip_is_beside_it(show):
         assert sign * (parameters(page)[f"box.{wall}"] - before) > 0.0
 
 
-@pytest.mark.parametrize(
-    ("grip", "by", "signs"),
-    [
+def test_a_dragged_handle_changes_the_value_that_it_stands_for(show):
+    """A joint rotates its link, the base moves the chain, and a wall moves along its normal."""
+    page, scene = show(), load_scene("four_link_box")
+    before = {name: value for name, value in parameters(page).items() if name in scene.values}
+    for grip, by, signs in (
         ("joint 4", (-20, -60), {"initial.angle[4]": 1}),
         ("joint 0", (15, 25), {"initial.x": 1, "initial.y": -1}),
         ("wall y_min", (40, -30), {"box.y_min": 1}),
         ("velocity 0", (30, -20), {"initial.vx": 1, "initial.vy": 1}),
         ("velocity 4", (0, -25), {"initial.angular_velocity[4]": 1}),
-    ],
-)
-def test_a_dragged_handle_changes_the_value_that_it_stands_for(show, grip, by, signs):
-    """A joint rotates its link, the base moves the chain, and a wall moves along its normal."""
-    page, scene = show(), load_scene("four_link_box")
-    before = {name: value for name, value in parameters(page).items() if name in scene.values}
-    after = drag(page, grip, by)
-    changed = {name: after[name] - value for name, value in before.items() if after[name] != value}
-    assert {name: np.sign(change) for name, change in changed.items()} == signs
-    until_told(
-        page, f"{len(simulate(scene.with_values({name: after[name] for name in signs})).impacts)} impacts"
-    )
+    ):
+        after = drag(page, grip, by)
+        changed = {name: after[name] - value for name, value in before.items() if after[name] != value}
+        assert {name: np.sign(change) for name, change in changed.items()} == signs
+        until_told(page, f"{impacts_of({name: after[name] for name in signs})}s")
+        page.locator("#reset-all").click()
+        until_told(page, impacts_of({}))
 
 
 def test_the_view_fits_again_when_a_wall_is_let_go(show):
@@ -321,15 +318,16 @@ def test_fingers_meet_every_control_of_a_phone(show):
             page.keyboard.press("Escape")
 
 
-@pytest.mark.parametrize("size", [PHONE, ON_ITS_SIDE], ids=["upright", "on its side"])
-def test_on_a_phone_controls_take_a_tenth_of_the_height(show, size):
-    page = show(viewport=size, has_touch=True)
-    assert (
-        page.evaluate("document.querySelector('footer').getBoundingClientRect().height / innerHeight") <= 0.1
-    )
-    assert page.evaluate(CUT_OFF) == []
-    page.locator("#loop").tap()
-    assert page.locator("#loop").is_checked()
+def test_on_a_phone_controls_take_a_tenth_of_the_height(show):
+    page = show(viewport=PHONE, has_touch=True)
+    for size in (PHONE, ON_ITS_SIDE):
+        resize(page, **size)
+        share = "document.querySelector('footer').getBoundingClientRect().height / innerHeight"
+        assert page.evaluate(share) <= 0.1, size
+        assert page.evaluate(CUT_OFF) == [], size
+        page.locator("#loop").tap()
+        assert page.locator("#loop").is_checked()
+        page.locator("#loop").tap()
 
 
 def test_a_dragged_handle_tells_its_angle_until_it_is_dropped(show):
