@@ -10,7 +10,7 @@ from typing import Any, get_args, get_origin
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.reading import entry_type
-from chain_impact.scene.rules.key_rules import Derived, allowed_words, simple_default, without_none
+from chain_impact.scene.rules.key_rules import Derived, allowed_text, simple_default, without_none
 from chain_impact.scene.scene import scene_keys
 from docs.tools.markdown_text import code, short_description
 from docs.tools.scene_schema import ALTERNATIVES
@@ -92,7 +92,7 @@ def _allowed(kind: Any, rule: Any) -> str:
     if kind is bool:  # the default, true or false, shows which values are allowed
         return ""
     item, *rest = get_args(kind) or (kind,)
-    text = _readable(allowed_words(item, rule))
+    text = _readable(allowed_text(item, rule))
     if get_origin(kind) is not tuple:
         return text
     if rule["per_link"]:

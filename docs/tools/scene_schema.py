@@ -14,8 +14,8 @@ from chain_impact.scene.keys.tables import Initial, Wall
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.rules.key_rules import Derived, key_fields, simple_default, without_none
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.angles import DEGREES, degrees_pattern
-from chain_impact.scene.words.unit_text import bracketed_unit
+from chain_impact.scene.texts.angles import DEGREES, degrees_pattern
+from chain_impact.scene.texts.unit_text import bracketed_unit
 
 LIMITS = {"minimum": "minimum", "above": "exclusiveMinimum", "maximum": "maximum"}
 ALTERNATIVES = {Wall: ("angle", "normal"), Initial: ("angles", "joint_angles")}

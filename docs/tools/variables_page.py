@@ -9,13 +9,13 @@ from chain_impact.kernel.record.constants import WALLS
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
 from chain_impact.scene.facts import TRUE_FACT
 from chain_impact.scene.scene import load_scene, scene_keys
-from chain_impact.scene.words.names import AXES, INPUTS_OF
-from chain_impact.scene.words.unit_text import unit_text
+from chain_impact.scene.texts.names import AXES, INPUTS_OF
+from chain_impact.scene.texts.unit_text import unit_text
 from chain_impact.variables.kind import SLOPED_WALL, VariableKind
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import METHODS, PARAMETERS
-from chain_impact.variables.words import GENERAL, LOSSES, STOP_WORDS
+from chain_impact.variables.texts import GENERAL, LOSSES, STOP_TEXTS
 from docs.tools.markdown_text import code, short_description
 
 
@@ -46,7 +46,7 @@ def _variables(meaning: str, kinds: Sequence[VariableKind]) -> str:
 
 SCENE_KEY = "scene key"  # the list has these words for parameters that the page of the scene file explains
 IN_GENERAL = {
-    **STOP_WORDS,
+    **STOP_TEXTS,
     **GENERAL,
     "axis": "x and y",
     "n": "i",

@@ -8,7 +8,7 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.fmu.build import build_fmu
 from chain_impact.scene.errors import SceneError
-from chain_impact.scene.words.names import sensitivity_name
+from chain_impact.scene.texts.names import sensitivity_name
 from tests.fmu.clean import importing
 from tests.fmu.importer import Instance
 from tests.fmu.scenes import KINDS, scene_of

@@ -32,7 +32,7 @@ from chain_impact.kernel.status import (
     STOPS_REVERSED,
     UNKNOWN_METHOD,
 )
-from chain_impact.scene.candidates import parts_in_words
+from chain_impact.scene.candidates import part_texts
 from tests.helpers.models.reference import mass_matrix
 from tests.kernel.chains import chain, stopped_chain
 
@@ -279,6 +279,6 @@ def test_the_limits_of_a_joint_are_in_order(joint, limits):
     scene, d = stopped_chain(2)
     d.drive.min[joint], d.drive.max[joint] = limits
     assert check_parameters(d) == STOPS_REVERSED
-    assert parts_in_words(scene)[d.fault.part - 1] == f"joint {joint + 1}"
+    assert part_texts(scene)[d.fault.part - 1] == f"joint {joint + 1}"
     d.drive.min[joint], d.drive.max[joint] = 0.4, 0.5
     assert check_parameters(d) == OK

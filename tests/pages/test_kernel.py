@@ -12,7 +12,7 @@ from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.recording.pacing import frame_rate, frame_times, slow_spans
 from chain_impact.recording.view import ball_of, film_view, pin_lines, radius_of
 from chain_impact.scene.asked_inputs import with_inputs
-from chain_impact.scene.candidates import parts_in_words
+from chain_impact.scene.candidates import part_texts
 from chain_impact.studies.slow_recording import record_slowly
 from tests.helpers.scenes.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
 from tests.helpers.scenes.law_texts import SINH
@@ -66,7 +66,7 @@ def test_every_output_of_every_model_has_the_bits_of_simulate(kernel, model):
     scene = load_scene(model)
     found = kernel(scene)
     assert_same_bits(found, simulate(scene))
-    assert found["partsInWords"] == parts_in_words(scene)
+    assert found["partsInWords"] == part_texts(scene)
 
 
 @pytest.mark.parametrize("changes", PARAMETER_CHANGES, ids=str)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.scene.words.laws import LAW_GROUPS
+from chain_impact.scene.texts.laws import LAW_GROUPS
 from chain_impact.variables.prepared import PreparedScene
 from tests.pages.in_pages import ON_ITS_SIDE, PIXELS, SUBTITLE, enter, impacts_of, until, until_told
 from tests.tiers import needs_browser

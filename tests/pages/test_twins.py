@@ -38,9 +38,9 @@ from chain_impact.recording.pacing import frame_rate, frame_times, rate_text, sl
 from chain_impact.recording.view import film_view, free_region_within, pin_lines, positions_of, radius_of
 from chain_impact.scene.display.bodies import outlines_from, rail_from
 from chain_impact.scene.half_planes import half_planes
-from chain_impact.scene.words.angles import radians_of
-from chain_impact.scene.words.similar_names import proposed_name
-from chain_impact.scene.words.unit_text import stiffness_unit, unit_text
+from chain_impact.scene.texts.angles import radians_of
+from chain_impact.scene.texts.similar_names import proposed_name
+from chain_impact.scene.texts.unit_text import stiffness_unit, unit_text
 from tests.helpers.campaigns import random_scenes
 from tests.helpers.scenes.friction import sled
 from tests.helpers.scenes.stops import knee

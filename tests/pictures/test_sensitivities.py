@@ -37,7 +37,7 @@ from chain_impact.pictures.sensitivity_table import (
     SIGNED_COLOURS,
     draw_impact_changes,
 )
-from chain_impact.scene.words.plain_names import plain_name
+from chain_impact.scene.texts.plain_names import plain_name
 from tests.helpers.scenes.problems import flat_rod
 from tests.helpers.scenes.stops import knee, struck_rod
 from tests.pictures.pictures import contrast

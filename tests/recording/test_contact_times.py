@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.pictures.words.headline import impact_text
+from chain_impact.pictures.texts.headline import impact_text
 from chain_impact.recording.contact_times import impacts_at_peaks
 from tests.pictures.pictures import recorded
 

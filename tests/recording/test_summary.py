@@ -1,6 +1,6 @@
 """The summary lines of a result; test_result.py tests most of the lines."""
 
-# Tests: recording/joint_peaks.py, recording/impact_words.py, text.py
+# Tests: recording/joint_peaks.py, recording/impact_texts.py, text.py
 
 import re
 

@@ -16,8 +16,8 @@ from chain_impact.pictures.drawing.row_names import ROW_PITCH
 from chain_impact.pictures.drawing.style import LEFT_MARGIN
 from chain_impact.results.effects import split_by_step
 from chain_impact.results.ranking import ranking_of
-from chain_impact.scene.words.plain_names import plain_name
-from chain_impact.scene.words.unit_text import stiffness_unit
+from chain_impact.scene.texts.plain_names import plain_name
+from chain_impact.scene.texts.unit_text import stiffness_unit
 from chain_impact.text import signed_text
 from tests.helpers.scenes.stops import knee
 from tests.helpers.tools.differences import slope

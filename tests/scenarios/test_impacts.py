@@ -8,7 +8,7 @@ import pytest
 from chain_impact import simulate
 from chain_impact.kernel.record.constants import SOLVER_METHODS, WALLS
 from chain_impact.scene.scene import with_values
-from chain_impact.scene.words.names import SLIDER_STOPS, STOPS
+from chain_impact.scene.texts.names import SLIDER_STOPS, STOPS
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.instance import Instance
 from tests.helpers.campaigns.random_scenes import SLANTED, SPRUNG, scene as random_scene

@@ -6,7 +6,7 @@ import pytest
 
 from chain_impact import load_scene
 from chain_impact.scene.asked_inputs import inputs_of, request_hint
-from chain_impact.scene.words.names import INPUTS_OF
+from chain_impact.scene.texts.names import INPUTS_OF
 from tests.helpers.tools.refusal import refusal
 
 ASKS = re.compile(r"set inputs\.(\w+) = (true|\[\"(\w+)\"\])$")

@@ -1,12 +1,12 @@
 """Every value has a name in the FMU and a key in the scene file: both are accepted everywhere."""
 
-# Tests: scene/words/names.py, studies/fit/parameters.py
+# Tests: scene/texts/names.py, studies/fit/parameters.py
 
 import pytest
 
 from chain_impact import SceneError, load_scene, simulate, sweep
 from chain_impact.scene.scene import parse_scene
-from chain_impact.scene.words.names import fmu_name
+from chain_impact.scene.texts.names import fmu_name
 from chain_impact.studies.fit.parameters import parameters_of
 from tests.helpers.scenes.stops import knee
 

@@ -1,20 +1,20 @@
 """The rows of the table of variables: their references exist, and their statements hold for all variables."""
 
-# Tests: variables/nominal_values.py, variables/parameters.py, variables/words.py
+# Tests: variables/nominal_values.py, variables/parameters.py, variables/texts.py
 
 import pytest
 
 from chain_impact import load_scene
 from chain_impact.kernel.record.instance import output_dtype
 from chain_impact.scene.facts import TRUE_FACT
-from chain_impact.scene.words.names import INPUTS_OF, is_like
+from chain_impact.scene.texts.names import INPUTS_OF, is_like
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.nominal_values import nominal_values
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import PARAMETERS
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.structure import structure_of
-from chain_impact.variables.words import owner_words, scene_words
+from chain_impact.variables.texts import owner_texts, scene_texts
 from tests.variables.everything import CART, EVERYTHING
 
 KINDS = [kind for block in (*PARAMETERS, *INPUTS, *OUTPUTS) for kind in block.kinds]
@@ -25,7 +25,7 @@ def test_owner_conditions_and_texts_of_a_row_exist(kind):
     """Its owner, conditions, texts, limits, magnitude and the variable whose derivative it is."""
     structure = structure_of(CART if kind.owner_kind == "slider" else EVERYTHING)
     (owner, *_) = structure.owners(kind.owner_kind)
-    words = scene_words(structure) | owner.values | owner_words(kind.owner_kind, structure, owner.values)
+    words = scene_texts(structure) | owner.values | owner_texts(kind.owner_kind, structure, owner.values)
     assert {*kind.when, kind.tunable or TRUE_FACT, kind.stores_given_if or TRUE_FACT} <= {*owner.conditions}
     assert "{" not in kind.description.format_map(words)
     assert all(one in words for one in (kind.minimum, kind.maximum) if isinstance(one, str))

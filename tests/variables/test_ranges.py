@@ -22,7 +22,7 @@ from chain_impact.kernel.record.ranges import (
     most_bound,
 )
 from chain_impact.kernel.status import PARAMETER_OUT_OF_RANGE
-from chain_impact.scene.words.unit_text import unit_text
+from chain_impact.scene.texts.unit_text import unit_text
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.parameters import PARAMETERS

@@ -14,7 +14,7 @@ from chain_impact.scene.keys.chain_tables import Link
 from chain_impact.scene.keys.tables import Inputs, Material, Outputs
 from chain_impact.scene.rules.rule_language import names_in, tree
 from chain_impact.scene.scene import scene_keys
-from chain_impact.scene.words.names import INPUTS_OF
+from chain_impact.scene.texts.names import INPUTS_OF
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import COUNT_RULES, OWN_CONDITIONS, OWNER_KINDS, RECORD_NUMBERS
 from chain_impact.variables.parameters import PARAMETERS

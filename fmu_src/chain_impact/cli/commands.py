@@ -25,7 +25,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.console import prepare_console
 from chain_impact.extras import MissingExtraError
 from chain_impact.scene.errors import RefusalError, SceneWarning
-from chain_impact.scene.words.similar_names import nearest_name
+from chain_impact.scene.texts.similar_names import nearest_name
 from chain_impact.simulation.errors import RunError
 
 REMEDIES = dict.fromkeys((ENOSPC, EDQUOT), "free some space, or write to another disk") | dict.fromkeys(

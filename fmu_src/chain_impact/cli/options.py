@@ -18,7 +18,7 @@ from chain_impact.scene.errors import RefusalError
 from chain_impact.scene.files.models import model_names, scene_file_path
 from chain_impact.scene.scene import Scene, load_scene
 from chain_impact.scene.settings import with_settings
-from chain_impact.scene.words.similar_names import nearest_file, nearest_name
+from chain_impact.scene.texts.similar_names import nearest_file, nearest_name
 
 if TYPE_CHECKING:
     from chain_impact.pictures.drawing.sizes import Size

@@ -97,8 +97,8 @@ def _bar(work: str) -> Iterator[Progress]:
     """
     from rich import progress as rich_progress  # imported here, because the import takes long
 
-    words = rich_progress.TextColumn("{task.description}", markup=False)
-    columns = words, rich_progress.BarColumn(pulse_style="cyan")
+    text_column = rich_progress.TextColumn("{task.description}", markup=False)
+    columns = text_column, rich_progress.BarColumn(pulse_style="cyan")
     bar = rich_progress.Progress(*columns, rich_progress.TimeElapsedColumn(), console=err, transient=True)
     start_time, shown_fraction = monotonic(), 0.0
 

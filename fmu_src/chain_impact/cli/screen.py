@@ -31,7 +31,7 @@ from chain_impact.recording.summary import (
 )
 from chain_impact.results.result import Result
 from chain_impact.scene.keys.tables import Box
-from chain_impact.scene.words.unit_text import unit_text
+from chain_impact.scene.texts.unit_text import unit_text
 from chain_impact.studies.compare.compare import Comparison
 from chain_impact.studies.compare.text import advice, format_number, heading, law_table as compared, legend
 from chain_impact.text import TextTable, count_text

@@ -58,7 +58,7 @@ class ModelStructure:
     def missing_variable_faults(self) -> Iterator[Finding]:
         """Yield a fault for each reference to a variable that does not exist."""
         count = f"an index from 1 to {len(self.by_reference)}"
-        reference_words = count if self.is_fmi_2 else "the value reference of a variable"
+        reference_text = count if self.is_fmi_2 else "the value reference of a variable"
         for variable in self.variables:
             targets = [("Dimension", "valueReference", size) for size in _sizes(variable)]
             if "derivative" in variable.attributes:
@@ -66,16 +66,16 @@ class ModelStructure:
             for path, key, target in targets:
                 if target not in self.by_reference:
                     yield Finding(
-                        f"{key} = {target!r} must be {reference_words}",
+                        f"{key} = {target!r} must be {reference_text}",
                         variable=variable.name,
                         attribute=path,
                     )
         for path, node in self._nodes():
             if node.attrib[self.key] not in self.by_reference:
-                fault = f"{self.key} = {node.attrib[self.key]!r} must be {reference_words}"
+                fault = f"{self.key} = {node.attrib[self.key]!r} must be {reference_text}"
                 yield Finding(fault, attribute=path.partition(",")[0])
             for target in sorted(set(_dependency_texts(node)) - self.by_reference.keys()):
-                yield Finding(f"{target!r} must be {reference_words}", attribute=path)
+                yield Finding(f"{target!r} must be {reference_text}", attribute=path)
 
     def findings(self) -> Iterator[Finding]:
         """Yield the faults of the model structure, if it has no ``missing_variable_faults``.
@@ -165,8 +165,8 @@ class ModelStructure:
                 or (variable.is_exact if is_initial else state)
                 or debugging
             ):
-                known_words = "known at the start" if is_initial else "an input, a parameter or a state"
-                yield Finding(f"{name} is {variable.name}, which is not {known_words}", attribute=path)
+                known_text = "known at the start" if is_initial else "an input, a parameter or a state"
+                yield Finding(f"{name} is {variable.name}, which is not {known_text}", attribute=path)
         kinds = node.get("dependenciesKind")
         if kinds is not None and len(kinds.split()) != len(depends):
             text = f"there are {len(depends)} dependencies, and {len(kinds.split())} in dependenciesKind"

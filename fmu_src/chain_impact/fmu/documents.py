@@ -12,7 +12,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.fmu.versions import FMI_2, FMI_3
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.unit_text import unit_text
+from chain_impact.scene.texts.unit_text import unit_text
 from chain_impact.text import html_table
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable

@@ -19,8 +19,8 @@ from chain_impact.scene.files.table_file import TIME, gap_hints, read_table, sam
 from chain_impact.scene.keys.signal_tables import Samples, Signal
 from chain_impact.scene.signal_inputs import quantities_driven_by
 from chain_impact.scene.signal_polynomials import is_motion, table_of, values_of
+from chain_impact.scene.texts.names import AXES, input_key
 from chain_impact.scene.warning import warn
-from chain_impact.scene.words.names import AXES, input_key
 
 # An input jumps at a row if its values just before and just after the row's time differ by more than
 # LEAST_JUMP × the input's largest absolute value in the run; a smaller difference is round-off.

@@ -10,8 +10,8 @@ from xml.etree.ElementTree import Element, SubElement
 
 from chain_impact.fmu.versions import FMI_2, FMI_3
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.angles import DEGREES
-from chain_impact.scene.words.names import DataPath
+from chain_impact.scene.texts.angles import DEGREES
+from chain_impact.scene.texts.names import DataPath
 from chain_impact.variables.nominal_values import nominal_values
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.units import UNITS, sorted_units, unit_of

@@ -343,8 +343,8 @@ def _verdict(table: _Table, results: dict[str, np.ndarray]) -> tuple[bool, str]:
     }
     deviating = {name: rows[0] for name, rows in deviations.items() if rows.size}
     if not deviating:
-        end_words = f"until {table.time[-1]:.9g} s"
-        return (True, f"passed, outputs: {len(results)}, times: {len(table.time)}, {end_words}")
+        end_text = f"until {table.time[-1]:.9g} s"
+        return (True, f"passed, outputs: {len(results)}, times: {len(table.time)}, {end_text}")
     name = min(deviating, key=lambda name: deviating[name])
     row = deviating[name]
     return (

@@ -25,8 +25,8 @@ from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.reading import nearest_choice
 from chain_impact.scene.settings import parsed_value
-from chain_impact.scene.words.angles import or_degrees, radians_of
-from chain_impact.scene.words.names import (
+from chain_impact.scene.texts.angles import or_degrees, radians_of
+from chain_impact.scene.texts.names import (
     SLIDER_STOPS,
     STOPS,
     fmu_name,

@@ -14,8 +14,8 @@ from xml.etree.ElementTree import Element
 from chain_impact.files import with_checksum
 from chain_impact.fmu.model_description import TOKEN
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.scene.candidates import parts_in_words
-from chain_impact.scene.words.names import DataPath
+from chain_impact.scene.candidates import part_texts
+from chain_impact.scene.texts.names import DataPath
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.prepared import PreparedScene
@@ -119,7 +119,7 @@ def table_bytes(prepared_scene: PreparedScene, guid: str, further_rows: TableRow
         numbers |= {"type": TABLE_TYPES.index(variable.type), "role": TABLE_ROLES.index(variable.role)}
         return numbers | {"length": length, "name": text(variable.name), "allowed": text(variable.allowed)}
 
-    parts_of_scene = parts_in_words(prepared_scene.scene)
+    parts_of_scene = part_texts(prepared_scene.scene)
     codes = range(max(STATUS_TEXT) + 1)
     parts = {
         "variables_at": b"".join(_structure(VARIABLE_FORMATS, row(*variable)) for variable in variables),

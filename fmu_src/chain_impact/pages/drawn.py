@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.scene.words.names import grouped_by_owner
+from chain_impact.scene.texts.names import grouped_by_owner
 from chain_impact.variables.outputs import OUTPUTS
 
 _QUANTITIES = {(kind.parts.owner, kind.parts.quantity) for block in OUTPUTS for kind in block.kinds}

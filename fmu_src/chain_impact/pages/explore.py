@@ -57,8 +57,8 @@ def explore(
             contains this kernel, except for a scene with a user's contact law.
         OSError: when the file cannot be written.
     """
-    words = [_source(scene)] if command is None else list(command)
-    text = page(scene_of(scene), words)
+    command_words = [_source(scene)] if command is None else list(command)
+    text = page(scene_of(scene), command_words)
     if path is None:
         return InlinePage(text)
     with written_atomically(Path(path)) as new_file:

@@ -29,11 +29,11 @@ from chain_impact.pages.signals import tables_of
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene.facts import FACTS, LISTS, TRUE_FACT
 from chain_impact.scene.reading import entry_type
-from chain_impact.scene.rules.key_rules import Derived, allowed_words, key_fields, without_none
+from chain_impact.scene.rules.key_rules import Derived, allowed_text, key_fields, without_none
 from chain_impact.scene.rules.rule_language import Tree, tree
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import driven_alone, quantities_driven_by
-from chain_impact.scene.words.names import OWNER_AT, DataPath
+from chain_impact.scene.texts.names import OWNER_AT, DataPath
 from chain_impact.variables.indices import layout_of, word_index
 from chain_impact.variables.kind import LETTERS, MOTION, Block, VariableKind, fill_path
 from chain_impact.variables.listing import choices_of
@@ -42,10 +42,10 @@ from chain_impact.variables.owners import COUNT_RULES, OWNER_KINDS, RECORD_NUMBE
 from chain_impact.variables.parameters import PARAMETERS, SIMULATION_KINDS
 from chain_impact.variables.peaks import PEAKS
 from chain_impact.variables.signal_filling import input_at
+from chain_impact.variables.texts import GENERAL, LOSSES
 from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
-from chain_impact.variables.words import GENERAL, LOSSES
 
-TEMPLATE_WORDS = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
+TEMPLATE_TEXTS = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}
 """Word in the texts of parameters and inputs → the word in braces, which the page replaces for each owner."""
 LONGEST_TIME = 1e9
 """[s] The longest stop time, and the longest communication step, that a reader can set."""
@@ -184,7 +184,7 @@ def _value(kind: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
     return (
         limits
         | pattern
-        | {"kind": kind.__name__, "unit": metadata["unit"], "allowed": allowed_words(kind, metadata)}
+        | {"kind": kind.__name__, "unit": metadata["unit"], "allowed": allowed_text(kind, metadata)}
     )
 
 
@@ -216,10 +216,10 @@ def _input_row(choices: Mapping[str, Sequence[Item]], kind: VariableKind) -> dic
 
 
 def _output_row(kind: VariableKind) -> dict[str, Any]:
-    words = defaultdict(str, GENERAL, n=LETTERS.get(kind.owner_kind, "i"), axis=kind.axis, losses=LOSSES)
+    texts = defaultdict(str, GENERAL, n=LETTERS.get(kind.owner_kind, "i"), axis=kind.axis, losses=LOSSES)
     return _name_and_condition(kind) | {
         "unit": kind.unit,
-        "text": kind.text.format_map(words).rstrip(": "),
+        "text": kind.text.format_map(texts).rstrip(": "),
         "integer": not kind.unit,
         "word": word_terms(kind.record_path),
         "isPeakLoad": kind.owner_kind == "joint" and kind.record_path[1:3] == ("transmitted", "peak"),
@@ -233,7 +233,7 @@ def _setting_row(choices: Mapping[str, Sequence[Item]], kind: VariableKind) -> d
     ``choices``: name of an enumeration → its items.
     """
     items, rule = choices.get(kind.choices, ()), kind.derived
-    variable = Variable.from_kind(kind, Owner(), TEMPLATE_WORDS, items=tuple(items))
+    variable = Variable.from_kind(kind, Owner(), TEMPLATE_TEXTS, items=tuple(items))
     row = variable_row(variable, 0, 0)
     table = kind.name.rpartition(".")[0]
     return _name_and_condition(kind) | {

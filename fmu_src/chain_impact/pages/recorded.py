@@ -20,7 +20,7 @@ from chain_impact.recording.pacing import frame_rate, frame_times, slow_spans
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import ball_of, radius_of
 from chain_impact.scene.half_planes import HalfPlane
-from chain_impact.scene.words.names import SLIDER_STOPS
+from chain_impact.scene.texts.names import SLIDER_STOPS
 
 RECORDED_PROGRAM = "player/recorded_page.js"
 MOST_PAGE_ROWS = 80_000  # of a recording with more rows, a page leaves out some (``thin_rows``)

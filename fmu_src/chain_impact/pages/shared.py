@@ -47,8 +47,8 @@ from chain_impact.scene.rules.refusals import (
 )
 from chain_impact.scene.rules.rule_language import tree
 from chain_impact.scene.signal_inputs import TARGET_RATE
-from chain_impact.scene.words import angles, names, similar_names, unit_text
-from chain_impact.scene.words.laws import law_group, law_text
+from chain_impact.scene.texts import angles, names, similar_names, unit_text
+from chain_impact.scene.texts.laws import law_group, law_text
 from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.variables.peaks import PEAKS
 from chain_impact.variables.units import UNITS

@@ -10,10 +10,10 @@ import numpy as np
 
 from chain_impact.pictures.drawing.labels import Label
 from chain_impact.pictures.drawing.style import force_text
-from chain_impact.pictures.words.headline import Peak, peaks
+from chain_impact.pictures.texts.headline import Peak, peaks
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
-from chain_impact.scene.words.unit_text import unit_text
+from chain_impact.scene.texts.unit_text import unit_text
 
 AMOUNT_WIDTH = 1.2  # [points] the width of the line of a force's amount
 MARKED_UNITS = {"N": "force", "N.m": "moment", "N.s": "impulse"}
@@ -31,7 +31,7 @@ def drawn_peaks(recording: Recording, curves: Curves) -> list[Peak]:
         point, wall = impact["point"], recording.wall_names[impact["wall"]]
         is_stop = recording.is_joint_stop(impact["wall"])
         name = f"joint[{point}].stop_moment" if is_stop else f"contact[{point}].{wall}.force"
-        if peak.words.startswith("peak") and name in curves.values:
+        if peak.name.startswith("peak") and name in curves.values:
             labels.append(peak)
     return labels
 
@@ -126,9 +126,9 @@ def largest_vectors(curves: Curves) -> str:
     texts_at_time: dict[str, list[str]] = {}
     for owner, sizes in amounts(curves, [name for names in curves.panels for name in names]).items():
         if (row := largest_row(sizes)) is not None:
-            time_words = f"{factor * (curves.time[row] - start):.3g} {unit}"
-            texts_at_time.setdefault(time_words, []).append(f"{owner} {force_text(float(sizes[row]), 'N')}")
-    parts = [f"{' and '.join(outputs)} at {time_words}" for time_words, outputs in texts_at_time.items()]
+            time_text = f"{factor * (curves.time[row] - start):.3g} {unit}"
+            texts_at_time.setdefault(time_text, []).append(f"{owner} {force_text(float(sizes[row]), 'N')}")
+    parts = [f"{' and '.join(outputs)} at {time_text}" for time_text, outputs in texts_at_time.items()]
     return f"largest |force|: {', '.join(parts)}" if parts else ""
 
 

@@ -24,7 +24,7 @@ from chain_impact.pictures.curve_peaks import (
     largest_row,
     largest_vectors,
 )
-from chain_impact.pictures.curve_words import axis_unit, number_at, quantity_words, values_at_onset
+from chain_impact.pictures.curve_texts import axis_unit, number_at, quantity_text, values_at_onset
 from chain_impact.pictures.drawing.distinct_curves import hidden_counts, plot_curves
 from chain_impact.pictures.drawing.figures import PANEL_HEIGHT, settle
 from chain_impact.pictures.drawing.ink import Ink
@@ -44,12 +44,12 @@ from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.over_time.energies import ENERGIES, energy_look
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
 from chain_impact.pictures.over_time.time_axis import impact_handles, mark_impacts, name_time
-from chain_impact.pictures.words.headline import hit_words, peak_of, write_head
+from chain_impact.pictures.texts.headline import hit_text, peak_of, write_head
 from chain_impact.recording.contact_times import SEEN_CONTACT, has_impulses
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
-from chain_impact.scene.words.names import name_parts
-from chain_impact.scene.words.unit_text import bracketed_unit, unit_text
+from chain_impact.scene.texts.names import name_parts
+from chain_impact.scene.texts.unit_text import bracketed_unit, unit_text
 from chain_impact.text import count_text, names_text
 
 # the largest number of curves in a panel, and the largest number of panels in a picture
@@ -120,7 +120,7 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     """Draw the curves on an empty figure.
 
     If the title is "", the headline names the impact around which the curves are drawn
-    (``shown_impact_words``); for curves of the whole run, it summarizes the run and, if there is one panel,
+    (``shown_impact_text``); for curves of the whole run, it summarizes the run and, if there is one panel,
     tells the largest force in it. Of several panels, the text below the headline tells this force. None means
     no headline.
 
@@ -130,14 +130,14 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     check_curves(curves)
     panels = clear_panels(curves)
     if title is not None:
-        impact_words = shown_impact_words(recording, curves)
-        summary = f"{recording.name}: {impact_words}" if impact_words else ""
-        told_peaks = peak_of(recording, curves.number - 1) if impact_words else drawn_peaks(recording, curves)
+        impact_text = shown_impact_text(recording, curves)
+        summary = f"{recording.name}: {impact_text}" if impact_text else ""
+        told_peaks = peak_of(recording, curves.number - 1) if impact_text else drawn_peaks(recording, curves)
         force = "" if told_peaks else largest_drawn(curves)
         is_one = len(panels) == 1
         texts = (
-            impact_words if title else "",
-            "" if is_one or impact_words else force,
+            impact_text if title else "",
+            "" if is_one or impact_text else force,
             largest_vectors(curves),
         )
         lead = (None if told_peaks else force) if is_one else ""
@@ -147,7 +147,7 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     notes += [f"0 in the whole view: {names_text(zero_names, MOST_NAMED)}"] if zero_names else []
     if lacks_impulses(recording, curves):
         notes.append(NO_FORCE)
-    if long_contact := long_contact_words(recording, curves):
+    if long_contact := long_contact_text(recording, curves):
         notes.append(long_contact)
     if notes:
         write_foot(figure, "; ".join(notes))
@@ -189,7 +189,7 @@ def narrow_peak(recording: Recording, curves: Curves) -> int:
     return int(looks_like_line.argmax()) + 1 if looks_like_line.any() else 0
 
 
-def long_contact_words(recording: Recording, curves: Curves) -> str:
+def long_contact_text(recording: Recording, curves: Curves) -> str:
     """Return words for the duration of a contact that ends after the close view; else ""."""
     if not curves.number:
         return ""
@@ -198,12 +198,12 @@ def long_contact_words(recording: Recording, curves: Curves) -> str:
     return f"impact {curves.number} stays in contact {lasting}" if lasting else ""
 
 
-def shown_impact_words(recording: Recording, curves: Curves) -> str:
+def shown_impact_text(recording: Recording, curves: Curves) -> str:
     """Return words for the impact around which the curves are drawn; "" for curves of the whole run."""
     if not curves.number:
         return ""
     impact, count = recording.impacts[curves.number - 1], len(recording.impacts)
-    return f"{hit_words(recording, impact)}, impact {curves.number} of {count}"
+    return f"{hit_text(recording, impact)}, impact {curves.number} of {count}"
 
 
 def fill_curve_axes(panel_axes: Sequence[Axes], recording: Recording, curves: Curves) -> None:
@@ -282,8 +282,8 @@ def draw_all(
         parts = (line for name, line in lines.items() if name.partition(".force.")[0] not in sizes)
         visible_curves = [(values[is_shown], look) for values, look in (*sizes.values(), *parts)]
         labels.append(extremes(time[is_shown], visible_curves, stored_unit, scale))
-        words = f"{'Δ ' if starts else ''}{quantity_words(names, stored_unit)}"
-        axes.set_ylabel(f"{words}{bracketed_unit(unit)}".lstrip())
+        axis_text = f"{'Δ ' if starts else ''}{quantity_text(names, stored_unit)}"
+        axes.set_ylabel(f"{axis_text}{bracketed_unit(unit)}".lstrip())
         if curves.onset is None:
             shade_rests(axes, time_span)
         of_time = f"time after the onset at {start:.6f} s [ms]"

@@ -15,7 +15,7 @@ from chain_impact.pictures.over_time.energies import range_of
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts, is_shifted, short_contacts
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
-from chain_impact.scene.words.names import AXES
+from chain_impact.scene.texts.names import AXES
 
 # [1] a range of an output up to this, relative to the largest |value|, counts as round-off
 RANGE_ROUND_OFF = 1e-9

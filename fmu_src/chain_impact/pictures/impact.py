@@ -28,9 +28,9 @@ from chain_impact.pictures.drawing.style import (
 )
 from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.over_time.single_impact import shown_contact
-from chain_impact.pictures.words.headline import hit_words
+from chain_impact.pictures.texts.headline import hit_text
 from chain_impact.recording.course import Course
-from chain_impact.recording.impact_words import speed_unit
+from chain_impact.recording.impact_texts import speed_unit
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 from chain_impact.text import prefixed_unit
@@ -52,7 +52,7 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
     """
     impact = recording.impacts[number - 1]
     stop = recording.is_joint_stop(impact["wall"])
-    title = f"{recording.name}: {hit_words(recording, impact)}, impact {number}"
+    title = f"{recording.name}: {hit_text(recording, impact)}, impact {number}"
     write_headline(figure, title, conditions(impact, course, stop))
     if not is_narrow(figure):
         grid = figure.add_gridspec(3, 2)

@@ -31,8 +31,8 @@ from chain_impact.pictures.overview_layout import (
     size_for,
 )
 from chain_impact.pictures.panels import PANELS
-from chain_impact.pictures.words.headline import has_contact, write_head
-from chain_impact.pictures.words.point_names import full_names
+from chain_impact.pictures.texts.headline import has_contact, write_head
+from chain_impact.pictures.texts.point_names import full_names
 from chain_impact.recording.recording import Recording
 
 LEGEND_ROOM = 1.1  # the room for a legend beside the motion, relative to the width of the legend

@@ -40,10 +40,10 @@ from chain_impact.pictures.over_time.time_axis import impact_handles, mark_impac
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts
 from chain_impact.pictures.sensitivity_finding import NO_CHANGE, finding_of
 from chain_impact.pictures.sensitivity_table import draw_impact_changes, name_rows_inside
-from chain_impact.pictures.words.conditions import conditions
+from chain_impact.pictures.texts.conditions import conditions
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import RELATIVE_STEP, Sensitivities
-from chain_impact.scene.words.unit_text import bracketed_unit
+from chain_impact.scene.texts.unit_text import bracketed_unit
 from chain_impact.text import count_text, readable_unit
 
 # the largest number of parameters with coloured curves, those with the largest effects; other curves are grey
@@ -197,16 +197,16 @@ def looks_of(
         factor_text = f" (curve × {factors[name]:g})" if factors.get(name, 1.0) != 1.0 else ""
         return f"{name} + {sensitivities.step_text(name)}{factor_text}"
 
-    other_words = count_text(len(grey), "other parameter")
+    other_text = count_text(len(grey), "other parameter")
     if len(grey) <= MOST_GREY and not is_brief:
-        other_words = ", ".join(names[k] for k in grey)
+        other_text = ", ".join(names[k] for k in grey)
     colours, looks = iter(PALETTE), []
     for k, name in enumerate(names):
         if k in coloured:
             look = {"color": next(colours), "linewidth": 1.5, "zorder": 3, "label": name}
             looks.append(look | ({"linestyle": ADDED_DASH, "label": label(name)} if k in added else {}))
         else:
-            label_text = other_words if grey and k == grey[-1] else "_"
+            label_text = other_text if grey and k == grey[-1] else "_"
             looks.append({"color": GREY, "linewidth": 0.9, "zorder": 2, "label": label_text})
             looks[-1] |= {"visible": False} if k in added else {}
     return looks

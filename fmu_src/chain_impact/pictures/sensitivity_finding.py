@@ -9,12 +9,12 @@ import numpy as np
 
 from chain_impact.pictures.first_order import span_of
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts, is_shifted
-from chain_impact.pictures.words.headline import time_unit
+from chain_impact.pictures.texts.headline import time_unit
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities, is_different
-from chain_impact.scene.words.names import AXES
-from chain_impact.scene.words.plain_names import plain_name
-from chain_impact.scene.words.unit_text import with_unit
+from chain_impact.scene.texts.names import AXES
+from chain_impact.scene.texts.plain_names import plain_name
+from chain_impact.scene.texts.unit_text import with_unit
 from chain_impact.text import LEAST_WHOLE, number_text, readable_unit
 
 # a change up to this, relative to the range of the output, counts as round-off
@@ -88,18 +88,18 @@ def finding_of(
         return SensitivityFinding(f"{recording.name}: no derivatives from {recording.time[0]:g} s on")
     factor, unit = time_unit(recording.duration)
     last_known = int(np.flatnonzero(has_any)[-1])
-    end_words = "" if has_any[-1] else f"known until {factor * recording.time[last_known]:.3g} {unit}"
+    end_text = "" if has_any[-1] else f"known until {factor * recording.time[last_known]:.3g} {unit}"
     k = most_important(sensitivities, parts.max(axis=0), is_known)
     if parts[..., k].max() <= NO_CHANGE:
-        return SensitivityFinding(f"{recording.name}: no parameter changes {', '.join(outputs)}", end_words)
+        return SensitivityFinding(f"{recording.name}: no parameter changes {', '.join(outputs)}", end_text)
     parameter = list(sensitivities.parameters)[k]
     step = f"{plain_name(parameter)} + {sensitivities.step_text(parameter)}"
     if not is_known[:, k].all():
         end = factor * recording.time[is_known[:, k]].max(initial=recording.time[0])
-        end_words = f"not predictable after {end:.3g} {unit}"
+        end_text = f"not predictable after {end:.3g} {unit}"
     change_rows = _largest_changes(recording, sensitivities, outputs, k, is_known)
     if not change_rows:
-        return SensitivityFinding(f"{recording.name}: {step}", end_words)
+        return SensitivityFinding(f"{recording.name}: {step}", end_text)
     checks = list[Checked]()
     for output, row in change_rows:
         change = float(sensitivities.changes(output)[row, k])
@@ -113,16 +113,16 @@ def finding_of(
     times = [
         f"at {factor * recording.time[checked.row]:.4g} {unit}" for checked in (told_change, largest_change)
     ]
-    when_words = f"in a run, {times[0]}; to first order {first_order}" if told_change.is_wrong else times[0]
+    when_text = f"in a run, {times[0]}; to first order {first_order}" if told_change.is_wrong else times[0]
     if told_change is not largest_change and largest_change.change is not None:
         run_text = _size_text(largest_change.change, of_output)
-        when_words += f"; {_output_text(largest_change.output)} {times[1]}: {first_order} to first order"
-        when_words += f", but {run_text} in a run"
+        when_text += f"; {_output_text(largest_change.output)} {times[1]}: {first_order} to first order"
+        when_text += f", but {run_text} in a run"
         first_order = _size_text(told_change.first_order, of_output)
     size = f"about {first_order}" if told_change.change is None else _size_text(told_change.change, of_output)
     return SensitivityFinding(
-        f"{recording.name}: {step} {_change_words(told_change.output, size)}",
-        "; ".join(filter(None, [when_words, end_words])),
+        f"{recording.name}: {step} {_change_text(told_change.output, size)}",
+        "; ".join(filter(None, [when_text, end_text])),
         None if told_change.change is None else told_change,
     )
 
@@ -156,7 +156,7 @@ def _largest_changes(
     ]
 
 
-def _change_words(output: str, size: str) -> str:
+def _change_text(output: str, size: str) -> str:
     """Return words for a change of an output, such as "moves point 4 by 42 mm in y"."""
     *owner, quantity = plain_name(output).rsplit(" ", 1)
     if output.startswith("point[") and quantity in AXES:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from chain_impact.scene.display.bodies import discs_of_links
-from chain_impact.scene.words.names import name_parts
+from chain_impact.scene.texts.names import name_parts
 
 
 def is_of_body(name: str) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 from chain_impact.recording.joint_stops import is_scene_joint_stop
 from chain_impact.recording.pacing import impact_ends
 from chain_impact.scene.candidates import point_wall_pairs
-from chain_impact.scene.words.names import STOPS
+from chain_impact.scene.texts.names import STOPS
 from chain_impact.variables.prepared import PreparedScene
 
 # number of equally spaced times at which the course of an impact is computed; a contact that lasts beyond the

@@ -16,7 +16,7 @@ from chain_impact.recording.stick_slip import phases_from
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.text_file import comma_separated_text, likely_time, text_of
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.names import SENSITIVITY, SLIDER_STOPS
+from chain_impact.scene.texts.names import SENSITIVITY, SLIDER_STOPS
 
 NEEDED_COLUMNS = ("time", "point[0].x", "point[0].y", "point[1].x", "point[1].y")
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from chain_impact.kernel.record.constants import WALLS
 from chain_impact.kernel.record.contacts import contact_log_dtype
+from chain_impact.scene.texts.names import SLIDER_STOPS, STOPS, name_parts
 from chain_impact.scene.warning import warn
-from chain_impact.scene.words.names import SLIDER_STOPS, STOPS, name_parts
 
 _LOG = contact_log_dtype(0)
 # fields of the kernel's log of contacts that are not columns of the table of impacts

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.scene.words.names import STOPS
+from chain_impact.scene.texts.names import STOPS
 
 Quantities = Mapping[str, np.ndarray]
 """Name of a quantity of an owner, such as "force" → its values, shape (T,)."""

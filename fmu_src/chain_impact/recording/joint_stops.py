@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.names import STOPS
+from chain_impact.scene.texts.names import STOPS
 
 # [1] radius of the arc that shows the range of a joint, relative to the length of the joint's link
 RANGE_RADIUS = 0.25

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from chain_impact.recording.recording import Recording
-from chain_impact.scene.words.names import grouped_by_owner
+from chain_impact.scene.texts.names import grouped_by_owner
 
 IMPACT_TIME = 0.6  # [s] default time on the screen for one impact
 SPEED_RAMP = 0.05  # [s] simulated time in which a film slows down before an impact, or speeds up after it

@@ -13,7 +13,7 @@ import numpy as np
 
 from chain_impact.recording.bodies import site_radii
 from chain_impact.recording.equality import have_equal_fields
-from chain_impact.recording.impact_words import touching_part_name
+from chain_impact.recording.impact_texts import touching_part_name
 from chain_impact.recording.impacts import NO_IMPACTS
 from chain_impact.recording.interactions import (
     WALL,
@@ -30,7 +30,7 @@ from chain_impact.recording.tables import save_columns, save_impacts
 from chain_impact.scene.display.bodies import Rail, outlines_from, rail_from
 from chain_impact.scene.errors import names_matching
 from chain_impact.scene.half_planes import HalfPlane
-from chain_impact.scene.words.names import AXES, SLIDER_STOPS, grouped_by_owner
+from chain_impact.scene.texts.names import AXES, SLIDER_STOPS, grouped_by_owner
 from chain_impact.text import count_text
 from chain_impact.variables.hints import output_hint
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from chain_impact.kernel.record.constants import NO_FRICTION, STICKS
 from chain_impact.recording.interactions import Interaction
-from chain_impact.scene.words.names import point_label
+from chain_impact.scene.texts.names import point_label
 
 CHANGE_DTYPE = np.dtype([("time", np.float64), ("point", np.int64), ("wall", np.int64), ("mode", np.int64)])
 """A change of the mode of dry friction, as the kernel logs it. The columns are: the time [s] from which on

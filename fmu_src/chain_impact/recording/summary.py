@@ -16,7 +16,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_lines
 from chain_impact.recording.stick_slip import element_label
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.unit_text import stiffness_unit
+from chain_impact.scene.texts.unit_text import stiffness_unit
 from chain_impact.text import TextTable, count_text, names_text
 from chain_impact.variables.impact_units import unit_at
 
@@ -226,7 +226,7 @@ def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
     )
     unit = stiffness_unit("N/m", scene.contact.exponent)
     return [
-        f"a point goes {depths.max():.3g} m beyond {wall}, and {body.words} is {body.size:g} m: "
+        f"a point goes {depths.max():.3g} m beyond {wall}, and {body.name} is {body.size:g} m: "
         f"{name}.stiffness = {stiffness:g} [{unit}] is small for this motion"
     ]
 
@@ -235,12 +235,12 @@ class BodySize(NamedTuple):
     """A body of the scene.
 
     Attributes:
-        words: words for the size.
+        name: words for the size.
         size: the size [m].
         deep: a larger penetration [m] is probably a mistake, because the stiffness is too small.
     """
 
-    words: str
+    name: str
     size: float
     deep: float
 

@@ -15,7 +15,7 @@ from chain_impact.extras import require
 from chain_impact.files import written_atomically
 from chain_impact.recording.stick_slip import MODES, NO_WALL
 from chain_impact.scene.candidates import point_wall_pairs
-from chain_impact.scene.words.names import AXES
+from chain_impact.scene.texts.names import AXES
 from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS
 from chain_impact.variables.peaks import JOINT_FORCE
 from chain_impact.variables.prepared import PreparedScene

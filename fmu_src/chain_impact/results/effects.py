@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from chain_impact.recording.sensitivity import is_different
-from chain_impact.scene.words.unit_text import with_unit
+from chain_impact.scene.texts.unit_text import with_unit
 
 
 class Effect(NamedTuple):

@@ -14,8 +14,8 @@ from chain_impact.recording.impacts import POSITION
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities, slopes_of_impacts
 from chain_impact.scene.errors import SceneError
-from chain_impact.scene.words.names import name_parts
-from chain_impact.scene.words.similar_names import nearest_name
+from chain_impact.scene.texts.names import name_parts
+from chain_impact.scene.texts.similar_names import nearest_name
 from chain_impact.text import count_text
 from chain_impact.variables.impact_units import impact_units
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
@@ -113,9 +113,9 @@ def _impact_quantity(
     """Return the quantity ``field`` of the impact with a number, from 1, with its derivatives."""
     impacts, slopes = recording.impacts, sensitivities.impact_slopes
     if not 1 <= number <= len(impacts):
-        impact_words = count_text(len(impacts), "impact")
+        impact_text = count_text(len(impacts), "impact")
         raise SceneError(
-            f"{recording.name}: impact[{number}].{field} does not exist; the run has {impact_words}"
+            f"{recording.name}: impact[{number}].{field} does not exist; the run has {impact_text}"
         )
     if field not in slopes and field != DURATION:
         fields = ", ".join((*slopes, DURATION))

@@ -24,8 +24,8 @@ from chain_impact.results.effects import (
 )
 from chain_impact.results.quantity import quantity_named
 from chain_impact.scene.errors import names_matching
-from chain_impact.scene.words.plain_names import plain_name
-from chain_impact.scene.words.unit_text import bracketed_unit, unit_text, with_unit
+from chain_impact.scene.texts.plain_names import plain_name
+from chain_impact.scene.texts.unit_text import bracketed_unit, unit_text, with_unit
 from chain_impact.text import PrintedResult, TextTable, count_text, readable_unit, signed_text
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
 
@@ -105,8 +105,8 @@ class Ranking(PrintedResult):
         if self.unknown:
             yield f"not known: {', '.join(self.unknown)}"
         if any(abs(self.share(effect)) > LARGE_SHARE for effect in self.effects if effect.simulated is None):
-            effect_words = f"effects of more than {100.0 * LARGE_SHARE:g} %"
-            yield f"{effect_words} hold for smaller changes only: check them by another run"
+            effect_text = f"effects of more than {100.0 * LARGE_SHARE:g} %"
+            yield f"{effect_text} hold for smaller changes only: check them by another run"
         if checked:
             drawn_effects = itertools.chain(*self._blocks())
             if not_run := [effect.parameter for effect in drawn_effects if effect.simulated is None]:
@@ -242,7 +242,7 @@ class Ranking(PrintedResult):
         factor, unit = readable_unit(abs(self.value), self.unit)
         value = with_unit(digits(factor * self.value), unit)
         if not drawn_effects:
-            return f"no effect on {self._words} = {value}"
+            return f"no effect on {self._quantity_text} = {value}"
         alike_effects = [
             effect for effect in drawn_effects if bool(effect.value) == bool(drawn_effects[0].value)
         ]
@@ -252,17 +252,17 @@ class Ranking(PrintedResult):
         size = f"{signed_text(100.0 * abs(change / self.value))} %" if self.value else ""
         size = (size or with_unit(signed_text(scale * abs(change)), unit_of_change)).removeprefix("+")
         size = f"about {size}" if change_in_run(largest_effect) is None else f"{size} in a run"
-        change_words = f"{self._words} of {value}" if self.value else self._words
+        change_text = f"{self._quantity_text} of {value}" if self.value else self._quantity_text
         verb = "raises" if change > 0.0 else "lowers"
         return (
-            f"{plain_name(largest_effect.parameter)} + {largest_effect.step} {verb} {change_words} by {size}"
+            f"{plain_name(largest_effect.parameter)} + {largest_effect.step} {verb} {change_text} by {size}"
         )
 
     @property
-    def _words(self) -> str:
+    def _quantity_text(self) -> str:
         """The quantity in words if it is one of PEAKS or JOINT_FORCE, else its ``plain_name``."""
         if peak := PEAKS.get(self.quantity):
-            return f"the {peak.words}"
+            return f"the {peak.name}"
         return "the joint force" if self.quantity == JOINT_FORCE else plain_name(self.quantity)
 
     def _blocks(self) -> list[list[Effect]]:
@@ -297,9 +297,9 @@ class Ranking(PrintedResult):
         ]
         label = f"change{bracketed_unit(unit)}"
         steps = list(dict.fromkeys(effect.step for effect in effects))
-        words = " or ".join(steps) if len(steps) <= NAMED_STEPS else f"{RELATIVE_STEP:g} in SI units"
-        scale_words = " of the value" if effects[0].value else ", as the value is 0: not comparable"
-        title = f"+ {words}{scale_words}"
+        step_text = " or ".join(steps) if len(steps) <= NAMED_STEPS else f"{RELATIVE_STEP:g} in SI units"
+        scale_text = " of the value" if effects[0].value else ", as the value is 0: not comparable"
+        title = f"+ {step_text}{scale_text}"
         marks = [None if effect.simulated is None else factor * effect.simulated for effect in effects]
         names = [effect.parameter for effect in effects]
         bars = {"names": names, "values": values, "texts": texts, "label": label, "title": title}

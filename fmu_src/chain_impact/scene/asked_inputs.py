@@ -12,8 +12,8 @@ from chain_impact.scene.errors import SceneError
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.files.table_file import read_table, samples_of
 from chain_impact.scene.signal_inputs import driven_alone
-from chain_impact.scene.words.names import INPUTS_OF, input_key, input_request
-from chain_impact.scene.words.similar_names import nearest_name
+from chain_impact.scene.texts.names import INPUTS_OF, input_key, input_request
+from chain_impact.scene.texts.similar_names import nearest_name
 
 
 def inputs_of(scene: SceneContents, *, are_asked: bool = True) -> Iterator[str]:
@@ -38,9 +38,9 @@ def inputs_of(scene: SceneContents, *, are_asked: bool = True) -> Iterator[str]:
         "base": [{}] * facts["pinned"],
         "wall": facts["moving_walls"],
     }
-    for head, words in owners.items():
+    for head, owner_parts in owners.items():
         of_head = [template for template in templates if template.startswith(f"{head}.")]
-        for word in words:
+        for word in owner_parts:
             yield from (template.format(**word) for template in of_head)
 
 

@@ -20,7 +20,7 @@ def candidates_of(scene: SceneContents) -> list[tuple[int, int]]:
     return [*pairs, *joints, *((0, names.index(stop)) for stop in scene.slider_stops)]
 
 
-def parts_in_words(scene: SceneContents) -> list[str]:
+def part_texts(scene: SceneContents) -> list[str]:
     """Return words for each part of a scene that can be the cause of a fault of a run.
 
     The record's field ``fault.part`` has the number of a part in this list, from 1; 0 if no part is known.

@@ -31,7 +31,7 @@ from chain_impact.scene.keys.tables import (
 )
 from chain_impact.scene.rules.key_rules import NO_KEY, scene_key
 from chain_impact.scene.signal_polynomials import value_at_start
-from chain_impact.scene.words.names import STOPS, DataPath, point_label
+from chain_impact.scene.texts.names import STOPS, DataPath, point_label
 
 # [1] a slider's line and a wall count as parallel if the cosine of the angle between the line and the wall's
 # normal differs from 0 by less than PARALLEL_COSINE, which allows for round-off

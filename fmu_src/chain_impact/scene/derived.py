@@ -15,7 +15,7 @@ from itertools import accumulate, pairwise
 from typing import Any
 
 from chain_impact.scene.rules.key_rules import Derived
-from chain_impact.scene.words.names import DataPath
+from chain_impact.scene.texts.names import DataPath
 
 
 def paths_in_scene(paths: Iterable[DataPath], data: Mapping[str, Any]) -> Iterator[DataPath]:

@@ -8,8 +8,8 @@ from typing import Any
 
 from chain_impact.deprecated import OlderName
 from chain_impact.scene.rules.refusals import sentence
-from chain_impact.scene.words.names import DataPath, fmu_name, path_text
-from chain_impact.scene.words.similar_names import proposed_name
+from chain_impact.scene.texts.names import DataPath, fmu_name, path_text
+from chain_impact.scene.texts.similar_names import proposed_name
 
 NAMED_PARTS = 8  # a message lists quantities of only one owner: at most this number, then …
 SHOWN_CHARACTERS = 60  # a message has at most this number of characters of a value, then ...
@@ -102,12 +102,12 @@ class SceneError(RefusalError):
     place = OlderName("path")
 
 
-def refusal(path: DataPath, fault: str, **words: object) -> SceneError:
+def refusal(path: DataPath, fault: str, **template_values: object) -> SceneError:
     """Return the error on the key at ``path`` with the sentence on ``fault`` in refusals.py.
 
-    ``words`` replace the words in braces in the sentence.
+    ``template_values`` replace the words in braces in the sentence.
     """
-    text, value = sentence(fault, **words), str(words.get("value", ""))
+    text, value = sentence(fault, **template_values), str(template_values.get("value", ""))
     begins_with_value = text.startswith(f"= {value}") and value
     return error_at(path, *((text[len(f"= {value}") :].lstrip(), value) if begins_with_value else (text,)))
 

@@ -32,7 +32,7 @@ from chain_impact.scene.rules.rule_language import (
     value_within,
 )
 from chain_impact.scene.signal_inputs import driven_by
-from chain_impact.scene.words.names import INPUTS_OF, DataPath
+from chain_impact.scene.texts.names import INPUTS_OF, DataPath
 
 TRUE_FACT = "always"
 """The name of the fact that is true for all scenes."""

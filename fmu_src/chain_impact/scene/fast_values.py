@@ -19,8 +19,8 @@ from chain_impact.scene.errors import SceneError
 from chain_impact.scene.keys.chain_tables import Link
 from chain_impact.scene.keys.tables import Contact, Initial, Simulation, Solver
 from chain_impact.scene.rules.key_rules import keeps_rules, key_fields
-from chain_impact.scene.words.angles import radians_hint
-from chain_impact.scene.words.names import AXES, DataPath, name_of
+from chain_impact.scene.texts.angles import radians_hint
+from chain_impact.scene.texts.names import AXES, DataPath, name_of
 
 SceneTable = TypeVar("SceneTable")
 LARGEST_NUMBER = sys.float_info.max

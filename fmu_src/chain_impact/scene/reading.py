@@ -14,16 +14,16 @@ from typing import Any, get_args, get_origin
 from chain_impact.scene.errors import SceneError, refusal, value_text
 from chain_impact.scene.rules.key_rules import (
     Derived,
-    allowed_words,
+    allowed_text,
     extended_metadata,
     keeps_rules,
     key_fields,
     without_none,
 )
-from chain_impact.scene.words.angles import or_degrees, radians_of
-from chain_impact.scene.words.names import DataPath, path_text
-from chain_impact.scene.words.similar_names import name_with_one_typo, nearest_name, proposed_name
-from chain_impact.scene.words.unit_text import number_hint, power_hint
+from chain_impact.scene.texts.angles import or_degrees, radians_of
+from chain_impact.scene.texts.names import DataPath, path_text
+from chain_impact.scene.texts.similar_names import name_with_one_typo, nearest_name, proposed_name
+from chain_impact.scene.texts.unit_text import number_hint, power_hint
 
 # the least similarity, from 0 to 1, to an unknown key at which an error proposes a key of the same table
 SIMILAR_KEY = 0.7
@@ -117,7 +117,7 @@ class Reader:
         result = _convert(kind, radians_of(value, metadata["unit"]))
         if result is None or not keeps_rules(result, metadata):
             choices, unit = metadata["choices"], metadata["unit"]
-            needed_text = allowed_words(kind, metadata) + or_degrees(unit)
+            needed_text = allowed_text(kind, metadata) + or_degrees(unit)
             meant_text = nearest_choice(value, choices) if kind is str else meant_number(value, unit)
             raise refusal(path, "not_allowed", value=value_text(value), allowed=needed_text + meant_text)
         return result

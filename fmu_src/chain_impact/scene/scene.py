@@ -28,14 +28,14 @@ from chain_impact.scene.files.text_file import text_of
 from chain_impact.scene.plain_data import plain, without_empty
 from chain_impact.scene.reading import Reader, keys_of, tell_all_faults
 from chain_impact.scene.rules.key_rules import Derived
-from chain_impact.scene.value_paths import path_and_value, paths_by_name, single_values
-from chain_impact.scene.warning import warn
-from chain_impact.scene.words.names import (
+from chain_impact.scene.texts.names import (
     DataPath,
     as_typed,
     name_of,
     path_text,
 )
+from chain_impact.scene.value_paths import path_and_value, paths_by_name, single_values
+from chain_impact.scene.warning import warn
 
 SceneSource: TypeAlias = "Scene | str | os.PathLike[str]"
 """A scene, or an argument of ``load_scene``."""

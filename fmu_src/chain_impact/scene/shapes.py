@@ -15,7 +15,7 @@ from chain_impact.kernel.chain.inertia import corner_of_box
 from chain_impact.scene.contents import AnyScene, SceneContents
 from chain_impact.scene.errors import SceneError, refusal
 from chain_impact.scene.keys.chain_tables import BOX_CORNERS, Site
-from chain_impact.scene.words.names import DataPath
+from chain_impact.scene.texts.names import DataPath
 
 _CORNER = object()
 """The mark that stands in plain data for a corner of a box, which follows from length and height."""

@@ -16,7 +16,7 @@ from chain_impact.scene.errors import SceneError, error_at, refusal
 from chain_impact.scene.files.table_file import read_table, samples_of
 from chain_impact.scene.keys.signal_tables import FORMS, Samples, Signal
 from chain_impact.scene.signal_polynomials import is_motion, knots_of
-from chain_impact.scene.words.similar_names import nearest_name
+from chain_impact.scene.texts.similar_names import nearest_name
 
 Numbers = tuple[float, ...]
 TARGET_RATE = ".target_velocity"
@@ -164,8 +164,8 @@ def _with_defaults(name: str, signal: Signal) -> Signal:
     for form in FORMS.values():
         for key in form.keys:
             if key not in signal_form.keys and getattr(signal, key) is not None:
-                words = {"form": signal.form, "keys": ", ".join(signal_form.keys)}
-                raise refusal(("signals", name, key), "other_form", **words)
+                template_values = {"form": signal.form, "keys": ", ".join(signal_form.keys)}
+                raise refusal(("signals", name, key), "other_form", **template_values)
     for key in signal_form.required:
         if getattr(signal, key) is None:
             raise refusal(("signals", name, key), "needs_key", form=signal.form)

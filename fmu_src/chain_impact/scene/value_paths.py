@@ -14,7 +14,7 @@ from chain_impact.scene.errors import UnknownNameError
 from chain_impact.scene.keys.chain_tables import Link
 from chain_impact.scene.reading import keys_of
 from chain_impact.scene.rules.key_rules import key_fields
-from chain_impact.scene.words.names import (
+from chain_impact.scene.texts.names import (
     DataPath,
     fmu_name,
     name_of,

@@ -19,9 +19,9 @@ from chain_impact.results.result import Result
 from chain_impact.scene.asked_inputs import request_hint
 from chain_impact.scene.errors import SceneError, UnknownNameError, names_matching, value_text
 from chain_impact.scene.scene import Scene, SceneSource, fixed_hint, scene_of
+from chain_impact.scene.texts.angles import or_degrees, radians_of
+from chain_impact.scene.texts.names import input_key
 from chain_impact.scene.warning import warn
-from chain_impact.scene.words.angles import or_degrees, radians_of
-from chain_impact.scene.words.names import input_key
 from chain_impact.simulation.chain_access import Access, Selection, access_to, with_present_values
 from chain_impact.simulation.chain_rows import ChainRows
 from chain_impact.simulation.chain_states import DAMAGED, ChainState, state_from

@@ -19,12 +19,12 @@ from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.kernel.tangent.trust import JOINT, NO_IMPACT, TRUSTED
 from chain_impact.recording.equality import have_equal_fields
-from chain_impact.recording.impact_words import touching_part_name
+from chain_impact.recording.impact_texts import touching_part_name
 from chain_impact.recording.impacts import LOG_DTYPE, POSITION, sorted_impacts
 from chain_impact.recording.joint_stops import is_scene_joint_stop
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
-from chain_impact.scene.words.names import DataPath
+from chain_impact.scene.texts.names import DataPath
 from chain_impact.simulation.bends_at_start import bends_at_start
 from chain_impact.simulation.derivative_limits import (
     LEFT_OPEN,

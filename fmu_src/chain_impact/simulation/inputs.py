@@ -14,8 +14,8 @@ from chain_impact.kernel.chain.inputs import CONTINUES, REINITIALIZE
 from chain_impact.scene.asked_inputs import request_hint
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.table_file import TIME, TableSource, gap_hints, read_table, samples_of
+from chain_impact.scene.texts.names import INPUTS_OF, DataPath, input_key
 from chain_impact.scene.warning import warn
-from chain_impact.scene.words.names import INPUTS_OF, DataPath, input_key
 from chain_impact.simulation.approximation import TIME_ERROR, Approximator, NotSmoothError
 from chain_impact.simulation.input_values import checked_signal, finite_value, values_before_jumps
 from chain_impact.simulation.motions import (

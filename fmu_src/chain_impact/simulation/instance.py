@@ -11,7 +11,7 @@ from chain_impact.kernel.status import OK, PAUSED
 from chain_impact.progress import Progress, no_progress
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.recording.stick_slip import CHANGE_DTYPE
-from chain_impact.scene.candidates import parts_in_words
+from chain_impact.scene.candidates import part_texts
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.inputs import InputSchedule
@@ -231,7 +231,7 @@ class Instance:
         The result is "" without a fault, and if no single part causes the fault.
         """
         number = int(self.record["fault"]["part"])
-        return parts_in_words(self.prepared.scene)[number - 1] if number else ""
+        return part_texts(self.prepared.scene)[number - 1] if number else ""
 
     @property
     def contradictions(self) -> list[str]:

@@ -21,7 +21,7 @@ from chain_impact.scene.checks.checks import start_hint
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.table_file import jumps_of
 from chain_impact.scene.signal_polynomials import is_position, spline_of_position, splines_between_jumps
-from chain_impact.scene.words.names import AXES
+from chain_impact.scene.texts.names import AXES
 from chain_impact.simulation.approximation import Approximator
 from chain_impact.simulation.pieces import Pieces, joined_points
 from chain_impact.variables.kind import MOTION, MOTIONS

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from chain_impact.scene.signal_inputs import TARGET_RATE, quantities_driven_by
-from chain_impact.scene.words.names import name_parts
+from chain_impact.scene.texts.names import name_parts
 from chain_impact.simulation.pieces import Pieces
 from chain_impact.variables.prepared import PreparedScene
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from chain_impact.recording.impacts import common_count
 from chain_impact.recording.recording import Recording
-from chain_impact.scene.words.names import point_label
+from chain_impact.scene.texts.names import point_label
 
 TOLERANCE_RATIO = 0.1
 """The solver's tolerance in the second run, divided by the solver's tolerance in the first run.

@@ -24,7 +24,7 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS, tangent_dtype
 from chain_impact.scene.rules.key_rules import key_fields
 from chain_impact.scene.rules.rule_language import members_in, number_in, numbers_of
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.names import ENTRY_AT, OWNER_AT, DataPath
+from chain_impact.scene.texts.names import ENTRY_AT, OWNER_AT, DataPath
 from chain_impact.variables.indices import layout_of, word_index
 from chain_impact.variables.kind import SIGNAL_OWNERS, VariableKind, fill_path
 from chain_impact.variables.listing import TANGENTS

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from chain_impact.scene.words.unit_text import unit_text
+from chain_impact.scene.texts.unit_text import unit_text
 
 IMPACT_UNITS = {
     "onset": "s",

@@ -2,7 +2,7 @@
 
 The names, texts and paths of a kind are templates. ``{n}`` stands for the number of an owner, ``{of}`` for
 the number of the owner's link, ``{name}`` for the name of the owner's wall or signal, ``{axis}`` for x or y.
-Any other word in braces in a text stands for words that depend on the scene or the owner (words.py). In a
+Any other word in braces in a text stands for words that depend on the scene or the owner (texts.py). In a
 path, ``{at}`` stands for the index of the owner in the record, and ``{next}`` for this index plus 1.
 """
 
@@ -15,7 +15,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from chain_impact.scene.rules.key_rules import Derived
-from chain_impact.scene.words.names import (
+from chain_impact.scene.texts.names import (
     AXES,
     OWNER_AT,
     DataPath,
@@ -133,24 +133,24 @@ class VariableKind:
     @cached_property
     def description(self) -> str:
         """The description of one variable of the kind, a template."""
-        text = self.with_limit_words(f"{self.heading.text}: {self.text}" if self.heading.text else self.text)
+        text = self.with_limit_text(f"{self.heading.text}: {self.text}" if self.heading.text else self.text)
         return text.replace("{axis}", self.axis)
 
-    def general_description(self, words: Mapping[str, Any]) -> str:
+    def general_description(self, texts: Mapping[str, Any]) -> str:
         """Return one description for all variables of the kind.
 
         Args:
-            words: word in braces → text for this scene and owner; the entry "general" is a table with the
+            texts: word in braces → text for this scene and owner; the entry "general" is a table with the
                 texts that hold for every owner, which are used in place of these.
         """
         general = {
-            **words,
-            **words.get("general", {}),
+            **texts,
+            **texts.get("general", {}),
             "n": LETTERS.get(self.owner_kind, "i"),
             "axis": self.axis,
         }
         text = self.text.format_map(general)
-        return self.with_limit_words(f"{self.heading.general}: {text}" if self.heading.general else text)
+        return self.with_limit_text(f"{self.heading.general}: {text}" if self.heading.general else text)
 
     def derivative(self, parameter: VariableKind) -> VariableKind:
         """Return the kind of derivatives of outputs of this kind with respect to parameters of another kind.
@@ -166,7 +166,7 @@ class VariableKind:
             feedthrough=self.feedthrough,
         )
 
-    def with_limit_words(self, text: str) -> str:
+    def with_limit_text(self, text: str) -> str:
         """Return ``text`` with the limit ``above`` in words at its end, if there is one.
 
         FMI has no attribute for such a limit.

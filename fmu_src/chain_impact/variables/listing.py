@@ -13,16 +13,16 @@ from chain_impact.kernel.record.constants import SOLVER_METHODS
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.scene.derived import rule_at
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.names import DataPath, is_like, sensitivity_name
+from chain_impact.scene.texts.names import DataPath, is_like, sensitivity_name
 from chain_impact.user_laws.law_file import read_law
 from chain_impact.variables.kind import Block, VariableKind, fill_path
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import Owner
 from chain_impact.variables.parameters import LAWS, METHODS, PARAMETERS
 from chain_impact.variables.structure import Structure, structure_of
+from chain_impact.variables.texts import owner_texts, scene_texts
 from chain_impact.variables.units import quotient
 from chain_impact.variables.variable import Item, Variable
-from chain_impact.variables.words import owner_words, scene_words
 
 KEPT_STRUCTURES = 64  # largest number of structures of scenes whose lists of outputs are cached
 TANGENTS = "tangent_instances"
@@ -40,7 +40,7 @@ def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
     scene derives its value.
     """
     derived, choices = frozenset(scene.derived_paths), choices_of(scene)
-    for kind, owner, words in _owned_kinds(PARAMETERS, structure):
+    for kind, owner, texts in _owned_kinds(PARAMETERS, structure):
         path = fill_path(kind.scene_path or (), owner.values)
         value = value_at(scene, path)
         if value is not None and not (kind.only_if_in_file and path in derived):
@@ -55,7 +55,7 @@ def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
             yield Variable.from_kind(
                 kind,
                 owner,
-                words,
+                texts,
                 variability="tunable" if kind.tunable and owner.conditions[kind.tunable] else "fixed",
                 scene_path=path,
                 given_path=given_numbers and fill_path(given_numbers, owner.values),
@@ -100,15 +100,15 @@ def _driven_outputs(structure: Structure) -> Iterator[Variable]:
     Such an input is not an input of the FMU; the output shows its value.
     """
     rows = structure.driven_quantities
-    for kind, owner, words in _owned_kinds(INPUTS, structure) if rows else ():
-        driven_row = rows.get(kind.name.format_map(words))
+    for kind, owner, texts in _owned_kinds(INPUTS, structure) if rows else ():
+        driven_row = rows.get(kind.name.format_map(texts))
         if driven_row is not None:
             row, order = driven_row
             rate_of = "signal" if order > 0 and structure.signals[row].outputs[order - 1] else ""
             output = replace(
                 kind, causality="output", record_path=("output", "signal", *driven_row), rate_of=rate_of
             )
-            yield Variable.from_kind(output, owner, words)
+            yield Variable.from_kind(output, owner, texts)
 
 
 def derivatives(outputs: Sequence[Variable], variables: Sequence[Variable]) -> Iterator[Variable]:
@@ -160,15 +160,15 @@ def _owned_kinds(
 ) -> Iterator[tuple[VariableKind, Owner, dict[str, Any]]]:
     """Yield (kind, owner, words) for each kind and each owner that meets the conditions of the kind.
 
-    ``words`` is word in braces → the text or number of this scene and owner that replaces the word.
+    ``texts`` is word in braces → the text or number of this scene and owner that replaces the word.
     """
-    scene = scene_words(structure)
+    scene = scene_texts(structure)
     for owner_kind, kinds in blocks:
         for owner in structure.owners(owner_kind):
-            words = {**scene, **owner.values, **owner_words(owner_kind, structure, owner.values)}
+            texts = {**scene, **owner.values, **owner_texts(owner_kind, structure, owner.values)}
             for kind in kinds:
                 if all(owner.conditions[condition] for condition in kind.when):
-                    yield kind, owner, words
+                    yield kind, owner, texts
 
 
 def choices_of(scene: Scene) -> dict[str, tuple[Item, ...]]:

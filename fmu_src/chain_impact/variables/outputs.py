@@ -3,7 +3,7 @@
 The value references follow the order of the rows.
 """
 
-from chain_impact.scene.words.names import INPUTS_OF
+from chain_impact.scene.texts.names import INPUTS_OF
 from chain_impact.variables.kind import (
     CONTACT,
     IMPACT,

@@ -19,7 +19,7 @@ from chain_impact.scene.facts import FACTS, LISTS, TRUE_FACT, SceneFacts
 from chain_impact.scene.keys.tables import Inputs, Outputs
 from chain_impact.scene.rules.rule_language import ValueOf, is_rule_true, members_in, number_in, value_at
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.names import OWNER_AT, DataPath
+from chain_impact.scene.texts.names import OWNER_AT, DataPath
 
 REQUEST_KEYS = [
     f"{name}.{entry.name}"

@@ -20,7 +20,7 @@ from chain_impact.scene.keys.chain_tables import Link, Site, Slider
 from chain_impact.scene.keys.signal_tables import NUMBERS, Signal
 from chain_impact.scene.keys.tables import Box, Contact, Initial, Material, Simulation, Solver, Stops, Wall
 from chain_impact.scene.rules.key_rules import Derived, key_fields
-from chain_impact.scene.words.names import AXES, ENTRY_AT, LINK_AT, OWNER_AT, DataPath, name_of
+from chain_impact.scene.texts.names import AXES, ENTRY_AT, LINK_AT, OWNER_AT, DataPath, name_of
 from chain_impact.variables.kind import (
     LINK,
     MOTION,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from chain_impact.scene.words.names import DataPath
+from chain_impact.scene.texts.names import DataPath
 from chain_impact.variables.impact_units import impact_units, unit_at
 
 JOINT_FORCE = "joint_force"
@@ -16,14 +16,14 @@ class PeakOfRun(NamedTuple):
 
     Attributes:
         path: the path of the largest value in the record.
-        words: the name of the largest value in pictures and texts.
+        name: the name of the largest value in pictures and texts.
         field: the field of ``Result.impacts`` with the largest value of the quantity in each single contact.
         at_stops: True if the contacts are those at stops of joints; False if they are those at walls and at
             stops of a slider.
     """
 
     path: DataPath
-    words: str
+    name: str
     field: str
     at_stops: bool = False
 

@@ -19,7 +19,7 @@ from chain_impact.kernel.record.fields import WORD
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import driven_by
-from chain_impact.scene.words.names import DataPath
+from chain_impact.scene.texts.names import DataPath
 from chain_impact.variables.filling import new_record, with_tangents
 from chain_impact.variables.indices import (
     OutputIndices,

@@ -20,7 +20,7 @@ from chain_impact.scene.keys.chain_tables import ChainTable, Link, Slider
 from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.rules.key_rules import key_fields
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.names import OWNER_AT, DataPath
+from chain_impact.scene.texts.names import OWNER_AT, DataPath
 from chain_impact.variables.parameters import PARAMETERS
 
 Part = TypeVar("Part")

@@ -10,7 +10,7 @@ from typing import Any
 from chain_impact.kernel.record.input_fields import CHANNEL, INPUT_NAMES
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_polynomials import write_signal
-from chain_impact.scene.words.names import DataPath
+from chain_impact.scene.texts.names import DataPath
 from chain_impact.variables.kind import MOTION
 from chain_impact.variables.listing import requested_inputs
 from chain_impact.variables.structure import Structure

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from chain_impact.scene.fast_values import LARGEST_NUMBER
-from chain_impact.scene.rules.key_rules import Derived, allowed_words
-from chain_impact.scene.words.names import DataPath
+from chain_impact.scene.rules.key_rules import Derived, allowed_text
+from chain_impact.scene.texts.names import DataPath
 from chain_impact.variables.kind import VariableKind, fill_path
 from chain_impact.variables.owners import Owner
 
@@ -49,7 +49,7 @@ class Variable:
         items: the choices of an enumeration; empty for any other variable.
         base_at_rest: whether the variable belongs to point 0, and this base is pinned and no input moves it.
         terminal: name of the variable's terminal in FMI 3.0; "" for none.
-        words: word in braces in templates → text or number that replaces the word.
+        texts: word in braces in templates → text or number that replaces the word.
     """
 
     kind: VariableKind
@@ -66,31 +66,31 @@ class Variable:
     items: tuple[Item, ...] = ()
     base_at_rest: bool = False
     terminal: str = ""
-    words: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
+    texts: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @classmethod
     def from_kind(
-        cls, kind: VariableKind, owner: Owner, words: Mapping[Any, Any], **other_fields: Any
+        cls, kind: VariableKind, owner: Owner, texts: Mapping[Any, Any], **other_fields: Any
     ) -> Variable:
         """Return the variable of a kind that an owner has.
 
-        ``words`` has the texts for words in braces in templates, and the numbers that ``minimum`` and
+        ``texts`` has the texts for words in braces in templates, and the numbers that ``minimum`` and
         ``maximum`` name. ``other_fields`` are further attributes, which replace those from the kind.
         """
         changing = kind.record_path[:1] in OBSERVED and kind.unit
-        text, rule = kind.description.format_map(words), other_fields.get("rule")
+        text, rule = kind.description.format_map(texts), other_fields.get("rule")
         return cls(
             kind=kind,
-            name=kind.name.format_map(words),
+            name=kind.name.format_map(texts),
             # a value of a signal has the unit of the input that the signal drives
-            unit=words.get("unit", kind.unit) if kind.unit == "1" else kind.unit,
+            unit=texts.get("unit", kind.unit) if kind.unit == "1" else kind.unit,
             description=f"{text}{UNLESS_SET}{rule.text}" if rule else text,
             record_path=fill_path(kind.record_path, owner.values),
-            minimum=words.get(kind.minimum, kind.minimum),
-            maximum=words.get(kind.maximum, kind.maximum),
+            minimum=texts.get(kind.minimum, kind.minimum),
+            maximum=texts.get(kind.maximum, kind.maximum),
             base_at_rest=owner.conditions.get("base_at_rest", False),
-            terminal=kind.terminal and kind.terminal.format_map(words),
-            words=words,
+            terminal=kind.terminal and kind.terminal.format_map(texts),
+            texts=texts,
             **{"variability": "continuous" if changing else "discrete"} | other_fields,
         )
 
@@ -112,7 +112,7 @@ class Variable:
     @property
     def kind_description(self) -> str:
         """One description for all variables of the kind in this scene."""
-        text = self.kind.general_description(self.words)
+        text = self.kind.general_description(self.texts)
         return f"{text}{UNLESS_SET}{self.rule.text}" if self.rule else text
 
     @property
@@ -162,7 +162,7 @@ class Variable:
         if self.items:
             return "one of " + ", ".join(f"{n} ({item.name})" for n, item in enumerate(self.items, 1))
         limits = {"minimum": self.minimum, "above": self.exclusive_minimum, "maximum": self.maximum}
-        return allowed_words(float, {"choices": None, "unit": self.unit, **limits})
+        return allowed_text(float, {"choices": None, "unit": self.unit, **limits})
 
 
 class TableRow(NamedTuple):

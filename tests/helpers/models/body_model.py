@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.names import SLIDER_STOPS
+from chain_impact.scene.texts.names import SLIDER_STOPS
 from tests.helpers.models.chain_friction import DryFriction
 from tests.helpers.models.chain_model import ChainModel, Inputs
 from tests.helpers.models.chain_parts import Place, Touch, chained, relative

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from chain_impact.scene.scene import Scene, parse_scene, scene_from_dict
-from chain_impact.scene.words.names import name_of
+from chain_impact.scene.texts.names import name_of
 
 FINGER = """
 name = "Finger"

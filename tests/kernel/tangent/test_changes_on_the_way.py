@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import Chain
-from chain_impact.scene.words.names import sensitivity_name
+from chain_impact.scene.texts.names import sensitivity_name
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.prepared import PreparedScene

@@ -1,6 +1,6 @@
 """Labels stand beside their places, and never overlap another label, a line or a mark."""
 
-# Tests: pictures/drawing/ink.py, pictures/words/impact_numbers.py, pictures/drawing/line_breaks.py
+# Tests: pictures/drawing/ink.py, pictures/texts/impact_numbers.py, pictures/drawing/line_breaks.py
 
 import itertools
 
@@ -12,7 +12,7 @@ from matplotlib.text import Text
 
 from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.labels import Label, folded_label, place_labels
-from chain_impact.pictures.words.impact_numbers import number_list
+from chain_impact.pictures.texts.impact_numbers import number_list
 
 
 @pytest.fixture

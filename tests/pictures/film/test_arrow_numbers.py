@@ -45,7 +45,7 @@ def test_a_short_arrow_has_a_small_head():
 
 def test_equal_forces_share_a_number():
     numbers = [Number(1.0, words, np.zeros(2), np.ones(2), "red") for words in ("1 N", "2 N", "1 N")]
-    assert [number.words for number in without_equals(numbers)] == ["1 N each", "2 N"]
+    assert [number.text for number in without_equals(numbers)] == ["1 N each", "2 N"]
 
 
 def test_numbers_in_a_film_cover_no_body_and_no_other_number():

@@ -1,7 +1,7 @@
 """The picture of the motion: its poses, its paths, and the numbers of the impacts."""
 
 # Tests: pictures/motion/bodies.py, pictures/motion/impact_rings.py, pictures/motion/joint_forces.py
-# Tests: pictures/motion/poses.py, pictures/motion/named_points.py, pictures/words/point_names.py
+# Tests: pictures/motion/poses.py, pictures/motion/named_points.py, pictures/texts/point_names.py
 
 import functools
 
@@ -24,8 +24,8 @@ from chain_impact.pictures.motion.poses import FAINT_POSES, MOST_STRONG_POSES, d
 from chain_impact.pictures.motion.view import view_of
 from chain_impact.pictures.over_time.impacts import marks_of, rows_by_height
 from chain_impact.pictures.overview import fill, usual_size
-from chain_impact.pictures.words.headline import marked_peaks, peaks
-from chain_impact.pictures.words.impact_numbers import number_list, numbers_of
+from chain_impact.pictures.texts.headline import marked_peaks, peaks
+from chain_impact.pictures.texts.impact_numbers import number_list, numbers_of
 from chain_impact.recording.joint_peaks import joint_peaks
 from chain_impact.recording.joint_stops import range_lines
 from chain_impact.recording.view import ball_of
@@ -202,8 +202,8 @@ def test_the_impact_with_the_largest_force_is_marked_in_both_panels(model):
         next(axes for axes in page.axes if axes.get_label() == name) for name in ("motion", "impacts")
     )
     (ring,) = (line for line in motion.lines if line.get_color() == PEAK_COLOUR)
-    assert ring.get_label() == most.words
-    assert most.words in [text.get_text() for text in motion.get_legend().get_texts()]
+    assert ring.get_label() == most.name
+    assert most.name in [text.get_text() for text in motion.get_legend().get_texts()]
     spot = recording.impact_position(recording.impacts[most.row])
     if model != "bouncing_ball":
         assert np.hypot(*(ring.get_xydata()[0] - spot)) < RING_DISTANCE * np.ptp(motion.get_xlim())

@@ -6,7 +6,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from chain_impact.scene.words.names import SLIDER_STOPS, STOPS
+from chain_impact.scene.texts.names import SLIDER_STOPS, STOPS
 from tests.pictures.pictures import PLANAR, drawn, motion_of, recorded, swing
 
 

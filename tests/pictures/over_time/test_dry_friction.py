@@ -10,7 +10,7 @@ from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import GREY, INK
 from chain_impact.pictures.over_time.dry_friction import MOST_ROWS
 from chain_impact.pictures.over_time.energies import energy_curves
-from chain_impact.pictures.words.conditions import conditions
+from chain_impact.pictures.texts.conditions import conditions
 from tests.helpers.scenes.friction import pendulum, sled, thrown
 from tests.pictures.pictures import WIDTHS, drawn, recorded
 

@@ -24,7 +24,7 @@ from chain_impact.pictures.over_time.impacts import (
     point_groups,
 )
 from chain_impact.pictures.overview import fill
-from chain_impact.pictures.words.headline import impulses_of_hits
+from chain_impact.pictures.texts.headline import impulses_of_hits
 from chain_impact.recording.contact_times import impacts_at_peaks
 from tests.pictures.pictures import MODELS, drawn, impact_row, impacts_of, recorded, swing, texts
 

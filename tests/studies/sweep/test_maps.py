@@ -10,7 +10,7 @@ import pytest
 from chain_impact.pictures.drawing.shared_names import framed_panels
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep.colour_bars import FAILED_COLOUR, colours_of, cut_values_words
+from chain_impact.studies.sweep.colour_bars import FAILED_COLOUR, colours_of, cut_values_text
 from chain_impact.studies.sweep.contours import LEAST_ROOM, has_jumps
 from chain_impact.studies.sweep.quantities import COUNT, QUANTITIES, Quantity
 from chain_impact.studies.sweep.sweep import sweep
@@ -74,9 +74,9 @@ def test_a_map_has_the_same_numbers_and_inks_on_a_dark_ground(points):
 
 
 def test_words_tell_which_values_lie_beyond_the_colours():
-    assert cut_values_words((-500.0, 1.0), (0.0, 1.0)) == ", down to -500"
-    assert cut_values_words((-500.0, 300.0), (0.0, 1.0)) == ", down to -500, up to 300"
-    assert cut_values_words((0.0, 1.0), (0.0, 1.0)) == ""
+    assert cut_values_text((-500.0, 1.0), (0.0, 1.0)) == ", down to -500"
+    assert cut_values_text((-500.0, 300.0), (0.0, 1.0)) == ", down to -500, up to 300"
+    assert cut_values_text((0.0, 1.0), (0.0, 1.0)) == ""
 
 
 def test_three_parameters_have_a_map_for_each_value_of_one():

@@ -97,9 +97,9 @@ def place_labels(
     probe = axes.text(0.0, 0.0, "", **look)  # a text by which the sizes of other texts are measured
 
     @functools.cache
-    def half_size(words: str) -> np.ndarray:
+    def half_size(label_text: str) -> np.ndarray:
         """Return half of the width and of the height of a text [pixels]."""
-        probe.set_text(words)
+        probe.set_text(label_text)
         return 0.5 * np.asarray(probe.get_window_extent().size)
 
     def write_labels(order: Sequence[int], *, short: bool = False) -> list[int]:
@@ -110,11 +110,14 @@ def place_labels(
         """
         briefs = [labels[k].short or labels[k].text for k in order]
         homes = np.array(
-            [_usual_box(axes, labels[k], half_size(words)) for k, words in zip(order, briefs, strict=True)]
+            [
+                _usual_box(axes, labels[k], half_size(label_text))
+                for k, label_text in zip(order, briefs, strict=True)
+            ]
         )
         misses = []
-        for n, (k, words) in enumerate(zip(order, briefs, strict=True)):
-            choices = (words,) if short or words == labels[k].text else (labels[k].text, words)
+        for n, (k, label_text) in enumerate(zip(order, briefs, strict=True)):
+            choices = (label_text,) if short or label_text == labels[k].text else (labels[k].text, label_text)
             sizes = {text: half_size(text) for choice in choices for text in (choice, folded_label(choice))}
             given_marks = labels[k].other_marks
             other_marks = (
@@ -217,8 +220,8 @@ def _place(
         False: {},
     }
     tries = product(CROSSED_LENGTHS, grounds, sizes, (homes, homes[:0]))
-    for crossed, on_pale, words, spared in tries:
-        half = sizes[words]
+    for crossed, on_pale, label_text, spared in tries:
+        half = sizes[label_text]
         ways = directions(label.direction) * (steps[:, None, None] * LABEL_OFFSET * point + half)
         low, high = label_point + ways - half - PAD * point, label_point + ways + half + PAD * point
         is_inside = ((low >= axes_box.min) & (high <= highest)).all(axis=-1)
@@ -247,7 +250,7 @@ def _place(
             if ink.take(*box, start, MARK_LENGTH * point, crossed * point, on_pale=on_pale):
                 offset = (ways[step, turn] / point).tolist()
                 axes.annotate(
-                    words, label.position, offset, **led, **outline[on_pale], **style | look | label.look
+                    label_text, label.position, offset, **led, **outline[on_pale], **style | look | label.look
                 )
                 return True
     return False
@@ -268,11 +271,11 @@ def _is_nearest_to_other(
     return False
 
 
-def folded_label(words: str) -> str:
+def folded_label(label_text: str) -> str:
     """Return a label's text in two lines if possible: "3, 5" above "+ 13 more", or "1, 3," above "5"."""
-    if " + " in words:
-        return words.replace(" + ", "\n+ ")
-    parts = words.split(", ")
+    if " + " in label_text:
+        return label_text.replace(" + ", "\n+ ")
+    parts = label_text.split(", ")
     first = len(parts) - len(parts) // 2
     return ",\n".join(", ".join(part) for part in (parts[:first], parts[first:]) if part)
 

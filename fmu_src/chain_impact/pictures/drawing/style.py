@@ -329,7 +329,7 @@ def start_left(axes: Axes, text: Text, upward: Transform | None = None) -> None:
     text.set_transform(blended_transform_factory(horizontal, upward or axes.transAxes + offset))
 
 
-def words_of(figure: Figure) -> dict[str, str]:
+def metadata_of(figure: Figure) -> dict[str, str]:
     """Return the metadata of a picture's file: the headline as title; other texts as description.
 
     The other texts are those of the figure and, of all axes, centred titles, labels, texts and legends.
@@ -364,7 +364,7 @@ def save(path: str | os.PathLike[str], make: Callable[[], Figure]) -> None:
     with written_atomically(Path(path)) as new_file:
         figure = make()
         adapt_to_dark_style(figure)
-        metadata = words_of(figure) if Path(path).suffix == ".png" else None
+        metadata = metadata_of(figure) if Path(path).suffix == ".png" else None
         figure.savefig(new_file, dpi="figure", metadata=metadata)
 
 

@@ -30,14 +30,14 @@ class Number(NamedTuple):
 
     Attributes:
         size: the force [N] or moment [N·m]; large numbers are written first.
-        words: the text, a number with its unit.
+        text: the text, a number with its unit.
         position: the head of the arrow, or the mark [m].
         direction: unit vector of the best direction from ``position`` to the number.
         colour: the colour of the text.
     """
 
     size: float
-    words: str
+    text: str
     position: np.ndarray
     direction: np.ndarray
     colour: str
@@ -47,10 +47,10 @@ def without_equals(numbers: Sequence[Number]) -> list[Number]:
     """Return numbers in which the first of several equal ones stands for all: "17.2 N each"."""
     groups: dict[tuple[str, str], list[Number]] = {}
     for number in numbers:
-        groups.setdefault((number.words, number.colour), []).append(number)
+        groups.setdefault((number.text, number.colour), []).append(number)
     return [
-        group[0] if len(group) == 1 else group[0]._replace(words=f"{words} each")
-        for (words, _), group in groups.items()
+        group[0] if len(group) == 1 else group[0]._replace(text=f"{text} each")
+        for (text, _), group in groups.items()
     ]
 
 
@@ -87,7 +87,7 @@ def write_numbers(
         text = axes.text(
             number.position[0],
             number.position[1],
-            number.words,
+            number.text,
             color=number.colour,
             path_effects=outline,
             **text_style,

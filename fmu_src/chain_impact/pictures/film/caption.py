@@ -6,14 +6,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.film.scale_bar import NUMBER_SIZE
-from chain_impact.pictures.words.headline import (
+from chain_impact.pictures.texts.headline import (
     energy_texts,
-    hardness_words,
-    hit_words,
+    hardness_text,
+    hit_text,
     impact_count_text,
     peaks,
 )
-from chain_impact.pictures.words.point_names import brief_hit, short_names
+from chain_impact.pictures.texts.point_names import brief_hit, short_names
 from chain_impact.recording.contact_times import contact_ends
 from chain_impact.recording.recording import Recording
 
@@ -69,29 +69,29 @@ class Caption:
             self.text.set_alpha(1.0 - (1.0 - LEAST_OPACITY) * min(1.0, passed_share))
         if number != self.shown_number:
             self.shown_number = number
-            self._write(self._words(number) if number else [""])
+            self._write(self._caption_text(number) if number else [""])
 
-    def _words(self, number: int) -> list[str]:
+    def _caption_text(self, number: int) -> list[str]:
         """Return words for impact ``number``, from 1, the longest first."""
         recording, impacts = self.recording, self.recording.impacts
         count, impact = f"impact {number} of {len(impacts)}", impacts[number - 1]
-        whole_words, brief = (
-            short_names(recording, hit_words(recording, impact)),
+        whole_text, brief = (
+            short_names(recording, hit_text(recording, impact)),
             brief_hit(recording, impact),
         )
-        hard = hardness_words(recording, number - 1)
-        return [f"{text}\n{hard}" for text in (f"{count}: {whole_words}", f"{count}: {brief}", brief)]
+        hard = hardness_text(recording, number - 1)
+        return [f"{text}\n{hard}" for text in (f"{count}: {whole_text}", f"{count}: {brief}", brief)]
 
     def _result(self) -> list[str]:
         """Return words for the largest value of all impacts, and for the energies, the longest first."""
         recording = self.recording
-        largest_words = [
+        largest_texts = [
             f"{peak.text} in impact {peak.row + 1}" if peak.equal_count == 1 else peak.text
             for peak in peaks(recording)[:1]
         ]
         count, energies = impact_count_text(recording), energy_texts(recording)[:1]
         tries = [[count, *energies], [count.partition(" in ")[0], *energies], [count]]
-        return ["\n".join([*largest_words, ", ".join(parts)]) for parts in tries]
+        return ["\n".join([*largest_texts, ", ".join(parts)]) for parts in tries]
 
     def _write(self, texts: list[str]) -> None:
         """Write the first of some texts that has room, or else the last one."""

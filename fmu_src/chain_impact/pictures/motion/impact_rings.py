@@ -15,8 +15,8 @@ from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR, is_narrow
 from chain_impact.pictures.motion.joint_forces import name_loads
 from chain_impact.pictures.motion.walls import wall_line
 from chain_impact.pictures.over_time.impacts import marks_of, rows_by_height
-from chain_impact.pictures.words.headline import marked_peaks
-from chain_impact.pictures.words.impact_numbers import numbers_of
+from chain_impact.pictures.texts.headline import marked_peaks
+from chain_impact.pictures.texts.impact_numbers import numbers_of
 from chain_impact.recording.joint_stops import stop_mark
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import NO_WALL
@@ -60,7 +60,7 @@ def plot_rings(
         label = "impacts" if len(positions) > len(ring_peaks) else "_"
         axes.plot(*np.transpose(positions), **look, color=INK, zorder=5, label=label)
     for peak in ring_peaks:
-        peak_style = {"color": PEAK_COLOUR, "markeredgewidth": PEAK_WIDTH, "zorder": 5.2, "label": peak.words}
+        peak_style = {"color": PEAK_COLOUR, "markeredgewidth": PEAK_WIDTH, "zorder": 5.2, "label": peak.name}
         axes.plot(*spots[peak.row], **look | peak_style)
 
 

@@ -29,7 +29,7 @@ from chain_impact.pictures.motion.poses import RIM_WIDTH, draw_chain, draw_faint
 from chain_impact.pictures.motion.view import BAND, GROWTH_FACTORS, is_flat, seen_size, view_of
 from chain_impact.pictures.motion.walls import draw_walls, has_motion
 from chain_impact.pictures.over_time.rests import shown_time
-from chain_impact.pictures.words.headline import time_unit
+from chain_impact.pictures.texts.headline import time_unit
 from chain_impact.recording.joint_stops import range_lines
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import ends_at_rest, rest_word
@@ -182,8 +182,8 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
         other_paths, tip, name = [], recording.points[:, ball], "path"
     other_paths += [*recording.sites.transpose(1, 0, 2)]
     step = max(1, math.ceil(len(other_paths) / MOST_CLEAR_PATHS))
-    words = "other points" if step == 1 else f"other points (1 of {step})"
-    label = words if any(map(has_motion, other_paths)) else "_"
+    label_text = "other points" if step == 1 else f"other points (1 of {step})"
+    label = label_text if any(map(has_motion, other_paths)) else "_"
     look: dict[str, Any] = {"colors": INK, "linewidths": 0.6, "alpha": PATH_OPACITY, "label": label}
     axes.add_collection(LineCollection(other_paths[::step], **look))
     if len(tip) == 1:
@@ -193,8 +193,8 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
     width = PATH_WIDTH * min(1.0, (DENSE / density(tip, seen_size(recording))) ** 2)
     on_top = last_time_seen(tip, recording.time, seen_size(recording))
     factor, unit = time_unit(on_top)
-    words = f"{name}, last {factor * on_top:.2g} {unit} on top"
-    entry = words if 0.0 < on_top < HIDING * np.ptp(recording.time) else name
+    label_text = f"{name}, last {factor * on_top:.2g} {unit} on top"
+    entry = label_text if 0.0 < on_top < HIDING * np.ptp(recording.time) else name
     if small_reach(recording, np.transpose([axes.get_xlim(), axes.get_ylim()])):
         entry = "_"
     path = LineCollection(

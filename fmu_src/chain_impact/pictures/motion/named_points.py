@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.labels import Label, place_labels
 from chain_impact.pictures.drawing.style import TIME_COLOURS
-from chain_impact.pictures.words.point_names import POINT, shortened_name
+from chain_impact.pictures.texts.point_names import POINT, shortened_name
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import ball_of
 

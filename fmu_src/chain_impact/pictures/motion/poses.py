@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from chain_impact.pictures.drawing.style import INK
 from chain_impact.pictures.motion.impact_rings import rows_by_speed
 from chain_impact.pictures.motion.view import seen_size
-from chain_impact.pictures.words.headline import marked_peaks
+from chain_impact.pictures.texts.headline import marked_peaks
 from chain_impact.recording.recording import Recording
 
 # the largest number of strong poses between start and end (``strong_rows``); more could not be told apart

@@ -14,7 +14,7 @@ from chain_impact.kernel.record.constants import STICKS
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import GREY, INK, is_narrow, write_foot
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
-from chain_impact.pictures.words.point_names import POINT, number_of, shortened_name
+from chain_impact.pictures.texts.point_names import POINT, number_of, shortened_name
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
 

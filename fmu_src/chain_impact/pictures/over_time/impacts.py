@@ -21,11 +21,11 @@ from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import GREY, INK, PEAK_COLOUR, is_narrow, load_unit, scale_numbers
 from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, rubbing_locations
 from chain_impact.pictures.over_time.time_axis import show_all_time
-from chain_impact.pictures.words.headline import impact_values, marked_peaks
-from chain_impact.pictures.words.impact_numbers import label_subsets, numbers_of, write_first_fitting
-from chain_impact.pictures.words.point_names import POINT, number_of, short_names, what_touches
+from chain_impact.pictures.texts.headline import impact_values, marked_peaks
+from chain_impact.pictures.texts.impact_numbers import label_subsets, numbers_of, write_first_fitting
+from chain_impact.pictures.texts.point_names import POINT, number_of, short_names, what_touches
 from chain_impact.recording.contact_times import SEEN_CONTACT, contact_ends, impacts_at_peaks
-from chain_impact.recording.impact_words import speed_unit
+from chain_impact.recording.impact_texts import speed_unit
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
 
@@ -162,8 +162,8 @@ def late_mark_text(recording: Recording) -> str:
     The words are in the legend or, in a narrow figure, whose legend lacks room, at the foot of the figure.
     """
     is_late = impacts_at_peaks(recording)["onset"] > recording.impacts["onset"]
-    words, *_ = shown_values(recording, is_stop=bool(recording.is_at_joint_stop[is_late].all()))
-    return f"impact, at its {words}" if is_late.any() else ""
+    name, *_ = shown_values(recording, is_stop=bool(recording.is_at_joint_stop[is_late].all()))
+    return f"impact, at its {name}" if is_late.any() else ""
 
 
 def draw_contacts(axes: Axes, spans: np.ndarray, lane: int, name: str, colour: str) -> None:
@@ -194,18 +194,18 @@ def shown_values(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.n
     impact at a stop of a joint has the value 0 unless ``is_stop``, and any other impact has the value 0 if
     ``is_stop``.
     """
-    words, unit, values = impact_values(recording, is_stop=is_stop)
+    name, unit, values = impact_values(recording, is_stop=is_stop)
     if not values.any():
         speeds = recording.impacts["impact_speed"] * (recording.is_at_joint_stop == is_stop)
-        words, unit, values = "impact speed", speed_unit(is_stop), speeds
-    return words, unit, values
+        name, unit, values = "impact speed", speed_unit(is_stop), speeds
+    return name, unit, values
 
 
-def scaled_name(axis: Axis, words: str, unit: str, values: np.ndarray) -> str:
-    """Give the numbers of an axis a unit whose prefix suits ``values``; return ``words`` with this unit."""
+def scaled_name(axis: Axis, name: str, unit: str, values: np.ndarray) -> str:
+    """Give the numbers of an axis a unit whose prefix suits ``values``; return ``name`` with this unit."""
     factor, unit = load_unit(values.max(initial=0.0), unit)
     scale_numbers(axis, factor)
-    return f"{words} [{unit}]"
+    return f"{name} [{unit}]"
 
 
 def stop_scale(recording: Recording) -> float:
@@ -319,8 +319,8 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
             position for row, position in enumerate(positions) if row not in common_rows[rows[0]]
         ]
         if rows[0] in strongest and len(rows) == 1:
-            words, look = f"{text}: {strongest[rows[0]]}", {"color": PEAK_COLOUR}
-            return Label(words, position, short=text, look=look, other_marks=other_positions)
+            long_text, look = f"{text}: {strongest[rows[0]]}", {"color": PEAK_COLOUR}
+            return Label(long_text, position, short=text, look=look, other_marks=other_positions)
         return Label(text, position, short=short, other_marks=other_positions)
 
     tries = [[label([row]) for row in range(step - 1, len(times), step)]] if step > 1 else []

@@ -12,7 +12,7 @@ from chain_impact.pictures.drawing.labels import Label, place_labels
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR, force_text, give_ticks, load_unit
 from chain_impact.pictures.over_time.impacts import HEADROOM
-from chain_impact.pictures.words.headline import peaks
+from chain_impact.pictures.texts.headline import peaks
 from chain_impact.recording.contact_times import course_in_run
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.pacing import LEAST_SPEED, LONGEST_IMPACT
@@ -70,7 +70,7 @@ def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray
     LEAST_CONTACT_ROWS. The result is None if no impact has a known peak force, or if the forces are not
     known.
     """
-    hardest = next((peak for peak in peaks(recording) if "impulse" not in peak.words), None)
+    hardest = next((peak for peak in peaks(recording) if "impulse" not in peak.name), None)
     if hardest is None or not recording.impacts["peak_force"][hardest.row] > 0.0:
         return None
     row, impact = hardest.row, recording.impacts[hardest.row]
@@ -101,9 +101,9 @@ def draw_one_impact(axes: Axes, recording: Recording) -> None:
     factor, unit = prefixed_unit(shown_contact(impact, time, force), "s")
     times, forces, force_unit = curve_of(recording, hardest_course)
     duration = float(impact["end"] - impact["onset"])
-    duration_words = "lasts to the end" if lasts(impact) else f"lasts {force_text(duration, 's')}"
-    words = f"impact {row + 1}, {duration_words}"
-    axes.fill_between(times, forces, color=PEAK_COLOUR, alpha=OPACITY, linewidth=0.0, label=words)
+    duration_text = "lasts to the end" if lasts(impact) else f"lasts {force_text(duration, 's')}"
+    name = f"impact {row + 1}, {duration_text}"
+    axes.fill_between(times, forces, color=PEAK_COLOUR, alpha=OPACITY, linewidth=0.0, label=name)
     axes.plot(times, forces, color=PEAK_COLOUR, linewidth=1.4)
     shown_ends = factor * shown_contact(impact, time, force)
     axes.set(xlim=(-0.03 * shown_ends, 1.03 * shown_ends), ylim=(0.0, HEADROOM * float(forces.max())))

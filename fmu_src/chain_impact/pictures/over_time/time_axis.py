@@ -20,7 +20,7 @@ from chain_impact.pictures.drawing.style import (
     scale_numbers,
 )
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
-from chain_impact.pictures.words.headline import time_unit
+from chain_impact.pictures.texts.headline import time_unit
 from chain_impact.recording.recording import Recording
 
 IMPACT_WIDTH = 0.5  # [points] the width of the line at an impact
@@ -74,9 +74,9 @@ def add_rest_key(axes: Axes, recording: Recording) -> None:
     """Add the entry of the legend for times without motion and cut ends, before the legend is made."""
     time_span = shown_time(recording)
     if time_span.rest_spans:
-        words = ", ".join(filter(None, (time_span.word, time_span.cuts)))
+        label_text = ", ".join(filter(None, (time_span.word, time_span.cuts)))
         look: dict[str, Any] = {"color": faint_colour(axes, 2.0 * SHADE), "linewidth": 0.0, "gid": KEY}
-        axes.add_patch(Rectangle((0.0, 0.0), 0.0, 0.0, label=words, **look))
+        axes.add_patch(Rectangle((0.0, 0.0), 0.0, 0.0, label=label_text, **look))
 
 
 def name_time(axes: Axes, end: float) -> str:

@@ -27,8 +27,8 @@ from chain_impact.scene.keys.chain_tables import ChainTable
 from chain_impact.scene.keys.tables import Contact, Material, Stops
 from chain_impact.scene.rules.refusals import ENTRY_REFUSALS, LAW_FACTS, REFUSALS
 from chain_impact.scene.rules.rule_language import ValueOf, is_rule_true, member_lookups, number_in, value_at
-from chain_impact.scene.words.angles import radians_hint, turns_hint
-from chain_impact.scene.words.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
+from chain_impact.scene.texts.angles import radians_hint, turns_hint
+from chain_impact.scene.texts.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
 
 # LONG_LINK [m], LIGHT_LINK [kg/m]: The length of a link is probably given in mm if it is above LONG_LINK and
 # the mass per length is below LIGHT_LINK: in metres, only a long rope would be so light.
@@ -93,14 +93,16 @@ def check_entry_rules(scene: SceneContents) -> None:
     movable, entries = scene.chain.movable_points, _entries(scene)
     stops = (*STOPS * bool(scene.chain.stops), *SLIDER_STOPS * (scene.chain.slider is not None))
     facts = {"movable": movable, "walls": len(scene.walls), "reserved": (*WALLS, *stops)}
-    words = {"first": movable[0], "last": movable[-1], "base": scene.chain.base}
+    template_values = {"first": movable[0], "last": movable[-1], "base": scene.chain.base}
     for rule in ENTRY_REFUSALS:
         if "reached" in rule.condition:  # known only if the points are right, which an earlier rule checks
             facts["reached"] = reached_walls(scene)
         for path, entry, earlier_entries in entries[rule.of]:
             if is_rule_true(rule.condition, {**facts, "entry": entry, "before": earlier_entries}.get):
                 forbidden_entries = ", ".join(map(str, (*WALLS, *stops, *earlier_entries)))
-                raise refusal(path, rule.fault, value=value_text(entry), others=forbidden_entries, **words)
+                raise refusal(
+                    path, rule.fault, value=value_text(entry), others=forbidden_entries, **template_values
+                )
 
 
 def _entries(scene: SceneContents) -> dict[str, list[tuple[DataPath, Any, Sequence[Any]]]]:
@@ -146,12 +148,15 @@ def check_refusal_rules(scene: SceneContents) -> None:
         for path, value_of in tables[rule.of]:
             if is_rule_true(rule.condition, value_of):
                 value = value_of(rule.key)
-                words = {"value": value_text(list(value) if isinstance(value, tuple) else value)}
+                template_values = {"value": value_text(list(value) if isinstance(value, tuple) else value)}
                 if rule.least:
-                    words |= {"least": f"{number_in(rule.least, value_of):.15g}", "bound": rule.least}
+                    template_values |= {
+                        "least": f"{number_in(rule.least, value_of):.15g}",
+                        "bound": rule.least,
+                    }
                 if rule.of == "law":
-                    words["law"] = value_of("law.id")
-                raise refusal((*path, *rule.key.split(".")), rule.fault, **words)
+                    template_values["law"] = value_of("law.id")
+                raise refusal((*path, *rule.key.split(".")), rule.fault, **template_values)
 
 
 def _law_tables(scene: SceneContents) -> dict[DataPath, dict[str, Any]]:

@@ -19,8 +19,8 @@ from chain_impact.scene.rules.refusals import SIGNAL_REFUSALS
 from chain_impact.scene.rules.rule_language import is_rule_true
 from chain_impact.scene.signal_inputs import driven_alone, quantities_driven_by
 from chain_impact.scene.signal_polynomials import PERIOD_TOLERANCE, is_closed, is_motion, joined_by
-from chain_impact.scene.words.names import DataPath
-from chain_impact.scene.words.unit_text import unit_text
+from chain_impact.scene.texts.names import DataPath
+from chain_impact.scene.texts.unit_text import unit_text
 
 # [1] the speed of a sine at its start, divided by the largest speed of the sine, up to which the sine counts
 # as at rest at its start, because the speed may be round-off
@@ -67,8 +67,8 @@ def _check_inputs(scene: SceneContents, name: str, signal: Signal) -> None:
     units = {unit_of(input_name): input_name for input_name in signal.input}
     if len(units) > 1 and signal.form != "table":
         (unit, first), (other_unit, other_input) = list(units.items())[:2]
-        words = {"unit": unit_text(unit), "other_unit": unit_text(other_unit)}
-        raise refusal(_input(name), "units", first=first, other=other_input, **words)
+        template_values = {"unit": unit_text(unit), "other_unit": unit_text(other_unit)}
+        raise refusal(_input(name), "units", first=first, other=other_input, **template_values)
 
 
 def _check_numbers(name: str, signal: Signal) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from chain_impact.kernel.chain.inertia import corner_of_box
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.keys.chain_tables import BOX_CORNERS
-from chain_impact.scene.words.names import SLIDER_STOPS
+from chain_impact.scene.texts.names import SLIDER_STOPS
 
 CIRCLE_CORNERS = 24  # number of corners of the polygon that is drawn for each circle
 # half the length of the drawn carriage, and half the length of the mark of a slider's stop, both divided by

@@ -9,7 +9,7 @@ from chain_impact.kernel.record.constants import WALLS
 from chain_impact.scene.contents import SceneContents
 from chain_impact.scene.facts import friction_joints
 from chain_impact.scene.keys.tables import Material
-from chain_impact.scene.words.unit_text import stiffness_unit
+from chain_impact.scene.texts.unit_text import stiffness_unit
 
 # largest number of entries of a list in the text of a scene; a longer list has its first entries, … and its
 # last one

@@ -6,9 +6,9 @@ import re
 from collections.abc import Sequence
 
 from chain_impact.scene.files.text_file import comma_in
-from chain_impact.scene.words.angles import degrees_pattern
-from chain_impact.scene.words.names import DataPath
-from chain_impact.scene.words.unit_text import number_hint
+from chain_impact.scene.texts.angles import degrees_pattern
+from chain_impact.scene.texts.names import DataPath
+from chain_impact.scene.texts.unit_text import number_hint
 
 LISTS_OF_TABLES = ("chain.links", "walls")
 """Lists of tables; for a table of these with the head ``[…]``, ``fault_hint`` proposes the head ``[[…]]``."""

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 from chain_impact.files import packaged_path
-from chain_impact.scene.words.similar_names import nearest_file, proposed_name
+from chain_impact.scene.texts.similar_names import nearest_file, proposed_name
 
 SCENE_FILE = "scene.toml"
 

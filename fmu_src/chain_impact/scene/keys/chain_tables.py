@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from chain_impact.scene.errors import refusal
 from chain_impact.scene.keys.default_rules import CONTACT_RADIUS, MIDDLE, ROD, SLIDER_TABLE, ZERO_RULE
 from chain_impact.scene.rules.key_rules import IDENTIFIER, scene_key
-from chain_impact.scene.words.names import SLIDER_STOPS, STOPS
+from chain_impact.scene.texts.names import SLIDER_STOPS, STOPS
 
 MAX_LINKS = 1000
 BOX_CORNERS = 4  # number of corners of a link with the shape of a box

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 from chain_impact.kernel.chain.signals import RAMP_KNOTS, SINE_KNOTS
 from chain_impact.scene.rules.key_rules import NO_KEY, scene_key
-from chain_impact.scene.words.names import INPUTS_OF, is_like
-from chain_impact.scene.words.similar_names import nearest_name
+from chain_impact.scene.texts.names import INPUTS_OF, is_like
+from chain_impact.scene.texts.similar_names import nearest_name
 
 SHAPES = ("smooth", "linear", "trapezoid")
 """The shapes of a ramp, in the order of their numbers in the kernel."""

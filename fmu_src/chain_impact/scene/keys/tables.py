@@ -18,7 +18,7 @@ from chain_impact.scene.keys.default_rules import (
     with_stops,
 )
 from chain_impact.scene.rules.key_rules import IDENTIFIER, scene_key
-from chain_impact.scene.words.names import INPUTS_OF
+from chain_impact.scene.texts.names import INPUTS_OF
 
 _RESERVED = ("con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10)))
 _ANY_CASE = "|".join("".join(f"[{c.upper()}{c}]" if c.isalpha() else c for c in name) for name in _RESERVED)

@@ -11,7 +11,7 @@ from pathlib import Path
 from types import NoneType
 from typing import Any, TypedDict, Unpack, get_args
 
-from chain_impact.scene.words.unit_text import bracketed_unit
+from chain_impact.scene.texts.unit_text import bracketed_unit
 
 # name of a rule → function that tells whether a value keeps the rule; its arguments are the value, and the
 # rule's entry in the metadata
@@ -157,7 +157,7 @@ def extended_metadata(metadata: Mapping[str, Any], tables: Mapping[str, Any]) ->
     return {**metadata, "choices": (*metadata["choices"], Path(file).stem)} if file else metadata
 
 
-def allowed_words(kind: Any, metadata: Mapping[str, Any]) -> str:
+def allowed_text(kind: Any, metadata: Mapping[str, Any]) -> str:
     """Return words for the values of type `kind` that the `metadata` allow: "true or false"."""
     if metadata["choices"] is not None:
         return "one of " + ", ".join(f'"{choice}"' for choice in metadata["choices"])
@@ -169,5 +169,5 @@ def allowed_words(kind: Any, metadata: Mapping[str, Any]) -> str:
     bounds = " and ".join(
         f"{signs[limit]} {metadata[limit]:g}" for limit in signs if metadata[limit] is not None
     )
-    words = " ".join(filter(None, ("a whole number" if kind is int else "a finite number", bounds)))
-    return words + bracketed_unit(metadata["unit"])
+    text = " ".join(filter(None, ("a whole number" if kind is int else "a finite number", bounds)))
+    return text + bracketed_unit(metadata["unit"])

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.drawing.style import load_unit
-from chain_impact.scene.words.unit_text import with_unit
+from chain_impact.scene.texts.unit_text import with_unit
 from chain_impact.studies.compare.runs import LawRun, LawRuns
 from chain_impact.studies.law_exchange import LOSSLESS_LAW, compared_impact
 from chain_impact.text import count_text, span_text
@@ -27,14 +27,14 @@ def headline(comparison: LawRuns, *, is_small: bool = False) -> str:
     restitutions = [run.restitution for run in runs if math.isfinite(run.restitution)]
     if not comparison.has_restitution:
         ran = sum(math.isfinite(run.peak_force) for run in runs)
-        impact_words = "" if is_small else f" in the {compared_impact(comparison.scene)}"
-        return f"{name}: {peaks(comparison, runs)}{impact_words}, {law_count_text(runs, ran)}"
+        impact_text = "" if is_small else f" in the {compared_impact(comparison.scene)}"
+        return f"{name}: {peaks(comparison, runs)}{impact_text}, {law_count_text(runs, ran)}"
     if not restitutions:
         return f"{name}: the first impact does not end under any law"
     ends = dict.fromkeys((f"{min(restitutions):.2f}", f"{max(restitutions):.2f}"))
     ranges = ", ".join(filter(None, (f"restitution {' to '.join(ends)}", peaks(comparison, runs))))
-    impact_words = "" if is_small else f" in the first impact, {law_count_text(runs, len(restitutions))}"
-    return f"{name}: {ranges} for e = {e:g}{impact_words}"
+    impact_text = "" if is_small else f" in the first impact, {law_count_text(runs, len(restitutions))}"
+    return f"{name}: {ranges} for e = {e:g}{impact_text}"
 
 
 def laws_with_e(comparison: LawRuns) -> list[LawRun]:

@@ -40,7 +40,7 @@ from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.over_time.energies import offset_text, shown_energies
 from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.pictures.over_time.time_axis import name_time
-from chain_impact.scene.words.unit_text import stiffness_unit
+from chain_impact.scene.texts.unit_text import stiffness_unit
 from chain_impact.studies.compare.grey_loops import HAIRLINE, fill_loops
 from chain_impact.studies.compare.headline import headline, laws_with_e, peaks
 from chain_impact.studies.compare.runs import LawRuns, has_jump, with_jump
@@ -220,8 +220,8 @@ def looks_of(comparison: LawRuns, *, is_small: bool = False) -> Looks:
         restitution = comparison[first].restitution
         is_told = comparison.has_restitution and math.isfinite(restitution)
         restitution_text = f"{'' if is_brief else 'e′ = '}{restitution:.2f}" if is_told else ""
-        words = ", ".join(filter(None, (first_reason, restitution_text)))
-        label = ", ".join(laws) + (f" ({words})" if words else "")
+        reason_text = ", ".join(filter(None, (first_reason, restitution_text)))
+        label = ", ".join(laws) + (f" ({reason_text})" if reason_text else "")
         if comparison.reference in laws:
             look = law_look(comparison.reference) | {"linewidth": 2.4, "zorder": REFERENCE_LAYER}
         elif reasons:

@@ -131,7 +131,7 @@ def advice(comparison: LawRuns) -> str:
         return (
             accuracy_text
             + (_law_names(near_laws) or "none of these laws")
-            + _choice_words(comparison, near_laws)
+            + _choice_text(comparison, near_laws)
         )
     sure = [law for law in near_laws if law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive]
     unsure_laws = [law for law in near_laws if law not in sure]
@@ -145,7 +145,7 @@ def _law_names(laws: Sequence[str]) -> str:
     return ", ".join(laws) if len(laws) <= NAMED_LAWS else f"{len(laws)} laws, see e′"
 
 
-def _choice_words(comparison: LawRuns, near_laws: Sequence[str]) -> str:
+def _choice_text(comparison: LawRuns, near_laws: Sequence[str]) -> str:
     """Return words that advise one of the laws in ``near_laws``; "" if these are fewer than two.
 
     ``near_laws`` has the laws that realise the prescribed restitution.

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from chain_impact.pictures.drawing.style import raise_exponents
-from chain_impact.scene.words.unit_text import scene_unit, with_unit
+from chain_impact.scene.texts.unit_text import scene_unit, with_unit
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.report import rounded_text
 from chain_impact.studies.fit.unknown import error_text

@@ -14,7 +14,7 @@ from chain_impact.scene.errors import SceneError, names_matching, value_text
 from chain_impact.scene.files.table_file import Table, TableSource, is_table, read_table
 from chain_impact.scene.files.text_file import likely_time, time_like
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.similar_names import nearest_name
+from chain_impact.scene.texts.similar_names import nearest_name
 from chain_impact.studies.fit.measurements import (
     DURATION,
     MEASURED_OF_IMPACT,

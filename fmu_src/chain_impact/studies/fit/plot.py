@@ -21,7 +21,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.bars import Bars, bars_size, draw_bars
-from chain_impact.pictures.curve_words import axis_unit
+from chain_impact.pictures.curve_texts import axis_unit
 from chain_impact.pictures.drawing.figures import draw_figure, settle
 from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.legends import legend_above
@@ -43,7 +43,7 @@ from chain_impact.pictures.drawing.style import (
 )
 from chain_impact.pictures.over_time.time_axis import name_time
 from chain_impact.results.result import Result
-from chain_impact.scene.words.unit_text import bracketed_unit
+from chain_impact.scene.texts.unit_text import bracketed_unit
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.estimate_texts import (
     estimate_ranges,

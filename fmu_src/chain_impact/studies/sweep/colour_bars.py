@@ -170,12 +170,12 @@ def are_beyond(extremes: tuple[float, float], ends: tuple[float, float]) -> tupl
     return extremes[0] < ends[0], extremes[1] > ends[1]
 
 
-def cut_values_words(extremes: tuple[float, float], ends: tuple[float, float]) -> str:
+def cut_values_text(extremes: tuple[float, float], ends: tuple[float, float]) -> str:
     """Return words for the label of the colours: the least and largest value if beyond the colours' ends.
 
     The result is "" if neither is beyond an end. The arguments are those of ``are_beyond``.
     """
     extreme_ends = zip(("down to", "up to"), extremes, are_beyond(extremes, ends), strict=True)
     return "".join(
-        f", {words} {extreme_value:.3g}" for words, extreme_value, is_beyond in extreme_ends if is_beyond
+        f", {text} {extreme_value:.3g}" for text, extreme_value, is_beyond in extreme_ends if is_beyond
     )

@@ -25,7 +25,7 @@ Columns = dict[str, np.ndarray]
 PARQUET = ".parquet"
 CHUNK = 2**14  # the largest number of runs whose rows are computed and written, or read, together
 STATUS_WORD = "status"  # name of the column with a word for the status of each run, such as ok
-_STATUS_WORDS = np.array([STATUS_NAME[code] for code in sorted(STATUS_NAME)])
+_STATUS_TEXTS = np.array([STATUS_NAME[code] for code in sorted(STATUS_NAME)])
 
 
 def columns_of(design: Design, rows: np.ndarray, first: int, names: Iterable[str] = ()) -> Columns:
@@ -42,7 +42,7 @@ def columns_of(design: Design, rows: np.ndarray, first: int, names: Iterable[str
     values = None
     for name in names or (*indices_by_name, *(rows.dtype.names or ()), STATUS_WORD):
         if name == STATUS_WORD:
-            columns[name] = _STATUS_WORDS[rows[STATUS]]
+            columns[name] = _STATUS_TEXTS[rows[STATUS]]
         elif name not in indices_by_name:
             columns[name] = rows[name]
         else:

@@ -112,7 +112,7 @@ def draw_curves(
         legend_at_head(figure, entries)
 
 
-def gaps_words(
+def gaps_text(
     runs: Runs, quantities: Sequence[Quantity], abscissa: Variation, choice: Variation | None = None
 ) -> str:
     """Return words for where lines of these panels break, and why panels have only marks; "" without gaps.

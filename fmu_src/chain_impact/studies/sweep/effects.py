@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
-from chain_impact.scene.words.unit_text import with_unit
+from chain_impact.scene.texts.unit_text import with_unit
 from chain_impact.studies.sweep.maps import is_logarithmic
 from chain_impact.studies.sweep.quantities import LEADING_HYPHEN, Quantity
 from chain_impact.studies.sweep.runs import Runs
@@ -62,8 +62,8 @@ class Effects:
         if self.is_factor and high - low >= np.log(LARGE_FACTOR):
             return f"× {number_text(float(np.exp(low)), 2)} to {number_text(float(np.exp(high)), 2)}"
         ends = 100.0 * np.expm1([low, high]) if self.is_factor else np.array([low, high])
-        words = [f"{end:+.2g}" if end else "0" for end in ends.tolist()]
-        texts = [LEADING_HYPHEN.sub("−", text) for text in words]
+        end_texts = [f"{end:+.2g}" if end else "0" for end in ends.tolist()]
+        texts = [LEADING_HYPHEN.sub("−", text) for text in end_texts]
         return with_unit(" to ".join(texts), "%" if self.is_factor else unit)
 
 

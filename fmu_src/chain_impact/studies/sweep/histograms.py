@@ -16,7 +16,7 @@ from chain_impact.map_colours import WIDE_COLOURS, value_ratio
 from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.legends import legend_above, legend_at_foot
 from chain_impact.pictures.drawing.style import BLUE, COUNT_STEPS, INK, give_ticks
-from chain_impact.scene.words.unit_text import with_unit
+from chain_impact.scene.texts.unit_text import with_unit
 from chain_impact.studies.sweep.colour_bars import WIDE_RANGE, number_few_decades
 from chain_impact.studies.sweep.curves import RING, mark_at_foot
 from chain_impact.studies.sweep.effects import DEGREES, effects_on
@@ -44,7 +44,7 @@ MOST_SCATTERS = 3  # the largest number of parameters over which each quantity o
 GOLDEN, DOTS_PART = 0.618034, 0.5
 # BOX_WIDTH: that of the box of a choice, relative to the distance of two choices; BOX_LINE: [points]
 BOX_WIDTH, BOX_LINE = 0.6, 0.9
-BOX_WORDS, SPREAD = "middle half and median", "; sideways: spread only"
+BOX_TEXT, SPREAD = "middle half and median", "; sideways: spread only"
 TRENDING = 0.5  # a fit describes a quantity well from this part of its variance on
 FEWEST_PAIRS = 3  # the correlation of fewer than FEWEST_PAIRS pairs of values counts as 0
 # the largest number of bars; narrower bars would show mainly random differences
@@ -72,11 +72,11 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
         edges = edges_of(values, logarithmic=logarithmic, integer=quantity.is_count)
         axes.hist(values, edges.tolist(), color=BARS, edgecolor=BLUE, linewidth=0.8)
         low, middle, high = np.quantile(values, list(QUANTILES))
-        range_words = with_unit(f"{low:.3g} … {high:.3g}", quantity.unit)
+        range_text = with_unit(f"{low:.3g} … {high:.3g}", quantity.unit)
         labels = (
             "_",
             f"median {with_unit(f'{middle:.3g}', quantity.unit)}",
-            f"90 % of the runs: {range_words}",
+            f"90 % of the runs: {range_text}",
         )
         positions = (low, middle, high)
         for quantile, line, label in zip(positions, QUANTILES.values(), labels, strict=True):
@@ -120,7 +120,7 @@ def draw_samples(
     if any(own_value(runs, variation) is not None for variation in drawn_variations):
         keys.append(Line2D([], [], label="value in the scene", **SCENE_LINE))
     if any(variation.choices for variation in drawn_variations):
-        keys.append(Patch(facecolor="none", edgecolor=INK, linewidth=BOX_LINE, label=BOX_WORDS))
+        keys.append(Patch(facecolor="none", edgecolor=INK, linewidth=BOX_LINE, label=BOX_TEXT))
     if any(quantity.is_without_touch(runs).any() for quantity in quantities):
         keys.append(Line2D([], [], label=NO_IMPACT, **RING))
     figure = panels[0].get_figure(root=True)
@@ -168,7 +168,7 @@ def rank_correlation(first_values: np.ndarray, second_values: np.ndarray) -> flo
     return float(spearmanr(first_values, second_values).statistic)
 
 
-def influence_words(runs: Runs, quantities: Sequence[Quantity], variations: Sequence[Variation]) -> str:
+def influence_text(runs: Runs, quantities: Sequence[Quantity], variations: Sequence[Variation]) -> str:
     """Return words with the number of runs and, for each quantity, the effect of each varied parameter.
 
     The largest effect comes first. The words tell the fit (``effects_on``); they are left out for a quantity

@@ -18,7 +18,7 @@ from chain_impact.progress import log
 from chain_impact.scene.candidates import candidates_of, stop_pairs
 from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.words.names import SENSITIVITY, DataPath
+from chain_impact.scene.texts.names import SENSITIVITY, DataPath
 from chain_impact.simulation.kernels import counts_and_flags, kernel_for
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variables.indices import word_index

@@ -18,13 +18,13 @@ from chain_impact.pictures.drawing.dark_ground import COLOURED_GROUND
 from chain_impact.pictures.drawing.legends import legend_at_foot
 from chain_impact.pictures.drawing.shared_names import name_around
 from chain_impact.pictures.drawing.style import INK, is_narrow, raise_exponents
-from chain_impact.scene.words.unit_text import bracketed_unit, scene_unit
+from chain_impact.scene.texts.unit_text import bracketed_unit, scene_unit
 from chain_impact.studies.sweep.colour_bars import (
     FAILED_COLOUR,
     add_bar,
     are_beyond,
     colours_of,
-    cut_values_words,
+    cut_values_text,
 )
 from chain_impact.studies.sweep.contours import Scale, draw_contours, has_jumps
 from chain_impact.studies.sweep.map_marks import HATCHED_STYLE, SCENE_MARK, hatch, mark_scene
@@ -194,7 +194,7 @@ def _draw_group(
         for axes, table in zip(panels, tables, strict=True)
     ]
     extremes = float(values.min()), float(values.max())
-    label = quantity.label_for(values) + cut_values_words(extremes, ends)
+    label = quantity.label_for(values) + cut_values_text(extremes, ends)
     levels = add_bar(panels, meshes[0], label, are_beyond(extremes, ends), ticks)
     is_smooth = not (quantity.is_count or x.names or y.names)
     for axes, table, mesh in zip(panels, tables, meshes, strict=True):

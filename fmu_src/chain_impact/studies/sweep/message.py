@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from chain_impact.pictures.drawing.style import raise_exponents
-from chain_impact.scene.words.plain_names import plain_name
-from chain_impact.scene.words.unit_text import unit_text, with_unit
+from chain_impact.scene.texts.plain_names import plain_name
+from chain_impact.scene.texts.unit_text import unit_text, with_unit
 from chain_impact.studies.sweep.computation import STATUS_WORD
 from chain_impact.studies.sweep.curves import course_text
 from chain_impact.studies.sweep.histograms import rank_correlation
@@ -55,8 +55,8 @@ def headline_parts(runs: Runs, results: Results, mark: str, *, is_small: bool = 
     parts += [idle_text(runs, quantities[0]), no_impact_text(runs, quantities[0])]
     failed = int(runs.failed.sum())
     if failed:
-        words = [word.replace("_", " ") for word in np.unique(runs[STATUS_WORD][runs.failed])]
-        parts.append(f"{failed} failed ({mark}{names_text(words, MOST_REASONS)})")
+        shown_text = [word.replace("_", " ") for word in np.unique(runs[STATUS_WORD][runs.failed])]
+        parts.append(f"{failed} failed ({mark}{names_text(shown_text, MOST_REASONS)})")
     first_part, *other_parts = list(filter(None, parts)) or ["no results"]
     return [f"{runs.scene.name}: {first_part}", *other_parts]
 
@@ -80,8 +80,8 @@ def effect_text(runs: Runs, quantity: Quantity) -> str:
         return ""
     if not other_names or share >= MAIN * shares_of_names[other_names[0]][0]:
         mostly = " mostly" if other_names and share > HALF else ""
-        words = plain_name(first_name)
-        return f"{sense}{mostly} with {words}" if sense else f"depends{mostly} on {words}"
+        shown_text = plain_name(first_name)
+        return f"{sense}{mostly} with {shown_text}" if sense else f"depends{mostly} on {shown_text}"
     return f"depends on {plain_name(first_name)} and {plain_name(other_names[0])}"
 
 

@@ -27,9 +27,9 @@ from chain_impact.pictures.drawing.style import (
     write_headline,
 )
 from chain_impact.scene.errors import SceneError
-from chain_impact.scene.words.unit_text import unit_text
-from chain_impact.studies.sweep.curves import COLOURS, FOOT, distinct_texts, draw_curves, gaps_words
-from chain_impact.studies.sweep.histograms import draw_samples, drawn_parameters, influence_words
+from chain_impact.scene.texts.unit_text import unit_text
+from chain_impact.studies.sweep.curves import COLOURS, FOOT, distinct_texts, draw_curves, gaps_text
+from chain_impact.studies.sweep.histograms import draw_samples, drawn_parameters, influence_text
 from chain_impact.studies.sweep.layout import (
     CURVES,
     DOTS,
@@ -60,7 +60,7 @@ from chain_impact.studies.sweep.quantities import (
     LOADS,
     Quantity,
     Results,
-    constant_quantities_words,
+    constant_quantities_text,
     printed_number,
     results_of,
 )
@@ -164,11 +164,11 @@ def fill(figure: Figure, runs: Runs, results: Results, texts: Callable[..., tupl
 def headline_and_conditions(runs: Runs, results: Results, *, is_small: bool) -> tuple[str, str]:
     """Return the headline, which is short if ``is_small``, and the text with the conditions."""
     kind, variations = picture_form(runs.design), varying_in(runs.design)
-    parts = [conditions(runs, variations), constant_quantities_words(runs, results)]
+    parts = [conditions(runs, variations), constant_quantities_text(runs, results)]
     if kind == CURVES:
-        parts.append(gaps_words(runs, results.drawn_quantities, *sorted_parameters(variations, kind)))
+        parts.append(gaps_text(runs, results.drawn_quantities, *sorted_parameters(variations, kind)))
     if kind == HISTOGRAMS:
-        parts.insert(0, influence_words(runs, results.drawn_quantities, variations))
+        parts.insert(0, influence_text(runs, results.drawn_quantities, variations))
     mark = "×: " if kind == CURVES else ""
     headline = ", ".join(headline_parts(runs, results, mark, is_small=is_small))
     return headline, "; ".join(filter(None, parts)).replace("; ", SEPARATOR)

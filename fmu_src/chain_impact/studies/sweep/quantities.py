@@ -11,7 +11,7 @@ import numpy as np
 
 from chain_impact.scene.errors import SceneError, names_matching
 from chain_impact.scene.facts import SceneFacts
-from chain_impact.scene.words.unit_text import bracketed_unit, unit_text, with_unit
+from chain_impact.scene.texts.unit_text import bracketed_unit, unit_text, with_unit
 from chain_impact.studies.sweep.job import END_COLUMN, Job
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.text import names_text, number_text, prefixed_unit, span_text
@@ -136,7 +136,7 @@ def printed_number(value: float) -> str:
 
 COUNT = "impact.count"
 QUANTITIES = (
-    *(Quantity(name, peak.words, peak.unit, in_headline=peak.is_load) for name, peak in PEAKS.items()),
+    *(Quantity(name, peak.name, peak.unit, in_headline=peak.is_load) for name, peak in PEAKS.items()),
     Quantity(JOINT_FORCE, "largest force in a joint", unit_at(JOINT_FORCE, stop=False)),
     Quantity(COUNT, "impacts"),
     Quantity("energy.dissipated", "energy dissipated", "J"),
@@ -253,7 +253,7 @@ def outputs_for(job: Job, panels: Sequence[str]) -> list[str]:
     ]
 
 
-def constant_quantities_words(runs: Runs, results: Results) -> str:
+def constant_quantities_text(runs: Runs, results: Results) -> str:
     """Return words for the quantities that are the same in all runs that did not fail; "" without any.
 
     An example is "the same in all runs: impacts 14".

@@ -1,5 +1,5 @@
 // Functions that write numbers, units and times as text.
-// The twin in Python is `scene/words/unit_text.py`.
+// The twin in Python is `scene/texts/unit_text.py`.
 
 const [PRODUCT, SQUARE] = [SHARED.units.PRODUCT, SHARED.units.SQUARE].map((pattern) => new RegExp(pattern, "g"));
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""]];

@@ -1,5 +1,5 @@
 // The known name that is most similar to an unknown one.
-// The twin in Python is `scene/words/similar_names.py`.
+// The twin in Python is `scene/texts/similar_names.py`.
 
 const { LIKE_LAST, LIKE_NAME, NUMBER, SAME_LAST, SYNONYMS } = SHARED.nearest;
 const INDICES = new RegExp(NUMBER, "g");

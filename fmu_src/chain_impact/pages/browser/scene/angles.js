@@ -1,5 +1,5 @@
 // Angles, which the page shows in degrees, and what a reader types for a quantity.
-// The twin in Python is `scene/words/angles.py`.
+// The twin in Python is `scene/texts/angles.py`.
 
 import { numberText, raised, unitText, withPoint } from "../base/format.js";
 

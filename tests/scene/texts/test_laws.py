@@ -3,7 +3,7 @@
 import pytest
 
 from chain_impact import CONTACT_LAWS
-from chain_impact.scene.words.laws import LAW_GROUPS, law_group, law_text
+from chain_impact.scene.texts.laws import LAW_GROUPS, law_group, law_text
 
 
 @pytest.mark.parametrize(

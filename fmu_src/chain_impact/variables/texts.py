@@ -11,7 +11,7 @@ from chain_impact.scene.keys.signal_tables import unit_of
 from chain_impact.variables.impact_units import unit_at
 from chain_impact.variables.structure import Structure
 
-STOP_WORDS = {
+STOP_TEXTS = {
     "its_joint": "; at a stop its joint",
     "in_rad_s": f"; at a stop in {unit_at('impact_speed', stop=True)}",
     "in_n_m": f"; at a stop the moment in {unit_at('peak_force', stop=True)}",
@@ -29,22 +29,22 @@ GENERAL = {
 }
 """Word in braces → text that holds for every owner, in a scene with a free base and with walls at any angle.
 
-For other scenes, ``scene_words`` replaces some of these texts.
+For other scenes, ``scene_texts`` replaces some of these texts.
 """
 LOSSES = "contacts, damping and dry friction"
 
 
-def scene_words(structure: Structure) -> dict[str, Any]:
+def scene_texts(structure: Structure) -> dict[str, Any]:
     """Return word → text or number that replaces this word in the templates of a scene's variables.
 
     The words are in braces in texts, and without braces in limits. The entry "general" is a table of the same
     form, with texts that hold for every owner.
     """
     numbers, names = structure.numbers, [wall["name"] for wall in structure.lists["walls"]]
-    absent_words = (
+    absent_statuses = (
         () if numbers["has_contact_friction"] else (FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING)
     )
-    statuses = {code: text for code, text in STATUS_TEXT.items() if code not in absent_words}
+    statuses = {code: text for code, text in STATUS_TEXT.items() if code not in absent_statuses}
     walls = ", ".join(f"{w} {wall}" for w, wall in enumerate(names, 1))
     return {
         "points": numbers["link_count"] + numbers["site_count"],
@@ -56,7 +56,7 @@ def scene_words(structure: Structure) -> dict[str, Any]:
         "wall_numbers_if_any": f"0 if there is none, {walls}",
         "statuses": "; ".join(f"{code} {text}" for code, text in statuses.items()),
         "losses": LOSSES if numbers["has_dry_friction"] else "contacts and damping",
-        **(STOP_WORDS if numbers["stop_count"] else dict.fromkeys(STOP_WORDS, "")),
+        **(STOP_TEXTS if numbers["stop_count"] else dict.fromkeys(STOP_TEXTS, "")),
         "general": {
             **GENERAL,
             **({} if numbers["free"] else {"parent": f"the link before, or {_ground(structure)}"}),
@@ -65,34 +65,34 @@ def scene_words(structure: Structure) -> dict[str, Any]:
     }
 
 
-def owner_words(owner_kind: str, structure: Structure, values: dict[str, Any]) -> dict[str, str]:
+def owner_texts(owner_kind: str, structure: Structure, values: dict[str, Any]) -> dict[str, str]:
     """Return word in a template's braces → text, for an owner of a kind with the ``values``."""
-    words = _WORDS_OF.get(owner_kind)
-    return words(structure, values) if words else {}
+    texts = _TEXTS_OF.get(owner_kind)
+    return texts(structure, values) if texts else {}
 
 
-def _joint_words(structure: Structure, joint: dict[str, Any]) -> dict[str, str]:
+def _joint_texts(structure: Structure, joint: dict[str, Any]) -> dict[str, str]:
     if joint["n"] == 1:
         return {"before": "the base", "parent": _ground(structure), "from_x": ", from +x"}
     return {"before": f"link {joint['n'] - 1}", "parent": "the link before", "from_x": ""}
 
 
-def _contact_words(structure: Structure, contact: dict[str, Any]) -> dict[str, str]:
+def _contact_texts(structure: Structure, contact: dict[str, Any]) -> dict[str, str]:
     point = contact["n"]
     return {"touching": "slider" if contact["stop"] else f"point {point}{_label(structure, point)}"}
 
 
-def _signal_words(_: Structure, signal: dict[str, Any]) -> dict[str, str]:
+def _signal_texts(_: Structure, signal: dict[str, Any]) -> dict[str, str]:
     return {"unit": unit_of(signal["input"])}
 
 
-_WORDS_OF: dict[str, Callable[[Structure, dict[str, Any]], dict[str, str]]] = {
+_TEXTS_OF: dict[str, Callable[[Structure, dict[str, Any]], dict[str, str]]] = {
     "point": lambda structure, point: {"label": _label(structure, point["n"])},
-    "joint": _joint_words,
-    "contact": _contact_words,
+    "joint": _joint_texts,
+    "contact": _contact_texts,
     "touched wall": lambda _, wall: {"about": "the origin" if wall["name"] in WALLS else "its point"},
-    "signal": _signal_words,
-    "step": _signal_words,
+    "signal": _signal_texts,
+    "step": _signal_texts,
     "impact": lambda _, impact: {"but": f" but {impact['n'] - 1}" if impact["n"] > 1 else ""},
 }
 """Kind of owner → function of a structure and an owner's values that returns word → text; for all other kinds

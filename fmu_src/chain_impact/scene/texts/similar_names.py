@@ -104,9 +104,9 @@ def longer_name(name: str, names: Iterable[str]) -> str | None:
 
     The result is None if no name contains it, or ``name`` is "".
     """
-    words = re.compile(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])")
+    whole_words = re.compile(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])")
     return min(
-        (known_name for known_name in names if name and words.search(known_name)), key=len, default=None
+        (known_name for known_name in names if name and whole_words.search(known_name)), key=len, default=None
     )
 
 

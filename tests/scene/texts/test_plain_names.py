@@ -2,7 +2,7 @@
 
 import pytest
 
-from chain_impact.scene.words.plain_names import plain_name
+from chain_impact.scene.texts.plain_names import plain_name
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ from chain_impact.pictures.curve_looks import shared_part
 from chain_impact.pictures.curve_peaks import MARKED_UNITS
 from chain_impact.pictures.drawing.style import load_unit
 from chain_impact.recording.curves import Curves
-from chain_impact.scene.words.names import AXES
-from chain_impact.scene.words.unit_text import unit_text
+from chain_impact.scene.texts.names import AXES
+from chain_impact.scene.texts.unit_text import unit_text
 from chain_impact.text import LOAD_UNITS
 
 # unit that only one quantity has → name of this quantity, for the label of a panel
@@ -29,7 +29,7 @@ SMALLEST_VALUE = 1e-6
 LITTLE_CHANGE, CLOSE_UNITS = 0.1, ("m", "rad", "m/s", "rad/s")
 
 
-def quantity_words(names: Sequence[str], unit: str) -> str:
+def quantity_text(names: Sequence[str], unit: str) -> str:
     """Return words for what the curves of a panel show: "angular velocity", "position x", "total energy"."""
     part = shared_part(names)
     if part in VECTORS:
@@ -68,8 +68,8 @@ def vector_of(names: Sequence[str]) -> str:
 
     Otherwise the result is "".
     """
-    words = {VECTORS.get(name.rpartition(".")[2], "") for name in names}
-    return words.pop() if len(words) == 1 else ""
+    vector_names = {VECTORS.get(name.rpartition(".")[2], "") for name in names}
+    return vector_names.pop() if len(vector_names) == 1 else ""
 
 
 def axis_unit(unit: str, curves: Sequence[np.ndarray], *, is_close: bool = False) -> tuple[float, str]:

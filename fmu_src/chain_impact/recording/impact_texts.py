@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from chain_impact.scene.words.names import SLIDER_STOPS, point_label
+from chain_impact.scene.texts.names import SLIDER_STOPS, point_label
 from chain_impact.variables.impact_units import unit_at
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import ball_of
-from chain_impact.scene.words.names import point_label
+from chain_impact.scene.texts.names import point_label
 
 LONGEST_NAME = 16  # the largest number of characters of a name that is not shortened
 POINT = "point "  # the beginning of the name of each point

@@ -17,10 +17,10 @@ from chain_impact.pictures.drawing.style import (
     is_narrow,
     write_headline,
 )
-from chain_impact.pictures.words.conditions import conditions
-from chain_impact.pictures.words.point_names import brief_hit, what_touches
+from chain_impact.pictures.texts.conditions import conditions
+from chain_impact.pictures.texts.point_names import brief_hit, what_touches
 from chain_impact.recording.contact_times import acts_by_impulses, has_impulses, law_at, peak_time
-from chain_impact.recording.impact_words import speed_unit
+from chain_impact.recording.impact_texts import speed_unit
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.joint_peaks import LARGEST_OF_ROWS, joint_peaks
 from chain_impact.recording.recording import Recording
@@ -57,14 +57,14 @@ class Peak(NamedTuple):
     """The peak force, peak moment or impulse of an impact.
 
     Attributes:
-        words: the quantity in words: "peak force".
+        name: the quantity in words: "peak force".
         value: the value of the quantity with its unit: "12.6 kN".
         row: the row of the impact in ``impacts``, from 0.
         equal_count: how many impacts have this value, if ``peaks`` gives it (SAME_PEAK): ``row`` is then the
             first of these impacts. Otherwise 1.
     """
 
-    words: str
+    name: str
     value: str
     row: int
     equal_count: int = 1
@@ -73,8 +73,8 @@ class Peak(NamedTuple):
     def text(self) -> str:
         """The quantity and its value: "peak force 12.6 kN", "30 equal impulses of 0.981 N·s"."""
         if self.equal_count == 1:
-            return f"{self.words} {self.value}"
-        quantity, *location = self.words.removeprefix("largest ").split(" at ")
+            return f"{self.name} {self.value}"
+        quantity, *location = self.name.removeprefix("largest ").split(" at ")
         return f"{self.equal_count} equal {' at '.join([f'{quantity}s', *location])} of {self.value}"
 
 
@@ -121,7 +121,7 @@ def energy_texts(recording: Recording) -> list[str]:
     return parts
 
 
-def hit_words(recording: Recording, impact: np.void) -> str:
+def hit_text(recording: Recording, impact: np.void) -> str:
     """Return words for an impact: "point 4 hits y_min"."""
     return f"{what_touches(recording, impact)} hits {recording.wall_names[impact['wall']]}"
 
@@ -154,11 +154,11 @@ def write_head(
     if not (lead or title or told_peaks) and load and "motion" in panels and recording.loads:
         lead, load = load_text(recording, digits=3).replace(" in the run, ", " "), ""
     valued = [bool(title) or lead != peak.text for peak in told_peaks]
-    hits = [peak_impact_words(recording, *pair) for pair in zip(told_peaks, valued, strict=True)]
+    hits = [peak_impact_text(recording, *pair) for pair in zip(told_peaks, valued, strict=True)]
     lines: list[tuple[str, str]] = []
     if short and told_peaks and not title:
         is_marked = told_peaks[0].equal_count == 1 and not {*panels}.isdisjoint(MARKING)
-        first_text = hits.pop(0).removeprefix(f"{told_peaks[0].words} in ")  # the title tells the peak
+        first_text = hits.pop(0).removeprefix(f"{told_peaks[0].name} in ")  # the title tells the peak
         lines.append((first_text, PEAK_COLOUR if is_marked else INK))
     if short and load:
         lines.append((load, LOAD if "motion" in panels and recording.loads else INK))
@@ -177,14 +177,14 @@ def peaks(recording: Recording) -> list[Peak]:
     """
     found_peaks = []
     for is_stop in (False, True):
-        words, unit, values = impact_values(recording, is_stop=is_stop)
+        name, unit, values = impact_values(recording, is_stop=is_stop)
         top = float(values.max(initial=0.0))
         if top > 0.0:
-            if words in (IMPULSE, HIT_IMPULSE):
+            if name in (IMPULSE, HIT_IMPULSE):
                 order = "largest " if np.count_nonzero(values) > 1 else ""
-                words = f"{order}{words}{' at a stop' if is_stop else ''}"
+                name = f"{order}{name}{' at a stop' if is_stop else ''}"
             rows = np.flatnonzero(values >= (1.0 - SAME_PEAK) * top)
-            found_peaks.append(Peak(words, force_text(top, unit), int(rows[0]), len(rows)))
+            found_peaks.append(Peak(name, force_text(top, unit), int(rows[0]), len(rows)))
     return found_peaks
 
 
@@ -195,17 +195,17 @@ def marked_peaks(recording: Recording) -> list[Peak]:
 
 def peak_of(recording: Recording, row: int) -> list[Peak]:
     """Return a list with the ``Peak`` of the impact in a row; [] if the peak is 0 or not known."""
-    words, unit, values = impact_values(recording, is_stop=bool(recording.is_at_joint_stop[row]))
-    return [Peak(words, force_text(float(values[row]), unit), row)] if values[row] > 0.0 else []
+    name, unit, values = impact_values(recording, is_stop=bool(recording.is_at_joint_stop[row]))
+    return [Peak(name, force_text(float(values[row]), unit), row)] if values[row] > 0.0 else []
 
 
-def hardness_words(recording: Recording, row: int) -> str:
+def hardness_text(recording: Recording, row: int) -> str:
     """Return words for how hard the impact in a row is: "peak force 12.6 kN, with 2.92 m/s".
 
     Without a known peak, the words have only the impact speed.
     """
     speed = f"with {speed_text(recording, row)}"
-    return ", ".join([*(f"{peak.words} {peak.value}" for peak in peak_of(recording, row)), speed])
+    return ", ".join([*(f"{peak.name} {peak.value}" for peak in peak_of(recording, row)), speed])
 
 
 def speed_text(recording: Recording, row: int) -> str:
@@ -215,10 +215,10 @@ def speed_text(recording: Recording, row: int) -> str:
 
 
 def impact_values(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.ndarray]:
-    """Return how hard impacts are: words, unit, values, shape (I,).
+    """Return how hard impacts are: quantity, unit, values, shape (I,).
 
     If ``is_stop``, the values are those of the impacts at stops of joints, else those of all other impacts:
-    at walls and at stops of a slider. The words are "peak force", "peak moment", IMPULSE or HIT_IMPULSE. A
+    at walls and at stops of a slider. The quantity is "peak force", "peak moment", IMPULSE or HIT_IMPULSE. A
     value that is unknown, or that of an impact that does not belong to ``is_stop``, is 0.
 
     All values are impulses under an impulsive law, and if any of these impacts has an impulse but no known
@@ -234,10 +234,10 @@ def impact_values(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.
     is_impulsive = has_impulses(law_at(recording, is_stop=is_stop))
     if is_impulsive or ((forces == 0.0) & (impulses > 0.0)).any():
         totals = impulses * ~lasts(impacts)
-        words, values = (
+        name, values = (
             (IMPULSE, totals) if totals.any() else (HIT_IMPULSE, impulses_of_hits(recording) * is_own)
         )
-        return words, unit_at("impulse", stop=is_stop), values
+        return name, unit_at("impulse", stop=is_stop), values
     return f"peak {'moment' if is_stop else 'force'}", unit_at("peak_force", stop=is_stop), forces
 
 
@@ -261,7 +261,7 @@ def impulses_of_hits(recording: Recording) -> np.ndarray:
     return np.asarray(impulses)
 
 
-def peak_impact_words(recording: Recording, peak: Peak, valued: bool) -> str:
+def peak_impact_text(recording: Recording, peak: Peak, valued: bool) -> str:
     """Return words for the impact of a peak.
 
     For example "peak force in impact 1: point 4 hits y_min at 0.5 s with 2 m/s". If several impacts have the
@@ -270,7 +270,7 @@ def peak_impact_words(recording: Recording, peak: Peak, valued: bool) -> str:
     if peak.equal_count > 1:
         beginning = f"{peak.text}, the first in " if valued else "the first in "
         return f"{beginning}{impact_text(recording, peak.row)}"
-    return f"{peak.words}{f' {peak.value}' if valued else ''} in {impact_text(recording, peak.row)}"
+    return f"{peak.name}{f' {peak.value}' if valued else ''} in {impact_text(recording, peak.row)}"
 
 
 def impact_text(recording: Recording, row: int) -> str:

@@ -1,13 +1,13 @@
 """Names of paths; test_scene.py and variables/test_table.py compare them with the FMU's names."""
 
-# Tests: scene/words/similar_names.py
+# Tests: scene/texts/similar_names.py
 
 import re
 
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.scene.words.names import (
+from chain_impact.scene.texts.names import (
     grouped_by_owner,
     input_key,
     name_of,
@@ -15,7 +15,7 @@ from chain_impact.scene.words.names import (
     parameter_hint,
     path_text,
 )
-from chain_impact.scene.words.similar_names import longer_name, name_with_one_typo, nearest_name
+from chain_impact.scene.texts.similar_names import longer_name, name_with_one_typo, nearest_name
 from chain_impact.studies.sweep.variation import variations_of
 from tests.helpers.tools.refusal import refusal
 

@@ -17,7 +17,7 @@ from chain_impact import (
 )
 from chain_impact.scene.errors import value_text
 from chain_impact.scene.scene import scene_from_dict, scene_to_dict
-from chain_impact.scene.words.angles import radians_hint, radians_of
+from chain_impact.scene.texts.angles import radians_hint, radians_of
 from chain_impact.studies.fit.parameters import parameters_of
 from chain_impact.studies.fit.scene_file import text_with_values
 from chain_impact.studies.sweep.variation import variations_of

@@ -2,7 +2,7 @@
 
 import pytest
 
-from chain_impact.scene.words.unit_text import (
+from chain_impact.scene.texts.unit_text import (
     bracketed_unit,
     number_hint,
     power_hint,

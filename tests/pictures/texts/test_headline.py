@@ -1,6 +1,6 @@
 """The headline of a picture summarises the run with numbers of the recording."""
 
-# Tests: pictures/words/conditions.py
+# Tests: pictures/texts/conditions.py
 
 import re
 from dataclasses import replace
@@ -11,8 +11,8 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import INK, LOAD, PEAK_COLOUR
-from chain_impact.pictures.words.conditions import conditions
-from chain_impact.pictures.words.headline import (
+from chain_impact.pictures.texts.conditions import conditions
+from chain_impact.pictures.texts.headline import (
     has_contact,
     headline,
     load_text,
@@ -85,7 +85,7 @@ def test_the_largest_force_and_its_impact_are_told(title):
     row = int(np.argmax(recording.impacts["peak_force"]))
     (most,) = peaks(recording)
     value, prefix = re.fullmatch(r"([\d.]+) (k?)N", most.value).groups()
-    assert (most.words, most.row) == ("peak force", row)
+    assert (most.name, most.row) == ("peak force", row)
     force = recording.impacts["peak_force"][row]
     assert float(value) * (1e3 if prefix else 1.0) == pytest.approx(force, rel=5e-3)
     page = recording.plot(title=title, panels="energy")
@@ -112,12 +112,12 @@ def test_a_narrow_picture_has_the_peak_as_its_headline(panel, colour):
 def test_a_moment_at_a_stop_and_an_impulse_have_words_of_their_own():
     moment, *others = peaks(simulate(knee(), 1.0))
     assert not others
-    assert moment.words == "peak moment"
+    assert moment.name == "peak moment"
     assert moment.value.endswith("N·m")
     rigid = with_values(load_scene("rod_drop"), {("contact", "model"): "newton_impact"})
     run = simulate(rigid)
     (told,) = peaks(run)
-    assert told.words == "largest impulse"
+    assert told.name == "largest impulse"
     assert run.impacts["peak_force"].max() > 0.0, "the rod rests at the end with a force"
     assert float(told.value.removesuffix(" N·s")) == pytest.approx(run.impacts["impulse"].max(), rel=5e-3)
     assert told.row == int(np.argmax(run.impacts["impulse"]))
@@ -142,7 +142,7 @@ def test_the_weight_on_a_rigid_wall_is_no_part_of_the_impact(duration):
     assert np.isnan(impact["end"])
     (told,) = peaks(run)
     momentum = sum(link.mass for link in scene.chain.links) * impact["impact_speed"]
-    assert told.words == "hit impulse"
+    assert told.name == "hit impulse"
     assert float(told.value.removesuffix(" N·s")) == pytest.approx(momentum, rel=5e-3)
     assert "peak" not in headline(run)
 
@@ -151,7 +151,7 @@ def test_a_knee_that_stays_at_its_stop_tells_joint_time_speed_and_impulse():
     run = simulate(load_scene("kneed_leg"))
     short = simulate(load_scene("kneed_leg"), float(run.impacts["onset"][0]) + 1e-6)
     (told,) = peaks(run)
-    assert told.words == "hit impulse at a stop"
+    assert told.name == "hit impulse at a stop"
     assert run.impacts["impulse"][0] > 2.0 * short.impacts["impulse"][0]  # the stop then holds the knee
     value = float(told.value.removesuffix(" mN·m·s"))
     assert value == pytest.approx(1e3 * short.impacts["impulse"][0], rel=5e-3)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 # pattern of a name → its plain words; the first pattern that matches counts
-PLAIN_WORDS = (
+PLAIN_TEXTS = (
     (re.compile(r"contact\.model"), "contact law"),
     (re.compile(r"contact\.(\w+)"), r"\1"),
     (re.compile(r"stop\.model"), "law of stops"),
@@ -22,7 +22,7 @@ def plain_name(name: str) -> str:
 
     A name without plain words is returned unchanged.
     """
-    for pattern, words in PLAIN_WORDS:
+    for pattern, plain_text in PLAIN_TEXTS:
         if (name_match := pattern.fullmatch(name)) is not None:
-            return name_match.expand(words).replace("_", " ")
+            return name_match.expand(plain_text).replace("_", " ")
     return LETTER.sub(r"\1 \2", name)

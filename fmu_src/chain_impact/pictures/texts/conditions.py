@@ -10,8 +10,8 @@ from chain_impact.pictures.drawing.style import raise_exponents
 from chain_impact.recording.contact_times import has_impulses, law_at
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.keys.tables import Solver
-from chain_impact.scene.words.names import name_parts
-from chain_impact.scene.words.unit_text import stiffness_unit
+from chain_impact.scene.texts.names import name_parts
+from chain_impact.scene.texts.unit_text import stiffness_unit
 from chain_impact.text import count_text, number_text
 
 # key of a link → unit, for the losses of its joint that the conditions tell
@@ -28,9 +28,9 @@ def conditions(recording: Recording, *first: str, touches: bool = True, short: b
     parameters = recording.parameters
     parts = [*filter(None, first)]
     if not short:
-        parts += [count_text(recording.link_count, "link"), *joint_words(recording)]
-    parts += contact_words(recording) if touches else []
-    if rubbing := [words for name, value in parameters.items() if (words := friction_words(name, value))]:
+        parts += [count_text(recording.link_count, "link"), *joint_texts(recording)]
+    parts += contact_texts(recording) if touches else []
+    if rubbing := [text for name, value in parameters.items() if (text := friction_text(name, value))]:
         parts.append(f"friction µ = {', '.join(rubbing)}")
     if touches and "stop.restitution" in parameters:
         of_stops = recording.stop_law
@@ -48,7 +48,7 @@ def conditions(recording: Recording, *first: str, touches: bool = True, short: b
     return SEPARATOR.join(parts)
 
 
-def joint_words(recording: Recording) -> list[str]:
+def joint_texts(recording: Recording) -> list[str]:
     """Return words for the largest damping and friction of joints: "joint damping ≤ 0.02 N·m·s/rad".
 
     The damping of a powered drive, with a target or a limit, is "servo damping": its work is work of the
@@ -60,12 +60,12 @@ def joint_words(recording: Recording) -> list[str]:
         owner, _, key = name.rpartition(".")
         if (unit := JOINT_LOSSES.get(key)) and value:
             is_servo = key == "joint_damping" and (has_targets or values.get(f"{owner}.joint_torque_limit"))
-            words = "servo damping" if is_servo else key.replace("_", " ")
-            limits[words, unit] = max(value, limits.get((words, unit), 0.0))
-    return [f"{words} ≤ {limit:g} {unit}" for (words, unit), limit in sorted(limits.items())]
+            text = "servo damping" if is_servo else key.replace("_", " ")
+            limits[text, unit] = max(value, limits.get((text, unit), 0.0))
+    return [f"{text} ≤ {limit:g} {unit}" for (text, unit), limit in sorted(limits.items())]
 
 
-def contact_words(recording: Recording) -> list[str]:
+def contact_texts(recording: Recording) -> list[str]:
     """Return words for the law, the restitution and the stiffness of walls, as far as known and in use."""
     values, parts = recording.parameters, []
     law = values.get("contact.model", "")
@@ -86,7 +86,7 @@ def uses_restitution(law: str) -> bool:
     return law not in CONTACT_LAWS or CONTACT_LAWS[law].formula != "0"
 
 
-def friction_words(name: str, value: Any) -> str:
+def friction_text(name: str, value: Any) -> str:
     """Return words for a coefficient of dry friction at walls: "0.3", "static 0.4 at y_min"; else "".
 
     ``name`` and ``value`` are those of any parameter. For a coefficient of 0 the result is "", except for the
