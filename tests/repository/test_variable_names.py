@@ -1,6 +1,7 @@
 """Variables of the package have names that say what they hold."""
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -65,3 +66,36 @@ def test_no_function_has_the_name_of_a_usual_variable(room):
         if isinstance(node, ast.FunctionDef)
     }
     assert functions & {*NOUNS.split()} == set()
+
+
+KERNEL_WORDS = {
+    "trial": r"",
+    "place": r"_?place(_\w+)?|PLACEHOLDERS",
+    "places": r"",
+    "words": r"(next_|of_|command_|whole_)?words|WORDS",
+}
+"""A word that has a meaning of its own in the kernel → the names outside of it that may contain the word: the
+verb to place, and the words of a text. A *word* of the record is 8 bytes: see MEMORY."""
+MEMORY = ("simulation/", "variables/", "fmu/table.py", "studies/slow_recording.py")
+"""Files and folders that read the record's words of memory."""
+
+
+@pytest.mark.parametrize("room", sorted(ROOMS))
+def test_words_of_the_kernel_have_no_other_meaning(room):
+    """What the kernel calls a trial, a place or a word is not something else in another room."""
+    found = set()
+    for file in (PACKAGE / room).rglob("*.py"):
+        path, code = file.relative_to(PACKAGE).as_posix(), [*ast.walk(ast.parse(file.read_text("utf-8")))]
+        names = {name for _, name in variables(file)}
+        names |= {node.name for node in code if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
+        names |= {
+            node.attr for node in code if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store)
+        }
+        for word, allowed in KERNEL_WORDS.items():
+            if word != "words" or not path.startswith(MEMORY):
+                found |= {
+                    (path, name)
+                    for name in names
+                    if word in name.lower().split("_") and not re.fullmatch(allowed, name)
+                }
+    assert found - {("scene/errors.py", "place"), ("simulation/errors.py", "place")} == set()
