@@ -25,7 +25,7 @@ DRIVEN |= {"inputs.tip_force": True, "inputs.wall_motion": True, "outputs.loads"
 SVG = "{http://www.w3.org/2000/svg}"
 
 
-def drawn(scene):
+def drawing_of(scene):
     text = page(PreparedScene(scene), 3)
     return ElementTree.fromstring(text[text.index("<svg") : text.index("</svg>") + len("</svg>")])
 
@@ -46,7 +46,7 @@ def points(picture):
 @pytest.mark.full("more cases", but=8)
 @pytest.mark.parametrize("model", model_names())
 def test_the_drawing_names_points_walls_and_the_first_angle(model):
-    scene, picture = load_scene(model), drawn(load_scene(model))
+    scene, picture = load_scene(model), drawing_of(load_scene(model))
     told = labels(picture)
     assert {"x", "y", "+", "point 0", str(len(scene.chain.links))} | set(scene.half_planes) <= set(told)
     assert told.count("n") == len(scene.half_planes)
@@ -55,7 +55,7 @@ def test_the_drawing_names_points_walls_and_the_first_angle(model):
 
 def test_an_arm_is_drawn_as_it_hangs():
     scene = load_scene("pinned_arm").with_values({"initial.angles": ["-90 deg", "180 deg"]})
-    picture = drawn(scene)
+    picture = drawing_of(scene)
     (x0, y0), (x1, y1), (x2, y2) = points(picture)
     assert x0 == pytest.approx(x1)
     assert y0 < y1 == pytest.approx(y2)

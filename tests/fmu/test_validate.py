@@ -31,7 +31,7 @@ from tests.helpers.tools.planted_faults import (
     XML,
     by_fmpy,
     edited,
-    said,
+    finding_texts,
     spoiled,
 )
 from tests.tiers import needs_compilers
@@ -63,7 +63,7 @@ def test_faults_of_the_whole_are_found(fmus, target, tmp_path, fault):
         return None if fault == "no resources" and name.startswith("resources/") else content
 
     path = spoiled(fmus["rod_drop"], tmp_path / "x.fmu", change)
-    (line,) = said(path)
+    (line,) = finding_texts(path)
     assert by_fmpy(path, names=False) == MISSED
     assert line.startswith(f"{binary}: ")
     sentence = {
@@ -96,7 +96,7 @@ def test_a_planted_fault_is_found_with_its_place(all_fmus, quick_names, tmp_path
     """Only the fault's own file is checked, except for faults that only a run shows."""
     fault, fmu = FAULTS[version][name], all_fmus["native" if version == "2" else "fmi3"]["rod_drop"]
     path = spoiled(fmu, tmp_path / "x.fmu", edited(*fault.pairs, alone=not fault.runs))
-    lines = said(path) if fault.runs else validate_fmu(path)
+    lines = finding_texts(path) if fault.runs else validate_fmu(path)
     assert any(fault.sentence in line for line in lines), lines
     assert all(re.match(r"(modelDescription\.xml|binaries/\S+): \S", line) for line in lines)
     assert all(len(line.split()) > 4 for line in lines)
@@ -220,7 +220,7 @@ def test_an_alias_is_no_fault(native, tmp_path):
         reference = re.search(r'name="point\[0\]\.x" valueReference="(\d+)"', text)[1]
         return re.sub(r'(name="point\[1\]\.x" valueReference=")\d+', rf"\g<1>{reference}", text).encode()
 
-    lines = said(spoiled(native["rod_drop"], tmp_path / "x.fmu", change))
+    lines = finding_texts(spoiled(native["rod_drop"], tmp_path / "x.fmu", change))
     assert not [line for line in lines if "valueReference" in line]
 
 
@@ -236,7 +236,7 @@ def test_a_bomb_is_refused_by_its_declared_sizes(native, tmp_path, monkeypatch):
     at = raw.rindex(b"extra/bomb.csv") - 46
     assert raw[at : at + 4] == b"PK\1\2"
     path.write_bytes(raw[: at + 24] + struct.pack("<I", 4_294_000_000) + raw[at + 28 :])
-    (line,) = said(path)
+    (line,) = finding_texts(path)
     assert line.startswith("extra/bomb.csv: has 4.29 GB, and the whole FMU 4.29 GB")
     assert validate_fmu(path) == [line]
     with pytest.raises(SceneError, match=r"x\.fmu: not a readable FMU: extra/bomb\.csv: has 4\.29 GB"):
@@ -254,7 +254,7 @@ def test_a_path_that_leaves_the_folder_is_refused(native, tmp_path, name):
     path = spoiled(native["rod_drop"], tmp_path / "x.fmu", lambda name, content: content)
     with zipfile.ZipFile(path, "a") as fmu:
         fmu.writestr(name, b"")
-    (line,) = said(path)
+    (line,) = finding_texts(path)
     assert line.startswith(f"{name}: the path ")
 
 
@@ -292,7 +292,7 @@ def found(native, tmp_path):
         zig(tmp_path, "-shared", "-fPIC", "fmu.c", "-o", f"fmu{SUFFIX}")
         binary = (tmp_path / f"fmu{SUFFIX}").read_bytes()
         path = spoiled(native["rod_drop"], tmp_path / "x.fmu", lambda n, old: binary if n == BINARY else old)
-        return said(path, **options)
+        return finding_texts(path, **options)
 
     return found
 

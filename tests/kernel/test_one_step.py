@@ -170,7 +170,7 @@ BACK = ["roll back", "drop events"]
 REPEATED = ["roll back", ("try", 0.4), "accept"]
 
 
-def of(theta):
+def check_of_cut(theta):
     """Return the check of a step that ends at a fraction, at which it is cut."""
     return [("energy", theta), ("cut", theta)]
 
@@ -182,14 +182,14 @@ def of(theta):
         ({"bends": True, "loss": 0.3}, -1.0, 0.3, [("energy", -1.0)]),
         ({"bends": True, "loss": 0.1}, -1.0, 0.2, [("energy", -1.0)]),
         # the step is cut at a smooth force
-        ({"bends": False}, 0.4, 0.2, of(0.4)),
-        ({"bends": True}, 0.0, 0.2, of(0.0)),
+        ({"bends": False}, 0.4, 0.2, check_of_cut(0.4)),
+        ({"bends": True}, 0.0, 0.2, check_of_cut(0.0)),
         # the step is repeated up to a kink, and an implicit step up to an onset before its end
         ({"bends": True}, 0.4, 0.2, [*REPEATED, ("energy", -1.0)]),
         ({"bends": False, "method": IMPLICIT}, 0.4, 0.2, [*REPEATED, ("energy", -1.0)]),
-        ({"bends": True, "onset": 0.9}, 0.4, 0.2, [*REPEATED, *of(0.9)]),
+        ({"bends": True, "onset": 0.9}, 0.4, 0.2, [*REPEATED, *check_of_cut(0.9)]),
         # the interpolant of an implicit step is accurate at the ends
-        *(({"bends": False, "method": IMPLICIT}, theta, 0.2, of(theta)) for theta in (0.0, 1.0)),
+        *(({"bends": False, "method": IMPLICIT}, theta, 0.2, check_of_cut(theta)) for theta in (0.0, 1.0)),
         # a step whose event cannot be located or repeated is refused and undone, also after a repeat
         ({"bends": True}, None, CHECK_FAILED, BACK),
         ({"bends": True, "onset": None}, 0.4, CHECK_FAILED, [*REPEATED, *BACK]),
@@ -199,10 +199,10 @@ def of(theta):
         ),
         # a step that changes the total energy is refused and undone
         *(
-            ({"bends": False, "keeps": False, "loss": loss}, 0.4, CHECK_FAILED, [of(0.4)[0], *BACK])
+            ({"bends": False, "keeps": False, "loss": loss}, 0.4, CHECK_FAILED, [check_of_cut(0.4)[0], *BACK])
             for loss in (0.0, 1.0)
         ),
-        ({"bends": False, "loss": 1.05}, 0.4, INACCURATE, [of(0.4)[0], *BACK]),
+        ({"bends": False, "loss": 1.05}, 0.4, INACCURATE, [check_of_cut(0.4)[0], *BACK]),
     ],
 )
 def test_a_step_ends_at_its_event(monkeypatch, told, theta, error, done):

@@ -32,7 +32,7 @@ TEXTS = function_of("curves", "texts")
 MOTION = function_of("curves", "motionInPage")
 
 
-def told(page, name):
+def shown_value(page, name):
     """Return the value of an output beside its name, without its unit."""
     row = page.locator("#outputs-over-time div").filter(has=page.locator(f'dt[title="{name}"]'))
     return float(row.locator("dd").inner_text().split("\u202f")[0].replace("\u2212", "-"))
@@ -47,7 +47,7 @@ def test_outputs_of_a_link_are_drawn_and_told_at_each_time(show, result):
     until(page, "document.getElementById('time').textContent === '0.90000 s'")
     for name in names:
         known = np.interp(0.9, result.time, result[name])
-        assert told(page, name) == pytest.approx(known, abs=1e-3 * np.ptp(result[name]))
+        assert shown_value(page, name) == pytest.approx(known, abs=1e-3 * np.ptp(result[name]))
 
 
 CURVE_WORDS = {
@@ -196,7 +196,7 @@ def test_a_view_of_one_impact_has_its_peak_and_a_pinned_curve(show, result):
     impact = result.impacts[0]
     unit = page.locator("#outputs-over-time .curve-unit")
     assert unit.inner_text() == "force, kN", "as in the chart of the contact"
-    shown = 1e3 * told(page, "contact[2].y_min.force") / impact["peak_force"]
+    shown = 1e3 * shown_value(page, "contact[2].y_min.force") / impact["peak_force"]
     assert shown == pytest.approx(1.0, abs=0.01), "the largest force"
     assert page.text_content("#outputs-impact") == page.text_content("#contact-name").split(",")[0]
     charts = page.locator("#outputs-over-time .u-over").first
@@ -207,7 +207,7 @@ def test_a_view_of_one_impact_has_its_peak_and_a_pinned_curve(show, result):
         page, f"Math.abs(Number(document.getElementById('time').textContent.slice(0, 7)) - {middle}) < 5e-5"
     )
     assert page.evaluate(NOW) == pytest.approx(0.5, abs=0.01)
-    assert 0.5 < 1e3 * told(page, "contact[2].y_min.force") / impact["peak_force"] < 1.0
+    assert 0.5 < 1e3 * shown_value(page, "contact[2].y_min.force") / impact["peak_force"] < 1.0
     page.get_by_role("button", name="Pin").click()
     soft = {"contact.stiffness": 1e7}
     lower = simulate(load_scene("four_link_box").with_values(soft)).impacts

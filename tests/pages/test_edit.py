@@ -29,7 +29,7 @@ RECORD = function_of("edit", "recordInPage")
 STRUCTURE = function_of("edit", "structure")
 
 
-def made(script, scene, text="", contents=None):
+def record_in_page(script, scene, text="", contents=None):
     """Return the record that the page makes of a file's text, or of its contents."""
     return script.evaluate(RECORD, [page_contents(scene)["kit"], text, contents])
 
@@ -57,14 +57,14 @@ def test_the_file_of_every_model_makes_the_record_of_its_scene(script, model):
     """The record has the right counts of links, angles in degrees and of joints, normals and defaults."""
     text = scene_file_path(model).read_text(encoding="utf-8")
     scene = load_scene(model)
-    assert_as_python(made(script, scene, text), scene)
+    assert_as_python(record_in_page(script, scene, text), scene)
 
 
 @pytest.mark.full("many random scenes", but=10)
 @pytest.mark.parametrize("seed", range(30))
 def test_the_contents_of_a_random_scene_make_its_record(script, seed):
     scene = random_scenes.scene(seed)
-    assert_as_python(made(script, scene, contents=scene_to_dict(scene)), scene)
+    assert_as_python(record_in_page(script, scene, contents=scene_to_dict(scene)), scene)
 
 
 @pytest.mark.full("more cases", but=10)
@@ -89,13 +89,13 @@ def test_the_structure_of_a_scene_is_that_of_python(script, source):
 
 def test_a_file_with_everything_makes_the_record_of_its_scene(script):
     scene = parse_scene(WRITTEN, "written.toml")
-    assert_as_python(made(script, scene, WRITTEN), scene)
+    assert_as_python(record_in_page(script, scene, WRITTEN), scene)
 
 
 @pytest.mark.parametrize("seed", range(0, 40, 4))
 def test_signals_of_a_random_scene_are_in_its_record(script, seed):
     scene = random_scenes.scene(random_scenes.SIGNALLED + seed)
-    assert_as_python(made(script, scene, contents=scene_to_dict(scene)), scene)
+    assert_as_python(record_in_page(script, scene, contents=scene_to_dict(scene)), scene)
 
 
 def test_the_page_has_the_tables_of_its_scene_and_no_others(script, tmp_path):
@@ -103,12 +103,12 @@ def test_the_page_has_the_tables_of_its_scene_and_no_others(script, tmp_path):
     scene = with_inputs(load_scene("shaken_pendulum").with_values({("signals",): {}}), tmp_path / "ways.csv")
     contents = page_contents(scene)["file"]
     assert contents["signals"]["inputs"]["file"] == "ways.csv"
-    assert_as_python(made(script, scene, contents=contents), scene)
+    assert_as_python(record_in_page(script, scene, contents=contents), scene)
     for key, other in (("file", "roads.csv"), ("interpolation", "linear"), ("period", 0.5)):
         changed = deepcopy(contents)
         changed["signals"]["inputs"][key] = other
         with pytest.raises(JSException, match=r"signals.inputs.file = .* the page does not have this table"):
-            made(script, scene, contents=changed)
+            record_in_page(script, scene, contents=changed)
 
 
 SHAKE = {"input": ["base.y"], "form": "sine", "amplitude": 0.01, "frequency": 20.0}
@@ -131,20 +131,20 @@ def test_a_signal_that_cannot_be_is_refused(script, signal, sentence):
     contents = scene_to_dict(scene)
     contents["signals"]["own"] = signal
     with pytest.raises(JSException, match=re.escape(sentence)):
-        made(script, scene, contents=contents)
+        record_in_page(script, scene, contents=contents)
 
 
 @pytest.mark.parametrize("body", BODIES)
 def test_a_file_with_bodies_makes_the_record_of_its_scene(script, body):
     scene = parse_scene(BODIES[body], "bodies.toml")
-    assert_as_python(made(script, scene, BODIES[body]), scene)
-    assert_as_python(made(script, scene, contents=scene_to_dict(scene)), scene)
+    assert_as_python(record_in_page(script, scene, BODIES[body]), scene)
+    assert_as_python(record_in_page(script, scene, contents=scene_to_dict(scene)), scene)
 
 
 @pytest.mark.parametrize("part", ["points", "contacts", "energies", "solver"])
 def test_outputs_that_are_not_asked_for_are_not_there(script, part):
     scene = load_scene("sliding_rod").with_values({f"outputs.{part}": False, "outputs.impacts": 0})
-    assert_as_python(made(script, scene, contents=scene_to_dict(scene)), scene)
+    assert_as_python(record_in_page(script, scene, contents=scene_to_dict(scene)), scene)
 
 
 def changed(path, value, text=WRITTEN):

@@ -94,7 +94,7 @@ def crowd(count=60):
     return swing(hits, {"y_min": 0.0, "y_max": 1.0, "x_max": 1.0})
 
 
-def drawn(recording):
+def page_of(recording):
     """Return the page with a recording, and its axes: motion, time, energy, impact speeds.
 
     There are no axes "time" if the motion is drawn over time. The page has the usual size. It is drawn once
@@ -123,7 +123,7 @@ def motion_of(recording):
 
 def impacts_of(recording):
     """Return the axes with all impacts over the time of the run, also of a recording with a single impact."""
-    found = [axes for axes in drawn(recording)[1:] if axes.get_label() == "impacts"]
+    found = [axes for axes in page_of(recording)[1:] if axes.get_label() == "impacts"]
     return found[0] if found else recording.plot(panels="impacts").axes[0]
 
 

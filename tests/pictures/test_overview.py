@@ -25,8 +25,8 @@ from tests.pictures.pictures import (
     check_rules,
     check_texts,
     crowd,
-    drawn,
     impact_row,
+    page_of,
     recorded,
     swing,
     write,
@@ -78,7 +78,7 @@ def test_settings_of_matplotlib_are_left_alone(tmp_path):
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize("name", PICTURES)
 def test_labels_never_overlap(name):
-    page, *panels = drawn(picture(name))
+    page, *panels = page_of(picture(name))
     named = {axes.get_label(): axes for axes in panels}
     motion, speeds = named["motion"], named.get("impacts", named.get("impact"))
     for axes in panels:
@@ -111,7 +111,7 @@ def test_labels_never_overlap(name):
 @pytest.mark.full("more cases", but=["arm_at_stop", "bouncing_ball"])
 @pytest.mark.parametrize("name", PICTURES)
 def test_a_picture_has_few_colours_besides_those_of_time(name):
-    _, *panels = drawn(picture(name))
+    _, *panels = page_of(picture(name))
     for axes in (panel for panel in panels if panel.get_label() in ("energy", "impacts")):
         colours = {to_hex(line.get_color()) for line in axes.lines}
         colours |= {to_hex(colour) for item in axes.collections for colour in item.get_edgecolor()}
@@ -124,13 +124,13 @@ def test_long_names_of_points_are_short_in_panels_and_whole_at_the_foot():
     recording = dataclasses.replace(
         swing([impact_row(1.0, 1, "x_min", 1.0)], {"x_min": -1.0}), point_names={1: name}
     )
-    page, *_, speeds = drawn(recording)
+    page, *_, speeds = page_of(recording)
     assert speeds.get_legend().get_texts()[0].get_text() == "point 1 (left_fr…_sphere)"
     assert f"point 1: {name}" in [text.get_text() for text in page.texts]
 
 
 def test_the_headline_has_the_message_and_the_conditions():
-    page, *_ = drawn(recorded("four_link_box"))
+    page, *_ = page_of(recorded("four_link_box"))
     message, conditions = (text.get_text() for text in page.texts)
     assert message.startswith("FourLinkBox: peak force 19.1 kN, 14 impacts in 2 s, ")
     assert "zhang_sharf" in conditions
@@ -146,7 +146,7 @@ def test_a_simulation_that_stopped_at_once_has_a_picture(tmp_path, rows):
 
 
 def test_the_colours_of_the_motion_are_those_of_the_axis_of_time():
-    _, motion, clock, _ = drawn(swing(rows=201))
+    _, motion, clock, _ = page_of(swing(rows=201))
     strip = clock.images[0]
     path = next(item for item in motion.collections if item.get_label() == "tip")
     for row, time in ((0, 0.005), (70, 0.705), (199, 1.995)):

@@ -11,14 +11,14 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.figures import FIGURE_SIZE
 from chain_impact.pictures.overview_layout import broadness, is_beside, is_over_time
-from tests.pictures.pictures import WIDTHS, check_rules, check_texts, drawn, recorded, swing
+from tests.pictures.pictures import WIDTHS, check_rules, check_texts, page_of, recorded, swing
 
 
 @pytest.mark.full("more cases", but=["four_link_box", "rod_drop"])
 @pytest.mark.parametrize("name", ["four_link_box", "rod_drop", "pinned_arm"])
 def test_the_motion_fills_its_panel(name):
     """The motion is nearly as high as the panels beside it, or as wide as two fifths of the page."""
-    page, motion, clock, energy, _ = drawn(recorded(name))
+    page, motion, clock, energy, _ = page_of(recorded(name))
     box = motion.get_window_extent()
     height = energy.get_window_extent().y1 - clock.get_window_extent().y0
     assert box.width > 0.4 * page.bbox.width or box.height > 0.85 * height
@@ -26,18 +26,18 @@ def test_the_motion_fills_its_panel(name):
 
 @pytest.mark.parametrize(("model", "is_low"), [("elastic_floor", True), ("four_link_box", False)])
 def test_the_panel_of_few_impacts_is_lower_than_that_of_energies(model, is_low):
-    panels = {axes.get_label(): axes for axes in drawn(recorded(model))[1:]}
+    panels = {axes.get_label(): axes for axes in page_of(recorded(model))[1:]}
     heights = [panels[name].get_position().height for name in ("impacts", "energy")]
     assert (heights[0] < 0.8 * heights[1]) == is_low
 
 
 @pytest.mark.full("takes long")
 def test_a_broad_motion_has_the_whole_width():
-    page, *_ = drawn(recorded("clattering_rod"))
+    page, *_ = page_of(recorded("clattering_rod"))
     motion, _, energy, _ = page.axes
     assert motion.get_window_extent().width > 0.8 * page.bbox.width
     assert energy.get_window_extent().y1 < motion.get_window_extent().y0
-    _, _, *over_time = drawn(swing())
+    _, _, *over_time = page_of(swing())
     assert [axes.get_label() for axes in over_time] == ["time", "energy"]
 
 

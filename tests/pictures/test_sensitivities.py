@@ -45,27 +45,27 @@ from tests.pictures.pictures import contrast
 FEW = ("contact.restitution", "initial.angle[2]")
 
 
-def made(scene, names, **options):
+def run_with_sensitivities(scene, names, **options):
     return simulate(scene, sensitivities=names, **options)
 
 
 @pytest.fixture(scope="module")
 def swing():
-    return made("pinned_arm", FEW)
+    return run_with_sensitivities("pinned_arm", FEW)
 
 
 @pytest.fixture(scope="module")
 def page(swing):
-    return drawn(swing)
+    return sensitivity_page(swing)
 
 
-def drawn(recording, *outputs):
+def sensitivity_page(recording, *outputs):
     page = Figure(figsize=(10.0, 5.4), layout="constrained")
     fill_sensitivities(page, recording, outputs)
     return page
 
 
-def said(page):
+def texts_of(page):
     return [page.get_suptitle(), *(text.get_text() for text in page.texts)]
 
 
@@ -87,7 +87,7 @@ def test_axes_have_units_and_impacts_are_marked(swing, page):
     assert [re.findall(r"\[(\w+)\]$", label) for label in labels] == [["mm"], ["mm"], ["mJ"], []]
     # the table has a place in the second row, so that each panel of the first row has its times
     assert [axes.get_xlabel() for axes in page.axes] == [*["time [s]"] * 3, "impact"]
-    assert any("gaps: the change shifts an impact" in text for text in said(page))
+    assert any("gaps: the change shifts an impact" in text for text in texts_of(page))
     onsets = swing.impacts["onset"].tolist()
     for axes in page.axes[:-1]:
         (lines,) = axes.collections
@@ -98,7 +98,7 @@ def test_axes_have_units_and_impacts_are_marked(swing, page):
 @pytest.mark.parametrize("count", [1, 2, 4])
 def test_outputs_that_are_asked_for(swing, count):
     names = ["link[2].angle", "energy.kinetic", "point[1].vx", "point[1].y"][:count]
-    page = drawn(swing, *names)
+    page = sensitivity_page(swing, *names)
     *panels, table = page.axes
     assert [axes.get_title().split()[1] for axes in panels] == names
     assert table.get_title(loc="left") == "change of peak force [%] by + 1 %"
@@ -111,7 +111,7 @@ def test_outputs_that_are_asked_for(swing, count):
 
 def test_an_output_that_is_not_there(swing):
     with pytest.raises(UnknownNameError, match=r"point\[9\].x is not an output of this result"):
-        drawn(swing, "point[9].x")
+        sensitivity_page(swing, "point[9].x")
 
 
 def test_the_legend_says_what_is_changed_and_by_how_much(page):
@@ -125,8 +125,10 @@ def test_the_legend_says_what_is_changed_and_by_how_much(page):
 
 
 def test_the_most_important_of_many_parameters_have_colours():
-    recording = made("rod_drop", ("link[1].*", "initial.*", "contact.*", "box.*"), stop_time=0.6)
-    names, page = ("point[1].x", "point[1].y", "energy.total"), drawn(recording)
+    recording = run_with_sensitivities(
+        "rod_drop", ("link[1].*", "initial.*", "contact.*", "box.*"), stop_time=0.6
+    )
+    names, page = ("point[1].x", "point[1].y", "energy.total"), sensitivity_page(recording)
     whole = recording.sensitivities
     relative = np.max([shares(recording, whole, name) for name in names], axis=0)
     found = with_small_steps(recording, whole, names, known_changes(recording, whole, relative))
@@ -168,16 +170,16 @@ def test_the_legend_counts_the_other_parameters(names, told):
 
 @pytest.mark.full("takes long")
 def test_changes_without_an_impact_say_that_there_is_none():
-    page = drawn(made("rod_drop", "contact.restitution", stop_time=0.3))
-    assert said(page)[0] == "RodDrop: no parameter changes point[1].x, point[1].y, energy.total"
+    page = sensitivity_page(run_with_sensitivities("rod_drop", "contact.restitution", stop_time=0.3))
+    assert texts_of(page)[0] == "RodDrop: no parameter changes point[1].x, point[1].y, energy.total"
     assert "no impact" in [text.get_text() for text in page.axes[-1].texts]
 
 
 def test_missing_derivatives_leave_a_gap_with_the_reason():
-    recording = made(flat_rod(model="newton_impact"), "initial.vy")
-    page = drawn(recording)
+    recording = run_with_sensitivities(flat_rod(model="newton_impact"), "initial.vy")
+    page = sensitivity_page(recording)
     (limit,) = recording.sensitivities.limits
-    assert limit in " ".join(said(page)[-1].split("\n"))
+    assert limit in " ".join(texts_of(page)[-1].split("\n"))
     for axes in page.axes[:-1]:
         assert " no derivatives" in [text.get_text() for text in axes.texts]
         (band,) = axes.patches
@@ -198,11 +200,11 @@ def test_a_scale_fits_what_is_outside_of_impacts(swing, page):
 
 @pytest.fixture(scope="module")
 def chaotic():
-    return made("four_link_box", ["contact.restitution", "contact.stiffness"])
+    return run_with_sensitivities("four_link_box", ["contact.restitution", "contact.stiffness"])
 
 
 def test_a_curve_ends_where_the_change_exceeds_the_range_of_an_output(chaotic):
-    found, page = chaotic.sensitivities, drawn(chaotic)
+    found, page = chaotic.sensitivities, sensitivity_page(chaotic)
     assert np.abs(found.changes("energy.total")[is_outside_impacts(chaotic)]).max() > span_of(
         chaotic, "energy.total"
     )
@@ -218,16 +220,16 @@ def test_a_curve_ends_where_the_change_exceeds_the_range_of_an_output(chaotic):
     (image,) = page.axes[3].images
     assert (np.ma.getmaskarray(image.get_array()).sum(axis=1) > 0).tolist() == [True, False]
     assert {axes.get_yscale() for axes in page.axes[:3]} == {"linear"}  # changes of sign are no strokes
-    assert any("ends: a change reverses two impacts" in text for text in said(page))
+    assert any("ends: a change reverses two impacts" in text for text in texts_of(page))
 
 
 def test_curves_go_on_to_the_time_that_the_headline_names(chaotic):
     """1 % more restitution reverses impacts 6 and 7 to first order, and impacts 5 and 6 in a run."""
-    page, found, onsets = drawn(chaotic), chaotic.sensitivities, chaotic.impacts["onset"]
+    page, found, onsets = sensitivity_page(chaotic), chaotic.sensitivities, chaotic.impacts["onset"]
     kept = keeps_order(chaotic, found)
     assert chaotic.time[kept[:, 0]].max() == pytest.approx(onsets[5], abs=0.01)
     assert kept[:, 1].all()
-    (told,) = re.findall(r"not predictable after ([\d.]+) s", said(page)[2])
+    (told,) = re.findall(r"not predictable after ([\d.]+) s", texts_of(page)[2])
     for axes in page.axes[:3]:
         restitution = next(line for line in axes.lines if line.get_label().startswith("contact.restitution"))
         seen = np.flatnonzero(np.isfinite(restitution.get_ydata()))
@@ -241,8 +243,8 @@ def test_curves_go_on_to_the_time_that_the_headline_names(chaotic):
 
 
 def test_the_headline_names_the_parameter_that_matters_most(chaotic, swing, page):
-    assert "restitution + 1 % moves" in said(drawn(chaotic))[0]
-    found = re.search(r": (.+) \+ 1 % moves point (\d) by (\S+) mm in ([xy])", said(page)[0])
+    assert "restitution + 1 % moves" in texts_of(sensitivity_page(chaotic))[0]
+    found = re.search(r": (.+) \+ 1 % moves point (\d) by (\S+) mm in ([xy])", texts_of(page)[0])
     parameter, point, value, axis = found.groups()
     chosen = [plain_name(name) for name in FEW].index(parameter)
     changes = swing.sensitivities.changes(f"point[{point}].{axis}")[is_outside_impacts(swing), chosen]
@@ -268,7 +270,7 @@ def test_a_result_draws_itself(tmp_path):
     ids=["walls and stops", "stops only"],
 )
 def test_a_table_with_stops_has_moments(scene, words):
-    table = drawn(made(scene, ["stop.restitution"]), "link[1].angle").axes[-1]
+    table = sensitivity_page(run_with_sensitivities(scene, ["stop.restitution"]), "link[1].angle").axes[-1]
     assert table.get_title(loc="left") == f"change of {words} [%] by + 1 %"
 
 
@@ -280,7 +282,7 @@ def test_a_coordinate_at_rest_and_a_shift_do_not_decide_the_headline():
     only = simulate("rod_drop", stop_time=0.3, sensitivities=["gravity.y"])
     figure = only.plot_sensitivities()
     assert "moves point 1 by 4.4 mm in y" in figure.get_suptitle()
-    assert "at 0.3 s" in said(figure)
+    assert "at 0.3 s" in texts_of(figure)
 
 
 def test_many_impacts_have_colours_in_place_of_numbers():
@@ -339,7 +341,9 @@ def test_rigid_impacts_have_changes_of_impulses():
 
 
 def test_a_panel_without_any_change_says_so():
-    page = drawn(made("pinned_arm", ("contact.stiffness",), stop_time=0.3), "point[2].x")
+    page = sensitivity_page(
+        run_with_sensitivities("pinned_arm", ("contact.stiffness",), stop_time=0.3), "point[2].x"
+    )
     axes = page.axes[0]
     assert "no change" in [text.get_text() for text in axes.texts]
     assert axes.get_yticks().tolist() == [0.0]
@@ -350,7 +354,7 @@ def test_the_headline_says_where_derivatives_end():
     assert rock.plot_sensitivities().get_suptitle().endswith("no derivatives from 0 s on")
     slides = simulate("sliding_rod", 0.1, sensitivities=["gravity.y"])
     known = slides.time[np.isfinite(slides.sensitivities.slopes).any(axis=(1, 2))][-1]
-    assert f"known until {known:.3g} s" in said(slides.plot_sensitivities())[2]
+    assert f"known until {known:.3g} s" in texts_of(slides.plot_sensitivities())[2]
 
 
 def test_the_headline_has_a_change_that_a_run_confirms():
@@ -360,7 +364,7 @@ def test_the_headline_has_a_change_that_a_run_confirms():
     more = load_scene("four_link_box").with_values({names[0]: 1.01 * recording.parameters[names[0]]})
     other = simulate(more, 1.1)
     figure = recording.plot_sensitivities()
-    headline = f"{figure.get_suptitle()}; {said(figure)[2]}".replace("\n", " ")
+    headline = f"{figure.get_suptitle()}; {texts_of(figure)[2]}".replace("\n", " ")
     confirmed = r"moves point 4 by ([\d.]+) mm in (.); at ([\d.]+) s; "
     pattern = r"point 4 in (.) at ([\d.]+) s: ([\d.]+) mm to first order, but ([\d.]+) mm in a run"
     size, axis, time, *rest = re.search(confirmed + pattern, headline).groups()
@@ -385,7 +389,7 @@ def test_the_headline_has_a_change_that_a_run_confirms():
 
 def test_a_headline_without_a_confirmed_change_has_both_sizes(swing, monkeypatch):
     monkeypatch.setattr(sensitivity_finding, "is_different", lambda *_: True)
-    headline = " ".join(said(drawn(swing))).replace("\n", " ")
+    headline = " ".join(texts_of(sensitivity_page(swing))).replace("\n", " ")
     assert re.search(
         r"moves point 2 by [\d.]+ mm in . in a run, at [\d.]+ s; to first order [\d.]+ mm", headline
     )

@@ -16,7 +16,7 @@ TOLD = (
 )
 
 
-def said(scene, **settings):
+def warnings_and_result(scene, **settings):
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")
         result = simulate(scene, **settings)
@@ -36,14 +36,14 @@ def test_a_wall_that_is_too_soft_is_told_at_the_line_that_simulates():
 
 def test_the_stiffness_of_the_wall_itself_is_named():
     soft = {"contact.wall": {"y_min": {"stiffness": 100.0}}}
-    told, _ = said(load_scene("four_link_box").with_values(soft))
+    told, _ = warnings_and_result(load_scene("four_link_box").with_values(soft))
     assert len(told) == 1
     assert told[0].endswith(TOLD.replace("contact.", "wall.y_min."))
 
 
 @pytest.mark.parametrize("values", [{}, {"contact.stiffness": 1e5}, {"contact.model": "newton_impact"}])
 def test_shallow_contacts_are_not_told(values):
-    told, result = said(load_scene("four_link_box").with_values(values))
+    told, result = warnings_and_result(load_scene("four_link_box").with_values(values))
     assert told == []
     assert result.impacts["max_penetration"].max() < DEEP_PENETRATION * 0.5
     assert "note" not in str(result)
@@ -51,19 +51,19 @@ def test_shallow_contacts_are_not_told(values):
 
 @pytest.mark.parametrize("model", ["elastic_floor", "kneed_leg", "simple_pendulum"])
 def test_balls_stops_and_chains_without_walls_have_nothing_to_tell(model):
-    told, _ = said(model)
+    told, _ = warnings_and_result(model)
     assert told == []
 
 
 def test_a_rod_that_touches_with_one_point_is_no_ball():
     soft = {"contact.points": [0], "contact.stiffness": 10.0}
-    told, _ = said(load_scene("rod_drop").with_values(soft))
+    told, _ = warnings_and_result(load_scene("rod_drop").with_values(soft))
     assert len(told) == 1
     assert "m beyond y_min, and the length of the shortest link is 0.6 m" in told[0]
 
 
 def test_a_ball_goes_deeper_than_its_radius():
-    told, _ = said(
+    told, _ = warnings_and_result(
         load_scene("elastic_ball").with_values({"contact.model": "hertz", "contact.stiffness": 1e3})
     )
     assert len(told) == 1

@@ -90,7 +90,7 @@ def set_status(d, status):
 
 # The kinds of parts of a scene that can cause a fault, in the order of the parts' numbers in `fault.part`:
 # candidates, links, drives (of the joints, then of the slider), and the base at the wall of each candidate.
-# ``parts_in_words`` in scene/candidates.py has the words for these numbers.
+# ``part_texts`` in scene/candidates.py has the texts for these numbers.
 CANDIDATE_PART, LINK_PART, DRIVE_PART, BASE_PART = range(4)
 
 

@@ -106,5 +106,5 @@ def by_fmpy(path, *, names):
     return MISSED
 
 
-def said(path, **options):
+def finding_texts(path, **options):
     return [str(finding) for finding in validation(path, **options).findings]

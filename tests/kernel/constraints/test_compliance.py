@@ -26,7 +26,7 @@ OF_STOPS = [(2, "free", None), (4, "free", None), (1, "pinned", None), (3, "pinn
 CASES = pytest.mark.parametrize("case", OF_WALLS + OF_STOPS, ids=lambda case: "-".join(map(str, case)))
 
 
-def made(case, resist=True):
+def chain_at_walls(case, resist=True):
     """Return a chain that touches walls of several directions: its record, M, all ∇g and ∇g of contacts."""
     count, base, touching = case
     rng = np.random.default_rng([count, len(base), touching or 7])
@@ -99,7 +99,7 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
 
     Also the loads and impedances: the virtual work is Jᵀ p, and the energy of impedances ½ Σ D (n·v)².
     """
-    scene, d, angles, _, jacobian, rng = made(case, resist)
+    scene, d, angles, _, jacobian, rng = chain_at_walls(case, resist)
     count, active, across = d.link_count, len(jacobian), relative_motion(d.link_count)
     assert d.chain.has_springs_or_dampers == (resist and (count > 1 or d.chain.has_base_joint))
     impedance, impulse = rng.uniform(0.0, 30.0, d.candidate_count), rng.normal(size=d.candidate_count)
@@ -136,7 +136,7 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
 @CASES
 def test_the_effective_mass_is_the_mass_that_an_impulse_moves(case):
     """The effective mass of a stop is the inertia of its joint over the square of the arm."""
-    scene, d, angles, rows, _, _ = made(case)
+    scene, d, angles, rows, _, _ = chain_at_walls(case)
     for c, row in enumerate(rows):
         expected = 1.0 / (row @ solved(d, mass_matrix(scene, angles), row))
         assert compliance.effective_mass(d, c) == pytest.approx(expected, rel=1e-10)

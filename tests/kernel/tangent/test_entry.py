@@ -18,26 +18,26 @@ NAMES = CASE.parameters[: 2 * duals.DIRECTIONS + 1]
 TIMES = np.linspace(0.0, 0.3, 31)
 
 
-def of(*names):
+def case_with(*names):
     return Case(CASE.scene, names, CASE.times)
 
 
 @pytest.fixture(scope="module")
 def together():
-    return followed(started(of(*NAMES)), TIMES)
+    return followed(started(case_with(*NAMES)), TIMES)
 
 
 def test_the_number_of_parameters_beside_one_does_not_matter(together):
     """Several instances of dual numbers carry the parameters, one after the other."""
     values, slopes = together
     for k in (0, duals.DIRECTIONS - 1, duals.DIRECTIONS, 2 * duals.DIRECTIONS):
-        alone, slope = followed(started(of(NAMES[k])), TIMES)
+        alone, slope = followed(started(case_with(NAMES[k])), TIMES)
         np.testing.assert_array_equal(alone, values)
         np.testing.assert_array_equal(slope[..., 0], slopes[..., k])
 
 
 def test_the_pieces_in_which_a_run_is_made_do_not_matter(together):
-    instance = started(of(*NAMES))
+    instance = started(case_with(*NAMES))
     pieces = [followed(instance, part) for part in np.array_split(TIMES, 5)]
     np.testing.assert_array_equal(np.concatenate([values for values, _ in pieces]), together[0])
     np.testing.assert_array_equal(np.concatenate([slopes for _, slopes in pieces]), together[1])

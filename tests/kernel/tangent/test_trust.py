@@ -125,7 +125,7 @@ def approaching(monkeypatch, *rates):
     monkeypatch.setattr(trust, "clearance_and_rate", lambda _, c: (dual(-1e-4), dual(rates[c])))
 
 
-def told(t):
+def trust_fields(t):
     return t.trust.reason, t.trust.time, t.trust.point, t.trust.wall
 
 
@@ -152,7 +152,9 @@ def test_an_onset_is_judged_by_its_speed(monkeypatch, rate, rigid, reason):
         approaching(monkeypatch, 0.0, rate, 0.0, 0.0)
         assert trust.fastest_speed(t) == pytest.approx(5.0)
         trust.check_onsets(t)
-        assert told(t) == ((trust.TRUSTED, 0.0, 9, 9) if reason == trust.TRUSTED else (reason, TIME, 5, 1))
+        assert trust_fields(t) == (
+            (trust.TRUSTED, 0.0, 9, 9) if reason == trust.TRUSTED else (reason, TIME, 5, 1)
+        )
 
 
 def test_the_slowest_of_several_onsets_is_named(monkeypatch):
@@ -161,12 +163,12 @@ def test_the_slowest_of_several_onsets_is_named(monkeypatch):
         t = instance([ONSET, CONTACT_ENDS, ONSET, ONSET])
         approaching(monkeypatch, rates[0], 0.0, *rates[1:])
         trust.check_onsets(t)
-        assert told(t) == (trust.SIMULTANEOUS_ONSETS, TIME, 4 + slowest, slowest)
+        assert trust_fields(t) == (trust.SIMULTANEOUS_ONSETS, TIME, 4 + slowest, slowest)
     for event, reason in ((CONTACT_ENDS, trust.TRUSTED), (ONSET, trust.NOT_CONVERGED)):
         t = instance([event])
         t.trust.reason = reason
         trust.check_onsets(t)
-        assert told(t) == (reason, 0.0, 9, 9)
+        assert trust_fields(t) == (reason, 0.0, 9, 9)
 
 
 @pytest.mark.parametrize(
@@ -191,7 +193,7 @@ def test_the_force_of_a_users_law_may_jump_where_a_point_turns(monkeypatch, rate
         trust.check_turns(t)
         if not (present and number == trust.USER_LAW):
             assert t.trust.reason == trust.TRUSTED
-    assert told(t) == (
+    assert trust_fields(t) == (
         (trust.FORCE_JUMPS, TIME - 1.0, 6, 2) if turned and jumps else (trust.TRUSTED, 0.0, 9, 9)
     )
     assert asked == ([(2, 1e-4)] if turned else [])
@@ -222,7 +224,7 @@ def test_derivatives_are_trusted_up_to_the_named_impact():
     assert trust.is_trusted(t)
     for time, right in ((TIME + 0.1, True), (TIME, False), (TIME - 0.1, False)):
         trust.mark_untrusted(t, trust.GRAZING, 2, time)
-        assert told(t) == (trust.GRAZING, time, 6, 2)
+        assert trust_fields(t) == (trust.GRAZING, time, 6, 2)
         assert trust.is_trusted(t) == right
     trust.mark_untrusted(t, trust.NOT_CONVERGED, trust.NO_IMPACT, 0.5)
-    assert told(t) == (trust.NOT_CONVERGED, 0.5, trust.NO_IMPACT, 0)
+    assert trust_fields(t) == (trust.NOT_CONVERGED, 0.5, trust.NO_IMPACT, 0)

@@ -15,7 +15,7 @@ from chain_impact.pictures.drawing.distinct_curves import (
 TIME = np.linspace(0.0, 3.0, 20_001)
 
 
-def drawn(*curves):
+def axes_with(*curves):
     """Return axes, 4 inches wide, with some curves."""
     axes = Figure((4.0, 2.0)).add_axes((0.0, 0.0, 1.0, 1.0))
     looks = [{"color": "C0", "label": str(k)} for k in range(len(curves))]
@@ -24,7 +24,7 @@ def drawn(*curves):
 
 
 def test_a_fast_oscillation_is_a_pale_area_between_its_extremes():
-    axes = drawn((2.0 + TIME) * np.sin(2.0 * np.pi * 100.0 * TIME), np.cos(TIME))
+    axes = axes_with((2.0 + TIME) * np.sin(2.0 * np.pi * 100.0 * TIME), np.cos(TIME))
     (area,) = axes.collections
     assert np.ptp(area.get_paths()[0].vertices[:, 1]) == pytest.approx(10.0, rel=0.02)
     assert area.get_facecolor()[0, 3] < 0.5  # a curve behind it is seen
@@ -58,7 +58,7 @@ def test_the_range_of_an_oscillation_is_exact_up_to_both_ends():
     ],
 )
 def test_other_curves_are_lines(curve):
-    axes = drawn(curve)
+    axes = axes_with(curve)
     assert not axes.collections
     assert len(axes.lines) == 1
 

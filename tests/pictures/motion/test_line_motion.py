@@ -8,7 +8,7 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.pictures.motion.line_motion import line_of_motion, wall_surfaces
 from chain_impact.pictures.overview_layout import is_over_time
-from tests.pictures.pictures import MODELS, OVER_TIME, WIDTHS, check_texts, drawn, recorded
+from tests.pictures.pictures import MODELS, OVER_TIME, WIDTHS, check_texts, page_of, recorded
 
 
 @pytest.mark.parametrize("model", [*MODELS, "triple_pendulum"])
@@ -20,7 +20,7 @@ def test_only_a_ball_that_moves_along_a_line_is_drawn_over_time(model):
 
 
 def test_all_panels_call_the_ball_a_ball():
-    page, *_ = drawn(recorded("bouncing_ball"))
+    page, *_ = page_of(recorded("bouncing_ball"))
     names = {text.get_text() for axes in page.axes for text in axes.get_legend().get_texts()}
     told = " ".join(text.get_text() for text in page.texts)
     assert "path of the ball" in names

@@ -30,7 +30,7 @@ from chain_impact.recording.joint_peaks import joint_peaks
 from chain_impact.recording.joint_stops import range_lines
 from chain_impact.recording.view import ball_of
 from chain_impact.scene.display.bodies import size_of_motion
-from tests.pictures.pictures import boxes, crowd, drawn, impact_row, motion_of, recorded, swing, texts
+from tests.pictures.pictures import boxes, crowd, impact_row, motion_of, page_of, recorded, swing, texts
 
 
 def poses(axes):
@@ -165,7 +165,7 @@ def test_a_motion_that_marks_hide_is_told_and_has_no_path():
 
 def test_walls_that_are_not_reached_are_told_if_none_is_drawn():
     for far, told in ((1.3, False), (3.0, True)):  # the rod has a length of 1 m
-        page = drawn(swing(walls={"y_max": far}))[0]
+        page = page_of(swing(walls={"y_max": far}))[0]
         assert ("not reached: y_max" in [text.get_text() for text in page.texts]) == told
 
 
@@ -197,7 +197,7 @@ def test_impacts_are_ringed_where_the_point_was_and_numbered():
 def test_the_impact_with_the_largest_force_is_marked_in_both_panels(model):
     recording = recorded(model)
     (most,) = peaks(recording)
-    page = drawn(recording)[0]
+    page = page_of(recording)[0]
     motion, speeds = (
         next(axes for axes in page.axes if axes.get_label() == name) for name in ("motion", "impacts")
     )

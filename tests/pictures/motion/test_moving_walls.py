@@ -11,7 +11,7 @@ from chain_impact import simulate
 from chain_impact.pictures.motion.motion import colour_of_time
 from chain_impact.pictures.motion.walls import SHORT_TIMES_COLOUR
 from chain_impact.scene.scene import scene_from_dict
-from tests.pictures.pictures import drawn, motion_of
+from tests.pictures.pictures import motion_of, page_of
 
 START, SPEED = 0.45, 0.3  # m, m/s: the wall moves from right to left
 
@@ -99,9 +99,9 @@ def test_a_wall_has_a_trace_from_its_start_to_its_end():
 @pytest.mark.full("takes long")
 def test_a_wall_that_comes_from_far_is_in_view_where_it_starts():
     """The wall starts no farther away than the width of the motion; a resting wall there is not in view."""
-    _, motion, *_ = drawn(ram(box=0.7, way=lambda t: 0.5 * t))
+    _, motion, *_ = page_of(ram(box=0.7, way=lambda t: 0.5 * t))
     assert motion.get_xlim()[1] > 0.7
-    _, motion, *_ = drawn(ram(box=0.7, way=lambda t: 0.0 * t))
+    _, motion, *_ = page_of(ram(box=0.7, way=lambda t: 0.0 * t))
     assert motion.get_xlim()[1] < 0.7
 
 
@@ -140,4 +140,4 @@ def test_a_free_base_that_rests_is_not_pinned():
     scene = ram().scene.with_values({"chain.base": "free", "inputs.wall_motion": False, "gravity": [0, 0]})
     recording = simulate(scene)
     assert not recording.pinned
-    assert marks(drawn(recording)[1]) == []
+    assert marks(page_of(recording)[1]) == []

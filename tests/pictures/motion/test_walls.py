@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact.scene.texts.names import SLIDER_STOPS, STOPS
-from tests.pictures.pictures import PLANAR, drawn, motion_of, recorded, swing
+from tests.pictures.pictures import PLANAR, motion_of, page_of, recorded, swing
 
 
 def wall_lines(axes):
@@ -20,7 +20,7 @@ def wall_lines(axes):
 @pytest.mark.parametrize("model", PLANAR)
 def test_the_motion_is_in_view_from_start_to_end_and_fills_it(model):
     recording = recorded(model)
-    _, motion, *_ = drawn(recording)
+    _, motion, *_ = page_of(recording)
     (low, high) = np.transpose([motion.get_xlim(), motion.get_ylim()])
     assert np.all(recording.points > low)
     assert np.all(recording.points < high)
@@ -50,7 +50,7 @@ def test_every_wall_near_the_motion_is_a_line_at_its_place(model):
 
 
 def test_walls_end_where_they_meet():
-    _, motion, *_ = drawn(recorded("four_link_box"))
+    _, motion, *_ = page_of(recorded("four_link_box"))
     corners = {tuple((end + 0.0).round(12) + 0.0) for line in wall_lines(motion) for end in line}
     assert (3.0, 0.0) in corners  # the floor and the right wall; the other walls are far from the motion
     assert len(corners) == 3

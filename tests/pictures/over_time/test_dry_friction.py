@@ -12,7 +12,7 @@ from chain_impact.pictures.over_time.dry_friction import MOST_ROWS
 from chain_impact.pictures.over_time.energies import energy_curves
 from chain_impact.pictures.texts.conditions import conditions
 from tests.helpers.scenes.friction import pendulum, sled, thrown
-from tests.pictures.pictures import WIDTHS, drawn, recorded
+from tests.pictures.pictures import WIDTHS, page_of, recorded
 
 
 @pytest.fixture(scope="module")
@@ -22,8 +22,8 @@ def recording():
 
 @pytest.mark.full("takes long")
 def test_a_picture_has_the_phases_where_there_are_some(recording):
-    assert [axes.get_label() for axes in drawn(recording)[1:]] == ["motion", "time", "energy", "friction"]
-    assert len(drawn(recorded("rod_drop"))) == 5
+    assert [axes.get_label() for axes in page_of(recording)[1:]] == ["motion", "time", "energy", "friction"]
+    assert len(page_of(recorded("rod_drop"))) == 5
 
 
 def test_bars_stand_where_a_joint_sticks_and_lines_where_it_slides(recording):
@@ -57,7 +57,7 @@ def test_the_names_of_rows_stay_clear_of_the_bars_of_other_rows(model):
 @pytest.mark.full("takes long")
 def test_phases_too_short_to_be_seen_are_not_in_the_legend():
     """A corner of the block slides for some microseconds before it sticks."""
-    page, *_ = drawn(recorded("rocking_block"))
+    page, *_ = page_of(recorded("rocking_block"))
     strip = next(axes for axes in page.axes if axes.get_label() == "friction")
     assert [text.get_text() for text in strip.get_legend().get_texts()] == ["sticks at y_min"]
 
@@ -74,13 +74,13 @@ def test_the_places_that_rub_for_longest_are_shown(recording):
 @pytest.mark.full("takes long")
 def test_a_square_stands_where_something_sticks_at_the_end():
     found = simulate(sled(), output_step=0.05)
-    motion = drawn(found)[1]
+    motion = page_of(found)[1]
     (squares,) = [line for line in motion.lines if line.get_label() == "sticks at the end"]
     ends = [found.columns[f"point[{k}].x"][-1] for k in (0, 1)]
     np.testing.assert_allclose(squares.get_xdata(), ends, atol=1e-3)
     wall = found.walls["slope"]
     assert all(abs(wall.clearance(x, y)) < 1e-12 for x, y in squares.get_xydata())
-    joints = drawn(simulate(pendulum(), output_step=0.05))[1]
+    joints = page_of(simulate(pendulum(), output_step=0.05))[1]
     (squares,) = [line for line in joints.lines if line.get_label() == "sticks at the end"]
     assert (0.0, 0.0) in [tuple(place) for place in squares.get_xydata()]
 

@@ -7,16 +7,16 @@ import pytest
 
 from chain_impact.pictures.over_time.energies import VISIBLE_ELASTIC, energy_curves, energy_look, without_gap
 from chain_impact.scene.files.models import model_names
-from tests.pictures.pictures import drawn, recorded, swing
+from tests.pictures.pictures import page_of, recorded, swing
 
 
 @pytest.mark.full("takes long")
 def test_energy_from_inputs_is_drawn_if_there_is_any():
-    _, _, _, energy, _ = drawn(recorded("pinned_arm"))
+    _, _, _, energy, _ = page_of(recorded("pinned_arm"))
     assert "supplied" not in energy.get_legend_handles_labels()[1]
     recording = swing()
     recording.columns["energy.supplied"] = np.ones(50)
-    _, _, _, energy = drawn(recording)
+    _, _, _, energy = page_of(recording)
     assert energy.get_legend_handles_labels()[1][-1] == "supplied"
 
 
@@ -33,7 +33,7 @@ def test_the_drawn_energies_add_up_to_the_drawn_total(model):
 @pytest.mark.full("takes long")
 def test_a_gap_of_energy_is_closed_and_reported():
     recording = recorded("controlled_arm")
-    page = drawn(recording)[0]
+    page = page_of(recording)[0]
     (energy,) = (panel for panel in page.axes if panel.get_label() == "energy")
     curves = {line.get_label(): line.get_ydata() for line in energy.get_lines()}
     energies = recording.detailed_energies[1]

@@ -26,7 +26,7 @@ from chain_impact.pictures.over_time.impacts import (
 from chain_impact.pictures.overview import fill
 from chain_impact.pictures.texts.headline import impulses_of_hits
 from chain_impact.recording.contact_times import impacts_at_peaks
-from tests.pictures.pictures import MODELS, drawn, impact_row, impacts_of, recorded, swing, texts
+from tests.pictures.pictures import MODELS, impact_row, impacts_of, page_of, recorded, swing, texts
 
 
 def numbers(axes):
@@ -53,7 +53,7 @@ def strengths(recording):
 @pytest.mark.parametrize("model", MODELS)
 def test_every_impact_is_in_the_picture(model):
     recording = recorded(model)
-    panels = {axes.get_label(): axes for axes in drawn(recording)[1:]}
+    panels = {axes.get_label(): axes for axes in page_of(recording)[1:]}
     energy, speeds = panels["energy"], impacts_of(recording)
     lines = [path for item in speeds.collections for path in item.get_segments()]
     stems = [line for line in lines if np.ptp(line[:, 0]) == 0.0]
@@ -119,7 +119,7 @@ def test_impacts_of_two_points_with_a_common_mark_share_a_number():
         impact_row(1.0, 1, "y_max", 2.0),
         impact_row(1.5, 1, "y_max", 1.0),
     ]
-    *_, speeds = drawn(swing(impacts, {"y_max": 1.0}))
+    *_, speeds = page_of(swing(impacts, {"y_max": 1.0}))
     assert sorted(numbers(speeds)) == ["1, 2", "3"]
     places = {mark["marker"]: set() for mark in POINT_MARKS[:2]}
     for line in speeds.lines:
@@ -134,14 +134,14 @@ def test_impacts_of_two_points_with_a_common_mark_share_a_number():
 
 def test_the_hardest_impacts_are_numbered_first():
     impacts = [impact_row(1.0 + 1e-4 * k, 1, "y_max", speed) for k, speed in enumerate((1.0, 1.01, 5.0))]
-    *_, speeds = drawn(swing(impacts, {"y_max": 1.0}))
+    *_, speeds = page_of(swing(impacts, {"y_max": 1.0}))
     assert numbers(speeds)[0] == "3"
 
 
 def test_of_many_impacts_the_largest_and_the_last_are_numbered():
     impacts = [impact_row(1.0 + 1e-3 * k, 1, "y_max", 5.0 - 0.04 * k) for k in range(100)]
     impacts[50] = impact_row(1.0455, 1, "y_max", 3.0)  # the distances in time are not equal
-    *_, speeds = drawn(swing(impacts, {"y_max": 1.0}))
+    *_, speeds = page_of(swing(impacts, {"y_max": 1.0}))
     *largest, last = map(int, numbers(speeds))
     assert largest == [*range(1, len(largest) + 1)]
     assert last == 100
@@ -155,7 +155,7 @@ def test_every_kth_of_many_evenly_spaced_impacts_is_numbered():
 
 
 def test_measured_quantities_name_their_units():
-    _, motion, clock, energy, force = drawn(recorded("pinned_arm"))
+    _, motion, clock, energy, force = page_of(recorded("pinned_arm"))
     names = [motion.get_xlabel(), motion.get_ylabel(), clock.get_xlabel(), energy.get_ylabel()]
     assert [re.findall(r"\[(.*)\]", name) for name in names] == [["m"], ["m"], ["s"], ["J"]]
     assert impacts_of(recorded("pinned_arm")).get_ylabel().replace("\n", " ") == "peak force [kN]"
@@ -196,7 +196,7 @@ def test_without_impacts_the_panel_says_so():
 
 def test_a_contact_that_lasts_has_a_band_to_its_end():
     recording = recorded("sliding_rod")
-    (of_friction,) = (panel for panel in drawn(recording)[0].axes if panel.get_label() == "impacts")
+    (of_friction,) = (panel for panel in page_of(recording)[0].axes if panel.get_label() == "impacts")
     assert not [text for text in of_friction.texts if text.get_gid() == LANE], "the panel below has the rows"
     (speeds,) = recording.plot(panels=["impacts"]).axes
     bands = [line for lines in speeds.collections for line in lines.get_segments() if np.ptp(line[:, 1]) == 0]

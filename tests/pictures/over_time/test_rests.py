@@ -12,7 +12,7 @@ from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_lines, rest_spans
 from chain_impact.scene.scene import with_values
-from tests.pictures.pictures import drawn, impact_row, swing
+from tests.pictures.pictures import impact_row, page_of, swing
 
 
 def paused(when, rows=401):
@@ -48,7 +48,7 @@ def test_a_rest_is_found(when, expected):
 def test_an_axis_of_time_leaves_out_long_rests_at_its_ends(when, start, end, told):
     recording = paused(when)
     np.testing.assert_allclose(shown_time(recording)[:2], (start, end), atol=0.05)
-    _, motion, clock, energy = drawn(recording)
+    _, motion, clock, energy = page_of(recording)
     for axes in (clock, energy):
         low, high = axes.get_xlim()
         assert low == pytest.approx(start, abs=0.2)

@@ -37,7 +37,7 @@ def comparison():
     return compare(default_scene())
 
 
-def drawn(comparison):
+def comparison_page(comparison):
     page = Figure(figsize=SIZE, layout="constrained")
     fill(page, comparison)
     page.draw_without_rendering()
@@ -46,7 +46,9 @@ def drawn(comparison):
 
 def test_the_force_of_kelvin_and_voigt_jumps_vertically_at_the_onset(comparison):
     (line,) = (
-        line for line in drawn(comparison).axes[0].lines if line.get_label().startswith("kelvin_voigt")
+        line
+        for line in comparison_page(comparison).axes[0].lines
+        if line.get_label().startswith("kelvin_voigt")
     )
     depth, force = line.get_data()
     assert depth[:2].tolist() == [0.0, 0.0]
@@ -57,7 +59,7 @@ def test_the_force_of_kelvin_and_voigt_jumps_vertically_at_the_onset(comparison)
 
 
 def test_the_legend_takes_no_width_from_the_panels(comparison):
-    page = drawn(comparison)
+    page = comparison_page(comparison)
     (legend,) = page.legends
     boxes = [axes.get_tightbbox() for axes in page.axes]
     assert sum(box.width for box in boxes) > 0.9 * page.bbox.width
@@ -117,7 +119,9 @@ def test_the_law_without_losses_has_its_own_line():
 
 def test_lines_have_dashes_only_where_they_coincide_and_none_in_the_legend():
     """The energies of the laws coincide up to the first impact only, and their loops near both ends."""
-    page = drawn(compare(default_scene(), laws=["zhang_sharf", "hunt_crossley", "flores", "gharib_hurmuzlu"]))
+    page = comparison_page(
+        compare(default_scene(), laws=["zhang_sharf", "hunt_crossley", "flores", "gharib_hurmuzlu"])
+    )
     for axes in page.axes:
         dashed = [line for line in axes.lines if line.get_linestyle() == "--"]
         solid = {line.get_label().partition(" ")[0]: line for line in axes.lines if line not in dashed}
@@ -209,7 +213,7 @@ def test_the_range_of_peak_forces_is_told(comparison):
 
 def test_the_energy_has_the_zero_of_the_picture_of_the_motion():
     found = compare("pinned_arm", laws=["zhang_sharf", "hertz"])
-    _, energy = drawn(found).axes
+    _, energy = comparison_page(found).axes
     (motion,) = (
         look["label"] for _, look in energy_curves(found["hertz"].result) if "total" in look["label"]
     )
@@ -220,13 +224,13 @@ def test_the_energy_has_the_zero_of_the_picture_of_the_motion():
 
 
 def test_the_energy_begins_shortly_before_the_first_impact(comparison):
-    (_, energy), onset = drawn(comparison).axes, comparison.first_impact["onset"]
+    (_, energy), onset = comparison_page(comparison).axes, comparison.first_impact["onset"]
     start, end = energy.get_xlim()
     assert 0.0 < onset - start < 0.2 * (end - start)
 
 
 def test_the_panels_show_loops_and_energy(comparison):
-    page = drawn(comparison)
+    page = comparison_page(comparison)
     loops, energy = page.axes
     looks = looks_of(comparison)
     named = sum(look["color"] not in (GREY, INK) for look in looks.values())
@@ -254,7 +258,7 @@ def test_the_panels_show_loops_and_energy(comparison):
 
 
 def test_the_headline_has_the_spread_of_the_laws(comparison):
-    page = drawn(comparison)
+    page = comparison_page(comparison)
     said, conditions = (text.get_text().replace("\n", " ") for text in page.texts)
     found = [run.restitution for run in comparison.runs if run.law not in ("hertz", "newton_impact")]
     assert re.search(
@@ -271,7 +275,7 @@ def test_the_headline_has_the_spread_of_the_laws(comparison):
 
 
 def test_a_mark_tells_from_where_on_impacts_differ_from_the_reference(comparison):
-    _, energy = drawn(comparison).axes
+    _, energy = comparison_page(comparison).axes
     assert any("differs from zhang_sharf" in each.get_label() for each in energy.collections)
     marks = {
         float(each.get_offsets()[0, 0]): each.get_edgecolor()[0]
@@ -292,7 +296,7 @@ def test_no_restitution_is_told_where_other_forces_decide(model, why):
         model, laws=["zhang_sharf", "hertz", "gonthier", "kelvin_voigt", "hunt_crossley", "tsuji"]
     )
     assert not found.has_restitution
-    said = [text.get_text() for text in drawn(found).texts]
+    said = [text.get_text() for text in comparison_page(found).texts]
     assert "peak force" in said[0]
     assert "restitution" not in said[0]
     assert why in said[1]
@@ -306,7 +310,7 @@ def test_an_impact_without_speed_has_no_restitution():
 
 
 def test_the_headline_counts_no_grey_laws_where_there_are_none():
-    page = drawn(compare("rod_drop", laws=["flores", "hertz"]))
+    page = comparison_page(compare("rod_drop", laws=["flores", "hertz"]))
     assert "grey" not in page.texts[1].get_text()
 
 

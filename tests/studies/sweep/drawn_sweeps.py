@@ -14,7 +14,7 @@ SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "s
 TEN = [law for law in CONTACT_LAWS if law not in ("kelvin_voigt", "newton_impact", "ye")][:10]
 
 
-def drawn(found):
+def sweep_page(found):
     results = results_of(found)
     page = Figure(figsize=usual_size(found.design, len(results.drawn_quantities)), layout="constrained")
     fill(page, found, results, partial(headline_and_conditions, found, results))

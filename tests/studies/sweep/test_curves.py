@@ -14,14 +14,14 @@ from chain_impact.studies.sweep.quantities import COUNT, QUANTITIES, results_of
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.text import number_text
 from tests.pictures.pictures import contrast, lab_colour
-from tests.studies.sweep.drawn_sweeps import SCENE, TEN, drawn, labels_of
+from tests.studies.sweep.drawn_sweeps import SCENE, TEN, labels_of, sweep_page
 
 LAWS = ("flores", "hunt_crossley")
 
 
 def test_lines_are_the_columns():
     found = sweep(SCENE, {"contact.restitution": "0.8,0.4,0.0", "contact.model": "flores,hertz"})
-    page = drawn(found)
+    page = sweep_page(found)
     quantities = results_of(found).all_quantities
     assert [label.partition(",")[0] for label in labels_of(page)] == [each.label for each in quantities]
     for axes, quantity in zip(page.axes, quantities, strict=True):
@@ -44,7 +44,7 @@ def test_lines_have_gaps_at_new_counts_and_hidden_marks_have_rings():
     assert np.array_equal(values, [0.0, 1.0, np.nan, 2.0, 3.0], equal_nan=True)
     assert np.array_equal(values, shown, equal_nan=True)
     found = sweep(SCENE, {"contact.restitution": "0.3,0.5,0.7", "contact.model": "flores,hunt_crossley"})
-    page = drawn(found)
+    page = sweep_page(found)
     axes = page.axes[2]
     assert axes.get_title() == "impacts"
     for line in axes.lines[:2]:  # there are no 1.5 impacts
@@ -92,26 +92,28 @@ def test_the_course_of_a_result_is_told(results, told):
 
 
 def test_axes_are_logarithmic_where_values_are_or_spread_far():
-    assert drawn(sweep(SCENE, {"solver.tolerance": "1e-9,1e-6,1e-4"})).axes[0].get_xscale() == "log"
-    assert drawn(sweep(SCENE, {"solver.tolerance": "1e-6,2e-5,1e-4"})).axes[0].get_xscale() == "log"
-    assert drawn(sweep(SCENE, {"solver.tolerance": "1e-6,2e-6,9e-5"})).axes[0].get_xscale() == "linear"
+    assert sweep_page(sweep(SCENE, {"solver.tolerance": "1e-9,1e-6,1e-4"})).axes[0].get_xscale() == "log"
+    assert sweep_page(sweep(SCENE, {"solver.tolerance": "1e-6,2e-5,1e-4"})).axes[0].get_xscale() == "log"
+    assert sweep_page(sweep(SCENE, {"solver.tolerance": "1e-6,2e-6,9e-5"})).axes[0].get_xscale() == "linear"
 
 
 @pytest.mark.full("takes long")
 def test_a_force_over_a_logarithmic_stiffness_is_logarithmic():
-    axes, penetration, *_, lowest = drawn(sweep(SCENE, {"contact.stiffness": "1e4,1e6,1e8"})).axes
+    axes, penetration, *_, lowest = sweep_page(sweep(SCENE, {"contact.stiffness": "1e4,1e6,1e8"})).axes
     assert lowest.get_xlabel() == "contact.stiffness [N/m$^{1.5}$]"
     assert (axes.get_xscale(), axes.get_yscale(), penetration.get_yscale()) == ("log",) * 3
     assert {"2", "5", "10", "20"} <= {
         text.get_text() for text in axes.get_yticklabels(minor=True) + axes.get_yticklabels()
     }
     vary = {"contact.stiffness": "1e6,1e8", "contact.exponent": "1.2,1.5"}
-    (label,) = {panel.get_xlabel() for panel in drawn(sweep(SCENE, vary)).axes} - {""}
+    (label,) = {panel.get_xlabel() for panel in sweep_page(sweep(SCENE, vary)).axes} - {""}
     assert label == "contact.stiffness [N/m$^{exponent}$]"
 
 
 def test_a_law_of_which_every_run_failed_is_named_so():
-    page = drawn(sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": "hertz,kelvin_voigt"}))
+    page = sweep_page(
+        sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": "hertz,kelvin_voigt"})
+    )
     labels = [text.get_text() for text in page.legends[0].get_texts()]
     assert labels == ["contact.model:", "hertz", "kelvin_voigt (failed)"]
 
@@ -126,15 +128,15 @@ def test_the_colours_differ_and_can_be_seen_on_white():
 def test_ten_laws_have_ten_looks_and_more_laws_a_map():
     assert len(set(COLOURS)) == len(COLOURS) == 10
     found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": TEN})
-    lines = [line for line in drawn(found).axes[0].lines if line.get_label()[:1] != "_"]
+    lines = [line for line in sweep_page(found).axes[0].lines if line.get_label()[:1] != "_"]
     assert len({(line.get_color(), line.get_linestyle()) for line in lines}) == len(lines) == 10
     more = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": list(CONTACT_LAWS)})
-    assert drawn(more).axes[0].collections  # a map
+    assert sweep_page(more).axes[0].collections  # a map
 
 
 def test_two_numbers_of_which_one_has_few_values_are_lines():
     found = sweep(SCENE, {"contact.stiffness": "1e7,1e8", "contact.restitution": "0.4:0.8:4"})
-    page = drawn(found)
+    page = sweep_page(found)
     lines = {line.get_label(): line.get_xydata() for line in page.axes[0].lines}
     for value in (1e7, 1e8):
         rows = found["contact.stiffness"] == value
@@ -145,25 +147,27 @@ def test_two_numbers_of_which_one_has_few_values_are_lines():
 
 def test_samples_of_one_number_are_points():
     found = sweep(SCENE, {"contact.restitution": "0.3:0.9"}, samples=5)
-    line, _ = drawn(found).axes[0].lines  # and the line at the scene's own value
+    line, _ = sweep_page(found).axes[0].lines  # and the line at the scene's own value
     assert line.get_linestyle() == "None"
     assert np.array_equal(line.get_xdata(), np.sort(found["contact.restitution"]))
 
 
 def test_laws_with_equal_results_share_a_line_and_merging_lines_are_dashed():
     vary = {"contact.restitution": "0.3,0.5,0.7", "contact.model": "flores,zhang_sharf,ye"}
-    (legend,) = drawn(sweep(SCENE, vary)).legends
+    (legend,) = sweep_page(sweep(SCENE, vary)).legends
     assert [text.get_text() for text in legend.get_texts()][1:] == ["flores = ye", "zhang_sharf"]
-    close = drawn(sweep(SCENE, {"contact.stiffness": "1e8,1.0000001e8", "contact.restitution": "0.3:0.7:5"}))
+    close = sweep_page(
+        sweep(SCENE, {"contact.stiffness": "1e8,1.0000001e8", "contact.restitution": "0.3:0.7:5"})
+    )
     whole, dashed = (line.get_linestyle() for line in close.axes[0].lines[:2])
     assert (whole, dashed) == ("-", "--")
 
 
 def test_repeated_values_are_drawn_once_and_close_ones_named_apart():
     vary = {"contact.stiffness": "1e8,1.0000001e8,1e8", "contact.restitution": "0.3:0.7:5"}
-    page = drawn(sweep(SCENE, vary))
+    page = sweep_page(sweep(SCENE, vary))
     (legend,) = page.legends
     assert [text.get_text() for text in legend.get_texts()][1:] == ["1e8", "1.0000001e8"]
     twice = {"contact.stiffness": "1e7,1e8,1e7,1e9,2e9", "contact.restitution": "0.3:0.7:5"}
-    mesh = drawn(sweep(SCENE, twice)).axes[0].collections[0]
+    mesh = sweep_page(sweep(SCENE, twice)).axes[0].collections[0]
     assert mesh.get_array().shape == (5, 4)

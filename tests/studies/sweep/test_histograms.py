@@ -15,14 +15,14 @@ from chain_impact.studies.sweep.histograms import edges_of, rank_correlation
 from chain_impact.studies.sweep.quantities import results_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.pictures.pictures import contrast
-from tests.studies.sweep.drawn_sweeps import SCENE, drawn
+from tests.studies.sweep.drawn_sweeps import SCENE, sweep_page
 
 
 def test_samples_of_several_parameters_are_histograms():
     """Each bar has the number of runs in it, and the legend the median."""
     vary = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e7:1e9:log", "initial.vx": "0:1"}
     found = sweep(SCENE, vary, samples=20)
-    page = drawn(found)
+    page = sweep_page(found)
     panel, *dots = page.axes  # by default of the loads
     order = ["contact.stiffness [N/m$^{1.5}$]", "contact.restitution", "initial.vx [m/s]"]
     assert dots[0].get_xlabel() == order[0]
@@ -49,7 +49,7 @@ def test_samples_of_several_parameters_are_histograms():
 
 def test_a_choice_of_samples_has_a_box_with_its_median():
     vary = {"contact.stiffness": "1e6:1e9:log", "contact.model": "flores,zhang_sharf"}
-    page = drawn(sweep(SCENE, vary, samples=16))
+    page = sweep_page(sweep(SCENE, vary, samples=16))
     axes = page.axes[-1]
     assert axes.get_xlabel() == "contact.model; sideways: spread only"
     names = [label.get_text() for label in axes.get_xticklabels()]
@@ -74,7 +74,7 @@ def test_the_text_tells_a_course_that_falls_and_rises():
     assert abs(rank_correlation(runs["contact.restitution"], runs["peak_force"])) < 0.3
     assert found.is_factor
     assert found.explained > 0.99
-    told = " ".join(drawn(runs).texts[1].get_text().split())
+    told = " ".join(sweep_page(runs).texts[1].get_text().split())
     for parameter in vary:
         assert f"{found.spread_text(parameter, 'kN')} by {parameter}" in told
     # two runs that differ in restitution only: the ratio of their forces is that of the effects
@@ -90,7 +90,7 @@ def test_too_few_runs_have_no_fit():
     vary = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e6:1e9:log"}
     runs = sweep(SCENE, vary, samples=5)
     assert effects_on(runs, results_of(runs).drawn_quantities[0], runs.design.variations) is None
-    assert "others equal" not in drawn(runs).texts[1].get_text()
+    assert "others equal" not in sweep_page(runs).texts[1].get_text()
 
 
 def test_the_parameter_without_dots_is_named():

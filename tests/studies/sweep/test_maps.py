@@ -15,13 +15,13 @@ from chain_impact.studies.sweep.contours import LEAST_ROOM, has_jumps
 from chain_impact.studies.sweep.quantities import COUNT, QUANTITIES, Quantity
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.text import number_text
-from tests.studies.sweep.drawn_sweeps import SCENE, drawn
+from tests.studies.sweep.drawn_sweeps import SCENE, sweep_page
 
 
 def test_maps_are_the_columns_with_ordered_axes():
     vary = {"contact.stiffness": "1e9,5e8,1e8,1e7", "contact.restitution": "0.4,0.0,0.8,0.6"}
     found = sweep(SCENE, vary)
-    panel = drawn(found).axes[0]
+    panel = sweep_page(found).axes[0]
     (mesh,) = panel.collections
     shown = mesh.get_array()
     assert panel.get_xscale() == "log"
@@ -168,7 +168,7 @@ def test_a_picture_has_at_most_nine_maps(tmp_path, monkeypatch):
 @pytest.mark.parametrize("count", [2, 4])
 def test_the_value_of_the_scene_is_marked(count):
     found = sweep(SCENE, {"contact.stiffness": f"1e7:1e9:{count}:log", "contact.restitution": "0.4:0.8:4"})
-    page = drawn(found)
+    page = sweep_page(found)
     own = SCENE.values["contact.restitution" if count == 2 else "contact.stiffness"]
     (mark,) = (line for line in page.axes[0].lines if {*line.get_xdata()} == {own})
     assert (mark.get_marker() == "P") == (count == 4)  # without a map, a line from the foot to the top
@@ -179,7 +179,7 @@ def test_the_value_of_the_scene_is_marked(count):
 
 def test_a_fine_map_has_lines_with_their_values():
     found = sweep(SCENE, {"contact.stiffness": "1e7:1e9:10:log", "contact.restitution": "0.4:0.8:10"})
-    panel = drawn(found).axes[0]
+    panel = sweep_page(found).axes[0]
     mark, *values = sorted((text.get_text() for text in panel.texts), key=str.isnumeric)
     assert mark == "scene"
     values = [float(value) for value in values]
@@ -199,7 +199,7 @@ def test_a_fine_map_has_lines_with_their_values():
 
 def test_a_coarse_map_has_the_values_of_its_cells_and_ends_at_limits():
     found = sweep(SCENE, {"contact.stiffness": "1e7:1e9:4:log", "contact.restitution": "0.2:0.98:4"})
-    axes, *_ = panels = list(framed_panels(drawn(found)))
+    axes, *_ = panels = list(framed_panels(sweep_page(found)))
     told = sorted(float(text.get_text()) for text in axes.texts)
     assert told == pytest.approx(sorted(1e-3 * found["peak_force"]), rel=5e-3)
     assert axes.get_ylim()[1] == 1.0

@@ -12,7 +12,7 @@ from chain_impact.studies.sweep import plot
 from chain_impact.studies.sweep.quantities import results_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.pictures.pictures import WIDTHS, check_texts
-from tests.studies.sweep.drawn_sweeps import SCENE, TEN, drawn, labels_of
+from tests.studies.sweep.drawn_sweeps import SCENE, TEN, labels_of, sweep_page
 
 KINDS = {
     "one number": ({"contact.restitution": "0.0:0.8:9"}, {}),
@@ -33,7 +33,7 @@ def test_every_kind_is_drawn_and_nothing_overlaps(kind, tmp_path):
     found = sweep(SCENE, vary, **options)
     found.plot(tmp_path / "out.png")
     assert (tmp_path / "out.png").stat().st_size > 10_000
-    page = drawn(found)
+    page = sweep_page(found)
     renderer = FigureCanvasAgg(page).get_renderer()
     panels = [axes.get_tightbbox(renderer) for axes in page.axes]
     others = [page._suptitle.get_window_extent(renderer)]
@@ -106,7 +106,7 @@ def test_names_of_rows_are_apart_by_default():
 def test_a_choice_without_a_value_has_a_word_in_its_row():
     laws = ["flores", "newton_impact", "kelvin_voigt", "zhang_sharf"]
     found = sweep(SCENE, {"contact.model": laws})
-    page = drawn(found)
+    page = sweep_page(found)
     words = {}
     for axes in page.axes:
         words[axes.get_xlabel().partition(" [")[0].partition(",")[0]] = {

@@ -7,14 +7,14 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.quantities import QUANTITIES, results_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.helpers.scenes.stops import knee
-from tests.studies.sweep.drawn_sweeps import SCENE, drawn, labels_of
+from tests.studies.sweep.drawn_sweeps import SCENE, labels_of, sweep_page
 
 
 @pytest.mark.full("takes long")
 def test_a_scene_with_stops_has_panels_for_them():
     outputs = ["point[2].x", "point[2].y", "joint[2].stop_moment", "impact.last_time"]
     found = sweep(knee(), {"stop.restitution": "0.2,0.5,0.8"}, outputs=outputs)
-    page, changing = drawn(found), [name for name in outputs if np.ptp(found[name]) > 0.0]
+    page, changing = sweep_page(found), [name for name in outputs if np.ptp(found[name]) > 0.0]
     labels = labels_of(page)
     # joint forces are unknown without loads
     assert (
@@ -32,7 +32,7 @@ def test_a_scene_with_stops_has_panels_for_them():
 
 def test_a_scene_without_walls_has_no_panels_for_them():
     scene = load_scene("kneed_leg").with_values({"outputs.loads": True})
-    page = drawn(sweep(scene, {"stop.restitution": "0.0,0.5"}))
+    page = sweep_page(sweep(scene, {"stop.restitution": "0.0,0.5"}))
     assert labels_of(page) == ["impacts", "energy dissipated [mJ]"]
     assert "the same in all runs: largest rotation beyond a stop 0 rad, largest force" in page.texts[
         1
@@ -42,7 +42,7 @@ def test_a_scene_without_walls_has_no_panels_for_them():
 
 def test_rigid_walls_have_no_panel_for_a_force():
     scene = load_scene("pinned_arm").with_values({"contact.model": "newton_impact"})
-    page = drawn(sweep(scene, {"contact.restitution": "0.2,0.5"}))
+    page = sweep_page(sweep(scene, {"contact.restitution": "0.2,0.5"}))
     assert labels_of(page) == ["energy dissipated [J]"]
 
 
@@ -64,7 +64,7 @@ def test_the_unit_of_a_force_suits_its_values():
 
 def test_outputs_that_were_asked_for_have_panels():
     found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4"}, outputs=["point[4].x", "impact.last_wall"])
-    page = drawn(found)
+    page = sweep_page(found)
     assert labels_of(page)[4:] == ["point[4].x at the end [m]"]
     assert (
         "the same in all runs: impact.last_wall at the end 3" in page.texts[1].get_text()
@@ -73,7 +73,7 @@ def test_outputs_that_were_asked_for_have_panels():
 
 def test_results_that_never_change_still_have_a_picture():
     scene = load_scene("elastic_ball").with_values({"simulation.stop_time": 0.1})  # before the first impact
-    page = drawn(sweep(scene, {"contact.stiffness": "1e6:2e6:2"}))
+    page = sweep_page(sweep(scene, {"contact.stiffness": "1e6:2e6:2"}))
     assert "impacts" in labels_of(page)
     assert not any("the same" in text.get_text() for text in page.texts)
 
