@@ -310,6 +310,46 @@ def test_charts_are_chosen_by_words_and_by_proposals(show):
     assert proposals.nth(1).get_attribute("aria-pressed") == "false"
 
 
+@pytest.mark.parametrize(
+    ("names", "marks"),
+    [
+        ("joint[2].angle joint[3].angle", "2 3"),
+        ("point[4].x point[4].vy", "x y"),
+        ("joint[2].force.x joint[2].force.y joint[3].force.x", "2\u200ax 2\u200ay 3\u200ax"),
+        ("energy.kinetic energy.total", "kinetic total"),
+    ],
+)
+def test_a_letter_of_a_pin_stands_beside_what_tells_its_curve_from_others(script, names, marks):
+    curves = [{"name": name, "words": name.split(".")[1]} for name in names.split()]
+    assert script.evaluate("(curves) => marksOf(curves)", curves) == marks.split(" ")
+
+
+def test_curves_of_a_pin_are_pale_unless_each_output_has_a_chart(show):
+    page = show()
+    page.get_by_role("button", name="Chart…").click()
+    page.get_by_role("button", name="Forces at the floor").click()
+    until(page, f"{SHOWN}.length === 5")
+    at_impact = page.get_by_role("button", name="At impact", include_hidden=True)
+    assert at_impact.get_attribute("aria-pressed") == "true", "forces alone show one impact"
+    page.get_by_role("button", name="Remove all").click()
+    until(page, "document.getElementById('outputs-card').hidden")
+    page.get_by_role("button", name="Joint angles").click()
+    until(page, f"{SHOWN}.length === 3")
+    assert at_impact.get_attribute("aria-pressed") == "false"
+    page.keyboard.press("Escape")
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.restitution': 0.4})")
+    until_told(page, impacts_of({"contact.restitution": 0.4}))
+    badges = page.evaluate(PIXELS, ["outputs-over-time", "pin-1"])
+    assert badges > 100
+    note = page.locator("#outputs-note")
+    assert note.inner_text() == "Pale curves are those of pins."
+    page.get_by_role("button", name="Chart…").click()
+    page.get_by_role("checkbox", name="A chart for each").check()
+    assert page.locator("#outputs-over-time canvas").count() == 3
+    assert note.text_content() == ""
+
+
 def test_each_curve_of_a_chart_has_dashes_of_its_own(show):
     page = show(hash_="#curves=point[*].y,link[1].angle")
     lines = page.locator("#outputs-over-time dt.of-curve").evaluate_all(

@@ -16,6 +16,7 @@ const READ_STEPS = 100; // number of steps of the arrow keys along the horizonta
 /** Lengths [pixels] of a curve of a pin that are drawn and left out in turn. */
 export const DASHES_OF_PINS = [4, 4];
 const [OWN_WIDTH, PIN_WIDTH] = [2, 1.3]; // [pixels] a curve of a pin is thin and dashed, so that an equal curve is seen below it
+const [PALE, PALE_WIDTH] = [0.45, 3]; // opacity and width [pixels] of a curve of a pin below the present curve of the same colour
 const LEAST_DRAG = 6; // [pixels] a shorter drag in an enlarged chart is a click
 const LABEL_MARGIN = 4; // [pixels] free space to the left of a label of an axis
 const DECIMALS_OF_LARGEST = 3; // number of decimals with which values are written if the largest of them lies between 1 and 10
@@ -299,25 +300,30 @@ export class Chart {
 /**
  * Draw the curves of compared recordings, each {points: [horizontal values, vertical values], stroke (name of a colour), letter, dash (by
  * default DASHES_OF_PINS)}, and above them their letters in dots, away from the curves `own`, points like those, and from the positions
- * `taken` on the canvas. Return the positions of the letters on the canvas.
+ * `taken` on the canvas. A curve with a `badge` (name of the colour of its letter) has been drawn already; without a letter, it gets none.
+ * Return the positions of the letters on the canvas.
  */
 export function drawCompared(plot, curves, own, taken = []) {
   const { ctx, bbox, valToPos } = plot;
-  curves.forEach(({ points, stroke, dash }) => drawCurve(plot, points, stroke, undefined, dash));
-  const courseOf = ([along, up]) => Array.from(along, (x, k) => [valToPos(x, "x", true), valToPos(up[k], "y", true)]);
-  const named = curves.map(({ points, letter }) => ({ course: courseOf(points), letter }));
-  const positions = letterPositions(named, own.map(courseOf), taken, bbox, devicePixelRatio);
+  curves.filter(({ badge }) => !badge).forEach(({ points, ...look }) => drawCurve(plot, points, look));
+  const named = curves.filter(({ letter }) => letter);
   ctx.save();
   ctx.font = `700 ${1.5 * LETTER_DOT * devicePixelRatio}px system-ui, sans-serif`;
   Object.assign(ctx, { textAlign: "center", textBaseline: "middle" });
+  const courseOf = ([along, up]) => Array.from(along, (x, k) => [valToPos(x, "x", true), valToPos(up[k], "y", true)]);
+  const halfOf = (text) => (text.length > 1 ? Math.max(0, ctx.measureText(text).width / 2 - 0.5 * LETTER_DOT * devicePixelRatio) : 0);
+  const courses = named.map(({ points, letter }) => ({ course: courseOf(points), letter, half: halfOf(letter) }));
+  const positions = letterPositions(courses, own.map(courseOf), taken, bbox, devicePixelRatio);
   positions.forEach((at, k) => {
     if (!at) return;
+    const [[x, y], { half }, radius] = [at, courses[k], LETTER_DOT * devicePixelRatio];
     ctx.beginPath();
-    ctx.arc(...at, LETTER_DOT * devicePixelRatio, 0, 2 * Math.PI);
-    ctx.fillStyle = styleColour(curves[k].stroke);
+    [-half, half].forEach((side) => ctx.arc(x + side, y, radius, 0, 2 * Math.PI));
+    ctx.rect(x - half, y - radius, 2 * half, 2 * radius);
+    ctx.fillStyle = styleColour(named[k].badge ?? named[k].stroke);
     ctx.fill();
     ctx.fillStyle = styleColour("panel");
-    ctx.fillText(curves[k].letter, ...at);
+    ctx.fillText(named[k].letter, x, y);
   });
   ctx.restore();
   return positions.filter(Boolean);
@@ -326,9 +332,9 @@ export function drawCompared(plot, curves, own, taken = []) {
 /**
  * Draw a curve, [horizontal values, vertical values], on a plot of uPlot. `stroke` is the name of its colour. If `fill` is the name of a
  * colour, the curve is solid, and the area that it encloses has this colour. Without `fill`, the curve has the dashes `dash`, and no area
- * is filled.
+ * is filled. A curve with a `badge` is pale and wide.
  */
-export function drawCurve({ ctx, bbox, valToPos }, [along, up], stroke, fill, dash = DASHES_OF_PINS) {
+export function drawCurve({ ctx, bbox, valToPos }, [along, up], { stroke, fill, badge, dash = DASHES_OF_PINS }) {
   ctx.save();
   ctx.beginPath();
   ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
@@ -341,7 +347,8 @@ export function drawCurve({ ctx, bbox, valToPos }, [along, up], stroke, fill, da
     ctx.fill();
   }
   ctx.strokeStyle = styleColour(stroke);
-  ctx.lineWidth = (fill ? OWN_WIDTH : PIN_WIDTH) * devicePixelRatio;
+  if (badge) ctx.globalAlpha = PALE;
+  ctx.lineWidth = (badge ? PALE_WIDTH : fill ? OWN_WIDTH : PIN_WIDTH) * devicePixelRatio;
   ctx.stroke();
   ctx.restore();
 }

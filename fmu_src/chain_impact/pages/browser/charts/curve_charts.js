@@ -12,6 +12,7 @@ const INPUT_COLOURS = 6; // number of colours for curves that the style sheet ha
 const DASHES = [undefined, [7, 3], [2, 3], [10, 3, 2, 3], [16, 4], [7, 3, 2, 3, 2, 3]];
 /** MOST_CURVES: largest number of chosen outputs with the same unit; MOST_UNITS: largest number of different units of chosen outputs. */
 export const [MOST_CURVES, MOST_UNITS] = [3 * INPUT_COLOURS, 8];
+const LONGEST_MARK = 10; // [characters] longer words of a curve do not stand beside the letter of a pin
 const ROUND_OFF = 1e-12; // a value below this times the largest value of its unit is round-off, and is shown as 0
 
 /** Return the curves with 0 in place of values that are round-off beside the larger of `largest` and the curves' largest absolute value. */
@@ -39,15 +40,35 @@ export function writersOf(curves) {
   return curves.map((curve) => (isCount(curve) ? String : writers.get(groupOf(curve.name))));
 }
 
-/** A chart of all curves with one unit. */
+/**
+ * Return for each curve of a chart a short text that tells it from the others: its number, its axis, both, or its words; "" if the words
+ * are long.
+ */
+export function marksOf(curves) {
+  const parts = curves.map(({ name }) => [/\[(\d+)\]/.exec(name)?.[1] ?? "", /\.[va]?([xy])$/.exec(name)?.[1] ?? ""]);
+  const short = curves.map(({ words }) => (words.length > LONGEST_MARK ? "" : words));
+  const choices = [parts.map(([number]) => number), parts.map(([, axis]) => axis), parts.map((both) => both.join("\u200a"))];
+  return choices.find((texts) => new Set(texts).size === texts.length) ?? short;
+}
+
+/** A chart of all curves with one unit, or of one curve. */
 class UnitChart extends TimeChart {
+  /** The curve of a pin has the look of its pin or, beside those of other outputs, the colour and the dashes of its output. */
+  get arePale() {
+    return this.names.length > 1;
+  }
+
   get comparedCurves() {
-    return this.shownMotions.flatMap(({ recording, ...line }) => {
+    const [{ arePale, span: [from, to] }, marks] = [this, marksOf(this.curves)];
+    return this.shownMotions.flatMap(({ recording, letter, stroke, ...line }) => {
       const { time, curves } = this.curvesOf(recording) ?? { curves: [] };
-      // a curve has the colour of its pin and, beside those of other outputs, the dashes of its output
-      const dashOf = (name) => (this.names.length > 1 ? this.curves.find((own) => own.name === name).dash ?? [] : undefined);
-      return curves.filter(({ name }) => this.names.includes(name) && !this.hidden.has(name)).map(({ name, values }) =>
-        ({ points: [time, values.map((value) => this.factor * value)], dash: dashOf(name), ...line }));
+      return curves.filter(({ name }) => this.names.includes(name) && !this.hidden.has(name)).map(({ name, values }) => {
+        const points = [time, values.map((value) => this.factor * value)];
+        if (!arePale) return { points, letter, stroke, ...line };
+        const [k, isZero] = [this.names.indexOf(name), values.every((value, row) => value === 0 || time[row] < from || time[row] > to)];
+        const { stroke: own, dash = [] } = this.curves[k];
+        return { points, letter: isZero ? "" : `${letter}\u200a${marks[k]}`.trim(), stroke: own, dash, badge: stroke };
+      });
     });
   }
 
@@ -102,11 +123,16 @@ export class CurveCharts {
 
   /**
    * `curvesOf` returns { time, curves } for a recording, or undefined if no curve is known. Elements that may be missing: `zoomButton`
-   * switches to the view of one impact and back, `title` names this impact, and `note` names the compared motions that lack some of the
-   * curves, followed by the text `whyWithout`.
+   * switches to the view of one impact and back, `title` names this impact, `apartBox` asks for a chart of each curve, and `note` names the
+   * compared motions that lack some of the curves, followed by the text `whyWithout`.
    */
-  constructor(element, pointer, { curvesOf, label, zoomButton, title, note, whyWithout }) {
-    Object.assign(this, { element, pointer, curvesOf, label, zoomButton, title, note, whyWithout, charts: new Map() });
+  constructor(element, pointer, { curvesOf, label, zoomButton, title, note, whyWithout, apartBox }) {
+    Object.assign(this, { element, pointer, curvesOf, label, zoomButton, title, note, whyWithout, apartBox, charts: new Map() });
+    apartBox?.addEventListener("change", () => {
+      if (!this.charts.size) return;
+      this.show(this.recording);
+      this.draw(this.frame, this.contact);
+    });
     zoomButton?.addEventListener("click", () => {
       zoomButton.setAttribute("aria-pressed", zoomButton.getAttribute("aria-pressed") !== "true");
       this.draw(this.frame, this.contact);
@@ -116,23 +142,22 @@ export class CurveCharts {
   show(recording) {
     this.recording = recording;
     const { curves } = this.curvesOf(recording);
-    const units = [...new Set(curves.map(({ unit }) => unit))];
-    if (JSON.stringify(units) !== JSON.stringify([...this.charts.keys()])) { // as JSON, [""] (the unit of counts) differs from []
-      this.charts = new Map(units.map((unit) => [unit, this.#chartOf()]));
+    const keyOf = ({ unit, name }) => (this.apartBox?.checked ? name : unit);
+    const keys = [...new Set(curves.map(keyOf))];
+    if (JSON.stringify(keys) !== JSON.stringify([...this.charts.keys()])) { // as JSON, [""] (the unit of counts) differs from []
+      this.charts = new Map(keys.map((key) => [key, this.#chartOf()]));
       const parts = [...this.charts.values()].flatMap(({ unit, element, entries }) => [unit, element, entries]);
       this.element.replaceChildren(...parts);
       this.charts.forEach((chart) => Object.assign(chart, { group: [...this.charts.values()] }));
       this.compare(this.#compared);
     }
     if (this.zoomButton) this.zoomButton.hidden = recording.impacts.length === 0;
-    this.charts.forEach((chart, unit) => {
-      const curvesInUnit = curves.filter((curve) => curve.unit === unit);
-      chart.show(recording, curvesInUnit.map((curve, k) => ({
-        ...curve,
-        stroke: `input-${(k % INPUT_COLOURS) + 1}`,
-        dash: DASHES[(k + Math.floor(k / INPUT_COLOURS)) % DASHES.length],
-      })));
+    const styled = curves.map((curve) => {
+      const k = curves.filter(({ unit }) => unit === curve.unit).indexOf(curve);
+      const dash = DASHES[(k + Math.floor(k / INPUT_COLOURS)) % DASHES.length];
+      return { ...curve, stroke: `input-${(k % INPUT_COLOURS) + 1}`, dash };
     });
+    this.charts.forEach((chart, key) => chart.show(recording, styled.filter((curve) => keyOf(curve) === key)));
     this.#nameWithout();
   }
 
@@ -162,14 +187,16 @@ export class CurveCharts {
     this.#nameWithout();
   }
 
-  /** Name, below the charts, each compared motion that lacks at least one of the shown curves. */
+  /** Tell, below the charts, how they show compared motions; name each one that lacks at least one of the shown curves. */
   #nameWithout() {
     if (!this.note || !this.recording) return;
     const namesOf = (recording) => this.curvesOf(recording)?.curves.map(({ name }) => name) ?? [];
     const shown = namesOf(this.recording);
     const without = this.#compared.filter(({ recording }) => !shown.every((name) => namesOf(recording).includes(name)));
     const letters = without.map(({ letter }) => letter).join(", ");
-    this.note.textContent = letters && `Not all curves of ${letters}: ${this.whyWithout}.`;
+    const arePale = this.#compared.length && [...this.charts.values()].some((chart) => chart.arePale);
+    const lines = [arePale && "Pale curves are those of pins.", letters && `Not all curves of ${letters}: ${this.whyWithout}.`];
+    this.note.textContent = lines.filter(Boolean).join(" ");
   }
 
   draw(frame, contact) {

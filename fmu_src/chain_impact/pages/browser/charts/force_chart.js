@@ -60,7 +60,7 @@ export class ForceChart extends Chart {
         hooks: {
           draw: [(plot) => {
             const own = this.loop ?? this.impulses;
-            if (own) drawCurve(plot, own, "force", "force-fill");
+            if (own) drawCurve(plot, own, { stroke: "force", fill: "force-fill" });
             this.#drawPeak(plot);
           }],
         },

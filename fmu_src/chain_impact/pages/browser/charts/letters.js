@@ -8,8 +8,9 @@ const FAR_FROM_CURVES = 30; // [pixels] a dot at this distance from all other cu
 const [LETTERS_FROM, LETTERS_APART] = [0.1, 0.19];
 
 /** Return the places along a curve, a list of positions, at distances of at most `step`, which lie inside of the box. */
-function placesAlong(curve, step, { left, top, width, height }, inset) {
-  const isInside = ([x, y]) => x >= left + inset && x <= left + width - inset && y >= top + inset && y <= top + height - inset;
+function placesAlong(curve, step, { left, top, width, height }, inset, half = 0) {
+  const side = inset + half;
+  const isInside = ([x, y]) => x >= left + side && x <= left + width - side && y >= top + inset && y <= top + height - inset;
   const places = [];
   let last;
   curve.forEach((at, k) => {
@@ -26,22 +27,22 @@ function placesAlong(curve, step, { left, top, width, height }, inset) {
 }
 
 /**
- * Return the position of the letter of each of some compared curves, {course, letter}: where the curve is far from all other curves and
- * from the positions `taken`, to which the position is added. A curve without such a place has none (undefined), unless it is the first
- * with its letter. `own`: the courses of the present motion; a course is a list of positions [pixels of the canvas]; `box`: that of the
- * plot; `density`: pixels of the canvas for a pixel of the page.
+ * Return the position of the letter of each of some compared curves, {course, letter, half}: where the curve is far from all other curves
+ * and from the positions `taken`, to which the position is added. A curve without such a place has none (undefined), unless it is the
+ * first with its letter. `own`: the courses of the present motion; a course is a list of positions [pixels of the canvas]; `half`: half of
+ * the width of a letter beyond its dot; `box`: that of the plot; `density`: pixels of the canvas for a pixel of the page.
  */
 export function letterPositions(compared, own, taken, box, density) {
   const [step, far, apart] = [PLACES_APART * density, FAR_FROM_CURVES * density, LETTERS_FREE * LETTER_DOT * density];
-  const tried = compared.map(({ course }) => placesAlong(course, step, box, LETTER_DOT * density));
+  const tried = compared.map(({ course, half }) => placesAlong(course, step, box, LETTER_DOT * density, half));
   const present = own.map((course) => placesAlong(course, step, box, 0));
   const distance = ([x, y], places) => places.reduce((least, [px, py]) => Math.min(least, Math.hypot(px - x, py - y)), far);
-  return compared.map(({ letter }, k) => {
+  return compared.map(({ letter, half = 0 }, k) => {
     const goal = box.left + (LETTERS_FROM + LETTERS_APART * (letter.codePointAt(0) - "A".codePointAt(0))) * box.width;
     const others = [...present, ...tried.filter((_, other) => other !== k)];
     const ranked = tried[k].map((at) => ({
       at,
-      isFree: taken.every(([x, y]) => Math.hypot(x - at[0], y - at[1]) > apart),
+      isFree: taken.every(([x, y]) => Math.hypot(Math.max(0, Math.abs(x - at[0]) - 2 * half), y - at[1]) > apart),
       // among equally good places, that nearest to the goal wins
       worth: Math.min(...others.map((places) => distance(at, places)), far) - (step * Math.abs(at[0] - goal)) / box.width,
     }));

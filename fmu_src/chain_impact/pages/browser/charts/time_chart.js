@@ -4,7 +4,8 @@ import { find, make } from "../base/dom.js";
 import { fixed, ticksOf, withMinus } from "../base/format.js";
 import { lastBefore } from "../recording/recording.js";
 import {
-  axisOptions, Chart, DASHES_OF_PINS, drawCompared, labelledWidth, largestIn, styleColour, ticksUpwards, timeTexts, timeTicks, writerOf,
+  axisOptions, Chart, DASHES_OF_PINS, drawCompared, drawCurve, labelledWidth, largestIn, styleColour, ticksUpwards, timeTexts, timeTicks,
+  writerOf,
 } from "./chart.js";
 import { energyOffset, movedBy, offsetText, shiftOf } from "./energy_zero.js";
 
@@ -76,6 +77,11 @@ export class TimeChart extends Chart {
     this.plot.setData(data);
   }
 
+  /** Return whether the curves of pins have the colours of the present curves, and are pale. */
+  get arePale() {
+    return false;
+  }
+
   /** Return the curves of the compared recordings, as `drawCompared` takes them; none in this base class. */
   get comparedCurves() {
     return [];
@@ -113,7 +119,11 @@ export class TimeChart extends Chart {
           }),
         ],
         hooks: {
-          drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts), (plot) => drawPartings(plot, this.compared)],
+          drawAxes: [(plot) => {
+            drawOnsets(plot, this.recording.impacts);
+            drawPartings(plot, this.compared);
+            this.comparedCurves.filter(({ badge }) => badge).forEach(({ points, ...look }) => drawCurve(plot, points, look));
+          }],
           draw: [(plot) => {
             const shown = plot.data.slice(1).filter((_, k) => plot.series[k + 1].show);
             drawCompared(plot, this.comparedCurves, shown.map((values) => [plot.data[0], values]));
@@ -143,7 +153,8 @@ export class TimeChart extends Chart {
       row.cells = Array.from({ length: 1 + compared.length }, () => make("dd"));
     });
     this.unitCell = make("dt", { className: "unit" });
-    const letters = compared.map(({ letter, stroke }) => this.#termOf("dd", { name: letter, stroke, dash: DASHES_OF_PINS }));
+    const dash = this.arePale ? undefined : DASHES_OF_PINS;
+    const letters = compared.map(({ letter, stroke }) => this.#termOf("dd", { name: letter, stroke, dash }));
     const heads = compared.length ? [make("dd", { textContent: "present" }), ...letters] : [];
     entries.classList.toggle("with-motions", compared.length > 0);
     entries.classList.toggle("many-motions", compared.length > MOST_BESIDE_NAMES);

@@ -15,6 +15,9 @@ function like(text, columns) {
   return columns.map(({ name }) => name).filter((name) => pattern.test(name));
 }
 
+/** Return whether all outputs are forces at walls: such short pulses begin with the view of one impact. */
+const arePulses = (names) => names.length > 0 && names.every((name) => /^contact.*force$/.test(name));
+
 /** Return words for a fault: a name, or a pattern with `*`, that no output has; the words propose the most similar one, if there is any. */
 function noOutput(part, columns) {
   const names = columns.map(({ name }) => name);
@@ -172,6 +175,7 @@ export class CurveChoice {
     try {
       const { names, fault } = namesIn(text, this.#columns);
       if (fault && !names.length) throw new RangeError(fault);
+      if (arePulses(names) !== arePulses(this.names)) find("zoom-impact").ariaPressed = arePulses(names);
       this.names = names;
       this.isNew = names.length > 0;
       this.#listener();

@@ -39,7 +39,7 @@ export class Player {
       [({ outputs }) => outputs?.curves.length > 0, find("outputs-over-time").closest("section"),
         new CurveCharts(find("outputs-over-time"), pointer,
           { curvesOf: ({ outputs }) => outputs, label: "Outputs", zoomButton: find("zoom-impact"),
-            title: find("outputs-impact"), note: find("outputs-note"),
+            title: find("outputs-impact"), note: find("outputs-note"), apartBox: find("curves-apart"),
             whyWithout: "a pin of another scene keeps its outputs" })],
       [({ impacts }) => impacts.length > 0, find("force").closest("section"),
         new ForceChart(find("force"), find("contact-quantity"), find("contact-name"), find("force-loop"), pointer)],
