@@ -14,7 +14,7 @@ from docs.tools.images import OTHERS
 from tests.pictures.pictures import page_of, recorded
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
-NUMBERS = re.compile(r"([\d, –+…]|more)+")
+NUMBERS = re.compile(r"([#\d, –+…]|more)+")
 
 
 def lines(words):

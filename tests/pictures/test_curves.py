@@ -33,7 +33,7 @@ def test_a_panel_for_each_unit_with_peaks_that_lie_between_rows(result):
     units = [axes.get_ylabel() for axes in page.axes]
     assert units == ["force [kN]", "position [m]", "velocity [m/s]", "acceleration [m/s²]", "impact count"]
     forces, places = page.axes[:2]
-    peaks = [1e3 * line.get_ydata().max() for line in forces.lines]
+    peaks = [1e3 * np.nanmax(line.get_ydata(), initial=0.0) for line in forces.lines]
     assert sorted(peaks)[-2:] == pytest.approx(sorted(result.impacts["peak_force"]), rel=1e-3)
     assert result["contact[2].y_min.force"].max() < 0.99 * max(peaks)  # the rows miss it
     (x, _) = places.lines
@@ -139,7 +139,9 @@ def test_the_view_around_a_lasting_contact_shows_its_pulse():
 def test_a_curve_that_lies_on_another_is_dashed(result):
     forces = ["contact[0].y_max.force", "contact[1].y_max.force"]
     (axes,) = result.plot(curves=forces).axes  # both are always zero
-    assert [line.get_linestyle() for line in axes.lines] == ["-", "--"]
+    drawn = [line for line in axes.lines if len(line.get_xdata())]
+    assert [line.get_linestyle() for line in drawn] == ["-", "--"]
+    assert len({line.get_color() for line in drawn}) == 2
 
 
 def test_a_title_of_ones_own_or_none(result):
@@ -328,3 +330,14 @@ def test_a_force_that_rigid_impacts_lack_has_no_panel_beside_others():
     assert any(NO_FORCE in " ".join(text.get_text().split()) for text in page.texts)
     page = ball.plot(curves="point[1].y", around=1)
     assert not any(NO_FORCE in " ".join(text.get_text().split()) for text in page.texts)
+
+
+def test_lines_at_impacts_that_would_make_a_grey_bar_are_short():
+    recording = recorded("rod_drop")
+    axes = recording.plot(curves="energy.total", size=(84 / 25.4, None)).axes[0]
+    (lines,) = (item for item in axes.collections if len(item.get_paths()) == len(recording.impacts))
+    feet = np.array([path.vertices[:, 1].min() for path in lines.get_paths()])
+    whole = recording.impacts["onset"][feet == 0.0]
+    places = axes.transData.transform(np.stack([whole, np.zeros(len(whole))], axis=-1))[:, 0]
+    assert 3 < len(whole) < len(feet)
+    assert np.diff(places).min() * 72.0 / axes.figure.dpi > 2.0  # points

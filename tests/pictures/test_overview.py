@@ -131,7 +131,8 @@ def test_long_names_of_points_are_short_in_panels_and_whole_at_the_foot():
 
 def test_the_headline_has_the_message_and_the_conditions():
     page, *_ = page_of(recorded("four_link_box"))
-    message, conditions = (text.get_text() for text in page.texts)
+    message, impact, conditions = (text.get_text() for text in page.texts)
+    assert impact.startswith("impact 1: point 2 hits y_min at 0.4994 s")
     assert message.startswith("FourLinkBox: peak force 19.1 kN, 14 impacts in 2 s, ")
     assert "zhang_sharf" in conditions
 

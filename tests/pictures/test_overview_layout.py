@@ -180,3 +180,8 @@ def test_numbers_below_a_motion_that_is_narrower_than_its_panel_keep_apart(model
     ticks = [tick for tick in page.axes[0].get_xticklabels() if low <= tick.get_position()[0] <= high]
     numbers = [tick.get_window_extent() for tick in ticks]
     assert all(one.x1 + 0.3 * one.height < other.x0 for one, other in itertools.pairwise(numbers))
+
+
+def test_an_overview_in_one_column_of_a_page_leaves_room_for_a_caption():
+    recording = recorded("thrown_brick")
+    assert recording.plot(size=(84 / 25.4, None)).get_figheight() < 170 / 25.4

@@ -8,7 +8,8 @@ from chain_impact import compare, simulate
 from chain_impact.scene.errors import SceneError
 from chain_impact.studies.compare.compare import OVERLAPS
 from chain_impact.studies.compare.headline import headline
-from chain_impact.studies.compare.plot import conditions, looks_of
+from chain_impact.studies.compare.looks import looks_of
+from chain_impact.studies.compare.plot import conditions
 from chain_impact.studies.compare.text import advice, heading, law_table, legend
 from chain_impact.studies.law_exchange import contact_at, contact_with_law, keeps_exponents, law_values
 from tests.helpers.scenes.stops import UP, knee

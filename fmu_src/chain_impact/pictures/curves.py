@@ -25,7 +25,7 @@ from chain_impact.pictures.curve_peaks import (
     largest_vectors,
 )
 from chain_impact.pictures.curve_texts import axis_unit, number_at, quantity_text, values_at_onset
-from chain_impact.pictures.drawing.distinct_curves import hidden_counts, plot_curves
+from chain_impact.pictures.drawing.distinct_curves import dash_lines, plot_curves
 from chain_impact.pictures.drawing.figures import PANEL_HEIGHT, settle
 from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.labels import Label, place_labels
@@ -250,8 +250,8 @@ def draw_all(
     labels: list[list[Label]] = []
     is_shown = (time >= ends[0]) & (time <= ends[1])
     for axes, names in zip(grid, (drawn_in(curves, names) for names in panels), strict=True):
-        mark_impacts(axes, recording, start, factor)
         axes.set_xlim(*ends)
+        mark_impacts(axes, recording, start, factor, is_thinned=True)
         if curves.number:
             end_label = mark_end(axes, recording, curves.number, factor)
             keys += end_label if axes is grid[0] else []
@@ -259,22 +259,25 @@ def draw_all(
         starts = values_at_onset(curves, names)
         curves_in_panel = [curves.values[name] - starts.get(name, 0.0) for name in names]
         scale, unit = axis_unit(stored_unit, curves_in_panel, is_close=curves.onset is not None)
-        looks = zip(names, looks_of(names, body_indices), hidden_counts(curves_in_panel), strict=True)
+        looks = zip(names, looks_of(names, body_indices), strict=True)
         lines = {
             name: (
                 values,
                 {
                     "color": PALETTE[look % len(PALETTE)],
-                    "linestyle": dashes(look // len(PALETTE) + hidden_count, stored_unit),
+                    "linestyle": dashes(look // len(PALETTE), stored_unit),
                 }
                 | look_of_energy(name)
                 | {
                     "label": f"{name} from {number_at(starts[name], stored_unit)}" if starts else name,
                 },
             )
-            for values, (name, look, hidden_count) in zip(curves_in_panel, looks, strict=True)
+            for values, (name, look) in zip(curves_in_panel, looks, strict=True)
         }
         plot_curves(axes, time, [(scale * values, look) for values, look in lines.values()])
+        # the energies have dashes of their own, and the wide line of their total is behind the others
+        labels_of_lines = {look["label"] for name, (_, look) in lines.items() if not look_of_energy(name)}
+        dash_lines(axes, [line for line in axes.lines if line.get_label() in labels_of_lines])
         sizes = amount_lines(curves, lines) if names_beside else {}
         for values, look in sizes.values():
             axes.plot(time, scale * values, **look)

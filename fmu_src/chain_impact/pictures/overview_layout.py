@@ -37,6 +37,7 @@ WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # of the panel of motion above other panels, on a figure with a width of COLUMN or less. Both are relative to
 # the height of the panel of energies.
 CLOCK_SHARE, MOTION_ABOVE_HEIGHT = 0.06, 2.2
+ROWS_IN_COLUMN = 1.6  # see ``heights_of``
 # the largest height of the panel of motion, relative to the width of the figure, if the user gives no height:
 # HIGHEST from TWO_COLUMN_WIDTH on, NARROW_HIGHEST from COLUMN to TWO_COLUMN_WIDTH
 HIGHEST, NARROW_HIGHEST = 0.4, 0.65
@@ -97,15 +98,20 @@ def is_beside(ratio: float, width: float) -> bool:
     return ratio <= BROADEST_BESIDE and (1.0 - motion_share(ratio, width)) * width >= LEAST_BESIDE
 
 
-def heights_of(recording: Recording, shown_panels: Sequence[str]) -> list[float]:
+def heights_of(recording: Recording, shown_panels: Sequence[str], width: float) -> list[float]:
     """Return the heights of the panels over time, relative to the height of the panel of energies.
+
+    On a figure with a ``width`` of COLUMN or less [inches], whose panel of energies is low, rows of dry
+    friction are higher by ROWS_IN_COLUMN, so that their names do not decide on the height of the figure.
 
     If a motion in the plane is shown beside or above these panels, the height of the axis that shows the
     colours of time comes last. ``shown_panels`` has the names of all panels.
     """
     time_panels = [name for name in shown_panels if is_in_column(recording, name)]
     has_colours = time_panels and len(time_panels) < len(shown_panels)
-    return [PANELS[name].height(recording) for name in time_panels] + ([CLOCK_SHARE] if has_colours else [])
+    factors = {"friction": ROWS_IN_COLUMN} if width <= COLUMN else {}
+    heights = [factors.get(name, 1.0) * PANELS[name].height(recording) for name in time_panels]
+    return heights + ([CLOCK_SHARE] if has_colours else [])
 
 
 def size_for(recording: Recording, shown_panels: Sequence[str], size: Size | None) -> tuple[float, float]:
@@ -121,7 +127,7 @@ def size_for(recording: Recording, shown_panels: Sequence[str], size: Size | Non
         return FIGURE_SIZE
     is_column = width <= COLUMN and "motion" not in time_panels and not is_beside(ratio, width)
     energy = ENERGY_IN_COLUMN if is_column else ENERGY_HEIGHT
-    over_time = energy * sum(heights_of(recording, shown_panels)) + TEXTS * len(time_panels)
+    over_time = energy * sum(heights_of(recording, shown_panels, width)) + TEXTS * len(time_panels)
     if "motion" in time_panels:
         return width, HEADS + over_time
     if is_beside(ratio, width):
@@ -145,7 +151,7 @@ def axes_of(figure: Figure, recording: Recording, shown_panels: Sequence[str]) -
     time_panels = [name for name in shown_panels if is_in_column(recording, name)]
     width, has_motion = figure.get_figwidth(), len(time_panels) < len(shown_panels)
     ratio = broadness(recording) if has_motion else 1.0
-    heights = heights_of(recording, shown_panels)
+    heights = heights_of(recording, shown_panels, width)
     names = [*time_panels, *(["time"] if time_panels and has_motion else [])]
     if has_motion and time_panels and is_beside(ratio, width):
         share = motion_share(ratio, width)

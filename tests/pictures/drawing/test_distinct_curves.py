@@ -91,3 +91,14 @@ def test_dashes_of_lines_that_merge_leave_each_other_free():
     drawn_at = [(np.arange(0.0, length, 0.1) + offset) % length < on for offset, (on, _) in (second, third)]
     assert not np.logical_and(*drawn_at).any()
     assert not np.logical_or(*drawn_at).all()  # the first line is seen in the gaps
+
+
+def test_curves_with_narrow_peaks_have_dashes_where_they_coincide():
+    time = np.linspace(0.0, 1.0, 4001)
+    peaks = np.where(np.arange(4001) % 100 == 50, 1.0, 0.0)
+    other = np.where(time < 0.5, 0.0, peaks)
+    base, above = parts_with_dashes([np.array([time, peaks]), np.array([time, other])])
+    assert [dashes for _, dashes in base] == [None] * len(base)
+    (points, dashes) = above[-1]
+    assert dashes is not None
+    np.testing.assert_allclose(points[0, [0, -1]], [0.4875, 1.0], atol=1e-3)

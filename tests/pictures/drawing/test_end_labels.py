@@ -34,4 +34,4 @@ def test_names_do_not_overlap_and_keep_the_order_of_their_lines():
     boxes = [label.text.get_window_extent() for label in labels]
     assert all(lower.y1 <= upper.y0 + 1.0 for lower, upper in itertools.pairwise(boxes))
     assert all(box.x0 > axes.bbox.x1 and box.x1 < page.bbox.x1 for box in boxes)
-    assert write_end_labels(axes, [(str(k), 0.5, "black") for k in range(9)]) == []
+    assert write_end_labels(axes, [(str(k), 0.5, "black") for k in range(13)]) == []

@@ -116,7 +116,8 @@ def test_a_line_to_a_label_passes_no_other_label(axes):
 
 
 @pytest.mark.parametrize(
-    ("numbers", "expected"), [([3], "3"), ([9, 3, 8, 7, 3], "3, 7–9"), ([1, 2], "1, 2"), ([], "")]
+    ("numbers", "expected"),
+    [([3], "3"), ([9, 3, 8, 7, 3], "3, 7–9"), ([1, 2], "1, 2"), ([], ""), ([9, 1, 3, 7, 5], "1, 3 … 9")],
 )
 def test_numbers_in_a_row_are_told_by_the_first_and_the_last(numbers, expected):
     assert number_list(numbers) == expected

@@ -20,7 +20,7 @@ def test_a_film_names_the_last_impact_and_its_force_stands_beside_a_rail(number,
     recording = record_slowly("cart_pole")
     impact = recording.impacts[number - 1]
     figure = Figure((8.0, 4.5), dpi=80)
-    page = Film(figure, recording, np.array([0.0, 0.5 * (impact["onset"] + impact["end"]), 3.0]))
+    page = Film(figure, recording, 0.5 * (impact["onset"] + impact["end"]) * np.arange(3))
     figure.draw_without_rendering()
     list(page.show(0, 1.0))
     assert page.caption.text.get_text() == ""
@@ -62,8 +62,9 @@ def test_the_caption_tells_an_impact_from_its_onset_on():
     told = []
     for frame in range(len(shown)):
         list(page.show(frame, 1.0))
-        told.append(page.caption.shown_number)
-    assert told == [0, 1, 1, 2, 2, 3, 3, 4]
+        told.append((page.caption.shown_number, page.caption.is_next))
+        assert page.caption.text.get_text().startswith("next: ") == told[-1][1]
+    assert told == [(k, is_next) for k in (1, 2, 3, 4) for is_next in (True, False)]
 
 
 def test_a_legend_of_many_rows_does_not_touch_the_caption_of_a_film():

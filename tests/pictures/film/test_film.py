@@ -1,7 +1,7 @@
 """Films: their content as their viewers see them."""
 
 # Tests: pictures/film/charts.py, pictures/film/file_formats.py, pictures/film/film_layout.py
-# Tests: pictures/film/scale_bar.py, pictures/film/writing.py
+# Tests: pictures/film/impact_rings.py, pictures/film/scale_bar.py, pictures/film/writing.py
 
 import itertools
 
@@ -14,7 +14,7 @@ from PIL import Image
 from chain_impact import Recording, SceneWarning, load_scene, parse_scene, record_slowly, simulate
 from chain_impact.pictures.drawing.dark_ground import lightened_colour
 from chain_impact.pictures.drawing.style import LOAD, TIME_COLOURS, force_text
-from chain_impact.pictures.film.charts import largest_forces, stretch
+from chain_impact.pictures.film.charts import COLOURED_PARTS, largest_forces, stretch
 from chain_impact.pictures.film.film import FILM_STYLE, FORCE, Film
 from chain_impact.pictures.film.film_layout import LEAST_WIDTH, SIZE_WITH_CHARTS, layout_for
 from chain_impact.pictures.film.scale_bar import draw_scale_bar
@@ -322,7 +322,33 @@ def test_a_ring_stays_where_an_impact_happened():
     seen = []
     for frame in range(3):
         drawn = list(page.show(frame, 1.0))
-        assert page.rings in drawn
-        seen.append(page.rings.get_xydata().tolist())
+        assert {*page.rings.lines} <= {*drawn}
+        seen.append(page.rings.lines[0].get_xydata().tolist())
     spots = [recording.impact_position(impact).tolist() for impact in recording.impacts]
     assert seen == [[], spots[:1], spots]
+
+
+def test_impulses_of_a_rigid_wall_are_lines_in_the_lower_chart():
+    recording = made.recorded("bouncing_ball")
+    page = Film(Figure((8.0, 4.5), dpi=80), recording, recording.time[[0, -1]])
+    _, strip = (cursor.axes for cursor in page.cursors)
+    assert strip.get_title(loc="left") == "impulse [N·s]"
+    lines = (item for item in strip.collections if len(item.get_paths()) == len(recording.impacts))
+    stems = max(lines, key=lambda item: item.get_linewidth()[0])  # the others are the lines at impacts
+    tops = [path.vertices[:, 1].max() for path in stems.get_paths()]
+    largest = max(tops)
+    assert [text.get_text() for text in strip.texts] == [force_text(largest, "N·s")]
+    ended = recording.impacts["end"] == recording.impacts["end"]
+    np.testing.assert_allclose(np.array(tops)[ended], recording.impacts["impulse"][ended])
+    list(page.show(1, 1.0))
+    peak = page.rings.lines[1]
+    row = int(np.argmax(tops))
+    np.testing.assert_allclose(peak.get_xydata(), [recording.impact_position(recording.impacts[row])])
+
+
+def test_the_axis_of_time_has_the_colours_of_the_chain(recording):
+    page = Film(Figure((8.0, 4.5), dpi=80), recording, recording.time[[0, -1]])
+    strip = page.cursors[-1].axes
+    (bar,) = (item for item in strip.collections if len(item.get_paths()) == COLOURED_PARTS)
+    time = bar.get_paths()[20].vertices[:, 0].mean()
+    np.testing.assert_allclose(bar.get_colors()[20], page.shade(time), atol=1e-6)

@@ -4,6 +4,7 @@
 # Tests: pictures/motion/poses.py, pictures/motion/named_points.py, pictures/texts/point_names.py
 
 import functools
+import re
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from chain_impact.pictures import draw_chain
 from chain_impact.pictures.drawing import figures
 from chain_impact.pictures.drawing.labels import MARK_LENGTH
 from chain_impact.pictures.drawing.style import LOAD, PEAK_COLOUR, force_text
-from chain_impact.pictures.motion.impact_rings import RING_DISTANCE, RING_SIZE, rings, rows_by_speed
+from chain_impact.pictures.motion.impact_rings import RING_SIZE, rings, rows_by_speed
 from chain_impact.pictures.motion.joint_forces import LOAD_SHIFT, draw_loads, part_in_view, shifted_foot
 from chain_impact.pictures.motion.named_points import NAME, touching_points
 from chain_impact.pictures.motion.poses import FAINT_POSES, MOST_STRONG_POSES, distinct_poses, strong_rows
@@ -25,7 +26,6 @@ from chain_impact.pictures.motion.view import view_of
 from chain_impact.pictures.over_time.impacts import marks_of, rows_by_height
 from chain_impact.pictures.overview import fill, usual_size
 from chain_impact.pictures.texts.headline import marked_peaks, peaks
-from chain_impact.pictures.texts.impact_numbers import number_list, numbers_of
 from chain_impact.recording.joint_peaks import joint_peaks
 from chain_impact.recording.joint_stops import range_lines
 from chain_impact.recording.view import ball_of
@@ -190,7 +190,7 @@ def test_impacts_are_ringed_where_the_point_was_and_numbered():
     walls = {"x_max": s, "y_max": 1.1, "y_min": 0.0}
     motion = motion_of(swing(impacts, walls, rows=2001))
     np.testing.assert_allclose(ring_places(motion), [[s, s], [0.0, 1.1], [0.0, 0.0]], atol=1e-6)
-    assert texts(motion) == ["1", "2", "3"]
+    assert texts(motion) == ["#1", "#2", "#3"]
 
 
 @pytest.mark.parametrize("model", ["four_link_box", "arm_at_stop", "bouncing_ball"])
@@ -206,11 +206,11 @@ def test_the_impact_with_the_largest_force_is_marked_in_both_panels(model):
     assert most.name in [text.get_text() for text in motion.get_legend().get_texts()]
     spot = recording.impact_position(recording.impacts[most.row])
     if model != "bouncing_ball":
-        assert np.hypot(*(ring.get_xydata()[0] - spot)) < RING_DISTANCE * np.ptp(motion.get_xlim())
+        np.testing.assert_allclose(ring.get_xydata()[0], spot)
     (mark,) = (line for line in speeds.lines if line.get_color() == PEAK_COLOUR)
     assert mark.get_xdata() == [recording.impacts["onset"][most.row]]
     (told,) = (text for text in speeds.texts if text.get_color() == PEAK_COLOUR)
-    assert told.get_text().replace("\n", " ") == f"{most.row + 1}: {most.value}"
+    assert told.get_text().replace("\n", " ") == f"#{most.row + 1}: {most.value}"
 
 
 @pytest.mark.full("takes long")
@@ -218,19 +218,31 @@ def test_impacts_at_one_place_share_a_ring():
     walls = {"y_min": 0.0, "y_max": 1.0}
     floor = [impact_row(time, 0, "y_min", time) for time in (0.5, 0.51, 1.0, 1.5)]
     motion = motion_of(swing([*floor[:2], impact_row(0.9, 1, "y_max", 9.0)], walls))
-    assert [" ".join(text.split()) for text in texts(motion)] == ["3", "1, 2"]
+    assert [" ".join(text.split()) for text in texts(motion)] == ["#3", "#1, 2"]
     motion = motion_of(swing(floor, walls))
-    assert texts(motion) == ["1–4"]
+    assert texts(motion) == ["#1–4"]
     apart = [
         row
         for k in range(4)
         for row in (impact_row(0.2 + k / 5, 0, "y_min", 1.0 + k), impact_row(0.3 + k / 5, 1, "y_max", 9.0))
     ]
     motion = motion_of(swing(apart, walls))
-    assert sorted(texts(motion)) == ["1, 3, 5, 7", "2", "4", "6", "8"]
+    assert sorted(texts(motion)) == ["#1, 3, 5, 7", "#2", "#4", "#6", "#8"]
     many = [impact_row(0.2 + k / 10, k % 2, "y_max" if k % 2 else "y_min", 1.0 + (k == 4)) for k in range(14)]
     told = [text.replace("\n", " ") for text in texts(motion_of(swing(many, walls)))]
-    assert told[0] == "5 + 6 more"
+    assert told[0] in ("#1, 3 … 13", "#5 + 6 more")
+
+
+def told_count(text):
+    """Return how many impacts a label of a ring tells: "1, 3–5", "1, 3 … 9" or "2 + 14 more"."""
+    first, *others = re.split(r" \+ ?", text)
+    if others:
+        return 1 + int(others[0].removesuffix(" more"))
+    if "…" in first:
+        low, step, high = map(int, re.split(", | … ", first))
+        return 1 + (high - low) // (step - low)
+    ends = [list(map(int, part.split("–"))) for part in first.split(", ")]
+    return sum(end[-1] - end[0] + 1 for end in ends)
 
 
 @pytest.mark.full("more cases", but="rod_drop")
@@ -240,9 +252,8 @@ def test_no_list_of_numbers_at_a_ring_is_silently_short(model):
     page = recording.plot(size=(84 / 25.4, None))
     motion = next(axes for axes in page.axes if axes.get_label() == "motion")
     told = [text.replace("\n", " ") for text in texts(motion)]
-    order = rows_by_height(marks_of(recording)[1]).tolist()
-    for hits in rings(motion, recording).values():
-        assert {number_list(row + 1 for row in hits), *numbers_of(sorted(hits, key=order.index))} & {*told}
+    lists = [text.removeprefix("#") for text in told if text.startswith("#")]
+    assert sum(map(told_count, lists)) == len(recording.impacts)
 
 
 def test_the_largest_joint_force_is_told_first():
@@ -319,7 +330,7 @@ def test_the_hardest_impact_is_numbered():
     for recording in (recorded("four_link_box"), crowd()):
         motion = motion_of(recording)
         number = str(rows_by_height(marks_of(recording)[1])[0] + 1)
-        assert any(number in text.replace(",", " ").split() for text in texts(motion))
+        assert any(number in re.split("[#, ]", text) for text in texts(motion))
 
 
 def test_the_sample_of_the_tip_in_the_legend_has_the_colours_of_its_path():

@@ -87,9 +87,11 @@ def test_a_square_stands_where_something_sticks_at_the_end():
 
 def test_energies_have_that_of_friction_as_a_part(recording):
     (energy,) = recording.plot(panels="energy").axes
-    (line,) = [line for line in energy.lines if line.get_label() == "friction loss"]
-    assert line.get_linestyle() == "--"
-    np.testing.assert_array_equal(line.get_ydata(), recording.columns["energy.friction"])
+    # nothing but friction dissipates energy here
+    (line,) = [line for line in energy.lines if line.get_label() == "dissipated = friction loss"]
+    lost = recording.columns["energy.friction"]
+    np.testing.assert_allclose(line.get_ydata(), lost, atol=5e-3 * np.ptp(lost))
+    assert "friction loss" in [look["label"] for _, look in energy_curves(recorded("thrown_brick"))]
     assert "friction loss" not in [look["label"] for _, look in energy_curves(recorded("rod_drop"))]
 
 

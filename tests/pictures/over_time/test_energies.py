@@ -5,7 +5,13 @@ import itertools
 import numpy as np
 import pytest
 
-from chain_impact.pictures.over_time.energies import VISIBLE_ELASTIC, energy_curves, energy_look, without_gap
+from chain_impact.pictures.over_time.energies import (
+    ENERGIES,
+    VISIBLE_ELASTIC,
+    energy_curves,
+    energy_look,
+    without_gap,
+)
 from chain_impact.scene.files.models import model_names
 from tests.pictures.pictures import page_of, recorded, swing
 
@@ -59,3 +65,16 @@ def test_the_shift_of_an_energy_is_told_in_plain_digits(least, text):
 def test_without_a_gap_the_energies_have_their_usual_zero(model):
     recording = recorded(model)
     assert without_gap(dict(recording.energies))[1] == 0.0
+
+
+def test_no_two_energies_are_alike_without_colours():
+    looks = [energy_look(name) for name in ENERGIES]
+    assert len({(str(look["linestyle"]), look["linewidth"]) for look in looks}) == len(looks)
+
+
+def test_a_supplied_energy_that_is_the_dissipated_one_has_no_curve():
+    recording = swing()
+    recording.columns["energy.dissipated"] = recording.columns["energy.supplied"] = np.linspace(0.0, 9.0, 50)
+    labels = [look["label"] for _, look in energy_curves(recording)]
+    assert "dissipated = supplied" in labels
+    assert "supplied" not in labels

@@ -25,13 +25,16 @@ from chain_impact.pictures.over_time.impacts import (
 )
 from chain_impact.pictures.overview import fill
 from chain_impact.pictures.texts.headline import impulses_of_hits
+from chain_impact.pictures.texts.impact_numbers import NUMBER_SIGN
 from chain_impact.recording.contact_times import impacts_at_peaks
 from tests.pictures.pictures import MODELS, impact_row, impacts_of, page_of, recorded, swing, texts
 
 
 def numbers(axes):
     """Return the numbers of impacts in the axes, without the names of contacts at their left."""
-    return [text.get_text() for text in axes.texts if text.get_gid() != LANE]
+    found = [text.get_text() for text in axes.texts if text.get_gid() != LANE]
+    assert all(text.startswith(NUMBER_SIGN) for text in found)
+    return [text.removeprefix(NUMBER_SIGN) for text in found]
 
 
 def strengths(recording):
@@ -82,7 +85,7 @@ def test_a_number_stands_near_its_impact_and_counts_in_time(model):
     recording = recorded(model)
     speeds = impacts_of(recording)
     for text in [text for text in speeds.texts if text.get_gid() != LANE]:
-        row = int(re.split("[,–:]", text.get_text())[0]) - 1
+        row = int(re.split("[#,–:]", text.get_text())[1]) - 1
         assert text.xy == (impacts_at_peaks(recording)["onset"][row], strengths(recording)[row])
         box, place = text.get_window_extent(), speeds.transData.transform(text.xy)
         assert np.hypot(*(np.clip(place, box.min, box.max) - place)) < 20.0  # pixels
@@ -104,7 +107,7 @@ def test_no_mark_of_another_impact_is_nearer_to_a_number_than_its_own(model, wid
     labels = [text for text in axes.texts if text.get_gid() != LANE]
     assert labels
     for text in labels:
-        box, row = text.get_window_extent(), int(re.split("[,–: ]", text.get_text())[0]) - 1
+        box, row = text.get_window_extent(), int(re.split("[#,–: ]", text.get_text())[1]) - 1
         own = next(rows for rows in shared if row in rows)
         middle = 0.5 * (box.min + box.max)
         for low, high in ((middle, middle), (box.min, box.max)):

@@ -159,7 +159,7 @@ def test_a_knee_that_stays_at_its_stop_tells_joint_time_speed_and_impulse():
     assert told.value in page.get_suptitle()
     assert any("joint 3 hits joint_max at 0.3478 s with 7.69 rad/s" in t.get_text() for t in page.texts)
     panel = next(axes for axes in page.axes if axes.get_label() == "impacts")
-    assert f"1: {told.value}" in [text.get_text() for text in panel.texts]
+    assert f"#1: {told.value}" in [text.get_text() for text in panel.texts]
     assert panel.get_ylabel().split() == ["hit", "impulse", "[mN·m·s]"]
 
 

@@ -1,6 +1,7 @@
 """The picture of a comparison."""
 
-# Tests: pictures/drawing/law_looks.py, studies/compare/grey_loops.py, studies/compare/headline.py
+# Tests: pictures/drawing/law_looks.py, studies/compare/looks.py, studies/compare/grey_loops.py
+# Tests: studies/compare/headline.py
 
 import re
 
@@ -19,15 +20,14 @@ from chain_impact.pictures.over_time.energies import energy_curves
 from chain_impact.scene.scene import with_values
 from chain_impact.studies.compare.grey_loops import fill_loops
 from chain_impact.studies.compare.headline import headline
+from chain_impact.studies.compare.looks import COLOURED_LAWS, brief_names, looks_of, named_laws
 from chain_impact.studies.compare.plot import (
-    COLOURED_LAWS,
     SIZE,
     conditions,
     fill,
     legend_handles,
-    looks_of,
-    named_laws,
     plot_comparison,
+    shown_span,
 )
 from tests.helpers.scenes.problems import default_scene, driven
 
@@ -321,3 +321,31 @@ def test_laws_that_did_not_run_leave_the_others_in_the_picture(tmp_path):
     )
     plot_comparison(comparison, tmp_path / "laws.svg")
     assert "<svg" in (tmp_path / "laws.svg").read_text(encoding="utf-8")
+
+
+def test_a_law_whose_lines_are_covered_is_named_with_the_law_above_it():
+    found = compare("elastic_ball", laws=["zhang_sharf", "hertz", "tsuji", "jankowski", "newton_impact"])
+    looks = looks_of(found)
+    assert not [look for look in looks.values() if look["color"] == GREY]
+    assert "grey" not in conditions(found, looks)
+    (label,) = (look["label"] for look in looks.values() if "zhang_sharf" in look["label"])
+    assert {"tsuji", "jankowski"} <= {*label.partition(" (")[0].split(", ")}
+
+
+@pytest.mark.parametrize(
+    ("label", "expected"),
+    [("ye (e′ = 0.5)", "ye"), ("flores, ye (of the scene)", "flores (ye)"), ("a, b, c, d", "a (+ 3)")],
+)
+def test_a_line_that_laws_share_has_their_names_at_its_end(label, expected):
+    assert brief_names(label) == expected
+
+
+def test_the_energy_ends_when_all_laws_with_losses_have_settled(comparison):
+    for found in (comparison, compare("rod_drop", laws=["zhang_sharf", "hertz", "flores"])):
+        start, end = shown_span(found)
+        assert start < found.first_impact["onset"] < end <= found[found.reference].result.time[-1]
+        for run in found.runs:
+            if run.law != "hertz" and run.result is not None:
+                total = run.result.energy["total"]
+                late = total[run.result.time > end]
+                assert np.abs(late - total[-1]).max(initial=0.0) < 0.03 * total[0]

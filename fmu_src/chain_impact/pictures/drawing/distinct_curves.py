@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 
 from chain_impact.pictures.drawing.style import GREY
 
@@ -77,26 +79,25 @@ def plot_curves(
         axes.plot([], [], color=colour, alpha=alpha, linewidth=5.0, solid_capstyle="butt", label=FAST_ENTRY)
 
 
-def hidden_counts(curves: Sequence[np.ndarray], same: float = SAME_CURVE) -> list[int]:
-    """Return for each curve how many earlier curves it hides: those with which it nearly coincides.
+def dash_lines(axes: Axes, lines: Sequence[Line2D]) -> None:
+    """Give lines of ``axes`` dashes where they coincide, so that each of them is visible.
 
-    The caller draws a curve that hides others with dashes, so that the others are visible through the gaps. A
-    curve with missing values coincides with no curve.
-
-    Args:
-        curves: the curves, each of shape (T,).
-        same: the largest distance at which two curves coincide in a row, relative to the range of all curves.
+    A line keeps its label and its solid parts; the parts with dashes are further lines. A line with missing
+    values stays as it is.
     """
-    finite_curves = [curve[np.isfinite(curve)] for curve in curves]
-    all_values = np.concatenate(finite_curves) if finite_curves else np.zeros(0)
-    seen_distance = same * float(np.ptp(all_values)) if all_values.size else 0.0
-    return [
-        sum(
-            bool(np.max(np.abs(curve - other_curve), initial=0.0) <= seen_distance)
-            for other_curve in curves[:k]
-        )
-        for k, curve in enumerate(curves)
-    ]
+    whole_lines = [line for line in lines if np.isfinite(np.array(line.get_data(), float)).all()]
+    parts = parts_with_dashes([np.array(line.get_data(), float) for line in whole_lines])
+    for line, own_parts in zip(whole_lines, parts, strict=True):
+        styles: dict[Any, list[np.ndarray]] = {}
+        for points, dashes in own_parts:
+            styles.setdefault(dashes, []).append(np.append(points, [[math.nan]] * 2, axis=1))
+        if len(own_parts) == 1 and None in styles:
+            continue
+        line.set_data(np.concatenate(styles.pop(None, [np.zeros((2, 0))]), axis=1))
+        look: dict[str, Any] = {"color": line.get_color(), "linewidth": line.get_linewidth()}
+        for dashes, pieces in styles.items():
+            joined_part = np.concatenate(pieces, axis=1)
+            axes.plot(*joined_part, **look, linestyle=dashes, zorder=line.get_zorder(), label="_")
 
 
 def merged_dashes(lines: Sequence[np.ndarray]) -> list[Any]:
@@ -134,7 +135,7 @@ def parts_with_dashes(lines: Sequence[np.ndarray]) -> list[list[tuple[np.ndarray
 
     Where lines nearly coincide (MERGING_DISTANCE), the first of them is solid, and the dashes of the others,
     which are drawn above it, alternate (``_dashes``). Elsewhere, and over lengths below LEAST_DASHED, a line
-    is solid.
+    is solid. Lines with the same x are compared at each x, so that narrow peaks count, too.
 
     Args:
         lines: x and y of each line, each of shape (2, S), in the same axes.
@@ -143,10 +144,17 @@ def parts_with_dashes(lines: Sequence[np.ndarray]) -> list[list[tuple[np.ndarray
         The parts in their order along each line, with dashes as matplotlib takes them.
     """
     measured_lines, parts = _measure_lines(lines), []
+    has_one_x = all(np.array_equal(line[0], lines[0][0]) for line in lines)
+    if has_one_x:
+        measured_lines = [(scaled_line, way, way) for scaled_line, way, _ in measured_lines]
     evenly = [_points_at(*measured_line) for measured_line in measured_lines]
     for k, (line, (_, way, lengths)) in enumerate(zip(lines, measured_lines, strict=True)):
         merged_parts = np.array(
-            [_distances(evenly[k], other_points) <= MERGING_DISTANCE for other_points in evenly]
+            [
+                (np.abs(evenly[k][1] - other_points[1]) if has_one_x else _distances(evenly[k], other_points))
+                <= MERGING_DISTANCE
+                for other_points in evenly
+            ]
         )
         # the number of lines at each place that are below this line, and of all that are above the first one
         count_below, count_above = merged_parts[:k].sum(axis=0), merged_parts.sum(axis=0) - 1
@@ -155,12 +163,21 @@ def parts_with_dashes(lines: Sequence[np.ndarray]) -> list[list[tuple[np.ndarray
             looks[start:stop] *= lengths[stop - 1] - lengths[start] >= LEAST_DASHED
         own_parts = []
         for start, stop in _runs(looks):
-            first, last = lengths[start], lengths[min(stop, PIECES - 1)]
+            first, last = lengths[start], lengths[min(stop, len(lengths) - 1)]
             part_lengths = np.concatenate([[first], way[(way > first) & (way < last)], [last]])
             dashes = _dashes(int(count_below[start]) - 1, int(count_above[start])) if looks[start] else None
             own_parts.append((_points_at(line, way, part_lengths), dashes))
         parts.append(own_parts)
     return parts
+
+
+def coincide(line: np.ndarray, other_line: np.ndarray) -> bool:
+    """Return whether two lines in the same axes, x and y of shape (2, S), coincide everywhere.
+
+    No distance of a point of one line from the other line is above MERGING_DISTANCE.
+    """
+    evenly = [_points_at(*measured_line) for measured_line in _measure_lines([line, other_line])]
+    return all(_distances(*pair).max() <= MERGING_DISTANCE for pair in (evenly, evenly[::-1]))
 
 
 def _dashes(index: int, count: int) -> tuple[float, tuple[float, float]]:

@@ -15,7 +15,7 @@ from matplotlib.text import Text
 LEADER_LENGTH, END_GAP = 8.0, 2.0
 # names are not written if one would be farther from its line than FARTHEST, with names of the height
 # NAME_SHARE; both are relative to the height of the axes
-FARTHEST, NAME_SHARE = 0.25, 0.08
+FARTHEST, NAME_SHARE = 0.45, 0.08
 LINE_HEIGHT = 1.05  # the least distance of the middles of two names, relative to the height of a name
 
 

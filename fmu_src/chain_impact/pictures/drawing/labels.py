@@ -19,11 +19,12 @@ from chain_impact.pictures.drawing.style import INK
 LABEL_OFFSET = 4.0  # [points] the usual distance from a position to its label
 # The distances between a position and its label, relative to LABEL_OFFSET, in the order in which they are
 # tried. A leader is a line from the position to its label. Labels at the distances CLOSE_DISTANCES, which
-# come first, have no leader. Then come the distances LEADER_DISTANCES, with a leader, or, if leaders are not
-# allowed, UNLED_DISTANCES.
-CLOSE_DISTANCES = (1.0, 1.2)
+# come first, have no leader, and no strong pixel is between a position and its label (OWN_LINE) if the
+# distance is above TOUCHING. Then come the distances LEADER_DISTANCES, with a leader, whose visible part is
+# longer than 2 mm, or, if leaders are not allowed, UNLED_DISTANCES.
+CLOSE_DISTANCES, TOUCHING = (1.0, 1.2, 1.4, 1.75, 2.1), 1.2
 UNLED_DISTANCES = (1.3, 1.5)
-LEADER_DISTANCES = (1.4, 1.75, 2.1, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5, 12.5, 15.0)
+LEADER_DISTANCES = (2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5, 12.5, 15.0)
 # LABEL_DIRECTIONS: the number of directions that are tried, equally spaced in a full turn; TURN_ORDER: the
 # order of these directions, as steps away from the best direction, to both sides
 LABEL_DIRECTIONS = 24
@@ -93,7 +94,7 @@ def place_labels(
             position to the label, and may cover pale lines.
         look: properties of the text of all labels, with matplotlib's names.
     """
-    steps = np.array(CLOSE_DISTANCES + (LEADER_DISTANCES if lines else UNLED_DISTANCES))
+    steps = np.array(CLOSE_DISTANCES + LEADER_DISTANCES if lines else CLOSE_DISTANCES[:2] + UNLED_DISTANCES)
     probe = axes.text(0.0, 0.0, "", **look)  # a text by which the sizes of other texts are measured
 
     @functools.cache
@@ -245,7 +246,8 @@ def _place(
             middle = 0.5 * (box[0] + box[1])
             if not is_led and _is_nearest_to_other(middle, half, label_point, other_marks):
                 continue
-            if not may_lead and ink.is_crossed(label_point, middle, OWN_LINE * point):
+            is_apart = not may_lead or (not is_led and steps[step] > TOUCHING)
+            if is_apart and ink.is_crossed(label_point, middle, OWN_LINE * point):
                 continue
             if ink.take(*box, start, MARK_LENGTH * point, crossed * point, on_pale=on_pale):
                 offset = (ways[step, turn] / point).tolist()
@@ -273,8 +275,8 @@ def _is_nearest_to_other(
 
 def folded_label(label_text: str) -> str:
     """Return a label's text in two lines if possible: "3, 5" above "+ 13 more", or "1, 3," above "5"."""
-    if " + " in label_text:
-        return label_text.replace(" + ", "\n+ ")
+    if " +" in label_text:
+        return label_text.replace(" +", "\n+")
     parts = label_text.split(", ")
     first = len(parts) - len(parts) // 2
     return ",\n".join(", ".join(part) for part in (parts[:first], parts[first:]) if part)

@@ -25,7 +25,7 @@ SHORTEST_ARROW = 0.02  # the length of the shortest arrow, relative to the small
 # marks; both relative to the length of the ruler
 FIRST_MARK, MARK_GAP = 0.1, 0.3
 NUMBER_SPACE = 0.5  # the least space between two numbers of the ruler, relative to their height
-SCALE_NAME = "force (cube root)"
+SCALE_NAME = "arrow length ∝ ∛force"
 WHOLE_HEAD = 14.0  # [points] an arrow that is shorter has a smaller head and a thinner line
 RULER_TICK = 3.0  # [points] half of the length of a mark on the ruler
 

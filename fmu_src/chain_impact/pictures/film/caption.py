@@ -20,6 +20,8 @@ from chain_impact.recording.recording import Recording
 # number of frames for which a caption stays after the end of its contact, and becomes fainter; 2 s in a gif
 CAPTION_FRAMES = 40
 LEAST_OPACITY = 0.3  # the opacity of a caption just before it disappears, from 0 to 1
+# a frame is in slow motion if the time until the next frame is less than this part of the longest one
+SLOW_STEP = 0.5
 CAPTION_END = 0.99  # the right end of the room for the caption, relative to the width of the figure
 
 CAPTION_GAP = 2.0  # [points] the least space below the caption
@@ -42,6 +44,9 @@ class Caption:
         self.figure, self.recording, self.times = figure, recording, times
         self.ends = contact_ends(recording)
         self.shown_number = 0  # the number of the impact in the caption, from 1; 0 for an empty caption
+        self.is_next = False  # whether the impact in the caption has not yet begun
+        steps = np.diff(times, append=times[-1:])
+        self.is_slow = steps < SLOW_STEP * steps.max(initial=0.0)
         self.text = figure.text(*position, "\n", fontsize=NUMBER_SIZE, animated=True, va="center")
         self.lowest = self.text.get_window_extent().y0 - CAPTION_GAP * figure.dpi / 72.0  # [pixels]
         self.text.set_text("")
@@ -49,37 +54,46 @@ class Caption:
     def show(self, frame: int) -> None:
         """Write the caption for frame ``frame``, from 0, with the longest words that have room.
 
-        The caption tells the latest impact that has begun. It is empty before the first impact, and more
-        than CAPTION_FRAMES frames after the end of the told contact; until then it becomes fainter. In the
-        last frame of a film, the caption tells the result of the run.
+        The caption tells the latest impact that has begun or, in slow motion that is nearer to the onset of
+        the next impact than to the end of this one, the next impact. It is empty before the first impact, and
+        more than CAPTION_FRAMES frames after the end of the told contact; until then it becomes fainter. In
+        the last frame of a film, the caption tells the result of the run.
         """
         if not len(self.times):
             return
         if 0 < frame == len(self.times) - 1:
-            self.shown_number = 0
+            self.shown_number, self.is_next = 0, False
             self.text.set_alpha(1.0)
             self._write(self._result())
             return
-        number = int(np.searchsorted(self.recording.impacts["onset"], self.times[frame], side="right"))
-        if number and self.ends[number - 1] < self.times[max(frame - CAPTION_FRAMES, 0)]:
+        onsets, time = self.recording.impacts["onset"], self.times[frame]
+        number = int(np.searchsorted(onsets, time, side="right"))
+        passed_time = time - self.ends[number - 1] if number else np.inf
+        is_next = bool(self.is_slow[frame] and number < len(onsets) and onsets[number] - time < passed_time)
+        if is_next:
+            number += 1
+        elif number and self.ends[number - 1] < self.times[max(frame - CAPTION_FRAMES, 0)]:
             number = 0
-        if number:
+        if number and is_next:
+            self.text.set_alpha(1.0)
+        elif number:
             end_frame = int(np.searchsorted(self.times, self.ends[number - 1]))
             passed_share = max(0, frame - end_frame) / CAPTION_FRAMES
             self.text.set_alpha(1.0 - (1.0 - LEAST_OPACITY) * min(1.0, passed_share))
-        if number != self.shown_number:
-            self.shown_number = number
-            self._write(self._caption_text(number) if number else [""])
+        if (number, is_next) != (self.shown_number, self.is_next):
+            self.shown_number, self.is_next = number, is_next
+            self._write(self._caption_text(number, is_next=is_next) if number else [""])
 
-    def _caption_text(self, number: int) -> list[str]:
-        """Return words for impact ``number``, from 1, the longest first."""
+    def _caption_text(self, number: int, *, is_next: bool) -> list[str]:
+        """Return words for impact ``number``, from 1, the longest first; ``is_next``: it has not begun."""
         recording, impacts = self.recording, self.recording.impacts
-        count, impact = f"impact {number} of {len(impacts)}", impacts[number - 1]
+        beginning, impact = "next: " if is_next else "", impacts[number - 1]
+        count = f"{beginning}impact {number} of {len(impacts)}"
         whole_text, brief = (
             short_names(recording, hit_text(recording, impact)),
             brief_hit(recording, impact),
         )
-        hard = hardness_text(recording, number - 1)
+        hard = "" if is_next else hardness_text(recording, number - 1)
         return [f"{text}\n{hard}" for text in (f"{count}: {whole_text}", f"{count}: {brief}", brief)]
 
     def _result(self) -> list[str]:

@@ -1,4 +1,6 @@
-"""The charts beside the motion in a film: the energies over time and, below them, the largest forces.
+"""The charts beside the motion in a film: the energies over time and, below them, forces or impulses.
+
+Where impacts act by impulses, the lower chart has the impulse of each impact, else the largest forces.
 
 The axis of time is proportional to the time on the screen: it is stretched in slow motion, so that the course
 of an impact is visible.
@@ -6,22 +8,26 @@ of an impact is visible.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
+from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.pictures.drawing.dark_ground import TEXT_OUTLINE
 from chain_impact.pictures.drawing.distinct_curves import plot_curves
-from chain_impact.pictures.drawing.style import INK, LOAD, force_text, give_ticks, load_unit
+from chain_impact.pictures.drawing.style import INK, LOAD, PEAK_COLOUR, force_text, give_ticks, load_unit
 from chain_impact.pictures.film.scale_bar import NUMBER_SIZE
+from chain_impact.pictures.motion.motion import colour_of_time
 from chain_impact.pictures.over_time.energies import energy_curves
 from chain_impact.pictures.over_time.time_axis import mark_impacts
+from chain_impact.pictures.texts.headline import HIT_IMPULSE, IMPULSE, impact_values, marked_peaks
 from chain_impact.recording.interactions import SLIDER_STOP, WALL
 from chain_impact.recording.recording import Recording
 
@@ -38,8 +44,19 @@ STRIP, STRIP_TOP_MARGIN = 0.13, 0.075
 # ground
 VEIL, DARK_VEIL = 0.75, 0.55
 FORCE_HEADROOM = 1.25  # the upper end of the axis of forces, relative to the largest force
+# COLOURED_PARTS: the number of parts, each with one colour, of the bar along the axis of time;
+# COLOURED_WIDTH: [points] the width of this bar
+COLOURED_PARTS, COLOURED_WIDTH = 64, 3.0
 FORCE_COLOURS = {"wall": FORCE, "joint": LOAD}
 """Kind of forces → their colour."""
+
+
+class ChartPeak(NamedTuple):
+    """The largest value in the lower chart: its text, its position on the axes, and its colour."""
+
+    text: str
+    position: tuple[float, float]
+    colour: str
 
 
 def draw_charts(
@@ -49,28 +66,52 @@ def draw_charts(
 
     The chart of energies is first.
     ``times`` has the time of the recording that each of the F frames shows [s], ascending, shape (F,).
-    Without forces at walls or in joints there is no chart of forces. The legend of the energies must end
-    below ``top``, a height above the foot of the figure [pixels]. The charts reach farther to the left than
-    CHARTS by ``wider``, relative to the width of the figure.
+    Without impulses, and without forces at walls or in joints, there is no lower chart. The legend of the
+    energies must end below ``top``, a height above the foot of the figure [pixels]. The charts reach farther
+    to the left than CHARTS by ``wider``, relative to the width of the figure.
     """
     left, bottom, width, height = np.add(CHARTS, (-wider, 0.0, wider, 0.0)).tolist()
-    forces = largest_forces(recording)
-    lift = STRIP + STRIP_TOP_MARGIN if forces else 0.0
+    forces, impulses = largest_forces(recording), impulses_of_impacts(recording)
+    has_strip = bool(forces) or bool(impulses.any())
+    lift = STRIP + STRIP_TOP_MARGIN if has_strip else 0.0
     panels = [figure.add_axes((left, bottom + lift, width, height - lift))]
-    if forces:
+    if has_strip:
         panels.append(figure.add_axes((left, bottom, width, STRIP)))
-        _draw_forces(panels[1], recording, forces)
+        if impulses.any():
+            peak = _draw_impulses(panels[1], recording, impulses)
+        else:
+            peak = _draw_forces(panels[1], recording, forces)
         panels[0].tick_params(labelbottom=False)
     _draw_energies(panels[0], recording, top)
     for axes in panels:
         mark_impacts(axes, recording)
         axes.set_xlim(*recording.time[[0, -1]])
         is_stretched = stretch(axes, times)
-    texts = [_name_peak(panels[1], recording, forces)] if forces else []
+    texts = [_name_peak(panels[1], peak)] if has_strip else []
+    colour_time(panels[-1], recording)
     panels[-1].set_xlabel("time [s], stretched in slow motion" if is_stretched else "time [s]")
     # at the ends of the axis the cursor would be clipped
     look: dict[str, Any] = {"color": INK, "linewidth": 1.0, "animated": True, "clip_on": False}
     return [axes.axvline(times[0], **look) for axes in panels], texts
+
+
+def colour_time(axes: Axes, recording: Recording) -> None:
+    """Draw a bar below an axis of time, in the colours that chain and path of the tip have at these times."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    shift_below = ScaledTranslation(0.0, -0.5 * COLOURED_WIDTH / 72.0, figure.dpi_scale_trans)
+    start, stop = (float(recording.time[row]) for row in (0, -1))
+    times = np.linspace(start, stop, COLOURED_PARTS + 1)
+    ends = np.stack([times, np.zeros_like(times)], axis=-1)
+    bar = LineCollection(
+        list(np.stack([ends[:-1], ends[1:]], axis=1)),
+        colors=colour_of_time(recording)(0.5 * (times[1:] + times[:-1])),
+        linewidths=COLOURED_WIDTH,
+        transform=axes.get_xaxis_transform() + shift_below,
+        clip_on=False,
+        zorder=3.0,
+    )
+    axes.add_collection(bar, autolim=False)
 
 
 def add_veil(axes: Any, *, is_dark: bool) -> Rectangle:
@@ -137,7 +178,38 @@ def largest_wall_force(recording: Recording, forces: dict[str, np.ndarray]) -> f
     return float(max(np.nanmax(peaks, initial=0.0), at_rows))
 
 
-def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) -> None:
+def impulses_of_impacts(recording: Recording) -> np.ndarray:
+    """Return the impulse of each impact at a wall or a stop of a slider, shape (I,) [N·s], else 0.
+
+    All values are 0 where impacts act by forces (``impact_values``).
+    """
+    words, _, values = impact_values(recording, is_stop=False)
+    return values if words in (IMPULSE, HIT_IMPULSE) else np.zeros(len(values))
+
+
+def _draw_impulses(axes: Axes, recording: Recording, impulses: np.ndarray) -> ChartPeak:
+    """Draw a vertical line for the impulse of each impact; return the place of the largest one."""
+    words, unit, _ = impact_values(recording, is_stop=False)
+    largest_impulse, row = float(impulses.max()), int(impulses.argmax())
+    factor, shown_unit = load_unit(largest_impulse, unit)
+    onsets = recording.impacts["onset"]
+    strongest = {peak.row for peak in marked_peaks(recording)}
+    colours = [PEAK_COLOUR if k in strongest else INK for k in range(len(impulses))]
+    axes.vlines(onsets, 0.0, factor * impulses, colours, linewidth=1.0)
+    axes.scatter(onsets, factor * impulses, 6.0, colours, zorder=3)
+    axes.set_title(f"{words} [{shown_unit}]", loc="left", fontsize=NUMBER_SIZE, pad=2.0)
+    axes.set_ylim(0.0, FORCE_HEADROOM * factor * largest_impulse)
+    give_ticks(axes)
+    return ChartPeak(
+        force_text(largest_impulse, unit), (float(onsets[row]), factor * largest_impulse), colours[row]
+    )
+
+
+def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) -> ChartPeak:
+    """Draw the largest forces over time; return the place of the largest of them.
+
+    The number of a wall force is that of the list of impacts: the curve has the forces at the rows only.
+    """
     peak = max(float(force.max()) for force in forces.values())
     factor, unit = load_unit(peak, "N")
     for name, force in forces.items():
@@ -145,24 +217,22 @@ def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]
     axes.set_title(f"largest force [{unit}]", loc="left", fontsize=NUMBER_SIZE, pad=2.0)
     axes.set_ylim(0.0, FORCE_HEADROOM * factor * peak)
     give_ticks(axes)
-
-
-def _name_peak(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) -> Text:
-    """Write the largest of all forces beside its place on a curve, on the side with more room.
-
-    Return the text. The number of a wall force is that of the list of impacts: the curve has the forces at
-    the rows only.
-    """
     name, force = max(forces.items(), key=lambda named_force: float(named_force[1].max()))
     peak_force = largest_wall_force(recording, forces) if name == "wall" else float(force.max())
-    row, factor = int(force.argmax()), load_unit(float(force.max()), "N")[0]
+    row = int(force.argmax())
     position = float(recording.time[row]), factor * float(force[row])
+    return ChartPeak(force_text(peak_force, "N"), position, FORCE_COLOURS[name])
+
+
+def _name_peak(axes: Axes, peak: ChartPeak) -> Text:
+    """Write the value of a peak beside its place, on the side with more room, and return the text."""
+    text, position, colour = peak
     is_left = axes.transAxes.inverted().transform(axes.transData.transform(position))[0] > 0.5  # noqa: PLR2004
-    look: dict[str, Any] = {"color": FORCE_COLOURS[name], "fontsize": NUMBER_SIZE, "va": "center"}
+    look: dict[str, Any] = {"color": colour, "fontsize": NUMBER_SIZE, "va": "center"}
     look |= {"ha": "right" if is_left else "left", "textcoords": "offset points"}
-    # the cursor must not cut the text
+    # the curve and the lines at impacts must not cut the text; the cursor is above it
     look |= {"animated": True, "path_effects": [withStroke(linewidth=TEXT_OUTLINE, foreground="white")]}
-    return axes.annotate(force_text(peak_force, "N"), position, (-4.0 if is_left else 4.0, 0.0), **look)
+    return axes.annotate(text, position, (-4.0 if is_left else 4.0, 0.0), **look)
 
 
 def _draw_energies(axes: Axes, recording: Recording, top: float) -> None:

@@ -22,6 +22,7 @@ from chain_impact.pictures.drawing.style import (
     LOAD,
     OUTSIDE_COLOUR,
     PALE_GREY,
+    PEAK_COLOUR,
     STYLE,
     TIME_COLOURS,
     force_text,
@@ -31,6 +32,7 @@ from chain_impact.pictures.film.arrow_scale import ArrowScale, arrow_between
 from chain_impact.pictures.film.caption import Caption
 from chain_impact.pictures.film.charts import FORCE, add_veil, draw_charts, largest_forces, largest_wall_force
 from chain_impact.pictures.film.film_layout import SIZE_WITH_CHARTS, layout_for
+from chain_impact.pictures.film.impact_rings import ImpactRings
 from chain_impact.pictures.film.scale_bar import NUMBER_SIZE, draw_scale_bar
 from chain_impact.pictures.film.tip_trace import trace_of
 from chain_impact.pictures.motion.bodies import FILL, body_look, draw_rail
@@ -46,7 +48,16 @@ from chain_impact.scene.display.bodies import placed_corners
 
 MUTED = "#566076"
 SHOWN_TIMES = 24  # the number of colours of time in a gif
-FILM_COLOURS: tuple[Any, ...] = (INK, MUTED, PALE_GREY, OUTSIDE_COLOUR, FORCE, LOAD, *ENERGIES.values())
+FILM_COLOURS: tuple[Any, ...] = (
+    INK,
+    MUTED,
+    PALE_GREY,
+    OUTSIDE_COLOUR,
+    FORCE,
+    LOAD,
+    PEAK_COLOUR,
+    *ENERGIES.values(),
+)
 FILM_COLOURS += tuple(TIME_COLOURS(part) for part in np.linspace(0.0, 1.0, SHOWN_TIMES).tolist())
 """All colours of a film, except white and the shades between the colours and white.
 
@@ -109,7 +120,7 @@ class Film:
         self.trace_times, self.path = trace_of(recording, self.side)
         self.shade = colour_of_time(recording)
         self.trace_colours = self._time_colours(self.trace_times)
-        self.rings, self.spots = self._rings()
+        self.rings = ImpactRings(self.scene, recording)
         self.trace = LineCollection([], linewidths=1.0, alpha=0.8 if ground else 0.55, animated=True)
         self.tail = LineCollection([], animated=True)
         self.ranges = LineCollection([], colors=MUTED, linewidths=1.2, animated=True)
@@ -154,14 +165,6 @@ class Film:
     def _frame_values(self, vectors: np.ndarray) -> np.ndarray:
         """Return vectors at the times of the frames, shape (F, 2), interpolated between rows, (T, 2)."""
         return np.stack([np.interp(self.times, self.recording.time, part) for part in vectors.T], axis=-1)
-
-    def _rings(self) -> tuple[Line2D, np.ndarray]:
-        """Return an empty line of rings, and the places of all impacts, shape (I, 2) [m], for ``show``."""
-        look: dict[str, Any] = {"marker": "o", "markerfacecolor": "none", "markersize": 6.5, "animated": True}
-        (rings,) = self.scene.plot([], [], linestyle="", markeredgecolor=INK, **look)
-        return rings, np.reshape(
-            [self.recording.impact_position(impact) for impact in self.recording.impacts], (-1, 2)
-        )
 
     def _draw_key(self, figure: Figure, right: float) -> None:
         """Draw the legend of the arrows; its right end is at the part ``right`` of the figure's width."""
@@ -230,7 +233,6 @@ class Film:
         self.trace.set_color(self.trace_colours[:passed_rows])
         self._show_tail(time)
         self._colour_chain(time)
-        self.rings.set_data(*self.spots[self.recording.impacts["onset"] <= time].T)
         for point, disc in self.discs.items():
             disc.set_center(tuple(positions[point]))
         for link, body in self.bodies.items():
@@ -247,7 +249,7 @@ class Film:
         self.rate.set_color(self._suited_colour(INK if rate < SLOW_RATE else MUTED))
         self.ranges.set_segments(list(range_lines(points, self.recording.stops)))
         yield from self._moved_room(frame)
-        yield from (self.trace, self.tail, self.rings, *self.patches, self.ranges)
+        yield from (self.trace, self.tail, *self.rings.show(time), *self.patches, self.ranges)
         yield from (self.chain, self.sites, self.joints, self.tip)
         yield from self._forces(frame)
         yield from (self.clock, self.rate, self.caption.text)
@@ -255,8 +257,7 @@ class Film:
             cursor.set_xdata([time, time])
             veil.set_x(time)
             veil.set_width(max(0.0, self.recording.time[-1] - time))
-            yield from (veil, cursor)
-        yield from self.peak_names
+        yield from (*self.veils, *self.peak_names, *self.cursors)
 
     def _time_colours(self, times: np.ndarray) -> list[Any]:
         """Return the colours of some times [s]; none for no times."""

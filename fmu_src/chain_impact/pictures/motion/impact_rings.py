@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -85,23 +86,73 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> None:
 
     The label of a ring has the numbers of all its impacts, or that of the hardest one and how many more there
     are (``numbers_of``). The rings with the hardest impacts come first; only the largest force in a joint
-    (``name_loads``) comes before them, and other forces in joints come last.
+    (``name_loads``) comes before them, and other forces in joints come last. If a ring's label has no room,
+    the label of the nearest ring at the same wall or stop has the numbers of both (``_joined``).
     """
     ink.bar(*_obstacles(axes, recording))
     is_told = name_loads(axes, recording, ink, slice(1))
     rank_of_row = {row: rank for rank, row in enumerate(rows_by_height(marks_of(recording)[1]).tolist())}
-    labels = []
-    for ring_position, hits in rings(axes, recording).items():
-        whole_list, short = numbers_of(sorted(hits, key=rank_of_row.__getitem__))
-        impact = recording.impacts[hits[0]]
-        is_stop = recording.is_joint_stop(impact["wall"]) or recording.touching_part(impact) == "slider"
-        position = _label_position(recording, impact, ring_position)
-        label = Label(whole_list, *position, short=short, least_cosine=-1.0 if is_stop else LEAST_COSINE)
-        labels.append((min(map(rank_of_row.__getitem__, hits)), label))
-    ordered_labels = [label for _, label in sorted(labels, key=lambda entry: entry[0])]
-    place_labels(axes, ordered_labels, ink, lines=True, fontsize="small", color=INK)
+    hits_at = {
+        ring_position: sorted(hits, key=rank_of_row.__getitem__)
+        for ring_position, hits in rings(axes, recording).items()
+    }
+    earlier_texts, free_pixels = {*axes.texts}, ink.pixels()
+    while True:
+        ring_positions = sorted(hits_at, key=lambda ring_position: rank_of_row[hits_at[ring_position][0]])
+        labels = [
+            _ring_label(recording, ring_position, hits_at[ring_position]) for ring_position in ring_positions
+        ]
+        missed = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
+        lacking = [
+            ring_position
+            for ring_position, label in zip(ring_positions, labels, strict=True)
+            if any(label is missed_label for missed_label in missed)
+        ]
+        joined_hits = _joined(recording, hits_at, lacking[-1:])
+        if len(joined_hits) == len(hits_at):
+            break
+        for text in {*axes.texts} - earlier_texts:
+            text.remove()
+        ink.restore(free_pixels)
+        hits_at = {
+            ring_position: sorted(hits, key=rank_of_row.__getitem__)
+            for ring_position, hits in joined_hits.items()
+        }
     if is_told:
         name_loads(axes, recording, ink, slice(1, None))
+
+
+def _joined(
+    recording: Recording,
+    hits_at: dict[tuple[float, float], list[int]],
+    lacking: Sequence[tuple[float, float]],
+) -> dict[tuple[float, float], list[int]]:
+    """Return ``hits_at``, in which rings without a label have joined the nearest ring at the same wall.
+
+    ``hits_at``: position of a ring → rows of the impacts in its label; ``lacking``: the positions of rings
+    whose labels have no room. A ring that is alone at its wall stays.
+    """
+    joined_hits, walls = dict(hits_at), recording.impacts["wall"]
+    for ring_position in lacking:
+        hits = joined_hits.pop(ring_position)
+        near_positions = [
+            position for position in joined_hits if walls[joined_hits[position][0]] == walls[hits[0]]
+        ]
+        if near_positions:
+            nearest_position = min(near_positions, key=lambda position: math.dist(position, ring_position))
+            joined_hits[nearest_position] = [*joined_hits[nearest_position], *hits]
+        else:
+            joined_hits[ring_position] = hits
+    return joined_hits
+
+
+def _ring_label(recording: Recording, ring_position: tuple[float, float], hits: Sequence[int]) -> Label:
+    """Return the label of a ring with the impacts in the rows ``hits``, the hardest one first."""
+    whole_list, short = numbers_of(hits)
+    impact = recording.impacts[hits[0]]
+    is_stop = recording.is_joint_stop(impact["wall"]) or recording.touching_part(impact) == "slider"
+    position = _label_position(recording, impact, ring_position)
+    return Label(whole_list, *position, short=short, least_cosine=-1.0 if is_stop else LEAST_COSINE)
 
 
 def _obstacles(axes: Axes, recording: Recording) -> tuple[list[np.ndarray], float]:
@@ -140,11 +191,12 @@ def _label_position(
 
 
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[int]]:
-    """Return the rings: position of a ring → rows of its impacts in ``recording.impacts``, fastest first.
+    """Return the rings: position of a ring → rows of its impacts in ``recording.impacts``.
 
-    The position of a ring is the ``ring_position`` of its fastest impact, by ``rows_by_speed``. A slower
-    impact at the same wall or stop belongs to this ring if the distance from its spot to the ring's position
-    is less than RING_DISTANCE × the larger side of the view; in a narrow figure NARROW_RING_DISTANCE.
+    An impact in ``marked_peaks`` has a ring at its own position, and is the first one of this ring. Any other
+    ring has the position of its fastest impact, by ``rows_by_speed``, which is its first one. A slower impact
+    at the same wall or stop belongs to a ring if the distance from its spot to the ring's position is less
+    than RING_DISTANCE × the larger side of the view; in a narrow figure NARROW_RING_DISTANCE.
     """
     figure = axes.get_figure(root=True)
     is_small = figure is not None and is_narrow(figure)
@@ -152,7 +204,8 @@ def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[in
     spacing = share * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     hits_at: dict[tuple[float, float], list[int]] = {}
     walls = recording.impacts["wall"]
-    for row in rows_by_speed(recording).tolist():
+    peak_rows = [peak.row for peak in marked_peaks(recording)]
+    for row in dict.fromkeys([*peak_rows, *rows_by_speed(recording).tolist()]):
         x, y = recording.impact_position(recording.impacts[row]).tolist()
         near_positions = (
             ring_position

@@ -19,6 +19,7 @@ from chain_impact.pictures.drawing.style import (
     TIME_COLOURS,
     force_text,
     give_ticks,
+    is_narrow,
     scale_numbers,
 )
 from chain_impact.pictures.motion.bodies import draw_bodies, draw_rail
@@ -129,14 +130,18 @@ def draw_motion(
 
 
 def all_entries(axes: Axes) -> list[Any]:
-    """Return the artists for the legend of a motion in a narrow figure.
+    """Return the artists for the legend of a motion.
 
-    The first artist in PEAK_COLOUR is left out if a text of the figure in this colour tells the impact with
-    the largest force.
+    In a narrow figure, the first artist in PEAK_COLOUR is left out if a text of the figure in this colour
+    tells the impact with the largest force.
     """
     kept_handles, _ = axes.get_legend_handles_labels()
     figure = axes.get_figure(root=True)
-    if figure is not None and any(text.get_color() == PEAK_COLOUR for text in figure.texts):
+    if (
+        figure is not None
+        and is_narrow(figure)
+        and any(text.get_color() == PEAK_COLOUR for text in figure.texts)
+    ):
         rings = [
             line for line in kept_handles if isinstance(line, Line2D) and line.get_color() == PEAK_COLOUR
         ]

@@ -31,26 +31,22 @@ def touching_points(recording: Recording) -> list[int]:
 def name_points(axes: Axes, recording: Recording, ink: Ink) -> None:
     """Write the names of points that touch beside the chain at the start, in its colour, if ``ink`` is free.
 
-    A point without a name has its number; the first one also has the word "point". A name stands nearer to
-    its own point than to any other point of the chain.
+    A point without a name is "point 2" or, without room and after the first one, only "2". A name stands
+    nearer to its own point than to any other point of the chain.
     """
     points, positions = touching_points(recording), recording.all_points[0]
     if len(points) > MOST_NAMED_POINTS:
         return
-    middle, word = positions.mean(axis=0), POINT
+    middle, is_first = positions.mean(axis=0), True
     for point in points:
         way = positions[point] - middle
         length = float(np.hypot(*way))
         x, y = (way / length if length > 0.0 else np.array([0.0, 1.0])).tolist()
         other_positions = [(float(px), float(py)) for px, py in np.delete(positions, point, axis=0)]
         name = recording.point_names.get(point, "")
-        text = shortened_name(name) if name else f"{word}{point}"
-        label = Label(
-            text,
-            (float(positions[point][0]), float(positions[point][1])),
-            (x, y),
-            other_marks=other_positions,
-        )
+        text, short = (shortened_name(name), "") if name else (f"{POINT}{point}", f"{point}")
+        position = (float(positions[point][0]), float(positions[point][1]))
+        label = Label(text, position, (x, y), short="" if is_first else short, other_marks=other_positions)
         look = {"fontsize": "small", "color": TIME_COLOURS(0.0), "gid": NAME}
         if not place_labels(axes, [label], ink, lines=True, **look) and not name:
-            word = ""
+            is_first = False

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from chain_impact.pictures.drawing.dark_ground import OCHRE
-from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band, plot_curves
+from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, SAME_CURVE, fill_band, plot_curves
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import BLACK, BLUE, BROWN, GREEN, PURPLE, VIOLET
 from chain_impact.pictures.over_time.time_axis import show_all_time, tick_impacts
@@ -35,11 +35,18 @@ ENERGIES = {
     "supplied": PURPLE,
 }
 """Name of an energy → its colour in all pictures."""
-ENERGY_DASHES: dict[str, Any] = {"friction": "--", "supplied": (0.0, (6.0, 1.2, 1.2, 1.2))}
-"""Name of an energy → its dashes in all pictures, through which an energy that it may cover is visible.
+ENERGY_DASHES: dict[str, Any] = {
+    "potential": (0.0, (1.0, 0.8)),
+    "dissipated": (0.0, (2.8, 1.0)),
+    "friction": (0.0, (2.4, 0.9, 0.9, 0.9)),
+    "supplied": (0.0, (6.0, 1.2, 1.2, 1.2)),
+}
+"""Name of an energy → its dashes in all pictures, by which readers distinguish energies without colours.
 
 Other energies have solid lines, from whose narrow peaks dashes would leave pieces.
 """
+ENERGY_WIDTHS = {"total": 2.0, "kinetic": 1.3, "potential": 1.3, "elastic": 0.8}
+"""Name of an energy → width of its line [points], where it differs from 1."""
 # the elastic energy is drawn if its largest value exceeds this, relative to the range of 0 and all energies
 VISIBLE_ELASTIC = 0.01
 # An energy whose |values| are all less than this, relative to the largest |value| of any energy, looks like a
@@ -67,14 +74,20 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
 
     The values are those of ``recording.detailed_energies``, but ``without_gap`` may have added a number [J]
     to the potential and the total energy. If so, the labels of these two energies tell the number. The curve
-    of the total energy is wide, and behind other curves.
+    of the total energy is wide, and behind other curves. A friction loss or a supplied energy that nearly
+    equals the dissipated energy has no curve of its own; the label of the dissipated energy names it.
     """
     shown_curves, offset = shown_energies(recording)
     if "elastic" in shown_curves and not shown_curves["elastic"].max() > VISIBLE_ELASTIC * range_of(
         shown_curves
     ):
         del shown_curves["elastic"]
-    return [(energy, part_look(name, offset)) for name, energy in shown_curves.items()]
+    looks = {name: part_look(name, offset) for name in shown_curves}
+    least_gap = SAME_CURVE * range_of(shown_curves)
+    for name in ("supplied", *ENERGY_PARTS):
+        if name in looks and np.abs(shown_curves[name] - shown_curves["dissipated"]).max() <= least_gap:
+            looks["dissipated"]["label"] += f" = {looks.pop(name)['label']}"
+    return [(shown_curves[name], look) for name, look in looks.items()]
 
 
 def shown_energies(recording: Recording) -> tuple[dict[str, np.ndarray], float]:
@@ -141,15 +154,15 @@ def energy_look(name: str, offset: float = 0.0) -> dict[str, Any]:
     ``offset`` is the number [J] from ``without_gap``, which the labels of potential and total energy tell
     unless it is 0.
     """
-    is_total, label = name == "total", name
+    label = name
     if offset and name in ("potential", "total"):
         label = f"{name} {offset_text(offset)}"
     return {
         "color": ENERGIES[name],
         "label": label,
         "linestyle": ENERGY_DASHES.get(name, "-"),
-        "linewidth": 1 + is_total,
-        "zorder": 2.0 - 0.1 * is_total,
+        "linewidth": ENERGY_WIDTHS.get(name, 1.0),
+        "zorder": 2.0 - 0.1 * (name == "total"),
     }
 
 

@@ -22,7 +22,12 @@ from chain_impact.pictures.drawing.style import GREY, INK, PEAK_COLOUR, is_narro
 from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, rubbing_locations
 from chain_impact.pictures.over_time.time_axis import show_all_time
 from chain_impact.pictures.texts.headline import impact_values, marked_peaks
-from chain_impact.pictures.texts.impact_numbers import label_subsets, numbers_of, write_first_fitting
+from chain_impact.pictures.texts.impact_numbers import (
+    NUMBER_SIGN,
+    label_subsets,
+    numbers_of,
+    write_first_fitting,
+)
 from chain_impact.pictures.texts.point_names import POINT, number_of, short_names, what_touches
 from chain_impact.recording.contact_times import SEEN_CONTACT, contact_ends, impacts_at_peaks
 from chain_impact.recording.impact_texts import speed_unit
@@ -342,7 +347,7 @@ def numbered_step(axes: Axes, recording: Recording) -> int:
     if len(onset_gaps) < REGULAR or np.ptp(onset_gaps) > EQUAL_DISTANCES * onset_gaps.mean():
         return 1
     # a text of the width that a number needs: the longest number, and two spaces
-    probe = axes.text(0.0, 0.0, f"{len(onsets)}  ", fontsize="small")
+    probe = axes.text(0.0, 0.0, f"{NUMBER_SIGN}{len(onsets)}  ", fontsize="small")
     width = probe.get_window_extent().width
     probe.remove()
     ends = axes.transData.transform([(onsets[0], 0.0), (onsets[-1], 0.0)])[:, 0]

@@ -23,7 +23,8 @@ from chain_impact.pictures.over_time.rests import shade_rests, shown_time
 from chain_impact.pictures.texts.headline import time_unit
 from chain_impact.recording.recording import Recording
 
-IMPACT_WIDTH = 0.5  # [points] the width of the line at an impact
+# [points] the width of the line at an impact, and the least distance of two of these lines
+IMPACT_WIDTH, LEAST_GAP = 0.5, 2.8
 CLOCK_HEIGHT = 0.045  # [inch] the height of the bar with the colours of time
 # the part of the text's colour (``faint_colour``) in the mark of an impact at the upper edge of axes, and the
 # lower end of this mark, relative to the height of the axes, whose curves end below it
@@ -105,16 +106,26 @@ def tick_impacts(axes: Axes, recording: Recording) -> None:
     axes.set_ylim(low, max(high, low + (top - low) / (TICK_FOOT - CURVE_GAP)))
 
 
-def mark_impacts(axes: Axes, recording: Recording, start: float = 0.0, factor: float = 1.0) -> None:
+def mark_impacts(
+    axes: Axes, recording: Recording, start: float = 0.0, factor: float = 1.0, *, is_thinned: bool = False
+) -> None:
     """Draw a vertical line at the onset of each impact.
 
     ``start`` is the time [s] at the position 0 of the axis; ``factor`` is the factor from seconds to the unit
-    of the axis.
+    of the axis. If ``is_thinned``, a line nearer to the line at its left than LEAST_GAP is only a short mark
+    at the upper edge; the axis then has its final limits already.
     """
     onsets = factor * (recording.impacts["onset"] - start)
+    feet, figure = np.zeros(len(onsets)), axes.get_figure(root=True)
+    if is_thinned and figure is not None:
+        width = axes.get_window_extent().width * 72.0 / figure.dpi
+        least_gap, last = LEAST_GAP / width * np.ptp(axes.get_xlim()), -np.inf
+        for k, onset in enumerate(onsets.tolist()):
+            is_near = onset - last < least_gap
+            feet[k], last = (TICK_FOOT, last) if is_near else (0.0, onset)
     axes.vlines(
         onsets,
-        0.0,
+        feet,
         1.0,
         faint_colour(axes, IMPACT_LINE),
         linewidth=IMPACT_WIDTH,

@@ -143,10 +143,10 @@ def write_head(
     ``peaks`` and the largest force in a joint (``load_text``) or, if ``told_peaks`` is given, only the
     impacts in ``told_peaks``. ``panels``: the names of the panels of an overview.
 
-    In a narrow figure without a ``title``, the message is short. The first of the told impacts then has a
-    line of its own below the message, and the rest of the message stands among the conditions. In any narrow
-    figure, the largest force in a joint has a line of its own. A line has the colour of the mark if a panel
-    has a mark.
+    Without a ``title``, the first of the told impacts has a line of its own below the message if the figure
+    is narrow or a panel marks the impact. In a narrow figure without a ``title``, the message is short, and
+    the rest of the message stands among the conditions. In any narrow figure, the largest force in a joint
+    has a line of its own. A line has the colour of the mark if a panel has a mark.
     """
     short, load = is_narrow(figure), load_text(recording) if told_peaks is None else ""
     told_peaks = peaks(recording) if told_peaks is None else told_peaks
@@ -156,8 +156,8 @@ def write_head(
     valued = [bool(title) or lead != peak.text for peak in told_peaks]
     hits = [peak_impact_text(recording, *pair) for pair in zip(told_peaks, valued, strict=True)]
     lines: list[tuple[str, str]] = []
-    if short and told_peaks and not title:
-        is_marked = told_peaks[0].equal_count == 1 and not {*panels}.isdisjoint(MARKING)
+    is_marked = bool(told_peaks) and told_peaks[0].equal_count == 1 and not {*panels}.isdisjoint(MARKING)
+    if told_peaks and not title and (short or is_marked):
         first_text = hits.pop(0).removeprefix(f"{told_peaks[0].name} in ")  # the title tells the peak
         lines.append((first_text, PEAK_COLOUR if is_marked else INK))
     if short and load:

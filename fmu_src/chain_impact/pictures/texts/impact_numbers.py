@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -10,6 +11,7 @@ from matplotlib.axes import Axes
 from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.labels import Label, place_labels
 
+NUMBER_SIGN = "#"  # the sign before the number of an impact, as in pages and in lists of impacts
 LEAST_RUN = 3  # the least number of successive numbers that are written as a range
 MOST_IN_LABEL = 4  # the largest number of items in a label; an item is an impact, or a range such as "1–81"
 MOST_MISSES = 0.35  # the largest part of a list of labels that may be left out because it has no room
@@ -46,18 +48,27 @@ def write_first_fitting(axes: Axes, tries: Iterable[Sequence[Label]], ink: Ink, 
 def numbers_of(rows: Sequence[int]) -> tuple[str, str]:
     """Return the numbers of impacts that share a label as text, and a short text.
 
-    The text has all numbers or, if they are more than MOST_IN_LABEL items, the number of the first impact in
-    ``rows`` and how many more there are: "5 + 14 more". The short text is "5, …".
+    Both begin with the sign NUMBER_SIGN. The text has all numbers or, if they are more than MOST_IN_LABEL
+    items, the number of the first impact in ``rows`` and how many more there are: "#5 + 14 more". The short
+    text is "#5 +14".
     """
-    whole_list, first = number_list(row + 1 for row in rows), f"{rows[0] + 1}"
-    text = whole_list if whole_list.count(",") < MOST_IN_LABEL else f"{first} + {len(rows) - 1} more"
-    return text, min(f"{first}, …" if len(rows) > 1 else first, text, key=len)
+    whole_list, first, more_count = number_list(row + 1 for row in rows), f"{rows[0] + 1}", len(rows) - 1
+    text = whole_list if whole_list.count(",") < MOST_IN_LABEL else f"{first} + {more_count} more"
+    short = min(f"{first} +{more_count}" if more_count else first, text, key=len)
+    return f"{NUMBER_SIGN}{text}", f"{NUMBER_SIGN}{short}"
 
 
 def number_list(numbers: Iterable[int]) -> str:
-    """Return whole numbers as text, ascending; LEAST_RUN or more successive ones are a range: "3, 7–9"."""
+    """Return whole numbers as text, ascending; LEAST_RUN or more successive ones are a range: "3, 7–9".
+
+    More than MOST_IN_LABEL numbers with equal distances are told by the first two and the last: "1, 3 … 9".
+    """
+    ordered = sorted(set(numbers))
+    steps = {later_number - number for number, later_number in pairwise(ordered)}
+    if len(ordered) > MOST_IN_LABEL and len(steps) == 1 and steps != {1}:
+        return f"{ordered[0]}, {ordered[1]} … {ordered[-1]}"
     runs: list[list[int]] = []
-    for number in sorted(set(numbers)):
+    for number in ordered:
         if runs and number == runs[-1][-1] + 1:
             runs[-1].append(number)
         else:

@@ -1,10 +1,4 @@
-"""The picture of a comparison of contact laws: force over penetration in the first impact, and energy.
-
-At most six laws have a colour: the reference, the scene's own law, the law without losses, a law whose force
-jumps at the onset, the law with losses whose realised restitution differs most from that of the reference,
-and laws in USED_LAWS. One law can be several of these. The reference is the law with which every other law is
-compared. A law without a colour is grey or, if it is a law of impulses, dotted in the colour of text.
-"""
+"""The picture of a comparison of contact laws: force over penetration in the first impact, and energy."""
 
 from __future__ import annotations
 
@@ -20,10 +14,9 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band, parts_with_dashes
+from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, dash_lines, fill_band
 from chain_impact.pictures.drawing.end_labels import EndLabel, spread, write_end_labels
 from chain_impact.pictures.drawing.figures import check_alone, draw_figure, settle
-from chain_impact.pictures.drawing.law_looks import LAW_LOOKS, law_look
 from chain_impact.pictures.drawing.legends import legend_at_head
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
@@ -43,28 +36,20 @@ from chain_impact.pictures.over_time.time_axis import name_time
 from chain_impact.scene.texts.unit_text import stiffness_unit
 from chain_impact.studies.compare.grey_loops import HAIRLINE, fill_loops
 from chain_impact.studies.compare.headline import headline, laws_with_e, peaks
-from chain_impact.studies.compare.runs import LawRuns, has_jump, with_jump
+from chain_impact.studies.compare.looks import REFERENCE_LAYER, Looks, are_loops_equal, brief_names, looks_of
+from chain_impact.studies.compare.runs import LawRuns, with_jump
 from chain_impact.studies.law_exchange import LOSSLESS_LAW, compared_impact
 from chain_impact.text import count_text, number_text, prefixed_unit
 from chain_impact.variables.impact_units import unit_at
 
 SIZE = (10.0, 4.8)  # [inch] default width and height of the figure
-# matplotlib's zorder for the line of the reference law; lines with a larger zorder are drawn over it
-REFERENCE_LAYER = 3
-# the reason for the colour of a law whose force is above 0 at penetration 0
-JUMP_NOTE_OF_LAW = "force jumps at the onset"
-IMPULSE_ENDING = " (impulse)"  # the end of the label of a law of impulses, if the law has no colour
-IMPULSE: dict[str, Any] = {**LAW_LOOKS["newton_impact"], "linewidth": 1.2, "zorder": 3.5}
-"""The look of the line of a law of impulses that has no colour."""
 # the heights of the panels of loops and energy, relative to each other, in a narrow figure
 LOOPS_ABOVE: Any = (1.5, 1.0)
 LEAST_NAMED = 4.3  # [inch] the least width of a figure with names of laws at the ends of lines
 LEAD_SHARE = 0.1  # longest time shown before the first impact, relative to the time shown after its onset
-COLOURED_LAWS = 6  # largest number of laws with a colour
-USED_LAWS = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
-"""Ids of laws that many programs and papers use; they get the colours that other laws leave free."""
-
-Looks = dict[str, dict[str, Any]]
+# SETTLED: a change of an energy counts if it is larger than this part of the range of all energies;
+# TRAIL_SHARE: the time shown after the last change that counts, relative to the time from the first impact on
+SETTLED, TRAIL_SHARE = 0.02, 0.15
 
 
 def plot_comparison(
@@ -79,7 +64,7 @@ def plot_comparison(
     check_alone(path, size)
     with draw_into([ax]):
         draw_loops(ax, comparison, looks_of(comparison))
-        dash_lines(ax)
+        dash_laws(ax)
         ax.legend(handles=legend_handles(looks_of(comparison), ax))
         fit_into_figure([ax])
     return ax
@@ -96,7 +81,7 @@ def fill(figure: Figure, comparison: LawRuns) -> None:
     draw_loops(loops, comparison, looks)
     draw_energy(energy, comparison, looks)
     names = name_ends(energy, comparison, looks) if figure.get_figwidth() >= LEAST_NAMED else []
-    dash_lines(loops, energy)
+    dash_laws(loops, energy)
     legend_at_head(figure, legend_handles(looks, energy, loops))
     settle(figure)
     spread(energy, names)
@@ -111,7 +96,7 @@ def name_ends(axes: Axes, comparison: LawRuns, looks: Looks) -> list[EndLabel]:
         result = comparison[law].result
         if result is not None and look["color"] != GREY:
             value = float(np.interp(end, result.time, offset + result.energy["total"]))
-            lines.append((law, value, look["color"]))
+            lines.append((brief_names(look["label"]), value, look["color"]))
     return write_end_labels(axes, lines)
 
 
@@ -139,7 +124,7 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     other_texts = [f"grey: {count_text(grey, 'other law')}"] if grey and not is_told else []
     results = [run.result for run in comparison.runs if run.result is not None]
     last = max(result.time[-1] for result in results)
-    if max(shown_time(result).end for result in results) < last:
+    if shown_span(comparison)[1] < last:
         other_texts.append(f"the runs end at {last:g} s")
     is_free = comparison.is_free or bool(comparison.no_restitution)
     limits, limit = "" if is_free else "not free", comparison.reached[0].lossless
@@ -156,91 +141,6 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     return SEPARATOR.join(
         filter(None, (hit, comparison.no_restitution, limits, stiffness, tolerance, without_e, *other_texts))
     )
-
-
-def named_laws(comparison: LawRuns) -> dict[str, str]:
-    """Return the laws that get a colour, at most COLOURED_LAWS: law → reason, "" for a law in USED_LAWS.
-
-    A law with several reasons has them all, with commas between them. The reasons are: "reference"; "of the
-    scene", unless the scene's law is the reference; "no losses", for the law LOSSLESS_LAW, if the
-    restitution in the first impact under LOSSLESS_LAW differs from that under the reference; "differs most
-    with losses", for the law whose restitution is farthest from that under the reference; and
-    JUMP_NOTE_OF_LAW. LOSSLESS_LAW does not count as the farthest, because it ignores the prescribed
-    restitution. No law is the farthest if the restitutions do not describe the contact alone
-    (``has_restitution``).
-    """
-    reference = comparison.reference
-    reasons = {reference: "reference"}
-    reasons.setdefault(comparison.contact.model, "of the scene")
-    reference_restitution = comparison[reference].restitution
-    deviations = {run.law: abs(run.restitution - reference_restitution) for run in comparison.runs}
-    if deviations.pop(LOSSLESS_LAW, math.nan) > 0.0:
-        _add_reason(reasons, LOSSLESS_LAW, "no losses")
-    differ = sorted((law for law in deviations if deviations[law] > 0.0), key=lambda law: -deviations[law])
-    for law in differ[:1] if comparison.has_restitution else ():
-        _add_reason(reasons, law, "differs most with losses")
-    for law in (run.law for run in comparison.runs if run.loop is not None and run.loop.size):
-        if has_jump(law):
-            _add_reason(reasons, law, JUMP_NOTE_OF_LAW)
-    for run in comparison.runs:
-        if run.law in USED_LAWS and run.result is not None and len(reasons) < COLOURED_LAWS:
-            reasons.setdefault(run.law, "")
-    return reasons
-
-
-def _add_reason(reasons: dict[str, str], law: str, reason: str) -> None:
-    """Add a reason for the colour of a law to ``reasons`` (law → reasons, separated by commas)."""
-    reasons[law] = f"{reasons[law]}, {reason}" if law in reasons else reason
-
-
-def looks_of(comparison: LawRuns, *, is_small: bool = False) -> Looks:
-    """Return the looks of the lines: law → keywords of matplotlib's ``plot``, with colour and label.
-
-    Laws with equal loops share one line, under the first of these laws; its label names all of them. A label
-    has the reasons of ``named_laws`` for the first of these laws that has any and, if the e′ describe the
-    contact alone, e′ of the first impact. With ``is_small`` only the labels of the reference and of
-    LOSSLESS_LAW have reasons, and only that of the reference has the sign e′. The label of a law that acts by
-    impulses and has no colour is only the law's id with IMPULSE_ENDING. The laws are in the order of their
-    e′, the largest first.
-    """
-    chosen_reasons = named_laws(comparison)
-    twins: dict[str, list[str]] = {}
-    for run in comparison.runs:
-        loop = run.loop
-        twin = next((rival for rival in twins if _are_loops_equal(comparison[rival].loop, loop)), run.law)
-        twins.setdefault(twin, []).append(run.law)
-    looks: Looks = {}
-    for first in sorted(twins, key=lambda law: -np.nan_to_num(comparison[law].restitution)):
-        laws = twins[first]
-        reasons = [chosen_reasons[law] for law in laws if law in chosen_reasons]
-        first_reason = next(filter(None, reasons), "")
-        is_brief = is_small and comparison.reference not in laws
-        if is_brief and LOSSLESS_LAW not in laws:
-            first_reason = ""
-        restitution = comparison[first].restitution
-        is_told = comparison.has_restitution and math.isfinite(restitution)
-        restitution_text = f"{'' if is_brief else 'e′ = '}{restitution:.2f}" if is_told else ""
-        reason_text = ", ".join(filter(None, (first_reason, restitution_text)))
-        label = ", ".join(laws) + (f" ({reason_text})" if reason_text else "")
-        if comparison.reference in laws:
-            look = law_look(comparison.reference) | {"linewidth": 2.4, "zorder": REFERENCE_LAYER}
-        elif reasons:
-            named_law = next(law for law in laws if law in chosen_reasons)
-            look = law_look(named_law) | {"linewidth": 1.7, "zorder": 4}
-        elif (loop := comparison[first].loop) is not None and not loop.size:
-            label, look = f"{first}{IMPULSE_ENDING}", IMPULSE
-        else:
-            look = {"color": GREY, "linewidth": 0.9, "zorder": 2}
-        looks[first] = {"label": label, **look}
-    return looks
-
-
-def _are_loops_equal(loop: np.ndarray | None, twin: np.ndarray | None) -> bool:
-    """Return whether two loops of force over penetration (``LawRun.loop``) are equal.
-
-    An empty loop, that of an impulse, and None, for an impact that has not ended, equal no loop.
-    """
-    return loop is not None and twin is not None and loop.size > 0 and np.array_equal(loop, twin)
 
 
 def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
@@ -287,7 +187,7 @@ def band_label(comparison: LawRuns, band: Sequence[str], *, is_small: bool = Fal
     ``is_small``: whether the label is for a narrow figure, and must be short.
     """
     count = sum(
-        run.law == law or _are_loops_equal(comparison[law].loop, run.loop)
+        run.law == law or are_loops_equal(comparison[law].loop, run.loop)
         for law in band
         for run in comparison.runs
     )
@@ -336,16 +236,34 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     if parted:
         label = f"first impact that differs from {comparison.reference}"
         axes.scatter([], [], color=INK, label=label, **mark)
-    run_results = [run.result for run in comparison.runs if run.result is not None]
-    time_spans = [shown_time(result) for result in run_results]
-    end = max(time.end for time in time_spans)
+    start, end = shown_span(comparison)
     axes.set_xlabel(name_time(axes, end))
-    start = min(time.start for time in time_spans)
-    first = min((result.impacts["onset"][0] for result in run_results if len(result.impacts)), default=start)
-    # before the first impact all curves are equal, so only the last part of the time before it is shown
     label = f"total {offset_text(offset)} [J]" if offset else "total energy [J]"
-    axes.set(ylabel=label, xlim=(max(start, first - LEAD_SHARE * (end - first)), end))
+    axes.set(ylabel=label, xlim=(start, end))
     give_ticks(axes)
+
+
+def shown_span(comparison: LawRuns) -> tuple[float, float]:
+    """Return start and end of the axis of time of the energies [s].
+
+    The axis starts shortly before the first impact, because all curves are equal before it, and ends shortly
+    after the last moment at which an energy under a law with losses differs from its end (SETTLED).
+    """
+    results = [run.result for run in comparison.runs if run.result is not None]
+    spans = [shown_time(result) for result in results]
+    start, end = min(span.start for span in spans), max(span.end for span in spans)
+    first = min((result.impacts["onset"][0] for result in results if len(result.impacts)), default=start)
+    totals = {run.law: run.result.energy["total"] for run in comparison.runs if run.result is not None}
+    least_change = SETTLED * float(np.ptp(np.concatenate([*totals.values()])))
+    moving_ends = [
+        float(result.time[np.flatnonzero(np.abs(total - total[-1]) > least_change)].max(initial=start))
+        for result, (law, total) in zip(results, totals.items(), strict=True)
+        if law != LOSSLESS_LAW
+    ]
+    settled = max(moving_ends, default=end)
+    if settled > first:
+        end = min(end, settled + TRAIL_SHARE * (settled - first))
+    return max(start, first - LEAD_SHARE * (end - first)), end
 
 
 def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
@@ -354,30 +272,20 @@ def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
         axes.plot(times, energies, **looks[law])
 
 
-def dash_lines(*panels: Axes) -> None:
+def dash_laws(*panels: Axes) -> None:
     """Give coloured lines in each panel dashes where they coincide, so that each of them is visible.
 
-    The line of the reference needs no dashes, because it is wide and below all others. A line keeps its label
-    and its solid parts; the parts with dashes are further lines.
+    The line of the reference needs no dashes, because it is wide and below all others.
     """
     for axes in panels:
-        lines = [
-            line
-            for line in axes.lines
-            if line.get_zorder() > REFERENCE_LAYER and line.get_color() not in (GREY, INK)
-        ]
-        parts = parts_with_dashes([np.array(line.get_data(), float) for line in lines])
-        for line, own_parts in zip(lines, parts, strict=True):
-            styles: dict[Any, list[np.ndarray]] = {}
-            for points, dashes in own_parts:
-                styles.setdefault(dashes, []).append(np.append(points, [[math.nan]] * 2, axis=1))
-            if len(own_parts) == 1 and None in styles:
-                continue
-            line.set_data(np.concatenate(styles.pop(None, [np.zeros((2, 0))]), axis=1))
-            look: dict[str, Any] = {"color": line.get_color(), "linewidth": line.get_linewidth()}
-            for dashes, pieces in styles.items():
-                joined_part = np.concatenate(pieces, axis=1)
-                axes.plot(*joined_part, **look, linestyle=dashes, zorder=line.get_zorder(), label="_")
+        dash_lines(
+            axes,
+            [
+                line
+                for line in axes.lines
+                if line.get_zorder() > REFERENCE_LAYER and line.get_color() not in (GREY, INK)
+            ],
+        )
 
 
 def legend_handles(looks: Looks, *panels: Axes) -> list[Any]:
