@@ -23,7 +23,7 @@ def test_samples_of_several_parameters_are_histograms():
     vary = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e7:1e9:log", "initial.vx": "0:1"}
     found = sweep(SCENE, vary, samples=20)
     page = sweep_page(found)
-    panel, *dots = page.axes  # by default of the loads
+    *dots, panel = page.axes  # by default of the loads
     order = ["contact.stiffness [N/m$^{1.5}$]", "contact.restitution", "initial.vx [m/s]"]
     assert dots[0].get_xlabel() == order[0]
     assert sorted(axes.get_xlabel() for axes in dots) == sorted(order)
@@ -33,7 +33,10 @@ def test_samples_of_several_parameters_are_histograms():
     )
     assert mark.get_xdata() == [SCENE.values["contact.stiffness"]] * 2
     assert page.get_suptitle().replace("\n", " ").endswith("rises mostly with stiffness")
-    assert [axes.get_title().replace("\n", " ") for axes in dots[1:]] == ["peak force [kN], others equal"] * 2
+    headings = [axes.get_title().replace("\n", " ").partition(": ") for axes in dots]
+    assert [name for name, *_ in headings] == ["peak force [kN]", *["peak force [kN], others equal"] * 2]
+    assert all(re.fullmatch(r"[−+][\d.]+ to [−+][\d.]+ %", effect) for *_, effect in headings)
+    assert len({(axes.get_ylim(), axes.get_yscale()) for axes in dots}) == 1, "effects on one scale"
     alone = dots[1].lines[0].get_ydata()
     assert np.ptp(np.log(alone)) < 0.5 * np.ptp(np.log(found["peak_force"]))
     force = 1e-3 * found["peak_force"][~found.failed]
@@ -43,14 +46,14 @@ def test_samples_of_several_parameters_are_histograms():
     told = [text.get_text() for text in panel.get_legend().get_texts()]
     assert told[0] == f"median {np.median(force):.3g} kN"
     assert told[1].startswith("90 % of the runs: ")
-    counts, *_ = found.plot(panels="impact.count").axes
+    *_, counts = found.plot(panels="impact.count").axes
     assert {bar.get_x() % 1.0 for bar in counts.patches} == {0.5}
 
 
 def test_a_choice_of_samples_has_a_box_with_its_median():
     vary = {"contact.stiffness": "1e6:1e9:log", "contact.model": "flores,zhang_sharf"}
     page = sweep_page(sweep(SCENE, vary, samples=16))
-    axes = page.axes[-1]
+    axes = page.axes[-2]
     assert axes.get_xlabel() == "contact.model; sideways: spread only"
     names = [label.get_text() for label in axes.get_xticklabels()]
     for name, box, median in zip(names, axes.patches, axes.collections, strict=True):
@@ -74,9 +77,15 @@ def test_the_text_tells_a_course_that_falls_and_rises():
     assert abs(rank_correlation(runs["contact.restitution"], runs["peak_force"])) < 0.3
     assert found.is_factor
     assert found.explained > 0.99
-    told = " ".join(sweep_page(runs).texts[1].get_text().split())
-    for parameter in vary:
-        assert f"{found.spread_text(parameter, 'kN')} by {parameter}" in told
+    page = sweep_page(runs)
+    for axes in page.axes[:2]:
+        parameter = axes.get_xlabel().partition(" [")[0]
+        assert axes.get_title().replace("\n", " ").endswith(found.spread_text(parameter, "kN"))
+    assert re.search(r"explains 99\.\d % of the variance", " ".join(page.texts[1].get_text().split()))
+    senses = [found.sense(parameter, runs[parameter]) for parameter in vary]
+    assert senses == ["", "rises"]
+    assert found.share("contact.stiffness") + found.share(name) == pytest.approx(found.explained, abs=0.05)
+    assert page.get_suptitle().replace("\n", " ").endswith("rises mostly with stiffness")
     # two runs that differ in restitution only: the ratio of their forces is that of the effects
     at = sweep(SCENE.with_values({"contact.stiffness": 3e7}), {"contact.restitution": "0.3,0.65"})
     order = np.argsort(runs[name])
@@ -96,7 +105,7 @@ def test_too_few_runs_have_no_fit():
 def test_the_parameter_without_dots_is_named():
     vary = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e7:1e9:log", "initial.vx": "0:1"}
     page = sweep(SCENE, vary | {"link[2].mass": "0.5:2"}, samples=10).plot()
-    drawn_over = {axes.get_xlabel().partition(" [")[0] for axes in page.axes[1:]}
+    drawn_over = {axes.get_xlabel().partition(" [")[0] for axes in page.axes[:-1]}
     told = re.split(f"\n|{SEPARATOR}", page.texts[1].get_text())
     without = {text.partition(" ")[0] for text in told if text.endswith(", no panel")}
     assert len(drawn_over) == 3
@@ -108,7 +117,7 @@ def test_the_lines_in_a_histogram_stand_out_from_bars_and_ground(style):
     vary = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e7:1e9:log"}
     with matplotlib.style.context(style):
         page = sweep(SCENE, vary, samples=10).plot()
-    panel = page.axes[0]
+    panel = page.axes[-1]
     bar, ground = np.array(panel.patches[0].get_facecolor()), np.array(to_rgb(page.get_facecolor()))
     seen = bar[3] * bar[:3] + (1.0 - bar[3]) * ground
     for line in panel.lines:

@@ -8,7 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep import plot
+from chain_impact.studies.sweep import message, plot
 from chain_impact.studies.sweep.quantities import results_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.pictures.pictures import WIDTHS, check_texts
@@ -141,6 +141,18 @@ def test_too_many_runs_are_refused(tmp_path, monkeypatch):
     found = sweep(SCENE, {"contact.restitution": [0.3, 0.4, 0.5, 0.6]})
     with pytest.raises(SceneError, match="4 runs must be <= 3 for a picture: draw parts of the table"):
         found.plot(tmp_path / "sweep.png")
+
+
+def test_the_headline_tells_parameters_that_act_together():
+    told = message._dependence_text
+    assert told({"contact.restitution": (0.32, ""), "contact.model": (0.11, "")}).endswith(" together")
+    assert told({"contact.stiffness": (0.7, "rises"), "contact.restitution": (0.1, "")}) == (
+        "rises mostly with stiffness"
+    )
+    assert told({"contact.stiffness": (0.4, ""), "contact.restitution": (0.35, "")}) == (
+        "depends on stiffness and restitution"
+    )
+    assert told({"contact.stiffness": (0.1, "")}) == ""
 
 
 def test_a_narrow_headline_is_balanced_and_written_once(monkeypatch):

@@ -6,6 +6,7 @@ all values of the result are positive, the fit is of their logarithms, and the e
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -17,12 +18,13 @@ from chain_impact.studies.sweep.maps import is_logarithmic
 from chain_impact.studies.sweep.quantities import LEADING_HYPHEN, Quantity
 from chain_impact.studies.sweep.runs import Runs
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.text import number_text
+from chain_impact.text import signed_text
 
 DEGREES = {3: "cubic", 2: "quadratic", 1: "linear"}
 """Degree of the polynomials → its name; the first degree is taken for which there are enough runs."""
 RUNS_PER_NUMBER = 2  # the least number of runs for each number of a fit
-LARGE_FACTOR = 2.0  # effects in a ratio below this are told in percent, others as factors
+STEADY = 0.9  # see ``Effects.sense``
+TRENDING = 0.5  # a fit describes a result well from this part of its variance on
 
 
 @dataclass(frozen=True)
@@ -56,15 +58,32 @@ class Effects:
         effect_sum = sum(effect for parameter, effect in self.of_names.items() if parameter != name)
         return np.asarray(values / np.exp(effect_sum) if self.is_factor else values - effect_sum)
 
+    def share(self, name: str) -> float:
+        """Return the part of the variance, see ``explained``, that the effect of a parameter has."""
+        return float(np.var(self.of_names[name])) / self.deviation**2
+
+    def sense(self, name: str, parameter_values: np.ndarray) -> str:
+        """Return "rises" or "falls" if the effect mostly does so with the values of a number, shape (R,).
+
+        The effect does so if its change from end to end is at least STEADY times its spread; else the result
+        is "".
+        """
+        first, last = self.of_names[name][[parameter_values.argmin(), parameter_values.argmax()]].tolist()
+        if abs(last - first) < STEADY * self.spread(name):
+            return ""
+        return "rises" if last > first else "falls"
+
     def spread_text(self, name: str, unit: str) -> str:
-        """Return the range of a parameter's effects as text: "−4 to +13 %", "× 0.25 to 3.9"."""
-        low, high = (float(end(self.of_names[name])) for end in (np.min, np.max))
-        if self.is_factor and high - low >= np.log(LARGE_FACTOR):
-            return f"× {number_text(float(np.exp(low)), 2)} to {number_text(float(np.exp(high)), 2)}"
-        ends = 100.0 * np.expm1([low, high]) if self.is_factor else np.array([low, high])
-        end_texts = [f"{end:+.2g}" if end else "0" for end in ends.tolist()]
-        texts = [LEADING_HYPHEN.sub("−", text) for text in end_texts]
-        return with_unit(" to ".join(texts), "%" if self.is_factor else unit)
+        """Return the range of a parameter's effects as text, of factors in percent: "−4 to +13 %"."""
+        ends = np.array([end(self.of_names[name]) for end in (np.min, np.max)])
+        texts = [signed_text(end) for end in (100.0 * np.expm1(ends) if self.is_factor else ends).tolist()]
+        range_text = " to ".join(LEADING_HYPHEN.sub("−", text) for text in texts)
+        return with_unit(range_text, "%" if self.is_factor else unit)
+
+    @property
+    def explained_text(self) -> str:
+        """The text of ``explained``, rounded down, because no fit of scattered runs is exact."""
+        return f"{min(99.9, math.floor(1000.0 * self.explained) / 10.0):g} %"
 
 
 def effects_on(runs: Runs, quantity: Quantity, variations: Sequence[Variation]) -> Effects | None:

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from chain_impact.map_colours import WIDE_COLOURS, value_ratio
 from chain_impact.pictures.drawing.headings import name_above
@@ -19,7 +19,7 @@ from chain_impact.pictures.drawing.style import BLUE, COUNT_STEPS, INK, give_tic
 from chain_impact.scene.texts.unit_text import with_unit
 from chain_impact.studies.sweep.colour_bars import WIDE_RANGE, number_few_decades
 from chain_impact.studies.sweep.curves import RING, mark_at_foot
-from chain_impact.studies.sweep.effects import DEGREES, effects_on
+from chain_impact.studies.sweep.effects import DEGREES, TRENDING, effects_on
 from chain_impact.studies.sweep.maps import (
     NO_IMPACT,
     NO_VALUE_TEXT,
@@ -45,7 +45,6 @@ GOLDEN, DOTS_PART = 0.618034, 0.5
 # BOX_WIDTH: that of the box of a choice, relative to the distance of two choices; BOX_LINE: [points]
 BOX_WIDTH, BOX_LINE = 0.6, 0.9
 BOX_TEXT, SPREAD = "middle half and median", "; sideways: spread only"
-TRENDING = 0.5  # a fit describes a quantity well from this part of its variance on
 FEWEST_PAIRS = 3  # the correlation of fewer than FEWEST_PAIRS pairs of values counts as 0
 # the largest number of bars; narrower bars would show mainly random differences
 MOST_BINS = 60
@@ -97,25 +96,30 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
 def draw_samples(
     panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity], variations: Sequence[Variation]
 ) -> None:
-    """Draw each quantity in successive panels: a histogram, then dots over each of ``drawn_parameters``.
+    """Draw each quantity in successive panels: dots over each of ``drawn_parameters``, then a histogram.
 
     If a sum of effects describes the quantity well (TRENDING), the dots over all parameters but the first
-    show the quantity without the effects of other parameters, which would hide that of this parameter.
+    show the quantity without the effects of other parameters, which would hide that of this parameter; and
+    the heading of each panel has the effect. All panels with dots have the same vertical axis.
     """
     panels_per_quantity, drawn_variations = len(panels) // len(quantities), drawn_parameters(runs, variations)
-    draw_histograms(panels[::panels_per_quantity], runs, quantities)
+    draw_histograms(panels[panels_per_quantity - 1 :: panels_per_quantity], runs, quantities)
     for k, quantity in enumerate(quantities):
         effects = effects_on(runs, quantity, variations)
         is_fitted = effects is not None and effects.explained >= TRENDING
-        choice_panels = panels[panels_per_quantity * k + 1 : panels_per_quantity * (k + 1)]
+        choice_panels = panels[panels_per_quantity * k : panels_per_quantity * (k + 1) - 1]
         for axes, variation in zip(choice_panels, drawn_variations, strict=True):
-            values = quantity.values_or_nan(runs)
-            is_alone = effects is not None and is_fitted and variation is not drawn_variations[0]
-            if effects is not None and is_alone:
-                values = effects.without_others(values, variation.name)
+            values, heading = quantity.values_or_nan(runs), quantity.label
+            if effects is not None and is_fitted:
+                if variation is not drawn_variations[0]:
+                    values, heading = (
+                        effects.without_others(values, variation.name),
+                        f"{heading}, others equal",
+                    )
+                heading += f": {effects.spread_text(variation.name, quantity.unit)}"
             _scatter(axes, runs, quantity, variation, values)
-            if is_alone:
-                name_above(axes, f"{quantity.label}, others equal")
+            name_above(axes, heading)
+        _share_vertical_axis(choice_panels)
     keys: list[Any] = []
     if any(own_value(runs, variation) is not None for variation in drawn_variations):
         keys.append(Line2D([], [], label="value in the scene", **SCENE_LINE))
@@ -169,21 +173,26 @@ def rank_correlation(first_values: np.ndarray, second_values: np.ndarray) -> flo
 
 
 def influence_text(runs: Runs, quantities: Sequence[Quantity], variations: Sequence[Variation]) -> str:
-    """Return words with the number of runs and, for each quantity, the effect of each varied parameter.
+    """Return words with the number of runs and, for each quantity, on its fit (``effects_on``), if any.
 
-    The largest effect comes first. The words tell the fit (``effects_on``); they are left out for a quantity
-    without a fit.
+    The words have the effects of the parameters without a panel; a quantity that the fit does not describe
+    well (TRENDING) has only the part of its variance.
     """
     parts = [f"{len(runs)} runs"]
     for quantity in quantities:
         effects = effects_on(runs, quantity, variations)
         if effects is None:
             continue
-        order = sorted(effects.of_names, key=lambda name: -effects.spread(name))
-        texts = [f"{effects.spread_text(name, quantity.unit)} by {name}" for name in order]
-        parts.append(f"{quantity.name}, others equal: {', '.join(texts)}")
-        explained_text = f"explains {100.0 * effects.explained:.4g} % of the variance"
-        parts.append(f"fit {DEGREES[effects.degree]} in each number: {explained_text}")
+        drawn_names = [variation.name for variation in drawn_parameters(runs, variations)]
+        texts = [
+            f"{effects.spread_text(name, quantity.unit)} by {name}"
+            for name in effects.of_names
+            if name not in drawn_names and effects.explained >= TRENDING
+        ]
+        if texts:
+            parts.append(f"{quantity.name}, others equal: {', '.join(texts)}")
+        fit_text = f"effects by a fit, {DEGREES[effects.degree]} in each number"
+        parts.append(f"{fit_text}: it explains {effects.explained_text} of the variance")
     return "; ".join(parts)
 
 
@@ -210,7 +219,6 @@ def _scatter(
     axes.plot(parameter_values, shown_values, ".", color=BLUE, markersize=4.0, rasterized=True)
     mark_at_foot(axes, np.asarray(parameter_values)[quantity.is_without_touch(runs)], RING)
     axes.set_xlabel(label_of(runs, variation) + (SPREAD if variation.choices else ""))
-    name_above(axes, quantity.label)
     finite_values = shown_values[np.isfinite(shown_values)]
     if finite_values.size and value_ratio(finite_values) >= WIDE_COLOURS and not quantity.is_count:
         axes.set_yscale("log")
@@ -220,6 +228,18 @@ def _scatter(
         axes.axvline(scene_value, **SCENE_LINE)
     if not variation.choices:
         give_ticks(axes)
+
+
+def _share_vertical_axis(panels: Sequence[Axes]) -> None:
+    """Give panels the vertical axis of the first one, with ends that contain the values of all panels."""
+    lows, highs = zip(*(axes.get_ylim() for axes in panels), strict=True)
+    first = panels[0]
+    for axes in panels:
+        if axes.get_yscale() != first.get_yscale():
+            axes.set_yscale(first.get_yscale())
+            if isinstance(first.yaxis.get_major_formatter(), FuncFormatter):
+                number_few_decades(axes.yaxis)
+        axes.set_ylim(min(lows), max(highs))
 
 
 def _draw_box(axes: Axes, position: int, values: np.ndarray) -> None:

@@ -69,8 +69,8 @@ def picture_form(design: Design) -> str:
 def panels_of_each(design: Design) -> int:
     """Return the number of panels of each quantity: 1 except in two cases.
 
-    In a picture with histograms, each quantity has a panel with a histogram, and a panel with dots for each
-    of ``drawn_parameters``. If three parameters vary without samples, each value of the third has a map.
+    In a picture with histograms, each quantity has a panel with dots for each of ``drawn_parameters``, and
+    a panel with a histogram. If three parameters vary without samples, each value of the third has a map.
     """
     kind, variations = picture_form(design), varying_in(design)
     if kind == HISTOGRAMS:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from chain_impact.pictures.drawing.style import raise_exponents
@@ -9,6 +11,7 @@ from chain_impact.scene.texts.plain_names import plain_name
 from chain_impact.scene.texts.unit_text import unit_text, with_unit
 from chain_impact.studies.sweep.computation import STATUS_WORD
 from chain_impact.studies.sweep.curves import course_text
+from chain_impact.studies.sweep.effects import TRENDING, effects_on
 from chain_impact.studies.sweep.histograms import rank_correlation
 from chain_impact.studies.sweep.layout import (
     DOTS,
@@ -24,10 +27,11 @@ from chain_impact.studies.sweep.variation import Variation
 from chain_impact.text import names_text, number_text
 
 MOST_REASONS = 2  # the largest number of reasons of failed runs that the headline lists
-# A share is the part of the variance of the ranks of a result that the mean over a parameter's values has,
-# or a squared rank correlation. A parameter is named if its share is at least LEAST_SHARE; one parameter
-# alone is named if its share is at least MAIN times that of any other. The result depends mostly on it if its
-# share exceeds one half; the rest of the variance is due to other parameters, and to several together.
+# A share is the part of the variance of the ranks of a result that the mean over a parameter's values has, a
+# squared rank correlation, or the share of a parameter's effect in a fit of samples. A parameter is named if
+# its share is at least LEAST_SHARE; one parameter alone is named if its share is at least MAIN times that of
+# any other. The result depends mostly on it if its share exceeds one half; it depends on two together if all
+# shares are less, so that most of the variance is due to several parameters together.
 LEAST_SHARE, MAIN, HALF = 0.2, 2.0, 0.5
 # The headline tells that a parameter of a grid hardly matters if it changes a result, whatever the others
 # are, by at most SMALL_EFFECT times the largest |result|; at most NO_EFFECT, due to steps, is no effect.
@@ -73,16 +77,42 @@ def effect_text(runs: Runs, quantity: Quantity) -> str:
             return course_text(runs[only_variation.name], values, plain_name(only_variation.name))
         (largest_rows,) = np.nonzero(values == values[is_known].max())
         return f"largest with {runs[only_variation.name][largest_rows[0]]}" if len(largest_rows) == 1 else ""
-    shares_of_names = {variation.name: share_of(runs, variation, values) for variation in variations}
+    return _dependence_text(shares_on(runs, quantity, variations))
+
+
+def _dependence_text(shares_of_names: dict[str, tuple[float, str]]) -> str:
+    """Return words for the parameters with the largest shares (``shares_on``); "" if all are small."""
     first_name, *other_names = sorted(shares_of_names, key=lambda name: -shares_of_names[name][0])
     share, sense = shares_of_names[first_name]
     if share < LEAST_SHARE:
         return ""
-    if not other_names or share >= MAIN * shares_of_names[other_names[0]][0]:
+    name_text = plain_name(first_name)
+    is_together = bool(other_names) and sum(part for part, _ in shares_of_names.values()) < HALF
+    if not is_together and (not other_names or share >= MAIN * shares_of_names[other_names[0]][0]):
         mostly = " mostly" if other_names and share > HALF else ""
-        shown_text = plain_name(first_name)
-        return f"{sense}{mostly} with {shown_text}" if sense else f"depends{mostly} on {shown_text}"
-    return f"depends on {plain_name(first_name)} and {plain_name(other_names[0])}"
+        return f"{sense}{mostly} with {name_text}" if sense else f"depends{mostly} on {name_text}"
+    return f"depends on {name_text} and {plain_name(other_names[0])}{' together' * is_together}"
+
+
+def shares_on(
+    runs: Runs, quantity: Quantity, variations: Sequence[Variation]
+) -> dict[str, tuple[float, str]]:
+    """Return for each parameter its share in the variance of a result, and "rises", "falls" or "".
+
+    For samples, these are those of the fit that the picture shows (``effects_on``) if the fit describes the
+    result well; else the result is that of ``share_of``.
+    """
+    effects = effects_on(runs, quantity, variations) if runs.design.samples is not None else None
+    if effects is None or effects.explained < TRENDING:
+        values = quantity.values_or_nan(runs)
+        return {variation.name: share_of(runs, variation, values) for variation in variations}
+    return {
+        variation.name: (
+            effects.share(variation.name),
+            "" if variation.choices else effects.sense(variation.name, runs[variation.name]),
+        )
+        for variation in variations
+    }
 
 
 def idle_text(runs: Runs, quantity: Quantity) -> str:
