@@ -3,9 +3,12 @@
 # Tests: studies/sweep/contours.py, studies/sweep/map_marks.py, studies/sweep/colour_bars.py
 # Tests: pictures/drawing/shared_names.py
 
+import itertools
+
 import matplotlib.style
 import numpy as np
 import pytest
+from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.drawing.shared_names import framed_panels
 from chain_impact.scene.errors import SceneError
@@ -71,6 +74,26 @@ def test_a_map_has_the_same_numbers_and_inks_on_a_dark_ground(points):
     assert numbers[0] == numbers[1]
     assert inks[0] == inks[1] != []
     assert "20" in numbers[0][0]
+
+
+@pytest.mark.parametrize("width", [84, 120])
+def test_a_bar_has_numbers_at_its_ends_and_values_of_contours_have_room(width):
+    vary = {"contact.restitution": "0.2:0.8:7", "contact.stiffness": "1e6:1e9:7:log"}
+    found = sweep(SCENE, vary | {"link[2].mass": "0.8,1,1.2"})
+    *maps, _, _ = found.plot(size=(width / 25.4, None)).axes
+    force = 1e-3 * found["peak_force"]
+    axis = maps[0].collections[0].colorbar.long_axis
+    numbers = [text.get_text() for text in axis.get_ticklabels(which="both")]
+    assert (numbers[0], numbers[-1]) == tuple(number_text(end, 3) for end in (force.min(), force.max()))
+    told = [[text for text in axes.texts if text.get_visible()] for axes in maps]
+    assert any(told)
+    for axes, texts in zip(maps, told, strict=True):
+        boxes = [text.get_window_extent() for text in texts]
+        assert all(np.allclose(Bbox.union([axes.bbox, box]).size, axes.bbox.size) for box in boxes)
+        assert not any(one.overlaps(other) for one, other in itertools.combinations(boxes, 2))
+    if maps[0].bbox.width < 25.0 / 25.4 * maps[0].figure.dpi:
+        values = [text.get_text() for texts in told for text in texts]
+        assert len({*values}) == len(values), "each value stands in one narrow map"
 
 
 def test_words_tell_which_values_lie_beyond_the_colours():

@@ -22,6 +22,7 @@ from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.shared_names import grid_of
 from chain_impact.pictures.drawing.style import TICK_STEPS, is_narrow
 from chain_impact.studies.sweep.quantities import Quantity
+from chain_impact.text import number_text
 
 # the colours of a map: the name of matplotlib's colour map, which the maps of pages have, too; the grey of
 # runs without a finite value, which failed or have only impulses
@@ -32,6 +33,9 @@ WIDE_RANGE = 1e3
 # multiples FEW_TICKS of each power of ten
 FEW_TICKS = (2.0, 5.0)
 MOST_LEVELS = 5  # the largest number of intervals between the ticks of a linear bar
+# END_ROOM: the least distance of a number from that at an end of a bar, relative to the bar, of which
+# LEVEL_BAR_ROOM is that of a bar along x; END_DIGITS: the number of digits at an end
+END_ROOM, LEVEL_BAR_ROOM, END_DIGITS = 0.1, 0.2, 3
 SLIM_BAR = 40.0  # the length of a bar for several maps, relative to the bar's width
 # [inch] WIDE_COLUMN: a bar stands beside its map if the figure has this width for each column of maps, else
 # above it; MAP_BAR_HEIGHT: the height of a bar above a map; NUMBERS_WIDTH: the width for numbers and names
@@ -114,13 +118,39 @@ def add_bar(
         number_few_decades(bar.long_axis)
     all_ticks = [*bar.get_ticks(), *(bar.get_ticks(minor=True) if is_few else [])]
     levels = sorted(float(level) for level in all_ticks if low < level < high)
+    numbers = ticks or _numbers_with_ends(bar, levels, has_values_beyond)
+    if numbers:
+        bar.minorlocator = mpl.ticker.NullLocator()
+        bar.set_ticks(list(numbers), labels=list(numbers.values()))
     if ticks:
-        bar.set_ticks(list(ticks), labels=list(ticks.values()))
         bar.ax.tick_params(which="both", length=0)
-    if is_above and (ticks or is_linear or is_few):
-        _thin_out(bar, ticks or {level: f"{level:g}" for level in levels}, column_width(panels[0]))
+    if is_above and numbers:
+        _thin_out(bar, numbers, column_width(panels[0]))
+    if not ticks and numbers:
+        levels = [level for level in levels if level in numbers]
     _keep_ticks(bar)
     return levels
+
+
+def _numbers_with_ends(
+    bar: Colorbar, levels: Sequence[float], has_values_beyond: tuple[bool, bool]
+) -> dict[float, str]:
+    """Return the numbers at a bar, place → text: at ``levels``, and at each end without values beyond it.
+
+    A level near to such an end (END_ROOM, LEVEL_BAR_ROOM) has no number. Equal ends have none either.
+    ``has_values_beyond``: as in ``add_bar``.
+    """
+    low, high = float(bar.norm.vmin or 0.0), float(bar.norm.vmax or 0.0)
+    if not low < high:
+        return {}
+    ends = [end for end, is_beyond in zip((low, high), has_values_beyond, strict=True) if not is_beyond]
+    room = END_ROOM if bar.orientation == "vertical" else LEVEL_BAR_ROOM
+    end_positions = np.array([float(bar.norm(end)) for end in ends])
+    shown_levels = [
+        level for level in levels if (np.abs(float(bar.norm(level)) - end_positions) > room).all()
+    ]
+    numbers = {level: number_text(level) for level in shown_levels}
+    return dict(sorted((numbers | {end: number_text(end, END_DIGITS) for end in ends}).items()))
 
 
 def _keep_ticks(bar: Colorbar) -> None:
@@ -136,7 +166,9 @@ def _keep_ticks(bar: Colorbar) -> None:
 def _thin_out(bar: Colorbar, ticks: dict[float, str], width: float) -> None:
     """Leave out some of the numbers at a bar above a map, so that they fit into a ``width`` [inch]."""
     needed_width = sum(DIGIT * (len(text) + 1) for text in ticks.values())
-    kept_ticks = list(ticks)[:: int(np.ceil(needed_width / width)) or 1]
+    positions = list(ticks)
+    kept_ticks = positions[:: int(np.ceil(needed_width / width)) or 1]
+    kept_ticks[-1:] = positions[-1:]  # the end of the bar has a number
     bar.minorlocator = mpl.ticker.NullLocator()
     bar.set_ticks(kept_ticks, labels=[ticks[tick] for tick in kept_ticks])
 

@@ -1,4 +1,4 @@
-"""Marks in a map of a sweep: the scene's own values, and cells of runs without an impact."""
+"""Marks in a map of a sweep: the scene's own values, and cells of runs without an impact; their names."""
 
 # Tests: studies/sweep/maps.py
 
@@ -24,6 +24,7 @@ SCENE_MARK |= {"markeredgewidth": 0.9, "linestyle": "", "clip_on": False, "zorde
 """The mark of the scene's own values in a map, with matplotlib's names."""
 HATCHED_STYLE: dict[str, Any] = {"facecolor": "white", "edgecolor": "0.6", "hatch": "////", "linewidth": 0.0}
 """The look of the cells of runs in which nothing touches that the map's quantity could measure."""
+NARROW_MAP = 25.0 / 25.4  # [inch] in narrower maps, the value of a contour stands in one map only
 SCENE = "scene"  # the name of the mark
 # the places of the name from which ``place_names`` chooses, the first free one: its distance from the mark
 # [points] to the right and up, and how it is aligned
@@ -51,20 +52,23 @@ def mark_scene(axes: Axes, own_values: Sequence[float | None], *, is_named: bool
 
 
 def place_names(figure: Figure) -> None:
-    """Move the name of each mark of the scene to a side where it covers no contour, and no value of one.
+    """Remove values of contours without room, and move each name of the scene's mark to a free side.
 
-    The layout of the figure must be complete. Without a free side, the name covers as few as possible.
+    The layout of the figure must be complete. A value has room if it is inside of its map and covers neither
+    another contour nor another value; in maps narrower than NARROW_MAP, each value stands in one map only. A
+    name covers no contour and no value; without a free side, it is removed: the conditions tell the mark.
     """
+    numbered_texts = set[str]()
     for axes in figure.axes:
-        lines = [
-            path.transformed(part.get_transform())
-            for part in axes.collections
-            if isinstance(part, ContourSet)
-            for path in part.get_paths()
-        ]
+        parts = [part for part in axes.collections if isinstance(part, ContourSet)]
+        lines = [path.transformed(part.get_transform()) for part in parts for path in part.get_paths()]
+        if parts:
+            _remove_crowded_values(axes, parts, numbered_texts)
         for name in axes.texts:
             if isinstance(name, Annotation) and name.get_text() == SCENE:
-                values = [text.get_window_extent() for text in axes.texts if text is not name]
+                values = [
+                    text.get_window_extent() for text in axes.texts if text is not name and text.get_visible()
+                ]
                 placed_names = []
                 for position in NAME_POSITIONS:
                     _put(name, position)
@@ -74,6 +78,36 @@ def place_names(figure: Figure) -> None:
                     covered += [line.intersects_bbox(box, filled=False) for line in lines]
                     placed_names.append((is_outside, sum(covered)))
                 _put(name, NAME_POSITIONS[placed_names.index(min(placed_names))])
+                name.set_visible(not parts or min(placed_names) == (False, 0))
+
+
+def _remove_crowded_values(axes: Axes, parts: Sequence[ContourSet], numbered_texts: set[str]) -> None:
+    """Hide those values of contours in a map without room or in ``numbered_texts``, and add the others.
+
+    ``parts``: the contours, each of one level.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    is_narrow_map = axes.bbox.width / figure.dpi < NARROW_MAP
+    boxes = list[Bbox]()
+    for text in axes.texts:
+        if isinstance(text, Annotation):
+            continue
+        box, value = text.get_window_extent(), text.get_text()
+        lines = [
+            path.transformed(part.get_transform())
+            for part in parts
+            if f"{next(iter(part.levels)):g}" != value
+            for path in part.get_paths()
+        ]
+        is_inside = np.allclose(Bbox.union([axes.bbox, box]).size, axes.bbox.size)
+        is_crowded = any(box.overlaps(other_box) for other_box in boxes)
+        is_crowded |= any(line.intersects_bbox(box, filled=False) for line in lines)
+        is_repeated = is_narrow_map and value in numbered_texts
+        text.set_visible(is_inside and not is_crowded and not is_repeated)
+        if text.get_visible():
+            boxes.append(box)
+            numbered_texts.add(value)
 
 
 def _put(name: Annotation, position: tuple[tuple[float, float], str, str]) -> None:
