@@ -70,10 +70,9 @@ def compared(path: Path, choices: ConversionChoices = ALL_CHOICES) -> Compared:
         try:
             done = chain_of(robot, choices, str(path))
         except NoChainError as error:
-            proposed = re.search(r"--joints (\S+) takes joints", str(error))
-            if proposed is None:
+            if not error.proposed:
                 raise
-            choices = choices._replace(joints=proposed[1].split(","))
+            choices = choices._replace(joints=list(error.proposed))
     except SceneError as error:
         return Compared((), None, str(error).removeprefix(f"{path}: "))
     names = choices.joints or [joint.name for body in robot.bodies for joint in body.joints]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from chain_impact import Chain, SceneError, load_scene, simulate
-from chain_impact.scene.scene import with_values
+from chain_impact.scene.scene import scene_from_dict, with_values
 from tests.helpers.kernel.kernel_calls import instance_of
 from tests.helpers.models.driven_chain import DrivenChain
 from tests.helpers.models.reference import balance
@@ -253,6 +253,33 @@ def test_derivatives_through_limits_are_those_of_differences(method):
         exact = slope(partial(run, name), 0.0, step, 6)
         found = result.sensitivity("point[3].x", name)
         assert np.abs(found - exact).max() < 1e-8 * np.abs(exact).max(), name
+
+
+@pytest.mark.parametrize("method", ["auto", "explicit", "implicit"])
+@pytest.mark.parametrize("tolerance", [1e-8, 1.3e-9], ids=str)
+def test_a_peak_where_a_drive_leaves_its_limit_has_its_derivative(method, tolerance):
+    """The load of joint 1 is largest at 63.7 ms, where it falls at once as a drive leaves its limit."""
+    drives = [(159.62, 68.179, 3.26), (16608.69, 2.529, 64.59), (44931.53, 39.237, 57.55)]
+    links = [
+        {"length": length, "mass": mass, "joint_armature": 0.01}
+        | dict(zip(("joint_stiffness", "joint_damping", "joint_torque_limit"), drive, strict=True))
+        for length, mass, drive in zip((0.477, 0.473, 0.411), (0.656, 3.899, 0.225), drives, strict=True)
+    ]
+    table = {
+        "name": "Falls",
+        "chain": {"base": "pinned", "links": links},
+        "box": {"y_min": -0.5},
+        "contact": {"restitution": 0.3, "stiffness": 1e6},
+        "initial": {"angles": [0.144, -0.096, -0.011]},
+        "outputs": {"loads": True},
+        "solver": {"method": method, "tolerance": tolerance},
+        **FOLLOWS,
+    }
+    scene, name = scene_from_dict(table, "falls"), "link[1].mass"
+    result = simulate(scene, 0.064, output_step=math.inf, sensitivities=[name])
+    # differences of two steps, at a tolerance of 1e-12
+    for joint, exact in ((1, 11.83604), (2, -23.10055)):
+        assert result.sensitivity(f"joint[{joint}].peak_force", name)[-1] == pytest.approx(exact, rel=1e-5)
 
 
 def test_derivatives_hold_where_targets_and_stiffness_are_set_on_the_way():

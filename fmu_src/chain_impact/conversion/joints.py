@@ -21,14 +21,14 @@ class NoChainError(SceneError):
     """Raised when the moving joints of a robot form no planar chain.
 
     Attributes:
-        joints: names of joints of which one may have to be held, so that the others form a chain; if
-            ``chain_of`` raises the error with a proposal, names of the joints that are proposed to move.
+        joints: names of joints of which one may have to be held, so that the others form a chain.
+        proposed: names of joints that form a chain if all others are held; () for no proposal.
     """
 
-    def __init__(self, message: str, joints: Sequence[str] = ()) -> None:
+    def __init__(self, message: str, joints: Sequence[str] = (), proposed: Sequence[str] = ()) -> None:
         """Store the names of the joints together with the message."""
         super().__init__(message)
-        self.joints = tuple(joints)
+        self.joints, self.proposed = tuple(joints), tuple(proposed)
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ def chain_of(
 
     Raises:
         NoChainError: when the robot is not a planar chain; if some joints that form one are found, the
-            message and ``joints`` have their names.
+            message and ``proposed`` have their names.
         SceneError: when the choices do not fit the robot, or from ``check``.
     """
     try:
@@ -41,7 +41,7 @@ def chain_of(
         if names is None:
             raise
         proposal = f"choose joints {','.join(names)}: these make a chain, and the others are held"
-        raise NoChainError(f"{error}; {proposal}", names) from None
+        raise NoChainError(f"{error}; {proposal}", proposed=names) from None
     check(result)
     return result
 

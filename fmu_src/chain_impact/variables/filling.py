@@ -7,6 +7,7 @@ The twin in JavaScript is pages/browser/scene/record.js.
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, lru_cache
@@ -303,11 +304,15 @@ def with_tangents(memory: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
     for name in names:
         record[name] = memory[name]
     _copy_values(memory[0], record[0][TANGENTS])
+    record[0][TANGENTS]["trust"]["size"] = 1.0
     for number, path in enumerate(paths):
-        field: Any = record[0][TANGENTS][number // DIRECTIONS]
+        tangent, direction = record[0][TANGENTS][number // DIRECTIONS], number % DIRECTIONS
+        field: Any = tangent
         for step in path:
             field = field[step]
-        field["slope"][number % DIRECTIONS] = 1.0
+        field["slope"][direction] = 1.0
+        if 0.0 < abs(field["value"]) < math.inf:
+            tangent["trust"]["size"][direction] = abs(field["value"])
     return record
 
 

@@ -94,14 +94,12 @@ def margin_of(monkeypatch, t, rate):
 
 
 def test_sliding_is_late_by_its_margin_over_the_rate_of_it(monkeypatch, t, ended):
-    """φ = µ_s F_n − |F_t| by differences along the rate, whose own derivatives have no effect."""
+    """φ = µ_s F_n − |F_t|, whose rate does not depend on the derivatives of the state's rate."""
     located = margin_of(monkeypatch, t, 0.5)
     delay = friction.delay_of_sliding(t, 2)
     assert delay.value == 0.0
     np.testing.assert_allclose(delay.slope, [-2.0 / 0.5, 6.0 / 0.5], rtol=1e-9)
-    apart = event_times.TIME_DIFFERENCE * 0.5 * 0.5
-    assert located[:2] == pytest.approx([apart, -apart], abs=1e-15)
-    assert located[-1] == 0.0  # points and forces belong to the end again
+    assert set(located) == {0.0}  # points and forces belong to the end again
     assert ended == []
 
 

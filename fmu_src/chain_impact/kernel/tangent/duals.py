@@ -50,6 +50,9 @@ TRUST = np.dtype(
         ("split", np.int64),
         # 1: the motion has no derivative in this direction (rises.py, and ``check_coefficient`` in trust.py)
         ("missing", np.int64, (DIRECTIONS,)),
+        # size of the parameter or input of this direction, in its unit: its absolute value in the scene, or 1
+        # if this is 0 or infinite, and in a direction that is not used
+        ("size", np.float64, (DIRECTIONS,)),
     ]
 )
 

@@ -3,7 +3,7 @@
 The delay of an event is a dual number [s] of the value 0, with the derivatives −φ′/φ̇. φ′ are the derivatives
 of φ with respect to the parameters at a fixed time, and φ̇ is the rate of φ in time. For clearances, rates of
 clearances and tangential speeds, φ̇ is known; for forces, the kinks of forces, and the margins of friction
-and drives, φ̇ is found by differences along the motion.
+and drives, φ̇ is the derivative with respect to a shift along the motion.
 """
 
 import math
@@ -18,10 +18,8 @@ from chain_impact.kernel.events.segments import has_segment_ended
 from chain_impact.kernel.forces.active_contacts import kink_height
 from chain_impact.kernel.ode.last_step import ensure_points
 from chain_impact.kernel.record.constants import KINK, RELATCH
-from chain_impact.kernel.tangent.duals import dual_with_slope, reciprocal, value
+from chain_impact.kernel.tangent.duals import dual_with_slope, reciprocal, replace_slope, slope, value
 
-# φ̇ is found by differences over ± TIME_DIFFERENCE times the length of the last step
-TIME_DIFFERENCE = 1e-3
 # number of Newton iterations for a delay: each multiplies the error of the delay by the relative error of φ̇
 NEWTON_ITERATIONS = 2
 
@@ -51,9 +49,12 @@ def make_motion_functions(function):
         return function(t, c)
 
     def rate_at_end(t, c):
-        part, no_delay = TIME_DIFFERENCE * step_length(t), dual_with_slope(0.0, 0.0, t.step.end)
-        value_later, value_before = after(t, c, no_delay + part), after(t, c, no_delay - part)
-        return (value(value_later) - value(value_before)) / (2.0 * part) if part > 0.0 else 0.0
+        if not step_length(t) > 0.0:
+            return 0.0
+        no_delay = dual_with_slope(0.0, 0.0, t.step.end)
+        # with a delay of slope 1 in a direction, the slope of φ in this direction is φ′ + φ̇
+        moved = slope(after(t, c, replace_slope(no_delay, 0, 1.0)), 0)
+        return moved - slope(after(t, c, no_delay), 0)
 
     return after, rate_at_end
 
