@@ -9,18 +9,21 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from chain_impact import load_scene, simulate
 from chain_impact.kernel.ode.radau import Q
 from chain_impact.kernel.record.constants import RADAU_STAGES
 from chain_impact.kernel.tangent import duals, replay, trust
 from chain_impact.kernel.tangent.replay import (
     CONVERGED_SLOPES,
     LARGEST_FALL_FACTOR,
+    LEAST_EFFECT,
     MOST_SLOPE_ITERATIONS,
     SLOPE_ROUND_OFF,
     STALLED_ITERATIONS,
     UNLIMITED_CORRECTION,
 )
 from tests.helpers.scenes.derivative_scenes import Case, table
+from tests.helpers.tools.differences import slope
 from tests.kernel.tangent.dual import Dual, followed, started
 
 H = 1.0  # s, of a step at rest
@@ -152,7 +155,8 @@ def slopes(start, end, parts):
         own.right_hand_sides[i, j] = dual(*part)
     d = SimpleNamespace(friction=SimpleNamespace(stuck_count=0), step=SimpleNamespace(size=0.1))
     d.implicit, d.chain = SimpleNamespace(error_weight=[2.0, 10.0]), None
-    return d, SimpleNamespace(implicit=own)
+    d.solver = SimpleNamespace(tolerance=TOLERANCE)
+    return d, SimpleNamespace(implicit=own, trust=SimpleNamespace(size=[4.0] * duals.DIRECTIONS))
 
 
 def test_a_correction_is_relative_to_the_worst_direction():
@@ -172,12 +176,34 @@ def test_a_correction_is_relative_to_the_worst_direction():
         ([(1.0,)] * 2, {(3, 0): (0.0, math.nan)}),
         ([(1.0,)] * 2, {(3, 0): (0.0, math.inf)}),
         ([(1.0,), (math.inf,)], {}),
-        ([(0.0,)] * 2, {(1, 1): (1e-9,)}),  # zero derivatives permit no correction
     ],
 )
 def test_a_correction_that_is_not_finite_is_far_off(start, parts):
     d, t = slopes(start, [(0.0,)] * 2, parts)
     assert replay.last_correction(d, t, 2) == UNLIMITED_CORRECTION
+
+
+def test_a_correction_of_round_off_is_relative_to_the_least_effect():
+    d, t = slopes([(0.0,)] * 2, [(0.0,)] * 2, {(1, 1): (1e-19,)})
+    # the weight 10 belongs to the error, 1/(tolerance · scale)
+    assert replay.last_correction(d, t, 2) == pytest.approx(10.0 * 1e-19 * 4.0 * TOLERANCE / LEAST_EFFECT)
+
+
+def test_derivatives_that_are_zero_in_flight_last_through_implicit_steps():
+    """In flight, and until the first impact, no length or mass affects the motion of the leg."""
+    scene = load_scene("hopping_leg")
+    names = ["link[1].mass", "link[1].length", "link[2].mass"]
+    result = simulate(scene, 0.5, sensitivities=names)
+    assert result.statistics["implicit_steps"] > 0
+    assert not result.sensitivity_limits
+    for name in names:
+
+        def height(number, name=name):
+            return simulate(scene.with_values({name: number}), 0.5, tolerance=1e-12)["point[1].y"]
+
+        exact = slope(height, scene.values[name], 1e-5, 4)
+        error = np.abs(result.sensitivity("point[1].y", name) - exact).max()
+        assert error < 1e-5 * np.abs(exact).max(), name
 
 
 def test_stages_have_the_values_of_the_run_and_their_own_slopes():
