@@ -90,11 +90,9 @@ class DryFriction:
     def hold(
         self, place: Place, free: np.ndarray, normal: Mapping[int, np.ndarray]
     ) -> tuple[np.ndarray, dict[int, np.ndarray]]:
-        """Return accelerations with sticking elements, and the forces of these elements.
+        """Return the accelerations with sticking elements, and the forces of these elements.
 
-        ``free`` holds the accelerations without these forces.
-
-        ``without`` holds the accelerations without these elements.
+        ``free`` holds the accelerations without these forces. It is returned if no element sticks.
         """
         stuck = [e for e, s in self.modes.items() if s == 0]
         if not stuck:
