@@ -116,6 +116,16 @@ def test_quantities_that_urdf_does_not_know_are_reported(tmp_path):
     }
 
 
+def test_a_mimic_is_told_of_a_moving_joint_only(tmp_path):
+    mimic = '<mimic joint="a"/>'
+    grip = joint("grip", "lower", "tool", kind="fixed", more=mimic)
+    for b, count in (("", 0), (mimic, 1)):
+        _, done = read(tmp_path, urdf(*TWO[:4], joint("b", "upper", "lower", ".3 0 0", more=b), grip))
+        told = [line for line in (*done.warnings, *done.left_out) if "mimic" in line]
+        assert len(told) == count
+        assert all(line.startswith("joint b: ") for line in told)
+
+
 @pytest.mark.parametrize(
     "part", ["<xacro:include filename='x'/>", '<link name="${prefix}l"/>'], ids=["element", "text"]
 )

@@ -34,7 +34,9 @@ NO_EFFECT = {"version", "schemaLocation", "noNamespaceSchemaLocation"}
 UNUSED_ELEMENTS = ("material",)
 """Names of elements that have no effect wherever they stand; a material is a colour."""
 MIMIC_REASONS = {"mimic": "it follows another joint in the file, and moves freely in the scene"}
-"""Element of a joint that changes the motion, and that scenes lack → the rest of the sentence on it."""
+"""Element of a moving joint that changes the motion, and that scenes lack → the rest of the sentence on it.
+
+In a fixed joint, such an element has no effect, and is not reported."""
 
 
 def check_elements(root: Element, path: Path) -> None:
@@ -92,6 +94,8 @@ def other_elements(root: Element) -> Iterator[Difference]:
             continue
         yield from _attributes(part, f"robot/{part.tag}", part)
         for path, element in _inner_elements(part, f"robot/{part.tag}"):
+            if element.tag in MIMIC_REASONS and part.get("type") == "fixed":
+                continue
             if path not in USED_ATTRIBUTES and element.tag not in (*GEOMETRIES, *UNUSED_ELEMENTS):
                 yield _difference(part, element.tag, MIMIC_REASONS.get(element.tag, ""), _values(element))
             else:
