@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, compare, simulate
@@ -90,3 +91,16 @@ def test_without_rebound_rigid_walls_are_what_is_left():
     lost = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
     assert rigid.energy_lost == pytest.approx(lost, rel=1e-9)
     assert advice(comparison).startswith("within 5 % of e = 0 in this impact: newton_impact")
+
+
+def test_the_advice_on_a_contact_that_is_pressed_again_does_not_deny_its_restitution():
+    """The table has e′, so the sentence says why e′ does not lead to a law."""
+    found = compare(driven(), laws=["zhang_sharf", "newton_impact"])
+    run = found["zhang_sharf"]
+    pressed = replace(run, loop=np.array([[0.0, 2.0, 1.0, 2.0, 0.0], np.zeros(5)]))
+    said = advice(replace(found, runs=(pressed, found["newton_impact"])))
+    assert said.startswith(
+        "other forces push on during this contact, so e′ describes them, too, and does not "
+    )
+    assert " tell which laws realise e = 0.5\n" in said
+    assert "no restitution" not in said

@@ -124,7 +124,8 @@ def advice(comparison: LawRuns) -> str:
     e = comparison.contact.restitution
     if comparison.pressed_again:
         reach = "" if comparison.is_free else f"\n{_reach_sentence(comparison)}"
-        return f"{comparison.no_restitution}, so e′ does not tell which laws realise e = {e:g}{reach}"
+        cause = "other forces push on during this contact, so e′ describes them, too"
+        return f"{cause}, and does not tell which laws realise e = {e:g}{reach}"
     near_laws = [run.law for run in comparison.runs if abs(run.restitution - e) <= REALISED_WITHIN * e]
     accuracy_text = f"within {100 * REALISED_WITHIN:g} % of e = {e:g} in this impact: "
     if comparison.is_free:
