@@ -151,6 +151,24 @@ OTHERWISE = {
         ),
         "joint x: damping 5, stiffness 10, armature 0.5: the base of the scene is free",
     ),
+    "start beyond a stop, with a drive that also limits the damper": (
+        arm(
+            a='damping="9" actuatorfrcrange="-5 5"',
+            b='range="-60 -10" limited="true"',
+            rest=drives('<motor joint="a"/>'),
+        ),
+        "joint b: starts at its stop",
+    ),
+    "air, and tendons that move nothing or have a motor": (
+        arm(
+            option='density="1000"',
+            more='<body name="fin"><joint name="c" axis="0 0 1"/><geom size=".05" mass=".1"/></body>',
+            rest='<tendon><fixed name="t"><joint joint="c" coef="1"/></fixed>'
+            '<fixed name="u"><joint joint="b" coef="1"/></fixed></tendon>'
+            + drives('<position name="flap" tendon="t" kp="9"/>', '<motor name="pull" tendon="u"/>'),
+        ),
+        "option density: the robot moves in a fluid",
+    ),
     "rotor of a cart on a slope": (cart(x='armature=".4"'), "joint x: its armature, 0.4 kg, is part of"),
     "held trunk": (free(turn='stiffness="3"'), "joint turn: stiffness 3: the base of the scene is free"),
     "urdf with mimic": (
@@ -180,7 +198,8 @@ def test_a_robot_moves_as_in_mujoco(tmp_path, name):
 @pytest.mark.parametrize("name", OTHERWISE)
 def test_the_first_difference_of_motion_is_reported(tmp_path, name):
     text, told = OTHERWISE[name]
-    assert beside(tmp_path, text).cause.startswith(told)
+    choices = {"joints": ["a", "b"]} if 'name="c"' in text else {}
+    assert beside(tmp_path, text, **choices).cause.startswith(told)
 
 
 def test_with_held_joints_and_another_keyframe_it_moves_alike(tmp_path):

@@ -84,7 +84,8 @@ def test_each_flag_of_mujoco_is_honoured_or_has_no_effect():
 @pytest.mark.parametrize("row", FIELD_REMARKS, ids=lambda row: row.field)
 def test_reported_fields_are_reported_where_they_are_not_at_their_default(row):
     model = rich()
-    title = "warning" if row.effect == SceneAspect.MOTION else "differs" if row.differs else "left out"
+    changes_motion = row.effect in (SceneAspect.MOTION, SceneAspect.LATER_MOTION)
+    title = "warning" if changes_motion else "differs" if row.differs else "left out"
     before = difference_lines(unsupported_fields(model), title)
     if row.field == "key_plastic":
         assert model.nplastic == 0  # number of plastic springs, which are reported separately

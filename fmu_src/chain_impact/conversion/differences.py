@@ -10,7 +10,7 @@ from enum import IntEnum
 
 from chain_impact.text import names_text
 
-# [1] a `size` up to which a difference gives no warning, unless its `effect` is MOTION
+# [1] a `size` up to which a difference gives no warning, unless its `effect` is MOTION or LATER_MOTION
 NEGLIGIBLE_SIZE = 0.02
 LINE_NAMES = 6  # largest number of names in a line of text; further names are only counted: "and 3 more"
 WARNING, DIFFERS, LEFT_OUT = "warning", "differs", "left out"  # titles under which differences are reported
@@ -18,12 +18,16 @@ PLURALS = {"body": "bodies", "equality": "equalities", "link of joint": "links o
 
 
 class SceneAspect(IntEnum):
-    """The part of the scene that a difference changes; reports are in the order of these numbers."""
+    """The part of the scene that a difference changes; reports are in the order of these numbers.
+
+    MOTION changes from the start on, LATER_MOTION only beyond some angle, speed or force, or by an input.
+    """
 
     MASS = 0
     MOTION = 1
-    CONTACT = 2
-    NONE = 3
+    LATER_MOTION = 2
+    CONTACT = 3
+    NONE = 4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,10 +61,11 @@ class Difference:
     def title(self) -> str:
         """The title under which the difference is reported.
 
-        It is WARNING if ``effect`` is MOTION or ``size`` exceeds NEGLIGIBLE_SIZE. For any other difference it
-        is DIFFERS if ``differs``, else LEFT_OUT.
+        It is WARNING if ``effect`` is MOTION or LATER_MOTION, or ``size`` exceeds NEGLIGIBLE_SIZE. For any
+        other difference it is DIFFERS if ``differs``, else LEFT_OUT.
         """
-        if self.effect == SceneAspect.MOTION or self.size > NEGLIGIBLE_SIZE:
+        changes_motion = self.effect in (SceneAspect.MOTION, SceneAspect.LATER_MOTION)
+        if changes_motion or self.size > NEGLIGIBLE_SIZE:
             return WARNING
         return DIFFERS if self.differs else LEFT_OUT
 

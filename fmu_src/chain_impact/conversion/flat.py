@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from chain_impact.scene.errors import SceneError
 ZERO_LENGTH = 1e-9  # [m] a length up to ZERO_LENGTH counts as 0, because it may be round-off
 # a number of smaller magnitude counts as 0; the round-off of numbers near 1 is smaller
 NUMBER_ROUND_OFF = 1e-14
+# number of significant digits of each real number in the scene of a robot; robot files usually have fewer
+# digits, so most further digits are round-off
+SCENE_DIGITS = 14
 X, Y, Z = np.eye(3)
 
 
@@ -99,6 +102,15 @@ def _chosen_axes(axis: np.ndarray, directions: str, source: str) -> tuple[np.nda
 def rounded_to_zero(value: float) -> float:
     """Return ``value``, or 0 if its magnitude is below NUMBER_ROUND_OFF."""
     return 0.0 if abs(value) < NUMBER_ROUND_OFF else value
+
+
+def round_numbers(data: Any) -> Any:
+    """Return the data of a scene with each real number rounded to SCENE_DIGITS significant digits."""
+    if isinstance(data, dict):
+        return {key: round_numbers(value) for key, value in data.items()}
+    if isinstance(data, list):
+        return [round_numbers(value) for value in data]
+    return rounded_to_zero(float(f"{data:.{SCENE_DIGITS}g}")) if isinstance(data, float) else data
 
 
 def _without_round_off(axis: np.ndarray) -> np.ndarray:

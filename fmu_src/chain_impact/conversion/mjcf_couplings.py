@@ -5,7 +5,7 @@ These couplings are equalities, tendons and flexes.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,19 @@ FORCES = {
     "tendon_armature": None,
 }
 """Field of the model that gives tendons an effect → flag that disables this effect; None without a flag."""
+
+
+def joints_between(model: Any, bodies: Sequence[int]) -> frozenset[str]:
+    """Return the names of the joints of a model that move some of ``bodies``, by index, and not all alike."""
+    paths: list[set[int]] = []
+    for body in bodies:
+        path, b = set[int](), int(body)
+        while b > 0:
+            path |= set(range(model.body_jntadr[b], model.body_jntadr[b] + model.body_jntnum[b]))
+            b = int(model.body_parentid[b])
+        paths.append(path)
+    joints = set[int]().union(*paths) - paths[0].intersection(*paths) if paths else set[int]()
+    return frozenset(model.joint(j).name or f"{j}" for j in joints)
 
 
 def couplings(mujoco: Any, model: Any) -> Iterator[Difference]:
@@ -46,10 +59,12 @@ def _equality(mujoco: Any, model: Any, e: int) -> Difference:
     joints, bodies = frozenset[str](), frozenset[int]()
     if kind == "joint":
         joints = frozenset(model.joint(j).name or f"{j}" for j in ids if j >= 0)
-    elif model.eq_objtype[e] == kinds.mjOBJ_BODY:
-        bodies = frozenset(b - 1 for b in ids)
-    elif model.eq_objtype[e] == kinds.mjOBJ_SITE:
-        bodies = frozenset(int(model.site_bodyid[s]) - 1 for s in ids)
+    elif kind == "tendon":
+        joints = frozenset().union(*(tendon_joints(mujoco, model, t) for t in ids if t >= 0))
+    elif (object_kind := kinds(model.eq_objtype[e])) in (kinds.mjOBJ_BODY, kinds.mjOBJ_SITE):
+        body_ids = [int(model.site_bodyid[i]) if object_kind == kinds.mjOBJ_SITE else i for i in ids]
+        joints = joints_between(model, body_ids)
+        bodies = frozenset() if joints else frozenset(b - 1 for b in body_ids)
     return Difference(
         kind="equality",
         name=model.equality(e).name or f"{e}",
@@ -63,7 +78,8 @@ def _equality(mujoco: Any, model: Any, e: int) -> Difference:
 def _tendon(mujoco: Any, model: Any, t: int, disabled_names: set[str]) -> Iterator[Difference]:
     """Yield a difference for the tendon with index ``t`` if the tendon has an effect on the motion.
 
-    The tendon has an effect if a field in FORCES is not 0 for it, and the file does not disable this effect.
+    The tendon has an effect if its length can change, a field in FORCES is not 0 for it, and the file does
+    not disable this effect.
     ``disabled_names`` has the names (mjDSBL_…) of all flags by which the file disables features.
     """
     acting = [
@@ -71,21 +87,28 @@ def _tendon(mujoco: Any, model: Any, t: int, disabled_names: set[str]) -> Iterat
         for field, flag in FORCES.items()
         if np.any(getattr(model, field)[t]) and f"mjDSBL_{flag}" not in disabled_names
     ]
-    if not acting:
+    joints = tendon_joints(mujoco, model, t)
+    if not (acting and joints):
         return
-    joints, bodies = set[str](), set[int]()
-    kinds = mujoco.mjtWrap
-    for w in range(model.tendon_adr[t], model.tendon_adr[t] + model.tendon_num[t]):
-        i = int(model.wrap_objid[w])
-        if model.wrap_type[w] == kinds.mjWRAP_JOINT:
-            joints.add(model.joint(i).name or f"{i}")
-        elif model.wrap_type[w] == kinds.mjWRAP_SITE:
-            bodies.add(int(model.site_bodyid[i]) - 1)
     yield Difference(
         kind="tendon",
         name=model.tendon(t).name or f"{t}",
         text=f"{', '.join(acting)}: is not in the scene",
-        effect=SceneAspect.MOTION,
-        joints=frozenset(joints),
-        bodies=frozenset(bodies),
+        effect=SceneAspect.LATER_MOTION if acting == ["limited"] else SceneAspect.MOTION,
+        joints=joints,
     )
+
+
+def tendon_joints(mujoco: Any, model: Any, t: int) -> frozenset[str]:
+    """Return the names of the joints on which the length of the tendon with index ``t`` depends."""
+    joints, bodies = set[str](), list[int]()
+    kinds = mujoco.mjtWrap
+    for w in range(model.tendon_adr[t], model.tendon_adr[t] + model.tendon_num[t]):
+        i, kind = int(model.wrap_objid[w]), kinds(model.wrap_type[w])
+        if kind == kinds.mjWRAP_JOINT:
+            joints.add(model.joint(i).name or f"{i}")
+        elif kind == kinds.mjWRAP_SITE:
+            bodies.append(int(model.site_bodyid[i]))
+        elif kind in (kinds.mjWRAP_SPHERE, kinds.mjWRAP_CYLINDER):
+            bodies.append(int(model.geom_bodyid[i]))
+    return frozenset(joints) | joints_between(model, bodies)

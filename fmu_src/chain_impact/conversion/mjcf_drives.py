@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.conversion.differences import NEGLIGIBLE_SIZE, Difference, SceneAspect, joint_difference
+from chain_impact.conversion.mjcf_couplings import joints_between, tendon_joints
 from chain_impact.conversion.robot import Joint
 
 # [rad/s] or [m/s] A speed that joints of robots hardly reach. If the limit of the drives acts on the damper
@@ -83,22 +84,51 @@ class ActuatorReader:
         start = self.model.name_actuatoradr[a]
         return self.model.names[start:].split(b"\0", 1)[0].decode() or f"{a}"
 
-    def _tell(self, a: int, text: str, effect: SceneAspect, joint: str = "") -> None:
-        joints = frozenset([joint] if joint else [])
+    def _tell(self, a: int, text: str, effect: SceneAspect, *joints: str) -> None:
         self.differences.append(
-            Difference(kind="actuator", name=self._name(a), text=text, effect=effect, joints=joints)
+            Difference(
+                kind="actuator", name=self._name(a), text=text, effect=effect, joints=frozenset(joints)
+            )
         )
 
     def _tell_other(self, a: int) -> None:
-        """Report actuator ``a``, which acts on no joint."""
+        """Report actuator ``a``, which acts on no joint, unless it cannot move anything."""
         kind = self.mujoco.mjtTrn(self.model.actuator_trntype[a]).name.removeprefix("mjTRN_").lower()
-        # an actuator on a body makes this body adhere to the bodies that it touches
-        is_adhesion = kind == "body"
-        self._tell(
-            a,
-            f"acts on no joint, but on a {kind}: is not in the scene",
-            SceneAspect.CONTACT if is_adhesion else SceneAspect.MOTION,
+        text = f"acts on no joint, but on a {kind}: is not in the scene"
+        if kind == "body":  # the actuator makes the body adhere to the bodies that it touches
+            self._tell(a, text, SceneAspect.CONTACT)
+        elif joints := self._moved_joints(a, kind):
+            self._tell(a, text, self._motion(a), *joints)
+
+    def _moved_joints(self, a: int, kind: str) -> frozenset[str]:
+        """Return the names of the joints that actuator ``a`` moves, which acts on a tendon or on sites.
+
+        ``kind`` is the kind of the actuator's transmission in MuJoCo, such as "tendon".
+        """
+        model, (first, second) = self.model, self.model.actuator_trnid[a]
+        if kind == "tendon":
+            return tendon_joints(self.mujoco, model, int(first))
+        # without a second site, the first one is moved relative to the world
+        return joints_between(
+            model, [model.site_bodyid[first], model.site_bodyid[second] if second >= 0 else 0]
         )
+
+    def _motion(self, a: int) -> SceneAspect:
+        """Return the aspect of the motion that actuator ``a`` changes: a later one if it acts by inputs only.
+
+        Such an actuator has no force without a control and an activation, and both are 0 at the start.
+        """
+        model, kinds = self.model, self.mujoco.mjtDyn
+        dynamics, acts = kinds(model.actuator_dyntype[a]), self._clipped_control(a) != 0.0
+        if dynamics != kinds.mjDYN_NONE:
+            has_known_state = dynamics in (
+                kinds.mjDYN_INTEGRATOR,
+                kinds.mjDYN_FILTER,
+                kinds.mjDYN_FILTEREXACT,
+            )
+            acts |= not has_known_state or self.activation[model.actuator_actadr[a]] != 0.0
+        acts |= model.actuator_biastype[a] != self.mujoco.mjtBias.mjBIAS_NONE
+        return SceneAspect.MOTION if acts else SceneAspect.LATER_MOTION
 
     def with_actuators(self, joint: Joint, j: int, zero_position: float) -> Joint:
         """Return ``joint``, MuJoCo's joint ``j``, with what its actuators add: damping, inertia and drives.
@@ -160,9 +190,7 @@ class ActuatorReader:
             or kinds.mjtBias(model.actuator_biastype[a]) not in bias_types
             or min(stiffness, damping) < 0.0
         ):
-            self._tell(
-                a, "is neither a motor nor a servo: is not in the scene", SceneAspect.MOTION, joint.name
-            )
+            self._tell(a, "is neither a motor nor a servo: is not in the scene", self._motion(a), joint.name)
             return None
         if model.actuator_plugin[a] >= 0:
             self._tell(
@@ -184,21 +212,20 @@ class ActuatorReader:
         activation at the start is returned in place of the control.
         """
         model, kinds = self.model, self.mujoco.mjtDyn
-        value = float(self.control[model.actuator_ctrladr[a]])
-        if self._clamps(a):
-            value = float(np.clip(value, *model.actuator_ctrlrange[model.actuator_ctrladr[a]]))
+        value = self._clipped_control(a)
         if model.actuator_delay[a]:
-            self._tell(
-                a,
-                f"acts {model.actuator_delay[a]:.6g} s late, in the scene without delay",
-                SceneAspect.MOTION,
-                joint.name,
-            )
+            text = f"acts {model.actuator_delay[a]:.6g} s late, in the scene without delay"
+            self._tell(a, text, self._motion(a), joint.name)
         if model.actuator_dyntype[a] != kinds.mjDYN_NONE:
             kind = kinds(model.actuator_dyntype[a]).name.removeprefix("mjDYN_").lower()
-            self._tell(a, f"has an activation ({kind}), in the scene none", SceneAspect.MOTION, joint.name)
+            self._tell(a, f"has an activation ({kind}), in the scene none", self._motion(a), joint.name)
             value = float(self.activation[model.actuator_actadr[a]])
         return value
+
+    def _clipped_control(self, a: int) -> float:
+        value = float(self.control[self.model.actuator_ctrladr[a]])
+        limits = self.model.actuator_ctrlrange[self.model.actuator_ctrladr[a]]
+        return float(np.clip(value, *limits)) if self._clamps(a) else value
 
     def _clamps(self, a: int) -> bool:
         """Return whether the control of actuator ``a`` has limits that the file does not disable."""
@@ -303,13 +330,13 @@ class ActuatorReader:
         if joint.stiffness > 0.0:
             way = f"{limit / stiffness:.3g} {unit}"
             text = f"the limit of its drives also limits its spring and damper, from {way} on"
-            self._tell_joint(joint, text, SceneAspect.MOTION)
+            self._tell_joint(joint, text, SceneAspect.LATER_MOTION)
         elif joint.damping > 0.0:
             speed = limit / damping
             text = f"the limit of its drives also limits its damper, from {speed:.3g} {unit}/s on"
             part = joint.damping / damping  # of the limited torque, the part of the joint's own damper
             motion = speed < FAST_SPEED and part > NEGLIGIBLE_SIZE
-            self._tell_joint(joint, text, SceneAspect.MOTION if motion else SceneAspect.NONE)
+            self._tell_joint(joint, text, SceneAspect.LATER_MOTION if motion else SceneAspect.NONE)
 
     def _limit(self, joint: Joint, j: int, drives: list[Drive]) -> float | None:
         """Return the limit of the torque of all drives of a joint together [N·m or N]; None without a limit.
@@ -325,7 +352,7 @@ class ActuatorReader:
             text = (
                 f"its drives act with {low:.6g} to {high:.6g}; a limit of a scene is equal in both directions"
             )
-            self._tell_joint(joint, text, SceneAspect.MOTION)
+            self._tell_joint(joint, text, SceneAspect.LATER_MOTION)
         return None if math.isinf(limit) else float(limit)
 
 

@@ -128,7 +128,7 @@ FIELD_REMARKS = (
         "jnt_springyield",
         "joint",
         0,
-        SceneAspect.MOTION,
+        SceneAspect.LATER_MOTION,
         "its spring yields (springyield), in the scene it does not",
     ),
     FieldRemark(

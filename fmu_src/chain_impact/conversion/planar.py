@@ -19,16 +19,21 @@ from chain_impact.conversion.differences import (
     difference_line,
     difference_lines,
 )
-from chain_impact.conversion.flat import ZERO_LENGTH, MotionPlane, motion_plane_of, rounded_to_zero
+from chain_impact.conversion.flat import (
+    ZERO_LENGTH,
+    MotionPlane,
+    motion_plane_of,
+    round_numbers,
+    rounded_to_zero,
+)
 from chain_impact.conversion.joints import ChosenJoints, MovingJoint, NoChainError, ancestors, chosen_joints
 from chain_impact.conversion.robot import JOINT_KEYS, Body, Joint, Robot, scene_values
 from chain_impact.conversion.walls import WallConversion
 from chain_impact.scene.errors import UnknownNameError
 from chain_impact.text import names_text
 
-# number of significant digits of each real number in the scene of a robot; robot files usually have fewer
-# digits, so most further digits are round-off
-SCENE_DIGITS = 14
+LATER_VALUES = {"torque limit", "low", "high"}
+"""Values of a joint, in the words of a remark, that act only beyond some angle, position or force."""
 
 
 class ConversionChoices(NamedTuple):
@@ -128,7 +133,7 @@ class _Conversion:
         findings = [finding for finding in findings if not (finding.differs and finding.joints & unheld)]
         findings += [*self.differences, *differences]
         remarks = [difference_lines(findings, title) for title in (WARNING, DIFFERS, LEFT_OUT)]
-        return ConversionResult(_round_numbers(data), remarks[0], remarks[1], remarks[2], self.notes)
+        return ConversionResult(round_numbers(data), remarks[0], remarks[1], remarks[2], self.notes)
 
     def _inputs(self) -> dict[str, dict[str, bool]]:
         """Return ``{"inputs": {key: True, …}}`` for the inputs that drives of the scene need; {} for none."""
@@ -341,13 +346,16 @@ class _Conversion:
     def _tell_unheld(self, joint: Joint) -> None:
         """Report values and drives of a joint that moves a free base, because the scene lacks the joint."""
         values = {key.replace("_", " "): getattr(joint, key) for key in JOINT_KEYS if key != "rest"}
-        extras = [f"{key} {value:.6g}" for key, value in values.items() if value and math.isfinite(value)]
+        extras = {key: value for key, value in values.items() if value and math.isfinite(value)}
         if extras:
-            text = f"{', '.join(extras)}: the base of the scene is free, and has none of these"
-            self._tell("joint", joint.name, text, SceneAspect.MOTION)
+            value_list = ", ".join(f"{key} {value:.6g}" for key, value in extras.items())
+            text = f"{value_list}: the base of the scene is free, and has none of these"
+            effect = SceneAspect.LATER_MOTION if extras.keys() <= LATER_VALUES else SceneAspect.MOTION
+            self._tell("joint", joint.name, text, effect)
+        effect = SceneAspect.MOTION if "joint_targets" in joint.inputs else SceneAspect.LATER_MOTION
         for name in joint.drives:
             text = f"actuator {name} drives it: nothing drives a free base"
-            self._tell("joint", joint.name, text, SceneAspect.MOTION)
+            self._tell("joint", joint.name, text, effect)
 
     def _base(self, anchor: np.ndarray, gravity: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the keys of the base for [chain], which are ``slider`` or none, and for [initial].
@@ -388,12 +396,3 @@ class _Conversion:
             "mass": joint.armature + sum(self.robot.bodies[b].mass for b in self.carriage),
             **{name: value for key, value in values.items() if (name := JOINT_KEYS[key].slider)},
         }
-
-
-def _round_numbers(data: Any) -> Any:
-    """Return the data of a scene with each real number rounded to SCENE_DIGITS significant digits."""
-    if isinstance(data, dict):
-        return {key: _round_numbers(value) for key, value in data.items()}
-    if isinstance(data, list):
-        return [_round_numbers(value) for value in data]
-    return rounded_to_zero(float(f"{data:.{SCENE_DIGITS}g}")) if isinstance(data, float) else data

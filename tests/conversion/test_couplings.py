@@ -1,0 +1,56 @@
+"""What couples joints and bodies is reported where it can move the chain, and only there."""
+
+# Tests: conversion/mjcf_couplings.py, conversion/mjcf_drives.py
+
+import pytest
+
+from tests.conversion.robot_files import arm, cart, drives, key, read
+from tests.tiers import needs_interop
+
+pytestmark = needs_interop
+
+CABLE = """<tendon>
+  <spatial name="t"><site site="root"/><geom geom="ball"/><site site="root"/></spatial>
+  <spatial name="u" stiffness="5"><site site="root"/><site site="mid"/></spatial>
+</tendon>"""
+
+
+def told_of(done, begin):
+    """Return the warnings that begin with a text."""
+    return [line for line in done.warnings if line.startswith(begin)]
+
+
+@pytest.mark.parametrize(
+    ("drive", "moved"),
+    [
+        ('<position name="d" tendon="t" kp="5"/>', "ab"),
+        ('<position name="d" tendon="u" kp="5"/>', "a"),
+        ('<motor name="d" site="tip"/>', "ab"),
+        ('<motor name="d" site="mid"/>', "a"),
+        ('<motor name="d" site="tip" refsite="mid"/>', "b"),
+    ],
+)
+def test_an_actuator_without_a_joint_is_told_where_it_moves_the_chain(tmp_path, drive, moved):
+    sites = {"world": '<site name="root" pos="0 0 .5"/>', "more": '<site name="mid" pos=".2 0 0"/>'}
+    text = arm(**sites, rest=CABLE + drives(drive))
+    text = text.replace('<site name="tip"', '<geom name="ball" size=".05" mass="0"/><site name="tip"')
+    for name in "ab":
+        _, done = read(tmp_path, text, joints=[name])
+        assert len(told_of(done, "actuator d: acts on no joint")) == (name in moved)
+        assert len(told_of(done, "tendon u: stiffness")) == (name == "a")
+
+
+def test_a_weld_of_a_carriage_to_the_world_is_told(tmp_path):
+    text = cart(rest='<equality><weld name="w" body1="box"/></equality>')
+    for joints in (["x", "a", "b"], ["a", "b"]):
+        _, done = read(tmp_path, text, joints=joints)
+        assert len(told_of(done, "equality w: weld")) == ("x" in joints)
+
+
+@pytest.mark.parametrize(
+    ("control", "first"), [("0", "joint b: its spring is not linear"), ("1", "actuator f: has an activation")]
+)
+def test_a_drive_at_rest_is_told_after_what_acts_at_once(tmp_path, control, first):
+    filtered = '<general name="f" joint="a" dyntype="filter" dynprm=".1" ctrlrange="-2 2"/>'
+    _, done = read(tmp_path, arm(b='stiffness="3 2 0"', rest=drives(filtered) + key(ctrl=control)))
+    assert done.warnings[0].startswith(first)
