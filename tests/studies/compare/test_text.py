@@ -93,7 +93,7 @@ def test_without_rebound_rigid_walls_are_what_is_left():
     assert advice(comparison).startswith("within 5 % of e = 0 in this impact: newton_impact")
 
 
-def test_the_advice_on_a_contact_that_is_pressed_again_does_not_deny_its_restitution():
+def test_advice_on_a_contact_that_is_pressed_does_not_deny_its_e():
     """The table has e′, so the sentence says why e′ does not lead to a law."""
     found = compare(driven(), laws=["zhang_sharf", "newton_impact"])
     run = found["zhang_sharf"]
