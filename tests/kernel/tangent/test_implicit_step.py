@@ -16,7 +16,7 @@ from chain_impact.kernel.tangent import duals, replay, trust
 from chain_impact.kernel.tangent.replay import (
     CONVERGED_SLOPES,
     LARGEST_FALL_FACTOR,
-    LEAST_EFFECT,
+    LEAST_STATE_CHANGE,
     MOST_SLOPE_ITERATIONS,
     SLOPE_ROUND_OFF,
     STALLED_ITERATIONS,
@@ -186,7 +186,9 @@ def test_a_correction_that_is_not_finite_is_far_off(start, parts):
 def test_a_correction_of_round_off_is_relative_to_the_least_effect():
     d, t = slopes([(0.0,)] * 2, [(0.0,)] * 2, {(1, 1): (1e-19,)})
     # the weight 10 belongs to the error, 1/(tolerance · scale)
-    assert replay.last_correction(d, t, 2) == pytest.approx(10.0 * 1e-19 * 4.0 * TOLERANCE / LEAST_EFFECT)
+    assert replay.last_correction(d, t, 2) == pytest.approx(
+        10.0 * 1e-19 * 4.0 * TOLERANCE / LEAST_STATE_CHANGE
+    )
 
 
 def test_derivatives_that_are_zero_in_flight_last_through_implicit_steps():

@@ -44,9 +44,8 @@ def make_passage_search(function, samples, resolution):
     Args:
         function: function of (d, c, θ), for candidate or element c at the fraction θ of the last step.
         samples: function of d that returns the number of equidistant samples, of which ``end`` is the last.
-            A sample below both its neighbours is followed by a sample at the vertex of the parabola through
-            the three. So the search misses only falls that are shorter than the distance of two samples, and
-            far from a parabola.
+            A sample below both its neighbours is followed by one at the vertex of the parabola through the
+            three. A fall below zero that is shorter, and far from a parabola, is missed.
         resolution: accuracy of the location, in the step's integration variable [s].
 
     Returns:

@@ -173,11 +173,11 @@ MOST_SLOPE_ITERATIONS = 400  # largest number of iterations: if each leaves 0.95
 # Derivatives below LEAST_SLOPE × ``speed_by_friction`` may be round-off: a correction is then relative to
 # this product.
 LEAST_SLOPE = 1e-3
-# Derivatives may be round-off if the state, relative to its error scale, would change by less than
-# LEAST_EFFECT when the parameter changes by its size: a correction is then relative to LEAST_EFFECT. An
+# Derivatives may be round-off if the state changes by less than LEAST_STATE_CHANGE, relative to its error
+# scale, when the parameter changes by its size: a correction is then relative to LEAST_STATE_CHANGE. An
 # example is a derivative by a mass in free flight, which is 0. With a much smaller number, derivatives would
 # end there.
-LEAST_EFFECT = 1e-8
+LEAST_STATE_CHANGE = 1e-8
 # result of ``last_correction`` for "not converged": a correction or a derivative is not finite
 UNLIMITED_CORRECTION = 1e300
 
@@ -268,8 +268,8 @@ def last_correction(d, t, component_count):
     implicit, weight, correction = t.implicit, d.implicit.error_weight, 0.0
     for k in range(DIRECTIONS):
         largest, total = 0.0, 0.0
-        least_effect = LEAST_EFFECT / (d.solver.tolerance * t.trust.size[k])
-        slope_scale = max(least_effect, LEAST_SLOPE * speed_by_friction(d, t, k))
+        least_change = LEAST_STATE_CHANGE / (d.solver.tolerance * t.trust.size[k])
+        slope_scale = max(least_change, LEAST_SLOPE * speed_by_friction(d, t, k))
         for j in range(component_count):
             slope_scale = max(
                 slope_scale, weight[j] * abs(slope(implicit.z_start[j] + implicit.stages[LAST_STAGE, j], k))
