@@ -12,10 +12,13 @@ const CLASS_COLOURS = [
 ];
 /** The colours of runs without an output, and of runs that fail, as [red, green, blue, opacity]. */
 export const [WITHOUT, FAILED] = [[128, 128, 128, 70], [128, 128, 128, 200]];
+/** The colours of outputs below and above the ends of the scale, which no colour of the scale resembles. */
+export const BEYOND = [[214, 190, 255], [226, 45, 45]];
 const { QUANTILE_MARGIN, LARGE_QUANTILE, MOST_COLOURS, WIDE_COLOURS } = SHARED.mapColours;
 
 const [KNOTS, LEAST_KNOTS] = [9, 4]; // number of values between which colours have equally many runs, and the least number of them
 
+const [SPIKE, LEAST_SPIKES] = [0.15, 0.01]; // see `areJumping`
 const [MOST_RUNS, CROWDED] = [0.75, 1 / 3]; // see `areCrowded`, which only the page uses
 
 /** Return the colour for a fraction of the scale, limited to 0 to 1, as [red, green, blue], each from 0 to 255. */
@@ -28,6 +31,27 @@ export function colourAt(share) {
 /** Return the colour of the class with a number, from 0; more classes than CLASS_COLOURS have the same colours again. */
 export function classColour(number) {
   return CLASS_COLOURS[number % CLASS_COLOURS.length];
+}
+
+/** Return the colour of an output of a map: of its class, on the scale, or one of BEYOND. */
+export function colourOf({ output, scale }, value) {
+  if (output.places) return classColour(value);
+  const end = scale.bins ? -1 : scale.ends.findIndex((limit, k) => (k ? value > limit : value < limit));
+  return BEYOND[end] ?? colourAt(scale.shareOf(value));
+}
+
+/**
+ * Return whether neighbouring runs jump: of three neighbours in a row or column of `points` × `points` outputs, the middle one is often
+ * (LEAST_SPIKES) above or below both others by more than SPIKE times the range of the colours.
+ */
+export function areJumping({ results, points, output, scale }) {
+  if (output.places || !scale) return false;
+  const least = SPIKE * (scale.ends[1] - scale.ends[0]);
+  const spikes = results.flatMap((value, index) => [[1, index % points], [points, Math.floor(index / points)]].map(([step, place]) => {
+    const [before, after] = [index - step, index + step].map((other) => value - results[other]);
+    return place > 0 && place < points - 1 && before * after > 0 && Math.min(Math.abs(before), Math.abs(after)) > least;
+  }));
+  return spikes.filter(Boolean).length > LEAST_SPIKES * spikes.length;
 }
 
 /** Return the colour of a number that is written on a colour: black or white, by the luminance of the colour. */

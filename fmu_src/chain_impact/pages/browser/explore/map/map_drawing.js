@@ -2,7 +2,7 @@
 
 import { digits, numberText, ticksOf, withMinus } from "../../base/format.js";
 import { ticksBetween } from "../../base/ticks.js";
-import { classColour, colourAt, FAILED, VIRIDIS, WITHOUT } from "./map_colours.js";
+import { BEYOND, classColour, colourAt, colourOf, FAILED, VIRIDIS, WITHOUT } from "./map_colours.js";
 import { contourOf } from "./map_contour.js";
 import { markRuns } from "./map_marks.js";
 import { axisScale, decadesBetween, quantityOf, scaledTo, titleOf } from "./map_scales.js";
@@ -37,7 +37,7 @@ export class MapDrawing {
     const coloursOf = (value, index) => {
       if (!Number.isFinite(value)) return faults.has(index) ? FAILED : WITHOUT;
       const opacity = results[index] === undefined ? PENDING_OPACITY : 255;
-      return [...(output.places ? classColour(value) : colourAt(scale.shareOf(value))), opacity];
+      return [...colourOf({ output, scale }, value), opacity];
     };
     const colours = filled.map((value, index) => value !== undefined && coloursOf(value, index));
     for (let pixel = 0; pixel < size * size; pixel += 1) {
@@ -81,7 +81,7 @@ export class MapDrawing {
       else this.#write(title, EDGE.left + width / 2, bottom + 34, "middle");
     });
     scales.rect(width, height).move(EDGE.left, EDGE.top).addClass("map-tick");
-    this.#drawColours(EDGE.left, bottom + 52, width, output, scale);
+    this.#drawColours(EDGE.left, bottom + 52, width, output, scale, results);
     const isWithout = (value, index) => value === null && !faults.has(index);
     const none = output.rigid ? "only impulses" : "no such impact";
     const last = this.#drawClasses(EDGE.left, bottom + 52 + (output.places ? 0 : 56), width, [
@@ -149,7 +149,7 @@ export class MapDrawing {
    * Draw the scale of colours, with numbers and title; the title also has the extremes that `beyondEnds` tells, and how the scale goes.
    * Classes have squares instead (`#drawClasses`).
    */
-  #drawColours(left, top, width, output, scale) {
+  #drawColours(left, top, width, output, scale, results) {
     if (output.places) return;
     const { factor, text } = scaledTo(output, scale);
     const colours = this.scales.gradient("linear", (add) => gradientStops(scale).forEach((stop) => add.stop(...stop)));
@@ -162,7 +162,12 @@ export class MapDrawing {
       if (!scale.bins) this.scales.line([[at, top + 1], [at, top + 5]]).addClass("map-tick");
       this.#write(label, Math.min(at, this.frame.clientWidth - (label.length * DIGIT) / 2), top + 17, "middle");
     });
-    const beyond = scale ? beyondEnds(scale, factor) : "";
+    scale?.ends.forEach((end, k) => {
+      if (scale.bins || end === scale.extremes[k]) return; // an arrow stands for outputs beyond this end
+      const [at, tip] = k ? [left + width + 2, 10] : [left - 2, -10];
+      this.scales.polygon([[at, top - 8], [at + tip, top - 3.5], [at, top + 1]]).fill(`rgb(${BEYOND[k]})`);
+    });
+    const beyond = scale ? beyondEnds(scale, factor, results) : "";
     const kind = scale?.knots ? " (an equal number of runs for each colour)" : scale?.isLogarithmic ? " (logarithmic scale)" : "";
     this.#writeTitle(titleOf(quantityOf(output.name), text), beyond + kind, left + width / 2, top + 32);
   }
@@ -192,8 +197,13 @@ function labelsOf({ ends, bins, knots, isLogarithmic, shareOf }, factor, { integ
   return ticks.map((tick, k) => [texts[k], shareOf(tick / factor)]);
 }
 
-/** Return words for the title of a scale: the extremes, times `factor`, that lie beyond the ends of its colours; "" if none does. */
-function beyondEnds({ extremes: [least, most], ends: [low, high] }, factor) {
-  const words = [["down to", least, least < low], ["up to", most, most > high]];
-  return words.map(([word, value, isBeyond]) => (isBeyond ? `, ${word} ${withMinus(digits(factor * value))}` : "")).join("");
+/**
+ * Return words for the title of a scale: how many `results` lie beyond each end of its colours, and the extreme one times `factor`; "" if
+ * none does.
+ */
+function beyondEnds({ extremes: [least, most], ends: [low, high], bins }, factor, results) {
+  const all = bins ? [] : results.filter(Number.isFinite);
+  const ends = [["below, down to", least, (value) => value < low], ["above, up to", most, (value) => value > high]];
+  return ends.map(([word, value, isBeyond]) => [all.filter(isBeyond).length, `${word} ${withMinus(digits(factor * value))}`])
+    .map(([count, words]) => (count ? `, ${count} run${count > 1 ? "s" : ""} ${words}` : "")).join("");
 }

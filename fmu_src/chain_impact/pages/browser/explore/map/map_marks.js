@@ -1,10 +1,10 @@
 // The marks on a map: the outputs of runs as numbers, a ring at the present run, and a frame at the chosen run.
 
 import { digits, numberText, withMinus } from "../../base/format.js";
-import { classColour, colourAt, inkOn } from "./map_colours.js";
+import { colourOf, inkOn } from "./map_colours.js";
 import { scaledTo } from "./map_scales.js";
 
-const [BETWEEN, NUMBERS_ABOVE] = [10, 38]; // [pixels] least space beside a number, and least distance of two numbers above each other
+const [BETWEEN, NUMBERS_ABOVE] = [10, 20]; // [pixels] least space beside a number, and least distance of two numbers above each other
 const [LEAST_WIDTH, NUMBER_HEIGHT] = [34, 11]; // [pixels] least width that a number counts to have, and its height
 const SIGN = 7; // [pixels] width of a sign of a number or of the label of a run
 const RING_SIZE = 13; // [pixels] diameter of the ring at the present run
@@ -42,25 +42,23 @@ function cellAt(at, size, { left, top, width, height }) {
  * `present` has the position `at` [x, y] of the present run and its output `value`, if it is known; null if this run is not in the map.
  */
 export function markRuns(scales, map, place, { present, chosen }) {
-  const { results, points, scale } = map;
+  const { results, points } = map;
   const [width, height] = [place.width / (points - 1), place.height / (points - 1)];
   const middle = (index) => [place.left + (index % points) * width, place.top + (points - 1 - Math.floor(index / points)) * height];
-  const colourOf = (value) => (map.output.places ? classColour(value) : colourAt(scale.shareOf(value)));
   const write = (value, [x, y], kind, anchor = "middle", below = value) => scales.plain(outputText(value, map))
-    .attr({ x, y: y + 4, "text-anchor": anchor, fill: inkOn(colourOf(below)), stroke: `rgb(${colourOf(below)})` })
+    .attr({ x, y: y + 4, "text-anchor": anchor, fill: inkOn(colourOf(map, below)), stroke: `rgb(${colourOf(map, below)})` })
     .addClass(`map-value ${kind}`);
   const texts = results.filter(Number.isFinite).map((value) => outputText(value, map));
   const wide = texts.reduce((most, { length }) => Math.max(most, SIGN * length), LEAST_WIDTH);
   const hasRoom = wide <= width && NUMBER_HEIGHT <= height;
   const steps = [Math.ceil((wide + BETWEEN) / width), Math.ceil(NUMBERS_ABOVE / height)];
-  const isWritten = (number, k) => hasRoom && number % steps[k] === Math.floor(steps[k] / 2);
+  // an outer run has only half of a cell
+  const isWritten = (number, k) => hasRoom && number > 0 && number < points - 1 && number % steps[k] === Math.floor(steps[k] / 2);
   const ring = present && ringOf(present.at, place, wide);
   const written = ring ? [[ring.middle, ring.y]] : []; // the middles of all numbers
-  const [rightmost, lowest] = [place.left + place.width - wide / 2, place.top + place.height - NUMBER_HEIGHT];
   results.forEach((value, index) => {
-    const [x, y] = middle(index); // the number of an outer run lies inside the map
-    const at = [Math.min(Math.max(x, place.left + wide / 2), rightmost), Math.min(Math.max(y, place.top + NUMBER_HEIGHT), lowest)];
-    const isFree = !ring || Math.abs(at[0] - ring.middle) > 0.85 * (wide + BETWEEN) || Math.abs(at[1] - ring.y) > RING_SIZE;
+    const at = middle(index);
+    const isFree = !ring || Math.abs(at[0] - ring.middle) > 1.1 * (wide + BETWEEN) || Math.abs(at[1] - ring.y) > RING_SIZE;
     const isThere = isWritten(index % points, 0) && isWritten(Math.floor(index / points), 1);
     if (!isThere || !isFree || !Number.isFinite(value)) return;
     write(value, at, "");

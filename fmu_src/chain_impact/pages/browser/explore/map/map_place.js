@@ -11,6 +11,11 @@ export class MapPlace {
     this.wide = matchMedia("(min-width: 1200px) and (min-height: 600px)");
     this.wide.addEventListener("change", () => dialog.open && this.show());
     this.button.addEventListener("click", () => this.#enlarge(!this.#isEnlarged));
+    this.foldButton = find("map-fold");
+    this.foldButton.addEventListener("click", () => this.#fold(this.foldButton.ariaExpanded === "true"));
+    // fields that are set fold, so that the map is larger; on a phone, or above a table of pins, they have no room
+    find("map-run").addEventListener("click", () => setTimeout(() => this.#fold(!dialog.querySelector(":invalid"))));
+    this.#fold(matchMedia("(max-width: 760px) and (min-height: 481px)").matches || document.body.classList.contains("with-pins"));
     dialog.addEventListener("cancel", (event) => {
       if (!this.#isEnlarged || !this.wide.matches) return;
       event.preventDefault();
@@ -50,6 +55,10 @@ export class MapPlace {
     this.#isEnlarged = isEnlarged;
     this.show();
     this.button.focus();
+  }
+
+  #fold(isFolded) {
+    this.foldButton.ariaExpanded = !isFolded;
   }
 
   #tell() {

@@ -3,6 +3,7 @@
 import { textWithUnit } from "../../base/format.js";
 import { lawText } from "../../scene/words.js";
 import { presentlyShown } from "../parameters/parameter_fields.js";
+import { areJumping } from "./map_colours.js";
 import { withinText } from "./map_limit.js";
 import { failureOf, outputIn, TOLD_OUTPUTS } from "./map_outputs.js";
 import { POINTS, valuesAt } from "./map_rows.js";
@@ -24,12 +25,13 @@ export function doneText(shown, limitField, { hasRing, hasSteps, isOfPresent }) 
     : `; grey runs have ${output.rigid ? "only impulses" : "no such impact"}`;
   const summary = points === POINTS
     ? `${points * points} runs in ${seconds.toPrecision(2)} s${grey}.`
-    : `A preview of ${points}\u00a0×\u00a0${points} runs. Press Simulate for ${POINTS}\u00a0×\u00a0${POINTS}.`;
+    : `A preview of ${points}\u00a0×\u00a0${points} runs. Press Simulate for ${POINTS}\u00a0×\u00a0${POINTS}: a preview can miss jumps.`;
+  const jumps = areJumping(shown) ? " Neighbouring runs jump, so a single run is not representative." : "";
   const ring = hasRing ? " The ring is the present run." : "";
   const inputs = hasSteps ? " Inputs keep their start values." : "";
   const others = hasSteps || isOfPresent ? ring : " Other parameters have changed since then.";
   const pointer = matchMedia("(hover: none)").matches ? BY_FINGER : BY_MOUSE;
-  return failureOf(shown) || `${summary}${withinText(limitField, shown)}${inputs}${others} ${pointer}`;
+  return failureOf(shown) || `${summary}${jumps}${withinText(limitField, shown)}${inputs}${others} ${pointer}`;
 }
 
 /**
