@@ -315,7 +315,7 @@ def test_only_inputs_that_nothing_sets_are_told_to_be_0(show):
     names = "[...document.querySelectorAll('#inputs-over-time dt.of-curve')].map((name) => name.title)"
     assert page.evaluate(names) == ["tip.force.x"]
     page.get_by_role("slider", name="Force on the slider").press("PageUp")
-    assert inputs.inner_text() == "Inputs 1 of 2 are 0"
+    assert inputs.inner_text() == "Inputs 1 of 2 not 0"
     until(page, "document.querySelectorAll('#inputs-over-time dt.of-curve').length === 2")
     assert page.evaluate(names) == ["tip.force.x", "slider.force"]
     value = float(page.evaluate("chainImpact.parameters['slider.force']"))

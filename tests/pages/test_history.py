@@ -181,9 +181,13 @@ def test_changed_parameters_are_counted_and_first_in_the_list(show):
     drag = {"initial.angle[1]": 1, "link[4].mass": 2}
     page.evaluate("(changes) => chainImpact.show(changes)", drag)
     assert title.inner_text() == "All parameters · 2 changed"
+    told = "Also changed: Initial angle of link\u00a01 = 57.296\u202f°, Mass of link 4 = 2\u202fkg"
+    also = page.locator("#also-changed")
+    assert also.inner_text().replace("\u00a0", " ") == told.replace("\u00a0", " ")
     assert title.locator("span").evaluate(COLOUR) == page.locator("#reset-all").evaluate(COLOUR)
     rows = page.locator(".parameter")
     names = title.evaluate(OPENED)  # the list has its rows before it is shown
+    assert also.is_hidden()
     assert set(names[:2]) == set(drag)
     page.evaluate(LATER)
     rows.nth(0).get_by_role("button").click()

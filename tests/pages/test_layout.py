@@ -316,7 +316,7 @@ def test_a_narrow_list_of_impacts_has_whole_rows_and_the_present_one(show):
     )
     seen = sum(row <= bottom + 1 for row in bottoms)
     assert seen < 14
-    assert page.inner_text("#impacts-seen") == f"{seen} of 14"
+    assert page.inner_text("#impacts-seen") == f"{seen} of 14 in view"
     page.keyboard.press("End")
     page.keyboard.press("p")  # the rows of the pin take the place of rows of the list
     page.locator("#pins tbody tr").first.wait_for()

@@ -73,13 +73,14 @@ def test_outputs_beyond_the_ends_of_the_scale_have_colours_of_their_own(script):
     """Most of these outputs lie between 0 and 1, a few far beyond."""
     ask = """(outputs) => {
       const scale = colourScale(outputs, false, "");
-      return [-9, 0.5, 9].map((value) => BEYOND.findIndex((one) => one === colourOf({ output: {}, scale }, value)));
+      const colours = [-9, 0.5, 9].map((value) => colourOf({ output: {}, scale }, value));
+      return colours.map((colour) => BEYOND.indexOf(colour));
     }"""
     assert script.evaluate(ask, [*np.linspace(0.0, 1.0, 200), -9.0, 9.0]) == [0, -1, 1]
 
 
 @pytest.mark.parametrize(("size", "are_jumping"), [(0.0, False), (0.5, True)])
-def test_neighbouring_runs_jump_where_single_ones_differ_from_both_neighbours(script, size, are_jumping):
+def test_runs_jump_where_single_ones_differ_from_both_neighbours(script, size, are_jumping):
     """A slope with a step has no such run."""
     points = 41
     column, row = np.meshgrid(np.arange(points), np.arange(points))

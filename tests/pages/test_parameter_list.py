@@ -103,6 +103,8 @@ def test_the_list_has_groups_with_titles_and_the_changed_ones_first(show):
     page.get_by_role("searchbox").fill("radus of contact")
     nearest = "No parameter has such a name; the nearest is Radius of contact."
     assert page.locator(".nothing").first.inner_text() == nearest
+    page.get_by_role("button", name="Radius of contact").click()
+    assert titles.all_inner_texts() == ["Contact"], "the nearest name is searched"
     page.get_by_role("searchbox").fill("friction")
     lacking = "The scene has no such parameter; a scene file may have contact.friction, "
     assert page.locator(".nothing").first.inner_text().startswith(lacking)

@@ -122,5 +122,7 @@ def test_a_phone_has_motion_pins_and_force_above_the_parameters(show, scheme):
     sizes = "({ scrollWidth, clientWidth, scrollHeight, clientHeight }) =>"
     card = page.locator("#pins")
     assert card.evaluate(f"{sizes} [scrollWidth - clientWidth, scrollHeight - clientHeight]") == [0, 0]
-    cells = card.locator("tbody tr").last.locator(":is(th, td):visible")
-    assert len({cell.bounding_box()["y"] for cell in cells.all()}) == 1, "a pin is one row"
+    assert card.locator("thead th:visible").count() == 7, "no column is missing"
+    cells = card.locator("tbody tr").first.locator(":is(th, td):visible").all()
+    assert len(cells) == 7
+    assert len({cell.bounding_box()["y"] for cell in cells}) == 3, "a name, and two lines of numbers"

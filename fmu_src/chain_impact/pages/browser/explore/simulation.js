@@ -1,11 +1,10 @@
 // The runs of the page, which simulates after each change, and the line that tells how the last run ended.
 
 import { find, make } from "../base/dom.js";
-import { readable, textWithUnit } from "../base/format.js";
-import { ALL_DIGITS, DEGREE_DIGITS } from "../scene/angles.js";
+import { readable } from "../base/format.js";
 import { changesOf } from "../scene/changes.js";
-import { capitalized, lawText, withBoxWalls } from "../scene/words.js";
-import { markFailing, presentlyShown } from "./parameters/parameter_fields.js";
+import { capitalized, withBoxWalls } from "../scene/words.js";
+import { markFailing, writtenValue } from "./parameters/parameter_fields.js";
 import { withControls, wordsFor } from "./parameters/main_parameters.js";
 import { overlapOf, startText } from "./refused_start.js";
 import { faultWords } from "./stopped_run.js";
@@ -143,7 +142,7 @@ export class Simulation {
     const [cause, advice, part] = this.#wordsOf(run);
     const reason = [cause, part].filter(Boolean).join(": ");
     const wordsOf = wordsFor(changes);
-    const textAt = (name) => textOf(changes, name, changes.valueOf(name, values));
+    const textAt = (name) => writtenValue(changes, name, changes.valueOf(name, values));
     const culprits = names.map((name) => `${wordsOf(name)} = ${textAt(name)}`).join(", ");
     const stopped = `the simulation stopped at t = ${timeOf(run)}`;
     const sentences = (...all) => all.filter(Boolean).map((text) => `${capitalized(text)}.`).join(" ");
@@ -227,9 +226,9 @@ function timeOf({ reached }) {
 function changesInWords(changes) {
   const { scene, values, inputSteps } = changes;
   const wordsOf = wordsFor(changes);
-  const texts = new Map(Object.entries(values).map(([name, value]) => [name, textOf(changes, name, value)]));
+  const texts = new Map(Object.entries(values).map(([name, value]) => [name, writtenValue(changes, name, value)]));
   for (const [name, steps] of Object.entries(inputSteps)) {
-    const later = steps.map(([time, value]) => `${textOf(changes, name, value)} from ${time} s`);
+    const later = steps.map(([time, value]) => `${writtenValue(changes, name, value)} from ${time} s`);
     texts.set(name, [texts.get(name), ...later].filter(Boolean).join(", "));
   }
   let others;
@@ -243,12 +242,5 @@ function changesInWords(changes) {
 function unchangedInWords(changes) {
   const wordsOf = wordsFor(changes);
   const names = [...changes.parameters.keys()].filter((name) => !changes.isChanged(name));
-  return new Map(names.map((name) => [wordsOf(name), textOf(changes, name, changes.valueOf(name))]));
-}
-
-/** Return a value of a parameter as text, with the unit that the parameter has with the changes. */
-function textOf(changes, name, value) {
-  const { items } = changes.parameters.get(name);
-  const shown = presentlyShown(changes, name, changes.values);
-  return items.length ? lawText(items[value - 1][0]) : textWithUnit(value, shown, shown.factor === 1 ? ALL_DIGITS : DEGREE_DIGITS);
+  return new Map(names.map((name) => [wordsOf(name), writtenValue(changes, name, changes.valueOf(name))]));
 }

@@ -57,6 +57,12 @@ export class Clock {
     return this.speed * (this.slow ? this.recording.rateAt(this.frame) : 1);
   }
 
+  /** Return the time that the whole motion takes on the screen [s]. */
+  get duration() {
+    const { start, end, frameRate } = this.recording;
+    return (this.slow ? this.last / frameRate : end - start) / this.speed;
+  }
+
   /** Change any of the properties frame, playing, slow, loop and speed, and call the listeners. Without a recording, nothing changes. */
   set(changes) {
     if (!this.recording) return;

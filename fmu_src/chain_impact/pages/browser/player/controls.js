@@ -1,7 +1,7 @@
 // Connects the buttons, the slider of time and the keys of the player with its clock.
 
 import { find } from "../base/dom.js";
-import { speedText } from "../base/format.js";
+import { fixed, speedText } from "../base/format.js";
 import { connectTabs } from "../base/tabs.js";
 import { SPEEDS } from "./clock.js";
 
@@ -109,6 +109,7 @@ function connectSpeed(clock) {
   select.addEventListener("change", () => clock.set({ speed: Number(select.value) }));
   const show = () => {
     select.value = String(clock.speed);
+    if (clock.recording) select.title = `The whole motion takes ${fixed(clock.duration, 1)} s on the screen`;
   };
   clock.onChange(show);
   show();

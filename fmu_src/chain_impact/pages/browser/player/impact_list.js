@@ -209,7 +209,7 @@ export class ImpactList {
     const { scrollHeight, clientHeight } = this.element;
     const [row] = this.rows ?? [];
     const seen = row ? Math.floor((clientHeight - row.parentElement.previousElementSibling.offsetHeight + 1) / row.offsetHeight) : 0;
-    find("impacts-seen").textContent = row && scrollHeight > clientHeight + 1 ? `${seen} of ${this.count}` : "";
+    find("impacts-seen").textContent = row && scrollHeight > clientHeight + 1 ? `${seen} of ${this.count} in view` : "";
   }
 
   /** Scroll the list, but not the page, to the row of the present contact, with one more row below it, which lies in the shadow. */

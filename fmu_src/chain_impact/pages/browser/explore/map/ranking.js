@@ -14,7 +14,7 @@ const LEAST_SHARE = 1e-6; // an effect that is at most this, relative to the out
 const KINDS = {
   relative: { head: "A step of 1\u202f% of the value", most: 8 },
   angle: { head: "A step of 1°", most: 5 },
-  absolute: { head: "For values of 0, a step of 0.01 of the unit, which is arbitrary", most: 3 },
+  absolute: { head: "Values of 0: a step of 0.01, as 0 has no 1\u202f%", most: 3 },
 };
 // parameters that are no part of the mechanism, and exponents, which change the unit of a stiffness
 const NOT_RANKED = /^(solver|simulation)\.|\.exponent$/;

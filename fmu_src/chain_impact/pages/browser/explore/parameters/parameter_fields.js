@@ -1,8 +1,8 @@
 // The fields for values of parameters. Each shows why a value is refused, and has a button that restores the scene's value.
 
 import { make } from "../../base/dom.js";
-import { numberText, raised, readable, unitOfPower, unitText } from "../../base/format.js";
-import { inShownUnit, notUnderstood, shortText, shownIn, typed, valueText } from "../../scene/angles.js";
+import { numberText, raised, readable, textWithUnit, unitOfPower, unitText } from "../../base/format.js";
+import { ALL_DIGITS, DEGREE_DIGITS, inShownUnit, notUnderstood, shortText, shownIn, typed, valueText } from "../../scene/angles.js";
 import { lawText } from "../../scene/words.js";
 import { withControls } from "./main_parameters.js";
 
@@ -87,6 +87,13 @@ function typedUnit(changes, name) {
 export function presentlyShown(changes, name, values) {
   const shown = shownIn(changes.parameters.get(name));
   return shown.factor === 1 ? { ...shown, text: presentUnit(changes, name, values) } : shown;
+}
+
+/** Return a value of a parameter as text, with the unit that the parameter has with the changes. */
+export function writtenValue(changes, name, value) {
+  const { items } = changes.parameters.get(name);
+  const shown = presentlyShown(changes, name, changes.values);
+  return items.length ? lawText(items[value - 1][0]) : textWithUnit(value, shown, shown.factor === 1 ? ALL_DIGITS : DEGREE_DIGITS);
 }
 
 /** Return the elements of a list of choices; contact laws have words, and stand in groups of similar laws, except a user's law. */

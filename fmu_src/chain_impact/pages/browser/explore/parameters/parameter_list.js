@@ -1,11 +1,11 @@
 // The list of all parameters, which the reader can search.
 
-import { make } from "../../base/dom.js";
+import { find, make } from "../../base/dom.js";
 import { breakable, readable } from "../../base/format.js";
-import { nearestText } from "../../base/similar_names.js";
+import { proposed } from "../../base/similar_names.js";
 import { capitalized } from "../../scene/words.js";
 import { wordsFor } from "./main_parameters.js";
-import { explain, presentlyShown, refusal, resetButton, turnsText, valueField } from "./parameter_fields.js";
+import { explain, presentlyShown, refusal, resetButton, turnsText, valueField, writtenValue } from "./parameter_fields.js";
 
 const CHANGED = "Changed"; // the title of the group of changed parameters, which comes first
 // first part of a name → title of the group of such parameters, if it is not this part with a capital letter
@@ -26,6 +26,7 @@ function lacking(keys, words) {
   return first ? `The scene has no such parameter; a scene file may have ${[first, ...others.slice(0, 2)].join(", ")}.` : "";
 }
 
+const MOST_TOLD = 4; // most changed parameters without a slider that are told above a list that is closed
 const FREE_HEIGHT = 220; // [pixels] least free height of the column of parameters with which the list is open from the start
 
 /**
@@ -54,6 +55,11 @@ export function showParameterList(details, changes, keys) {
   const refresh = () => {
     count.textContent = changes.count ? ` · ${changes.count} changed` : "";
     if (details.open) fill();
+    const hidden = Object.keys(changes.values).filter((name) => !find(`main-${name}`));
+    const wordsOf = wordsFor(changes);
+    const told = hidden.slice(0, MOST_TOLD).map((name) => `${wordsOf(name)} = ${writtenValue(changes, name, changes.valueOf(name))}`);
+    const more = hidden.length > MOST_TOLD ? ", …" : "";
+    Object.assign(find("also-changed"), { hidden: !told.length || details.open, textContent: `Also changed: ${told.join(", ")}${more}` });
   };
   const filter = () => {
     const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
@@ -65,8 +71,15 @@ export function showParameterList(details, changes, keys) {
     });
     const nothing = details.querySelector(".nothing");
     nothing.hidden = rows.some(({ row }) => !row.hidden);
-    const near = nothing.hidden ? "" : nearestText(search.value.trim(), rows.flatMap(({ texts: [name, shown] }) => [name, shown]));
-    nothing.textContent = (!nothing.hidden && lacking(keys, words)) || `No parameter has such a name${near}.`;
+    if (nothing.hidden) return;
+    const near = proposed(search.value.trim(), rows.flatMap(({ texts: [name, shown] }) => [name, shown]));
+    const button = make("button", { type: "button", className: "proposed", textContent: near });
+    button.addEventListener("click", () => {
+      search.value = near;
+      filter();
+    });
+    const sentence = ["No parameter has such a name", ...(near ? ["; the nearest is ", button] : []), "."];
+    nothing.replaceChildren(...[lacking(keys, words) || sentence].flat());
   };
   const fill = () => {
     if (rows) return refreshRows();

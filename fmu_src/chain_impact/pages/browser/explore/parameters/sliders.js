@@ -170,7 +170,7 @@ function inputsPart(changes, rows) {
   let before = changes.scene.driven.length === 0 ? -1 : rows.filter(({ name }) => changes.starts[name] !== 0).length;
   return { part, tell: () => {
     const zero = rows.filter(({ name }) => changes.valueOf(name) === 0 && !(name in changes.inputSteps)).length;
-    count.textContent = zero === rows.length ? "all are 0" : zero ? `${zero} of ${rows.length} are 0` : "";
+    count.textContent = zero === rows.length ? "all are 0" : zero ? `${rows.length - zero} of ${rows.length} not 0` : "";
     if (rows.length - zero > before) part.open = true;
     before = rows.length - zero;
   } };
