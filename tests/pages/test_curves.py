@@ -295,6 +295,21 @@ def test_outputs_are_found_by_the_meaning_beside_their_names(show):
     assert search.input_value() == "", "a search ends with the dialog"
 
 
+def test_a_press_on_a_point_proposes_its_outputs(show):
+    page = show()
+    page.locator("#scrub").fill("0.3")
+    until(page, "document.getElementById('time').textContent === '0.30000 s'")
+    tip = page.locator("#scene .tip").bounding_box()
+    page.mouse.click(tip["x"] + tip["width"] / 2, tip["y"] + tip["height"] / 2)
+    assert page.get_by_role("searchbox", name="Search the outputs").input_value() == "point 4"
+    names = page.locator("#curves-list input:visible").evaluate_all("all => all.map((one) => one.ariaLabel)")
+    assert all("[4]" in name for name in names)
+    page.get_by_role("button", name="Close").click()
+    box = page.locator("#scene .free-region").bounding_box()
+    page.mouse.click(box["x"] + 20, box["y"] + 20)
+    assert page.locator("#curves").is_hidden()
+
+
 def test_charts_are_chosen_by_words_and_by_proposals(show):
     page = show("cart_pole")
     page.get_by_role("button", name="Chart…").click()

@@ -96,7 +96,8 @@ export class CurveChoice {
     return this.changes.scene.columns;
   }
 
-  open() {
+  /** Open the dialog with the outputs that `search` finds. */
+  open(search = "") {
     const { scene: { links }, valueOf } = this.changes;
     this.rows = this.#columns.map(({ name, unit, text = inputText(name, valueOf) }) => {
       const box = make("input", { type: "checkbox" });
@@ -113,7 +114,7 @@ export class CurveChoice {
       this.#quantity(heading, this.rows.filter((row) => row.heading === heading)));
     find("curves-proposals").replaceChildren(...this.sets.map(({ button }) => button));
     this.list.replaceChildren(...this.groups.map(({ part }) => part));
-    this.search.value = "";
+    this.search.value = search;
     this.#refresh();
     this.#filter();
     this.dialog.showModal();

@@ -31,6 +31,7 @@ import { Simulation } from "./simulation.js";
 // The present view stays if the next view lies inside it and is larger than this fraction of it; the size of a view is its longer side.
 const KEPT = 0.5;
 const SPEED_BAR = 50; // [pixels] largest length of the bar that is the scale of the arrows of velocities
+const CLICK_REACH = 12; // [pixels] a press is on a point that is nearer, and no drag if it moves less
 const FILES_OF_RUN = ["csv", "impacts-csv", "png", "charts-png", "charts-svg"]; // buttons that save what only a run has
 
 const { file, kit, command } = JSON.parse(new TextDecoder().decode(await decompressed(find("data").textContent)));
@@ -126,6 +127,22 @@ window.chainImpact = consoleInterface(changes, ask);
 connectExport(changes, {
   keys: kit.keys, ask, address, openScene,
   linesBelow: () => comparedMotions.caption, mapNow: () => map, faultOf: (...end) => simulation.faultOf(...end),
+});
+let pressedAt = []; // where the reader has pressed the drawing
+find("scene").addEventListener("pointerdown", ({ clientX, clientY }) => {
+  pressedAt = [clientX, clientY];
+});
+// a press on a point proposes its outputs for charts; at the start, a press is for a handle
+find("scene").addEventListener("click", ({ clientX, clientY }) => {
+  const { recording, clock: { frame }, drawing: { camera } } = player;
+  if (!recording || handles.areShown || Math.hypot(clientX - pressedAt[0], clientY - pressedAt[1]) > CLICK_REACH) return;
+  const { left, top } = find("scene").getBoundingClientRect();
+  const distances = Array.from({ length: recording.pointCount }, (_, point) => {
+    const [x, y] = camera.toScreen(...recording.pointAt(frame, point));
+    return Math.hypot(clientX - left - x, clientY - top - y);
+  });
+  const nearest = distances.indexOf(Math.min(...distances));
+  if (distances[nearest] < CLICK_REACH) choice.open(`point ${nearest}`);
 });
 find("map-open").addEventListener("click", () => {
   if (!map) {
