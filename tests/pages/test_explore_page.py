@@ -3,7 +3,7 @@
 # Tests: pages/browser/explore/begin.js, pages/browser/explore/open_scene.js
 # Tests: pages/browser/explore/simulation.js, pages/browser/explore/address.js
 # Tests: pages/browser/explore/explore.js
-# Tests: pages/browser/base/dom.js
+# Tests: pages/browser/base/dom.js, pages/browser/base/storage.js, pages/browser/explore/first_steps.js
 
 import functools
 import re
@@ -373,3 +373,20 @@ def test_a_row_of_an_impact_tells_where_it_is(show):
     told = page.locator("#impacts tbody tr").first.get_attribute("title").replace("−", "-")
     x, y = map(float, re.fullmatch(r"At x = (\S+)\sm, y = (\S+)\sm", told).groups())
     assert (x, y) == pytest.approx((first["x"], first["y"]), abs=5.1e-5)
+
+
+def test_the_first_steps_are_marked_until_they_are_taken(show):
+    page = show()
+    page.evaluate("localStorage.clear()")
+    page.reload()
+    line = page.locator("#first-steps")
+    steps = ["Move a slider", "Pin", "Map…"]
+    assert [text.split(" ", 1)[1] for text in line.locator("span").all_inner_texts()] == steps
+    page.get_by_role("slider", name="Restitution").press("ArrowLeft")
+    assert line.locator(".taken").all_inner_texts() == ["① Move a slider"]
+    page.get_by_role("button", name="Pin").click()
+    page.get_by_role("button", name="Map…").click()
+    assert line.is_hidden()
+    page.reload()
+    until(page, "document.getElementById('time').textContent")
+    assert line.is_hidden(), "the browser keeps that they are taken"

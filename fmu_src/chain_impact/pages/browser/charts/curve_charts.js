@@ -134,7 +134,7 @@ export class CurveCharts {
       this.draw(this.frame, this.contact);
     });
     zoomButton?.addEventListener("click", () => {
-      zoomButton.setAttribute("aria-pressed", zoomButton.getAttribute("aria-pressed") !== "true");
+      zoomButton.ariaPressed = zoomButton.ariaPressed !== "true";
       this.draw(this.frame, this.contact);
     });
   }
@@ -201,7 +201,7 @@ export class CurveCharts {
 
   draw(frame, contact) {
     Object.assign(this, { frame, contact });
-    const isClose = contact && this.zoomButton?.getAttribute("aria-pressed") === "true";
+    const isClose = contact && this.zoomButton?.ariaPressed === "true";
     const margin = isClose && (SHARED.curves.CLOSE_BEFORE * (contact.impactEnd - contact.onset) || MOMENT);
     const { start, end } = this.recording;
     const close = isClose ? [Math.max(contact.onset - margin, start), Math.min(contact.impactEnd + margin, end)] : undefined;

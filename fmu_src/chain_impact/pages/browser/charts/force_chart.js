@@ -84,7 +84,7 @@ export class ForceChart extends Chart {
     this.peakText = make("div", { className: "peak" });
     this.plot.over.append(this.dot, this.peakText);
     loopButton.addEventListener("click", () => {
-      loopButton.setAttribute("aria-pressed", loopButton.getAttribute("aria-pressed") !== "true");
+      loopButton.ariaPressed = loopButton.ariaPressed !== "true";
       this.zoom();
     });
   }
@@ -247,7 +247,7 @@ export class ForceChart extends Chart {
     const own = courseAround(recording, contact);
     const hasCurve = own.force.some((force) => force > 0);
     this.loopButton.hidden = !own.depth;
-    this.loop = own.depth && this.loopButton.getAttribute("aria-pressed") === "true" ? [own.depth, own.force, own.times] : null;
+    this.loop = own.depth && this.loopButton.ariaPressed === "true" ? [own.depth, own.force, own.times] : null;
     const lines = this.compared.map((line) => ({ ...line, ...this.#courseIn(line.recording, contact) }));
     this.curves = lines.filter(({ points }) => points);
     this.impulses = !hasCurve && !this.curves.length && hasImpulseOnly(contact) ? impulsesLike(recording, contact) : null;

@@ -15,6 +15,7 @@ import { consoleInterface } from "./console.js";
 import { CurveChoice } from "./curve_choice.js";
 import { Editor } from "./editor.js";
 import { connectExport } from "./export_dialog.js";
+import { showFirstSteps } from "./first_steps.js";
 import { foldEnergiesWithoutRoom } from "./folded_energies.js";
 import { Handles } from "./handles.js";
 import { UndoHistory } from "./history.js";
@@ -31,7 +32,6 @@ import { Simulation } from "./simulation.js";
 // The present view stays if the next view lies inside it and is larger than this fraction of it; the size of a view is its longer side.
 const KEPT = 0.5;
 const SPEED_BAR = 50; // [pixels] largest length of the bar that is the scale of the arrows of velocities
-const CLICK_REACH = 12; // [pixels] a press is on a point that is nearer, and no drag if it moves less
 const FILES_OF_RUN = ["csv", "impacts-csv", "png", "charts-png", "charts-svg"]; // buttons that save what only a run has
 
 const { file, kit, command } = JSON.parse(new TextDecoder().decode(await decompressed(find("data").textContent)));
@@ -128,21 +128,12 @@ connectExport(changes, {
   keys: kit.keys, ask, address, openScene,
   linesBelow: () => comparedMotions.caption, mapNow: () => map, faultOf: (...end) => simulation.faultOf(...end),
 });
-let pressedAt = []; // where the reader has pressed the drawing
-find("scene").addEventListener("pointerdown", ({ clientX, clientY }) => {
-  pressedAt = [clientX, clientY];
-});
-// a press on a point proposes its outputs for charts; at the start, a press is for a handle
-find("scene").addEventListener("click", ({ clientX, clientY }) => {
-  const { recording, clock: { frame }, drawing: { camera } } = player;
-  if (!recording || handles.areShown || Math.hypot(clientX - pressedAt[0], clientY - pressedAt[1]) > CLICK_REACH) return;
-  const { left, top } = find("scene").getBoundingClientRect();
-  const distances = Array.from({ length: recording.pointCount }, (_, point) => {
-    const [x, y] = camera.toScreen(...recording.pointAt(frame, point));
-    return Math.hypot(clientX - left - x, clientY - top - y);
-  });
-  const nearest = distances.indexOf(Math.min(...distances));
-  if (distances[nearest] < CLICK_REACH) choice.open(`point ${nearest}`);
+// a press on a point or its number proposes its outputs for charts; at the start, a press is for a handle
+find("scene").addEventListener("click", ({ target }) => {
+  const { recording, drawing: { dots, names } } = player;
+  if (!recording || handles.areShown) return;
+  const point = dots.find(([, dot]) => dot.node === target)?.[0] ?? names.findIndex(({ node }) => node === target);
+  if (point >= 0) choice.open(`point ${point}`);
 });
 find("map-open").addEventListener("click", () => {
   if (!map) {
@@ -170,6 +161,7 @@ const tellByHand = () => {
 };
 changes.onOpen(tellByHand);
 tellByHand();
+showFirstSteps(changes);
 addJumps();
 foldParameters();
 foldEnergiesWithoutRoom(changes);

@@ -2,6 +2,7 @@
 
 import { find } from "../base/dom.js";
 import { fixed, speedText } from "../base/format.js";
+import { store, stored } from "../base/storage.js";
 import { connectTabs } from "../base/tabs.js";
 import { SPEEDS } from "./clock.js";
 
@@ -81,13 +82,9 @@ function keepsKey({ target, key }) {
 
 /** Keep in the browser whether keys of one letter, digit or sign act: each may be pressed by chance, or by voice control. */
 function keepShortcuts() {
-  const [box, key] = [find("shortcuts"), "chain-impact-shortcuts"];
-  try {
-    box.checked = localStorage.getItem(key) !== "off";
-    box.addEventListener("change", () => localStorage.setItem(key, box.checked ? "on" : "off"));
-  } catch {
-    // the browser lets this page store nothing: the box holds until the page closes
-  }
+  const box = find("shortcuts");
+  box.checked = stored("shortcuts") !== "off";
+  box.addEventListener("change", () => store("shortcuts", box.checked ? "on" : "off"));
 }
 
 /** Pause while a dialog covers the motion, and go on afterwards. */

@@ -44,7 +44,7 @@ export class Zoom {
     ["pointerup", "pointercancel", "pointerleave"].forEach((end) => view.addEventListener(end, ({ pointerId }) =>
       this.#fingers.delete(pointerId)));
     button.addEventListener("click", () => {
-      const isAt = button.getAttribute("aria-pressed") === "true";
+      const isAt = button.ariaPressed === "true";
       this.fit();
       if (!isAt) this.#press(true);
     });
