@@ -218,7 +218,7 @@ export function differenceText(before, present) {
   if (!before || before === present) return "";
   const [counts, largest] = [({ impacts }) => impacts.length, largestText].map((of) => [before, present].map(of));
   const told = comparableOf(before, present).length ? [counts, largest] : [counts];
-  if (told.flat().length > 2 && told.every(([old, now]) => old === now)) return "number and largest value unchanged";
+  if (told.flat().length > 2 && told.every(([old, now]) => old === now)) return "same number, same largest";
   return told.map((pair) => pair.join(" → ")).join(", largest ");
 }
 
