@@ -41,14 +41,14 @@ export function colourOf({ output, scale }, value) {
 }
 
 /**
- * Return whether neighbouring runs jump: of three neighbours in a row or column of `points` × `points` outputs, the middle one is often
- * (LEAST_SPIKES) above or below both others by more than SPIKE times the range of the colours.
+ * Return whether neighbouring runs jump: of three neighbours in a row or column of `points` × `points` outputs, all with outputs, the
+ * middle one is often (LEAST_SPIKES) above or below both others by more than SPIKE times the range of the colours.
  */
 export function areJumping({ results, points, output, scale }) {
   if (output.places || !scale) return false;
   const least = SPIKE * (scale.ends[1] - scale.ends[0]);
   const spikes = results.flatMap((value, index) => [[1, index % points], [points, Math.floor(index / points)]].map(([step, place]) => {
-    const [before, after] = [index - step, index + step].map((other) => value - results[other]);
+    const [before, after] = [index - step, index + step].map((other) => (value ?? NaN) - (results[other] ?? NaN));
     return place > 0 && place < points - 1 && before * after > 0 && Math.min(Math.abs(before), Math.abs(after)) > least;
   }));
   return spikes.filter(Boolean).length > LEAST_SPIKES * spikes.length;

@@ -13,9 +13,9 @@ export class MapPlace {
     this.button.addEventListener("click", () => this.#enlarge(!this.#isEnlarged));
     this.foldButton = find("map-fold");
     this.foldButton.addEventListener("click", () => this.#fold(this.foldButton.ariaExpanded === "true"));
-    // fields that are set fold, so that the map is larger; on a phone, or above a table of pins, they have no room
+    // fields that are set fold, so that the map is larger; on a phone they have no room
     find("map-run").addEventListener("click", () => setTimeout(() => this.#fold(!dialog.querySelector(":invalid"))));
-    this.#fold(matchMedia("(max-width: 760px) and (min-height: 481px)").matches || document.body.classList.contains("with-pins"));
+    this.#fold(matchMedia("(max-width: 760px) and (min-height: 481px)").matches);
     dialog.addEventListener("cancel", (event) => {
       if (!this.#isEnlarged || !this.wide.matches) return;
       event.preventDefault();
