@@ -203,7 +203,7 @@ function labelsOf({ ends, bins, knots, isLogarithmic, shareOf }, factor, { integ
  */
 function beyondEnds({ extremes: [least, most], ends: [low, high], bins }, factor, results) {
   const all = bins ? [] : results.filter(Number.isFinite);
-  const ends = [["below, down to", least, (value) => value < low], ["above, up to", most, (value) => value > high]];
+  const ends = [["down to", least, (value) => value < low], ["up to", most, (value) => value > high]];
   return ends.map(([word, value, isBeyond]) => [all.filter(isBeyond).length, `${word} ${withMinus(digits(factor * value))}`])
     .map(([count, words]) => (count ? `, ${count} run${count > 1 ? "s" : ""} ${words}` : "")).join("");
 }
