@@ -95,7 +95,10 @@ def _moving(robot: Robot, names: Sequence[str]) -> Robot:
 
 
 def turned_in_scene(done: ConversionResult, robot: Robot, names: Sequence[str]) -> np.ndarray:
-    """Return how far each hinge turns in the scene [rad], with the sign that its angle has in the file."""
+    """Return the angle [rad] by which each of the hinges ``names`` turns in a run without walls and stops.
+
+    The run lasts DURATION. The sign is that of the angle in the file.
+    """
     data = {key: table for key, table in done.data.items() if key not in ("box", "walls", "contact", "stops")}
     links = [
         {key: value for key, value in link.items() if key not in TOUCHING} for link in data["chain"]["links"]

@@ -45,8 +45,7 @@ EXTERNAL: dict[Any, types.Type] = {
 }
 _DUAL: dict[Any, Any] = DUAL_RULES
 _COMPLEX: dict[Any, Any] = COMPLEX_RULES
-# functions of the kernel whose Python code numba does not compile: dual_numbers.py and built_in.py have their
-# code
+# functions of the kernel for which dual_numbers.py and built_in.py write the code, in place of numba
 BUILT_IN: set[Any] = {
     *(duals.value, duals.slope, duals.replace_slope, duals.dual_with_slope, duals.has_slope),
     *built_in.FUNCTIONS,

@@ -44,7 +44,7 @@ class ChainRows:
     def add(self, instance: Instance, numbers: np.ndarray | None = None) -> None:
         """Add a row at the present time of an instance; it replaces a row at the same time.
 
-        ``numbers`` are those of the row; by default those in the record, which must be observed.
+        ``numbers`` are those of the row; by default those in the record, after ``Instance.observe``.
         """
         if self.times and self.times[-1] == instance.time:
             self._keep(len(self.times) - 1)

@@ -27,13 +27,16 @@ class Fault(NamedTuple):
 
 
 def within(name, pattern, new):
-    """Return a change within the element of a variable of FMI 2.0 or 3.0."""
+    """Return pattern and replacement for a change within the element of a variable of FMI 2.0 or 3.0."""
     inner = r"[^\n]*(?:\n *<(?:Real|Integer|Enumeration)[^\n]*)?"
     return rf'(name="{re.escape(name)}"{inner}){pattern}', rf"\1{new}"
 
 
 def independent(without, name):
-    """Return a change of a parameter into an independent variable, with or without its start value."""
+    """Return pattern and replacement that change a parameter into an independent variable.
+
+    If ``without`` is true, they also remove the variable's start value.
+    """
     head = (
         rf'(name="{re.escape(name)}"[^\n]*)causality="parameter" variability="\w+" initial="exact"(>\s*<\w+)'
     )
@@ -55,7 +58,10 @@ def _faults():
 
 
 def _pair(pattern, new=""):
-    """Return a pattern of the whole model description, and its replacement."""
+    """Return pattern and replacement, for the text of a model description, of a line in planted_faults.txt.
+
+    ``pattern`` and ``new`` are the parts of the line before and after " ⇒".
+    """
     if whole := re.fullmatch(r" *independent( without start)?: (.*)", pattern):
         return independent(*whole.groups())
     inner, new = re.fullmatch(r"    in (\S+): (.*)", pattern), new.removeprefix(" ")

@@ -14,7 +14,7 @@ from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.text import Text
 
 CHECKED = 50
-"""One of this many kept layouts is compared with a new one."""
+"""After each CHECKED uses of kept layouts, the layout that is used is compared with a new one."""
 _SETTINGS = [name for name in mpl.rcParams if name.startswith(("font.", "mathtext.", "text."))]
 _new_layout = Text._get_layout
 _kept: WeakKeyDictionary[RendererAgg, dict[tuple[Any, ...], Any]] = WeakKeyDictionary()

@@ -12,7 +12,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from chain_impact import CONTACT_LAWS, compare
+from chain_impact import CONTACT_LAWS, compare, load_scene
 from chain_impact.pictures.drawing.distinct_curves import fill_band
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
 from chain_impact.pictures.drawing.style import GREY, INK
@@ -115,6 +115,13 @@ def test_the_law_without_losses_has_its_own_line():
     found = compare("bouncing_ball", laws=["zhang_sharf", "hertz", "gharib_hurmuzlu", "newton_impact"])
     why = named_laws(found)
     assert (why["hertz"], why["gharib_hurmuzlu"]) == ("no losses", "differs most with losses")
+
+
+@pytest.mark.parametrize("restitution", [0.8, 1.0])
+def test_a_force_jumps_at_the_onset_only_with_losses(restitution):
+    scene = load_scene("bouncing_ball").with_values({"contact.restitution": restitution})
+    why = named_laws(compare(scene, laws=["zhang_sharf", "kelvin_voigt"]))
+    assert ("jumps" in why.get("kelvin_voigt", "")) == (restitution < 1.0)
 
 
 def test_lines_have_dashes_only_where_they_coincide_and_none_in_the_legend():

@@ -48,8 +48,9 @@ from chain_impact.kernel.function_marks import has_complex_rule, inlined
 from chain_impact.kernel.record.state import FIRST_ANGLE
 
 FREE, HELD, SHIFTED = 0, 1, 2
-"""Slots of `scratch.factors`, one for each factorized matrix. FREE: the mass matrix, with armatures and, in a
-projection, with the resistances of contacts with a force law. HELD: the matrix of FREE plus Jᵀ D J with the
+"""Slots of `scratch.factors`, one for each factorized matrix. FREE: the mass matrix, with armatures and, in
+``project_state`` while an element sticks, with an added mass for each contact with a force law
+(``contact_resistance`` in forces/holding.py). HELD: the matrix of FREE plus Jᵀ D J with the
 impedances D of the constraints. SHIFTED: the matrix of an implicit step, for its real shift."""
 
 

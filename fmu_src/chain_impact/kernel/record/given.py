@@ -244,7 +244,8 @@ def given_dtype(link_count: int) -> np.dtype:
         ("law", INTEGER),
         # N/m^exponent, stiffness K of the slider's stops, and of walls without a stiffness in `walls`
         ("stiffness", REAL),
-        # restitution e of the slider's stops, and of walls without a restitution in `walls`
+        # restitution e of the slider's stops, of walls without a restitution in `walls`, and of stops in
+        # joints without ``stop_restitution``
         ("restitution", REAL),
         ("friction", REAL),  # coefficient of sliding friction of walls without such a coefficient in `walls`
         # coefficient of static friction of walls without any coefficient in `walls`; 0: equal to ``friction``

@@ -93,7 +93,8 @@ def draw_room(
 def wall_line(wall: HalfPlane, walls: Sequence[HalfPlane], view: np.ndarray) -> np.ndarray:
     """Return the two ends of the part of a wall that bounds the room between ``walls`` in a view [m].
 
-    The shape is (2, 2). A result with fewer rows means that no part of the wall bounds this room. ``wall`` is
+    The shape is (2, 2), or more rows if corners of the room coincide up to round-off. A result with fewer
+    rows means that no part of the wall bounds this room. ``wall`` is
     one of ``walls``.
     """
     corners = _corners(walls, view)

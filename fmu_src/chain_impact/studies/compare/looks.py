@@ -21,7 +21,7 @@ from chain_impact.studies.law_exchange import LOSSLESS_LAW
 
 # matplotlib's zorder for the line of the reference law; lines with a larger zorder are drawn over it
 REFERENCE_LAYER = 3
-# the reason for the colour of a law whose force is above 0 at penetration 0
+# the reason for the colour of a law whose force jumps to a value above 0 at the onset
 JUMP_NOTE_OF_LAW = "force jumps at the onset"
 IMPULSE_ENDING = " (impulse)"  # the end of the label of a law of impulses, if the law has no colour
 IMPULSE: dict[str, Any] = {**LAW_LOOKS["newton_impact"], "linewidth": 1.2, "zorder": 3.5}
@@ -57,7 +57,8 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
     for law in differ[:1] if comparison.has_restitution else ():
         _add_reason(reasons, law, "differs most with losses")
     for law in (run.law for run in comparison.runs if run.loop is not None and run.loop.size):
-        if has_jump(law):
+        # without losses, no law damps, so no force jumps
+        if has_jump(law) and comparison.contact.restitution < 1.0:
             _add_reason(reasons, law, JUMP_NOTE_OF_LAW)
     for run in comparison.runs:
         if run.law in USED_LAWS and run.result is not None and len(reasons) < COLOURED_LAWS:

@@ -173,9 +173,10 @@ def _draw_group(
     tables: Any,
     own_values: Sequence[float | None],
 ) -> None:
-    """Draw maps that share their colours, with one bar that explains the colours, and contours or numbers.
+    """Draw maps that share their colours, with one bar that explains the colours; without values, a text.
 
-    A single map with few cells has a number in each of its cells.
+    A single map with few cells has a number in each of its cells. Other maps have contours, but not for
+    counts, on axes with names, or where values jump (``has_jumps``).
 
     ``scales``: the horizontal and the vertical axis. ``tables``: the values in each map, see ``_tables``.
     ``own_values``: as for ``_write_values``.
