@@ -145,7 +145,7 @@ def test_numbers_at_a_sliders_stops_are_beyond_their_marks():
     cart = simulate(bodies.cart().with_values({"link[1].length": 0.1}), stop_time=2.0, output_step=0.01)
     axes = cart.plot(panels=["motion"]).axes[0]
     marks = [line[1:] for line in cart.rail.lines(cart.points[:, 0])[1:]]
-    numbers = [text for text in axes.texts if text.get_text().isdigit()]
+    numbers = [text for text in axes.texts if text.get_text().startswith("#")]
     assert len(numbers) == 2
     for text in numbers:
         away = min(np.hypot(*(np.array(text.xy) - mark[0])) for mark in marks)
