@@ -44,8 +44,7 @@ def make_passage_search(function, samples, resolution):
     Args:
         function: function of (d, c, θ), for candidate or element c at the fraction θ of the last step.
         samples: function of d that returns the number of equidistant samples, of which ``end`` is the last.
-            A sample below both its neighbours is followed by one at the vertex of the parabola through the
-            three. A fall below zero that is shorter, and far from a parabola, is missed.
+            The search misses a fall below zero from which ``function`` returns before the next sample.
         resolution: accuracy of the location, in the step's integration variable [s].
 
     Returns:
@@ -54,19 +53,13 @@ def make_passage_search(function, samples, resolution):
     """
 
     def passage(d, c, end):
-        count, low, at_low, at_before = samples(d), 0.0, math.nan, math.nan
+        low, count = 0.0, samples(d)
         for sample in range(1, count + 1):
             high = end * sample / count
             value = function(d, c, high)
             if value < 0.0:
                 return root(d, c, low, high, value)
-            if at_low < at_before and at_low < value:
-                shift = 0.5 * (at_before - value) / (at_before - 2.0 * at_low + value)
-                vertex = low + shift * (high - low)
-                at_vertex = function(d, c, vertex)
-                if at_vertex < 0.0:
-                    return root(d, c, end * (sample - 2) / count, vertex, at_vertex)
-            low, at_low, at_before = high, value, at_low
+            low = high
         return -1.0
 
     def root(d, c, low, high, at_high):

@@ -23,6 +23,8 @@ FRICTION_EXCESS = 1e-10
 # only if the least speed at a stage is below DIP_PART times that at the end. With a smaller number, such
 # falls would be missed where stages are half a step apart.
 DIP_PART = 0.5
+# number of samples of a step in which a mode may end; with fewer, short falls of a speed would be missed
+MANY_SAMPLES = 32
 
 FRICTION_ELEMENT_MEMBERS = (lambda d: d.friction.active_count, lambda d, k: d.friction_element.index[k])
 
@@ -133,7 +135,13 @@ def may_always_change(_d, _e):
 
 
 find_mode_change = choose_search(
-    make_search(element_margin, mode_may_end, mark_changes, FRICTION_ELEMENT_MEMBERS),
+    make_search(
+        element_margin,
+        mode_may_end,
+        mark_changes,
+        FRICTION_ELEMENT_MEMBERS,
+        samples=lambda _d: MANY_SAMPLES,
+    ),
     make_search(
         element_margin, may_always_change, mark_changes, FRICTION_ELEMENT_MEMBERS, samples=turn_sample_count
     ),
