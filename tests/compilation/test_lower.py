@@ -27,7 +27,7 @@ def module():
 
 
 def test_sizes_are_left_open_and_no_address_of_the_process_is_in_it(module):
-    for name in ("chain_links", "chain_candidates", "user_law_present", "user_law_force"):
+    for name in ("chain_link_count", "chain_candidate_count", "user_law_present", "user_law_force"):
         assert re.search(rf"^declare .*@{name}\(", module, re.M)
     assert "target triple" not in module
     assert "inttoptr" not in module

@@ -30,10 +30,10 @@ def test_no_label_runs_into_a_control(show, model):
     page.evaluate("document.querySelector('summary').click(), document.getElementById('pin').click()")
     for size in SIZES:
         page.set_viewport_size(size)
-        assert page.evaluate(CLASHES) == [], size
+        until(page, f"({CLASHES})().length === 0")
         for name in DIALOGS:
             page.evaluate(f"document.getElementById('{name}-open').click()")
-            assert page.evaluate(CLASHES) == [], (size, name)
+            until(page, f"({CLASHES})().length === 0")
             page.keyboard.press("Escape")
     page.add_style_tag(content=".main-parameter-label { white-space: nowrap; font-size: 50px; }")
     assert any("contact.stiffness" in clash for clash in page.evaluate(CLASHES)), (
@@ -234,7 +234,7 @@ def test_the_list_of_impacts_covers_no_part_of_a_chart(show, model, hash_):
     if page.locator("#energy-card.folded").count():
         page.get_by_role("button", name="Energy", exact=True).click()
     page.locator("aside").evaluate("column => column.scrollTo(0, 1e4)")
-    assert page.evaluate("document.getElementById('energy').clientHeight") >= 124
+    until(page, "document.getElementById('energy').clientHeight >= 124")
 
 
 def test_a_page_without_impacts_is_as_wide_as_the_screen(show):

@@ -307,8 +307,8 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
     If ``numbered_step`` is a number k > 1, every k-th impact gets a number. Otherwise all impacts get one or,
     without room for that, those with the highest marks and the last impact (``label_subsets``); impacts whose
     marks coincide share a label (``numbers_of``). A number that would be nearer to the mark of another impact
-    is left out. If an impact in ``marked_peaks`` has a label of its own, this label also has the force,
-    moment or impulse, if there is room.
+    is left out, except for every k-th. If an impact in ``marked_peaks`` has a label of its own, this label
+    also has the force, moment or impulse, if there is room.
     """
     times, heights = marks_of(recording)
     if not len(times):
@@ -328,7 +328,9 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
             return Label(long_text, position, short=text, look=look, other_marks=other_positions)
         return Label(text, position, short=short, other_marks=other_positions)
 
-    tries = [[label([row]) for row in range(step - 1, len(times), step)]] if step > 1 else []
+    # a number may be wider than the distance of marks: it only must not be nearer to another numbered mark
+    every_kth = [label([row])._replace(other_marks=()) for row in range(step - 1, len(times), step)]
+    tries = [every_kth] if step > 1 else []
     for rows in label_subsets(rows_by_height(heights).tolist()):
         groups = {tuple(sorted(common_rows[row], key=lambda row: -heights[row])) for row in rows}
         if len(groups) <= MOST_NUMBER_LABELS:
