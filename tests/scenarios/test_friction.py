@@ -296,22 +296,6 @@ def test_dissipated_energy_falls_by_no_more_than_the_tolerance(law):
     assert np.diff(dissipated).min() > -1e-6 * dissipated[-1]
 
 
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10], ids=str)
-def test_a_short_phase_of_sticking_between_two_stages_is_found(tolerance):
-    """Without it, friction would act in the direction of motion, and dissipated energy would fall."""
-    links = [{"length": 0.4519, "mass": 0.4503}, {"length": 0.3923, "mass": 1.903}]
-    start = {"position": [0.0, 0.7], "velocity": [1.572, -1.375]}
-    start |= {"angles": [-2.381, 1.092], "angular_velocities": [2.758, -2.224]}
-    contact = {"model": "hertz", "stiffness": 1.774e4, "friction": 0.1323}
-    scene = skidding("hertz", contact=contact, chain={"base": "free", "links": links}, initial=start)
-    result = simulate(scene, stop_time=0.2, tolerance=tolerance, output_step=1e-4)
-    sticks = result.stick_slip[1]
-    assert sticks["mode"] == 0
-    assert [sticks["start"], sticks["end"]] == pytest.approx([0.16577126, 0.16607923], abs=tolerance + 1e-8)
-    dissipated = result["energy.dissipated"]
-    assert np.diff(dissipated).min() > -tolerance * dissipated[-1]
-
-
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 def test_the_impulse_of_friction_is_mu_times_that_of_a_very_stiff_floor(method):
     """An undamped rod trembles on the floor; during slip, vx + µ (vy + g t) stays constant."""

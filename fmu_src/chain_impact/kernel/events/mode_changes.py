@@ -19,32 +19,13 @@ REST_SPEED = 1e-12
 # A friction force that exceeds its limit by up to FRICTION_EXCESS is round-off, relative to a sum: the limit,
 # plus the mean mass of a link times the sum of gravity and the longest link per s².
 FRICTION_EXCESS = 1e-10
-# A speed that is a parabola in time, and positive at all stages of a step, can be negative between two stages
-# only if the least speed at a stage is below DIP_PART times that at the end. With a smaller number, such
-# falls would be missed where stages are half a step apart.
-DIP_PART = 0.5
-# number of samples of a step in which a mode may end; with fewer, short falls of a speed would be missed
-MANY_SAMPLES = 32
 
 FRICTION_ELEMENT_MEMBERS = (lambda d: d.friction.active_count, lambda d, k: d.friction_element.index[k])
 
 
 def mode_may_end(d, e):
-    """Return whether the margin of e's mode may have been below −``element_error`` within the last step.
-
-    This is so if the margin was below at a stage, or if e slides and its least speed at a stage is so small
-    that the speed may have been negative between two stages (DIP_PART). The points must be located at the end
-    of the searched part of the step.
-    """
-    least = d.friction_element.margin[e]
-    return least < -element_error(d, e) or (
-        d.friction_element.mode[e] != STICKS and least < DIP_PART * sliding_speed(d, e)
-    )
-
-
-def sliding_speed(d, e):
-    """Return the speed [m/s] of element e in the direction in which e slides, at the located points."""
-    return d.friction_element.mode[e] * tangential_rate(d, e)
+    """Return whether the margin of e's mode was below −``element_error`` at a stage of the last step."""
+    return d.friction_element.margin[e] < -element_error(d, e)
 
 
 def mark_changes(d, element, theta):
@@ -106,7 +87,7 @@ def element_margin(d, e, theta):
     """
     locate_at_fraction(d, theta)
     if d.friction_element.mode[e] != STICKS:
-        return sliding_speed(d, e) + element_error(d, e)
+        return d.friction_element.mode[e] * tangential_rate(d, e) + element_error(d, e)
     project_state(d, d.scratch.state)
     rate_from_state(d, d.scratch.state, d.scratch.rate)
     count_evaluations(d, 1)
@@ -135,13 +116,7 @@ def may_always_change(_d, _e):
 
 
 find_mode_change = choose_search(
-    make_search(
-        element_margin,
-        mode_may_end,
-        mark_changes,
-        FRICTION_ELEMENT_MEMBERS,
-        samples=lambda _d: MANY_SAMPLES,
-    ),
+    make_search(element_margin, mode_may_end, mark_changes, FRICTION_ELEMENT_MEMBERS),
     make_search(
         element_margin, may_always_change, mark_changes, FRICTION_ELEMENT_MEMBERS, samples=turn_sample_count
     ),
