@@ -217,6 +217,7 @@ def transmitted_dtype(rows: int) -> np.dtype:
 
 def instance_dtype(*counts: int) -> np.dtype:
     """Return the layout of an instance; ``counts`` are the values of ``Counts`` in their order."""
+    all_counts = Counts(*counts)
     (
         link_count,
         candidate_count,
@@ -226,7 +227,7 @@ def instance_dtype(*counts: int) -> np.dtype:
         site_count,
         signal_count,
         knot_count,
-    ) = Counts(*counts)
+    ) = all_counts
     return layout(
         *((name, INTEGER) for name in COUNTS),
         ("skewed", INTEGER),  # 1: the centre of mass of some link may lie beside the link's line; else 0
@@ -265,18 +266,7 @@ def instance_dtype(*counts: int) -> np.dtype:
         ("friction_element", friction_element_dtype(friction_element_count)),
         ("quadrature", quadrature_dtype(candidate_count, friction_element_count)),
         ("friction_changes", friction_changes_dtype(friction_element_count)),
-        (
-            "output",
-            output_dtype(
-                link_count,
-                candidate_count,
-                friction_element_count,
-                transmitted_row_count,
-                channel_count,
-                site_count,
-                signal_count,
-            ),
-        ),
+        ("output", output_dtype(*all_counts[:-1])),  # outputs do not depend on the number of knots
         ("transmitted", transmitted_dtype(transmitted_row_count)),
         ("wall_motion", wall_motion_dtype(candidate_count)),
         ("given_channel", given_channel_dtype(channel_count)),

@@ -85,8 +85,9 @@ def dash_lines(axes: Axes, lines: Sequence[Line2D]) -> None:
     A line keeps its label and its solid parts; the parts with dashes are further lines. A line with missing
     values stays as it is.
     """
-    whole_lines = [line for line in lines if np.isfinite(np.array(line.get_data(), float)).all()]
-    parts = parts_with_dashes([np.array(line.get_data(), float) for line in whole_lines])
+    points_of = {line: np.array(line.get_data(), float) for line in lines}
+    whole_lines = {line: points for line, points in points_of.items() if np.isfinite(points).all()}
+    parts = parts_with_dashes([*whole_lines.values()])
     for line, own_parts in zip(whole_lines, parts, strict=True):
         styles: dict[Any, list[np.ndarray]] = {}
         for points, dashes in own_parts:

@@ -75,9 +75,9 @@ def spread(axes: Axes, labels: Sequence[EndLabel]) -> None:
 def spread_out(positions: np.ndarray, distance: float, low: float, high: float) -> np.ndarray:
     """Return ascending ``positions`` with at least ``distance`` between two, as little moved as possible.
 
-    All places are from ``low`` to ``high`` if there is room.
+    All positions are from ``low`` to ``high`` if there is room.
     """
-    groups: list[tuple[float, int]] = []  # mean and number of places of each group of places that touch
+    groups: list[tuple[float, int]] = []  # mean and number of positions of each group of positions that touch
     for position in positions.tolist():
         groups.append((position, 1))
         while len(groups) > 1:

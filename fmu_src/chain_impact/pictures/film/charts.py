@@ -71,16 +71,17 @@ def draw_charts(
     to the left than CHARTS by ``wider``, relative to the width of the figure.
     """
     left, bottom, width, height = np.add(CHARTS, (-wider, 0.0, wider, 0.0)).tolist()
-    forces, impulses = largest_forces(recording), impulses_of_impacts(recording)
+    impulses = impulses_of_impacts(recording)
+    forces = {} if impulses.any() else largest_forces(recording)
     has_strip = bool(forces) or bool(impulses.any())
     lift = STRIP + STRIP_TOP_MARGIN if has_strip else 0.0
     panels = [figure.add_axes((left, bottom + lift, width, height - lift))]
     if has_strip:
         panels.append(figure.add_axes((left, bottom, width, STRIP)))
-        if impulses.any():
-            peak = _draw_impulses(panels[1], recording, impulses)
-        else:
+        if forces:
             peak = _draw_forces(panels[1], recording, forces)
+        else:
+            peak = _draw_impulses(panels[1], recording, impulses)
         panels[0].tick_params(labelbottom=False)
     _draw_energies(panels[0], recording, top)
     for axes in panels:
@@ -183,13 +184,13 @@ def impulses_of_impacts(recording: Recording) -> np.ndarray:
 
     All values are 0 where impacts act by forces (``impact_values``).
     """
-    words, _, values = impact_values(recording, is_stop=False)
-    return values if words in (IMPULSE, HIT_IMPULSE) else np.zeros(len(values))
+    name, _, values = impact_values(recording, is_stop=False)
+    return values if name in (IMPULSE, HIT_IMPULSE) else np.zeros(len(values))
 
 
 def _draw_impulses(axes: Axes, recording: Recording, impulses: np.ndarray) -> ChartPeak:
-    """Draw a vertical line for the impulse of each impact; return the place of the largest one."""
-    words, unit, _ = impact_values(recording, is_stop=False)
+    """Draw a vertical line for the impulse of each impact; return the largest one."""
+    name, unit, _ = impact_values(recording, is_stop=False)
     largest_impulse, row = float(impulses.max()), int(impulses.argmax())
     factor, shown_unit = load_unit(largest_impulse, unit)
     onsets = recording.impacts["onset"]
@@ -197,7 +198,7 @@ def _draw_impulses(axes: Axes, recording: Recording, impulses: np.ndarray) -> Ch
     colours = [PEAK_COLOUR if k in strongest else INK for k in range(len(impulses))]
     axes.vlines(onsets, 0.0, factor * impulses, colours, linewidth=1.0)
     axes.scatter(onsets, factor * impulses, 6.0, colours, zorder=3)
-    axes.set_title(f"{words} [{shown_unit}]", loc="left", fontsize=NUMBER_SIZE, pad=2.0)
+    axes.set_title(f"{name} [{shown_unit}]", loc="left", fontsize=NUMBER_SIZE, pad=2.0)
     axes.set_ylim(0.0, FORCE_HEADROOM * factor * largest_impulse)
     give_ticks(axes)
     return ChartPeak(
@@ -206,7 +207,7 @@ def _draw_impulses(axes: Axes, recording: Recording, impulses: np.ndarray) -> Ch
 
 
 def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) -> ChartPeak:
-    """Draw the largest forces over time; return the place of the largest of them.
+    """Draw the largest forces over time; return the largest of them.
 
     The number of a wall force is that of the list of impacts: the curve has the forces at the rows only.
     """
@@ -225,7 +226,7 @@ def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]
 
 
 def _name_peak(axes: Axes, peak: ChartPeak) -> Text:
-    """Write the value of a peak beside its place, on the side with more room, and return the text."""
+    """Write the value of a peak beside its position, on the side with more room, and return the text."""
     text, position, colour = peak
     is_left = axes.transAxes.inverted().transform(axes.transData.transform(position))[0] > 0.5  # noqa: PLR2004
     look: dict[str, Any] = {"color": colour, "fontsize": NUMBER_SIZE, "va": "center"}

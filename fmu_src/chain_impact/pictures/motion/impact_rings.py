@@ -92,12 +92,11 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> None:
     ink.bar(*_obstacles(axes, recording))
     is_told = name_loads(axes, recording, ink, slice(1))
     rank_of_row = {row: rank for rank, row in enumerate(rows_by_height(marks_of(recording)[1]).tolist())}
-    hits_at = {
-        ring_position: sorted(hits, key=rank_of_row.__getitem__)
-        for ring_position, hits in rings(axes, recording).items()
-    }
+    hits_at = rings(axes, recording)
     earlier_texts, free_pixels = {*axes.texts}, ink.pixels()
     while True:
+        for hits in hits_at.values():
+            hits.sort(key=rank_of_row.__getitem__)
         ring_positions = sorted(hits_at, key=lambda ring_position: rank_of_row[hits_at[ring_position][0]])
         labels = [
             _ring_label(recording, ring_position, hits_at[ring_position]) for ring_position in ring_positions
@@ -108,16 +107,13 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> None:
             for ring_position, label in zip(ring_positions, labels, strict=True)
             if any(label is missed_label for missed_label in missed)
         ]
-        joined_hits = _joined(recording, hits_at, lacking[-1:])
+        joined_hits = _joined(recording, hits_at, lacking[-1]) if lacking else hits_at
         if len(joined_hits) == len(hits_at):
             break
         for text in {*axes.texts} - earlier_texts:
             text.remove()
         ink.restore(free_pixels)
-        hits_at = {
-            ring_position: sorted(hits, key=rank_of_row.__getitem__)
-            for ring_position, hits in joined_hits.items()
-        }
+        hits_at = joined_hits
     if is_told:
         name_loads(axes, recording, ink, slice(1, None))
 
@@ -125,25 +121,22 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> None:
 def _joined(
     recording: Recording,
     hits_at: dict[tuple[float, float], list[int]],
-    lacking: Sequence[tuple[float, float]],
+    ring_position: tuple[float, float],
 ) -> dict[tuple[float, float], list[int]]:
-    """Return ``hits_at``, in which rings without a label have joined the nearest ring at the same wall.
+    """Return ``hits_at``, in which a ring has joined the nearest ring at the same wall, if there is one.
 
-    ``hits_at``: position of a ring → rows of the impacts in its label; ``lacking``: the positions of rings
-    whose labels have no room. A ring that is alone at its wall stays.
+    ``hits_at``: position of a ring → rows of the impacts in its label; ``ring_position``: that of the ring,
+    whose label has no room.
     """
     joined_hits, walls = dict(hits_at), recording.impacts["wall"]
-    for ring_position in lacking:
-        hits = joined_hits.pop(ring_position)
-        near_positions = [
-            position for position in joined_hits if walls[joined_hits[position][0]] == walls[hits[0]]
-        ]
-        if near_positions:
-            nearest_position = min(near_positions, key=lambda position: math.dist(position, ring_position))
-            joined_hits[nearest_position] = [*joined_hits[nearest_position], *hits]
-        else:
-            joined_hits[ring_position] = hits
-    return joined_hits
+    hits = joined_hits.pop(ring_position)
+    near_positions = [
+        position for position in joined_hits if walls[joined_hits[position][0]] == walls[hits[0]]
+    ]
+    if not near_positions:
+        return hits_at
+    nearest_position = min(near_positions, key=lambda position: math.dist(position, ring_position))
+    return joined_hits | {nearest_position: [*joined_hits[nearest_position], *hits]}
 
 
 def _ring_label(recording: Recording, ring_position: tuple[float, float], hits: Sequence[int]) -> Label:

@@ -329,8 +329,8 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
         return Label(text, position, short=short, other_marks=other_positions)
 
     # a number may be wider than the distance of marks: it only must not be nearer to another numbered mark
-    every_kth = [label([row])._replace(other_marks=()) for row in range(step - 1, len(times), step)]
-    tries = [every_kth] if step > 1 else []
+    kth_rows = range(step - 1, len(times), step) if step > 1 else ()
+    tries = [[label([row])._replace(other_marks=()) for row in kth_rows]] if kth_rows else []
     for rows in label_subsets(rows_by_height(heights).tolist()):
         groups = {tuple(sorted(common_rows[row], key=lambda row: -heights[row])) for row in rows}
         if len(groups) <= MOST_NUMBER_LABELS:

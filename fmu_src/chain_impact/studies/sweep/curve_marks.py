@@ -40,18 +40,27 @@ def joined_pairs(runs: Runs, quantity: Quantity, lines: Sequence[np.ndarray]) ->
     value does not jump between them. If fewer than LEAST_JOINED of all pairs are joined, none is.
     ``lines``: the indices of the runs of each line, in the order of the line, shape (R,).
     """
-    values, joined_lines, count = quantity.values_or_nan(runs), list[np.ndarray](), 0
-    for rows in lines:
-        is_known = np.isfinite(values[rows])
-        are_pairs = is_known[1:] & is_known[:-1]
+    values, joined_lines = quantity.values_or_nan(runs), list[np.ndarray]()
+    known_lines = known_pairs(runs, quantity, lines)
+    for rows, are_known in zip(lines, known_lines, strict=True):
         is_joined = np.diff(runs[COUNT][rows]) == 0
         if is_largest_value(quantity):
             is_joined = is_joined | ~jumps_between(values[rows])
-        joined_lines.append(is_joined & are_pairs)
-        count += int(are_pairs.sum())
-    if sum(int(joined.sum()) for joined in joined_lines) < LEAST_JOINED * count:
+        joined_lines.append(is_joined & are_known)
+    if pair_count(joined_lines) < LEAST_JOINED * pair_count(known_lines):
         return [np.zeros_like(joined) for joined in joined_lines]
     return joined_lines
+
+
+def known_pairs(runs: Runs, quantity: Quantity, lines: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Return for each line of ``joined_pairs`` whether each point and the next one have values."""
+    is_known = np.isfinite(quantity.values_or_nan(runs))
+    return [is_known[rows[1:]] & is_known[rows[:-1]] for rows in lines]
+
+
+def pair_count(lines: Sequence[np.ndarray]) -> int:
+    """Return the number of pairs in all lines; each line has True for each pair, shape (R - 1,)."""
+    return sum(int(pairs.sum()) for pairs in lines)
 
 
 def jumps_between(values: np.ndarray) -> np.ndarray:

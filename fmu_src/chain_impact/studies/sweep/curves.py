@@ -22,6 +22,8 @@ from chain_impact.studies.sweep.curve_marks import (
     broken_line,
     is_largest_value,
     joined_pairs,
+    known_pairs,
+    pair_count,
     ring_hidden_marks,
 )
 from chain_impact.studies.sweep.maps import (
@@ -121,17 +123,11 @@ def gaps_text(
     """
     if runs.design.samples is not None:
         return ""
-    rows_of_lines, has_gaps, is_without_lines = (
-        [*lines_of(runs, abscissa, choice).values()],
-        set[bool](),
-        False,
-    )
+    rows_of_lines = [*lines_of(runs, abscissa, choice).values()]
+    has_gaps, is_without_lines = set[bool](), False
     for quantity in quantities:
-        joined = joined_pairs(runs, quantity, rows_of_lines)
-        is_known = np.isfinite(quantity.values_or_nan(runs))
-        pairs = [is_known[rows[1:]] & is_known[rows[:-1]] for rows in rows_of_lines]
-        count = sum(int(line_pairs.sum()) for line_pairs in joined)
-        if count < sum(int(line_pairs.sum()) for line_pairs in pairs):
+        count = pair_count(joined_pairs(runs, quantity, rows_of_lines))
+        if count < pair_count(known_pairs(runs, quantity, rows_of_lines)):
             is_without_lines |= not count
             has_gaps |= {is_largest_value(quantity)} if count else set()
     parts = [

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
+from matplotlib.path import Path
 from matplotlib.patheffects import Normal, Stroke
 from matplotlib.text import Annotation
 from matplotlib.transforms import Bbox
@@ -61,9 +62,14 @@ def place_names(figure: Figure) -> None:
     numbered_texts = set[str]()
     for axes in figure.axes:
         parts = [part for part in axes.collections if isinstance(part, ContourSet)]
-        lines = [path.transformed(part.get_transform()) for part in parts for path in part.get_paths()]
+        # value of a contour, as in the map, and a line of this contour
+        lines = [
+            (f"{next(iter(part.levels)):g}", path.transformed(part.get_transform()))
+            for part in parts
+            for path in part.get_paths()
+        ]
         if parts:
-            _remove_crowded_values(axes, parts, numbered_texts)
+            _remove_crowded_values(axes, lines, numbered_texts)
         for name in axes.texts:
             if isinstance(name, Annotation) and name.get_text() == SCENE:
                 values = [
@@ -73,18 +79,22 @@ def place_names(figure: Figure) -> None:
                 for position in NAME_POSITIONS:
                     _put(name, position)
                     box = name.get_window_extent()
-                    is_outside = not np.allclose(Bbox.union([axes.bbox, box]).size, axes.bbox.size)
                     covered = [box.overlaps(value) for value in values]
-                    covered += [line.intersects_bbox(box, filled=False) for line in lines]
-                    placed_names.append((is_outside, sum(covered)))
+                    covered += [line.intersects_bbox(box, filled=False) for _, line in lines]
+                    placed_names.append((not _is_inside(axes, box), sum(covered)))
                 _put(name, NAME_POSITIONS[placed_names.index(min(placed_names))])
                 name.set_visible(not parts or min(placed_names) == (False, 0))
 
 
-def _remove_crowded_values(axes: Axes, parts: Sequence[ContourSet], numbered_texts: set[str]) -> None:
+def _is_inside(axes: Axes, box: Bbox) -> bool:
+    """Return whether a box lies within the axes, up to round-off."""
+    return np.allclose(Bbox.union([axes.bbox, box]).size, axes.bbox.size)
+
+
+def _remove_crowded_values(axes: Axes, lines: Sequence[tuple[str, Path]], numbered_texts: set[str]) -> None:
     """Hide those values of contours in a map without room or in ``numbered_texts``, and add the others.
 
-    ``parts``: the contours, each of one level.
+    ``lines``: for each line of a contour, the value as in the map, and the line in pixels.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
@@ -94,17 +104,12 @@ def _remove_crowded_values(axes: Axes, parts: Sequence[ContourSet], numbered_tex
         if isinstance(text, Annotation):
             continue
         box, value = text.get_window_extent(), text.get_text()
-        lines = [
-            path.transformed(part.get_transform())
-            for part in parts
-            if f"{next(iter(part.levels)):g}" != value
-            for path in part.get_paths()
-        ]
-        is_inside = np.allclose(Bbox.union([axes.bbox, box]).size, axes.bbox.size)
         is_crowded = any(box.overlaps(other_box) for other_box in boxes)
-        is_crowded |= any(line.intersects_bbox(box, filled=False) for line in lines)
+        is_crowded |= any(
+            line.intersects_bbox(box, filled=False) for line_value, line in lines if line_value != value
+        )
         is_repeated = is_narrow_map and value in numbered_texts
-        text.set_visible(is_inside and not is_crowded and not is_repeated)
+        text.set_visible(_is_inside(axes, box) and not is_crowded and not is_repeated)
         if text.get_visible():
             boxes.append(box)
             numbered_texts.add(value)

@@ -15,6 +15,6 @@ export function store(key, text) {
   try {
     localStorage.setItem(PREFIX + key, text);
   } catch {
-    // see above
+    // without storage, the choice holds until the page closes
   }
 }
