@@ -23,7 +23,8 @@ from benchmarks.step_equations import Step
 
 NO_EVENT, ONE_EVENT, UNDECIDED = "no event", "one event", "undecided"
 ORDER = 12  # degree of the Taylor polynomials in a part of a step
-PARTS = (2, 6, 18, 54, 162)  # numbers of parts of a step, which are tried until all candidates are decided
+# numbers of parts of a step; the next number is tried as long as the verdict on a candidate is UNDECIDED
+PARTS = (2, 6, 18, 54, 162)
 # factor of the step's length up to which the search for an event marked at the end of the step continues
 BEYOND = 1.01
 # margins of the logarithmic norm above the largest Re λ of the Jacobian, multiplied by the length of a step
@@ -98,7 +99,10 @@ class Part:
 
 
 def _joined(thin: Any, wide: Any) -> Row:
-    """Return the terms of a Taylor polynomial with Lagrange's remainder."""
+    """Return the terms of a Taylor polynomial with Lagrange's remainder, the last term.
+
+    ``thin`` is the series about the middle of a part, ``wide`` that about the ball of all places.
+    """
     if min(thin.prec, wide.prec) <= ORDER:
         raise RefusalError("a force is not smooth")
     return [*(thin[k] for k in range(ORDER)), wide[ORDER]]
@@ -151,7 +155,7 @@ class Certificate:
         self.reference = Matrix((sample[0].inertia @ self.from_norm).middle)
 
     def _bound(self, pieces: list[tuple[float, float]]) -> None:
-        """Find a tube that contains y, and the bound at the end of the tube.
+        """Find the radius of a tube that contains y, and the bound ``error``; ``pieces``: ends of the parts.
 
         Raises:
             RefusalError: when no tube is found.

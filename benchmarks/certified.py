@@ -72,7 +72,7 @@ def missing(d: Any) -> str:
 
 
 def steps(scene: Scene) -> Iterator[Any]:
-    """Yield the record after each step of a run, up to a fault, the stop time or the step LATEST."""
+    """Yield the record, always the same one, after each step up to a fault, the stop time or step LATEST."""
     run = Instance(scene)
     step = run.record["step"]
     for _ in range(LATEST):

@@ -104,31 +104,6 @@ def needed(package: str) -> None:
         sys.exit(f"{reason}; pip install -e '.[bench]'")
 
 
-def levelled(
-    rows: list[dict[str, Any]], keys: tuple[str, ...], ours: Mapping[Any, Callable[[], object]]
-) -> list[dict[str, Any]]:
-    """Return the rows of contenders with times as if all of them had been timed at once.
-
-    Contenders with the same values of the keys are timed in turn, but one case after the other, and other
-    programs may slow the machine down during one case. So our own run is timed for all cases in turn, and a
-    contender's time is its ratio to our run in the same case, multiplied by this time.
-
-    Args:
-        rows: the measurements, with ``times_ours`` unless a run failed.
-        keys: the keys that distinguish cases.
-        ours: values of the keys → our run.
-    """
-    for run in ours.values():
-        run()
-    own = {case: statistics.median(values) for case, values in interleave(ours, 25, 0.02).items()}
-    new = []
-    for row in rows:
-        case = tuple(row[key] for key in keys)
-        times = {"seconds": median([own[case] * row["times_ours"]["median"]])} if "times_ours" in row else {}
-        new.append(row | times)
-    return new
-
-
 def environment(packages: tuple[str, ...] = ()) -> dict[str, Any]:
     """Return machine, versions, commit and date of this run; ``packages`` are further packages.
 

@@ -287,13 +287,13 @@ def draw(figure: Any, record: Any) -> None:
     panels[0].set_yticks(
         [LEAST, 1e-4, 1e-2, 1.0, 1e2, 1e4], ["none", *(f"$10^{{{k}}}$" for k in (-4, -2, 0, 2, 4))]
     )
-    write_headline(figure, *told(results))
+    write_headline(figure, *headline(results))
     # below the lowest decade that is drawn, the axis is broken: "none" is not on the logarithmic scale
     panels[0].axhline(BREAK, color=INK, linewidth=0.8, linestyle=(0.0, (1.0, 3.0)))
     figure.legend(handles=highest_first(panels), loc="outside lower center", ncols=NAMES_IN_ROW)
 
 
-def told(results: dict[str, list[dict[str, Any]]]) -> tuple[str, str]:
+def headline(results: dict[str, list[dict[str, Any]]]) -> tuple[str, str]:
     """Return the title and the text below it: drift, CPU time over ours, and error over ours.
 
     If even our loosest run has a smaller error than MuJoCo's, the factor of the time is a lower bound.

@@ -59,7 +59,7 @@ class Compared(NamedTuple):
 
     @property
     def holds(self) -> bool:
-        """Whether the converted robot moves as in MuJoCo, or a message names the difference."""
+        """Whether the robot moves as in MuJoCo, is refused, or a message names the difference."""
         return self.difference is None or self.difference <= ALIKE or bool(self.cause)
 
 

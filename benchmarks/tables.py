@@ -55,7 +55,7 @@ def find(rows: list[dict[str, Any]], **key: object) -> dict[str, Any]:
 
 
 def milliseconds(row: dict[str, Any]) -> str:
-    """Return the time of a row [ms]."""
+    """Return the time of a row [ms] as text; a dash without a time."""
     return digits(1e3 * row["seconds"]["median"] if "seconds" in row else None)
 
 

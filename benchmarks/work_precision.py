@@ -90,7 +90,7 @@ def at_equal_error(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return found
 
 
-def factors_told(equal: list[dict[str, Any]]) -> tuple[str, str]:
+def headline(equal: list[dict[str, Any]]) -> tuple[str, str]:
     """Return title and text on how long peers take at equal error, at all tolerances; "" without times."""
     found = {}
     for name in LOOKS:
@@ -143,7 +143,7 @@ def draw(figure: Any, record: Any) -> None:
     keys.append(Line2D([], [], color=INK, marker="x", linestyle="", label="other impacts"))
     keys.append(Line2D([], [], color=INK, label="pale bar: range of all rounds", **ALL_ROUNDS))
     figure.legend(handles=keys, loc="outside lower center", ncols=NAMES_IN_ROW)
-    title, factors = factors_told(results["at equal error"])
+    title, factors = headline(results["at equal error"])
     told = [
         factors,
         f"points of simulate() from the right: tolerances from {decade(TOLERANCES[0])} to "

@@ -21,7 +21,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.scene import Scene
 
 SKIP = 1e-9  # [s] time after an onset in which the new contact has no force
-MOST_LINKS = 10  # chains with more links are left out: the expressions grow with the square of this number
+MOST_LINKS = 10  # longer chains are left out, as the expressions grow with the square of the number of links
 hy.set_logger_level_critical()
 
 
@@ -67,7 +67,7 @@ class Taylor(OnKernel):
         return hy.taylor_adaptive(system, [0.0] * len(system), tol=self.tolerance, t_events=falling)
 
     def links(self, q: Any) -> tuple[list[Any], list[Any]]:
-        """Return vectors along the links [m]."""
+        """Return the components along x, and those along y, of the vectors along the links [m]."""
         lengths = [float(length) for length in self.given["length"]]
         x = [length * hy.cos(q[2 + i]) for i, length in enumerate(lengths)]
         return x, [length * hy.sin(q[2 + i]) for i, length in enumerate(lengths)]

@@ -21,6 +21,8 @@ from benchmarks.problems import Problem
 def run_segment(rate, least, address, y, found, stop, tolerance, grid, clock):  # noqa: PLR0917
     """Integrate from y at clock[0] [s], with a first step clock[1] [s], to the next event or to ``stop``.
 
+    On success ``y`` and clock[0] are then those of this end.
+
     Returns:
         Whether it succeeds, whether it ends with an event, and the states at the ends of the steps, or at the
         times of ``grid`` if it has any.

@@ -72,7 +72,7 @@ def test_a_chart_is_drawn_with_its_quantities_above_and_figures_below(charts, na
 
 def test_the_chart_of_friction_tells_factors_of_time_and_error(charts):
     module, results = charts("friction"), stored("friction")["results"]
-    title, text = module.told(results)
+    title, text = module.headline(results)
     at = {
         key: next(r for r in results[key] if (r["name"], r["setting"]) == (module.CREEPS, module.SHOWN))
         for key in module.TIMES
@@ -128,7 +128,7 @@ def test_a_peer_without_a_time_is_a_gap(charts):
     assert not [row for row in results["at equal error"] if "CVODE Adams" in row["times as long"]]
     _, page = message(module, record)
     assert "as CVODE Adams" not in " ".join(text.get_text() for text in page.texts)
-    assert module.factors_told([]) == ("", "")
+    assert module.headline([]) == ("", "")
 
 
 def test_the_title_of_the_speeds_holds_at_all_tolerances(charts):

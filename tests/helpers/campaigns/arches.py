@@ -1,9 +1,9 @@
 """Random chains with dry friction at a wall and in their joints, many with slow torques: a campaign.
 
-``python -m tests.helpers.campaigns.arches`` runs them for ten seconds of simulated time, or ``--lasting``
-longer. For each kind the command prints how many runs end early, and with which status. In these scenes the
-constraints of sticking elements often depend on each other: a flat arch stands on both tips, a chain lies on
-all its points.
+``python -m tests.helpers.campaigns.arches`` runs them for ten seconds of simulated time, or for the time
+``--lasting``. For each kind the command prints how many runs end early, and with which status. In these
+scenes the constraints of sticking elements often depend on each other: a flat arch stands on both tips, a
+chain lies on all its points.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def links_of(draw: Draw, kind: str) -> list[dict[str, float]]:
 
 
 def table_of(draw: Draw, kind: str) -> dict[str, Any]:
-    """Return the table of a scene: a chain is thrown on a rough floor or slope; arches are nearly flat."""
+    """Return the table of a scene: a chain falls on a rough floor or slope; arches are nearly flat."""
     links = links_of(draw, kind)
     friction, steep = draw.power(0.05, 1.6), 0.6 if kind == "arch" else 1.5
     contact: dict[str, Any] = {
@@ -84,7 +84,7 @@ def table_of(draw: Draw, kind: str) -> dict[str, Any]:
 
 
 def torques_of(draw: Draw, kind: str, count: int) -> dict[str, Signal]:
-    """Return slow torques in most joints of arches, and of every other chain."""
+    """Return slow torques in most joints of arches, and of half of the other chains, as functions of time."""
     if not (kind == "arch" or draw.chance(0.5)):
         return {}
     return {

@@ -10,7 +10,7 @@ Given = tuple[dict[str, Any], dict[str, Any]]  # a scene as a table, and inputs
 
 
 def carts(draw: Draw) -> Given:
-    """Return a chain on a slider that a sine pushes, with stops, dry friction and a limit of its force."""
+    """Return a chain on a slider that a sine pushes, with stops, a limit of force, and some dry friction."""
     slider = {
         "angle": draw.real(-0.5, 0.5),
         "mass": draw.power(0.3, 4.0),
@@ -45,7 +45,7 @@ def carts(draw: Draw) -> Given:
 
 
 def moved_bases(draw: Draw) -> Given:
-    """Return a pinned chain whose base begins to move, or changes its acceleration, by jumps."""
+    """Return a pinned chain whose base moves with an acceleration that jumps."""
     ramp = {"form": "ramp", "start": draw.real(0.05, 0.2), "duration": draw.real(0.1, 0.3)}
     push = draw.one(
         (

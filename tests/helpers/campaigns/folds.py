@@ -28,7 +28,7 @@ from tests.helpers.scenes.problems import GRAVITY
 
 TOUCHING = 1e-12  # m
 ROUND_OFF = 1e-9  # largest error by round-off, over the energy of the chain
-# The largest pull, over the largest possible momentum: the point that rises by less than round-off is
+# The largest pull, over the largest possible momentum: a point that rises with less speed than round-off is
 # stopped, which takes back this part of an impulse that the wall gives just before or after.
 STOP = 1e-7
 ERRORS = 100.0  # allowed sum of the errors of steps, in tolerances of the energy of the chain
@@ -40,7 +40,8 @@ def faults(scene: Scene) -> dict[str, float]:
     """Return the violations of the law in a run of the scene: kind → size, over the allowed size.
 
     ``pull``: an impulse below 0; ``pulling contact``: a negative sum of the impulses of a contact.
-    ``impulse``: an impulse larger than the energy explains. ``loss``: an impact loses more than (1 − e²) T̂.
+    ``impulse``: a sum of impulses larger than the energy explains. ``loss``: an impact loses more than
+    (1 − e²) T̂.
     ``held``: walls that hold points lose more than errors of steps explain. ``gain``: an increase of energy.
     ``status``: the run ends early.
     """

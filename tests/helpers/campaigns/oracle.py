@@ -81,7 +81,7 @@ def laws(scene: Scene) -> list[Law]:
 
 
 def columns(every: list[Law], impacts: np.ndarray) -> SimpleNamespace:
-    """Return the laws of contacts as columns."""
+    """Return the laws of a run's impacts as columns, a row for each impact."""
     by_candidate = {(law.point, law.wall): law for law in every}
     rows = [by_candidate[int(row["point"]), int(row["wall"])] for row in impacts]
     names = ("stiffness", "exponent", "slowest", "unit", "stop")
@@ -90,7 +90,7 @@ def columns(every: list[Law], impacts: np.ndarray) -> SimpleNamespace:
 
 @dataclass(frozen=True)
 class Columns:
-    """The data of a chain's links, as columns."""
+    """The data of a chain's links, as columns; ``ratio`` is the centre of mass over the length."""
 
     length: np.ndarray
     mass: np.ndarray
@@ -239,7 +239,7 @@ def checks(run: Account, cpu: float = CPU) -> Iterator[Row]:
     yield from containment(run)
     yield from friction_checks(run.scene, outputs)
     yield from speeds(run)
-    yield from moments(run)
+    yield from contact_times(run)
     yield from falls(run.scene, outputs)
     yield from load_checks(run)
 
@@ -248,7 +248,7 @@ def checks(run: Account, cpu: float = CPU) -> Iterator[Row]:
 
 
 def containment(run: Account) -> Iterator[Row]:
-    """Check that every point beyond a wall is in contact. The energy of the chain bounds its penetration."""
+    """Check that points beyond a wall or stop are in contact, not pulled, and as deep as energy allows."""
     every = run.laws
     if not every:
         return
@@ -343,7 +343,7 @@ def speeds(run: Account) -> Iterator[Row]:
         yield f"negative {name}", -least, ROUND_OFF * fastest, f"{name} below zero by [m/s]"
 
 
-def moments(run: Account) -> Iterator[Row]:
+def contact_times(run: Account) -> Iterator[Row]:
     """Check that contacts begin after the start, end after they begin, and not after the end of the run."""
     onset, end = run.impacts["onset"], run.impacts["end"]
     last = run.scene.simulation.stop_time if run.status == OK else np.inf

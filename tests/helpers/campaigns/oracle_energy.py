@@ -78,7 +78,11 @@ def spring_moments(run: Account) -> np.ndarray:
 
 
 def dissipated_scale(run: Account) -> float:
-    """Return the scale of the dissipated energy [J]: this energy plus the kinetic energy at onsets."""
+    """Return the scale of the dissipated energy [J], which is at least the energy of the error norm.
+
+    This energy is added to the dissipated energy and the largest kinetic energy of an onset, of which at most
+    twice the available energy counts.
+    """
     sizes = np.abs(run.outputs["dissipated"]).max() + brought(run)
     return run.chain.energy + min(float(sizes), 2.0 * float(available(run).max()))
 
@@ -90,7 +94,7 @@ def available(run: Account) -> np.ndarray:
 
 
 def elastic_scale(run: Account) -> float:
-    """Return the sum of the contacts' largest K δⁿ times the scale of their penetrations [J]."""
+    """Return the largest product of a contact's K δⁿ and the scale of its penetration [J]."""
     impacts, law = run.impacts, run.laws_of_impacts
     if not len(impacts):
         return 0.0
@@ -103,9 +107,9 @@ def elastic_scale(run: Account) -> float:
 
 
 def expected(run: Account) -> tuple[np.ndarray, np.ndarray]:
-    """Return v₀ [m/s] of each contact, and the depth δ* [m] with K δ*ⁿ⁺¹/(n+1) = ½ m v₀².
+    """Return v₀ [m/s] of each contact, and the depth δ* [m] with K δ*ⁿ⁺¹/(n+1) = ½ m v₀²; at stops in rad.
 
-    Both are 0 for a rigid contact.
+    δ* is 0 for a rigid contact.
     """
     law = run.laws_of_impacts
     v0, n = np.maximum(run.impacts["impact_speed"], law.slowest), law.exponent

@@ -1,9 +1,9 @@
 """Random chains of bodies (offsets of centres of mass, points, boxes, sliders), and checks that hold for all.
 
-``python -m tests.helpers.campaigns.random_bodies FIRST COUNT`` runs so many scenes and prints faults:
-accelerations that differ from Lagrange's equations with the contact forces in the outputs, an energy balance
-that is not constant, a penetration that does not belong to the position of its point, or results whose bits
-depend on the output step.
+``python -m tests.helpers.campaigns.random_bodies FIRST COUNT`` runs so many scenes and prints faults: a run
+that ends early, accelerations that differ from Lagrange's equations with the contact forces in the outputs,
+an energy balance that is not constant, dissipation that falls, a penetration that does not belong to the
+position of its point, or results whose bits depend on the output step.
 """
 
 from __future__ import annotations
@@ -33,13 +33,16 @@ FALL = 10.0  # largest decrease of the dissipated energy between rows, over the 
 RESIDUAL = 1e-9  # largest error of the equations of motion, over the largest generalized force
 DEEP = 1e-9  # [m or rad] largest difference between a penetration and the position of its point
 CLOSED = (BASE_BEYOND_WALL, NO_ROOM, EVENT_STORM, STEP_TOO_SMALL, TOO_MUCH_WORK)
-"""The fault of a run in which moving walls, or a moving base, leave the chain no room."""
+"""The statuses that are no fault of a run with moving walls or base: these may leave the chain no room."""
 DRIVEN = 10000  # the first seed of scenes with drives, and with moving bases and walls
 WORK = 5e6  # [1/s] evaluations per second at which a run ends early
 
 
 def bodies(seed: int) -> Scene:
-    """Return one to four links, most of them bodies, on any base, beside walls or stops that touch them."""
+    """Return one to four links, most of them bodies, on any base, close to walls, some with stops.
+
+    From the seed DRIVEN on, scenes also have drives, and walls or a base that may move.
+    """
     draw = Draw(seed, 66)
     base = draw.one(("free", "pinned", "slider"))
     chain: dict[str, Any] = {"base": base}
@@ -124,7 +127,7 @@ def slider_of(draw: Draw) -> dict[str, Any]:
 
 
 def driven(data: dict[str, Any], draw: Draw) -> dict[str, Any]:
-    """Return the scene with drives that have targets, forces or limits; bases and walls may move."""
+    """Return the table with drives that have targets, forces or limits; a pinned base and walls may move."""
     chain, count = data["chain"], len(data["chain"]["links"])
     joints, slides = range(1 + (chain["base"] == "free"), count + 1), chain["base"] == "slider"
     follow, pushed, stop = draw.chance(0.5), draw.chance(0.5), data["simulation"]["stop_time"]
@@ -204,7 +207,7 @@ def contact(draw: Draw, count: int, base: str) -> dict[str, Any]:
 
 
 def walls(draw: Draw, scene: Scene, driven: bool) -> list[dict[str, Any]]:
-    """Return one to three walls near the points that may touch."""
+    """Return one to three walls near the points that may touch; ``driven``: also near a pinned base."""
     links, found = len(scene.chain.links), []
     may = {point for point in scene.start if point > links} | {*scene.contact.points}
     if driven and scene.chain.base == "pinned":

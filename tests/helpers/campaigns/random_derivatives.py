@@ -33,8 +33,8 @@ from tests.helpers.scenes.problems import of_law
 SIZES = (1e-6, 5e-6)  # sizes of the differences, relative to the parameter
 AGREE = 3e-3  # largest difference of the two differences that count as having one limit, over the derivative
 WRONG = 1e-2  # largest error of a derivative that errors of a run explain, over the derivative
-# smallest derivative that is compared, over the largest one of a column, and over value over parameter;
-# smaller ones are errors of the runs
+# least size to which an error is relative, over the largest derivative of a column, and over value over
+# parameter; smaller derivatives are errors of the runs
 LEAST = 1e-3
 ROUND_OFF = 1e-13  # the largest value of an output, in the output's unit, that may be round-off
 # factor on the error that a run reports: it is relative to the largest derivative of a position, and the
@@ -77,7 +77,10 @@ PARAMETERS = (
 
 @dataclass
 class Checked:
-    """The numbers of compared derivatives and of rows, and the wrong derivatives."""
+    """The numbers of compared derivatives and of rows with one, and the wrong derivatives.
+
+    A wrong derivative is a tuple: parameter, time [s], output or impact, derivative, and difference.
+    """
 
     rows: int = 0
     compared: int = 0
@@ -85,7 +88,10 @@ class Checked:
 
 
 def thrown(draw: Draw, stiffest: float = 1e6, rigid: bool = False, **asked: Any) -> Given:
-    """Return one to three links that fall on a floor, or swing on a pinned base against a floor or a wall."""
+    """Return one to three links that fall on a floor, some beside a wall, or swing above it on a pinned base.
+
+    ``asked`` may have ``pinned``, ``stops``, ``stop`` (time), ``method``, and ``friction``, a probability.
+    """
     pinned, friction = asked.get("pinned", draw.chance(0.4)), asked.get("friction", 0.0)
     links = []
     for i in range(draw.whole(1, 3)):
@@ -185,7 +191,10 @@ KINDS: dict[str, Callable[[Draw], Given]] = {
 
 
 def given(kind: str, seed: int) -> tuple[Scene, dict[str, Any], list[str]] | None:
-    """Return a scene of a kind with all values given, inputs, and parameters; None if it starts in a wall."""
+    """Return a scene of a kind with all values given, its inputs, and at most three of PARAMETERS.
+
+    None if the package refuses the scene, because it starts in a wall.
+    """
     draw = Draw([*KINDS].index(kind), seed)
     table, inputs = KINDS[kind](draw)
     try:
@@ -218,7 +227,10 @@ def check(kind: str, seed: int) -> Checked:
 
 
 def compare(scene: Scene, inputs: dict[str, Any], parameters: list[str], scale: float = 1.0) -> Checked:
-    """Compare derivatives with differences whose sizes are ``scale`` times SIZES."""
+    """Compare derivatives with differences whose sizes are ``scale`` times SIZES.
+
+    If one of the runs ends early, nothing counts as compared.
+    """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
@@ -243,7 +255,10 @@ def moved(scene: Scene, inputs: dict[str, Any], parameter: str, size: float) -> 
 
 
 def compare_one(result: Result, parameter: str, value: float, near: Any, found: Checked) -> None:
-    """Compare the derivatives by a parameter of all outputs, and of the impacts that all runs have."""
+    """Compare the derivatives of all outputs by a parameter, and of the impacts if all runs have as many.
+
+    ``near`` are the results of ``moved`` for two sizes. The comparison is added to ``found``.
+    """
     by = result.sensitivities
     columns = [name for name in by.columns if name in result.columns and name != "time"]
     values = np.stack([result[name] for name in columns], 1)
@@ -287,8 +302,8 @@ def left_open(result: Result) -> float:
 def differ(slopes: Any, one: Any, other: Any, floor: Any, told: Any) -> tuple[np.ndarray, np.ndarray]:
     """Return which derivatives are wrong, and which are compared: those for which both differences agree.
 
-    Derivatives below ``floor`` are not compared. ``told`` is the error that the run reports, with
-    the round-off of differences.
+    ``one`` and ``other`` are the differences. ``floor`` is the least size to which errors are relative, and
+    ``told`` the error that the run reports, with the round-off of differences.
     """
     size, apart = np.maximum(np.abs(other), floor + 1e-9), np.abs(one - other)
     compared = (apart <= AGREE * size) & ~np.isnan(slopes)

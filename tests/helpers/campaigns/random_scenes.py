@@ -192,7 +192,7 @@ def stopped(scene: Scene, draw: Draw, law: dict[str, Any], most_work: float) -> 
     Args:
         scene: the scene.
         draw: random numbers.
-        law: a table [contact] with the law of the stops; None for the law of the walls.
+        law: a table [contact] whose law most scenes use for their stops; the others use that of the walls.
         most_work: number of evaluations that the run may take, if this is less than the scene's limit.
     """
     angles, before = scene.initial.angles, (0.0, *scene.initial.angles)

@@ -1,9 +1,9 @@
 """Random scenes that come to rest by dry friction, dampers and walls: a campaign that anyone can run.
 
-``python -m tests.helpers.campaigns.resting`` runs them for ten seconds of simulated time, or ``--lasting`` an
-hour. For each kind the command prints how many runs end early, with which status, and how much the energy
-balance changes at rest. A kind is a function of random numbers that returns a scene's table; ``KINDS`` lists
-the kinds.
+``python -m tests.helpers.campaigns.resting`` runs them for ten seconds of simulated time, or for the time
+``--lasting``. For each kind the command prints how many runs end early, with which status, and how much the
+energy balance changes at rest. A kind is a function of random numbers that returns a scene's table; ``KINDS``
+lists the kinds.
 """
 
 from __future__ import annotations
@@ -149,13 +149,13 @@ def moment(one: Table) -> float:
 
 
 def dry(draw: Draw, one: Table) -> Table:
-    """Give a link's joint dry friction; some joints let the link hang, others hold it horizontal."""
+    """Give a link's joint dry friction, and return the link; some joints can hold it horizontal."""
     one["joint_friction"] = moment(one) * draw.power(0.03, 30.0)
     return one
 
 
 def resist(draw: Draw, one: Table, share: float = 0.3) -> None:
-    """Give some joints dampers, springs or a rotor."""
+    """Give the joint of a link a damper, a spring and a rotor, each with the probability ``share``."""
     if draw.chance(share):
         one["joint_damping"] = moment(one) * draw.power(0.001, 10.0)
     if draw.chance(share):
@@ -220,7 +220,7 @@ class Run:
     status: int
     reached: float  # s
     rests: bool  # whether the chain is at rest during the last half of the run
-    drift: float  # change of the energy balance in the last half, over its size
+    drift: float  # change of the energy balance in the last quarter, over the largest energy
     steps: int
     seconds: float  # time that the run took
 

@@ -35,7 +35,7 @@ NAN, WRONG, FOUND, OPEN, MOVES = (
 
 
 def thrown(seed: int) -> Scene:
-    """Return one to three links, some with dry joints."""
+    """Return the scene of a seed: one to three links, some with dry joints, above a rough floor or slope."""
     draw, links = Draw(seed), []
     for i in range(draw.whole(1, 3)):
         link = {"length": draw.real(0.15, 0.4), "mass": draw.real(0.2, 1.0)}
@@ -86,7 +86,10 @@ def shares_left_open(result: Result) -> list[float]:
 
 
 def check(seed: int) -> list[str]:
-    """Return the verdict on the derivatives at rest for each of the parameters."""
+    """Return the verdict on the derivatives at rest for each of PARAMETERS; [MOVES] without a rest.
+
+    A run that fails counts as one without a rest.
+    """
     scene = thrown(seed)
     try:
         result = simulate(scene, sensitivities=PARAMETERS)

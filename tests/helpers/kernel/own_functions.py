@@ -80,7 +80,7 @@ def in_plain_python(name: str, given: np.ndarray) -> np.ndarray:
 
 
 def lowered(folder: Path) -> Path:
-    """Return the functions as those of a user's law, in LLVM's language."""
+    """Return a file with the functions as those of a user's law, in LLVM's language."""
     file, law = folder / "functions.ll", folder / "functions.py"
     law.write_text(LAW, encoding="utf-8")
     compilers.lower(file, "law", law)
@@ -88,7 +88,10 @@ def lowered(folder: Path) -> Path:
 
 
 def program(law: Path, platform: str, folder: Path) -> Path:
-    """Return a program for a platform that reads arguments, and writes results."""
+    """Compile the file ``law`` of ``lowered`` to a program for a platform, and return its path.
+
+    The program reads a file of arguments and writes a file of results.
+    """
     source, made = folder / "functions.c", folder / f"functions-{platform}.exe"
     source.write_text(PROGRAM, encoding="utf-8")
     target = PLATFORMS[platform]

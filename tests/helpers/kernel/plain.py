@@ -96,7 +96,7 @@ def as_plain_python() -> Iterator[None]:
 
 
 def record_of(scene: Scene) -> Plain:
-    """Return a new instance of a scene."""
+    """Return a new instance of a scene, not yet initialized."""
     return Plain(PreparedScene(scene).new_instance()[0])
 
 
@@ -131,7 +131,7 @@ def make_rigid(d: Plain, rigid: Any = 1) -> None:
 
 
 def pack(d: Plain) -> None:
-    """Pack the active contacts as the solver does: contacts with a force come first."""
+    """Pack the active contacts as the solver does, those with a force first, and reset the quadratures."""
     packed = sorted(np.flatnonzero(d.contacts.active), key=lambda c: d.law.impulsive[c])
     d.contacts.active_index[: len(packed)] = packed
     d.contacts.active_count = len(packed)

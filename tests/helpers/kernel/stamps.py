@@ -94,7 +94,7 @@ class Stamps:
 
 
 def _outward(frame: FrameType | None, most: int) -> Iterator[FrameType]:
-    """Yield a frame of the kernel and those of its callers."""
+    """Yield a frame and those of its callers, at most so many, until one is not of the kernel."""
     while frame and most and frame.f_globals["__name__"].startswith("chain_impact.kernel"):
         yield frame
         frame, most = frame.f_back, most - 1

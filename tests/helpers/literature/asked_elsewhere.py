@@ -153,7 +153,7 @@ def elastic_bounces(count: int = 20) -> Question:
 
 
 def on_a_slope(part: float, stop: float, **more: Any) -> Result:
-    """Return a rod on a slope.
+    """Return the run, until ``stop`` [s], of a rod that starts at rest on a slope.
 
     Its coefficient of friction is ``part`` times the smallest holding coefficient.
     """
@@ -197,7 +197,7 @@ def slides() -> Question:
 
 
 def derivative(scene: Scene, output: str, name: str, **more: Any) -> float:
-    """Return the derivative of an output at the end."""
+    """Return the derivative of an output by the parameter ``name``, at the end of the run."""
     result = simulate(scene, sensitivities=[name], **more)
     return float(result.sensitivity(output, name)[-1])
 
@@ -235,7 +235,7 @@ def long_horizon(torque: float = 0.5, inertia: float = 0.2, stop: float = 1000.0
 
 
 def position_of_the_wall() -> Question:
-    """Return the derivative of a ball's end position, after an elastic impact, to the place of the wall."""
+    """Return the figure for a derivative by a wall's position: of a ball's place after an elastic impact."""
     scene = ball({"x_max": 0.52}, 0.0, 1.0, stop_time=1.0, model=RIGID, restitution=1.0)
     return Question(
         ("keenon/nimblephysics#97",),
@@ -247,7 +247,7 @@ def position_of_the_wall() -> Question:
 
 
 def restitution_of_a_speed() -> Question:
-    """Return the derivative of the speed after an impact with respect to e, through a force law."""
+    """Return the figure for a derivative by e: of the speed after an impact, with a force law."""
     scene = ball({"y_min": 0.0}, 1e-3, -2.0, stop_time=0.1, restitution=0.8)
 
     def slope() -> float:

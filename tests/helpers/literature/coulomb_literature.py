@@ -237,7 +237,7 @@ class StewartRod:
 def stewart_rod(stiffness: float = 1e7, restitution: float = 0.05) -> tuple[Table, StewartRod]:
     """Return a rod of 1 kg with round ends, .5 m apart, of .002 kg·m², that falls spinning at 4 rad/s.
 
-    Μ = .6.
+    The coefficient of friction is .6.
 
     Stewart & Trinkle 1996, Int J Numer Methods Eng 39:2673, after recreations of the example by others: the
     centre at 1 m, 30° from the horizontal, inelastic. The radius of the ends is 5 cm. With so little inertia

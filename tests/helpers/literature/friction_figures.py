@@ -213,7 +213,7 @@ def rocking_block(tolerance: float) -> Problem:
 def rocked(
     tilt: float, restitution: float, tolerance: float
 ) -> tuple[float, Result, coulomb_literature.RockingBlock]:
-    """Return the angular velocity [rad/s] in the flight after the other corner's impact, as K → ∞."""
+    """Return the spin [rad/s] after the other corner's impact as K → ∞, the stiff run, the exact answer."""
 
     def build(stiffness: float) -> Table:
         return coulomb_literature.rocking_block(tilt, stiffness=stiffness, restitution=restitution)[0]

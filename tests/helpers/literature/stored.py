@@ -43,7 +43,7 @@ BETWEEN = {
 def ball_between_walls(tolerance: float) -> Problem:
     """Return figures for a ball thrown up at 10 m/s from 1 m under a ceiling at 1.5 m.
 
-    E = 0.8, g = 10 m/s².
+    The restitution is 0.8, and g = 10 m/s².
     """
     box = {"y_min": 0.0, "y_max": 1.5}
     scene = ball(1.0, 10.0, 10.0, 6.0, box, model=RIGID, restitution=0.8, minimum_impact_speed=1e-9)

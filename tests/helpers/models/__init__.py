@@ -27,7 +27,8 @@ Walls and bases that move are among the driven models below.
 
 Small models, each in its own equations:
 - ``reference``: closed forms and plain algebra: mass matrix, clearances, impacts, damping factors
-- ``driven``: driven arms and bases; ``accumulation``: impacts whose times accumulate
+- ``driven``: shaken and carried arms, a ball on a moving table, a belt
+- ``accumulation``: impacts whose times accumulate
 - ``beam``: a beam as a sum of modes; ``housner``: a rocking block
 - ``coulomb_impact``: an impact of one point with Coulomb friction
 """

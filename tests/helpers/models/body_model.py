@@ -35,7 +35,7 @@ class BodyPlace(Place):
 
     @cached_property
     def directions(self) -> tuple[np.ndarray, np.ndarray]:
-        """E and e⊥ of all links, and the same vectors turned by a right angle, shape (lanes, 2N, 2)."""
+        """The vectors e and e⊥ of all links, and both turned by a right angle, shape (lanes, 2N, 2)."""
         return (
             np.concatenate([self.along, self.across], 1),
             np.concatenate([self.across, -self.along], 1),
@@ -71,7 +71,7 @@ class BodyPlace(Place):
 
 
 class BodyModel(ChainModel):
-    """The equations of a scene with bodies; stops in joints together with stops of a slider are left out.
+    """The equations of a scene with bodies; stops in joints together with stops of a slider are refused.
 
     ``motion`` supports neither the energy of drives nor moving walls.
     """
@@ -112,7 +112,7 @@ class BodyModel(ChainModel):
         self.own = self.own + turn.T @ (gear[:, None] * np.eye(n)) @ turn
 
     def _slider(self) -> None:
-        """Return P for the free coordinates, and the force along u."""
+        """Set P (``ways``), and for a slider u (``line``), its origin, and its mass in ``total``."""
         n, slider = self.links, self.scene.chain.slider
         free = [0, 1, *range(2, n + 2)] if self.scene.chain.base == "free" else range(2, n + 2)
         self.ways = np.tile(np.eye(n + 2, dtype=complex)[:, list(free)], (self.lanes, 1, 1))

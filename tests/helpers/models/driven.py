@@ -1,4 +1,4 @@
-"""Driven models in a few lines each, which share no code with the kernel: their motions at 1e-12."""
+"""Models with moving bases, walls or belts, in a few lines each, which share no code with the kernel."""
 
 import math
 from itertools import cycle
@@ -13,7 +13,10 @@ ACCURATE = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-14}
 
 
 def pendulum(times, start, amplitude, frequency, length):
-    """Return angles [rad] and rates of a rod on a pivot at y = a sin ωt; θ from +x, from rest."""
+    """Return angles [rad] from +x, and rates, of a rod on a pivot at y = a sin ωt; shape (2, T).
+
+    ``start`` is the first angle and rate.
+    """
     reduced = 2.0 * length / 3.0
 
     def rate(time, y):
@@ -25,7 +28,10 @@ def pendulum(times, start, amplitude, frequency, length):
 
 
 def stability(amplitude, frequency, reduced):
-    """Return whether the upright pendulum is stable, by Floquet's theorem for the linear equation."""
+    """Return whether the upright pendulum of a reduced length is stable on a pivot at y = a sin ωt.
+
+    By Floquet's theorem for the linear equation.
+    """
 
     def rate(time, y):
         factor = (GRAVITY - amplitude * frequency**2 * math.sin(frequency * time)) / reduced
@@ -37,7 +43,10 @@ def stability(amplitude, frequency, reduced):
 
 
 def table_impacts(start, amplitude, frequency, restitution, count):
-    """Return the impact times [s] of a ball, from a height and a speed, on a table at y = a sin ωt."""
+    """Return the first ``count`` impact times [s] of a ball on a table at y = a sin ωt.
+
+    ``start`` is the ball's height [m] and upward speed [m/s] at time 0.
+    """
     time, found, (height, speed) = 0.0, [], start
     while len(found) < count:
 
@@ -60,7 +69,8 @@ def table_impacts(start, amplitude, frequency, restitution, count):
 def period_one(acceleration, frequency, restitution):
     """Return height [m] and speed [m/s] of a ball that bounces once a period, at the table's y = 0 upward.
 
-    With Γ g the acceleration of the table, ball and table meet at the phase φ, cos φ = π (1 − e)/((1 + e) Γ).
+    With Γ g the acceleration of the table (``acceleration`` is Γ), ball and table meet at the phase φ,
+    cos φ = π (1 − e)/((1 + e) Γ).
     """
     amplitude = acceleration * GRAVITY / frequency**2
     phase = math.acos(math.pi * (1.0 - restitution) / ((1.0 + restitution) * acceleration))
@@ -72,6 +82,8 @@ def period_one(acceleration, frequency, restitution):
 
 def belt(stop_time, speed, height):
     """Return the motion of the link of ``stick_slip_belt``, as its angle from the vertical, on a belt.
+
+    The belt runs at ``speed`` [m/s], and is lifted by ``height(time)`` [m].
 
     Returns:
         The solution of each phase as (start, end, function of time for the angle and, in slip, its rate), and

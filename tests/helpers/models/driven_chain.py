@@ -35,7 +35,7 @@ class DrivenChain(Textbook):
         self.drives = self.exists * (np.isfinite(self.limit) | scene.inputs.joint_targets)
 
     def given(self, name: str, otherwise: Any, time: float) -> np.ndarray:
-        """Return the values of an input for all joints."""
+        """Return the values of an input for all joints; ``otherwise`` for joints without this input."""
         functions = [self.inputs.get(f"joint[{i + 1}].{name}") for i in range(self.n)]
         values = np.array(otherwise * np.ones(self.n))
         return np.array([value if f is None else f(time) for f, value in zip(functions, values, strict=True)])

@@ -42,7 +42,7 @@ Arrays = dict[str, np.ndarray]
 
 
 def kept(work_out: Callable[[], Arrays], module: str, scene: Scene, *given: Any) -> Arrays:
-    """Return the answer of a model, from its file if there is one.
+    """Return the answer of a model, from its file if there is one; otherwise work it out and write the file.
 
     Args:
         work_out: function that computes the answer.
@@ -62,7 +62,7 @@ def kept(work_out: Callable[[], Arrays], module: str, scene: Scene, *given: Any)
 
 
 def without_later(data: Any) -> Any:
-    """Return the tables of a scene without keys of LATER that have no effect."""
+    """Return the tables of a scene without keys of LATER whose values are 0, false, None or empty."""
     if isinstance(data, dict):
         return {key: without_later(one) for key, one in data.items() if one or key not in LATER}
     return [without_later(one) for one in data] if isinstance(data, list) else data
@@ -70,7 +70,7 @@ def without_later(data: Any) -> Any:
 
 @cache
 def sources(module: str) -> str:
-    """Return a hash of the code of a test module and of the helpers that it imports."""
+    """Return a hash of the code of a test module, and of the helpers that it and they import."""
     found: dict[str, str] = {}
     left = [module]
     while left:
@@ -104,7 +104,7 @@ def imports_from(node: ast.AST, *packages: str) -> bool:
 
 
 def code(source: str) -> str:
-    """Return the lines of a source without docstrings, comments, and imports from this repository."""
+    """Return the lines of a source without docstrings, comment lines, and imports from this repository."""
     lines = source.splitlines()
     for node in ast.walk(ast.parse(source)):
         if imports_from(node, ROOM, PACKAGE) or is_docstring(node):

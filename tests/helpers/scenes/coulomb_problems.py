@@ -1,6 +1,6 @@
 """Scenes with Coulomb friction at walls, or in a joint, that have exact answers.
 
-Each builder returns the table of a scene, and its exact motion. Units are SI.
+Each builder but ``lying`` returns the table of a scene, and its exact motion. Units are SI.
 
 Bodies start at a clearance of 0 and settle on the contact forces; the results do not depend on the settling.
 Along and across a wall that rises by α, with s = sign(v_t),
@@ -161,9 +161,9 @@ def sliding(
     static_friction: float | None = None,
     stop_time: float = 2.0,
 ) -> tuple[Table, Slide]:
-    """Return a body that slides along a slope: on a floor it stops at v/(µ g).
+    """Return a body that slides along a slope, and its motion: on a floor it stops after the time v/(µ g).
 
-    On a slope it may slide back.
+    On a slope it may slide back, or never stop.
     """
     table = lying(body, slope, speed, stop_time, friction=friction, static_friction=static_friction)
     holding = friction if static_friction is None else static_friction
@@ -268,7 +268,10 @@ class Pushed:
 
 
 def pushes(strength: float, count: int, begin: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return times and values of ``count`` pushes to and fro, of 0.1 s each, 0.4 s apart."""
+    """Return times [s] and values of ``count`` pushes to and fro from ``begin`` [s] on.
+
+    A push lasts 0.1 s, and the next one begins 0.4 s after it began.
+    """
     times, values = [0.0], [0.0]
     for k in range(count):
         times += [begin + 0.4 * k, begin + 0.4 * k + 0.1]
@@ -322,8 +325,8 @@ def oblique_ball(
 ) -> tuple[Table, Bounce]:
     """Return a point mass that hits a level floor obliquely without gravity; W_nt = 0 decouples its motions.
 
-    Slip reduces v_t by µ (1 + e) u, at most to 0. The result holds for any K, and depends only on e and λ of
-    the law.
+    Slip reduces v_t by µ (1 + e) u, at most to 0. Only ``end`` depends on K and n; the rest depends on e and
+    λ alone.
     """
     e, height = RESTITUTION, 1e-3
     (link,) = BALL.links
@@ -373,7 +376,7 @@ def braked_link(speed: float, moment: float) -> tuple[Table, Braked]:
 
 
 def driven_link(moment: float, count: int = 6) -> tuple[Table, dict[str, Any], Pushed]:
-    """Return a pinned link that a motor turns to and fro against its dry joint, and the inputs."""
+    """Return a pinned link that a motor turns to and fro against its dry joint, the inputs and the motion."""
     times, values = pushes(1.4 * moment, count, 0.2)
     # the last torque is too weak to move the link
     times, values = (*times, times[-1] + 0.3), (*values, 0.99 * moment)

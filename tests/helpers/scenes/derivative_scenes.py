@@ -41,7 +41,7 @@ class Case:
         object.__setattr__(self, "scene", scene_from_dict(data, self.scene.name))
 
     def value(self, parameter: str) -> float:
-        """Return the value of a parameter or of an input."""
+        """Return the value of an input or of a parameter; 0 if the scene does not have it."""
         return float(self.inputs.get(parameter, self.scene.values.get(parameter, 0.0)))
 
     def __hash__(self) -> int:
@@ -110,7 +110,7 @@ def link(length: float, mass: float, **more: float) -> dict[str, float]:
 
 
 def start(spins: Any = None, **more: Any) -> dict[str, Any]:
-    """Return a table [initial] with angular velocities."""
+    """Return a table [initial] with the keys ``more``, and with the angular velocities ``spins`` if given."""
     return more | ({} if spins is None else {"angular_velocities": spins})
 
 
@@ -133,7 +133,10 @@ def struck_twice(law: str, restitution: float = 0.7, stiffness: float = 1e7) -> 
 
 
 def all_parameters(scene: Scene, inputs: Mapping[str, float]) -> tuple[str, ...]:
-    """Return all numbers on which a motion depends, except the exponent and settings of the solver."""
+    """Return the names of the inputs, and of all parameters on which a motion depends.
+
+    Exponents, minimum impact speeds and the solver's settings are left out.
+    """
     tables = ["gravity", "link", "box", "wall", "initial", "stop"]
     if point_wall_pairs(scene):
         tables.append("contact")
@@ -334,16 +337,17 @@ def state_names(scene: Scene) -> list[str]:
 
 
 def size_of(case: Case, parameter: str) -> float:
-    """Return the absolute value of a parameter; 1 if it is zero."""
+    """Return the absolute value of a parameter; 1 if the value is zero."""
     return abs(case.value(parameter)) or 1.0
 
 
 def off(found: np.ndarray, right: np.ndarray, values: np.ndarray, unit: float) -> float:
-    """Return the error of derivatives by a parameter with a value, over the largest derivative.
+    """Return the error of an output's derivatives by a parameter, over the largest derivative.
 
-    Derivatives of an output that hardly depends on the parameter are compared with a thousandth of the output
-    over the parameter. The error is 0 if no derivative is known (all are NaN), or if these and all values
-    are 0. NaN must stand at the same places in both.
+    ``values`` are those of the output, ``unit`` is the parameter's ``size_of``. Derivatives of an output that
+    hardly depends on the parameter are compared with a thousandth of the output over ``unit``. The error is 0
+    if no derivative is known (all are NaN), or if these and all values are 0. NaN must stand at the same
+    places in ``found`` and ``right``.
     """
     kept = ~np.isnan(right)
     assert np.array_equal(kept, ~np.isnan(found))
@@ -364,7 +368,7 @@ def run(case: Case, changes: Mapping[str, float], tolerance: float = 1e-13) -> t
 
 
 def differences(case: Case, parameter: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return derivatives of ``run`` by central differences: of all tried sizes, those that agree best.
+    """Return derivatives of both results of ``run`` by central differences of the sizes that agree best.
 
     Each difference is extrapolated once (L. F. Richardson 1911, *Phil Trans R Soc A* 210:307).
     """

@@ -171,7 +171,7 @@ def outputs_of(case: Case) -> list[str]:
 def found(
     case: Case, tolerance: float = 1e-12, *, start: bool = False, method: str = "auto"
 ) -> Differentiated:
-    """Return the kernel's answer at the case's times, and at 0 before them."""
+    """Return the kernel's derivatives at the case's times; with ``start`` also at 0 s, before them."""
     scene = case.scene.with_values({"solver.tolerance": tolerance, "solver.method": method})
     run = DifferentiatedRun(scene, case.parameters, outputs_of(case), inputs=case.inputs)
     values = [case.value(name) for name in case.parameters]

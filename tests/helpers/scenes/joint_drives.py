@@ -10,7 +10,7 @@ TOLERANCE = 1e-12
 
 
 def driven(links, initial, *, base="pinned", **more):
-    """Return a chain without walls; its base is pinned unless told."""
+    """Return a chain without walls, by default pinned; ``more`` are arguments of ``scene_table``."""
     return build("Driven", links, initial, {}, {"points": []}, base=base, tolerance=TOLERANCE, **more)
 
 

@@ -18,7 +18,7 @@ CO_SIMULATED = {
 
 @functools.cache
 def table(model, file):
-    """Return the columns and the time of a model's file."""
+    """Return the times, and the other columns by name, of a CSV file of a model."""
     columns = columns_of(models_folder() / model / file)
     return columns.pop("time"), columns
 
@@ -31,7 +31,7 @@ def columns_of(path):
 
 
 def co_simulated(model, folder, *arguments):
-    """Return the columns that a model's script gives, in a process of its own."""
+    """Return the columns that the co-simulation of a model writes; its script runs in another process."""
     script = models_folder() / model / "co_simulation.py"
     subprocess.run([sys.executable, script, "-o", folder, *arguments], check=True, capture_output=True)
     (file,) = folder.glob("*.csv")
@@ -39,12 +39,12 @@ def co_simulated(model, folder, *arguments):
 
 
 def reference(model):
-    """Return the columns of the stored reference, and its time."""
+    """Return the times and the other columns of a model's stored reference."""
     return table(model, "reference.csv")
 
 
 def inputs_of(model):
-    """Return the inputs of a model, in the form that ``simulate`` takes."""
+    """Return the inputs of a model's file inputs.csv, in the form that ``simulate`` takes; {} without it."""
     if "inputs.csv" not in CO_SIMULATED.get(model, ()):
         return {}
     time, columns = table(model, "inputs.csv")

@@ -13,7 +13,7 @@ LAWS = ("zhang_sharf", "jankowski", "newton_impact")
 
 
 def scene_of(links=LINKS, *, base="free", box=None, contact=None, inputs=None, **others):
-    """Return a scene; ``others`` are more of its tables, by their keys."""
+    """Return a scene whose base may move, or with the given ``inputs``; ``others`` are more of its tables."""
     tables = {"solver": {"tolerance": 1e-12}, "simulation": {"stop_time": 1.0, "step_size": 0.01}}
     for name, table in others.items():
         tables[name] = tables.get(name, {}) | table if isinstance(table, dict) else table
@@ -30,7 +30,10 @@ def pendulum(**others):
 
 
 def room(model="zhang_sharf", velocity=(0.5, 0.0), walls=("y_min", "x_max"), **contact):
-    """Return a free chain that falls to a floor and against a wall, both of which may move."""
+    """Return a free chain that falls to a floor, and against a wall if ``walls`` names it.
+
+    The walls of ``walls`` may move.
+    """
     return scene_of(
         box={"y_min": 0.0, "x_max": 2.0} if "x_max" in walls else {"y_min": 0.0},
         contact={"model": model, "stiffness": 1e6, "restitution": 0.6} | contact,
@@ -74,7 +77,10 @@ def shaken(time, amplitude=0.05, rate=5.0):
 
 
 def stepped(scene, step, count, given, names=("base.x", "base.vx", "base.ax")):
-    """Return the chain after each step, as a master steps it that gives a motion at communication points."""
+    """Return time, point[0].x, point[0].vx and link[1].angle after each step, (4, count).
+
+    As a master does, the steps set the inputs ``names`` to ``given(time)`` at communication points.
+    """
     chain, rows = Chain(scene), []
     for k in range(count):
         chain.set(dict(zip(names, given(k * step), strict=False)))

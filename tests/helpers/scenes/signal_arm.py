@@ -45,7 +45,10 @@ TIMES = np.array([0.0, 0.05, 0.12, 0.2, 0.31, 0.4])
 
 
 def with_table(folder, driven, columns, numbers, scene=ARM):
-    """Return the arm with a table for some inputs, in a file beside it."""
+    """Return the arm with a signal of the form "table" for the inputs ``driven``; its files go to ``folder``.
+
+    ``columns`` are those of the table's file, ``numbers`` further lines of the signal in the scene's file.
+    """
     rows = zip(*columns.values(), strict=True)
     lines = [",".join(columns), *(",".join(map(repr, map(float, row))) for row in rows)]
     (folder / "drive.csv").write_text("\n".join(lines))

@@ -11,7 +11,7 @@ LENGTH, MASS, SPEED, STIFFNESS = 0.4, 1.3, 2.0, 2e4
 
 
 def knee(**values: object) -> Scene:
-    """Return a pinned arm that swings down, first with its knee into its lower stop; changes are by name."""
+    """Return a pinned arm that swings down; its knee hits its lower stop first. ``values``: parameters."""
     link = {"length": 0.5, "mass": 1.0}
     scene = scene_from_dict(
         {
@@ -33,7 +33,7 @@ UP = {"link[2].joint_max": 1.25, "initial.angular_velocity[2]": 8.0}
 
 
 def arm(links: list[dict[str, float]], angles: list[float], stop_time: float, **more: Any) -> Scene:
-    """Return a pinned chain without a box."""
+    """Return a pinned chain; ``more`` are further tables, or replace those given here."""
     scene = {
         "name": "Arm",
         "chain": {"base": "pinned", "links": links},

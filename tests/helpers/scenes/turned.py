@@ -9,7 +9,10 @@ from chain_impact.scene.scene import Scene, with_values
 
 
 def mirrored(scene: Scene) -> Scene:
-    """Return the scene mirrored left to right."""
+    """Return the scene mirrored left to right.
+
+    It must have both sides of its box or none, and no walls, stops, bodies or inputs.
+    """
     initial, box = scene.initial, scene.box
     changes: dict[tuple[str | int, ...], Any] = {
         ("initial", "position"): (-initial.position[0], initial.position[1]),
@@ -27,7 +30,10 @@ def mirrored(scene: Scene) -> Scene:
 
 
 def turned(scene: Scene, angle: float) -> Scene:
-    """Return the scene rotated about the origin by an angle [rad], with four walls in place of its box."""
+    """Return the scene rotated about the origin by an angle [rad], with walls in place of its box.
+
+    Walls must not have materials or motions of their own, and the base must not be a slider.
+    """
     c, s = math.cos(angle), math.sin(angle)
 
     def turn(x: float, y: float) -> list[float]:

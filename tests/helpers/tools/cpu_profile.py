@@ -27,7 +27,7 @@ def pytest_collection_finish():
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport():
-    """Store the CPU seconds since the last report."""
+    """Store the CPU seconds since the last report in the report of this phase of a test."""
     report = yield
     report.cpu = spent() - counted["until"]
     counted["until"] += report.cpu
@@ -35,7 +35,7 @@ def pytest_runtest_makereport():
 
 
 def pytest_terminal_summary(terminalreporter):
-    """List the tests and the files with the most CPU seconds."""
+    """List the phases of tests (set-up, call, teardown) and the files with the most CPU seconds."""
     tests, files = Counter(), Counter()
     reports = chain.from_iterable(terminalreporter.stats.values())
     for report in (outcome for outcome in reports if hasattr(outcome, "cpu")):

@@ -14,9 +14,9 @@ WEIGHTS = {
 
 
 def slope(function: Callable[[float], Any], at: float, step: float, order: int = 2) -> Any:
-    """Return the derivative of a function of a number, at a number; a function may return an array.
+    """Return the derivative of a function of a number, which may return an array, at the number ``at``.
 
-    The error is of an order in the ``step``: B. Fornberg 1988, *Math Comp* 51:699.
+    The error is proportional to ``step`` to the power ``order``: B. Fornberg 1988, *Math Comp* 51:699.
     """
     return sum(
         weight / step * (function(at + count * step) - function(at - count * step))

@@ -26,7 +26,11 @@ class CheckedPatch(pytest.MonkeyPatch):
 
 
 def checked(fake, real):
-    """Return a fake with the arguments of what it replaces; another object is returned as it is."""
+    """Return ``fake`` so that it refuses the calls that ``real`` refuses, a function or class of the package.
+
+    A class, an object without a call, or a fake of anything else is returned as it is. Raise a ``TypeError``
+    if the arguments of ``fake`` do not fit.
+    """
     is_of_package = getattr(real, "__module__", "").startswith("chain_impact.")
     is_call = inspect.isfunction(real) or inspect.isclass(real)
     if not (is_of_package and is_call and callable(fake) and not inspect.isclass(fake)):
@@ -56,7 +60,7 @@ def check_arguments(given, right, name):
 
 
 def required(arguments):
-    """Return the arguments without a default: (positions, keywords), each with the value None."""
+    """Return values None for the arguments without a default: (list by position, dictionary by keyword)."""
     needed = [each for each in arguments.parameters.values() if each.default is each.empty]
     positions = [None for each in needed if each.kind in (each.POSITIONAL_ONLY, each.POSITIONAL_OR_KEYWORD)]
     return positions, {each.name: None for each in needed if each.kind is each.KEYWORD_ONLY}

@@ -19,7 +19,7 @@ LONGEST = 300  # largest number of characters of a value that is printed
 
 
 def redirect(printed: str, errors: str) -> None:
-    """Redirect the output of this process from its parent's pipes to files."""
+    """Redirect the output of this process from its parent's pipes to files; its input is empty."""
     for descriptor, path, mode in ((0, os.devnull, os.O_RDONLY), (1, printed, None), (2, errors, None)):
         file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC if mode is None else mode)
         os.dup2(file, descriptor)

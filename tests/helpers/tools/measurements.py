@@ -11,7 +11,7 @@ NOISE = 1e-3  # m
 
 
 def scene(**starts):
-    """Return the four-link box, with start values of K, e and rate from the arguments."""
+    """Return the four-link box; ``K``, ``e`` and ``w`` are other values of the parameters FREE, in order."""
     values = dict(
         zip(FREE, (starts.get(name, true) for name, true in zip("Kew", TRUE, strict=True)), strict=True)
     )
@@ -19,7 +19,7 @@ def scene(**starts):
 
 
 def motion(stop, count=200, seed=0, noise=NOISE):
-    """Return columns with the path of the tip, and the result from which they are made."""
+    """Return columns with the tip's path plus noise [m] at ``count`` times after 0, and the exact result."""
     result = simulate(scene(), stop_time=stop, output_step=stop / count)
     random = np.random.default_rng(seed)
     columns = {name: result[name][1:] + noise * random.standard_normal(count) for name in TIP}
@@ -27,7 +27,10 @@ def motion(stop, count=200, seed=0, noise=NOISE):
 
 
 def impacts(result, names, noise=0.0, seed=0):
-    """Return columns with quantities of all impacts, with relative noise."""
+    """Return columns with the number, the wall and the named quantities of all impacts.
+
+    The quantities have relative noise; the name "duration" is possible, too.
+    """
     random = np.random.default_rng(seed)
     rows = result.impacts
     values = {name: rows["end"] - rows["onset"] if name == "duration" else rows[name] for name in names}

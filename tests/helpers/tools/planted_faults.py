@@ -14,7 +14,7 @@ BINARIES = {"fmi3": f"binaries/{PLATFORMS[HOST].fmi3}/RodDrop{SUFFIX}"}
 BINARY = f"binaries/{HOST}/RodDrop{SUFFIX}"
 FOUND, MISSED, BROKEN = "+-!"  # FMPy's result: found, missed, or an exception in FMPy
 WHOLE = ["another GUID", "no binary", "a binary that is none", "no resources"]
-"""Faults of the FMU as a whole, of each kind; FMPy finds none of these faults."""
+"""Faults of the FMU as a whole, which are planted in FMUs of each kind; FMPy finds none of these faults."""
 
 
 class Fault(NamedTuple):
@@ -72,7 +72,10 @@ FAULTS = _faults()
 
 
 def spoiled(fmu, target, change):
-    """Write an FMU anew: ``change`` gets name and content of each file, and gives content or None."""
+    """Write an FMU with changed files to ``target``, and return this path.
+
+    ``change`` gets name and content of each file. It returns the new content, or None to leave the file out.
+    """
     with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(target, "w") as new:
         for name in old.namelist():
             content = change(name, old.read(name))
@@ -82,9 +85,10 @@ def spoiled(fmu, target, change):
 
 
 def edited(*pairs, alone=False):
-    """Return a change of the model description by pairs of a pattern, which must occur, and its replacement.
+    """Return a function ``change`` for ``spoiled``, which changes the model description.
 
-    ``alone`` leaves out all other files.
+    It makes the replacements of ``pairs`` (pattern, replacement); each pattern must occur. ``alone`` leaves
+    out all other files.
     """
 
     def change(name, content):
@@ -100,7 +104,10 @@ def edited(*pairs, alone=False):
 
 
 def by_fmpy(path, *, names):
-    """Return FMPy's result for a fault; ``names`` switches the check of names on (10 ms each)."""
+    """Return FOUND, MISSED or BROKEN: FMPy's result for an FMU with a fault.
+
+    ``names`` switches the check of variables' names on, which takes 10 ms for each name.
+    """
     from fmpy.model_description import ValidationError, read_model_description
 
     try:

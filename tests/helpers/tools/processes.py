@@ -70,7 +70,10 @@ class Processes:
         return json.loads(printed.splitlines()[-1])
 
     def call(self, call: list[Any], module: str) -> tuple[int, str, str]:
-        """Return the exit code, or minus the number of a signal, and the printed texts of both streams."""
+        """Run ``call``, which holds source, name and arguments of a function (forks.py).
+
+        Return the exit code, or minus the number of a signal, and the texts of standard output and error.
+        """
         parent = self.parents.get(module) or self.start(module)
         files = [self.folder / name for name in ("printed", "errors")]
         with suppress(BrokenPipeError):  # the process has died, which is reported below
@@ -92,11 +95,11 @@ class Processes:
         return f"the process that imports {module} {what}:\n{self.errors(module).read_text(errors='replace')}"
 
     def errors(self, module: str) -> Path:
-        """Return the text that the process with an imported module has written to standard error."""
+        """Return the file with the text that the process of a module has written to standard error."""
         return self.folder / f"{module}.errors"
 
     def start(self, module: str) -> subprocess.Popen[str]:
-        """Return the process that has imported a module; start it if necessary."""
+        """Start a process that imports a module and waits for calls, and return it."""
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
         with self.errors(module).open("w") as errors:
             self.parents[module] = subprocess.Popen(
@@ -105,6 +108,6 @@ class Processes:
         return self.parents[module]
 
     def end(self) -> None:
-        """End the processes that have imported a module."""
+        """End the processes that have imported modules, after their last calls."""
         for parent in self.parents.values():
             parent.communicate()

@@ -11,7 +11,10 @@ for name in ("matplotlib.pyplot", "scipy.optimize", "chain_impact.cli", "chain_i
 
 
 def program(folder: str, *arguments: str) -> None:
-    """Run ``python *arguments`` in a folder (a module after -m, or a file). Warnings are errors."""
+    """Run ``python *arguments`` in a folder: a module after -m, or a file.
+
+    Python's option ``-W`` of this process holds for a file, but not for a module.
+    """
     os.chdir(folder)
     sys.path[0] = folder
     if arguments[0] == "-m":

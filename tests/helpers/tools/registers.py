@@ -20,7 +20,7 @@ void set_registers(unsigned value) { __builtin_ia32_ldmxcsr(value); }
 
 
 def make_library(folder: Path) -> Path:
-    """Make a library with the functions ``registers`` and ``set_registers`` in a folder, and load it."""
+    """Compile a library with the functions ``registers`` and ``set_registers``, and return its path."""
     source, library = folder / "registers.c", folder / "registers.so"
     source.write_text(_SOURCE)
     zig(folder, "-shared", "-fPIC", "-Wno-missing-prototypes", source, "-o", library)
@@ -29,7 +29,10 @@ def make_library(folder: Path) -> Path:
 
 @contextmanager
 def registers(library: ctypes.CDLL, value: int) -> Iterator[None]:
-    """Set the registers to a value within the context, and check at its end that only flags changed."""
+    """Set the registers to a value within the context, and check at its end that only flags changed.
+
+    After the context the registers have the value USUAL.
+    """
     library.set_registers(value)
     try:
         yield
