@@ -1,6 +1,6 @@
 """Check the package that the README's first command installs.
 
-The script runs in the folder and with the Python of its environment.
+The script runs in the folder of this command, with the Python of the environment that the command makes.
 
 ``CHAIN_IMPACT_CACHE`` (compilation/folders.py) must name a folder that does not exist.
 

@@ -36,7 +36,7 @@ def interleave(
     patience: float = 3.0,
     fast: int = 1,
 ) -> Timings[Name]:
-    """Time several contenders in turn, round after round, so that a busy moment of the machine hits all.
+    """Return the times of several contenders, timed in turn, so that a busy moment of the machine hits all.
 
     Args:
         contenders: name → function of one call; each has run once before, so that nothing is compiled here.
@@ -140,7 +140,7 @@ def save(name: str, started: dict[str, Any], settings: dict[str, Any], results: 
 
 
 def load(name: str) -> dict[str, Any]:
-    """Read benchmarks/results/<name>.json."""
+    """Return the record in benchmarks/results/<name>.json."""
     record: dict[str, Any] = json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
     return record
 

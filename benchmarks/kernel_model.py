@@ -302,7 +302,7 @@ def cvode_roots(d, careful, y, value):
 
     CVODE's solution jumps by a part of its tolerance when it is re-initialized. So a point that leaves slowly
     would arrive and leave again, up to a million times, unless the contact ends a margin above the wall.
-    There is no force at this height.
+    There is no force at this height. Return 0.
     """
     margin = MARGIN * static_depth(d) if careful else 0.0
     locate_points(d, vector(y, len(d.step.state) - CVODE))
@@ -324,7 +324,7 @@ def cvode_look(d, y, seen):
 
 
 def cvode_weights(d, careful, y, weight):
-    """Set ``weight`` to 1 divided by the allowed error of each component.
+    """Set ``weight`` to 1 divided by the allowed error of each component; return 0.
 
     The usual allowed error is tolerance × (|y| + scale) with the kernel's scale. A careful CVODE allows for
     positions tolerance × scale, and during a contact at most POSITION_ERROR × the static penetration.

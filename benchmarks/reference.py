@@ -173,7 +173,7 @@ def run(problem: Problem, rows: int, tolerance: float) -> tuple[list[Any], list[
 
 
 def solve(problem: Problem) -> dict[str, Any]:
-    """Compute the reference of one problem, and check it by a run of another order and tolerance."""
+    """Return the reference of one problem, with its differences from a run of another order and tolerance."""
     begin = time.process_time()
     states, impacts = run(problem, *SETTINGS["reference"])
     print(f"{problem.name}: {time.process_time() - begin:.1f} s")

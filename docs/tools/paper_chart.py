@@ -49,7 +49,7 @@ def curves(law: str) -> dict[str, np.ndarray]:
 
 
 def draw() -> Figure:
-    """Draw six panels over the time since the onset."""
+    """Return a figure with six panels over the time since the onset."""
     figure = Figure((9.0, 4.6), layout="constrained")
     panels = figure.subplots(2, 3).ravel()
     for law in LAWS:

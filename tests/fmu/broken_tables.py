@@ -60,9 +60,9 @@ def used(library, count):
 
 
 def mutants_of(whole):
-    """Return tables with one changed number each: description → content.
+    """Return tables with one changed number or byte each: description → content.
 
-    And the numbers with one valid value.
+    The second result has the beginnings of the descriptions for numbers that have a single valid value.
     """
     guid_ends, head_ends, row = 64, 208, struct.calcsize("<ddqqqiiii")
     numbers = struct.unpack_from("<18q", whole, guid_ends)

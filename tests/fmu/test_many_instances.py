@@ -145,10 +145,7 @@ def test_instances_in_threads_give_what_they_give_one_by_one(fmu):
 
 
 def whole_scene(fmu, stop, step):
-    """Return all outputs at each step, without a parameter set.
-
-    And the modules that the process has imported.
-    """
+    """Return all outputs at each step of a run without changed parameters, and the modules it imports."""
     import sys
 
     import fmpy

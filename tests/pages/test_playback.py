@@ -194,7 +194,7 @@ def test_list_caption_and_force_chart_name_the_same_impact_at_every_moment(show_
 
 
 def twins(until_next=1e-3, force=1.0):
-    """Return a second point touches a wall soon after the first."""
+    """Return a recording in which a second point touches a wall soon after the first one."""
     time = np.linspace(0.0, 0.02, 401)
     columns = {f"point[{k}].{axis}": 0 * time + k * (axis == "x") for k in (0, 1) for axis in "xy"}
     onsets = [0.01, 0.01 + until_next]

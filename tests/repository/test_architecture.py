@@ -104,7 +104,7 @@ ROOMS = sorted({file.parent.name for file in PACKAGE.glob("*/__init__.py")} - {"
 
 @pytest.mark.parametrize("room", ROOMS)
 def test_no_two_files_of_a_room_define_a_constant_of_the_same_name(room):
-    """Only in the kernel may a file not define a constant twice either."""
+    """In the kernel, a single file may not define a constant twice either."""
     names = list if room == "kernel" else set
     found = Counter(name for file in (PACKAGE / room).rglob("*.py") for name in names(constants(file)))
     assert found

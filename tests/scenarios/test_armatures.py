@@ -9,7 +9,7 @@ from chain_impact import Chain, SceneError, simulate
 from chain_impact.scene.scene import with_values
 from tests.helpers.models.driven_chain import DrivenChain
 from tests.helpers.models.reference import balance
-from tests.helpers.scenes.joint_drives import INERTIA, ROD, TOLERANCE, driven, random_chain
+from tests.helpers.scenes.joint_drives import INERTIA, ROD, TOLERANCE, chain_with_drives, random_chain
 from tests.helpers.scenes.problems import build
 from tests.helpers.tools.differences import slope
 
@@ -17,7 +17,7 @@ from tests.helpers.tools.differences import slope
 @pytest.mark.parametrize("armature", [1e-3, 0.7, 50.0])
 def test_an_armature_adds_to_the_inertia_about_the_pin(armature):
     link = ROD | {"joint_stiffness": 12.0, "joint_armature": armature}
-    result = simulate(driven([link], {"angles": [0.7], "angular_velocities": [1.5]}))
+    result = simulate(chain_with_drives([link], {"angles": [0.7], "angular_velocities": [1.5]}))
     pace = math.sqrt(12.0 / (INERTIA + armature))
     exact = 0.7 * np.cos(pace * result.time) + 1.5 / pace * np.sin(pace * result.time)
     np.testing.assert_allclose(result.angles[:, 0], exact, rtol=0, atol=1e-10)
@@ -76,7 +76,7 @@ def test_a_rigid_wall_meets_the_mass_of_links_and_armatures():
 def test_a_stop_meets_the_inertia_of_link_and_armature(law):
     link = ROD | {"joint_armature": 0.7, "joint_max": 0.5}
     stops = {"model": law, "stiffness": 1e5, "exponent": 1.5, "restitution": 1.0}
-    result = simulate(driven([link], {"angles": [0.0], "angular_velocities": [2.0]}, stops=stops))
+    result = simulate(chain_with_drives([link], {"angles": [0.0], "angular_velocities": [2.0]}, stops=stops))
     (found,), inertia = result.impacts, INERTIA + 0.7
     assert found["effective_mass"] == pytest.approx(inertia, rel=1e-14)
     assert found["impulse"] == pytest.approx(2.0 * 2.0 * inertia, rel=1e-11)
@@ -122,4 +122,4 @@ def test_derivatives_with_respect_to_an_armature_are_those_of_differences(method
 @pytest.mark.parametrize(("value", "part"), [(-1e-9, ">= 0"), (math.nan, "finite"), ("1", "number")])
 def test_an_armature_is_a_number_that_is_not_negative(value, part):
     with pytest.raises(SceneError, match=rf"chain.links\[1\].joint_armature.*{part}"):
-        driven([ROD | {"joint_armature": value}], {})
+        chain_with_drives([ROD | {"joint_armature": value}], {})

@@ -33,7 +33,7 @@ from tests.helpers.scenes.derivative_scenes import (
 )
 from tests.helpers.scenes.friction_derivative_scenes import (
     DRY,
-    found,
+    kernel_derivatives,
     outputs_of,
 )
 from tests.helpers.scenes.problems import ball
@@ -203,7 +203,7 @@ def test_a_kept_answer_is_that_of_the_model(name):
 @pytest.mark.parametrize("name", [*list(SMOOTH)[:9], *DRY, *list(SMOOTH)[9:]])
 def test_a_state_is_differentiated_to_eight_digits(name):
     case = CASES[name]
-    answer = found(case)
+    answer = kernel_derivatives(case)
     errors, _ = state_errors(case, answer)
     assert answer.limits == ()
     assert (errors.max(0) <= STATES.get(name, EXACT)).all(), worst(errors.max(0), case.parameters)
@@ -213,7 +213,7 @@ def test_a_state_is_differentiated_to_eight_digits(name):
 @pytest.mark.parametrize("name", SMOOTH)
 def test_impacts_are_differentiated_to_eight_digits(name):
     case = CASES[name]
-    answer, right = found(case), exact(case)
+    answer, right = kernel_derivatives(case), exact(case)
     assert np.array_equal(answer.impacts["point"], right.points)
     assert np.array_equal(answer.impacts["wall"], right.walls)
     errors = {
@@ -226,7 +226,7 @@ def test_impacts_are_differentiated_to_eight_digits(name):
 @pytest.mark.parametrize("name", IMPLICIT)
 def test_implicit_steps_are_differentiated(name):
     case, (of_states, of_impacts) = CASES[name], IMPLICIT[name]
-    answer = found(case, method="implicit")
+    answer = kernel_derivatives(case, method="implicit")
     errors, _ = state_errors(case, answer)
     assert answer.limits == ()
     assert (errors.max(0) <= of_states).all(), worst(errors.max(0), case.parameters)
@@ -240,7 +240,7 @@ def test_a_constant_of_a_joint_that_is_zero_may_vary(method):
     case = struck_twice("zhang_sharf")
     parameters = ("link[2].joint_damping", "link[2].joint_stiffness")
     case = Case(case.scene.with_values(loose), parameters, case.times)
-    errors, _ = state_errors(case, found(case, method=method))
+    errors, _ = state_errors(case, kernel_derivatives(case, method=method))
     assert errors.max() < (EXACT if method == "explicit" else 1e-6)
 
 
@@ -250,7 +250,7 @@ def test_a_constant_of_a_joint_that_is_zero_may_vary(method):
 def test_derivatives_of_forces_impulses_and_energy_of_friction(name):
     """Errors are relative to the largest effect of any parameter on the output."""
     case = CASES[name]
-    right, answer = exact(case), found(case)
+    right, answer = exact(case), kernel_derivatives(case)
     units = np.array([size_of(case, parameter) for parameter in case.parameters])
     for j, output in enumerate(outputs_of(case)):
         if "friction" in output:
@@ -302,7 +302,7 @@ BOUNDS = {
 @pytest.mark.parametrize("which", range(len(TOLERANCES)))
 def test_derivatives_follow_the_tolerance(name, which):
     case = CASES[name]
-    errors, _ = state_errors(case, found(case, TOLERANCES[which]))
+    errors, _ = state_errors(case, kernel_derivatives(case, TOLERANCES[which]))
     assert (errors.max(0) <= BOUNDS[name][which]).all(), worst(errors.max(0), case.parameters)
 
 
@@ -310,7 +310,7 @@ def test_derivatives_follow_the_tolerance(name, which):
 def test_derivatives_are_as_exact_as_the_run(tolerance):
     """The run has six impacts; there all parameters except the stiffness are compared."""
     case = CASES["six"]
-    errors, of_run = state_errors(case, found(case, tolerance))
+    errors, of_run = state_errors(case, kernel_derivatives(case, tolerance))
     others = [error for error, name in zip(errors.max(0), case.parameters, strict=True) if name != STIFFNESS]
     assert max(others) <= 10.0 * of_run.max()
 
@@ -322,7 +322,7 @@ def test_derivatives_are_as_exact_as_the_run(tolerance):
 @pytest.mark.parametrize("name", ["slides back", "swings, static", "driven", "two dry joints"])
 def test_errors_with_friction_follow_the_tolerance(name, tolerance):
     case = CASES[name]
-    assert state_errors(case, found(case, tolerance))[0].max() < 2e4 * tolerance
+    assert state_errors(case, kernel_derivatives(case, tolerance))[0].max() < 2e4 * tolerance
 
 
 def slopes_of_impacts(scene, parameters, time, outputs=("point[0].vy",)):
@@ -358,7 +358,7 @@ def test_the_power_of_any_law_of_the_family(exponent):
 def test_the_derivative_of_the_energy_balance_is_constant(name):
     """d(total + dissipated − supplied)/dp keeps its initial value."""
     case = CASES[name]
-    answer = found(case, start=True)
+    answer = kernel_derivatives(case, start=True)
     first = len(state_names(case.scene))
     parts = answer.slopes[:, first:]
     balance = parts[:, 0] + parts[:, 1] - (parts[:, 2] if case.inputs else 0.0)

@@ -13,7 +13,7 @@ from chain_impact.scene.scene import scene_from_dict, with_values
 from tests.helpers.kernel.kernel_calls import instance_of
 from tests.helpers.models.driven_chain import DrivenChain
 from tests.helpers.models.reference import balance
-from tests.helpers.scenes.joint_drives import INERTIA, ROD, TOLERANCE, driven, random_chain
+from tests.helpers.scenes.joint_drives import INERTIA, ROD, TOLERANCE, chain_with_drives, random_chain
 from tests.helpers.tools.differences import slope
 
 # --- servos ------------------------------------------------------------------------------------------------
@@ -26,7 +26,9 @@ FOLLOWS = {"inputs": {"joint_targets": True}}
 
 def one_servo(**changes):
     """Return a rod at a pin, without gravity."""
-    return driven([ROD | SERVO | changes], {"angles": [0.7], "angular_velocities": [1.5]}, **FOLLOWS)
+    return chain_with_drives(
+        [ROD | SERVO | changes], {"angles": [0.7], "angular_velocities": [1.5]}, **FOLLOWS
+    )
 
 
 def decaying(time, angle, speed):
@@ -132,7 +134,7 @@ def test_a_stiff_servo_ignores_the_communication_step():
 def test_a_drive_at_its_limit_accelerates_evenly_and_then_swings():
     """The acceleration is M/J from φ₀ until k φ = M; then the motion is harmonic until the other limit."""
     link = ROD | {"joint_stiffness": STIFFNESS, "joint_torque_limit": 2.0}
-    result = simulate(driven([link], {"angles": [0.7]}), stop_time=0.5)
+    result = simulate(chain_with_drives([link], {"angles": [0.7]}), stop_time=0.5)
     slack = 2.0 / STIFFNESS
     until = math.sqrt(2.0 * (0.7 - slack) * INERTIA / 2.0)
     speed, pace = 2.0 / INERTIA * until, math.sqrt(STIFFNESS / INERTIA)
@@ -148,7 +150,9 @@ def test_a_drive_at_its_limit_accelerates_evenly_and_then_swings():
 
 def test_motor_and_servo_saturate_together():
     link = ROD | SERVO | {"joint_torque_limit": 3.0}
-    scene = driven([link], {"angles": [0.0]}, inputs={"joint_targets": True, "joint_torques": True})
+    scene = chain_with_drives(
+        [link], {"angles": [0.0]}, inputs={"joint_targets": True, "joint_torques": True}
+    )
     scene = with_values(scene, {"outputs.loads": True})
     result = simulate(scene, inputs={"joint[1].torque": 7.0, "joint[1].target_angle": -5.0}, stop_time=0.1)
     assert result["joint[1].moment"][0] == pytest.approx(-3.0 * INERTIA / (INERTIA + ARMATURE), rel=1e-14)
@@ -158,7 +162,7 @@ def test_motor_and_servo_saturate_together():
 
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 def test_a_fast_target_is_followed_at_a_drives_limit(method):
-    """The torque is at its limit in every row; the steps are much longer than the target's oscillations."""
+    """In every row the torque is that of the spring to the swinging target, cut at the limit."""
     limit, stiffness = 0.08, 22.0
     link = ROD | {"joint_stiffness": stiffness, "joint_torque_limit": limit}
     swing = {
@@ -168,7 +172,7 @@ def test_a_fast_target_is_followed_at_a_drives_limit(method):
         "amplitude": 1.0,
         "frequency": 18.0,
     }
-    scene = driven([link], {"angles": [0.0]}, **FOLLOWS, signals={"swing": swing})
+    scene = chain_with_drives([link], {"angles": [0.0]}, **FOLLOWS, signals={"swing": swing})
     result = simulate(scene, stop_time=1.0, output_step=1e-3, method=method, tolerance=1e-7)
     wanted = stiffness * (result["joint[1].target_angle"] - result["joint[1].angle"])
     torque = INERTIA * result["link[1].angular_acceleration"]

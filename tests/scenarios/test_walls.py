@@ -123,7 +123,7 @@ def back(vectors, angle):
 
 
 def check_turned(scene, angle, within, **options):
-    """Return a scene turned as a whole gives the same motion turned as a whole."""
+    """Check that a scene turned as a whole has the same motion, turned; return the results of both."""
     plain, slanted = simulate(scene, **options), simulate(turned(scene, angle), **options)
     np.testing.assert_allclose(back(slanted.points, angle), plain.points, rtol=0, atol=within)
     np.testing.assert_allclose(slanted.angles - angle, plain.angles, rtol=0, atol=within)

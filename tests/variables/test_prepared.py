@@ -75,7 +75,7 @@ def test_words_of_the_scene_become_numbers():
 
 
 def test_a_new_instance_holds_nothing_but_the_scene():
-    """Two instances are equal, and all fields of the kernel are zero."""
+    """Two instances are equal, and what the kernel writes is zero, but for one index (no contact)."""
     scene = load_scene("four_link_box")
     instance = PreparedScene(scene).new_instance()
     assert instance.nbytes < BUFFER

@@ -100,7 +100,7 @@ def torques_of(draw: Draw, kind: str, count: int) -> dict[str, Signal]:
 
 
 def run(kind: str, seed: int, **options: Any) -> Result:
-    """Simulate the scene of a kind with a seed; ``options`` are those of ``simulate``."""
+    """Return the result of the scene of a kind with a seed; ``options`` are those of ``simulate``."""
     draw = Draw(seed, KINDS.index(kind))
     table = table_of(draw, kind)
     scene = scene_from_dict(table, f"{kind} {seed}")

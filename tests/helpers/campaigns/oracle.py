@@ -170,7 +170,10 @@ class Account:
 
 
 def account(scene: Scene, seed: int, memory: Any = None, rows: int = ROWS) -> Account:
-    """Run a scene in this process, with its record in ``memory`` if given, so that others can read it."""
+    """Run a scene with the inputs of a seed, and return the results, at ``rows`` times after the start.
+
+    The run is in this process, with its record in ``memory``, if given, so that others can read it.
+    """
     begin = time.process_time()
     times = np.linspace(0.0, scene.simulation.stop_time, rows + 1)
     try:

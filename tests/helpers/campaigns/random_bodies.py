@@ -81,7 +81,7 @@ def bodies(seed: int) -> Scene:
     }
     moves = seed >= DRIVEN
     data["walls"] = walls(draw, scene_from_dict(data, "bodies"), moves)
-    return scene_from_dict(driven(data, draw) if moves else data, "bodies")
+    return scene_from_dict(with_drives(data, draw) if moves else data, "bodies")
 
 
 def link(draw: Draw, grounded: bool) -> dict[str, Any]:
@@ -126,7 +126,7 @@ def slider_of(draw: Draw) -> dict[str, Any]:
     return found
 
 
-def driven(data: dict[str, Any], draw: Draw) -> dict[str, Any]:
+def with_drives(data: dict[str, Any], draw: Draw) -> dict[str, Any]:
     """Return the table with drives that have targets, forces or limits; a pinned base and walls may move."""
     chain, count = data["chain"], len(data["chain"]["links"])
     joints, slides = range(1 + (chain["base"] == "free"), count + 1), chain["base"] == "slider"

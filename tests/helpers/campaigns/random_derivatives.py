@@ -138,7 +138,7 @@ def thrown(draw: Draw, stiffest: float = 1e6, rigid: bool = False, **asked: Any)
     return scene, {}
 
 
-def driven(draw: Draw) -> Given:
+def with_tip_force(draw: Draw) -> Given:
     """Return a chain with a force at its tip that is piecewise linear in time."""
     scene, _ = thrown(draw, friction=0.3)
     times = [0.0, draw.real(0.1, 0.4), draw.real(0.5, 0.7), 1.0]
@@ -182,7 +182,7 @@ KINDS: dict[str, Callable[[Draw], Given]] = {
     "stops": lambda draw: thrown(draw, stops=True),
     "rigid": lambda draw: thrown(draw, rigid=True),
     "rigid stops": lambda draw: thrown(draw, rigid=True, stops=True),
-    "driven": driven,
+    "driven": with_tip_force,
     "servos": servos,
     "carts": carts,
     "moved bases": moved_bases,
@@ -211,9 +211,9 @@ def given(kind: str, seed: int) -> tuple[Scene, dict[str, Any], list[str]] | Non
 
 
 def check(kind: str, seed: int) -> Checked:
-    """Compare the derivatives of a scene.
+    """Return the comparison of the derivatives of a scene; it is empty if the package refuses the scene.
 
-    Count as wrong only those that are also wrong at a smaller tolerance.
+    Only derivatives that are also wrong at a smaller tolerance count as wrong.
     """
     case = given(kind, seed)
     if case is None:
@@ -227,9 +227,9 @@ def check(kind: str, seed: int) -> Checked:
 
 
 def compare(scene: Scene, inputs: dict[str, Any], parameters: list[str], scale: float = 1.0) -> Checked:
-    """Compare derivatives with differences whose sizes are ``scale`` times SIZES.
+    """Return the comparison of derivatives with differences whose sizes are ``scale`` times SIZES.
 
-    If one of the runs ends early, nothing counts as compared.
+    It is empty if one of the runs ends early.
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

@@ -101,7 +101,10 @@ def check(seed: int) -> list[str]:
 
 
 def verdict(scene: Scene, result: Result, parameter: str) -> str:
-    """Compare the derivatives at rest by a parameter with central differences of finer runs."""
+    """Return NAN, WRONG, FOUND or OPEN for the derivatives at rest by a parameter.
+
+    They are compared with central differences of runs at a smaller tolerance; OPEN: these do not converge.
+    """
     names, near = names_of(scene), []
     for size in SIZES:
         width = size * max(1.0, abs(scene.values[parameter]))

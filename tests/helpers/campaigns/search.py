@@ -61,7 +61,7 @@ class Verdict:
 
 
 def verdict(scene: Scene, seed: int, cpu: float = CPU) -> Verdict:
-    """Run a scene with the inputs of a seed for at most ``cpu`` [s] of CPU time, and judge the run."""
+    """Return the verdict on a run of a scene with a seed's inputs, in at most ``cpu`` [s] of CPU time."""
     worker = Worker()
     try:
         return worker.ask(scene, seed, cpu)

@@ -49,7 +49,7 @@ class Problem:
 
 
 def run(model: str, tolerance: float, scene: Scene | None = None, **changes: Any) -> Result:
-    """Simulate a model, or a scene made from the model, at a tolerance."""
+    """Return the result of a model, or of a scene made from the model, at a tolerance."""
     return simulate(scene or load_scene(model), tolerance=tolerance, **changes)
 
 

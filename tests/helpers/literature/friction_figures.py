@@ -31,7 +31,7 @@ SOFT_FLOOR = 1e5  # [N/m^(3/2)] stiffness of a floor that throws Glocker's rod u
 
 
 def run_table(table: Table, tolerance: float, **changes: Any) -> Result:
-    """Simulate the table of a scene at a tolerance."""
+    """Return the result of the scene of a table at a tolerance."""
     return run(table["name"], tolerance, scene_from_dict(table, table["name"]), **changes)
 
 

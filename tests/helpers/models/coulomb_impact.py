@@ -327,7 +327,7 @@ def impact_duration(strike: Strike, stiffness: float) -> float:
 
 
 def extrapolated(soft: np.ndarray, stiff: np.ndarray, ratio: float) -> np.ndarray:
-    """Extrapolate (Richardson) values at K and ``ratio`` · K, which approach their limit as K^−2/5.
+    """Return the limit of values at K and ``ratio`` · K, which approach it as K^−2/5 (Richardson).
 
     In the first 200 impacts simulated at 1e12 and 1e13, the error of the impulses is below 1.3e-6 of the
     normal impulse, in half of them below 3e-9; at 1e11 and 1e12, below 7e-6 and 9e-9. Two of the first 1500

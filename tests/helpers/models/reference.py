@@ -271,7 +271,7 @@ def moreau_impact(
 
 
 def momenta(result):
-    """Compute momentum, (T, 2), and angular momentum about the centre of mass, (T,), from the outputs."""
+    """Return momentum, (T, 2), and angular momentum about the centre of mass, (T,), from the outputs."""
     links = result.scene.chain.links
     place, velocity, spin = 0.0, 0.0, 0.0
     mass = np.array([link.mass for link in links])

@@ -89,7 +89,10 @@ def exact(case: Case, tolerance: float = 1e-12) -> Derivatives:
 
 
 def add_joints(named: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Add the values or derivatives of joints: each link's value minus the value of the link before it."""
+    """Return ``named`` with those of joints, too: a link's value or derivative minus that of the link before.
+
+    Joint 1 has that of link 1.
+    """
     joints, before = {}, {"angle": 0.0, "angular_velocity": 0.0}
     for name, value in named.items():
         if name.startswith("link[") and (kind := name.split(".")[1]) in before:

@@ -70,7 +70,7 @@ def swinging(static: float = 0.0, law: str = "zhang_sharf", **solver: Any) -> Ca
     return Case(scene, parameters_of(scene), (0.1, 0.4, 0.8))
 
 
-def driven(static: float = 0.45, law: str = "zhang_sharf", **solver: Any) -> Case:
+def driven_links(static: float = 0.45, law: str = "zhang_sharf", **solver: Any) -> Case:
     """Return two links below a point on a floor of a material, with a torque and a dry joint."""
     scene = table(
         [
@@ -147,8 +147,8 @@ DRY = {
     "swings": swinging(),
     "swings, static": swinging(static=0.5),
     "swings, hertz": swinging(law="hertz"),
-    "driven": driven(),
-    "driven, flores": driven(law="flores"),
+    "driven": driven_links(),
+    "driven, flores": driven_links(law="flores"),
     "two dry joints": dry_joints(2),
     "three dry joints": dry_joints(3),
     "four dry joints": dry_joints(4),
@@ -168,7 +168,7 @@ def outputs_of(case: Case) -> list[str]:
 
 
 @cache
-def found(
+def kernel_derivatives(
     case: Case, tolerance: float = 1e-12, *, start: bool = False, method: str = "auto"
 ) -> Differentiated:
     """Return the kernel's derivatives at the case's times; with ``start`` also at 0 s, before them."""

@@ -9,7 +9,7 @@ INERTIA = 1.5 * 0.8**2 / 3  # kg·m² about the pin
 TOLERANCE = 1e-12
 
 
-def driven(links, initial, *, base="pinned", **more):
+def chain_with_drives(links, initial, *, base="pinned", **more):
     """Return a chain without walls, by default pinned; ``more`` are arguments of ``scene_table``."""
     return build("Driven", links, initial, {}, {"points": []}, base=base, tolerance=TOLERANCE, **more)
 
@@ -29,4 +29,4 @@ def random_chain(count, base, *, limits=False, **more):
     ]
     angles, spins = rng.uniform(-1.0, 1.0, count), rng.uniform(-3.0, 3.0, count)
     initial = {"angles": list(angles), "angular_velocities": list(spins)}
-    return driven(links, initial, base=base, gravity=9.81, **more)
+    return chain_with_drives(links, initial, base=base, gravity=9.81, **more)

@@ -41,7 +41,7 @@ def set_limits(chain, limits):
 
 
 def solve(d):
-    """Return the holding forces of all sticking elements at the end of the last step."""
+    """Let the kernel find the holding forces of all sticking elements at the end of the last step."""
     rate = np.zeros(len(d.step.state_end))
     locate_points(d, d.step.state_end)
     rate_from_points(d, d.step.state_end, rate)

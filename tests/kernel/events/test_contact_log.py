@@ -83,7 +83,7 @@ TURNING = [0.0, -0.5, 0.6, 0.1]  # turns within the step
 
 
 def there(d, points):
-    """Return whether the points are located at these positions."""
+    """Assert that the points are located at these positions."""
     np.testing.assert_allclose(located(d), points, rtol=0, atol=1e-13)
 
 
