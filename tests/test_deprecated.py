@@ -12,7 +12,7 @@ from chain_impact import SceneError, SimulationError, load_scene, simulate
     [
         (lambda: SceneError("is wrong", ("chain", "base")), "place", "path"),
         (lambda: SimulationError(1, 0.5, None, "point 1"), "place", "part"),
-        (lambda: simulate(load_scene("rod_drop"), 0.01), "model", "prepared"),
+        (lambda: simulate(load_scene("rod_drop"), 0.01), "model", "prepared_scene"),
         (lambda: simulate(load_scene("rod_drop"), 0.01), "end_speeds", "linear_impact_speeds"),
         (lambda: simulate(load_scene("rod_drop"), 0.01), "touches", "interactions"),
         (

@@ -132,7 +132,7 @@ def test_compiled_code_gives_the_bits_of_plain_python(changes):
     found = np.zeros_like(rows)
     with as_plain_python(), np.errstate(all="ignore"):
         assert initialize(d, 0.0) == 0
-        words, wanted = memory.view(np.float64), spans_of(instance.prepared.output_words)
+        words, wanted = memory.view(np.float64), spans_of(instance.prepared_scene.output_words)
         found_rows = found.view(np.float64).reshape(len(times), -1)
         assert trajectory(d, words, times, wanted, found_rows, 0) == len(times)
         assert observe_now(d) == 0

@@ -45,7 +45,7 @@ def test_every_output_is_that_of_a_simulation(fmus, clean, model):
     result = simulate(scene_of(model).with_values(values), STOP, STEP, inputs=inputs)
     names, rows = clean(trajectory, fmus[model], values, inputs, STOP, STEP)
     found = dict(zip(names, np.transpose(rows), strict=True))
-    for name, column in result.prepared.series(result.outputs).items():
+    for name, column in result.prepared_scene.series(result.outputs).items():
         np.testing.assert_array_equal(found[name], column, err_msg=name)
     assert found["impact.count"][-1] == len(result.impacts) > 0
 

@@ -63,7 +63,7 @@ def test_parameters_act_as_they_do_in_the_scene(fmus, clean, model, values):
     names, rows = clean(trajectory, fmus[model], values | laws, stop, STEP)
     found = dict(zip(names, np.transpose(rows), strict=True))
     # the FMU and the scene use the same machine code
-    for name, column in result.prepared.series(result.outputs).items():
+    for name, column in result.prepared_scene.series(result.outputs).items():
         np.testing.assert_array_equal(found[name], column, err_msg=name)
     for name in ("steps", "rejected_steps", "rhs_evaluations", "implicit_steps", "status"):
         assert found[f"solver.{name}"][-1] == result.statistics[name]

@@ -27,7 +27,7 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.prepared import PreparedScene
-from chain_impact.variables.selection import varied_by
+from chain_impact.variables.selection import differentiable_named
 from tests.helpers.kernel.kernel_calls import tangents_of
 from tests.helpers.kernel.plain import Plain, record_of
 from tests.helpers.scenes.derivative_scenes import table
@@ -248,7 +248,7 @@ def test_nor_is_one_behind_it(links, path, value):
         [{"length": 0.1, "mass": 1.0}] * links, box={"y_min": 0.0}, initial={"angles": [1.0] * links}
     )
     prepared = PreparedScene(scene)
-    instance = DifferentiatedInstance(prepared, varied_by(prepared, ["contact.stiffness"]))
+    instance = DifferentiatedInstance(prepared, differentiable_named(prepared, ["contact.stiffness"]))
     assert instance.is_sound(instance.words)
     record = tangents_of(instance)[0]
     for step in path[:-1]:

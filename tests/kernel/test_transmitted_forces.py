@@ -285,7 +285,7 @@ def test_the_motion_is_the_same_without_them(name):
     assert np.isnan(without.impacts["joint_force"]).all()
     assert not without.impacts["joint"].any()
     assert ("loads    at most" in str(with_loads)) == any(
-        output.endswith("peak_force") for output in with_loads.motion
+        output.endswith("peak_force") for output in with_loads.continuous_columns
     )
 
 

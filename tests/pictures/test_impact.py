@@ -18,7 +18,7 @@ def test_the_loop_encloses_the_lost_energy_and_has_the_peak_of_the_list():
     """Only the contact dissipates energy; an independent quadrature of its force gives the loss."""
     result = recorded("four_link_box")
     impact = result.impacts[2]
-    course = course_of(result.prepared, result.rerun, impact)
+    course = course_of(result.prepared_scene, result.rerun, impact)
     assert np.trapezoid(course.force, course.penetration) == pytest.approx(course.energy_lost, rel=1e-3)
     assert course.force.max() == pytest.approx(impact["peak_force"], rel=1e-4)
     assert course.penetration.max() == pytest.approx(impact["max_penetration"], rel=1e-4)

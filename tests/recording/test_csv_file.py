@@ -24,7 +24,7 @@ def scene():
 @pytest.mark.full("takes long")
 def test_a_table_is_what_it_was_written_from(tmp_path, scene):
     whole = simulate(scene, output_step=1e-4)
-    written = replace(Recording("box", whole.time, whole.motion), impacts=whole.impacts)
+    written = replace(Recording("box", whole.time, whole.continuous_columns), impacts=whole.impacts)
     written.save_csv(tmp_path / "box.csv")
     read = read_csv(tmp_path / "box.csv", scene)
     assert read.columns.keys() == written.columns.keys()

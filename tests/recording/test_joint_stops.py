@@ -160,7 +160,7 @@ def test_with_impacts_at_stops_only_the_axis_is_theirs():
     recording = swung()
     axes = Figure().add_subplot()
     recording = Result(
-        recording.prepared,
+        recording.prepared_scene,
         recording.time,
         recording.outputs,
         recording.impacts[recording.is_at_joint_stop],

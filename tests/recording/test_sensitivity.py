@@ -62,8 +62,10 @@ def test_a_share_of_what_is_zero_is_none():
 
 def test_columns_are_named_after_both(result, found):
     named = found.named
-    assert list(named)[:2] == [f"sensitivity.contact.restitution.{name}" for name in list(result.motion)[:2]]
-    assert len(named) == len(NAMES) * len(result.motion)
+    assert list(named)[:2] == [
+        f"sensitivity.contact.restitution.{name}" for name in list(result.continuous_columns)[:2]
+    ]
+    assert len(named) == len(NAMES) * len(result.continuous_columns)
     for output, parameter in (("point[4].x", "initial.vx"), ("energy.total", "gravity.y")):
         right = result.sensitivity(output, parameter)
         assert np.array_equal(named[f"sensitivity.{parameter}.{output}"], right)

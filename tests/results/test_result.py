@@ -35,7 +35,7 @@ def test_the_names_are_those_of_the_fmu(result):
     outputs = [v for v in PreparedScene(result.scene).variables if v.causality == "output"]
     assert list(result.names) == list(result.columns) == [v.name for v in outputs]
     motion = [v.name for v in outputs if v.record_path[0] == "output"]
-    assert list(result.motion) == motion
+    assert list(result.continuous_columns) == motion
 
 
 def test_impacts_and_counts_are_told_over_time(result):

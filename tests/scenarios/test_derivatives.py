@@ -156,7 +156,7 @@ def test_a_motion_is_that_of_the_independent_model(name):
     for field in FIELDS:
         np.testing.assert_allclose(right.impacts[field], result.impacts[field], rtol=bound, err_msg=field)
     rows = np.searchsorted(result.time, np.array(case.times) - 1e-9)
-    for output in (one for one in result.motion if not one.endswith("sticking")):
+    for output in (one for one in result.continuous_columns if not one.endswith("sticking")):
         found, kind = result[output][rows], output.split(".")[-1]
         if output not in right.values:  # the friction of a coefficient 0, which the model does not have
             assert kind.startswith("friction")

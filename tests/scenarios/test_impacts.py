@@ -211,7 +211,7 @@ def test_five_points_with_unlike_speeds_get_moreaus_impulses():
         floor = WALLS.index("y_min")
         arriving = [(k, "y_min") for k in range(5) if before[1] + 0.5 * sum(spins[:k]) < 0.0]
         for point, _ in arriving:
-            instance.record["contacts"]["event"][instance.prepared.candidates.index((point, floor))] = 1
+            instance.record["contacts"]["event"][instance.prepared_scene.candidates.index((point, floor))] = 1
         instance.advance(1e-15)
         after = instance.record["step"]["state"][rates]
         expected = moreau_impact(scene, [0.0] * 4, before, arriving, 0.4)

@@ -103,7 +103,7 @@ MEASURED = {"golf_ball": {"measured.csv"}, "triple_pendulum": {"measured.csv", "
 def compute_reference(model):
     scene, inputs, step = load_scene(model), inputs_of(model), STEPS.get(model, STEP)
     found = simulate(scene, output_step=step, tolerance=1e-12, method="explicit", inputs=inputs)
-    return Recording(found.name, found.time, found.motion)
+    return Recording(found.name, found.time, found.continuous_columns)
 
 
 def coordinates(columns, links):
@@ -138,7 +138,7 @@ def test_the_reference_agrees_with_an_independent_integration(model):
     scene, rows, exact = independent(model)
     time, columns = reference(model)
     if model in CHANGED:
-        columns = simulate(scene, output_step=STEP, tolerance=1e-12, method="explicit").motion
+        columns = simulate(scene, output_step=STEP, tolerance=1e-12, method="explicit").continuous_columns
     error, inputs = INDEPENDENT[model][1], inputs_of(model)
     for name, values in exact.values.items():
         if name in columns and not name.startswith("energy"):
@@ -157,7 +157,7 @@ def test_a_simulation_with_the_default_tolerance_agrees_with_the_reference(model
     scene = load_scene(model)
     time, columns = reference(model)
     fresh = simulate(scene, output_step=STEPS.get(model, STEP), inputs=inputs_of(model))
-    assert list(fresh.motion) == list(columns)
+    assert list(fresh.continuous_columns) == list(columns)
     assert fresh.time == pytest.approx(time, abs=1e-12)
     links = len(scene.chain.links)
     found, expected = coordinates(fresh.columns, links), coordinates(columns, links)

@@ -167,7 +167,7 @@ def test_no_step_reads_what_observing_writes(kind):
 def observed(seed: int, *, spoils: bool) -> tuple[bytes, int]:
     """Return the results of a seed's scene with many reads of outputs, and the number of spoiled values."""
     instance = started(scene(seed), seed)
-    stop, impacts, count = instance.prepared.scene.simulation.stop_time, [], 0
+    stop, impacts, count = instance.prepared_scene.scene.simulation.stop_time, [], 0
     words = [word for name, word in reals(instance.record.dtype) if not name.startswith(OBSERVED)]
     for time in np.linspace(0.0, stop, 98)[1:]:
         if instance.advance(time):

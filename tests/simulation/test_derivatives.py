@@ -9,7 +9,7 @@ from chain_impact import Chain, SceneError, SimulationError, UnknownNameError, l
 from chain_impact.recording.impacts import IMPACT_DTYPE
 from chain_impact.simulation.derivatives import DIFFERENTIABLE_COLUMNS, DifferentiatedRun
 from chain_impact.variables.prepared import PreparedScene
-from chain_impact.variables.selection import varied_by
+from chain_impact.variables.selection import differentiable_named
 from tests.helpers.scenes.derivative_scenes import AT_STOPS, sprung_chain, struck_twice
 from tests.helpers.scenes.problems import ball
 from tests.helpers.scenes.stops import knee
@@ -21,7 +21,7 @@ TIMES = np.array([0.1, 0.2022, 0.3])
 
 
 def names_of(scene, *wanted):
-    return [variable.name for variable in varied_by(PreparedScene(scene), wanted)]
+    return [variable.name for variable in differentiable_named(PreparedScene(scene), wanted)]
 
 
 # --- names ------------------------------------------------------------------------------------------------

@@ -46,8 +46,8 @@ def test_a_kernel_gives_the_same_bits_whatever_rounds_its_caller(library, model)
     times, found = np.arange(257) / 512, []
     for value in WITHOUT_TRAPS:
         instance = Instance(load_scene(model))
-        rows = np.zeros(len(times), instance.prepared.output_layout)
-        spans = spans_of(instance.prepared.output_words)
+        rows = np.zeros(len(times), instance.prepared_scene.output_layout)
+        spans = spans_of(instance.prepared_scene.output_words)
         library.set_registers(value)
         try:
             instance.initialize()

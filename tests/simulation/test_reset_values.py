@@ -44,7 +44,7 @@ def try_inputs(chain, variables, rng):
 def test_values_that_are_reset_move_only_what_is_declared(name, changes):
     scene = load_scene(name).with_values(changes)
     tried, alone, rng = Chain(scene), Chain(scene), np.random.default_rng(5)
-    variables, moved = instance_of(tried).prepared.variables, set()
+    variables, moved = instance_of(tried).prepared_scene.variables, set()
     names = [v.name for v in variables]
     for k in range(1, STEPS + 1):
         time = scene.simulation.stop_time * k / STEPS
@@ -63,7 +63,7 @@ def test_values_that_are_reset_move_only_what_is_declared(name, changes):
 def test_random_scenes_go_on_as_without_values_that_are_reset(number):
     scene = random_scene(7000000 + number).with_values(DRIVEN)
     tried, alone, rng = Chain(scene), Chain(scene), np.random.default_rng(number)
-    variables = instance_of(tried).prepared.variables
+    variables = instance_of(tried).prepared_scene.variables
     for k in range(1, 9):
         for chain in (tried, alone):
             chain.step_to(scene.simulation.stop_time * k / 8)

@@ -131,10 +131,14 @@ def test_without_outputs_no_row_is_computed_and_all_else_is_there(monkeypatch, s
 def test_outputs_of_the_state_alone_are_the_same_bits_without_forces(model):
     """The scene has impacts, friction, a motion, a slider, points on links, and signals."""
     whole = simulate(model, 1.0, 7e-3)
-    names = [output.name for output in whole.prepared.motion if output.record_path[1] in STATE_OUTPUTS]
+    names = [
+        output.name
+        for output in whole.prepared_scene.continuous_outputs
+        if output.record_path[1] in STATE_OUTPUTS
+    ]
     some = simulate(model, 1.0, 7e-3, output=names)
-    assert some.prepared.indices_named(names).of_state
-    assert not some.prepared.indices_named([*names, "link[1].angular_acceleration"]).of_state
+    assert some.prepared_scene.indices_named(names).of_state
+    assert not some.prepared_scene.indices_named([*names, "link[1].angular_acceleration"]).of_state
     for name in names:
         assert some[name].tobytes() == np.ascontiguousarray(whole[name]).tobytes()
     assert some.impacts.tobytes() == whole.impacts.tobytes()

@@ -24,7 +24,7 @@ def same(found, wanted):
     assert (found.candidates, found.counts, found.layout) == (wanted.candidates, wanted.counts, wanted.layout)
     assert found.outputs == wanted.outputs
     assert found.parameters == wanted.parameters
-    assert found.output_indices.motion == wanted.output_indices.motion
+    assert found.output_indices.continuous == wanted.output_indices.continuous
     assert found.new_instance().tobytes() == wanted.new_instance().tobytes()
 
 

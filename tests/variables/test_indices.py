@@ -30,9 +30,9 @@ def test_scenes_of_one_shape_share_them():
 def test_a_row_has_what_the_record_has_at_its_time():
     scene = load_scene("rod_drop").with_values({"simulation.stop_time": 1.0})
     result, instance = simulate(scene), Instance(scene)
-    instance.trajectory(result.time, np.zeros(len(result.time), result.prepared.output_layout))
-    for name, word in result.prepared.output_indices.motion.items():
+    instance.trajectory(result.time, np.zeros(len(result.time), result.prepared_scene.output_layout))
+    for name, word in result.prepared_scene.output_indices.continuous.items():
         assert result[name][-1] == instance.words[word]
     whole = instance.words.view(np.int64)
-    for name, (word, is_real) in result.prepared.output_indices.stepwise.items():
+    for name, (word, is_real) in result.prepared_scene.output_indices.stepwise.items():
         assert result[name][-1] == (instance.words if is_real else whole)[word]

@@ -61,7 +61,7 @@ def test_the_derivatives_of_a_kind_are_a_kind():
         kinds["sensitivity.link[i].mass.point[k].x"]
         == "derivative of point[k].x with respect to link[i].mass"
     )
-    assert len(kinds) == len({output.kind.pattern for output in prepared.motion})
+    assert len(kinds) == len({output.kind.pattern for output in prepared.continuous_outputs})
 
 
 def test_a_name_is_like_its_template_only():

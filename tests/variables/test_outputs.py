@@ -14,7 +14,7 @@ from chain_impact.variables.impact_units import IMPACT_UNITS
 from chain_impact.variables.listing import all_outputs
 from chain_impact.variables.peaks import PEAKS
 from chain_impact.variables.prepared import PreparedScene
-from chain_impact.variables.selection import varied_by
+from chain_impact.variables.selection import differentiable_named
 from chain_impact.variables.variable import Variable
 
 BOX, ARM = load_scene("four_link_box"), load_scene("pinned_arm")
@@ -121,7 +121,7 @@ def test_behind_an_instance_are_those_that_carry_its_derivatives():
     """Each has its own values, and a slope of one for each parameter in its own direction."""
     prepared = PreparedScene(BOX)
     names = [f"link[{i}].mass" for i in range(1, 5)] + ["contact.stiffness", "link[2].length"]
-    varied = varied_by(prepared, names)
+    varied = differentiable_named(prepared, names)
     plain, memory = prepared.new_instance([])[0], prepared.new_instance(varied)[0]
     count = -(-len(names) // DIRECTIONS)
     assert (plain["tangent_count"], memory["tangent_count"]) == (0, count)

@@ -21,7 +21,7 @@ from chain_impact.variables import prepared as prepared_module
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.listing import value_at
 from chain_impact.variables.prepared import PreparedScene
-from chain_impact.variables.selection import columns_named, varied_by
+from chain_impact.variables.selection import columns_named, differentiable_named
 
 BUFFER = 64 * 1024  # bytes, the upper limit for an instance of four links in a box
 
@@ -176,9 +176,13 @@ def test_walls_that_no_point_can_touch_need_no_room():
 
 def test_a_name_that_is_no_text_is_refused():
     prepared = PreparedScene(load_scene("rod_drop"))
-    for refuse in (prepared.indices_named, partial(varied_by, prepared), partial(columns_named, prepared)):
+    for refuse in (
+        prepared.indices_named,
+        partial(differentiable_named, prepared),
+        partial(columns_named, prepared),
+    ):
         with pytest.raises(UnknownNameError, match=r"RodDrop: \['point\[1\].x'\] is not an? "):
             refuse([["point[1].x"]])
     kept = prepared.indices_named(["energy.*", "point[1].x"])
-    assert PreparedScene(prepared.scene).indices_named(name for name in [*kept.motion]) is kept
-    assert "point[1].x" in kept.motion
+    assert PreparedScene(prepared.scene).indices_named(name for name in [*kept.continuous]) is kept
+    assert "point[1].x" in kept.continuous

@@ -55,8 +55,8 @@ LOG_CATEGORIES = {
 def model_description(prepared_scene: PreparedScene, tool: str, fmi: int, **capabilities: str) -> Element:
     """Return the model description, with the start values of a new instance, and an empty GUID.
 
-    The value reference of a variable is its position in ``prepared.variables``. In FMI 3.0, the references of
-    the time and of ``array_variables(prepared)`` follow.
+    The value reference of a variable is its position in ``prepared_scene.variables``. In FMI 3.0, the
+    references of the time and of ``array_variables(prepared_scene)`` follow.
 
     Args:
         prepared_scene: the scene.

@@ -35,7 +35,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import driven_alone, quantities_driven_by
 from chain_impact.scene.texts.names import OWNER_AT, DataPath
 from chain_impact.variables.indices import layout_of, word_index
-from chain_impact.variables.kind import LETTERS, MOTION, Block, VariableKind, fill_path
+from chain_impact.variables.kind import LETTERS, PRESCRIBED_MOTION_PART, Block, VariableKind, fill_path
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import COUNT_RULES, OWNER_KINDS, RECORD_NUMBERS, Owner
@@ -75,7 +75,7 @@ def page_kit(scene: Scene) -> dict[str, Any]:
     Only the user's own contact law and the tables of signals depend on this ``scene``.
     """
     choices = choices_of(scene)
-    inputs = [block for block in INPUTS if block.kinds[0].record_path[0] != MOTION]
+    inputs = [block for block in INPUTS if block.kinds[0].record_path[0] != PRESCRIBED_MOTION_PART]
     return {
         "keys": _keys(Scene),
         "facts": {name: tree(fact.rule) for name, fact in FACTS.items()},

@@ -29,7 +29,7 @@ class Rerun(Protocol):
     """A run that can be repeated, with rows at other times."""
 
     @property
-    def prepared(self) -> PreparedScene:
+    def prepared_scene(self) -> PreparedScene:
         """The scene of the run, prepared."""
 
     def __call__(self, times: np.ndarray) -> np.ndarray:

@@ -46,8 +46,8 @@ class Sensitivities:
     """Derivatives of outputs and of impacts with respect to P parameters or inputs.
 
     Attributes:
-        prepared: the prepared scene.
-        varied: the P parameters and inputs.
+        prepared_scene: the prepared scene.
+        differentiated: the P parameters and inputs.
         chosen: the names of the W outputs; None stands for all outputs that change continuously.
         slopes: the derivatives of the W outputs at each of the T times, shape (T, W, P).
         impacts: one row for each contact, shape (I,), as ``Result.impacts``.
@@ -62,8 +62,8 @@ class Sensitivities:
     __eq__ = have_equal_fields
     __hash__ = None  # type: ignore[assignment]
 
-    prepared: PreparedScene
-    varied: Sequence[Variable]
+    prepared_scene: PreparedScene
+    differentiated: Sequence[Variable]
     chosen: Sequence[str] | None
     slopes: np.ndarray
     impacts: np.ndarray
@@ -72,26 +72,28 @@ class Sensitivities:
     given: Collection[str] = ()
     step_factors: Mapping[str, float] = field(default_factory=dict)
     parts = OlderName("step_factors")
+    prepared = OlderName("prepared_scene")
+    varied = OlderName("differentiated")
 
     @property
     def source(self) -> str:
         """The name of the scene, for texts and errors."""
-        return self.prepared.scene.name
+        return self.prepared_scene.scene.name
 
     @cached_property
     def parameters(self) -> dict[str, float]:
-        """Name of a parameter or input in ``varied`` → its value, that of an input at the start.
+        """Name of a parameter or input in ``differentiated`` → its value, that of an input at the start.
 
         The value is 0 for an input whose values the user gives.
         """
-        values, names = self.prepared.scene.values, [variable.name for variable in self.varied]
+        values, names = self.prepared_scene.scene.values, [variable.name for variable in self.differentiated]
         return {name: 0.0 if name in self.given else value_at_start(values, name) for name in names}
 
     @cached_property
     def units(self) -> dict[str, str]:
         """Name of a parameter, an output, or a derivative of an output → its unit."""
-        prepared_scene = self.prepared
-        added = derivatives(prepared_scene.motion, self.varied)
+        prepared_scene = self.prepared_scene
+        added = derivatives(prepared_scene.continuous_outputs, self.differentiated)
         variables = (*prepared_scene.parameters, *prepared_scene.inputs, *prepared_scene.outputs, *added)
         return {variable.name: scene_unit(variable.unit, prepared_scene.scene) for variable in variables}
 
@@ -99,7 +101,7 @@ class Sensitivities:
     def columns(self) -> dict[str, int]:
         """Name of an output → its index on the second axis of ``slopes``."""
         if self.chosen is None:
-            return self.prepared.output_index
+            return self.prepared_scene.output_index
         return {name: column for column, name in enumerate(self.chosen)}
 
     def __repr__(self) -> str:
@@ -158,13 +160,13 @@ class Sensitivities:
 
     @property
     def _usual(self) -> tuple[str, ...]:
-        last = len(self.prepared.scene.chain.links)
+        last = len(self.prepared_scene.scene.chain.links)
         return f"point[{last}].x", f"point[{last}].y", "energy.total"
 
     def _output(self, name: str) -> str:
         if name not in self.columns:
-            outputs = {output.name for output in self.prepared.outputs}
-            is_stepwise = name in outputs - {output.name for output in self.prepared.motion}
+            outputs = {output.name for output in self.prepared_scene.outputs}
+            is_stepwise = name in outputs - {output.name for output in self.prepared_scene.continuous_outputs}
             fault = "an output without derivatives" if is_stepwise else "not an output of this result"
             hint = "impact_sensitivity(…) has those of impacts" if name.startswith("impact[") else None
             raise UnknownNameError(self.source, name, self.columns, fault, hint)

@@ -70,7 +70,7 @@ def dataset(prepared_scene: PreparedScene, time: np.ndarray, motion: Mapping[str
     """Return outputs as a dataset of xarray: a quantity of points, links or contacts is one array for all.
 
     Any other output has an array of its own. ``motion``: name → values, shape (T,), of outputs of the list
-    ``prepared.motion``; other outputs are not in the dataset.
+    ``prepared_scene.continuous_outputs``; other outputs are not in the dataset.
     """
     xarray = require("xarray", "xarray")
     scene = prepared_scene.scene
@@ -80,7 +80,7 @@ def dataset(prepared_scene: PreparedScene, time: np.ndarray, motion: Mapping[str
     links, points = len(scene.chain.links), len(scene.start)
     sizes = {"point": points, "axis": len(AXES), "link": links, "contact": len(pairs)}
     data: dict[str, Any] = {}
-    for variable in prepared_scene.motion:
+    for variable in prepared_scene.continuous_outputs:
         if variable.name not in motion:
             continue
         owner, _, label = variable.kind.array.partition(".")

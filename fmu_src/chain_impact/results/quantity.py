@@ -130,7 +130,7 @@ def _impact_quantity(
     value_in_run = partial(_impact_in, number=number, field=field)
     # a coordinate on a wall through the origin is 0 up to round-off, so its size counts as at least the
     # length of the chain
-    links = sensitivities.prepared.scene.chain.links
+    links = sensitivities.prepared_scene.scene.chain.links
     least_size = sum(link.length for link in links) if field in POSITION else 0.0
     size = max(abs(float(value)), least_size)
     return RankedQuantity(float(value), units[field], location_text, slope[number - 1], size, value_in_run)
@@ -144,7 +144,7 @@ def _joint_force(recording: Recording, sensitivities: Sensitivities) -> RankedQu
     """Return the largest force in any joint during the run, with its derivatives."""
     names = [name for name in sensitivities.columns if _is_joint_force(name)]
     if not names:
-        prepared_scene = sensitivities.prepared
+        prepared_scene = sensitivities.prepared_scene
         if prepared_scene.scene.outputs.loads and not any(
             _is_joint_force(name_part.name) for name_part in prepared_scene.outputs
         ):

@@ -55,7 +55,7 @@ class Result(PrintedResult, SceneRecording):
     ``result[["point[4].x", "energy.*"]]``.
 
     Attributes:
-        prepared: the prepared scene that was simulated.
+        prepared_scene: the prepared scene that was simulated.
         time: the communication points, shape (T,) [s].
         outputs: the outputs that change continuously, at these times, a structured array of shape (T,). Its
             fields are those of ``output_dtype`` in kernel/record/instance.py or, with
@@ -73,7 +73,7 @@ class Result(PrintedResult, SceneRecording):
             repeated.
     """
 
-    prepared: PreparedScene
+    prepared_scene: PreparedScene
     time: np.ndarray
     outputs: np.ndarray
     impacts: np.ndarray
@@ -109,8 +109,8 @@ class Result(PrintedResult, SceneRecording):
             return columns
         if name == "time":
             return self.time
-        if name in self.motion:
-            return self.motion[name]
+        if name in self.continuous_columns:
+            return self.continuous_columns[name]
         if name in self.names:
             return (self.stepwise if name in self.stepwise else self.input_values)[name]
         hint = series_hint(self.output_hint)
@@ -122,13 +122,15 @@ class Result(PrintedResult, SceneRecording):
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the outputs: first the continuous ones, then ``stepwise``; given inputs come last."""
-        return *self.motion, *self.stepwise, *self.input_values
+        return *self.continuous_columns, *self.stepwise, *self.input_values
 
     def output_hint(self, name: str) -> str | None:
         """Return a hint for a name that no output of this result has; None if no hint is known."""
-        return missing_output_hint(self.prepared, name)
+        return missing_output_hint(self.prepared_scene, name)
 
-    model = OlderName("prepared")
+    model = OlderName("prepared_scene")
+    motion = OlderName("continuous_columns")
+    prepared = OlderName("prepared_scene")
 
     @property
     def name(self) -> str:
@@ -143,14 +145,14 @@ class Result(PrintedResult, SceneRecording):
     @cached_property
     def columns(self) -> Mapping[str, np.ndarray]:
         """Name of an output or given input → its values over time, shape (T,)."""
-        return {**self.motion, **self.stepwise, **self.input_values}
+        return {**self.continuous_columns, **self.stepwise, **self.input_values}
 
     @cached_property
-    def motion(self) -> dict[str, np.ndarray]:
+    def continuous_columns(self) -> dict[str, np.ndarray]:
         """Name of an output that changes continuously → its values over time, shape (T,)."""
         recorded_names = self.outputs.dtype.names or ()
         return (
-            self.prepared.series(self.outputs)
+            self.prepared_scene.series(self.outputs)
             if self._has_all
             else {n: self.outputs[n] for n in recorded_names}
         )
@@ -176,7 +178,7 @@ class Result(PrintedResult, SceneRecording):
     @cached_property
     def wall_names(self) -> tuple[str, ...]:
         """The names of the walls and stops, in the order of their numbers, as in ``impacts``."""
-        return self.prepared.wall_names
+        return self.prepared_scene.wall_names
 
     @cached_property
     def point_names(self) -> Mapping[int, str]:
@@ -187,7 +189,7 @@ class Result(PrintedResult, SceneRecording):
     def parameters(self) -> Mapping[str, Any]:
         """Name of a parameter → its value; for an enumeration the name of the choice."""
         values = self.scene.values
-        return {name: values[name] for name in self.prepared.parameter_paths}
+        return {name: values[name] for name in self.prepared_scene.parameter_paths}
 
     @cached_property
     def stops(self) -> Mapping[int, JointRange]:
@@ -218,7 +220,9 @@ class Result(PrintedResult, SceneRecording):
     @property
     def knows_points(self) -> bool:
         """Whether the result has the positions of all points."""
-        return {v.name for v in self.prepared.motion if v.field == "point_position"} <= {*self.motion}
+        return {v.name for v in self.prepared_scene.continuous_outputs if v.field == "point_position"} <= {
+            *self.continuous_columns
+        }
 
     @property
     def angles(self) -> np.ndarray:
@@ -252,7 +256,7 @@ class Result(PrintedResult, SceneRecording):
             UnknownNameError: when the result lacks the output of another field.
         """
         energy = np.zeros(len(self.time), [(name, np.float64) for name in ENERGIES])
-        known_numbers = self.prepared.structure.numbers
+        known_numbers = self.prepared_scene.structure.numbers
         is_known = known_numbers["needs_impulses"] and (self._has_all or "energy.friction" in self.names)
         for name, kind in ENERGIES.items():
             # the scene has no such output, for example without friction or supply: this energy is 0
@@ -284,7 +288,7 @@ class Result(PrintedResult, SceneRecording):
             return None
         return replace(
             self,
-            prepared=other_result.prepared,
+            prepared_scene=other_result.prepared_scene,
             time=np.array([time]),
             outputs=outputs,
             impacts=NO_IMPACTS,
@@ -303,7 +307,7 @@ class Result(PrintedResult, SceneRecording):
         Raises:
             MissingExtraError: when pandas (the extra ``pandas``) is not installed.
         """
-        return tables.dataframe(self.prepared, self.time, self.columns)
+        return tables.dataframe(self.prepared_scene, self.time, self.columns)
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the outputs that change continuously as a dataset of xarray, with units.
@@ -314,7 +318,7 @@ class Result(PrintedResult, SceneRecording):
         Raises:
             MissingExtraError: when xarray (the extra ``xarray``) is not installed.
         """
-        return tables.dataset(self.prepared, self.time, self.motion)
+        return tables.dataset(self.prepared_scene, self.time, self.continuous_columns)
 
     def impact_table(self) -> pandas.DataFrame:
         """Return the impacts as a table of pandas: columns as in ``IMPACT_DTYPE``; ``wall`` has the name.
@@ -357,7 +361,7 @@ class Result(PrintedResult, SceneRecording):
         """
         if field in (self.outputs.dtype.names or ()):
             return self.outputs[field]
-        parts = [v for v in self.prepared.motion if v.field == field]
+        parts = [v for v in self.prepared_scene.continuous_outputs if v.field == field]
         if not parts:
             raise UnknownNameError(self.scene.name, field, self.names, "not an output of the scene")
         values = np.stack([self[variable.name] for variable in parts], axis=-1)

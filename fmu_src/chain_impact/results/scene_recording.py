@@ -30,14 +30,14 @@ if TYPE_CHECKING:
 class SceneRecording(Recording):
     """A result with methods for derivatives, pictures and an animation; ``Result`` has its attributes."""
 
-    prepared: PreparedScene
+    prepared_scene: PreparedScene
     statistics: dict[str, int]
     rerun: Rerun | None
 
     @property
     def scene(self) -> Scene:
         """The scene as it was simulated."""
-        return self.prepared.scene
+        return self.prepared_scene.scene
 
     @cached_property
     def points_through_walls(self) -> list[str]:
@@ -145,7 +145,7 @@ class SceneRecording(Recording):
 
     def curves(self, names: Sequence[str], around: int | None = None) -> Curves:
         """Return the curves of outputs for ``plot(curves=…)``, with more times if the run can be repeated."""
-        return curves_of(self, names, self.prepared.units, around=around, rerun=self.rerun)
+        return curves_of(self, names, self.prepared_scene.units, around=around, rerun=self.rerun)
 
     @cached_property
     def detailed_energies(self) -> tuple[np.ndarray, Mapping[str, np.ndarray]]:
@@ -210,7 +210,7 @@ class SceneRecording(Recording):
             raise ValueError(f"{self.name}: number = {number!r} must be {impact_numbers(len(self.impacts))}")
         if number not in self._courses:
             impact, stop = self.impacts[number - 1], float(self.time[-1])
-            self._courses[number] = course_of(self.prepared, self.rerun, impact, end_time=stop)
+            self._courses[number] = course_of(self.prepared_scene, self.rerun, impact, end_time=stop)
         return self._courses[number]
 
     @cached_property

@@ -42,7 +42,7 @@ from chain_impact.simulation.output_rows import WordRows
 from chain_impact.variables.indices import first_word, word_index
 from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.prepared import PreparedScene
-from chain_impact.variables.selection import columns_named, varied_by
+from chain_impact.variables.selection import columns_named, differentiable_named
 from chain_impact.variables.variable import Variable
 
 DIFFERENTIABLE_COLUMNS = tuple(
@@ -207,7 +207,7 @@ class DifferentiatedInstance(Instance):
     @property
     def _one_sided(self) -> list[str]:
         """The names of parameters with one-sided derivatives: they shift a knot in ``bends_at_start``."""
-        signals = self.prepared.structure.signals
+        signals = self.prepared_scene.structure.signals
         if not signals:
             return []
         slopes = self._tangents["knot"]["time"]["slope"][:, bends_at_start(self.record, signals)]
@@ -239,7 +239,7 @@ class DifferentiatedInstance(Instance):
         if trust["point"] != NO_IMPACT and trust["wall"] == JOINT:
             location_text = f", the {cause} of joint {trust['point']}"
         elif trust["point"] != NO_IMPACT:
-            scene, wall = self.prepared.scene, trust["wall"]
+            scene, wall = self.prepared_scene.scene, trust["wall"]
             touching_part = touching_part_name(int(trust["point"]), scene.stop_name(wall), scene.point_names)
             location_text = f", the {cause} of {touching_part} at {scene.wall_names[wall]}"
             reasons = REASONS_AT_STOPS if is_scene_joint_stop(scene, wall) else reasons
@@ -311,7 +311,7 @@ class DifferentiatedRun:
         stop = self._prepared_scene.scene.simulation.stop_time
         self._inputs = {} if inputs is None else dict(inputs_by_name(inputs, stop))
         self._interpolation = interpolation
-        variables = varied_by(self._prepared_scene, parameters)
+        variables = differentiable_named(self._prepared_scene, parameters)
         self._paths = [variable.set_path for variable in variables]
         columns = columns_named(self._prepared_scene, outputs)
         self._words = self._prepared_scene.output_words[[columns[name] for name in outputs]]
@@ -350,7 +350,7 @@ class DifferentiatedRun:
     def _differentiated(self, slopes: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
         width, count = len(self._words), len(self._paths)
         order, rows = sorted_impacts(
-            [np.zeros(0, LOG_DTYPE), *impacts], self._instance.prepared.scene.wall_names
+            [np.zeros(0, LOG_DTYPE), *impacts], self._instance.prepared_scene.scene.wall_names
         )
         return Differentiated(
             values=slopes[:, :width],

@@ -21,7 +21,7 @@ from chain_impact.simulation.input_values import checked_signal, finite_value, v
 from chain_impact.simulation.motions import (
     ACCURACY,
     FINELY_RESOLVED,
-    Motion,
+    ChannelMotion,
     as_function,
     channels_of,
     contradictions,
@@ -33,7 +33,7 @@ from chain_impact.simulation.motions import (
 )
 from chain_impact.simulation.pieces import Pieces, joined_points
 from chain_impact.simulation.targets import still_dampers
-from chain_impact.variables.kind import MOTION
+from chain_impact.variables.kind import PRESCRIBED_MOTION_PART
 from chain_impact.variables.prepared import PreparedScene
 
 InputSource = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
@@ -131,7 +131,7 @@ class InputSchedule:
             values = record[part][name]
             has_changed |= values[index] != powers[0, m]
             values[index] = powers[0, m]
-            if part != MOTION:
+            if part != PRESCRIBED_MOTION_PART:
                 piece[name][1 : len(powers), index] = powers[1:, m]
         settings = self.pieces.settings(piece_number)
         # steady: with ``hold``, the kernel makes the polynomials of motions from the values at communication
@@ -201,7 +201,10 @@ def input_schedule(
     return InputSchedule(
         times=all_times,
         is_requested=np.isin(all_times, times),
-        paths=(*(paths[name] for name in signals), *((MOTION, PIECE, j) for j in range(len(motions)))),
+        paths=(
+            *(paths[name] for name in signals),
+            *((PRESCRIBED_MOTION_PART, PIECE, j) for j in range(len(motions))),
+        ),
         pieces=pieces,
         first_row=np.append(0, np.searchsorted(all_times, begin) + 1),
         restarts=pieces.jumps | belt_jumps | bends,
@@ -231,7 +234,7 @@ def _signals_of(scene: PreparedScene, inputs: Mapping[str, Any]) -> dict[str, An
 def _pieces_of(
     prepared_scene: PreparedScene,
     signals: Mapping[str, Any],
-    motions: Sequence[Motion],
+    motions: Sequence[ChannelMotion],
     call: Callable[[str, float], float],
     *,
     interpolation: str,
@@ -245,7 +248,7 @@ def _pieces_of(
     """
     scene, same = prepared_scene.scene, SAMPLE_ROUND_OFF * run[-1]
     splines = {
-        name: as_function(name, signal, call, joint_form="spline")
+        name: as_function(name, signal, call, sample_join="spline")
         for name, signal in signals.items()
         if interpolation == "spline" and isinstance(signal, tuple)
     }

@@ -18,10 +18,10 @@ from chain_impact.simulation.inputs import InputSchedule
 from chain_impact.simulation.kernels import kernel_for
 from chain_impact.simulation.output_rows import Rows, spans_of
 from chain_impact.variables.indices import HEAD_WORDS, log_words
-from chain_impact.variables.kind import MOTION
+from chain_impact.variables.kind import PRESCRIBED_MOTION_PART
 from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.parameters import DERIVED_DURING_RUN
-from chain_impact.variables.prepared import PreparedScene, prepared_scene
+from chain_impact.variables.prepared import PreparedScene, as_prepared
 from chain_impact.variables.variable import Variable
 
 NO_CONTACTS = np.zeros(0, LOG_DTYPE)
@@ -31,7 +31,7 @@ class Instance:
     """An initialized instance and the kernel that works on it.
 
     Attributes:
-        prepared: the prepared scene.
+        prepared_scene: the prepared scene.
         record: the data of the instance.
         words: a view of the whole record as numbers, one for each word.
         changes: the changes between sticking and sliding since the start, as far as ``collect`` has read
@@ -53,14 +53,14 @@ class Instance:
             SimulationError: when the scene cannot start.
             BuildError: when the kernel cannot be compiled.
         """
-        self.prepared = prepared_scene(source)
-        parameters = self.prepared.varied if parameters is None else parameters
-        self._use(self.prepared.new_instance(parameters))
-        self._log_at = log_words(self.prepared.counts)
+        self.prepared_scene = as_prepared(source)
+        parameters = self.prepared_scene.differentiated if parameters is None else parameters
+        self._use(self.prepared_scene.new_instance(parameters))
+        self._log_at = log_words(self.prepared_scene.counts)
         if schedule:
             schedule.set(self.record, 0)
-        scope = self.prepared.kernel_scope
-        self._kernel = kernel_for(self.prepared.scene, derivatives=bool(parameters), scope=scope)
+        scope = self.prepared_scene.kernel_scope
+        self._kernel = kernel_for(self.prepared_scene.scene, derivatives=bool(parameters), scope=scope)
         self.initialize()
 
     def _use(self, memory: np.ndarray) -> None:
@@ -77,7 +77,7 @@ class Instance:
         """
         self.changes: list[np.ndarray] = []
         if self._kernel.initialize(self._address, 0.0) != OK:
-            raise SimulationError(self.status, 0.0, None, self.part, self.prepared.scene.name)
+            raise SimulationError(self.status, 0.0, None, self.part, self.prepared_scene.scene.name)
 
     def observe(self) -> int:
         """Compute the outputs of the record at the present time; return the status."""
@@ -121,7 +121,7 @@ class Instance:
             spans: the indices of a row's numbers in the record, see ``spans_of``; None for all outputs.
             of_state: as for ``WordRows``; if true, the kernel computes no other outputs.
         """
-        spans = spans_of(self.prepared.output_words) if spans is None else spans
+        spans = spans_of(self.prepared_scene.output_words) if spans is None else spans
         span_arguments, row_arguments = (
             (spans.ctypes.data, len(spans)),
             (rows.ctypes.data, rows.strides[0] // WORD),
@@ -215,7 +215,7 @@ class Instance:
         rows = np.ndarray(len(impacts), LOG_DTYPE, impacts)
         if not self._integers.item(log.integrates):
             rows["impulse"] = np.nan
-        if not self.prepared.counts.transmitted_row_count:
+        if not self.prepared_scene.counts.transmitted_row_count:
             rows["joint_force"] = np.nan
         return rows
 
@@ -231,15 +231,15 @@ class Instance:
         The result is "" without a fault, and if no single part causes the fault.
         """
         number = int(self.record["fault"]["part"])
-        return part_texts(self.prepared.scene)[number - 1] if number else ""
+        return part_texts(self.prepared_scene.scene)[number - 1] if number else ""
 
     @property
     def contradictions(self) -> list[str]:
         """A list with one sentence if the positions given for a motion contradict its velocity; else []."""
         channels = self.record["channel"]
         channel = int(channels["contradiction"])
-        names = {variable.record_path: variable.name for variable in self.prepared.inputs}
-        name = names.get((MOTION, "position", channel - 1))
+        names = {variable.record_path: variable.name for variable in self.prepared_scene.inputs}
+        name = names.get((PRESCRIBED_MOTION_PART, "position", channel - 1))
         if not name:
             return []
         distance, duration, velocity = (

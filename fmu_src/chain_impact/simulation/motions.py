@@ -24,7 +24,7 @@ from chain_impact.scene.signal_polynomials import is_position, spline_of_positio
 from chain_impact.scene.texts.names import AXES
 from chain_impact.simulation.approximation import Approximator
 from chain_impact.simulation.pieces import Pieces, joined_points
-from chain_impact.variables.kind import MOTION, MOTIONS
+from chain_impact.variables.kind import PRESCRIBED_MOTION_FIELDS, PRESCRIBED_MOTION_PART
 from chain_impact.variables.prepared import PreparedScene
 
 # arguments ``accuracy`` and ``resolution`` of ``Approximator`` for motions
@@ -43,7 +43,7 @@ START_POSITION_ROUND_OFF = 1e-12
 
 
 @dataclass(frozen=True)
-class Motion:
+class ChannelMotion:
     """The motion of a channel over time.
 
     Attributes:
@@ -89,7 +89,9 @@ def channels_of(prepared_scene: PreparedScene) -> list[Channel]:
     names = {variable.record_path: variable.name for variable in prepared_scene.inputs}
     scene, channels = prepared_scene.scene, []
     for j in range(prepared_scene.counts.channel_count):
-        position, velocity, acceleration = (names.get((MOTION, field, j), "") for field in MOTIONS)
+        position, velocity, acceleration = (
+            names.get((PRESCRIBED_MOTION_PART, field, j), "") for field in PRESCRIBED_MOTION_FIELDS
+        )
         base = scene.inputs.base_motion and j < len(AXES)
         start = scene.initial.position[j] if base else 0.0
         channels.append(Channel(position, velocity, acceleration, start))
@@ -103,7 +105,7 @@ def motion_of(
     called: Callable[[str, float], float],
     *,
     interpolation: str,
-) -> Motion:
+) -> ChannelMotion:
     """Return the motion of a channel: from the position if given, else from velocity or acceleration.
 
     If no input gives the motion, the channel stays at its start.
@@ -118,23 +120,23 @@ def motion_of(
     """
     given_name = next((name for name in channel.names if name in signals), None)
     if given_name is None:
-        return Motion("", lambda times: np.full_like(times, channel.start), np.zeros(0))
+        return ChannelMotion("", lambda times: np.full_like(times, channel.start), np.zeros(0))
     belt = not channel.position
-    joint_form = interpolation if interpolation in ("linear", "spline") else "held" if belt else "spline"
-    value, breaks = as_function(given_name, signals[given_name], called, joint_form=joint_form, stop=stop)
+    sample_join = interpolation if interpolation in ("linear", "spline") else "held" if belt else "spline"
+    value, breaks = as_function(given_name, signals[given_name], called, sample_join=sample_join, stop=stop)
     for _ in range(channel.orders[given_name]):
         value, breaks = _integrate(value, breaks, stop)
     if given_name == channel.position or belt:
-        return Motion(given_name, value, breaks)
-    return Motion(given_name, lambda times: channel.start + value(times), breaks)
+        return ChannelMotion(given_name, value, breaks)
+    return ChannelMotion(given_name, lambda times: channel.start + value(times), breaks)
 
 
 def as_function(
-    name: str, signal: Any, called: Callable[[str, float], float], *, joint_form: str, stop: float = math.inf
+    name: str, signal: Any, called: Callable[[str, float], float], *, sample_join: str, stop: float = math.inf
 ) -> tuple[Callable[[Any], Any], np.ndarray]:
     """Return an input over time as a function of times [s], and the times [s] at which it may not be smooth.
 
-    ``joint_form`` says how samples are joined: "linear", "held" until the next sample, or by a "spline". The
+    ``sample_join`` says how samples are joined: "linear", "held" until the next sample, or by a "spline". The
     first sample acts also before its time, the last one also after its time. ``stop``: end of the run [s].
     """
     if callable(signal):
@@ -142,9 +144,9 @@ def as_function(
     if isinstance(signal, float):
         return lambda times: np.full(np.shape(times), signal), np.zeros(0)
     sample_times, values = signal
-    if joint_form == "linear":
+    if sample_join == "linear":
         return lambda times: np.interp(times, sample_times, values), sample_times
-    if joint_form == "held" or sample_times[0] == sample_times[-1]:
+    if sample_join == "held" or sample_times[0] == sample_times[-1]:
         return lambda times: values[
             np.maximum(np.searchsorted(sample_times, times, side="right") - 1, 0)
         ], sample_times
@@ -222,7 +224,7 @@ def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
 
 
 def refuse_jumps(
-    source: str, motions: Sequence[Motion], belts: np.ndarray, pieces: Pieces, columns: np.ndarray
+    source: str, motions: Sequence[ChannelMotion], belts: np.ndarray, pieces: Pieces, columns: np.ndarray
 ) -> None:
     """Refuse a motion of base or wall whose position or velocity jumps; the speed of a belt may jump.
 
@@ -305,7 +307,7 @@ def contradictions(
                 texts.append(start_hint(channel.position[-1], start, channel.start))
         for name in names[1:]:
             order = channel.names.index(name)
-            value, _ = as_function(name, signals[name], called, joint_form="spline")
+            value, _ = as_function(name, signals[name], called, sample_join="spline")
             values = derivatives(pieces, order)[0, :, column]
             data = np.asarray(value(pieces.start))
             k = int(np.abs(data - values).argmax())

@@ -48,12 +48,14 @@ class Run:
         """
         self.prepared_scene, self.parameters = prepared_scene, parameters
         self.schedule, self.indices = schedule, indices
-        differentiated = DifferentiatedInstance(prepared_scene, parameters, schedule) if parameters else None
-        self.instance = differentiated or Instance(prepared_scene, schedule, ())
+        differentiated_instance = (
+            DifferentiatedInstance(prepared_scene, parameters, schedule) if parameters else None
+        )
+        self.instance = differentiated_instance or Instance(prepared_scene, schedule, ())
         words = indices.words
-        if differentiated:
-            words = np.append(words, differentiated.slope_words(words[: indices.width]))
-        of_state = indices.of_state and not differentiated
+        if differentiated_instance:
+            words = np.append(words, differentiated_instance.slope_words(words[: indices.width]))
+        of_state = indices.of_state and not differentiated_instance
         self.rows = WordRows(len(schedule.times), words, of_state=of_state)
 
     def execute(self, progress: Progress) -> None:
@@ -77,7 +79,7 @@ class Run:
         )
         input_rows = np.arange(self.row_count)[requested_rows]
         return Result(
-            prepared=self.prepared_scene,
+            prepared_scene=self.prepared_scene,
             time=schedule.times[requested_rows],
             outputs=structured_rows(numbers, indices.row),
             impacts=table,
@@ -107,8 +109,8 @@ class Run:
         if not isinstance(self.instance, DifferentiatedInstance):
             return None
         return Sensitivities(
-            prepared=self.prepared_scene,
-            varied=self.parameters,
+            prepared_scene=self.prepared_scene,
+            differentiated=self.parameters,
             chosen=chosen_outputs,
             slopes=slopes.reshape(len(slopes), self.indices.width, len(self.parameters)),
             impacts=impacts,
@@ -126,7 +128,7 @@ class Run:
 class SceneRerun:
     """A function of times that repeats the run, with rows at these times."""
 
-    prepared: PreparedScene
+    prepared_scene: PreparedScene
     schedule: InputSchedule
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
@@ -137,14 +139,14 @@ class SceneRerun:
         """
         schedule = self.schedule.with_times(times)
         try:
-            instance = Instance(self.prepared, schedule, ())
+            instance = Instance(self.prepared_scene, schedule, ())
         except SimulationError:
-            return np.zeros(0, self.prepared.output_layout)
-        rows = WordRows(len(schedule.times), self.prepared.output_words)
+            return np.zeros(0, self.prepared_scene.output_layout)
+        rows = WordRows(len(schedule.times), self.prepared_scene.output_words)
         finished_rows, _ = instance.run(schedule, rows)
-        outputs: np.ndarray = structured_rows(rows.numbers[:finished_rows], self.prepared.output_layout)[
-            schedule.is_requested[:finished_rows]
-        ]
+        outputs: np.ndarray = structured_rows(
+            rows.numbers[:finished_rows], self.prepared_scene.output_layout
+        )[schedule.is_requested[:finished_rows]]
         return outputs
 
     def inputs(self, times: np.ndarray) -> dict[str, np.ndarray]:
@@ -159,7 +161,7 @@ class SceneRerun:
         """
         outputs = self(times)
         given_inputs = {name: values[: len(outputs)] for name, values in self.inputs(times).items()}
-        return given_inputs | self.prepared.series(outputs)
+        return given_inputs | self.prepared_scene.series(outputs)
 
     def changed(self, values: Mapping[str, Any]) -> SceneRerun:
         """Return the run with the same inputs over time and with other values of parameters.
@@ -167,4 +169,4 @@ class SceneRerun:
         Raises:
             SceneError: when the scene cannot have one of the values, or a name is not that of a parameter.
         """
-        return SceneRerun(PreparedScene(with_values(self.prepared.scene, values)), self.schedule)
+        return SceneRerun(PreparedScene(with_values(self.prepared_scene.scene, values)), self.schedule)

@@ -37,7 +37,7 @@ from chain_impact.simulation.output_rows import chosen_columns
 from chain_impact.simulation.run import Run
 from chain_impact.user_laws.law_file import LawError, parse_law, source_of
 from chain_impact.variables.prepared import PreparedScene
-from chain_impact.variables.selection import varied_by
+from chain_impact.variables.selection import differentiable_named
 
 MOST_BYTES = 2_000_000_000
 """[byte] the largest size of the outputs of a simulation; a larger result is refused before the run."""
@@ -129,7 +129,11 @@ def simulate(
         "solver.tolerance": tolerance,
     }
     prepared_scene = _with_settings(scene, settings)
-    parameters = prepared_scene.varied if sensitivities is None else varied_by(prepared_scene, sensitivities)
+    parameters = (
+        prepared_scene.differentiated
+        if sensitivities is None
+        else differentiable_named(prepared_scene, sensitivities)
+    )
     given_inputs = {} if inputs is None else inputs_by_name(inputs, prepared_scene.scene.simulation.stop_time)
     indices, input_names = chosen_columns(
         prepared_scene, output, _possible_columns(prepared_scene, given_inputs)
@@ -138,7 +142,7 @@ def simulate(
     schedule = _inputs_of_run(prepared_scene, given_inputs, interpolation, is_single_interval, column_count)
     run = Run(prepared_scene, parameters, schedule, indices)
     run.execute(progress or no_progress)
-    result = run.result(input_names, None if output is None else tuple(indices.motion))
+    result = run.result(input_names, None if output is None else tuple(indices.continuous))
     _warn(run.instance, result)
     if (status := run.instance.status) != OK:
         raise SimulationError(status, run.instance.time, result, run.instance.part, result.scene.name)
@@ -192,7 +196,7 @@ def _warn(instance: Instance, result: Result) -> None:
     # ``hints`` takes long, and returns nothing unless a point is deeper in a wall than ``BodySize.deep``
     if instance.record["peaks"]["penetration"] > smallest_body(scene).deep:
         warn(scene.name, hints(scene, result.impacts))
-    if result.prepared.counts.channel_count and instance.record["channel"]["contradiction"]:
+    if result.prepared_scene.counts.channel_count and instance.record["channel"]["contradiction"]:
         warn(scene.name, instance.contradictions)
 
 

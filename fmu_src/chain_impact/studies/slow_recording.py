@@ -116,18 +116,18 @@ def record_slowly(
     )
     contact_times = np.append(contact_times, early_times.ravel()[:MOST_FILM_ROWS])
     schedule = input_schedule(
-        result.prepared,
+        result.prepared_scene,
         {} if inputs is None else inputs,
         interpolation,
         np.union1d(shown_times, contact_times.clip(0.0, stop)),
     )
-    instance = Instance(result.prepared, schedule, parameters=())
-    rows = WordRows(len(schedule.times), result.prepared.output_words)
+    instance = Instance(result.prepared_scene, schedule, parameters=())
+    rows = WordRows(len(schedule.times), result.prepared_scene.output_words)
     share, _ = instance.run(schedule, rows, lambda part: show(0.5 + part / 2))
     return Result(
-        result.prepared,
+        result.prepared_scene,
         schedule.times[:share],
-        structured_rows(rows.numbers[:share], result.prepared.output_layout),
+        structured_rows(rows.numbers[:share], result.prepared_scene.output_layout),
         result.impacts,
         statistics=instance.statistics,
         stick_slip=result.stick_slip,

@@ -99,17 +99,17 @@ class OutputIndices(NamedTuple):
     """The indices of some outputs in the record of an instance, in words of 8 bytes from the record's start.
 
     Attributes:
-        motion: name → index, for outputs that change continuously.
+        continuous: name → index, for outputs that change continuously.
         stepwise: name → (index, whether the output is a real number), for outputs that change only at events
             and steps.
-        row: the NumPy type of a row of ``Result.outputs`` with the outputs in ``motion``.
+        row: the NumPy type of a row of ``Result.outputs`` with the outputs in ``continuous``.
         words: the indices of the numbers in a row of the type ``row``, then the sorted indices of the outputs
             in ``stepwise``.
         of_state: whether the state alone determines all these outputs (``STATE_OUTPUTS`` in
             kernel/record/instance.py), so that no forces must be computed for them.
     """
 
-    motion: dict[str, int]
+    continuous: dict[str, int]
     stepwise: dict[str, tuple[int, bool]]
     row: np.dtype
     words: np.ndarray
@@ -124,11 +124,13 @@ class OutputIndices(NamedTuple):
 def indices_of(variables: Iterable[Variable], of_all: OutputIndices) -> OutputIndices:
     """Return the indices of the outputs ``variables``, in this order; ``of_all`` has those of all outputs."""
     paths = {variable.name: variable.record_path for variable in variables}
-    motion = {name: of_all.motion[name] for name in paths if name in of_all.motion}
+    continuous_words = {name: of_all.continuous[name] for name in paths if name in of_all.continuous}
     stepwise_words = {name: of_all.stepwise[name] for name in paths if name in of_all.stepwise}
-    row = np.dtype([(name, np.float64) for name in motion])
+    row = np.dtype([(name, np.float64) for name in continuous_words])
     of_state = not stepwise_words and all(field in STATE_OUTPUTS for _, field, *_ in paths.values())
-    return OutputIndices(motion, stepwise_words, row, _words([*motion.values()], stepwise_words), of_state)
+    return OutputIndices(
+        continuous_words, stepwise_words, row, _words([*continuous_words.values()], stepwise_words), of_state
+    )
 
 
 def _words(row: Sequence[int], stepwise_words: Mapping[str, tuple[int, bool]]) -> np.ndarray:
@@ -142,15 +144,15 @@ def output_indices(structure: Structure, counts: Counts) -> OutputIndices:
     The result is cached, because to compute it takes as long as a short simulation.
     """
     layout = layout_of(*counts)
-    motion: dict[str, int] = {}
+    continuous_words: dict[str, int] = {}
     stepwise_words: dict[str, tuple[int, bool]] = {}
     for name, output in outputs_of(structure).items():
         word = word_index(layout, output.record_path)
         if output.record_path[0] == "output":
-            motion[name] = word
+            continuous_words[name] = word
         else:
             stepwise_words[name] = word, output.type == "real"
     # with all outputs, a row is the whole part ``output`` of the record, in the record's order of fields
     row, first = layout["output"], first_word(layout, "output")
     words = _words(range(first, first + row.itemsize // WORD), stepwise_words)
-    return OutputIndices(motion, stepwise_words, row, words)
+    return OutputIndices(continuous_words, stepwise_words, row, words)

@@ -25,10 +25,10 @@ from chain_impact.scene.texts.names import (
 )
 
 NEXT_OWNER_AT = "{next}"
-MOTION = "given_channel"
+PRESCRIBED_MOTION_PART = "given_channel"
 """The name of the part of the record with the motions given for base, walls and belts."""
-MOTIONS = ("position", "velocity", "acceleration")
-"""The fields of the part ``MOTION`` of the record that have the motions."""
+PRESCRIBED_MOTION_FIELDS = ("position", "velocity", "acceleration")
+"""The fields of the part ``PRESCRIBED_MOTION_PART`` of the record that have the motions."""
 
 
 class Heading(NamedTuple):

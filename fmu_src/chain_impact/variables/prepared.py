@@ -30,7 +30,7 @@ from chain_impact.variables.indices import (
     word_index,
 )
 from chain_impact.variables.listing import derivatives, input_variables, outputs_of, parameters
-from chain_impact.variables.selection import outputs_named, varied_by
+from chain_impact.variables.selection import differentiable_named, outputs_named
 from chain_impact.variables.shared_data import shared_by_structure, shared_data_of
 from chain_impact.variables.structure import Structure, structure_of
 from chain_impact.variables.variable import TableRow, Variable, variable_row
@@ -133,24 +133,29 @@ class PreparedScene:
         return {variable.name: variable.unit for variable in self.variables}
 
     @shared_by_structure
-    def motion(self) -> list[Variable]:
+    def continuous_outputs(self) -> list[Variable]:
         """The outputs that change continuously."""
         return [variable for variable in self.outputs if variable.record_path[0] == "output"]
 
     @cached_property
-    def varied(self) -> list[Variable]:
+    def differentiated(self) -> list[Variable]:
         """The parameters and inputs with respect to which the FMU has derivatives: ``outputs.sensitivities``.
 
         Raises:
             UnknownNameError: when a name or pattern there matches no such parameter or input.
         """
         names = self.scene.outputs.sensitivities
-        return varied_by(self, names) if names else []
+        return differentiable_named(self, names) if names else []
 
     @cached_property
     def variables(self) -> list[Variable]:
         """All variables of the FMU; outputs come last."""
-        return [*self.parameters, *self.inputs, *self.outputs, *derivatives(self.motion, self.varied)]
+        return [
+            *self.parameters,
+            *self.inputs,
+            *self.outputs,
+            *derivatives(self.continuous_outputs, self.differentiated),
+        ]
 
     @shared_by_structure
     def parameter_paths(self) -> dict[str, DataPath]:
@@ -194,7 +199,7 @@ class PreparedScene:
         """Name of an output that changes continuously → its index in a row of ``Result.outputs``."""
         return {
             variable.name: word_index(self.output_layout, variable.record_path[1:])
-            for variable in self.motion
+            for variable in self.continuous_outputs
         }
 
     @shared_by_structure
@@ -253,7 +258,7 @@ class PreparedScene:
         """
         return {
             variable.name: field_at(outputs, variable.record_path)[(..., *variable.index)]
-            for variable in self.motion
+            for variable in self.continuous_outputs
         }
 
     def new_instance(self, variables: Sequence[Variable] | None = None) -> np.ndarray:
@@ -265,7 +270,7 @@ class PreparedScene:
             variables: the parameters and inputs with respect to which the kernel computes derivatives; by
                 default those with respect to which the FMU has derivatives.
         """
-        variables = self.varied if variables is None else variables
+        variables = self.differentiated if variables is None else variables
         memory = new_record(self.scene, self.structure, self.shared)
         return with_tangents(memory, [variable.set_path for variable in variables]) if variables else memory
 
@@ -292,6 +297,6 @@ def kernel_scope(scene: Scene) -> int:
     return GENERAL if is_general else len(scene.chain.links)
 
 
-def prepared_scene(source: Scene | PreparedScene) -> PreparedScene:
+def as_prepared(source: Scene | PreparedScene) -> PreparedScene:
     """Return ``source`` itself if it is a prepared scene, else the prepared scene for it."""
     return source if isinstance(source, PreparedScene) else PreparedScene(source)

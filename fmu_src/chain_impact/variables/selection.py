@@ -39,7 +39,7 @@ class SceneVariables(Protocol):
     def output_index(self) -> dict[str, int]: ...  # noqa: D102
 
 
-def varied_by(prepared_scene: SceneVariables, names: str | Iterable[str]) -> list[Variable]:
+def differentiable_named(prepared_scene: SceneVariables, names: str | Iterable[str]) -> list[Variable]:
     """Return the parameters and inputs with the names or patterns ``names``, each once, for derivatives.
 
     They are in the order of ``names``. In a pattern, ``*`` stands for any text.

@@ -11,7 +11,7 @@ from chain_impact.kernel.record.input_fields import CHANNEL, INPUT_NAMES
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_polynomials import write_signal
 from chain_impact.scene.texts.names import DataPath
-from chain_impact.variables.kind import MOTION
+from chain_impact.variables.kind import PRESCRIBED_MOTION_PART
 from chain_impact.variables.listing import requested_inputs
 from chain_impact.variables.structure import Structure
 
@@ -42,4 +42,4 @@ def input_at(path: DataPath) -> tuple[int, str | int]:
     ``path`` is the path of the input in the record. All prescribed motions have the number CHANNEL.
     """
     part, field, index = path
-    return CHANNEL if part == MOTION else INPUT_NAMES.index(str(field)), index
+    return CHANNEL if part == PRESCRIBED_MOTION_PART else INPUT_NAMES.index(str(field)), index

@@ -28,7 +28,7 @@ from chain_impact.compilation.library import kernel_library
 from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.kernels import load_kernel
-from chain_impact.variables.prepared import prepared_scene
+from chain_impact.variables.prepared import as_prepared
 from tests.helpers.campaigns import oracle
 from tests.helpers.campaigns.oracle import CPU, Finding
 from tests.helpers.campaigns.random_scenes import scene as scene_of
@@ -129,7 +129,7 @@ class Worker:
 
 def _ended(scene: Scene, seed: int, cpu: float, memory: Any, code: int) -> Verdict:
     """Return the verdict on a run that was ended, from the record that it left."""
-    record = np.frombuffer(memory, prepared_scene(scene).start.dtype, count=1)[0]
+    record = np.frombuffer(memory, as_prepared(scene).start.dtype, count=1)[0]
     statistics = record["statistics"]
     counts = {name: int(statistics[name]) for name in statistics.dtype.names}
     end, work = (

@@ -11,7 +11,7 @@ from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.inputs import input_schedule
 from chain_impact.variables.prepared import PreparedScene
-from chain_impact.variables.selection import varied_by
+from chain_impact.variables.selection import differentiable_named
 from tests.helpers.kernel.columns import Columns
 from tests.helpers.scenes.derivative_scenes import Case
 
@@ -135,7 +135,9 @@ def started(case: Case) -> DifferentiatedInstance:
     """Return an instance at the start of a case, with derivatives of all outputs."""
     prepared = PreparedScene(case.scene)
     schedule = input_schedule(prepared, case.inputs, "hold", np.array([0.0, case.scene.simulation.stop_time]))
-    instance = DifferentiatedInstance(prepared, varied_by(prepared, case.parameters), schedule=schedule)
+    instance = DifferentiatedInstance(
+        prepared, differentiable_named(prepared, case.parameters), schedule=schedule
+    )
     schedule.set(instance.record, 0)
     return instance
 
@@ -143,7 +145,7 @@ def started(case: Case) -> DifferentiatedInstance:
 def followed(instance: DifferentiatedInstance, times: Any) -> tuple[np.ndarray, np.ndarray]:
     """Return values (T, W) and slopes (T, W, P) of all outputs at some times [s]."""
     times = np.array(times, float)
-    words = instance.prepared.output_words[list(instance.prepared.output_index.values())]
+    words = instance.prepared_scene.output_words[list(instance.prepared_scene.output_index.values())]
     rows = instance.rows(len(times), words)
     assert rows.fill(instance, times, 0) == len(times)
     values, slopes = np.split(rows.numbers, [len(words)], axis=1)

@@ -10,7 +10,7 @@ from chain_impact.scene.texts.names import sensitivity_name
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.prepared import PreparedScene
-from chain_impact.variables.selection import varied_by
+from chain_impact.variables.selection import differentiable_named
 from tests.helpers.kernel.kernel_calls import advance_to_onset, event_update, tangents_of
 from tests.helpers.scenes.derivative_scenes import table
 from tests.helpers.tools.differences import slope
@@ -101,7 +101,7 @@ def through_onset(instance, changes, stop):
 def test_derivatives_by_a_value_set_at_an_onset_that_is_due_are_right(model, changes):
     scene, names, stop = falling_link(model), ("initial.y", "initial.vy", "gravity.y"), 0.15
     compiled = PreparedScene(scene)
-    instance = DifferentiatedInstance(compiled, varied_by(compiled, names))
+    instance = DifferentiatedInstance(compiled, differentiable_named(compiled, names))
     impacts = through_onset(instance, changes, stop)
     onsets = instance.slopes_of_impacts(np.arange(len(impacts)))["onset"]
     looks = [compiled.output_index[name] for name in ("point[1].y", "link[1].angular_velocity")]

@@ -49,7 +49,7 @@ def hanging(length, tolerance, damping=0.0):
 def slopes_of(case):
     """Return the state's slopes at the case's times, shape (T, 2, P), and the instance at the last time."""
     instance = started(case)
-    columns = [list(instance.prepared.output_index).index(name) for name in STATE]
+    columns = [list(instance.prepared_scene.output_index).index(name) for name in STATE]
     _, slopes = followed(instance, case.times)
     return slopes[:, columns], instance
 

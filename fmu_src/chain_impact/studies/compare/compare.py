@@ -304,7 +304,7 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
     values_of_run: dict[str, Any] = {name: float(value) for name, value in values.items()}
     if not math.isfinite(impact["end"]):
         return values_of_run
-    course = course_of(result.prepared, result.rerun, impact)
+    course = course_of(result.prepared_scene, result.rerun, impact)
     values_of_run["energy_lost"] = course.energy_lost
     values_of_run["loop"] = np.array([course.penetration, course.force])
     return values_of_run

@@ -24,7 +24,7 @@ from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
-from chain_impact.variables.prepared import PreparedScene, prepared_scene
+from chain_impact.variables.prepared import PreparedScene, as_prepared
 from chain_impact.variables.selection import missing_output_hint
 from chain_impact.variables.variable import Variable
 
@@ -88,7 +88,7 @@ class Job:
         If a column is a derivative, the list has all that the scene asks for; otherwise the list is empty.
         """
         asks_sensitivities = any(name.startswith(SENSITIVITY) for name in self.columns)
-        return self.prepared_scene.varied if asks_sensitivities else []
+        return self.prepared_scene.differentiated if asks_sensitivities else []
 
     @property
     def joint_peaks(self) -> dict[str, Variable]:
@@ -123,23 +123,23 @@ def job_of(source: Scene | PreparedScene, variations: Sequence[Variation], outpu
         UnknownNameError: when an output does not exist.
         SceneError: when the scene does not have the solver's status as an output.
     """
-    source_scene = prepared_scene(source)
-    available_outputs = source_scene.outputs_by_name
+    prepared_scene = as_prepared(source)
+    available_outputs = prepared_scene.outputs_by_name
     for name in outputs:
         if not (isinstance(name, str) and name in available_outputs):
             raise UnknownNameError(
-                source_scene.scene.name,
+                prepared_scene.scene.name,
                 name,
                 available_outputs,
                 "not an output",
-                missing_output_hint(source_scene, str(name)),
+                missing_output_hint(prepared_scene, str(name)),
             )
     if STATUS not in available_outputs:
-        name = source_scene.scene.name
+        name = prepared_scene.scene.name
         raise SceneError(f"{name}: outputs.solver = false must be true: each run has its status")
     variables = [variation.variable for variation in variations]
     return Job(
-        source_scene,
+        prepared_scene,
         tuple(variable.set_path for variable in variables),
         tuple(variable.type for variable in variables),
         tuple(dict.fromkeys(outputs)),

@@ -18,7 +18,7 @@ from chain_impact.scene.warning import warn
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.owners import Owner
 from chain_impact.variables.parameters import SIMULATION_KINDS
-from chain_impact.variables.prepared import PreparedScene, prepared_scene
+from chain_impact.variables.prepared import PreparedScene, as_prepared
 from chain_impact.variables.variable import Variable
 
 Values = str | float | Sequence[float | str] | np.ndarray
@@ -79,7 +79,7 @@ class Variation:
 
 def sweepable_variables(source: Scene | PreparedScene) -> dict[str, Variable]:
     """Return what a sweep can vary, the parameters of the FMU and the stop time: name → variable."""
-    return {variable.name: variable for variable in (*prepared_scene(source).parameters, STOP_TIME_VARIABLE)}
+    return {variable.name: variable for variable in (*as_prepared(source).parameters, STOP_TIME_VARIABLE)}
 
 
 def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> tuple[Variation, ...]:
@@ -89,11 +89,11 @@ def variations_of(source: Scene | PreparedScene, vary: Mapping[str, Values]) -> 
         UnknownNameError: when a name is unknown.
         SceneError: when ``vary`` is empty, or a value is not allowed.
     """
-    source_scene = prepared_scene(source)
-    scene = source_scene.scene
+    prepared_scene = as_prepared(source)
+    scene = prepared_scene.scene
     if not vary:
         raise SceneError(f"{scene.name}: nothing is varied; give at least one parameter")
-    parameters = sweepable_variables(source_scene)
+    parameters = sweepable_variables(prepared_scene)
     variations = []
     for typed_name, values in vary.items():
         name = fmu_name(typed_name)
