@@ -10,7 +10,7 @@ from playwright.sync_api import ViewportSize, sync_playwright
 
 from chain_impact import explore, load_scene
 from chain_impact.results.animation import write_animation
-from chain_impact.studies.slow_recording import record_slowly
+from chain_impact.studies.animate import record_slowly
 from docs.tools import DOCS
 
 IMAGES = DOCS / "images"

@@ -32,7 +32,7 @@ _MODULES = {
     "simulation.errors": ("RunError", "SimulationError"),
     "simulation.inputs": ("Signal",),
     "simulation.simulate": ("simulate", "with_law"),
-    "studies.slow_recording": ("animate", "record_slowly"),
+    "studies.animate": ("animate", "record_slowly"),
     "studies.compare.compare": ("Comparison", "compare"),
     "studies.fit.fit": ("fit",),
     "studies.fit.result": ("Fit", "LawFit"),

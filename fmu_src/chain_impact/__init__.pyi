@@ -33,13 +33,13 @@ from chain_impact.simulation.errors import SimulationError as SimulationError
 from chain_impact.simulation.inputs import Signal as Signal
 from chain_impact.simulation.simulate import simulate as simulate
 from chain_impact.simulation.simulate import with_law as with_law
+from chain_impact.studies.animate import animate as animate
+from chain_impact.studies.animate import record_slowly as record_slowly
 from chain_impact.studies.compare.compare import Comparison as Comparison
 from chain_impact.studies.compare.compare import compare as compare
 from chain_impact.studies.compare.runs import LawRun as LawRun
 from chain_impact.studies.fit.fit import fit as fit
 from chain_impact.studies.fit.result import Fit as Fit
 from chain_impact.studies.fit.result import LawFit as LawFit
-from chain_impact.studies.slow_recording import animate as animate
-from chain_impact.studies.slow_recording import record_slowly as record_slowly
 from chain_impact.studies.sweep.sweep import sweep as sweep
 from chain_impact.studies.sweep.table import Sweep as Sweep

@@ -7,7 +7,7 @@ from chain_impact import explore, load_scene, simulate
 from chain_impact.pages.assembly import program, text_of
 from chain_impact.pages.explore import TOML
 from chain_impact.results.animation import write_animation
-from chain_impact.studies.slow_recording import record_slowly
+from chain_impact.studies.animate import record_slowly
 from tests.pages.in_pages import DESK, TEXTS, bits, packed_module, page_contents
 from tests.pages.javascript import Script, function_of
 from tests.tiers import CHROMIUM

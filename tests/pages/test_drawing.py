@@ -11,7 +11,7 @@ import pytest
 
 from chain_impact import load_scene
 from chain_impact.results.animation import write_animation
-from chain_impact.studies.slow_recording import record_slowly
+from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.friction import SLOPE, pendulum, sled
 from tests.helpers.scenes.stops import knee
 from tests.pages.in_pages import (

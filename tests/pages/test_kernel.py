@@ -13,7 +13,7 @@ from chain_impact.recording.pacing import frame_rate, frame_times, slow_spans
 from chain_impact.recording.view import ball_of, film_view, pin_lines, radius_of
 from chain_impact.scene.asked_inputs import with_inputs
 from chain_impact.scene.candidates import part_texts
-from chain_impact.studies.slow_recording import record_slowly
+from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
 from tests.helpers.scenes.law_texts import SINH
 from tests.helpers.scenes.stops import knee

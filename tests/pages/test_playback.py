@@ -14,7 +14,7 @@ from chain_impact.pages.assembly import program
 from chain_impact.recording.impacts import IMPACT_DTYPE
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.half_planes import half_planes
-from chain_impact.studies.slow_recording import record_slowly
+from chain_impact.studies.animate import record_slowly
 from tests.pages.in_pages import (
     DARK_CHAIN,
     LIGHT_CHAIN,

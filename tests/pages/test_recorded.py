@@ -16,7 +16,7 @@ from chain_impact import Recording, load_scene, model_names, simulate
 from chain_impact.pages import explore, recorded
 from chain_impact.pages.assembly import FRAGMENTS, PAGE, STYLES, module_files, program, text_of
 from chain_impact.pages.recorded import data, page
-from chain_impact.studies.slow_recording import record_slowly
+from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.friction import pendulum, sled
 from tests.helpers.scenes.stops import knee
 from tests.helpers.tools.page_data import data_of

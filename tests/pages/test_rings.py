@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.studies.slow_recording import record_slowly
+from chain_impact.studies.animate import record_slowly
 from tests.pages.in_pages import DESK, ON_ITS_SIDE, ON_OTHERS, PHONE, go_to
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser

@@ -1,6 +1,6 @@
 """The picture of one impact, and its data."""
 
-# Tests: recording/course.py
+# Tests: recording/impact_course.py
 
 import pickle
 
@@ -9,7 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from chain_impact import compare, simulate
-from chain_impact.recording.course import course_of
+from chain_impact.recording.impact_course import course_of
 from tests.helpers.scenes.problems import driven
 from tests.pictures.pictures import WIDTHS, check_texts, recorded
 

@@ -13,7 +13,7 @@ from chain_impact.recording.pacing import (
     frame_times,
     rate,
 )
-from chain_impact.studies.slow_recording import record_slowly
+from chain_impact.studies.animate import record_slowly
 
 
 def seen(times, per_second, start, end):

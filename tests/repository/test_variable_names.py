@@ -31,13 +31,18 @@ PUBLIC_PARAMETERS |= {("__eq__", "other"), ("__init__", "what"), ("__init__", "o
 
 
 def variables(file):
-    """Yield (function or "", name) of each parameter and variable of a file, without attributes."""
+    """Yield (function or "", name) of each parameter and variable of a file.
+
+    Attributes with a type in the body of a class, and older names of attributes, are left out.
+    """
     code = [*ast.walk(ast.parse(file.read_text("utf-8")))]
     attributes = {
-        id(getattr(line, "target", None))
+        id(target)
         for node in code
         if isinstance(node, ast.ClassDef)
         for line in node.body
+        for target in (getattr(line, "target", None), *getattr(line, "targets", ()))
+        if isinstance(line, ast.AnnAssign) or "OlderName(" in ast.unparse(line)
     }
     for node in code:
         if isinstance(node, (ast.FunctionDef, ast.Lambda)):
@@ -76,7 +81,7 @@ KERNEL_WORDS = {
 }
 """A word that has a meaning of its own in the kernel → the names outside of it that may contain the word: the
 verb to place, and the words of a text. A *word* of the record is 8 bytes: see MEMORY."""
-MEMORY = ("simulation/", "variables/", "fmu/table.py", "studies/slow_recording.py")
+MEMORY = ("simulation/", "variables/", "fmu/table.py", "studies/animate.py")
 """Files and folders that read the record's words of memory."""
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from chain_impact.scene.derived import tables
+from chain_impact.scene.derived import enclosing_paths
 from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import load_scene, parse_scene, scene_from_dict, scene_to_dict
 from tests.helpers.scenes.derived_scenes import FINGER, edited, finger
@@ -100,4 +100,4 @@ def test_derived_values_are_no_keys():
 
 
 def test_a_name_that_is_no_path_has_no_parent():
-    assert tables([("a", 1, "b"), 3, None, ("a", [])]) == {("a",), ("a", 1)}
+    assert enclosing_paths([("a", 1, "b"), 3, None, ("a", [])]) == {("a",), ("a", 1)}

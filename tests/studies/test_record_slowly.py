@@ -1,6 +1,6 @@
 """A recording with dense rows around impacts: the same simulation at a finer resolution."""
 
-# Tests: studies/slow_recording.py
+# Tests: studies/animate.py
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.recording.equality import are_equal
 from chain_impact.simulation.errors import SimulationError
-from chain_impact.studies.slow_recording import record_slowly
+from chain_impact.studies.animate import record_slowly
 
 
 def test_a_dense_recording_is_the_same_simulation():

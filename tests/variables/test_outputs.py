@@ -11,7 +11,7 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.simulate import simulate
 from chain_impact.variables import listing
 from chain_impact.variables.impact_units import IMPACT_UNITS
-from chain_impact.variables.listing import all_outputs
+from chain_impact.variables.listing import outputs_of_scene
 from chain_impact.variables.peaks import PEAKS
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import differentiable_named
@@ -44,7 +44,7 @@ GROUPS = {
 @pytest.mark.parametrize("left_out", GROUPS)
 def test_a_group_that_is_not_asked_for_is_not_there(left_out):
     every, found = (
-        {variable.name for variable in all_outputs(scene).values()}
+        {variable.name for variable in outputs_of_scene(scene).values()}
         for scene in (BOX, BOX.with_values({f"outputs.{left_out}": False}))
     )
     assert {key for key, name in GROUPS.items() if name not in found} == {left_out}
@@ -55,17 +55,17 @@ def test_a_group_that_is_not_asked_for_is_not_there(left_out):
 def test_an_output_has_the_unit_of_its_quantity():
     found = {
         (name.split(".")[-1], output.unit)
-        for name, output in all_outputs(BOX).items()
+        for name, output in outputs_of_scene(BOX).items()
         if output.type == "real"
     }
     assert found == {(key, unit) for unit, keys in OF_UNIT.items() for key in keys.split()}
 
 
 def test_a_joint_that_exists_has_its_angle_and_rate():
-    found = {name: output for name, output in all_outputs(BOX).items() if name.startswith("joint[")}
+    found = {name: output for name, output in outputs_of_scene(BOX).items() if name.startswith("joint[")}
     assert list(found) == [f"joint[{i}].{one}" for i in (2, 3, 4) for one in ("angle", "angular_velocity")]
     assert [one.unit for one in found.values()] == 3 * ["rad", "rad/s"]
-    assert {"joint[1].angle", "joint[1].angular_velocity"} <= set(all_outputs(ARM))
+    assert {"joint[1].angle", "joint[1].angular_velocity"} <= set(outputs_of_scene(ARM))
 
 
 @pytest.mark.parametrize("output", [(), "point[4].x", ["energy.*", "solver.steps"]])
@@ -95,16 +95,16 @@ SHAPES |= {"contact.points": [0, 4], "inputs.tip_force": True, "outputs.impacts"
 
 @pytest.mark.parametrize(("name", "value"), SHAPES.items())
 def test_kept_parts_of_a_scene_are_not_taken_for_another_one(name, value):
-    before, changed = all_outputs(BOX), BOX.with_values({name: value})
-    kept = all_outputs(changed)
+    before, changed = outputs_of_scene(BOX), BOX.with_values({name: value})
+    kept = outputs_of_scene(changed)
     listing.outputs_of.cache_clear()
-    assert kept == all_outputs(changed)
+    assert kept == outputs_of_scene(changed)
     assert kept != before
 
 
 @pytest.mark.parametrize("scene", [BOX, ARM], ids=["free", "pinned"])
 def test_only_the_base_of_a_pinned_chain_is_held(scene):
-    held = {variable.name for variable in all_outputs(scene).values() if variable.base_at_rest}
+    held = {variable.name for variable in outputs_of_scene(scene).values() if variable.base_at_rest}
     base = {f"point[0].{prefix}{axis}" for prefix in ("", "v", "a") for axis in "xy"}
     assert held == (base if scene is ARM else set())
 
@@ -162,7 +162,9 @@ def total_slopes(duals):
 
 def test_numbers_of_points_and_walls_have_the_limits_that_their_texts_tell():
     """Point −1 and wall 0 mean none."""
-    limits = {variable.name: (variable.minimum, variable.maximum) for variable in all_outputs(BOX).values()}
+    limits = {
+        variable.name: (variable.minimum, variable.maximum) for variable in outputs_of_scene(BOX).values()
+    }
     for prefix in ("impact.last_", "impact[1].", "impact[2]."):
         assert limits[f"{prefix}point"] == (-1, 4)
         assert limits[f"{prefix}wall"] == (0, 4)
@@ -171,7 +173,7 @@ def test_numbers_of_points_and_walls_have_the_limits_that_their_texts_tell():
     assert limits["impact[1].peak_force"] == limits["impact[1].max_penetration"] == (0.0, None)
     assert limits["solver.steps"] == (0, None)
     assert limits["solver.status"] == (0, max(STATUS_TEXT))
-    rubbing = all_outputs(BOX.with_values({"contact.friction": 0.1}))
+    rubbing = outputs_of_scene(BOX.with_values({"contact.friction": 0.1}))
     assert rubbing["solver.status"].maximum == max(STATUS_TEXT)
 
 

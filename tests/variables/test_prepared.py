@@ -19,7 +19,7 @@ from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import with_values
 from chain_impact.variables import prepared as prepared_module
 from chain_impact.variables.indices import word_index
-from chain_impact.variables.listing import value_at
+from chain_impact.variables.listing import value_at_path
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import columns_named, differentiable_named
 
@@ -49,7 +49,7 @@ def test_each_value_of_the_scene_stands_where_its_variable_is(model):
     for variable in PreparedScene(scene).variables:
         if variable.causality != "parameter" or variable.scene_path is None:
             continue
-        value = value_at(scene, variable.scene_path)
+        value = value_at_path(scene, variable.scene_path)
         word = word_index(instance.dtype, variable.record_path)
         if variable.items:
             assert variable.items[integers[word] - 1].name == value, variable.name
@@ -96,7 +96,7 @@ def test_a_new_instance_holds_nothing_but_the_scene():
         assert not any(instance[0][field].tobytes()), field
 
 
-PARTS = ("structure_of", "parameters", "input_variables", "outputs_of")
+PARTS = ("structure_of", "parameters_of", "inputs_of", "outputs_of")
 
 
 def count_calls(monkeypatch):

@@ -14,7 +14,7 @@ from chain_impact.kernel.record.instance import output_dtype
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import candidates_of
 from chain_impact.scene.scene import with_values
-from chain_impact.scene.signal_inputs import driven_by
+from chain_impact.scene.signal_inputs import signal_inputs_of
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.units import UNITS
@@ -248,7 +248,11 @@ def test_columns_are_those_of_the_recorded_outputs():
             rubbing if scene.has_friction else 0,
             links + len(scene.wall_names) if scene.outputs.loads else 0,
         )
-        given = PreparedScene(scene).counts.channel_count, len(scene.chain.sites), len(driven_by(scene))
+        given = (
+            PreparedScene(scene).counts.channel_count,
+            len(scene.chain.sites),
+            len(signal_inputs_of(scene)),
+        )
         assert outputs.dtype == output_dtype(links, pairs, *rows, *given)
         width = outputs.dtype.itemsize // 8
         outputs.view(np.float64)[:] = np.arange(3 * width)

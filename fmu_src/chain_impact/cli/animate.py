@@ -127,7 +127,7 @@ def record(options: argparse.Namespace) -> Recording:
     A scene is simulated with more rows near impacts, for slow motion. An FMU gives a row for each
     communication step, a CSV file a row for each line after the head.
     """
-    from chain_impact.studies.slow_recording import record_slowly
+    from chain_impact.studies.animate import record_slowly
 
     settings, inputs = settings_of(options.set), inputs_of(options)
     if inputs and is_csv(options.source):

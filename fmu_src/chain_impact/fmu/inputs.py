@@ -17,7 +17,7 @@ from chain_impact.scene.checks.signal_checks import check_table
 from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.files.table_file import TIME, gap_hints, read_table, samples_of
 from chain_impact.scene.keys.signal_tables import Samples, Signal
-from chain_impact.scene.signal_inputs import quantities_driven_by
+from chain_impact.scene.signal_inputs import determined_quantities
 from chain_impact.scene.signal_polynomials import is_motion, table_of, values_of
 from chain_impact.scene.texts.names import AXES, input_key
 from chain_impact.scene.warning import warn
@@ -40,7 +40,7 @@ class InputTable(NamedTuple):
     interpolation: str | None
 
 
-def driven_rows(
+def input_rows_for(
     description: Any,
     file: Path,
     interpolation: str | None,
@@ -97,26 +97,26 @@ def driven_rows(
         (2, len(points)), [(TIME, float), *((name, float) for name in input_names)]
     )
     left_rows[TIME] = right_rows[TIME] = points
-    driven_inputs = {
-        member: quantities_driven_by(name)
+    given_members = {
+        member: determined_quantities(name)
         for name in columns
-        for member in quantities_driven_by(name)
+        for member in determined_quantities(name)
         if member in input_names
     }
     jumps = np.zeros(len(points), bool)
-    for name, members in driven_inputs.items():
+    for name, members in given_members.items():
         knot_times, powers = _course(signal, members, members.index(name), stop)
         begin = start_values.get(name, 0.0) if name not in columns else 0.0
         for rows, side in ((left_rows, "left"), (right_rows, "right")):
             rows[name] = begin + values_of(knot_times, powers, points, side)
         jumps |= np.abs(right_rows[name] - left_rows[name]) > LEAST_JUMP * np.abs(right_rows[name]).max()
     jumps[0] = False
-    rows = np.concatenate([left_rows[jumps], right_rows])[[TIME, *driven_inputs]]
+    rows = np.concatenate([left_rows[jumps], right_rows])[[TIME, *given_members]]
     short = copy(description)
     short.modelVariables = [
         variable
         for variable in description.modelVariables
-        if variable.causality != "input" or variable.name in driven_inputs
+        if variable.causality != "input" or variable.name in given_members
     ]
     return short, rows[np.argsort(rows[TIME], kind="stable")]
 
@@ -125,8 +125,8 @@ def _course(signal: Signal, members: Sequence[str], k: int, stop: float) -> tupl
     """Return member ``k`` of a family of inputs as polynomials of time: start times [s] and coefficients.
 
     Each row of the coefficients belongs to one polynomial, in ascending powers of the time since its start.
-    ``members`` are the names of a quantity and of the derivatives after it (``quantities_driven_by``). If the
-    table does not have member ``k``, the result is computed from a member that the table has.
+    ``members`` are the names of a quantity and of the derivatives after it (``determined_quantities``). If
+    the table does not have member ``k``, the result is computed from a member that the table has.
     """
     given_orders = [j for j, member in enumerate(members) if member in signal.input]
     source = max((j for j in given_orders if j <= k), default=given_orders[0])

@@ -24,7 +24,7 @@ from chain_impact.scene.keys.tables import STEP_ROUND_OFF
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.chain import Chain
 from chain_impact.simulation.errors import RunError, SimulationError
-from chain_impact.variables.kind import PRESCRIBED_MOTION_PART
+from chain_impact.variables.kind import GIVEN_CHANNEL
 from chain_impact.variables.nominal_values import nominal_values
 from chain_impact.variables.prepared import PreparedScene
 
@@ -228,11 +228,11 @@ def _inputs(prepared_scene: PreparedScene, times: np.ndarray) -> dict[str, np.nd
     size = {"joint": torque, "tip": torque / nominal["size"]}
     signals = {}
     for i, variable in enumerate(prepared_scene.inputs):
-        if variable.record_path[0] == PRESCRIBED_MOTION_PART:
+        if variable.record_path[0] == GIVEN_CHANNEL:
             _, field, channel = variable.record_path
             k, start = (
                 1 + int(channel),
-                float(prepared_scene.start[0][PRESCRIBED_MOTION_PART]["position"][channel]),
+                float(prepared_scene.start[0][GIVEN_CHANNEL]["position"][channel]),
             )
             move = MOTION_AMPLITUDE * nominal["size"]
             signals[variable.name] = {

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.fmu.importer import read_fmu, run_with_fmpy
-from chain_impact.fmu.inputs import driven_rows
+from chain_impact.fmu.inputs import input_rows_for
 from chain_impact.fmu.scene_data import SceneData, read_scene_data
 from chain_impact.kernel.record.constants import WALLS
 from chain_impact.progress import Progress, no_progress
@@ -77,9 +77,9 @@ def record_fmu(
     stop_time, step_size = experiment
     check_result_size(str(path), stop_time, step_size, len(outputs))
     values = {name: float(start_values.get(name, variable.start)) for name, variable in parameters.items()}
-    driven_description, input_rows = description, None
+    used_description, input_rows = description, None
     if inputs:
-        driven_description, input_rows = driven_rows(description, *inputs, experiment, values)
+        used_description, input_rows = input_rows_for(description, *inputs, experiment, values)
     recording = partial(_recording, description, data, variables=parameters, outputs=outputs, values=values)
     # holds fmpy's recorder after the first step, so that the rows up to a fault can be returned
     recorders: list[Any] = []
@@ -92,7 +92,7 @@ def record_fmu(
     try:
         rows = run_with_fmpy(
             path,
-            driven_description,
+            used_description,
             start_values=start_values,
             output=[*outputs, *data.rules],
             stop_time=stop_time,

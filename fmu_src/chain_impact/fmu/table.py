@@ -17,7 +17,7 @@ from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import part_texts
 from chain_impact.scene.texts.names import DataPath
 from chain_impact.variables.indices import word_index
-from chain_impact.variables.kind import PRESCRIBED_MOTION_PART
+from chain_impact.variables.kind import GIVEN_CHANNEL
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import TableRow
 
@@ -169,7 +169,7 @@ def _words(prepared_scene: PreparedScene) -> dict[str, int]:
         "distance_word": ("channel", "contradiction_distance"),
         "duration_word": ("channel", "contradiction_duration"),
         "velocity_word": ("channel", "contradiction_velocity"),
-        "position_word": (PRESCRIBED_MOTION_PART, "position", 0),
+        "position_word": (GIVEN_CHANNEL, "position", 0),
     }
     has_motions = prepared_scene.counts.channel_count > 0
     words = {name: word_index(prepared_scene.start.dtype, path) for name, path in paths.items()}

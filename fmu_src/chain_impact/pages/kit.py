@@ -32,10 +32,10 @@ from chain_impact.scene.reading import entry_type
 from chain_impact.scene.rules.key_rules import Derived, allowed_text, key_fields, without_none
 from chain_impact.scene.rules.rule_language import Tree, tree
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signal_inputs import driven_alone, quantities_driven_by
+from chain_impact.scene.signal_inputs import determined_quantities, exclusive_inputs
 from chain_impact.scene.texts.names import OWNER_AT, DataPath
 from chain_impact.variables.indices import layout_of, word_index
-from chain_impact.variables.kind import LETTERS, PRESCRIBED_MOTION_PART, Block, VariableKind, fill_path
+from chain_impact.variables.kind import GIVEN_CHANNEL, LETTERS, Block, VariableKind, fill_path
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import COUNT_RULES, OWNER_KINDS, RECORD_NUMBERS, Owner
@@ -75,7 +75,7 @@ def page_kit(scene: Scene) -> dict[str, Any]:
     Only the user's own contact law and the tables of signals depend on this ``scene``.
     """
     choices = choices_of(scene)
-    inputs = [block for block in INPUTS if block.kinds[0].record_path[0] != PRESCRIBED_MOTION_PART]
+    inputs = [block for block in INPUTS if block.kinds[0].record_path[0] != GIVEN_CHANNEL]
     return {
         "keys": _keys(Scene),
         "facts": {name: tree(fact.rule) for name, fact in FACTS.items()},
@@ -106,7 +106,7 @@ def page_kit(scene: Scene) -> dict[str, Any]:
         "laws": scene.law_names,
         "parameters": [_group(block, partial(_setting_row, choices)) for block in PARAMETERS],
         "inputs": [_group(block, partial(_input_row, choices)) for block in inputs],
-        "motions": [_group(block, _driven_row) for block in INPUTS if block not in inputs],
+        "motions": [_group(block, _signal_row) for block in INPUTS if block not in inputs],
         "times": [
             _setting_row(choices, kind) | {"high": LONGEST_TIME, "word": None, "givenWord": None}
             for kind in SIMULATION_KINDS
@@ -203,16 +203,16 @@ def _name_and_condition(kind: VariableKind) -> dict[str, Any]:
     return {"name": kind.name, "when": kind.when}
 
 
-def _driven_row(kind: VariableKind) -> dict[str, Any]:
+def _signal_row(kind: VariableKind) -> dict[str, Any]:
     """Return the data of an input that a signal can drive."""
-    drives = {"family": quantities_driven_by(kind.name), "alone": driven_alone(kind.name)}
+    determined = {"family": determined_quantities(kind.name), "alone": exclusive_inputs(kind.name)}
     displaces = kind.owner_kind == "moving wall" and "position" in kind.record_path
     attributes = {"unit": kind.unit, "acts": input_at(kind.record_path), "displaces": displaces}
-    return _name_and_condition(kind) | drives | attributes
+    return _name_and_condition(kind) | determined | attributes
 
 
 def _input_row(choices: Mapping[str, Sequence[Item]], kind: VariableKind) -> dict[str, Any]:
-    return _setting_row(choices, kind) | _driven_row(kind)
+    return _setting_row(choices, kind) | _signal_row(kind)
 
 
 def _output_row(kind: VariableKind) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from chain_impact.pages.encoding import base64_text
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signal_inputs import driven_by
+from chain_impact.scene.signal_inputs import signal_inputs_of
 from chain_impact.scene.signal_polynomials import table_of
 
 
@@ -25,12 +25,12 @@ def _table(scene: Scene, name: str) -> dict[str, Any]:
     of the pieces, and the gain, the change of the input from one period to the next.
     """
     signal, columns = scene.signals[name], {}
-    for driven_input in driven_by(scene):
-        if driven_input.signal == name:
+    for signal_input in signal_inputs_of(scene):
+        if signal_input.signal == name:
             times, powers, gain = table_of(
-                signal, driven_input.input, driven_input.order, scene.simulation.stop_time
+                signal, signal_input.input, signal_input.order, scene.simulation.stop_time
             )
-            columns[driven_input.input] = {
+            columns[signal_input.input] = {
                 "knots": len(times),
                 "times": _number_text(times),
                 "powers": [_number_text(column) for column in powers.T],

@@ -29,7 +29,7 @@ from chain_impact.pictures.drawing.style import (
 from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.over_time.single_impact import shown_contact
 from chain_impact.pictures.texts.headline import hit_text
-from chain_impact.recording.course import Course
+from chain_impact.recording.impact_course import ImpactCourse
 from chain_impact.recording.impact_texts import speed_unit
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
@@ -44,7 +44,7 @@ LOOP = 1.6
 
 
 @drawing_style()
-def fill_impact(figure: Figure, recording: Recording, number: int, course: Course) -> None:
+def fill_impact(figure: Figure, recording: Recording, number: int, course: ImpactCourse) -> None:
     """Draw impact ``number``, from 1, on an empty figure.
 
     Force, penetration and speed are drawn over time, with the largest force and the largest penetration as
@@ -102,14 +102,14 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Cours
         place_labels(axes, [label], ink, lines=True, fontsize="small")
 
 
-def duration_text(impact: np.void, course: Course) -> str:
+def duration_text(impact: np.void, course: ImpactCourse) -> str:
     """Return words for the duration of a contact: "lasts 3.2 ms", "lasts to the end, for 1.5 s"."""
     duration = float(np.ptp(course.time)) if len(course.time) else 0.0
     text = force_text(duration, "s") if duration > 0.0 else "0 s"
     return f"lasts to the end, for {text}" if lasts(impact) else f"lasts {text}"
 
 
-def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
+def draw_loop(axes: Axes, impact: np.void, course: ImpactCourse, *, at_stop: bool) -> None:
     """Draw the normal force over penetration; the area in the loop is the energy that the force dissipates.
 
     Energy that dry friction dissipates is not in this area. If the contact lasts to the end of the run, the
@@ -134,7 +134,7 @@ def draw_loop(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> 
         write_impulse_note(axes)
 
 
-def fill_loop_axes(axes: Axes, impact: np.void, course: Course, *, at_stop: bool) -> None:
+def fill_loop_axes(axes: Axes, impact: np.void, course: ImpactCourse, *, at_stop: bool) -> None:
     """Draw force over penetration into axes that a user gives; arguments as for ``draw_loop``."""
     with draw_into([axes]):
         draw_loop(axes, impact, course, at_stop=at_stop)
@@ -147,7 +147,7 @@ def write_impulse_note(axes: Axes) -> None:
     axes.set(xticks=[], yticks=[])
 
 
-def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, str, str], ...]:
+def quantities(course: ImpactCourse, at_stop: bool) -> tuple[tuple[str, np.ndarray, str, str], ...]:
     """Return name, values, unit and colour of each curve over time: force, penetration and speed.
 
     ``at_stop``: whether the impact is at a stop of a joint. The curves are then moment [N·m], penetration
@@ -161,7 +161,7 @@ def quantities(course: Course, at_stop: bool) -> tuple[tuple[str, np.ndarray, st
     )
 
 
-def conditions(impact: np.void, course: Course, at_stop: bool) -> str:
+def conditions(impact: np.void, course: ImpactCourse, at_stop: bool) -> str:
     """Return the text below the title.
 
     The text tells the peak force (at a stop of a joint the peak moment), the realised restitution, the

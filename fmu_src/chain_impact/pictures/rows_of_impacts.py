@@ -44,12 +44,12 @@ def is_shifted(recording: Recording, sensitivities: Sensitivities) -> np.ndarray
     for name in ("onset", "end"):
         shifts = np.abs(np.nan_to_num(sensitivities.impact_changes(name)))
         for k, shift in enumerate(shifts):
-            impact_onsets, earlier_onsets, later_onsets = (
+            impact_time, earlier_onsets, later_onsets = (
                 sensitivities.impacts[name][k],
                 onsets[:k],
                 onsets[k + 1 :],
             )
-            low = np.maximum(impact_onsets - shift, earlier_onsets.max(initial=-np.inf))
-            high = np.minimum(impact_onsets + shift, later_onsets.min(initial=np.inf))
+            low = np.maximum(impact_time - shift, earlier_onsets.max(initial=-np.inf))
+            high = np.minimum(impact_time + shift, later_onsets.min(initial=np.inf))
             rows |= (low < time) & (time < high)
     return rows

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.recording.course import Course, HasRerun
+from chain_impact.recording.impact_course import HasRerun, ImpactCourse
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.recording import Recording
 
@@ -84,7 +84,7 @@ def impacts_at_peaks(recording: Recording) -> np.ndarray:
     return impacts
 
 
-def course_in_run(recording: Recording, row: int) -> Course | None:
+def course_in_run(recording: Recording, row: int) -> ImpactCourse | None:
     """Return the course of the impact in row ``row`` of ``impacts``; None if the run cannot be repeated."""
     if isinstance(recording, HasRerun) and recording.rerun is not None:
         return recording.course_of_impact(row + 1)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.recording.course import Rerun
+from chain_impact.recording.impact_course import Rerun
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.pacing import impact_ends
 from chain_impact.recording.recording import Recording

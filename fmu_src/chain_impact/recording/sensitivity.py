@@ -14,7 +14,7 @@ from chain_impact.scene.errors import UnknownNameError
 from chain_impact.scene.texts.names import sensitivity_name, value_at_start
 from chain_impact.scene.texts.unit_text import bracketed_unit, scene_unit, with_unit
 from chain_impact.text import TextTable, as_html, count_text
-from chain_impact.variables.listing import derivatives
+from chain_impact.variables.listing import derivatives_of
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import Variable
 
@@ -93,7 +93,7 @@ class Sensitivities:
     def units(self) -> dict[str, str]:
         """Name of a parameter, an output, or a derivative of an output → its unit."""
         prepared_scene = self.prepared_scene
-        added = derivatives(prepared_scene.continuous_outputs, self.differentiated)
+        added = derivatives_of(prepared_scene.continuous_outputs, self.differentiated)
         variables = (*prepared_scene.parameters, *prepared_scene.inputs, *prepared_scene.outputs, *added)
         return {variable.name: scene_unit(variable.unit, prepared_scene.scene) for variable in variables}
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from chain_impact.deprecated import OlderName
 from chain_impact.recording import summary, tables
-from chain_impact.recording.course import Rerun
+from chain_impact.recording.impact_course import Rerun
 from chain_impact.recording.impacts import NO_IMPACTS
 from chain_impact.recording.joint_stops import JointRange, ranges_of
 from chain_impact.recording.sensitivity import Sensitivities

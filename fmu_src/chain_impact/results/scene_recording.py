@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chain_impact.recording.course import Course, Rerun, course_of
 from chain_impact.recording.curves import Curves, curves_of, impact_numbers
+from chain_impact.recording.impact_course import ImpactCourse, Rerun, course_of
 from chain_impact.recording.passed_walls import points_through_walls
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
@@ -200,7 +200,7 @@ class SceneRecording(Recording):
         pictures.fill_loop_axes(ax, impact, course, at_stop=self.is_joint_stop(impact["wall"]))
         return ax
 
-    def course_of_impact(self, number: int) -> Course:
+    def course_of_impact(self, number: int) -> ImpactCourse:
         """Return force, penetration and speed over time of an impact, by its number from 1 (``plot_impact``).
 
         Raises:
@@ -214,7 +214,7 @@ class SceneRecording(Recording):
         return self._courses[number]
 
     @cached_property
-    def _courses(self) -> dict[int, Course]:
+    def _courses(self) -> dict[int, ImpactCourse]:
         """Number of an impact → its course, for the courses that ``course_of_impact`` has computed so far."""
         return {}
 

@@ -11,7 +11,7 @@ from chain_impact.scene.contents import SceneContents
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.files.table_file import read_table, samples_of
-from chain_impact.scene.signal_inputs import driven_alone
+from chain_impact.scene.signal_inputs import exclusive_inputs
 from chain_impact.scene.texts.names import INPUTS_OF, input_key, input_request
 from chain_impact.scene.texts.similar_names import nearest_name
 
@@ -110,10 +110,10 @@ def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any
         quantity: owner
         for owner, signal in scene.signals.items()
         for column in signal.input
-        for quantity in driven_alone(column)
+        for quantity in exclusive_inputs(column)
     }
     for column in columns:
-        for quantity in driven_alone(column):
+        for quantity in exclusive_inputs(column):
             if quantity in owners:
                 driver_text = f"signals.{owners[quantity]} of {scene.name} drives {quantity}"
                 raise SceneError(f"{file}: column {column} must be left out: {driver_text}")

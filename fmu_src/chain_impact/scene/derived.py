@@ -56,7 +56,7 @@ def without_derived(data: Any, derived: Iterable[DataPath], kept_paths: Containe
             del functools.reduce(operator.getitem, parents, data)[key]
 
 
-def tables(paths: Iterable[Any]) -> set[DataPath]:
+def enclosing_paths(paths: Iterable[Any]) -> set[DataPath]:
     """Return the paths of all tables and lists that contain a value at ``paths``, without the whole data.
 
     An entry of ``paths`` that is no path, such as the name of a value, is ignored.

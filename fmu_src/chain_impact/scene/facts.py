@@ -28,10 +28,10 @@ from chain_impact.scene.rules.rule_language import (
     member_lookups,
     members_in,
     number_in,
-    value_at,
+    value_of_key,
     value_within,
 )
-from chain_impact.scene.signal_inputs import driven_by
+from chain_impact.scene.signal_inputs import signal_inputs_of
 from chain_impact.scene.texts.names import INPUTS_OF, DataPath
 
 TRUE_FACT = "always"
@@ -189,7 +189,7 @@ class SceneFacts(dict[str, Any]):
         elif name in LISTS:
             value = self._members(LISTS[name]) if LISTS[name].source_list else LIST_FUNCTIONS[name](self)
         elif "." in name:
-            flag = value_at(self.scene, name)
+            flag = value_of_key(self.scene, name)
             value = len(flag) if isinstance(flag, tuple) else int(flag)
         else:
             raise KeyError(name)
@@ -206,7 +206,7 @@ class SceneFacts(dict[str, Any]):
             return self[name]
         if name == "chain.links":
             return self._links
-        return None if tuple(name.split(".")) in self._unused_paths else value_at(self.scene, name)
+        return None if tuple(name.split(".")) in self._unused_paths else value_of_key(self.scene, name)
 
     @cached_property
     def _unused_paths(self) -> frozenset[DataPath]:
@@ -279,12 +279,12 @@ def _walls(facts: SceneFacts) -> list[dict[str, Any]]:
 def _signals(facts: SceneFacts) -> list[dict[str, Any]]:
     return [
         {"name": signal.signal, "input": signal.input, "knots": signal.knot_count}
-        for signal in driven_by(facts.scene)
+        for signal in signal_inputs_of(facts.scene)
     ]
 
 
 def _steps(facts: SceneFacts) -> list[dict[str, Any]]:
-    signals = driven_by(facts.scene)
+    signals = signal_inputs_of(facts.scene)
     first = accumulate((signal.knot_count for signal in signals), initial=0)
     return [
         {"name": signal.signal, "input": signal.input, "entry": k, "knot": knot + k}

@@ -17,7 +17,14 @@ from typing import Any, TypeAlias
 from chain_impact.scene import complete_scene, shapes
 from chain_impact.scene.checks import checks
 from chain_impact.scene.contents import SceneContents
-from chain_impact.scene.derived import path_in_file, paths_in_scene, rule_at, rule_of, tables, without_derived
+from chain_impact.scene.derived import (
+    enclosing_paths,
+    path_in_file,
+    paths_in_scene,
+    rule_at,
+    rule_of,
+    without_derived,
+)
 from chain_impact.scene.display import drawing, scene_text
 from chain_impact.scene.errors import SceneError, value_text
 from chain_impact.scene.facts import SceneFacts, friction_joints
@@ -246,10 +253,10 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[A
 def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     """Return the scene after changes, pairs (path, new value), with all data read and checked again."""
     data, paths = plain(scene), [path for path, _ in values]
-    if JOINT_ANGLES_PATH in paths and complete_scene.ANGLES not in tables(paths):
+    if JOINT_ANGLES_PATH in paths and complete_scene.ANGLES not in enclosing_paths(paths):
         del data["initial"]["angles"]
     # if one entry of a derived list is given, all entries of the list become given values
-    without_derived(data, scene.derived_paths, kept_paths=tables(paths))
+    without_derived(data, scene.derived_paths, kept_paths=enclosing_paths(paths))
     shapes.set_corners_apart(data)
     for path, value in values:
         shapes.refuse_corner(scene, path)

@@ -24,13 +24,13 @@ TARGET_RATE = ".target_velocity"
 values replace the derivatives of target angles and positions that other signals drive."""
 
 
-class DrivenInput(NamedTuple):
+class SignalInput(NamedTuple):
     """An input that a signal drives.
 
     Attributes:
         signal: the name of the signal.
         input: the name of the input.
-        outputs: the names of the quantities that the signal determines (``quantities_driven_by``): integrals
+        outputs: the names of the quantities that the signal determines (``determined_quantities``): integrals
             of the input over time, the input, and derivatives of the input, in this order.
         knot_count: the number of polynomials for the input in the record.
         is_steps: whether the form of the signal is "steps", with lists of times and values.
@@ -51,25 +51,25 @@ class DrivenInput(NamedTuple):
         return self.outputs.index(self.input)
 
 
-def driven_by(scene: SceneContents) -> tuple[DrivenInput, ...]:
-    """Return all driven inputs in the order of signals, but target velocities last, as in the record."""
+def signal_inputs_of(scene: SceneContents) -> tuple[SignalInput, ...]:
+    """Return the inputs that signals drive, in the order of signals; target velocities come last."""
     if not scene.signals:
         return ()
-    driven_inputs = [
-        DrivenInput(
+    signal_inputs = [
+        SignalInput(
             name,
             input_name,
-            quantities_driven_by(input_name),
+            determined_quantities(input_name),
             knots_of(signal, input_name),
             signal.form == "steps",
         )
         for name, signal in scene.signals.items()
         for input_name in signal.input
     ]
-    return tuple(sorted(driven_inputs, key=lambda driven_input: driven_input.input.endswith(TARGET_RATE)))
+    return tuple(sorted(signal_inputs, key=lambda signal_input: signal_input.input.endswith(TARGET_RATE)))
 
 
-def quantities_driven_by(name: str) -> tuple[str, ...]:
+def determined_quantities(name: str) -> tuple[str, ...]:
     """Return the names of the quantities that a signal determines if it drives the input ``name``.
 
     These are integrals of the input over time, the input, and derivatives of the input, in this order. All
@@ -88,13 +88,13 @@ def quantities_driven_by(name: str) -> tuple[str, ...]:
     return (name,)
 
 
-def driven_alone(name: str) -> tuple[str, ...]:
+def exclusive_inputs(name: str) -> tuple[str, ...]:
     """Return the inputs that no other signal may drive if a signal drives the input ``name``.
 
     For a position, velocity or acceleration of the base along an axis, or of a wall, these are all three,
     because each determines the others; for any other input, only the input itself.
     """
-    return quantities_driven_by(name) if is_motion(name) else (name,)
+    return determined_quantities(name) if is_motion(name) else (name,)
 
 
 def with_signals(scene: AnyScene, folder: Path) -> AnyScene:

@@ -11,7 +11,7 @@ import numpy as np
 
 from chain_impact.kernel.chain.signals import signal_at
 from chain_impact.scene.kernel_view import signals_view
-from chain_impact.scene.signal_inputs import DrivenInput
+from chain_impact.scene.signal_inputs import SignalInput
 from chain_impact.scene.signal_polynomials import is_motion
 
 SAME_DERIVATIVE = 1e-9
@@ -20,7 +20,7 @@ SAME_DERIVATIVE = 1e-9
 VALUE, RATE, SECOND = range(3)
 
 
-def bends_at_start(record: Any, driven_inputs: tuple[DrivenInput, ...]) -> list[int]:
+def bends_at_start(record: Any, signal_inputs: tuple[SignalInput, ...]) -> list[int]:
     """Return the indices of knots (starts of polynomials) at t = 0 where a signal makes accelerations jump.
 
     If such a knot came later, the run would begin with the accelerations before the knot; if the knot came
@@ -28,16 +28,16 @@ def bends_at_start(record: Any, driven_inputs: tuple[DrivenInput, ...]) -> list[
 
     Args:
         record: an initialized record.
-        driven_inputs: the inputs that signals drive, in the order of the record.
+        signal_inputs: the inputs that signals drive, in the order of the record.
     """
     d = signals_view(record["signal"].copy(), record["knot"].copy())
     bends = []
-    for j, driven_input in enumerate(driven_inputs):
+    for j, signal_input in enumerate(signal_inputs):
         d.signal.lap[j] = 0
         for k in range(d.signal.first_knot[j] + 1, d.signal.last_knot[j] + 1):
             if d.knot.time[k] == 0.0:
                 lower_derivatives, derivatives = _start_derivatives(d, j, k - 1), _start_derivatives(d, j, k)
-                watched = _watched_orders(driven_input.input)
+                watched = _watched_orders(signal_input.input)
                 if not np.allclose(
                     lower_derivatives[watched], derivatives[watched], rtol=SAME_DERIVATIVE, atol=0.0
                 ):

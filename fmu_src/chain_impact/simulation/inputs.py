@@ -33,7 +33,7 @@ from chain_impact.simulation.motions import (
 )
 from chain_impact.simulation.pieces import Pieces, joined_points
 from chain_impact.simulation.targets import still_dampers
-from chain_impact.variables.kind import PRESCRIBED_MOTION_PART
+from chain_impact.variables.kind import GIVEN_CHANNEL
 from chain_impact.variables.prepared import PreparedScene
 
 InputSource = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
@@ -131,7 +131,7 @@ class InputSchedule:
             values = record[part][name]
             has_changed |= values[index] != powers[0, m]
             values[index] = powers[0, m]
-            if part != PRESCRIBED_MOTION_PART:
+            if part != GIVEN_CHANNEL:
                 piece[name][1 : len(powers), index] = powers[1:, m]
         settings = self.pieces.settings(piece_number)
         # steady: with ``hold``, the kernel makes the polynomials of motions from the values at communication
@@ -203,7 +203,7 @@ def input_schedule(
         is_requested=np.isin(all_times, times),
         paths=(
             *(paths[name] for name in signals),
-            *((PRESCRIBED_MOTION_PART, PIECE, j) for j in range(len(motions))),
+            *((GIVEN_CHANNEL, PIECE, j) for j in range(len(motions))),
         ),
         pieces=pieces,
         first_row=np.append(0, np.searchsorted(all_times, begin) + 1),

@@ -18,7 +18,7 @@ from chain_impact.simulation.inputs import InputSchedule
 from chain_impact.simulation.kernels import kernel_for
 from chain_impact.simulation.output_rows import Rows, spans_of
 from chain_impact.variables.indices import HEAD_WORDS, log_words
-from chain_impact.variables.kind import PRESCRIBED_MOTION_PART
+from chain_impact.variables.kind import GIVEN_CHANNEL
 from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.parameters import DERIVED_DURING_RUN
 from chain_impact.variables.prepared import PreparedScene, as_prepared
@@ -239,7 +239,7 @@ class Instance:
         channels = self.record["channel"]
         channel = int(channels["contradiction"])
         names = {variable.record_path: variable.name for variable in self.prepared_scene.inputs}
-        name = names.get((PRESCRIBED_MOTION_PART, "position", channel - 1))
+        name = names.get((GIVEN_CHANNEL, "position", channel - 1))
         if not name:
             return []
         distance, duration, velocity = (

@@ -24,7 +24,7 @@ from chain_impact.scene.signal_polynomials import is_position, spline_of_positio
 from chain_impact.scene.texts.names import AXES
 from chain_impact.simulation.approximation import Approximator
 from chain_impact.simulation.pieces import Pieces, joined_points
-from chain_impact.variables.kind import PRESCRIBED_MOTION_FIELDS, PRESCRIBED_MOTION_PART
+from chain_impact.variables.kind import CHANNEL_FIELDS, GIVEN_CHANNEL
 from chain_impact.variables.prepared import PreparedScene
 
 # arguments ``accuracy`` and ``resolution`` of ``Approximator`` for motions
@@ -90,7 +90,7 @@ def channels_of(prepared_scene: PreparedScene) -> list[Channel]:
     scene, channels = prepared_scene.scene, []
     for j in range(prepared_scene.counts.channel_count):
         position, velocity, acceleration = (
-            names.get((PRESCRIBED_MOTION_PART, field, j), "") for field in PRESCRIBED_MOTION_FIELDS
+            names.get((GIVEN_CHANNEL, field, j), "") for field in CHANNEL_FIELDS
         )
         base = scene.inputs.base_motion and j < len(AXES)
         start = scene.initial.position[j] if base else 0.0

@@ -22,7 +22,7 @@ from chain_impact.results.result import Result
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.keys.tables import STEP_ROUND_OFF
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
-from chain_impact.scene.signal_inputs import quantities_driven_by
+from chain_impact.scene.signal_inputs import determined_quantities
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.inputs import (
@@ -161,7 +161,7 @@ def _possible_columns(prepared_scene: PreparedScene, inputs: Iterable[str]) -> l
     The velocity and the acceleration of a motion follow from its position.
     """
     known_names = {variable.name for variable in prepared_scene.inputs} if inputs else {}
-    return [member for name in inputs if name in known_names for member in quantities_driven_by(name)]
+    return [member for name in inputs if name in known_names for member in determined_quantities(name)]
 
 
 def _inputs_of_run(

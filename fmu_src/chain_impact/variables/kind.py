@@ -25,10 +25,10 @@ from chain_impact.scene.texts.names import (
 )
 
 NEXT_OWNER_AT = "{next}"
-PRESCRIBED_MOTION_PART = "given_channel"
+GIVEN_CHANNEL = "given_channel"
 """The name of the part of the record with the motions given for base, walls and belts."""
-PRESCRIBED_MOTION_FIELDS = ("position", "velocity", "acceleration")
-"""The fields of the part ``PRESCRIBED_MOTION_PART`` of the record that have the motions."""
+CHANNEL_FIELDS = ("position", "velocity", "acceleration")
+"""The fields of the part ``GIVEN_CHANNEL`` of the record that have the motions."""
 
 
 class Heading(NamedTuple):
@@ -155,7 +155,7 @@ class VariableKind:
     def derivative(self, parameter: VariableKind) -> VariableKind:
         """Return the kind of derivatives of outputs of this kind with respect to parameters of another kind.
 
-        The result has no unit; ``listing.derivatives`` gives a unit to each variable of this kind.
+        The result has no unit; ``listing.derivatives_of`` gives a unit to each variable of this kind.
         """
         output_pattern, parameter_pattern = self.pattern, parameter.pattern
         text = f"derivative of {output_pattern} with respect to {parameter_pattern}"

@@ -33,7 +33,7 @@ _METHODS = tuple(
 )
 
 
-def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
+def parameters_of(scene: Scene, structure: Structure) -> Iterator[Variable]:
     """Yield the parameters of the FMU, in the order of their value references.
 
     A parameter is left out if the scene has no value for it or, for a kind with ``only_if_in_file``, if the
@@ -42,7 +42,7 @@ def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
     derived, choices = frozenset(scene.derived_paths), choices_of(scene)
     for kind, owner, texts in _owned_kinds(PARAMETERS, structure):
         path = fill_path(kind.scene_path or (), owner.values)
-        value = value_at(scene, path)
+        value = value_at_path(scene, path)
         if value is not None and not (kind.only_if_in_file and path in derived):
             rule = (
                 rule_at(kind.derived, path, scene.chain.links) if kind.derived and path in derived else None
@@ -64,13 +64,13 @@ def parameters(scene: Scene, structure: Structure) -> Iterator[Variable]:
             )
 
 
-def input_variables(structure: Structure) -> Iterator[Variable]:
+def inputs_of(structure: Structure) -> Iterator[Variable]:
     """Return the inputs that scenes with this structure ask for, without those that signals determine."""
-    driven_names = structure.driven_quantities
-    return (variable for variable in requested_inputs(structure) if variable.name not in driven_names)
+    signal_names = structure.signal_quantities
+    return (variable for variable in requested_inputs_of(structure) if variable.name not in signal_names)
 
 
-def requested_inputs(structure: Structure) -> Iterator[Variable]:
+def requested_inputs_of(structure: Structure) -> Iterator[Variable]:
     """Return the inputs that scenes with this structure ask for, also those that signals determine."""
     return (
         Variable.from_kind(*arguments, variability="continuous")
@@ -78,7 +78,7 @@ def requested_inputs(structure: Structure) -> Iterator[Variable]:
     )
 
 
-def all_outputs(scene: Scene) -> dict[str, Variable]:
+def outputs_of_scene(scene: Scene) -> dict[str, Variable]:
     """Return name → output for all outputs that the scene asks for, without derivatives."""
     return outputs_of(structure_of(scene))
 
@@ -91,27 +91,27 @@ def outputs_of(structure: Structure) -> dict[str, Variable]:
     a short simulation.
     """
     variables = (Variable.from_kind(*arguments) for arguments in _owned_kinds(OUTPUTS, structure))
-    return {variable.name: variable for variable in (*_driven_outputs(structure), *variables)}
+    return {variable.name: variable for variable in (*_signal_outputs(structure), *variables)}
 
 
-def _driven_outputs(structure: Structure) -> Iterator[Variable]:
+def _signal_outputs(structure: Structure) -> Iterator[Variable]:
     """Yield outputs with the names of inputs, for the inputs that signals determine.
 
     Such an input is not an input of the FMU; the output shows its value.
     """
-    rows = structure.driven_quantities
+    rows = structure.signal_quantities
     for kind, owner, texts in _owned_kinds(INPUTS, structure) if rows else ():
-        driven_row = rows.get(kind.name.format_map(texts))
-        if driven_row is not None:
-            row, order = driven_row
+        signal_row = rows.get(kind.name.format_map(texts))
+        if signal_row is not None:
+            row, order = signal_row
             rate_of = "signal" if order > 0 and structure.signals[row].outputs[order - 1] else ""
             output = replace(
-                kind, causality="output", record_path=("output", "signal", *driven_row), rate_of=rate_of
+                kind, causality="output", record_path=("output", "signal", *signal_row), rate_of=rate_of
             )
             yield Variable.from_kind(output, owner, texts)
 
 
-def derivatives(outputs: Sequence[Variable], variables: Sequence[Variable]) -> Iterator[Variable]:
+def derivatives_of(outputs: Sequence[Variable], variables: Sequence[Variable]) -> Iterator[Variable]:
     """Yield the derivatives of all ``outputs`` with respect to the first of ``variables``, then to the next.
 
     ``variables`` are parameters and inputs; the one with index k has direction k of the tangent instances.
@@ -133,7 +133,7 @@ def derivatives(outputs: Sequence[Variable], variables: Sequence[Variable]) -> I
             )
 
 
-def value_at(scene: Any, path: DataPath) -> Any:
+def value_at_path(scene: Any, path: DataPath) -> Any:
     """Return the value at a path of a scene, or of a part of a scene; None if this value is not given.
 
     All tables and all entries of lists on the path must exist.

@@ -6,11 +6,11 @@ The value references follow the order of the rows.
 from chain_impact.scene.texts.names import INPUTS_OF
 from chain_impact.variables.kind import (
     CONTACT,
+    GIVEN_CHANNEL,
     IMPACT,
     JOINT,
     LINK,
     POINT,
-    PRESCRIBED_MOTION_PART,
     SLIDER,
     WALL,
     input_row,
@@ -49,14 +49,14 @@ INPUTS = (
         names=INPUTS_OF["tip_force"], when=("inputs.tip_force",), causality="input",
     ),
     record_block(
-        PRESCRIBED_MOTION_PART, "one", "base",
+        GIVEN_CHANNEL, "one", "base",
         input_row("{axis} of the position of the base",     field="position.{j}"),
         input_row("{axis} of the velocity of the base",     field="velocity.{j}"),
         input_row("{axis} of the acceleration of the base", field="acceleration.{j}"),
         names=INPUTS_OF["base_motion"], when=("inputs.base_motion",), causality="input",
     ),
     record_block(
-        PRESCRIBED_MOTION_PART, "moving wall", "wall.{name}",
+        GIVEN_CHANNEL, "moving wall", "wall.{name}",
         input_row("its displacement along its inward normal n", field="position"),
         input_row("its velocity along its inward normal n",     field="velocity"),
         input_row("its acceleration along its inward normal n", field="acceleration"),

@@ -17,7 +17,7 @@ from chain_impact.kernel.record.constants import NO_CONTACT, WALLS
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.scene.facts import FACTS, LISTS, TRUE_FACT, SceneFacts
 from chain_impact.scene.keys.tables import Inputs, Outputs
-from chain_impact.scene.rules.rule_language import ValueOf, is_rule_true, members_in, number_in, value_at
+from chain_impact.scene.rules.rule_language import ValueOf, is_rule_true, members_in, number_in, value_of_key
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.texts.names import OWNER_AT, DataPath
 
@@ -209,7 +209,7 @@ def values_of(
 
     def value_of(name: str) -> Any:
         if scene is not None and "." in name:
-            return value_at(scene, name)
+            return value_of_key(scene, name)
         return lists[name] if name in lists else scene_numbers[name]
 
     return value_of

@@ -22,8 +22,8 @@ from chain_impact.scene.keys.tables import Box, Contact, Initial, Material, Simu
 from chain_impact.scene.rules.key_rules import Derived, key_fields
 from chain_impact.scene.texts.names import AXES, ENTRY_AT, LINK_AT, OWNER_AT, DataPath, name_of
 from chain_impact.variables.kind import (
+    GIVEN_CHANNEL,
     LINK,
-    PRESCRIBED_MOTION_PART,
     SIGNAL,
     SITE,
     SLIDER,
@@ -325,9 +325,7 @@ PARAMETERS = (
         # if inputs move the base, a new initial position is also written to the inputs for the base's
         # position
         *(
-            replace(
-                kind, given_path=(PRESCRIBED_MOTION_PART, "position", j), stores_given_if="inputs.base_motion"
-            )
+            replace(kind, given_path=(GIVEN_CHANNEL, "position", j), stores_given_if="inputs.base_motion")
             for j, kind in enumerate(
                 _vector(
                     Initial,

@@ -18,7 +18,7 @@ from chain_impact.kernel.record.counts import Counts
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signal_inputs import driven_by
+from chain_impact.scene.signal_inputs import signal_inputs_of
 from chain_impact.scene.texts.names import DataPath
 from chain_impact.variables.filling import new_record, with_tangents
 from chain_impact.variables.indices import (
@@ -29,7 +29,7 @@ from chain_impact.variables.indices import (
     output_indices,
     word_index,
 )
-from chain_impact.variables.listing import derivatives, input_variables, outputs_of, parameters
+from chain_impact.variables.listing import derivatives_of, inputs_of, outputs_of, parameters_of
 from chain_impact.variables.selection import differentiable_named, outputs_named
 from chain_impact.variables.shared_data import shared_by_structure, shared_data_of
 from chain_impact.variables.structure import Structure, structure_of
@@ -95,20 +95,20 @@ class PreparedScene:
     @shared_by_structure
     def parameters(self) -> list[Variable]:
         """The parameters of the FMU."""
-        return list(parameters(self.scene, self.structure))
+        return list(parameters_of(self.scene, self.structure))
 
     @shared_by_structure
     def inputs(self) -> list[Variable]:
         """The inputs of the FMU."""
-        return list(input_variables(self.structure))
+        return list(inputs_of(self.structure))
 
     @cached_property
     def signals_by_input(self) -> dict[str, str]:
-        """Name of a quantity that a signal determines (``Driven.outputs``) → name of this signal."""
+        """Name of a quantity that a signal determines (``SignalInput.outputs``) → name of this signal."""
         return {
-            name: driven_input.signal
-            for driven_input in driven_by(self.scene)
-            for name in driven_input.outputs
+            name: signal_input.signal
+            for signal_input in signal_inputs_of(self.scene)
+            for name in signal_input.outputs
             if name
         }
 
@@ -154,7 +154,7 @@ class PreparedScene:
             *self.parameters,
             *self.inputs,
             *self.outputs,
-            *derivatives(self.continuous_outputs, self.differentiated),
+            *derivatives_of(self.continuous_outputs, self.differentiated),
         ]
 
     @shared_by_structure

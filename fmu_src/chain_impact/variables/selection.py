@@ -13,7 +13,7 @@ from chain_impact.scene.rules.key_rules import key_fields
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.texts.names import DataPath, input_key, parameter_hint
 from chain_impact.variables.hints import Hint, output_hint, parts_hint, series_hint
-from chain_impact.variables.listing import absent_hint, all_outputs
+from chain_impact.variables.listing import absent_hint, outputs_of_scene
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
 from chain_impact.variables.variable import Variable
 
@@ -135,7 +135,7 @@ def _hint_on_more(scene: Scene, name: str) -> str | None:
     for key in key_fields(Outputs):
         if getattr(scene.outputs, key.name) is False:
             asked_text = f"outputs.{key.name} = true"
-            more_names = all_outputs(scene.with_values({f"outputs.{key.name}": True}))
+            more_names = outputs_of_scene(scene.with_values({f"outputs.{key.name}": True}))
             if find_names(name, more_names):
                 return f"it needs {asked_text}"
             if parts := parts_hint(name, more_names):

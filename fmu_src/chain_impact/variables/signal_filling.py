@@ -11,8 +11,8 @@ from chain_impact.kernel.record.input_fields import CHANNEL, INPUT_NAMES
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_polynomials import write_signal
 from chain_impact.scene.texts.names import DataPath
-from chain_impact.variables.kind import PRESCRIBED_MOTION_PART
-from chain_impact.variables.listing import requested_inputs
+from chain_impact.variables.kind import GIVEN_CHANNEL
+from chain_impact.variables.listing import requested_inputs_of
 from chain_impact.variables.structure import Structure
 
 
@@ -26,7 +26,7 @@ def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
     if not scene.signals:
         return
     fields, stop = d["signal"], scene.simulation.stop_time
-    paths = {variable.name: variable.record_path for variable in requested_inputs(structure)}
+    paths = {variable.name: variable.record_path for variable in requested_inputs_of(structure)}
     first, knot = dict[str, int](), 0
     for j, signal in enumerate(structure.signals):
         fields["input"][j], fields["index"][j] = input_at(paths[signal.input])
@@ -42,4 +42,4 @@ def input_at(path: DataPath) -> tuple[int, str | int]:
     ``path`` is the path of the input in the record. All prescribed motions have the number CHANNEL.
     """
     part, field, index = path
-    return CHANNEL if part == PRESCRIBED_MOTION_PART else INPUT_NAMES.index(str(field)), index
+    return CHANNEL if part == GIVEN_CHANNEL else INPUT_NAMES.index(str(field)), index

@@ -13,7 +13,7 @@ from typing import Any
 from chain_impact.kernel.record.counts import COUNTS, Counts
 from chain_impact.scene.facts import LISTS, SceneFacts
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signal_inputs import DrivenInput, driven_by
+from chain_impact.scene.signal_inputs import SignalInput, signal_inputs_of
 from chain_impact.variables.owners import Owner, numbers_of_scene, owners_of
 
 
@@ -32,7 +32,7 @@ class Structure:
 
     numbers: Mapping[str, int]
     lists: Mapping[str, Sequence[Mapping[str, Any]]]
-    signals: tuple[DrivenInput, ...]
+    signals: tuple[SignalInput, ...]
 
     def __hash__(self) -> int:
         """Return the hash of the numbers in ``numbers``, which are the same in equal structures."""
@@ -44,7 +44,7 @@ class Structure:
         return Counts(*(self.numbers[name] for name in COUNTS))
 
     @property
-    def driven_quantities(self) -> dict[str, tuple[int, int]]:
+    def signal_quantities(self) -> dict[str, tuple[int, int]]:
         """Quantity that a signal determines → (index k in ``signals``, index in ``signals[k].outputs``)."""
         positions: dict[str, tuple[int, int]] = {}
         for row, signal in enumerate(self.signals):
@@ -59,4 +59,4 @@ class Structure:
 def structure_of(scene: Scene) -> Structure:
     """Return the structure of a scene."""
     facts = SceneFacts(scene)
-    return Structure(numbers_of_scene(facts), {name: facts[name] for name in LISTS}, driven_by(scene))
+    return Structure(numbers_of_scene(facts), {name: facts[name] for name in LISTS}, signal_inputs_of(scene))

@@ -26,7 +26,13 @@ from chain_impact.scene.kernel_view import chain_view
 from chain_impact.scene.keys.chain_tables import ChainTable
 from chain_impact.scene.keys.tables import Contact, Material, Stops
 from chain_impact.scene.rules.refusals import ENTRY_REFUSALS, LAW_FACTS, REFUSALS
-from chain_impact.scene.rules.rule_language import ValueOf, is_rule_true, member_lookups, number_in, value_at
+from chain_impact.scene.rules.rule_language import (
+    ValueOf,
+    is_rule_true,
+    member_lookups,
+    number_in,
+    value_of_key,
+)
 from chain_impact.scene.texts.angles import radians_hint, turns_hint
 from chain_impact.scene.texts.names import AXES, SLIDER_STOPS, STOPS, DataPath, path_text
 
@@ -135,7 +141,7 @@ def reached_walls(scene: SceneContents) -> list[str]:
 
 def check_refusal_rules(scene: SceneContents) -> None:
     """Raise the error of the first rule of ``REFUSALS`` whose condition is true in the scene."""
-    scene_value = partial(value_at, scene)
+    scene_value = partial(value_of_key, scene)
     tables: dict[str, list[tuple[DataPath, ValueOf]]] = {
         "": [((), scene_value)],
         "link": [

@@ -17,7 +17,7 @@ from chain_impact.scene.files.table_file import jumps_of
 from chain_impact.scene.keys.signal_tables import Samples, Signal, unit_of
 from chain_impact.scene.rules.refusals import SIGNAL_REFUSALS
 from chain_impact.scene.rules.rule_language import is_rule_true
-from chain_impact.scene.signal_inputs import driven_alone, quantities_driven_by
+from chain_impact.scene.signal_inputs import determined_quantities, exclusive_inputs
 from chain_impact.scene.signal_polynomials import PERIOD_TOLERANCE, is_closed, is_motion, joined_by
 from chain_impact.scene.texts.names import DataPath
 from chain_impact.scene.texts.unit_text import unit_text
@@ -34,7 +34,7 @@ def check_signals(scene: SceneContents) -> None:
         _check_inputs(scene, name, signal)
         _check_numbers(name, signal)
         for input_name in signal.input:
-            for quantity in driven_alone(input_name):
+            for quantity in exclusive_inputs(input_name):
                 if quantity in owners:
                     other_owner = owners[quantity]
                     driver_text = (
@@ -43,7 +43,7 @@ def check_signals(scene: SceneContents) -> None:
                         else "it is listed twice"
                     )
                     raise refusal(_input(name), "driven_twice", value=value_text(input_name), by=driver_text)
-            owners |= dict.fromkeys(driven_alone(input_name), name)
+            owners |= dict.fromkeys(exclusive_inputs(input_name), name)
             _check_motion(name, signal, input_name)
 
 
@@ -154,7 +154,7 @@ def _check_motion(name: str, signal: Signal, quantity: str) -> None:
     A periodic table of accelerations is refused, too (``check_table``), and so is a sine whose frequency is 0
     and stays 0 if the input is integrated over time: the integral of the sine would divide by zero.
     """
-    order, is_moving = quantities_driven_by(quantity).index(quantity), is_motion(quantity)
+    order, is_moving = determined_quantities(quantity).index(quantity), is_motion(quantity)
     speed = abs((signal.amplitude or 0.0) * (signal.frequency or 0.0))
     facts = {
         "order": order,

@@ -277,7 +277,7 @@ def _is_true(value: Any) -> bool:
     return any(map(_is_true, value)) if type(value) in (tuple, list) else bool(value)
 
 
-def value_at(table: Any, key: str) -> Any:
+def value_of_key(table: Any, key: str) -> Any:
     """Return the value of a dotted key in a table; None if this value, or a table on the path, is None."""
     for name in key.split("."):
         table = None if table is None else getattr(table, name)

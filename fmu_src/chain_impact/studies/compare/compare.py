@@ -16,7 +16,7 @@ from chain_impact.extras import require
 from chain_impact.files import written_atomically
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.progress import Progress, no_progress
-from chain_impact.recording.course import course_of
+from chain_impact.recording.impact_course import course_of
 from chain_impact.recording.impacts import common_count
 from chain_impact.results.result import Result
 from chain_impact.scene.candidates import point_wall_pairs

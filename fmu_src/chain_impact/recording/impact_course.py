@@ -56,7 +56,7 @@ class Rerun(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class ImpactCourse:
     """One impact over time. At a stop of a joint, moment [N·m] and angle [rad] replace force and length.
 
     Attributes:
@@ -84,7 +84,7 @@ class HasRerun(Protocol):
     def rerun(self) -> Rerun | None:
         """The run, to repeat it; None if the run cannot be repeated."""
 
-    def course_of_impact(self, number: int) -> Course:
+    def course_of_impact(self, number: int) -> ImpactCourse:
         """Return the course of an impact, by its number from 1.
 
         Raises:
@@ -98,7 +98,7 @@ def course_of(
     impact: np.void,
     *,
     end_time: float = math.nan,
-) -> Course:
+) -> ImpactCourse:
     """Return the course of one impact.
 
     The run is repeated up to the end of the impact, with additional rows within the impact. The repeated run
@@ -139,7 +139,7 @@ def course_of(
         speed[0] = impact["impact_speed"]
     if len(speed) == len(contact_times) > 1 and not math.isnan(impact["end"]):
         speed[-1] = -impact["separation_speed"]
-    return Course(
+    return ImpactCourse(
         time=contact_times[: len(contact_values)],
         force=(sign * contact_values["force"][:, output_index]).clip(0.0),
         penetration=contact_values["penetration"][:, output_index].clip(0.0),

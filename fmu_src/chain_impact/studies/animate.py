@@ -103,8 +103,8 @@ def record_slowly(
         scene, inputs=inputs, interpolation=interpolation, progress=lambda share: show(share / 2)
     )
     stop, onsets = float(result.time[-1]), result.impacts["onset"]
-    spans, usual_speed = slow_spans(result), frame_rate(result)
-    shown_times, _ = frame_times(0.0, stop, spans, impact_time, MOST_FILM_ROWS, usual_rate=usual_speed)
+    spans, usual_rate = slow_spans(result), frame_rate(result)
+    shown_times, _ = frame_times(0.0, stop, spans, impact_time, MOST_FILM_ROWS, usual_rate=usual_rate)
     # an impact that is too weak for slow motion gets dense rows, too, because the usual rows could miss the
     # peak force of this impact
     durations = (impact_ends(result.impacts, stop) - onsets)[:, None]
