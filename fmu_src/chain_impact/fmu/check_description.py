@@ -56,7 +56,7 @@ _NAME_IN_FAULT = re.compile(r'[Vv]ariable (?:name )?"([^"]+)"')
 
 
 def description_findings(path: Path) -> list[Finding]:
-    """Return the faults of an FMU's zip and model description, without running the FMU.
+    """Return the faults of an FMU's zip, model description and terminals, without running the FMU.
 
     Raises:
         OSError: when the file cannot be read.

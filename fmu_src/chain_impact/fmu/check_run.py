@@ -1,5 +1,7 @@
 """A test run of an FMU in a process of its own: ``python -m chain_impact.fmu.check_run FMU REPORT BINARY``.
 
+With ``--references``, an FMU without findings is also compared with its reference results.
+
 The report goes to a file, because an FMU may print any text. Before each call the program writes a line of
 JSON to the report, so that a reader knows in which call the process ended. Further lines have the findings
 and the verdict on the reference results.
@@ -66,7 +68,7 @@ class CheckRun:
         self.folder, self.binary, self.tell = folder, binary, tell
 
     def run(self, reasons: Callable[[], list[str]]) -> None:
-        """Load the FMU, instantiate, read start values, make steps and restore states, terminate and free.
+        """Load the FMU, instantiate, compare start values, make steps and restore states, terminate and free.
 
         An FMU without co-simulation makes no steps, and is not terminated; its values are read once more.
         ``reasons`` returns the messages of the FMU so far.
@@ -267,7 +269,7 @@ def _text(value: Value) -> str:
 
 
 def main() -> None:
-    """Test the FMU that the arguments of the command line name, and write the report."""
+    """Test the FMU that the arguments of the command line name, write the report, and end the process."""
     path, binary = Path(sys.argv[1]), sys.argv[3]
     with Path(sys.argv[2]).open("w", encoding="utf-8") as report:
         findings = 0

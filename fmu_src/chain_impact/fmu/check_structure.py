@@ -206,7 +206,10 @@ def _order_faults(numbers: Sequence[str], path: str) -> Iterator[Finding]:
 
 
 def repeated_findings(texts: Iterable[str], text_kind: str, path: str) -> list[Finding]:
-    """Return a finding for each text that occurs more than once in ``texts``."""
+    """Return a finding for each text that occurs more than once in ``texts``.
+
+    The finding names the text by ``text_kind``, such as ``name``, and has ``path`` as its attribute.
+    """
     return [
         Finding(f"{text_kind} = {text!r} is listed {count} times", attribute=path)
         for text, count in Counter(texts).items()

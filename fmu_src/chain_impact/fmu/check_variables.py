@@ -216,7 +216,8 @@ def _aliases(variables: Sequence[DescribedVariable]) -> list[Finding]:
     """Return the faults of aliases, variables with the same value reference (FMI 2.0, 2.2.7).
 
     Of the variables with one reference, only one may be set from outside, and all must have the same unit.
-    Either all are constants of the same value; or none is constant, and at most one has a start value.
+    Either all are constants of the same value; or none is constant, and at most one has a start value. Each
+    variable is compared with the first one of its reference only.
     """
     first: dict[tuple[str, str], DescribedVariable] = {}
     findings = []

@@ -125,8 +125,9 @@ def _course(signal: Signal, members: Sequence[str], k: int, stop: float) -> tupl
     """Return member ``k`` of a family of inputs as polynomials of time: start times [s] and coefficients.
 
     Each row of the coefficients belongs to one polynomial, in ascending powers of the time since its start.
-    ``members`` are the names of a quantity and of the derivatives after it (``determined_quantities``). If
-    the table does not have member ``k``, the result is computed from a member that the table has.
+    ``signal`` is the table, ``stop`` the end of the run [s]. ``members`` are the names of a quantity and of
+    the derivatives after it (``determined_quantities``). If the table does not have member ``k``, the result
+    is computed from a member that the table has.
     """
     given_orders = [j for j, member in enumerate(members) if member in signal.input]
     source = max((j for j in given_orders if j <= k), default=given_orders[0])

@@ -99,7 +99,7 @@ def _add_types(root: Element, variables: Sequence[Variable], fmi: int) -> None:
 
 
 def _add_variables_2(root: Element, prepared_scene: PreparedScene) -> None:
-    """Add the variables of FMI 2.0, and the outputs with the inputs on which they depend directly.
+    """Add the variables of FMI 2.0, and the structure: outputs with dependencies.
 
     FMI 2.0 refers to variables by index, which counts from 1.
     """
@@ -240,7 +240,10 @@ def attributes_of(variable: Variable, reference: int) -> dict[str, str]:
 
 
 def values_of(prepared_scene: PreparedScene) -> list[dict[str, str]]:
-    """Return for each variable the attributes of its value: type, unit, limits, start and nominal value."""
+    """Return for each variable the attributes of its value: type, unit, limits, start and nominal value.
+
+    Outputs have no start.
+    """
     nominal, values = nominal_values(prepared_scene.scene), []
     for variable in prepared_scene.variables:
         value = {}

@@ -214,10 +214,10 @@ def _inputs(prepared_scene: PreparedScene, times: np.ndarray) -> dict[str, np.nd
     """Return the values of each input at ``times``: sines and cosines of different frequencies.
 
     Any two forces, torques or targets have different frequencies, and so have any two prescribed motions: an
-    importer that exchanges such a pair is noticed. But if there are more of them than half the number of
-    ``times``, some pairs have the same values at these times. Velocity and acceleration of a motion are the
-    derivatives of the motion's position. Values are rounded as in the file, so that the reference run gets
-    exactly the values that an importer will read.
+    importer that exchanges such a pair is noticed. But if there are more inputs than half the number of
+    ``times``, some pairs may have the same values at these times. Velocity and acceleration of a motion are
+    the derivatives of the motion's position. Values are rounded as in the file, so that the reference run
+    gets exactly the values that an importer will read.
     """
     nominal, count = nominal_values(prepared_scene.scene), len(times)
     turn = 2.0 * math.pi * np.arange(count) / count

@@ -77,7 +77,7 @@ def axis_unit(unit: str, curves: Sequence[np.ndarray], *, is_close: bool = False
 
     Only units of forces, moments, impulses, energies and powers (LOAD_UNITS) get a prefix (``load_unit``),
     and the unit m if all |values| are below PREFIX_BELOW; if ``is_close``, the axis is that of a close
-    view, and the units in CLOSE_UNITS also get a prefix.
+    view, and each unit in CLOSE_UNITS gets a prefix by the rule for m.
     """
     largest_value = max((float(np.nanmax(np.abs(curve), initial=0.0)) for curve in curves), default=0.0)
     has_prefix = unit in LOAD_UNITS or (unit == "m" and largest_value < PREFIX_BELOW)

@@ -33,7 +33,7 @@ class Panel(NamedTuple):
             its name is given.
         height: the height in the column of panels over time, relative to that of the panel of energies.
         write_numbers: writes the numbers of impacts, or the peak force of a single impact, into the panel
-            after the layout is final.
+            after the layout is final; into the panel of the motion also names of points.
     """
 
     draw: Callable[[Axes, Recording], None]

@@ -17,7 +17,8 @@ from chain_impact.scene.scene import Scene, with_values
 
 EXACT_LAW = "zhang_sharf"
 """The exact law: it gives a free impact the prescribed restitution, unless the impact is slower than
-``minimum_impact_speed``. This law is the reference of a comparison if its run has an impact to compare."""
+``minimum_impact_speed``. This law is the reference of a comparison if it is compared at the scene's exponent,
+and its run has an impact to compare."""
 LOSSLESS_LAW = "hertz"
 """The law without losses: the realised restitution of a free impact (``LawRuns.is_free``) is about 1."""
 OVERLAPS = "another contact began before the first ended"

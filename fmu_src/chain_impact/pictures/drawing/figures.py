@@ -272,7 +272,10 @@ def lacking_height(fill: Fill, figure: Figure, mean: float = 0.0) -> float:
 
 
 def text_boxes(figure: Figure) -> Iterator[Bbox]:
-    """Yield the rectangles [pixels] of a figure's texts, and of the legends, labels and numbers of axes."""
+    """Yield the rectangles [pixels] of a figure's texts, and of legends, headings and labels of axes.
+
+    The numbers at axes count as labels.
+    """
     texts, legends = list(figure.texts), [legend for axes in figure.axes if (legend := axes.get_legend())]
     yield from (legend.get_window_extent() for legend in legends)
     for axes in figure.axes:

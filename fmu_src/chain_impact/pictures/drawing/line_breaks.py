@@ -62,7 +62,9 @@ def break_lines(text: Text, room: float, parts: str = SEPARATOR, more_lines: int
 def _balanced(
     pieces: Sequence[str], lines: list[str], room: float, width: Callable[[str], float], dropped: str
 ) -> tuple[list[str], float]:
-    """Return as many lines as ``lines``, the longest as short as possible, and its greatest width [pixels].
+    """Return as many lines as ``lines``, as narrow as possible, and a width that all of them keep [pixels].
+
+    The width is nearly the least one or, for a single line, ``room``.
 
     The other arguments are those of ``_fill_lines``.
     """

@@ -12,7 +12,10 @@ FEWEST_NAMES = 2  # the least number of names that have a distance
 
 
 def lacking_for_rows(axes: Axes) -> float:
-    """Return the height [inches] that axes lack for names along y to be ROW_PITCH apart; 0 without names."""
+    """Return the height [inches] that axes lack for names along y to be ROW_PITCH apart.
+
+    The result is 0 for fewer than FEWEST_NAMES names, and for the numbers of an axis.
+    """
     names, figure = (
         [label for label in axes.get_yticklabels() if label.get_text()],
         axes.get_figure(root=True),

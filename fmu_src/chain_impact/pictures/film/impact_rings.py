@@ -18,7 +18,7 @@ class ImpactRings:
     """The rings of a film, and the orange rings of the impacts in ``marked_peaks``."""
 
     def __init__(self, axes: Axes, recording: Recording) -> None:
-        """Add rings to the axes of the chain, which are empty until ``show``."""
+        """Add two sets of rings, both empty until ``show``, to the axes of the chain."""
         look: dict[str, Any] = {"marker": "o", "markerfacecolor": "none", "linestyle": "", "animated": True}
         self.lines: list[Line2D] = [
             axes.plot([], [], color=colour, markersize=RING_SIZE, markeredgewidth=width, **look)[0]

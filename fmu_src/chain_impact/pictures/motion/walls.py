@@ -94,8 +94,7 @@ def wall_line(wall: HalfPlane, walls: Sequence[HalfPlane], view: np.ndarray) -> 
     """Return the two ends of the part of a wall that bounds the room between ``walls`` in a view [m].
 
     The shape is (2, 2), or more rows if corners of the room coincide up to round-off. A result with fewer
-    rows means that no part of the wall bounds this room. ``wall`` is
-    one of ``walls``.
+    rows means that no part of the wall bounds this room. ``wall`` is one of ``walls``.
     """
     corners = _corners(walls, view)
     corner_gaps = corners @ np.array(wall.normal) - wall.offset

@@ -50,7 +50,7 @@ def numbers_of(rows: Sequence[int]) -> tuple[str, str]:
 
     Both begin with the sign NUMBER_SIGN. The text has all numbers or, if they are more than MOST_IN_LABEL
     items, the number of the first impact in ``rows`` and how many more there are: "#5 + 14 more". The short
-    text is "#5 +14".
+    text is "#5 +14" or, if it is shorter, the text itself.
     """
     whole_list, first, more_count = number_list(row + 1 for row in rows), f"{rows[0] + 1}", len(rows) - 1
     text = whole_list if whole_list.count(",") < MOST_IN_LABEL else f"{first} + {more_count} more"

@@ -43,7 +43,7 @@ def named_laws(comparison: LawRuns) -> dict[str, str]:
     with losses", for the law whose restitution is farthest from that under the reference; and
     JUMP_NOTE_OF_LAW. LOSSLESS_LAW does not count as the farthest, because it ignores the prescribed
     restitution. No law is the farthest if the restitutions do not describe the contact alone
-    (``has_restitution``).
+    (``has_restitution``). Differences below LEAST_DEVIATION do not count.
     """
     reference = comparison.reference
     reasons = {reference: "reference"}

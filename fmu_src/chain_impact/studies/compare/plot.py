@@ -88,7 +88,10 @@ def fill(figure: Figure, comparison: LawRuns) -> None:
 
 
 def name_ends(axes: Axes, comparison: LawRuns, looks: Looks) -> list[EndLabel]:
-    """Write the laws with a colour, and those of impulses, at the right ends of their lines of energy."""
+    """Write the laws with a colour, and those of impulses, at the right ends of their lines of energy.
+
+    The result has the written texts, for ``spread``.
+    """
     lines, (_, end), reference = [], axes.get_xlim(), comparison[comparison.reference].result
     assert reference is not None
     offset = shown_energies(reference)[1]

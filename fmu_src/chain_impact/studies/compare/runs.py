@@ -189,7 +189,7 @@ def first_of(result: Result | None) -> np.void | None:
 
 
 def has_jump(law: str) -> bool:
-    """Return whether the force of a law jumps at the onset; False for a law from a user's file."""
+    """Return whether the force of a law jumps at the onset if e < 1; False for a law from a user's file."""
     return law in CONTACT_LAWS and CONTACT_LAWS[law].rate_exponent == 0.0
 
 

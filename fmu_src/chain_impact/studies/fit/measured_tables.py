@@ -290,7 +290,10 @@ def _needed_time_column(table: Table, over_time: Set[str]) -> tuple[str, str]:
 
 
 def _value_columns(table: Table) -> list[str]:
-    """Return all columns except time, IMPACT_COLUMNS, joint, sigma(…), and POSITION beside one of these."""
+    """Return all columns except time, IMPACT_COLUMNS, joint and sigma(…), as names.
+
+    In a table with a column of IMPACT_COLUMNS or ``onset``, POSITION is left out, too.
+    """
     other_names = (
         TIME,
         *IMPACT_COLUMNS,

@@ -78,7 +78,7 @@ def add_bar(
     has_values_beyond: tuple[bool, bool],
     ticks: dict[float, str],
 ) -> list[float]:
-    """Draw the bar for the colours of a quantity, with its name; return the values at which ticks stand.
+    """Draw the bar for the colours of a quantity, with its name; return the values of ticks between its ends.
 
     Several maps share a bar at the right, or below in a narrow figure. A single map has its bar beside or, if
     its column is narrow, above, between the map and the name.

@@ -49,7 +49,7 @@ class Scale:
         return np.asarray(np.log(values) if self.logarithmic else values)
 
     def cell_at(self, value: float) -> int | None:
-        """Return the index of the cell whose middle part (MIDDLE_SHARE) has a value, if there is one."""
+        """Return the index of the cell whose middle part (MIDDLE_SHARE) contains ``value``, or None."""
         edges = self.axis_values(self.edges)
         distances = np.abs(self.axis_values(self.middles) - self.axis_values(value)) / np.diff(edges)
         return int(distances.argmin()) if distances.min() < 0.5 * MIDDLE_SHARE else None

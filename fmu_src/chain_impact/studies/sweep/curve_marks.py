@@ -18,7 +18,7 @@ from chain_impact.variables.peaks import PEAKS
 MARK_SIZE, MARK_EDGE = 3.0, 0.9  # [points] the size of a mark, and the width of the edge of a ring
 # a ring is larger than the next mark in it by RING_STEP [points], or less if rings of neighbours would meet
 RING_STEP = 2.8
-HIDING_DISTANCE = 1.8  # [points] a mark hides another one with the same abscissa up to this distance
+HIDING_DISTANCE = 1.8  # [points] a mark hides another one up to this distance along both axes
 # A panel has lines if at least LEAST_JOINED of the pairs of neighbours in it are joined: a few joined pairs
 # among points would look like a feature.
 LEAST_JOINED = 0.5

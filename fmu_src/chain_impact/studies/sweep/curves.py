@@ -139,7 +139,7 @@ def gaps_text(
 
 
 def _marks(index: int, count: int, *, is_sampled: bool) -> dict[str, Any]:
-    """Return the marks of the line number ``index`` with a number of points, with matplotlib's names."""
+    """Return the marks of the line number ``index`` with ``count`` points, with matplotlib's names."""
     if is_sampled:
         return {"marker": ".", "linestyle": "", "rasterized": True}
     if count > FEW_VALUES:

@@ -119,7 +119,7 @@ def _generator(seed: int, cube: int, drawn_count: int) -> np.random.Generator:
 
 @functools.lru_cache(maxsize=8)
 def _order(seed: int, cube: int, count: int, column_count: int) -> np.ndarray:
-    """Return for each parameter the number of the cell in which each sample lies, shape (varied, count).
+    """Return the number of the cell in which each sample lies, shape (column_count, count).
 
     The hypercube ``cube`` (from 0) has ``count`` samples. The range of each of the ``column_count``
     parameters is divided into ``count`` cells, numbered from 1; each cell has one sample, and the order is

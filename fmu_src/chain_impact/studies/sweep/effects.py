@@ -53,7 +53,7 @@ class Effects:
     def without_others(self, values: np.ndarray, name: str) -> np.ndarray:
         """Return the results ``values`` without the effects of all parameters but one, shape (R,).
 
-        The results are divided by these effects if they are factors; the mean effect is then 1.
+        The results are divided by these effects if they are factors; their geometric mean is then 1.
         """
         effect_sum = sum(effect for parameter, effect in self.of_names.items() if parameter != name)
         return np.asarray(values / np.exp(effect_sum) if self.is_factor else values - effect_sum)
@@ -87,7 +87,7 @@ class Effects:
 
 
 def effects_on(runs: Runs, quantity: Quantity, variations: Sequence[Variation]) -> Effects | None:
-    """Return the effects of ``variations`` on a result; None for too few runs with different results."""
+    """Return the effects of ``variations`` on a result; None if it is equal or known in too few runs."""
     values = quantity.values_or_nan(runs)
     is_known = np.isfinite(values)
     if not is_known.any() or not np.ptp(values[is_known]):

@@ -100,7 +100,7 @@ def draw_samples(
 
     If a sum of effects describes the quantity well (TRENDING), the dots over all parameters but the first
     show the quantity without the effects of other parameters, which would hide that of this parameter; and
-    the heading of each panel has the effect. All panels with dots have the same vertical axis.
+    the heading of each panel has the effect. All panels with dots of a quantity have the same vertical axis.
     """
     panels_per_quantity, drawn_variations = len(panels) // len(quantities), drawn_parameters(runs, variations)
     draw_histograms(panels[panels_per_quantity - 1 :: panels_per_quantity], runs, quantities)

@@ -92,7 +92,9 @@ def _is_inside(axes: Axes, box: Bbox) -> bool:
 
 
 def _remove_crowded_values(axes: Axes, lines: Sequence[tuple[str, Path]], numbered_texts: set[str]) -> None:
-    """Hide those values of contours in a map without room or in ``numbered_texts``, and add the others.
+    """Hide the values of contours without room in a map; add the others to ``numbered_texts``.
+
+    In a map narrower than NARROW_MAP, a value that ``numbered_texts`` already has is hidden, too.
 
     ``lines``: for each line of a contour, the value as in the map, and the line in pixels.
     """

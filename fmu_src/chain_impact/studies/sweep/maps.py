@@ -147,8 +147,8 @@ def _name_maps(
 ) -> tuple[int, bool] | None:
     """Write the names of the parameters once around all maps; return the map of the scene, if any.
 
-    With a third parameter, its value stands above each map, and the result is that of ``nearest_map``. If
-    this map has not exactly the scene's value, the map has a frame.
+    With a third parameter, its value stands above each map, and the result is that of ``nearest_map``. This
+    map gets a frame if it has not exactly the scene's value, or no place for the scene's mark.
     """
     first_label, second_label, *third_labels = (label_of(runs, variation) for variation in variations)
     name_around(panels, name_below=first_label, name_beside=second_label, name_above="".join(third_labels))

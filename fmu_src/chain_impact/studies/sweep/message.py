@@ -39,7 +39,9 @@ SMALL_EFFECT, NO_EFFECT = 0.01, 1e-6
 
 
 def headline_parts(runs: Runs, results: Results, mark: str, *, is_small: bool = False) -> list[str]:
-    """Return the parts of the headline: results with their course, runs without impact, and failed runs.
+    """Return the parts of the headline, of which the last are runs without impact, and failed runs.
+
+    The first parts are results with their course, and varied parameters that hardly matter (``idle_text``).
 
     The results are those with ``in_headline`` that are known and not 0 in at least one run or, without any,
     the first drawn one; with ``is_small`` only the first of them. The reasons of failed runs stand in
@@ -147,7 +149,8 @@ def idle_text(runs: Runs, quantity: Quantity) -> str:
 def share_of(runs: Runs, variation: Variation, values: np.ndarray) -> tuple[float, str]:
     """Return the share of a parameter in the variance of the ranks of a result, and "rises" or "falls".
 
-    The second text is "" if the result does not only rise and does not only fall with the parameter.
+    For samples of a number, the second text is that of the rank correlation. Else it is "" for a choice, and
+    if the mean rank neither only rises nor only falls with the parameter.
     ``values``: the result of each run, NaN if it is not known.
     """
     from scipy.stats import rankdata  # this import takes long

@@ -133,7 +133,7 @@ def plot_sweep(
 
 @drawing_style()
 def fill(figure: Figure, runs: Runs, results: Results, texts: Callable[..., tuple[str, str]]) -> None:
-    """Draw the headline and, for each quantity in ``results.drawn``, ``panels_of_each`` panels.
+    """Draw the headline and, for each of ``results.drawn_quantities``, ``panels_of_each`` panels.
 
     ``texts``: a function that returns the result of ``headline_and_conditions``.
     """
@@ -271,8 +271,8 @@ def _panels(figure: Figure, count: int, column_count: int, *, sharey: bool = Fal
 def _draw_dots(panels: list[Axes], runs: Runs, quantities: list[Quantity], choice: Variation) -> None:
     """Draw each quantity in a panel with a row for each run, and a dot for each value.
 
-    A row without a value has a word in place of the dot: "failed" if the run failed, "impulse" for a load at
-    a rigid wall. ``choice``: the only varied parameter, which names the rows.
+    A row without a value has a word in place of the dot: "failed", NO_IMPACT if nothing touches, "impulse"
+    for a load at a rigid wall, else "unknown". ``choice``: the only varied parameter, which names the rows.
     """
     names = choice.shown_values(choice.values).tolist()
     rows = np.arange(len(runs))
