@@ -24,7 +24,7 @@ def plain(value: Any) -> Any:
 
 
 def without_empty(data: dict[str, Any]) -> dict[str, Any]:
-    """Return a scene's data without empty [stops], [signals] and ``points``, and materials without values."""
+    """Return a scene's data without empty [stops], [signals], ``points``, and materials (``_has_values``)."""
     data, contact, chain = dict(data), data["contact"], data["chain"]
     if isinstance(chain, Mapping) and isinstance(chain.get("links"), list):
         data["chain"] = {**chain, "links": [_without_no_points(link) for link in chain["links"]]}

@@ -158,7 +158,7 @@ def absent_hint(name: str) -> str | None:
 def _owned_kinds(
     blocks: Iterable[Block], structure: Structure
 ) -> Iterator[tuple[VariableKind, Owner, dict[str, Any]]]:
-    """Yield (kind, owner, words) for each kind and each owner that meets the conditions of the kind.
+    """Yield (kind, owner, texts) for each kind and each owner that meets the conditions of the kind.
 
     ``texts`` is word in braces → the text or number of this scene and owner that replaces the word.
     """

@@ -97,8 +97,8 @@ def shared_data_of(scene: Scene) -> SharedData:
 def shared_by_structure(part: Callable[[Any], Part]) -> cached_property[Part]:
     """Return the cached property for a method of ``PreparedScene`` whose result does not depend on numbers.
 
-    All scenes with the same ``shared_value`` share the result, which is in ``SharedData.parts`` under the
-    name of the method.
+    All scenes with the same ``SharedData`` share the result, which is in ``SharedData.parts`` under the name
+    of the method.
     """
 
     @wraps(part)

@@ -59,7 +59,8 @@ def strong_rows(recording: Recording) -> list[int]:
     With more than MOST_STRONG_POSES impacts, this is only the impact with the largest force, moment or
     impulse (``marked_peaks``) or, if several impacts have the largest value, the fastest one. Otherwise the
     fastest impact is chosen in any case. A slower impact is chosen, the faster ones first, if the pose at its
-    onset differs (``apart``) from the poses at start, at end, and at all impacts that are chosen before.
+    onset differs (``distinct_poses``, STRONG_APART) from those at start, at end, and at all impacts chosen
+    before.
     """
     rows = rows_by_speed(recording).tolist()
     if len(rows) > MOST_STRONG_POSES:

@@ -68,7 +68,7 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
 
 
 def move_legend_to_foot(axes: Axes, figure: Figure) -> None:
-    """Replace a legend that explains the names of rows by a text at the foot of a figure, if there is room."""
+    """Replace a legend that explains the names of rows by a text at the figure's foot, if there is room."""
     legend = axes.get_legend()
     entries = [text.get_text() for text in legend.get_texts()] if legend else []
     looks = [PHASE_LOOKS.get(entry.split()[0], "") + entry for entry in entries]

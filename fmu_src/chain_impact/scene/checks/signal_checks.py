@@ -72,7 +72,7 @@ def _check_inputs(scene: SceneContents, name: str, signal: Signal) -> None:
 
 
 def _check_numbers(name: str, signal: Signal) -> None:
-    """Refuse steps whose times do not increase, or whose lists of times and values differ in length.
+    """Refuse steps without times, with times that do not increase, or with another number of values.
 
     A periodic table that does not fit its period is refused, too.
     """
