@@ -62,7 +62,7 @@ An example is kN. With a prefix these values have few digits.
 def prefixed_unit(largest_value: float, unit: str) -> tuple[float, str]:
     """Return a factor and a unit with a prefix, such as 0.001 and kN: values times the factor have this unit.
 
-    In this unit the ``largest_value`` value is between 1 and 1000, if a prefix for this exists.
+    In this unit ``largest_value`` is at least 1 and below 1000, if a prefix for this exists.
     """
     power = 3 * math.floor(math.log10(largest_value) / 3.0) if 0.0 < largest_value < math.inf else 0
     power = min(max(power, min(PREFIXES)), max(PREFIXES))

@@ -233,6 +233,14 @@ def test_the_conversion_of_a_scene_into_a_scene_is_refused(tmp_path):
         convert("pinned_arm", tmp_path / "arm.toml")
 
 
+@pytest.mark.parametrize(("attribute", "name"), [("", "arm"), ('model=""', "arm"), ('model="two"', "two")])
+def test_a_robot_without_a_name_has_the_name_of_its_file(tmp_path, attribute, name):
+    body = '<body><joint axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .4 0 0" size=".02"/></body>'
+    file = tmp_path / "arm.xml"
+    file.write_text(f"<mujoco {attribute}><worldbody>{body}</worldbody></mujoco>", encoding="utf-8")
+    assert scene_of_robot(file)[0].name == name
+
+
 def test_what_mujoco_warns_of_is_a_note_and_no_file_is_written(here, capfd):
     shape = '<geom type="capsule" fromto="0 0 0 .4 0 0" size=".02"/>'
     link = f'<body name="{{0}}"><joint name="{{0}}" axis="0 1 0"/>{shape}'

@@ -28,8 +28,8 @@ SINGLE_OPTIONS = {
     ),
     "--keyframe": ("NAME", "keyframe of MJCF at which the robot starts, or none; default: the first"),
 }
-"""Option that can be given once → its metavariable and its help, as the fields of ``ConversionChoices``
-after the first one."""
+"""Option that can be given once → its metavariable and its help, in the order of the fields of
+``ConversionChoices`` after the first one."""
 
 
 def add(verbs: Verbs) -> None:

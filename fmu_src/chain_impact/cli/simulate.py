@@ -328,7 +328,10 @@ def curves_in(recording: Recording, source: Source, choice: PictureChoice) -> Cu
 
 
 def draw_curves(canvas: Canvas, recording: Recording, curves: Curves) -> None:
-    """Draw curves; raise a UsageError for too many units, too many outputs of a unit, or too little room."""
+    """Draw curves, and print a hint if the largest peak looks like a line.
+
+    Too many units, too many outputs of a unit, or too little room raise a UsageError.
+    """
     from chain_impact.pictures import curves_size, draw_figure, fill_curves, narrow_peak
 
     fill_page = partial(fill_curves, recording=recording, curves=curves)

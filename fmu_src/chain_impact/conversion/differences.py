@@ -125,7 +125,7 @@ def difference_lines(differences: Iterable[Difference], title: str) -> list[str]
 
 
 def difference_line(kind: str, names: Sequence[str], text: str, shown_count: int = LINE_NAMES) -> str:
-    """Return the line "<kind> <names>: <text>", with ``shown_count`` names and the number of the others."""
+    """Return "<kind> <names>: <text>", with at most ``shown_count`` names, and the number of the others."""
     if len(names) > 1:
         kind = PLURALS.get(kind, f"{kind}s")
     return f"{' '.join(filter(None, (kind, names_text(names, shown_count))))}: {text}"

@@ -62,8 +62,8 @@ def merge_embedded_scene(
 ) -> ConversionResult:
     """Return the conversion ``robot_result`` of a file's elements, merged with the scene in the file.
 
-    The docstring of this module tells which values hold. ``choices`` are the user's choices for
-    ``robot_result``.
+    The docstring of this module tells which values hold. Remarks that the conversion to MJCF and back also
+    has are left out. ``choices`` are the user's choices for ``robot_result``.
     """
     scene, written_result = embedded_scene
     merger = _Merger(scene, written_result.data, robot_result.data, choices)

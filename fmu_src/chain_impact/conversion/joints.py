@@ -211,7 +211,8 @@ def _check_slides(robot: Robot, sliders: list[MovingJoint], order: list[MovingJo
     """Refuse sliding joints that a scene cannot have.
 
     A scene can have one slide in the plane of the motion, or two in this plane at right angles to each other,
-    in both cases before the first hinge. ``order`` are all moving joints, in the order of the bodies.
+    in both cases before the first hinge. The limits of a single slide must leave room for motion. ``order``
+    are all moving joints, in the order of the bodies.
     """
     first = next(moving_joint for moving_joint in order if moving_joint.joint.kind == "hinge")
     joints_before = [

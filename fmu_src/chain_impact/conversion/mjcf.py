@@ -118,7 +118,7 @@ class _Reader:
 
     def robot(self, name: str, notes: list[str]) -> Robot:
         """Return the robot, whose notes begin with ``notes``; ``name`` is used if the file gives no name."""
-        model = self.model
+        model, given_name = self.model, self.spec.modelname
         bodies = [self.body(b) for b in range(1, model.nbody)]
         has_no_gravity = self._disables("GRAVITY")
         self.differences += [
@@ -129,7 +129,8 @@ class _Reader:
             *self._other_elements(),
         ]
         return Robot(
-            name=self.spec.modelname or name,
+            # without a name in the file, MuJoCo gives the model a default name
+            name=name if given_name in ("", self.mujoco.MjSpec().modelname) else given_name,
             bodies=bodies,
             gravity=np.zeros(3) if has_no_gravity else np.array(model.opt.gravity),
             planes=[] if not self.contacts.has_contacts else list(self.contacts.planes()),

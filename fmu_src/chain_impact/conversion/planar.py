@@ -60,7 +60,8 @@ class ConversionResult(NamedTuple):
 
     Attributes:
         data: the data of the scene.
-        warnings: lines on differences that change the motion or are large, and on lost tables of a scene.
+        warnings: lines on differences that change the motion or are large, and on parts of the scene in the
+            file that are left out.
         differs: lines on all other parts that the result has in another form.
         left_out: lines on all other parts that the result does not have.
         notes: lines on how the conversion was made.

@@ -136,9 +136,10 @@ def _range(joint: int, limits: JointRange) -> dict[str, Any]:
 
 
 def _rail(recording: Recording) -> dict[str, Any] | None:
-    """Return a slider for the page: its line with marks of the stops, its positions there, and more.
+    """Return a slider for the page: lines, positions at its stops, carriage, and free sides of its stops.
 
-    The corners are relative to the base. The result is None if the recording has no ``rail``.
+    The lines are the rail and the marks of the stops. The corners of the carriage are relative to the base.
+    The result is None if the recording has no ``rail``.
     """
     rail = recording.rail
     return (
