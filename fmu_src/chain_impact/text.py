@@ -53,9 +53,9 @@ PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G",
 
 
 LOAD_UNITS = ("N", "N.m", "N.s", "N.m.s", "J", "W")
-"""Units of forces, moments, impulses, energies and powers, which get a prefix for large and small values.
+"""Units of forces, moments, impulses, energies and powers.
 
-An example is kN. With a prefix these values have few digits.
+Large and small values get a prefix, as in kN, so that they have few digits.
 """
 
 

@@ -37,8 +37,7 @@ HALVED_BEYOND = 2
 # log₂ of the largest number of pieces for which the functions are called at once; values for more pieces
 # would be wasted if polynomials fail
 BATCH_DOUBLINGS = 4
-# a length of intervals for which polynomials failed is tried again after at most this number of pieces
-RETRY_PIECES = 32
+RETRY_PIECES = 32  # the largest number of pieces after which a failed length of intervals is tried again
 # with more successive intervals that are dropped (SHORTEST_PIECE), a function counts as not smooth
 MOST_FAILED_INTERVALS = 4
 # [1] values of the functions for a piece shorter than this, relative to the run, count against MOST_CALLS

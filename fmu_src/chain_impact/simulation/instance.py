@@ -205,7 +205,7 @@ class Instance:
         return np.arange(ended_count, ended_count + self._integers.item(self._log_at.active))
 
     def _impacts(self, numbers: np.ndarray) -> np.ndarray:
-        """Return the contacts with some numbers; impulses and joint forces that are not computed are NaN."""
+        """Return the contacts with ``numbers``; impulses and joint forces that are not computed are NaN."""
         if not len(numbers):
             return NO_CONTACTS
         log, columns = self._log_at, len(LOG_DTYPE.names or ())

@@ -252,6 +252,7 @@ def with_law(scene: SceneSource, law: Callable[..., float]) -> Scene:
 
     Raises:
         SceneError: when the function is not allowed as a law.
+        BuildError: when the source cannot be stored in the cache folder.
     """
     scene = scene_of(scene)
     try:

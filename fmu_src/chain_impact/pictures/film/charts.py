@@ -207,9 +207,10 @@ def _draw_impulses(axes: Axes, recording: Recording, impulses: np.ndarray) -> Ch
 
 
 def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) -> ChartPeak:
-    """Draw the largest forces over time; return the largest of them.
+    """Draw the largest forces over time; return the peak of the largest of them.
 
-    The number of a wall force is that of the list of impacts: the curve has the forces at the rows only.
+    For a wall force, the number in the peak's text is from the list of impacts, because the curve has the
+    forces at the rows only.
     """
     peak = max(float(force.max()) for force in forces.values())
     factor, unit = load_unit(peak, "N")
