@@ -132,7 +132,7 @@ def rate(_t, y, out, d):
 
 @compiled_function
 def least_event(d, y):
-    """Return the smallest event function plus CLEAR, and its rate, which is 0 if the event is a new latch."""
+    """Return the smallest event function plus CLEAR, and its rate (0 if the event is a new latch)."""
     lowest, slope = np.inf, 0.0
     locate_points(d, y)
     for c in range(d.candidate_count):

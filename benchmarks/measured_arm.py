@@ -85,7 +85,10 @@ def read(file: Path, first: float = 0.5) -> list[Span]:
 def off(
     x: np.ndarray, span: Span, names: list[str], derivatives: bool = False
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    """Return the errors of both joint angles [rad]; and, if asked for, their derivatives, else None."""
+    """Return the errors of both joint angles [rad] over a span if the parameters ``names`` have values ``x``.
+
+    The second result is their derivatives with respect to ``x``, or None without ``derivatives``.
+    """
     angles, rates = np.cumsum(span.angles[:, 0]) - math.pi / 2, np.cumsum(span.rates)
     start = {f"initial.angle[{i + 1}]": float(math.remainder(a, math.tau)) for i, a in enumerate(angles)}
     start |= {f"initial.angular_velocity[{i + 1}]": float(rate) for i, rate in enumerate(rates)}

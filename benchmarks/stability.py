@@ -116,7 +116,7 @@ def alarm(budget: float) -> Callable[[], None]:
 
 
 def run_fixed(scene: Scene, name: str, dt: float) -> dict[str, Any]:
-    """Return the outcome of a method with fixed steps; its CPU time has no limit."""
+    """Return the cell of a method with fixed steps ``dt``; its CPU time has no limit."""
     peer, limits = OnKernel(scene, STOP), np.array([1e3 * energies()[1], 10.0])
     steps = fixed_steps(peer, name, dt, limits)
     seen = np.array([*limits, 0.0]) if np.isfinite(peer.y).all() else np.full(3, np.inf)

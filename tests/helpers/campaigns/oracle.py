@@ -251,7 +251,7 @@ def checks(run: Account, cpu: float = CPU) -> Iterator[Row]:
 
 
 def containment(run: Account) -> Iterator[Row]:
-    """Check that points beyond a wall or stop are in contact, not pulled, and as deep as energy allows."""
+    """Check that points beyond a wall or stop touch it, without a pull, and no deeper than energy allows."""
     every = run.laws
     if not every:
         return

@@ -39,7 +39,7 @@ Table = dict[str, Any]
 
 
 def held_pendulum(draw: Draw, count: int) -> Table:
-    """Return a pinned chain whose joints have dry friction, and some of them dampers, springs and limits."""
+    """Return a pinned chain whose joints have dry friction, and some of them dampers, springs and rotors."""
     links = [dry(draw, link(draw)) for _ in range(count)]
     for part in links:
         resist(draw, part)

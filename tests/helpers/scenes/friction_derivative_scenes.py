@@ -114,7 +114,7 @@ def dry_joints(links: int = 2, **solver: Any) -> Case:
 
 
 def thrown(links: int = 2, law: str = "zhang_sharf", stop: float = 0.5, **solver: Any) -> Case:
-    """Return a chain with a dry joint that falls on a floor and a slope: impacts slide and stick."""
+    """Return a chain with dry joints that falls on a rough floor: impacts slide and stick."""
     body = link(0.3, 0.7, damping=0.01)
     scene = table(
         [body, *[body | {"joint_friction": 0.1 + 0.03 * i} for i in range(links - 1)]],

@@ -67,7 +67,7 @@ def unbalanced(result):
 
 
 def shaken(time, amplitude=0.05, rate=5.0):
-    """Return position, velocity and acceleration of a base."""
+    """Return position, velocity and acceleration of a base that oscillates about 0.1 m, at a time."""
     angle = rate * time
     return (
         0.1 + amplitude * math.sin(angle),

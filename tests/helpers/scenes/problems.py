@@ -321,7 +321,7 @@ def flat_chain(
 ) -> Scene:
     """Return four equal rods in a row above the floor, with five points to touch it.
 
-    Symmetric about x = 1.
+    Without ``tilts`` it is symmetric about x = 1.
     """
     initial = {"position": [0.0, height], "angles": tilts}
     rods = [{"length": 0.5, "mass": 1.0}] * 4
