@@ -20,7 +20,7 @@ from chain_impact import Result, simulate
 from chain_impact.pictures.drawing.style import BLACK, DPI, PALETTE, STYLE, write_headline
 from chain_impact.pictures.over_time.time_axis import mark_impacts
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts
-from chain_impact.pictures.sensitivity_table import SIGNED_COLOURS, cell_text
+from chain_impact.pictures.sensitivity_table import SIGNED_COLOURS, cell_text, colour_norm
 from chain_impact.recording.sensitivity import Sensitivities
 from docs.tools import DOCS
 
@@ -29,7 +29,6 @@ PICTURE = DOCS / "images" / "sensitivity_chart.png"
 SCENE, STOP, TIP = "four_link_box", 1.2, 4  # scene; stop time [s], after six impacts; number of the tip
 KINDS = {
     "contact stiffness": ("contact.stiffness",),
-    "contact exponent": ("contact.exponent",),
     "restitution": ("contact.restitution",),
     "a mass": tuple(f"link[{i}].mass" for i in range(1, 5)),
     "an initial rate": tuple(f"initial.angular_velocity[{i}]" for i in range(1, 5)),
@@ -37,12 +36,15 @@ KINDS = {
     "gravity": ("gravity.y",),
 }
 LABELS_APART = 2.2  # the least ratio of the heights of two names at the ends of curves
-COLOURS = dict(zip(KINDS, (*PALETTE, BLACK), strict=True))
+COLOURS = dict(zip(KINDS, (*PALETTE[: len(KINDS) - 1], BLACK), strict=True))
 LEAST_DISPLACEMENT = 1e-6  # [m] lower limit of the axis of displacements
 COLOUR_RANGE = 10.0  # [%] end of the colours; the first order does not predict a larger change
+# a displacement is predicted up to this part of the range of the tip; from then on, its curve is pale
+MOST_PREDICTED, PALE = 0.01 * COLOUR_RANGE, 0.3
 CONDITIONS = (
     "default scene; + 1 %, to first order; of masses, rates and angles the one that matters most; "
-    f"beyond ± {COLOUR_RANGE:g} %: too large for a prediction to first order"
+    f"pale curves, and changes beyond ± {COLOUR_RANGE:g} %: no prediction; "
+    "grey lines: impacts, in which curves have gaps"
 )
 
 
@@ -74,20 +76,39 @@ def moved(result: Result) -> dict[str, np.ndarray]:
     return by_kind(sizes, result)
 
 
+def is_predicted(result: Result) -> dict[str, np.ndarray]:
+    """Return kind → whether its displacement is small enough for a prediction, shape (T,)."""
+    span = max(float(np.ptp(result[f"point[{TIP}].{axis}"])) for axis in "xy")
+    return {
+        kind: np.maximum.accumulate(np.nan_to_num(size)) <= MOST_PREDICTED * span
+        for kind, size in moved(result).items()
+    }
+
+
 def message(result: Result) -> str:
-    """Return words for the ratio of the largest to the smallest effect on the tip at the end."""
-    ends = {kind: size[-1] for kind, size in moved(result).items()}
+    """Return words for the ratio of the largest to the smallest effect on the tip at the last prediction.
+
+    This is the last time at which all displacements are predicted and all parameters have an effect.
+    """
+    sizes, are_predicted = moved(result), is_predicted(result)
+    is_known = np.all([*are_predicted.values()], axis=0) & np.all([*sizes.values()], axis=0)
+    is_known &= np.isfinite([*sizes.values()]).all(axis=0)
+    row = int(np.flatnonzero(is_known)[-1])
+    ends = {kind: size[row] for kind, size in sizes.items()}
     most, least = max(ends, key=ends.__getitem__), min(ends, key=ends.__getitem__)
     ratio = float(f"{ends[most] / ends[least]:.2g}")
-    after = f"after {len(result.impacts)} impacts"
-    return f"1 % of {most} moves the tip {ratio:.0f} times as far as 1 % of {least} {after}"
+    count = int((result.impacts["onset"] <= result.time[row]).sum())
+    after = f"{result.time[row]:.2g} s, after {count} impacts"
+    return f"1 % of {most} moves the tip {ratio:.0f} times as far as 1 % of {least} at {after}"
 
 
 def draw_motion(axes: Axes, result: Result) -> None:
     """Draw the displacement of the tip over time, with the name of each kind at the end of its curve."""
-    sizes, height = moved(result), 0.0
+    sizes, are_predicted, height = moved(result), is_predicted(result), 0.0
     for kind in sorted(sizes, key=lambda each: sizes[each][-1]):
-        axes.plot(result.time, sizes[kind], color=COLOURS[kind], linewidth=1.5)
+        for is_shown, opacity in ((are_predicted[kind], 1.0), (~are_predicted[kind], PALE)):
+            shown_sizes = np.where(is_shown, sizes[kind], np.nan)
+            axes.plot(result.time, shown_sizes, color=COLOURS[kind], linewidth=1.5, alpha=opacity)
         height = max(sizes[kind][-1], LABELS_APART * height)
         look: dict[str, Any] = {"textcoords": "offset points", "va": "center", "fontsize": "small"}
         axes.annotate(kind, (result.time[-1], height), (4.0, 0.0), color=COLOURS[kind], **look)
@@ -106,7 +127,7 @@ def draw_forces(axes: Axes, result: Result) -> None:
     """Draw the change of each peak force in percent, as the table of a picture of derivatives."""
     shares = by_kind(100.0 * slopes_of(result).relative("peak_force"), result)
     table = np.array(list(shares.values()))
-    axes.imshow(table, SIGNED_COLOURS, aspect="auto", vmin=-COLOUR_RANGE, vmax=COLOUR_RANGE)
+    axes.imshow(table, SIGNED_COLOURS, aspect="auto", norm=colour_norm(COLOUR_RANGE))
     for (row, column), share in np.ndenumerate(table):
         look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "small", "color": BLACK}
         is_known = abs(share) <= COLOUR_RANGE

@@ -8,6 +8,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import matplotlib as mpl
+import matplotlib.style
 import numpy as np
 import pytest
 from matplotlib.colors import rgb_to_hsv, to_hex, to_rgb
@@ -129,7 +130,7 @@ def test_the_most_important_of_many_parameters_have_colours():
         "rod_drop", ("link[1].*", "initial.*", "contact.*", "box.*"), stop_time=0.6
     )
     names, page = ("point[1].x", "point[1].y", "energy.total"), sensitivity_page(recording)
-    whole = recording.sensitivities
+    whole = recording.sensitivities.without_exponents()
     relative = np.max([shares(recording, whole, name) for name in names], axis=0)
     found = with_small_steps(recording, whole, names, known_changes(recording, whole, relative))
     of_value = [name for name, value in found.parameters.items() if value]
@@ -295,20 +296,63 @@ def test_many_impacts_have_colours_in_place_of_numbers():
     assert image.get_array().shape == (2, len(recording.impacts))
     assert not table.texts
     assert len(bar.get_yticks()) == 5
-    assert [label.get_text() for label in bar.get_yticklabels()][::4] == ["−8.0", "+8.0"]
+    assert [label.get_text() for label in bar.get_yticklabels()] == ["−10", "−1", "0", "+1", "+10"]
+    assert bar.get_ylim() == pytest.approx((image.norm.vmin, image.norm.vmax))
     figure, looks = Figure(), [{"color": colour} for colour in PALETTE[:2]]
     every = np.ones((len(recording.time), 2), bool)  # also changes that no curve shows
     draw_impact_changes(figure.subplots(), recording, recording.sensitivities, looks, every)
-    ends = [label.get_text() for label in figure.axes[1].get_yticklabels()][::4]
-    assert ends == ["≤−100", "≥+100"]  # larger changes have the colours of the ends
-    below, zero, above = image.to_rgba(image.norm.vmax * np.array([-0.5, 0.0, 0.5]))
+    assert figure.axes[0].images[0].colorbar.extend == "both"  # larger changes have the colours of the ends
+    assert image.colorbar.extend == "neither"
+    # the middle of the logarithmic scale between 0 and an end
+    half = float(image.norm.inverse(0.75))
+    assert 0.05 < half / image.norm.vmax < 0.2
+    below, zero, above = image.to_rgba(np.array([-half, 0.0, half]))
     assert below[0] > below[2]
     assert above[2] > above[0]
     assert zero[3] < 0.01
-    # colours are linear, and equally strong on both sides, on white and on black
+    # colours are equally strong on both sides, on white and on black
     assert [below[3], above[3]] == pytest.approx([0.5 * MOST_OPACITY] * 2, abs=0.01)
     for ground in (0.0, 1.0):
         assert contrast(*(c[3] * c[:3] + (1.0 - c[3]) * ground for c in (below, above))) < 1.05
+
+
+@pytest.mark.parametrize("style", ["default", "dark_background"])
+def test_cells_differ_from_the_ground_and_blank_ones_are_explained(style):
+    """A change of a tenth of the largest one is visible, and a grid shows cells of the change 0."""
+    recording = simulate(
+        "rod_drop", stop_time=1.5, sensitivities=["contact.restitution", "contact.stiffness"]
+    )
+    with matplotlib.style.context(style):
+        page = recording.plot_sensitivities(size=(120.0 / 25.4, None))
+    (image,), lines = page.axes[-2].images, page.axes[-2].collections
+    ground = np.array(to_rgb(page.get_facecolor()))
+    for part in (-0.1, 0.1):
+        *colour, opacity = image.to_rgba(part * image.norm.vmax)
+        assert contrast(opacity * np.array(colour) + (1.0 - opacity) * ground, ground) > 1.2
+    assert all(contrast(line.get_colors()[0], ground) > 1.2 for line in lines)
+    assert np.ma.getmaskarray(image.get_array()).any()
+    assert "no prediction" in [text.get_text() for text in page.legends[0].get_texts()]
+
+
+def test_an_exponent_is_left_out_unless_it_is_named_in_full():
+    whole = simulate("pinned_arm", stop_time=0.6, sensitivities=["contact.*"])
+    assert "contact.exponent" in whole.sensitivities.parameters
+    pages = {"contact.*": sensitivity_page(whole)}
+    for names in ("contact.exponent", ["contact.exponent", "contact.stiffness"]):
+        pages[str(names)] = sensitivity_page(simulate("pinned_arm", stop_time=0.6, sensitivities=names))
+    for names, page in pages.items():
+        labels = [text.get_text() for text in page.legends[0].get_texts()]
+        assert ("contact.exponent" in labels) == (names != "contact.*")
+        told = " ".join(texts_of(page)).replace("\n", " ")
+        assert ("contact.exponent is left out: it changes the unit" in told) == (names == "contact.*")
+
+
+def test_a_mark_of_a_run_is_not_cut_off(page, swing):
+    marks = [(axes, line) for axes in page.axes for line in axes.lines if line.get_marker() == "D"]
+    ((axes, mark),) = marks
+    assert not mark.get_clip_on()
+    (change,), (low, high) = mark.get_ydata(), axes.get_ylim()
+    assert min(change - low, high - change) > 0.05 * (high - low)
 
 
 def test_numbers_of_cells_stay_legible_on_a_dark_ground(swing):
@@ -466,11 +510,11 @@ def test_six_parameters_have_room_in_a_column_of_a_journal(width):
     (legend,) = page.legends
     title = page._suptitle.get_window_extent()
     assert title.height + legend.get_window_extent().height <= 0.15 * page.bbox.height
-    # the table has the names of the grey curves; the exponent has the largest effect there
-    assert "1 other parameter" in [text.get_text() for text in legend.get_texts()]
+    assert not any("other parameter" in text.get_text() for text in legend.get_texts())
     table = page.axes[-1]
     names = [label.get_text() for label in table.get_yticklabels()]
-    assert {"contact.stiffness", "contact.exponent"} <= {*names}
+    assert "contact.stiffness" in names
+    assert "contact.exponent" not in names
     rows = len(names) + 1  # the heading of the row of the radius is a row, too
     assert table.bbox.height / page.dpi / rows == pytest.approx(CELL_HEIGHT, rel=0.05)
     assert CELL_HEIGHT * 25.4 >= 4.0

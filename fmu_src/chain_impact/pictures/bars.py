@@ -18,6 +18,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.pictures.drawing.figures import settle
 from chain_impact.pictures.drawing.legends import legend_at_head
+from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import (
     DECREASE,
     GREY,
@@ -52,7 +53,9 @@ BAR_THICKNESS = 0.66  # the thickness of a bar, relative to the distance between
 # visible
 CUT_RATIO = 4.0
 ROOM_BESIDE = 1.5  # see ``axis_ends``; a number > 1, so that arrows of cut bars are visible beside the marks
-CUT_BARS = "; a bar with an arrow is longer than the axis"
+CUT_BARS = "a bar with an arrow is longer than the axis"
+# blocks share an axis up to MOST_SHARED times the reach of the first block; longer bars are cut off
+MOST_SHARED = 2.0
 ARROW_HEAD = 6.0  # [points] the size of the arrow at the end of a bar that is cut off
 
 
@@ -101,11 +104,16 @@ class Bars:
 
 
 def shared_ends(blocks: Sequence[Bars]) -> list[tuple[float, float]]:
-    """Return the ends of the axis of each block; blocks with the same label have the same ends."""
+    """Return the ends of the axis of each block; blocks with the same label have the same ends.
+
+    These are at most MOST_SHARED times as far from 0 as the ends of the first of these blocks, so that a long
+    bar of another block leaves room for the bars of the first one.
+    """
     ends = {}
     for label in {block.label for block in blocks}:
         lows, highs = zip(*(block.ends for block in blocks if block.label == label), strict=True)
-        ends[label] = min(lows), max(highs)
+        most_reach = MOST_SHARED * max(-lows[0], highs[0])
+        ends[label] = max(min(lows), -most_reach), min(max(highs), most_reach)
     return [ends[block.label] for block in blocks]
 
 
@@ -149,8 +157,14 @@ def fill_bars(
     """
     ends = shared_ends(blocks)
     if any(map(Bars.are_cut, blocks, ends)):
-        warning += CUT_BARS
-    write_headline(figure, title, conditions, *([(warning, PEAK_COLOUR)] if warning else []))
+        warning, conditions = (
+            (f"{warning}; {CUT_BARS}", conditions)
+            if warning
+            else ("", "; ".join(filter(None, (conditions, CUT_BARS))))
+        )
+    write_headline(
+        figure, title, conditions.replace("; ", SEPARATOR), *([(warning, PEAK_COLOUR)] if warning else [])
+    )
     if any(mark is not None and math.isfinite(mark) for block in blocks for mark in block.marks):
         legend_at_head(figure, [Line2D([], [], label=RUN_LABEL, **DIAMOND)])
     if not blocks:
@@ -211,7 +225,7 @@ def draw_bars(
             if not ends[0] <= value <= ends[1]:
                 _draw_arrow(axes, row, colour, to_right=value > 0.0)
         for row, mark in enumerate(block.marks):
-            if mark is not None:
+            if mark is not None and ends[0] <= mark <= ends[1]:
                 axes.plot([mark], [row], **DIAMOND)
     offset_style: dict[str, Any] = {"textcoords": "offset points", "fontsize": "small"}
     for row, text in zip(rows, block.texts, strict=True):

@@ -18,6 +18,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band
 from chain_impact.pictures.drawing.figures import settle
@@ -39,10 +40,10 @@ from chain_impact.pictures.first_order import drawn_rows, known_changes, shares,
 from chain_impact.pictures.over_time.time_axis import impact_handles, mark_impacts, name_time
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts
 from chain_impact.pictures.sensitivity_finding import NO_CHANGE, finding_of
-from chain_impact.pictures.sensitivity_table import draw_impact_changes, name_rows_inside
+from chain_impact.pictures.sensitivity_table import draw_impact_changes, has_blank_cells, name_rows_inside
 from chain_impact.pictures.texts.conditions import conditions
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.sensitivity import RELATIVE_STEP, Sensitivities
+from chain_impact.recording.sensitivity import EXPONENT_NOTE, RELATIVE_STEP, Sensitivities
 from chain_impact.scene.texts.unit_text import bracketed_unit
 from chain_impact.text import count_text, readable_unit
 
@@ -55,8 +56,9 @@ SHIFT_NOTE = "gaps: the change shifts an impact"
 # the largest height of the sentences on missing derivatives at the foot, relative to that of the figure
 MOST_LIMITS = 0.4
 RUN_LOOK: dict[str, Any] = {"marker": "D", "markersize": 5.0, "linestyle": "", "color": INK, "zorder": 4.0}
-RUN_LOOK |= {"markeredgecolor": INK, "markeredgewidth": 0.8}
+RUN_LOOK |= {"markeredgecolor": INK, "markeredgewidth": 0.8, "clip_on": False}
 """The mark of a change in a run with a changed parameter, with matplotlib's names."""
+RUN_MARGIN = 0.08  # the least distance of this mark from the ends of the axis, relative to their distance
 END_LOOK: dict[str, Any] = {"marker": "|", "markersize": 9.0, "markeredgewidth": 1.5, "linestyle": ""}
 END_LOOK |= {"zorder": 3.5}
 """The mark at the end of a curve, with matplotlib's names."""
@@ -71,8 +73,11 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
 
     ``outputs`` are names as in ``Sensitivities.drawn``.
     """
-    given_sensitivities = recording.sensitivities
-    assert given_sensitivities is not None
+    assert recording.sensitivities is not None
+    given_sensitivities = recording.sensitivities.without_exponents()
+    left_out = [
+        name for name in recording.sensitivities.parameters if name not in given_sensitivities.parameters
+    ]
     names = given_sensitivities.drawn(outputs)
     parts = np.stack([shares(recording, given_sensitivities, name) for name in names])
     is_known = known_changes(recording, given_sensitivities, parts.max(axis=0))
@@ -82,6 +87,7 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
         FIRST_ORDER_CHANGES,
         SHIFT_NOTE if len(recording.impacts) else "",
         "" if is_known.all() else END_NOTE,
+        *(f"{name} {EXPONENT_NOTE}" for name in left_out),
     ]
     scaled_sensitivities = with_small_steps(recording, given_sensitivities, names, is_known)
     is_small = is_narrow(figure)
@@ -129,7 +135,10 @@ def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
         handles.append(Line2D([], [], label="change in a run", **RUN_LOOK))
     if not is_known.all():
         handles.append(Line2D([], [], color=INK, label="end of first order", **END_LOOK))
-    legend_at_head(figure, [*handles, *impact_handles(panels[0], recording)])
+    handles += impact_handles(panels[0], recording)
+    if has_blank_cells(table):
+        handles.append(Patch(facecolor=OUTSIDE_COLOUR, label="no prediction"))
+    legend_at_head(figure, handles)
     if given_sensitivities.limits:
         write_foot(figure, "\n".join(given_sensitivities.limits), most_width=MOST_LIMITS)
     start_at_headline(figure)
@@ -262,8 +271,9 @@ def has_curves(look: Mapping[str, Any]) -> bool:
 def mark_run(axes: Axes, time: float, change: float, look: dict[str, Any]) -> None:
     """Draw a diamond at the change in a run, in the colour of the parameter's curve."""
     low, high = axes.get_ylim()
+    margin = RUN_MARGIN * (max(high, change) - min(low, change))
     axes.plot([time], [change], **RUN_LOOK | {"color": look["color"]})
-    axes.set_ylim(min(low, 1.1 * change), max(high, 1.1 * change))
+    axes.set_ylim(min(low, change - margin), max(high, change + margin))
 
 
 def scale_ends(changes: np.ndarray) -> tuple[float, float]:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap, ListedColormap, Normalize
+from matplotlib.colors import LinearSegmentedColormap, ListedColormap, Normalize, SymLogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator
 from matplotlib.transforms import ScaledTranslation, blended_transform_factory
@@ -42,11 +42,18 @@ SIGNED_STOPS = (
 )
 SIGNED_COLOURS = LinearSegmentedColormap.from_list("signed", SIGNED_STOPS).with_extremes(bad=OUTSIDE_COLOUR)
 NO_COLOURS = ListedColormap(["none"]).with_extremes(bad=OUTSIDE_COLOUR)
-# [%] |changes| below LEAST_CHANGE are written as 0; from MOST_CHANGE on, the colour stays
-LEAST_CHANGE, MOST_CHANGE = 0.01, 100.0
+# [%] |changes| below LEAST_CHANGE are written as 0; the colours end at a power of ten up to MOST_CHANGE,
+# beyond which a change is no prediction
+LEAST_CHANGE, MOST_CHANGE = 0.01, 10.0
+# the strength of a colour is linear up to the end of the colours divided by LOG_RANGE, and logarithmic from
+# there on; LINEAR_PART: the length of the linear part, relative to that of a decade
+LOG_RANGE, LINEAR_PART = 100.0, 0.1
+GRID: dict[str, Any] = {"color": "0.85", "linewidth": 0.4, "zorder": 2.0}
+"""The lines between cells, with matplotlib's names: a change of 0 has the colour of the ground."""
 # [inch] CELL_HEIGHT: the least height of a row, so that names and numbers in successive rows do not touch;
 # SCALE_HEIGHT: that of the table beside a bar with numbers
 CELL_HEIGHT, SCALE_HEIGHT = 0.17, 0.65
+SCALE_FONT = 6.8  # [points] the size of these numbers, five of which have room in SCALE_HEIGHT
 # [inch] the least width of a cell with a number, and the width of the names beside the cells
 CELL_WIDTH, ROW_NAMES_WIDTH = 0.38, 1.7
 # [inch] the distances of the word "impact" from the left and lower edges of the cells
@@ -103,7 +110,7 @@ def draw_impact_changes(
     ``is_known``, shape (T, P): whether changes to first order can hold, for each row of the recording and
     each parameter. A cell is blank if its change is not known, or cannot hold at the impact's onset.
 
-    The strength of a colour is proportional to the change. In the second block, cells with numbers have no
+    The strength of a colour is that of ``colour_norm``. In the second block, cells with numbers have no
     colour, which would compare them with the first block.
 
     Return the height that the table needs [inch].
@@ -123,8 +130,7 @@ def draw_impact_changes(
     blocks = blocks_of(sensitivities, looks, changes)
     largest_size = max(float(np.abs(np.nan_to_num(changes[block.parameters])).max()) for block in blocks)
     scale_end = float(np.abs(np.nan_to_num(changes[blocks[0].parameters])).max()) or largest_size
-    most_change = min(MOST_CHANGE, scale_end) or MOST_CHANGE
-    norm = Normalize(-most_change, most_change)
+    norm = colour_norm(scale_end)
     figure = axes.get_figure(root=True)
     assert figure is not None
     has_texts = has_numbers(figure, len(onsets))
@@ -190,12 +196,31 @@ def name_rows_inside(axes: Axes) -> None:
     axes.set_xlim((FIRST_EDGE - part * last_edge) / (1.0 - part), last_edge)
 
 
+def colour_norm(largest_change: float) -> Normalize:
+    """Return the scale of the colours for |changes| [%] up to a largest one: logarithmic to both sides of 0.
+
+    One large change leaves small changes visible so. The scale ends at a power of ten, at most MOST_CHANGE.
+    """
+    power = np.ceil(np.log10(largest_change)) if largest_change > 0.0 else np.inf
+    end = float(min(MOST_CHANGE, 10.0**power))
+    return SymLogNorm(end / LOG_RANGE, LINEAR_PART, -end, end)
+
+
+def has_blank_cells(axes: Axes) -> bool:
+    """Return whether the table in some axes has cells without a known change."""
+    arrays = [image.get_array() for image in axes.images]
+    return any(bool(np.ma.getmaskarray(array).any()) for array in arrays if array is not None)
+
+
 def _draw_block(axes: Axes, block: RowBlock, changes: np.ndarray, norm: Normalize, *, has_texts: bool) -> Any:
     """Draw a block of rows with their ``changes``; return matplotlib's image of the colours."""
     is_coloured = not (block.top and has_texts)
     extent = (FIRST_EDGE, changes.shape[1] - 0.5, block.end, block.top)
     colours = SIGNED_COLOURS if is_coloured else NO_COLOURS
     image = axes.imshow(np.ma.masked_invalid(changes), colours, norm=norm, aspect="auto", extent=extent)
+    axes.vlines(np.arange(changes.shape[1] + 1) + FIRST_EDGE, block.top, block.end, **GRID)
+    rows = block.top + block.height * np.arange(len(changes) + 1)
+    axes.hlines(rows, FIRST_EDGE, changes.shape[1] + FIRST_EDGE, **GRID)
     for (row, column), change in np.ndenumerate(changes):
         if has_texts and np.isfinite(change):
             look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "small"}
@@ -205,14 +230,14 @@ def _draw_block(axes: Axes, block: RowBlock, changes: np.ndarray, norm: Normaliz
 
 def _add_bar(figure: Figure, axes: Axes, image: Any, largest_size: float) -> None:
     """Add a bar that explains the colours; ``largest_size`` is the largest |change| of all rows."""
-    most_change = float(image.norm.vmax)
-    ticks = [part * most_change for part in (-1.0, -0.5, 0.0, 0.5, 1.0)]
-    lowest, *other_texts, highest = map(cell_text, ticks)
+    end = float(image.norm.vmax)
+    ticks = [-end, -end / 10.0, 0.0, end / 10.0, end]
+    texts = FixedFormatter([f"{tick:+g}".replace("-", "−") if tick else "0" for tick in ticks])
     # changes beyond an end of the bar have the colour of this end
-    ends = (f"≤{lowest}", f"≥{highest}") if largest_size > most_change else (lowest, highest)
-    texts = FixedFormatter([ends[0], *other_texts, ends[1]])
-    bar = figure.colorbar(image, ax=axes, ticks=FixedLocator(ticks), format=texts)
+    extend = "both" if largest_size > end else "neither"
+    bar = figure.colorbar(image, ax=axes, ticks=FixedLocator(ticks), format=texts, extend=extend)
     bar.ax.minorticks_off()
+    bar.ax.tick_params(labelsize=SCALE_FONT)
 
 
 def blocks_of(

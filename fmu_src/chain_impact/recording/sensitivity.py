@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -21,6 +21,9 @@ from chain_impact.variables.variable import Variable
 RELATIVE_STEP = 0.01
 """The change of a parameter for which pictures and tables show changes of results: RELATIVE_STEP times the
 value of the parameter or, if the value is 0, RELATIVE_STEP times the unit of the parameter."""
+EXPONENTS = ("contact.exponent", "stop.exponent")
+"""The parameters that change the unit, and so the meaning, of a stiffness."""
+EXPONENT_NOTE = "is left out: it changes the unit of the stiffness"  # after the name of one of EXPONENTS
 
 # [1] largest difference between a change to first order and the change in a run with the new value, relative
 # to the larger |change| of these two; if the difference is larger, texts give both changes
@@ -57,6 +60,7 @@ class Sensitivities:
             derivatives.
         given: the names of the inputs whose values over time the user gives.
         step_factors: name of a parameter with the value 0 → factor of its ``step``; 1 for all others.
+        pattern_exponents: the EXPONENTS among the parameters that the user names by a pattern only.
     """
 
     __eq__ = have_equal_fields
@@ -71,6 +75,7 @@ class Sensitivities:
     limits: tuple[str, ...]
     given: Collection[str] = ()
     step_factors: Mapping[str, float] = field(default_factory=dict)
+    pattern_exponents: Collection[str] = ()
     parts = OlderName("step_factors")
     prepared = OlderName("prepared_scene")
     varied = OlderName("differentiated")
@@ -150,6 +155,18 @@ class Sensitivities:
             hint = f"must be one of {', '.join(self.impact_slopes)}"
             raise UnknownNameError(self.source, quantity, self.impact_slopes, fault, hint)
         return self.impact_slopes[quantity][:, self._number(parameter)]
+
+    def without_exponents(self) -> Sensitivities:
+        """Return the derivatives without those for ``pattern_exponents``, or all if there are no others."""
+        rows = [k for k, name in enumerate(self.parameters) if name not in self.pattern_exponents]
+        if not rows or len(rows) == len(self.differentiated):
+            return self
+        return replace(
+            self,
+            differentiated=[self.differentiated[k] for k in rows],
+            slopes=self.slopes[..., rows],
+            impact_slopes={name: slopes[:, rows] for name, slopes in self.impact_slopes.items()},
+        )
 
     def drawn(self, outputs: Sequence[str]) -> list[str]:
         """Return the names of the outputs that a picture draws; refuse a name without derivatives.

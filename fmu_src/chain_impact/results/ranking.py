@@ -11,7 +11,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from chain_impact.recording.recording import Recording
-from chain_impact.recording.sensitivity import FIRST_ORDER_ERROR, RELATIVE_STEP, Sensitivities, step_of
+from chain_impact.recording.sensitivity import (
+    EXPONENT_NOTE,
+    EXPONENTS,
+    FIRST_ORDER_ERROR,
+    RELATIVE_STEP,
+    Sensitivities,
+    step_of,
+)
 from chain_impact.recording.summary import digits
 from chain_impact.results.effects import (
     Effect,
@@ -34,8 +41,6 @@ if TYPE_CHECKING:
 
     from chain_impact.pictures.drawing.sizes import Size
 
-EXPONENTS = ("contact.exponent", "stop.exponent")
-"""The parameters that change the unit, and so the meaning, of a stiffness."""
 # [1] the text tells that an effect above this, relative to the quantity, holds for smaller changes only,
 # unless a run has simulated the effect
 LARGE_SHARE = 0.2
@@ -112,7 +117,7 @@ class Ranking(PrintedResult):
             if not_run := [effect.parameter for effect in drawn_effects if effect.simulated is None]:
                 yield f"no run is possible with the new values of {', '.join(not_run)}"
         for name in self.left_out:
-            yield f"{name} is left out: it changes the unit of the stiffness"
+            yield f"{name} {EXPONENT_NOTE}"
         yield from (f"limit    {limit}" for limit in self.limits)
 
     def _tables(self, effects: Sequence[Effect]) -> Iterator[TextTable]:
@@ -213,7 +218,7 @@ class Ranking(PrintedResult):
             f"{omitted_count} other effects are left out" if omitted_count else "",
             f"{count_text(len(self.without), 'parameter')} without effect" if self.without else "",
             f"of {len(self.unknown)} it is not known" if self.unknown else "",
-            *(f"{name} is left out: it changes the unit of the stiffness" for name in self.left_out),
+            *(f"{name} {EXPONENT_NOTE}" for name in self.left_out),
         ]
         pictures.fill_bars(
             figure,

@@ -37,6 +37,7 @@ class Run:
         parameters: Sequence[Variable],
         schedule: InputSchedule,
         indices: OutputIndices,
+        pattern_exponents: Collection[str] = (),
     ) -> None:
         """Initialize an instance, with derivatives with respect to ``parameters``, if there are any.
 
@@ -45,8 +46,10 @@ class Run:
             parameters: the parameters and inputs with derivatives.
             schedule: the inputs over time, and the times of the rows.
             indices: the chosen outputs.
+            pattern_exponents: see ``Sensitivities.pattern_exponents``.
         """
         self.prepared_scene, self.parameters = prepared_scene, parameters
+        self.pattern_exponents = pattern_exponents
         self.schedule, self.indices = schedule, indices
         differentiated_instance = (
             DifferentiatedInstance(prepared_scene, parameters, schedule) if parameters else None
@@ -121,6 +124,7 @@ class Run:
                 for variable in self.prepared_scene.inputs
                 if variable.record_path in self.schedule.paths
             ],
+            pattern_exponents=self.pattern_exponents,
         )
 
 

@@ -17,6 +17,7 @@ from chain_impact.compilation import cache
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.status import OK
 from chain_impact.progress import Progress, no_progress
+from chain_impact.recording.sensitivity import EXPONENTS
 from chain_impact.recording.summary import hints, smallest_body
 from chain_impact.results.result import Result
 from chain_impact.scene.errors import SceneError
@@ -129,18 +130,18 @@ def simulate(
         "solver.tolerance": tolerance,
     }
     prepared_scene = _with_settings(scene, settings)
-    parameters = (
-        prepared_scene.differentiated
-        if sensitivities is None
-        else differentiable_named(prepared_scene, sensitivities)
-    )
+    names = prepared_scene.scene.outputs.sensitivities if sensitivities is None else sensitivities
+    wanted_names = (names,) if isinstance(names, str) else tuple(names)
+    parameters = differentiable_named(prepared_scene, wanted_names)
+    exponents = [variable.name for variable in parameters if variable.name in EXPONENTS]
+    pattern_exponents = tuple(name for name in exponents if name not in wanted_names)
     given_inputs = {} if inputs is None else inputs_by_name(inputs, prepared_scene.scene.simulation.stop_time)
     indices, input_names = chosen_columns(
         prepared_scene, output, _possible_columns(prepared_scene, given_inputs)
     )
     column_count = len(indices.words) + indices.width * len(parameters)
     schedule = _inputs_of_run(prepared_scene, given_inputs, interpolation, is_single_interval, column_count)
-    run = Run(prepared_scene, parameters, schedule, indices)
+    run = Run(prepared_scene, parameters, schedule, indices, pattern_exponents)
     run.execute(progress or no_progress)
     result = run.result(input_names, None if output is None else tuple(indices.continuous))
     _warn(run.instance, result)
