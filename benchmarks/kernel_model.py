@@ -42,7 +42,7 @@ from chain_impact.compilation.record_type import INSTANCE, vector
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.equations import mechanical_energy, rate_from_state, stored_energy
-from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.event_exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.handlers import apply_events
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode.last_step import reset_step

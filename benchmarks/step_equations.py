@@ -17,7 +17,7 @@ import numpy as np
 from flint import arb, arb_poly, arb_series, ctx
 
 from benchmarks.balls import Matrix, Row
-from chain_impact.kernel.ode.dense import BASIS_POWERS
+from chain_impact.kernel.ode.dense_output import BASIS_POWERS
 from chain_impact.kernel.record.constants import CONTACT_ENDS, ONSET
 
 

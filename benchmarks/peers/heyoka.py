@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks.peers import Contender, MissingError, Outcome
 from benchmarks.peers.on_kernel import OnKernel
 from benchmarks.problems import Problem
-from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.event_exclusion import RELATCH_RATIO
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.scene import Scene
 

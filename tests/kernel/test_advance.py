@@ -9,7 +9,7 @@ from chain_impact.kernel import advance as loop
 from chain_impact.kernel.constraints.geometry import normal_row
 from chain_impact.kernel.entry import UNLIMITED
 from chain_impact.kernel.events import handlers
-from chain_impact.kernel.ode.control import set_outcome
+from chain_impact.kernel.ode.step_control import set_outcome
 from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT, KINK, NO_EVENT, ONSET
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, LOG_FULL, NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL
 from chain_impact.scene.scene import load_scene

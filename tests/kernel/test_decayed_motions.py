@@ -12,7 +12,7 @@ from chain_impact.kernel.constraints import impulses
 from chain_impact.kernel.events import crossing, marks, search
 from chain_impact.kernel.forces import force_formula, holding
 from chain_impact.kernel.forces.friction import list_sticking, set_element_anchor
-from chain_impact.kernel.ode import collocation, control, explicit, last_step, maximum, sundman_rate
+from chain_impact.kernel.ode import collocation, explicit, last_step, maximum, step_control, sundman_rate
 from chain_impact.kernel.record.constants import NO_EVENT, ONSET, STICKS
 from chain_impact.kernel.record.state import dissipated_at, time_at, velocity_at
 from chain_impact.kernel.tangent import duals, event_times, rules
@@ -41,9 +41,9 @@ def test_an_explicit_step_with_a_faded_error_is_accepted(size, other):
     d.scratch.stage[6], d.scratch.stage[7] = size, other * size
     error = explicit.error_estimate(d, 0.1)
     assert 0.0 <= error < 1e-80
-    control.set_outcome(d, error, 1.0)
-    assert control.is_accepted(d)
-    assert finite(control.next_size_factor(d))
+    step_control.set_outcome(d, error, 1.0)
+    assert step_control.is_accepted(d)
+    assert finite(step_control.next_size_factor(d))
 
 
 @small
@@ -85,7 +85,7 @@ def test_faded_motions_are_cleared_and_others_are_kept(size, sign):
 def test_a_value_of_zero_keeps_its_derivatives():
     d = SimpleNamespace(link_count=1)
     y = [Dual(number, [1.0, 2.0]) for number in (0.0, 1e-170, 1.0, *[1e-200] * 3)]
-    control.clear_faded(d, y)
+    step_control.clear_faded(d, y)
     assert [getattr(one, "value", one) for one in y] == [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
     assert y[0].slope.tolist() == y[2].slope.tolist() == [1.0, 2.0]
 

@@ -90,7 +90,7 @@ def test_the_rate_solves_the_assembled_equations_under_the_present_loads(base, c
     scene, d, y, _ = prepared(base, count, springs=resisting, dampers=resisting, inputs=inputs)
     rng, rate = np.random.default_rng(5), np.full(len(y), np.nan)
     loads = rng.normal(size=(count + 1, 2))
-    set_vectors(d.scratch.load, loads)
+    set_vectors(d.scratch.applied_force, loads)
     moments, powers = np.zeros(count), (0.0, 0.0)
     if inputs or d.chain.has_springs_or_dampers:
         powers = equations.set_joint_moments(d, y)
@@ -98,7 +98,7 @@ def test_the_rate_solves_the_assembled_equations_under_the_present_loads(base, c
         d.scratch.moment[:] = 9.0
     else:
         d.scratch.moment[:] = 0.0
-    equations.free_rate_from_loads(d, y, 1.5, rate)
+    equations.free_rate_from_forces(d, y, 1.5, rate)
     angles, free = y[2 : count + 2], free_coordinates(d)
     force = generalized_force(scene, angles, omega_of(d, y), loads, moments)
     expected = np.zeros(count + 2)
@@ -119,21 +119,21 @@ def test_the_loads_of_a_located_state_are_those_of_its_contacts_and_inputs(base,
         move_wall_to_depth(d, c, 1e-3 * (k + 1))
     rate, expected, whole = (np.full(len(y), np.nan) for _ in range(3))
     equations.rate_from_points(d, y, rate)
-    loads = vectors(d.scratch.load)
-    equations.free_rate_from_loads(d, y, active_contacts.set_loads_of_step(d), expected)
+    loads = vectors(d.scratch.applied_force)
+    equations.free_rate_from_forces(d, y, active_contacts.set_forces_of_step(d), expected)
     np.testing.assert_array_equal(rate[:-2], expected[:-2])
-    assert (vectors(d.scratch.load) == loads).all()
+    assert (vectors(d.scratch.applied_force) == loads).all()
     equations.rate_from_state(d, y, whole)
     np.testing.assert_array_equal(whole[:-2], rate[:-2])
     # without the walls: rigid walls have no forces here
     make_rigid(d)
-    active_contacts.clear_loads(d)
-    only_inputs = vectors(d.scratch.load)
-    equations.free_rate_from_loads(d, y, 0.0, expected)
-    d.scratch.load.x[:] = d.scratch.load.y[:] = 9.0
+    active_contacts.clear_applied_forces(d)
+    only_inputs = vectors(d.scratch.applied_force)
+    equations.free_rate_from_forces(d, y, 0.0, expected)
+    d.scratch.applied_force.x[:] = d.scratch.applied_force.y[:] = 9.0
     equations.free_rate_from_inputs(d, y, rate)
     np.testing.assert_array_equal(rate[:-2], expected[:-2])
-    assert (vectors(d.scratch.load) == only_inputs).all()
+    assert (vectors(d.scratch.applied_force) == only_inputs).all()
     assert np.abs(rate[:-2] - whole[:-2]).max() > 1.0
 
 

@@ -18,8 +18,8 @@ from chain_impact.kernel.initialize import (
     initialize,
     set_initial_state,
 )
-from chain_impact.kernel.ode.control import size_in_flight
 from chain_impact.kernel.ode.methods import stable_size
+from chain_impact.kernel.ode.step_control import size_in_flight
 from chain_impact.kernel.record.constants import EXPLICIT, NO_EVENT, SOLVER_METHODS
 from chain_impact.kernel.record.contacts import LATEST_COUNT
 from chain_impact.kernel.status import (
@@ -110,13 +110,13 @@ LEFT |= dict.fromkeys([("impact", "last_time"), ("budget", "event_start"), ("bud
 def test_a_start_clears_everything_of_an_earlier_run():
     _, d = prepared()
     d.latest.requested_count = 4
-    d.scratch.load.joint[:] = 9.0
+    d.scratch.applied_force.joint[:] = 9.0
     for record, field in LEFT:
         d.numpy_record[record][field] = 5
     clear_run(d, 3.0)
     for (record, field), value in LEFT.items():
         assert np.all(d.numpy_record[record][field] == value), (record, field)
-    assert not d.scratch.load.joint.any()
+    assert not d.scratch.applied_force.joint.any()
     assert d.latest.requested_count == 4
     assert len(d.latest.point) == LATEST_COUNT
 

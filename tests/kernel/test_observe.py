@@ -298,5 +298,7 @@ def test_a_stop_has_its_moment_and_its_depth_as_outputs(stopped):
 def test_the_moment_of_a_stop_acts_on_both_links(stopped):
     """So the momentum of the chain does not change."""
     d, _, high, rate = stopped
-    assert not vectors(d.scratch.load).any()
-    assert d.scratch.load.x[d.link_count + 2] == pytest.approx(-force_of_stop(d, high, rate), rel=1e-9)
+    assert not vectors(d.scratch.applied_force).any()
+    assert d.scratch.applied_force.x[d.link_count + 2] == pytest.approx(
+        -force_of_stop(d, high, rate), rel=1e-9
+    )

@@ -10,7 +10,7 @@ import pytest
 from chain_impact.kernel import advance as loop
 from chain_impact.kernel.constraints import impulses
 from chain_impact.kernel.constraints.impulses import MOVING, SOLVED
-from chain_impact.kernel.ode.control import SAFETY_FACTOR, is_accepted, reject_step, set_outcome
+from chain_impact.kernel.ode.step_control import SAFETY_FACTOR, is_accepted, reject_step, set_outcome
 from chain_impact.kernel.record.constants import CHECK_FAILED, EXPLICIT, IMPLICIT, INACCURATE
 from chain_impact.kernel.status import NOT_FINITE, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
 from tests.kernel.chains import chain

@@ -20,13 +20,13 @@ PARTS = {name for name in LAYOUT.names if LAYOUT[name].base.names}
 MODULES = sorted(
     file.relative_to(KERNEL).as_posix() for file in KERNEL.rglob("*.py") if "record" not in file.parts
 )
-# fields with several writers: scratch memory and results of a method's functions (ode/control.py)
+# fields with several writers: scratch memory and results of a method's functions (ode/step_control.py)
 SHARED = {
     "candidate.offset",  # one module sets walls at rest, the other sets moving walls
     "step.dense",
     "search.curvature",
     "trial.state",
-    "scratch.load",
+    "scratch.applied_force",
     *(f"implicit.{name}" for name in ("z_scratch", "stages", "right_hand_sides", "target_clearance")),
 }
 

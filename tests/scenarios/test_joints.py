@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from chain_impact import simulate
-from chain_impact.kernel.ode.control import ERROR_ORDER
+from chain_impact.kernel.ode.step_control import ERROR_ORDER
 from chain_impact.kernel.record.constants import IMPLICIT, SOLVER_METHODS
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import with_values

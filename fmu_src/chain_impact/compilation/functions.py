@@ -16,7 +16,7 @@ from chain_impact.compilation.compilers import HOOKS
 from chain_impact.compilation.dual_numbers import DUAL, Dual
 from chain_impact.compilation.record_type import INSTANCE, TANGENT
 from chain_impact.kernel import hooks
-from chain_impact.kernel.chain.response import COMPLEX_RULES
+from chain_impact.kernel.chain.mass_matrix_solver import COMPLEX_RULES
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.tangent import duals
 from chain_impact.kernel.tangent.rules import DUAL_RULES

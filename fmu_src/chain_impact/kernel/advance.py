@@ -40,10 +40,10 @@ from chain_impact.kernel.events.segments import (
     end_at_segment,
     limit_to_signal_segment,
 )
-from chain_impact.kernel.forces.active_contacts import clear_loads, latch_penetration_and_damping
+from chain_impact.kernel.forces.active_contacts import clear_applied_forces, latch_penetration_and_damping
 from chain_impact.kernel.forces.candidate_laws import are_laws_in_use, update_laws
 from chain_impact.kernel.initialize import derive_drives, first_step_size
-from chain_impact.kernel.ode import control
+from chain_impact.kernel.ode import step_control
 from chain_impact.kernel.ode.balance import (
     apply_next_input_piece,
     check_balance,
@@ -52,7 +52,7 @@ from chain_impact.kernel.ode.balance import (
     restart_balance,
     store_energy,
 )
-from chain_impact.kernel.ode.dense import (
+from chain_impact.kernel.ode.dense_output import (
     commit_quadratures,
     correct_falling_impulses,
     reset_quadratures,
@@ -90,13 +90,12 @@ SHORTEST_STEP = 1e-18
 
 
 def advance(d, time, log_capacity, cost_limit):
-    """Advance the instance to ``time`` [s], which must not be before the communication point.
+    """Advance the instance to ``time`` [s], not before the communication point; return a status.
 
-    Returns:
-        A status. After a fault the instance stays at the last time it reached. LOG_FULL: ``log_capacity``
-        ended contacts wait for the caller, or the log of dry friction has no room for another step; after the
-        caller has collected the entries, the run can continue. PAUSED: the cost since the start of the run
-        exceeds ``cost_limit`` evaluations; the run can continue.
+    After a fault the instance stays at the last time it reached. LOG_FULL: ``log_capacity`` ended contacts
+    wait for the caller, or the log of dry friction has no room for another step; after the caller has
+    collected the entries, the run can continue. PAUSED: the cost since the start of the run exceeds
+    ``cost_limit`` evaluations; the run can continue.
     """
     status = restart_if_changed(d, time)
     while status == OK and d.step.end < time:
@@ -125,10 +124,8 @@ def advance_to_onset(d, time):
     """Advance to ``time`` [s] as ``advance`` does, without limits on log and cost, or to the first onset.
 
     ``event_update`` or the next call applies this onset. The onset may be at the present time, as at the
-    start of a run with a point at a wall, unless an earlier call has already stopped there.
-
-    Returns:
-        A status; ONSET_DUE if contacts begin at the time that is reached.
+    start of a run with a point at a wall, unless an earlier call has already stopped there. The result is a
+    status: ONSET_DUE if contacts begin at the time that is reached.
     """
     status, has_advanced = restart_if_changed(d, time), False
     while status == OK and d.step.end < time:
@@ -203,25 +200,23 @@ def set_communication_point(d, time):
 def restart(d):
     """Cut the last step at the communication point, and use new inputs and parameters; return a status."""
     update_to_communication_point(d)
-    control.scale_next_size(d, time_rate_for_sizes(d, d.step.state_end))
+    step_control.scale_next_size(d, time_rate_for_sizes(d, d.step.state_end))
     reset_step(d, d.step.communication_point, d.step.state_end)
     status = apply_pending_inputs(d)
-    clear_loads(d)
+    clear_applied_forces(d)
     restart_balance(d)
     # the proposed size may be that of a chain at rest, far too long for the motion that a new input causes
-    control.limit_next_size(d, first_step_size(d))
+    step_control.limit_next_size(d, first_step_size(d))
     if status == OK:
         hooks.on_restart(d)
     return status
 
 
 def apply_pending_inputs(d):
-    """Use the given inputs and laws from now on, and choose held contacts and modes again.
+    """Use the given inputs and laws from now on, choose held contacts and modes again; return a status.
 
-    Returns:
-        A status. After the fault that a law is invalid, or would become rigid during a contact, the old laws
-        stay, but the new inputs are in use. FORCES_NOT_FOUND: no forces satisfy the new values; all new
-        values are in use.
+    After the fault that a law is invalid, or would become rigid during a contact, the old laws stay, but the
+    new inputs are in use. FORCES_NOT_FOUND: no forces satisfy the new values; all new values are in use.
     """
     clear_outcome(d)
     apply_inputs(d)
@@ -275,41 +270,41 @@ def shrink_until_accepted(d):
     limit = limit_to_input_piece(d, size)
     if d.signal_count > 0:
         limit = limit_to_signal_segment(d, limit)
-    h, growth = prepare_step(d, limit), control.LARGEST_RATIO
+    h, growth = prepare_step(d, limit), step_control.LARGEST_RATIO
     if limit < size:
         # `prepare_step` may lengthen a step, but no step may pass the end of a piece of the inputs or of a
         # signal
         h = min(h, limit)
     while h >= SHORTEST_STEP and d.step.end + h != d.step.end:  # h must exceed the resolution of time
         try_to_event(d, h)
-        next_size = h * min(growth, control.next_size_factor(d))
-        if control.is_accepted(d):
+        next_size = h * min(growth, step_control.next_size_factor(d))
+        if step_control.is_accepted(d):
             # a first try that is shortened to end with a piece or segment does not reduce the proposed size
-            control.propose_size(d, max(next_size, size) if limit < size and growth > 1.0 else next_size)
+            step_control.propose_size(d, max(next_size, size) if limit < size and growth > 1.0 else next_size)
             return OK
         count_rejected_step(d)
         if is_cost_exceeded(d):
             return TOO_MUCH_WORK
         h, growth = next_size, 1.0
-    return control.no_step_status(d)
+    return step_control.no_step_status(d)
 
 
 def try_to_event(d, h):
     """Try a step of size h [s] in its variable; an accepted step is the last step, up to its first event."""
     clear_stage_notes(d)
     integrate_trial(d, h)
-    if not control.is_accepted(d):
+    if not step_control.is_accepted(d):
         return
     make_last_step(d)
     theta = find_event(d)
-    if control.is_accepted(d) and must_repeat_to_event(d, theta):
+    if step_control.is_accepted(d) and must_repeat_to_event(d, theta):
         theta = repeat_to_event(d, theta)
     balance, available = 0.0, 0.0
-    if control.is_accepted(d):
+    if step_control.is_accepted(d):
         balance, available = check_energy(d, theta)
-    if control.is_accepted(d) and d.constraints.outcome != SOLVED:
-        control.reject_step(d, constants.CHECK_FAILED)
-    if not control.is_accepted(d):
+    if step_control.is_accepted(d) and d.constraints.outcome != SOLVED:
+        step_control.reject_step(d, constants.CHECK_FAILED)
+    if not step_control.is_accepted(d):
         roll_back(d)
         drop_events(d)
         return
@@ -339,12 +334,12 @@ def repeat_to_event(d, theta):
     error, h = d.trial.error, theta * d.step.size
     roll_back(d)
     integrate_trial(d, h)
-    if not control.is_accepted(d):
-        control.reject_step(d, constants.CHECK_FAILED)
+    if not step_control.is_accepted(d):
+        step_control.reject_step(d, constants.CHECK_FAILED)
         return -1.0
     make_last_step(d)
     # the error of the whole step, not of its repetition up to an event, determines the size of the next step
-    control.set_outcome(d, error, d.trial.cost_factor)
+    step_control.set_outcome(d, error, d.trial.cost_factor)
     return onset_fraction(d)
 
 
@@ -356,10 +351,14 @@ def begin_step(d):
         if d.channel_count > 0:
             evaluate_start(d)
     if d.signal_count > 0 and begin_segments(d):
-        control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
+        step_control.limit_next_size(
+            d, step_control.size_in_flight(d, d.step.state_end, d.scratch.rate_start)
+        )
     has_landed = events > 0 and d.contact_settings.any_rigid and d.contacts.compliant_count == 0
     if has_landed and not is_implicit(d):
-        control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
+        step_control.limit_next_size(
+            d, step_control.size_in_flight(d, d.step.state_end, d.scratch.rate_start)
+        )
     if events > 0 or d.balance.break_count != d.step.break_count:
         evaluate_balance_at_end(d)
     if not has_kink:

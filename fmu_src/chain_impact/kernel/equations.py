@@ -10,7 +10,7 @@ kink.
     rate_from_points            the located points
     true_rate_from_inputs       the located points and the inputs
     free_rate_from_inputs       the located points and the inputs
-    free_rate_from_loads        the link vectors, the inputs and the loads at all places
+    free_rate_from_forces       the link vectors, the inputs and the applied forces
 """
 
 from chain_impact.kernel.chain.drives import (
@@ -18,18 +18,18 @@ from chain_impact.kernel.chain.drives import (
     first_joint,
     force_and_powers_of_drive,
     mode_margin,
-    passive_spring_resistance,
+    passive_spring_tension,
     spring_energy,
 )
 from chain_impact.kernel.chain.elimination import solve_accelerations
 from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.chain.kinematics import locate_points, set_link_vectors
-from chain_impact.kernel.chain.sites import joint_place, move_site_loads
+from chain_impact.kernel.chain.sites import joint_place, move_site_forces
 from chain_impact.kernel.chain.slider import carriage_energy
-from chain_impact.kernel.constraints.compliance import solve_accelerations_with_armatures
+from chain_impact.kernel.constraints.constraint_response import solve_accelerations_with_armatures
 from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.constraints.impulses import any_constraint, clear_outcome
-from chain_impact.kernel.forces.active_contacts import set_loads_of_step, set_true_loads
+from chain_impact.kernel.forces.active_contacts import set_forces_of_step, set_true_forces
 from chain_impact.kernel.forces.force_formula import clear_crossings, elastic_energy
 from chain_impact.kernel.forces.friction import clear_friction_margins, static_power
 from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces, power_of_motion
@@ -114,7 +114,7 @@ def rate_from_state(d, y, rate):
         rate_and_points_from_state(d, y, rate)
     else:
         set_link_vectors(d, y)
-        free_rate_from_loads(d, y, 0.0, rate)
+        free_rate_from_forces(d, y, 0.0, rate)
 
 
 def rate_and_points_from_state(d, y, rate):
@@ -138,8 +138,8 @@ def true_rate_from_inputs(d, y, rate):
     be set and the points located. Callers use only the accelerations in ``rate``, because the dissipated
     power in ``rate`` lacks the parts of contacts and of sliding friction.
     """
-    set_true_loads(d)
-    free_rate_from_loads(d, y, 0.0, rate)
+    set_true_forces(d)
+    free_rate_from_forces(d, y, 0.0, rate)
     add_constraints(d, y, rate)
 
 
@@ -158,11 +158,11 @@ def add_constraints(d, y, rate):
 
 def free_rate_from_inputs(d, y, rate):
     """Set rate = f(y) for the located points and the present inputs, without the forces of constraints."""
-    free_rate_from_loads(d, y, set_loads_of_step(d), rate)
+    free_rate_from_forces(d, y, set_forces_of_step(d), rate)
 
 
-def free_rate_from_loads(d, y, dissipated, rate):
-    """Set rate = f(y) with the stored loads at all places and the present inputs, but without constraints.
+def free_rate_from_forces(d, y, dissipated, rate):
+    """Set rate = f(y) with the stored applied forces and the present inputs, but without constraints.
 
     ``dissipated`` is the power [W] that contacts and sliding friction dissipate.
     """
@@ -173,12 +173,12 @@ def free_rate_from_loads(d, y, dissipated, rate):
         dissipated += drive_dissipated
     if d.slides:
         force, drive_dissipated, drive_supplied = force_and_powers_of_drive(d, y, n)
-        d.scratch.thrust = force - passive_spring_resistance(d, y, n)
+        d.scratch.thrust = force - passive_spring_tension(d, y, n)
         dissipated, supplied = dissipated + drive_dissipated, supplied + drive_supplied
 
     for j in range(coordinate_count(n)):
         rate[j] = y[velocity_at(n) + j]
-    move_site_loads(d, d.scratch.link_vector, d.scratch.load)
+    move_site_forces(d, d.scratch.link_vector, d.scratch.applied_force)
     if d.chain.has_armatures:
         solve_accelerations_with_armatures(d, y, rate)
     else:
@@ -230,15 +230,15 @@ def set_joint_moments(d, y):
 
 
 def add_place_moments(d):
-    """Add the moments of stops and dry friction in joints to the links, from the loads at joints' places."""
+    """Add the moments of stops and dry friction in joints to the links, from the forces at joints' places."""
     for i in range(d.link_count):
-        add_joint_moment(d, i, d.chain.longest_link * d.scratch.load.x[joint_place(d, i)])
+        add_joint_moment(d, i, d.chain.longest_link * d.scratch.applied_force.x[joint_place(d, i)])
 
 
 def add_spring_moments(d, y):
     """Add the moments of the springs of passive drives in joints to the links that the joints connect."""
     for i in range(d.link_count):
-        add_joint_moment(d, i, -passive_spring_resistance(d, y, i))
+        add_joint_moment(d, i, -passive_spring_tension(d, y, i))
 
 
 def add_joint_moment(d, i, torque):

@@ -20,6 +20,6 @@ def has_dual_rule(function):
 
 
 def has_complex_rule(function):
-    """Mark a function that COMPLEX_RULES in chain/response.py replaces if an argument is complex."""
+    """Mark a function that COMPLEX_RULES (chain/mass_matrix_solver.py) replaces if an argument is complex."""
     function.has_complex_rule = True
     return function

@@ -4,8 +4,8 @@ The functions of this module do nothing or return a constant. In a kernel that c
 functions of HOOKS in kernel/tangent/entry.py replace them. A user's contact law (kernel/forces/user_law.py)
 is linked in the same way: see EXTERNAL in compilation/functions.py. Two tables replace other functions when a
 kernel is compiled: DUAL_RULES in kernel/tangent/rules.py, for dual numbers, and COMPLEX_RULES in
-kernel/chain/response.py, for complex numbers; ``has_dual_rule`` and ``has_complex_rule`` mark the functions
-that they replace.
+kernel/chain/mass_matrix_solver.py, for complex numbers; ``has_dual_rule`` and ``has_complex_rule`` mark the
+functions that they replace.
 """
 
 

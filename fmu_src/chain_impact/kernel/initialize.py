@@ -28,15 +28,20 @@ from chain_impact.kernel.events.base_at_wall import check_base_at_walls
 from chain_impact.kernel.events.contact_log import clear_log
 from chain_impact.kernel.events.friction_modes import clear_changes, restart_friction_modes
 from chain_impact.kernel.events.saturation import choose_saturation, clear_saturation
-from chain_impact.kernel.forces.active_contacts import clear_impacts, clear_loads
+from chain_impact.kernel.forces.active_contacts import clear_applied_forces, clear_impacts
 from chain_impact.kernel.forces.candidate_laws import start_laws
 from chain_impact.kernel.forces.friction import clear_friction
 from chain_impact.kernel.mathematics.angles import unit_vector
 from chain_impact.kernel.ode.balance import start_balance
-from chain_impact.kernel.ode.control import prescribed_method, propose_size, size_in_flight, store_flight_size
-from chain_impact.kernel.ode.dense import clear_quadratures
+from chain_impact.kernel.ode.dense_output import clear_quadratures
 from chain_impact.kernel.ode.last_step import reset_step, reset_times
 from chain_impact.kernel.ode.methods import begin_explicit, stable_size
+from chain_impact.kernel.ode.step_control import (
+    prescribed_method,
+    propose_size,
+    size_in_flight,
+    store_flight_size,
+)
 from chain_impact.kernel.record.constants import IMPLICIT, SOLVER_METHODS
 from chain_impact.kernel.record.operations import clear_numbers
 from chain_impact.kernel.record.ranges import (
@@ -97,7 +102,7 @@ def set_run_start(d, time):
     set_candidate_rows(d)
     set_initial_state(d, d.scratch.state)
     reset_step(d, time, d.scratch.state)
-    clear_loads(d)
+    clear_applied_forces(d)
     if d.transmitted_row_count > 0:
         start_transmitted_forces(d, time)
     choose_saturation(d)
@@ -130,7 +135,7 @@ def clear_run(d, time):
     clear_numbers(d.step)
     clear_numbers(d.trial)
     clear_numbers(d.scratch)
-    clear_numbers(d.implicit.pairs.load)
+    clear_numbers(d.implicit.pairs.applied_force)
     clear_numbers(d.implicit.pairs.impedance)
     clear_numbers(d.search)
     clear_numbers(d.contacts)

@@ -23,10 +23,10 @@ from chain_impact.kernel.constraints.impulses import any_constraint
 from chain_impact.kernel.cost import read_cost_counts, restore_cost_counts
 from chain_impact.kernel.equations import mechanical_energy, stored_energy, true_rate_from_inputs
 from chain_impact.kernel.events.contact_log import list_latest
-from chain_impact.kernel.forces.active_contacts import set_true_loads
+from chain_impact.kernel.forces.active_contacts import set_true_forces
 from chain_impact.kernel.forces.friction import drive_of_element
 from chain_impact.kernel.forces.holding import project_state
-from chain_impact.kernel.ode.dense import fraction_at_time, interpolate_state, quadrature_within
+from chain_impact.kernel.ode.dense_output import fraction_at_time, interpolate_state, quadrature_within
 from chain_impact.kernel.ode.folds import correct_near_fold
 from chain_impact.kernel.record.constants import STICKS
 from chain_impact.kernel.record.state import (
@@ -136,9 +136,9 @@ def fill_state(d, theta):
     locate_points(d, y)
     if d.channel_count > 0 and any_constraint(d):
         # The dense output satisfies constraints and prescribed motions only up to its error, so the state y
-        # is projected. For the projection, ``set_true_loads`` sets the limits of friction: dependent
-        # sticking elements share the load in proportion to these limits.
-        set_true_loads(d)
+        # is projected. For the projection, ``set_true_forces`` sets the limits of friction: dependent
+        # sticking elements share the force in proportion to these limits.
+        set_true_forces(d)
         project_state(d, y)
     ensure_inputs(d, y)
     scratch = d.scratch

@@ -37,7 +37,7 @@ from chain_impact.kernel.cost import read_cost_counts, restore_cost_counts
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.forces.active_contacts import set_joint_square
 from chain_impact.kernel.function_marks import has_dual_rule
-from chain_impact.kernel.ode.dense import event_fraction, fraction_at_time, interpolate_state
+from chain_impact.kernel.ode.dense_output import event_fraction, fraction_at_time, interpolate_state
 from chain_impact.kernel.ode.folds import correct_near_fold
 from chain_impact.kernel.ode.last_step import ensure_dense, ensure_points
 from chain_impact.kernel.ode.maximum import maximum_of

@@ -11,10 +11,10 @@ from unittest import mock
 
 import numpy as np
 
-from chain_impact.kernel.chain import response
+from chain_impact.kernel.chain import mass_matrix_solver
 from chain_impact.kernel.constraints.geometry import is_at_joint_stop
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.ode.dense import reset_quadratures
+from chain_impact.kernel.ode.dense_output import reset_quadratures
 from chain_impact.kernel.record.fields import is_table
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import Scene
@@ -89,9 +89,9 @@ def as_plain_python() -> Iterator[None]:
         )
 
     with ExitStack() as stack:
-        for function, of_complex in response.COMPLEX_RULES.items():
+        for function, of_complex in mass_matrix_solver.COMPLEX_RULES.items():
             chosen = partial(by_type, function, of_complex)
-            stack.enter_context(mock.patch.object(response, function.__name__, chosen))
+            stack.enter_context(mock.patch.object(mass_matrix_solver, function.__name__, chosen))
         yield
 
 

@@ -4,7 +4,7 @@ The reference builds M(q) and the forces from the Jacobians of single points, wi
 nothing with the recursion.
 """
 
-# Tests: kernel/chain/sites.py, kernel/chain/slider.py, kernel/chain/response.py
+# Tests: kernel/chain/sites.py, kernel/chain/slider.py, kernel/chain/mass_matrix_solver.py
 
 import math
 
@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.chain.response import HELD, clear_impedance, factorize_matrix
-from chain_impact.kernel.constraints.compliance import solve_in_space
-from chain_impact.kernel.constraints.geometry import add_joint_impedances, clear_used_loads
+from chain_impact.kernel.chain.mass_matrix_solver import HELD, clear_impedance, factorize_matrix
+from chain_impact.kernel.constraints.constraint_response import solve_in_space
+from chain_impact.kernel.constraints.geometry import add_joint_impedances, clear_used_forces
 from chain_impact.kernel.equations import mechanical_energy, rate_from_state
 from chain_impact.kernel.forces.active_contacts import begin_force_contact, list_active_contacts
 from chain_impact.scene.scene import scene_from_dict
@@ -181,7 +181,7 @@ def test_impedances_at_points_of_links_act_as_springs_there(moving):
     n, mass, force = d.link_count, reference.mass.copy(), np.zeros(d.link_count + 2)
     locate_points(d, y)
     clear_impedance(d, d.scratch.impedance)
-    clear_used_loads(d, d.scratch.load)
+    clear_used_forces(d, d.scratch.applied_force)
     for s, site in enumerate(sites_of(reference)):
         place, (_, jacobian, _) = 2 * n + 1 + s, reference.point(*site)
         amount, angle, load = rng.uniform(0.0, 10.0), rng.uniform(0.0, math.pi), rng.normal(size=2)
@@ -189,12 +189,12 @@ def test_impedances_at_points_of_links_act_as_springs_there(moving):
         d.scratch.impedance.xx[place] = amount * normal[0] ** 2
         d.scratch.impedance.xy[place] = amount * normal[0] * normal[1]
         d.scratch.impedance.yy[place] = amount * normal[1] ** 2
-        d.scratch.load.x[place], d.scratch.load.y[place] = load
+        d.scratch.applied_force.x[place], d.scratch.applied_force.y[place] = load
         mass += amount * np.outer(normal @ jacobian, normal @ jacobian)
         force += jacobian.T @ load
     add_joint_impedances(d, d.scratch.impedance)
     factorize_matrix(d, d.scratch.link_vector, d.scratch, HELD, True)
-    d.scratch.load.joint[:] = 0.0
+    d.scratch.applied_force.joint[:] = 0.0
     change = np.zeros(n + 2)
     solve_in_space(d, d.scratch.link_vector, d.scratch, HELD, change)
     wanted = reference.solved(mass, force)

@@ -80,12 +80,14 @@ def test_the_margin_is_that_of_the_drive_nearest_to_its_end(cart):
 @pytest.mark.parametrize("i", [0, 1], ids=["joint", "slider"])
 def test_a_load_of_a_drive_does_its_work_along_the_row_of_the_drive(cart, i):
     d, y, _ = cart
-    clear_vectors(d, d.scratch.load)
-    clear_joints(d.scratch.load)
-    drives.load_drive(d, d.scratch.load, i, 3.0)
+    clear_vectors(d, d.scratch.applied_force)
+    clear_joints(d.scratch.applied_force)
+    drives.apply_drive_force(d, d.scratch.applied_force, i, 3.0)
     base = 3.0 * LINE if i == 1 else np.zeros(2)
-    assert (d.scratch.load.x[0], d.scratch.load.y[0]) == pytest.approx(tuple(base), rel=1e-14)
-    assert d.scratch.load.joint[0] == (3.0 if i == 0 else 0.0)
+    assert (d.scratch.applied_force.x[0], d.scratch.applied_force.y[0]) == pytest.approx(
+        tuple(base), rel=1e-14
+    )
+    assert d.scratch.applied_force.joint[0] == (3.0 if i == 0 else 0.0)
     if i == 1:
         d.scratch.velocity.x[0], d.scratch.velocity.y[0] = y[3:5]
         assert dot(row_of_drive(d, i), d.scratch.velocity) == pytest.approx(RATE[1], rel=1e-14)

@@ -6,7 +6,7 @@ import pytest
 
 from chain_impact.kernel.chain.elimination import solve_accelerations, solve_along_arms
 from chain_impact.kernel.chain.kinematics import set_link_vectors
-from chain_impact.kernel.chain.response import (
+from chain_impact.kernel.chain.mass_matrix_solver import (
     FREE,
     HELD,
     clear_impedance,
@@ -34,8 +34,8 @@ def answer(d, row, impedance, impulses, joints=(0.0, 0.0)):
     set_impedances(space.impedance, impedance)
     space.impedance.joint[:] = resistance
     factorize_matrix(d, d.scratch.link_vector, space, row, bool(np.any(resistance) or np.any(moments)))
-    set_vectors(space.load, impulses)
-    space.load.joint[:], space.change[:] = moments, np.nan
+    set_vectors(space.applied_force, impulses)
+    space.applied_force.joint[:], space.change[:] = moments, np.nan
     solve_response(d, d.scratch.link_vector, space, row, space.change)
     return space.change.copy()
 
@@ -98,7 +98,7 @@ def test_the_arms_of_a_free_chain_may_meet_at_any_joint(count):
     across = relative_motion(count)
     moved = np.linalg.solve(matrix + across.T @ np.diag(joints) @ across, right + across.T @ moments)
     for middle in range(count // 2 + 1):
-        set_vectors(scratch.load, loads)
+        set_vectors(scratch.applied_force, loads)
         rate = np.full(len(y), np.nan)
         solve_along_arms(d, y, rate, middle)
         np.testing.assert_allclose(rate[count + 2 : 2 * count + 4], expected, rtol=1e-9, atol=1e-10)
@@ -122,7 +122,7 @@ def test_accelerations_leave_the_factors_of_the_mass_matrix(count, pinned):
     y, scratch = random_state(rng, d), d.scratch
     set_link_vectors(d, y)
     scratch.moment[:] = rng.normal(size=count)
-    set_vectors(scratch.load, rng.normal(size=(count + 1, 2)))
+    set_vectors(scratch.applied_force, rng.normal(size=(count + 1, 2)))
     clear_impedance(d, scratch.impedance)
     factorize_matrix(d, scratch.link_vector, scratch, HELD, True)
     scratch.factors.coupling[FREE] = scratch.factors.complement[FREE] = 7.0

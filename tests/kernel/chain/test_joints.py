@@ -12,7 +12,7 @@ from chain_impact.kernel.chain.drives import (
     spring_stretch,
 )
 from chain_impact.kernel.chain.joints import joint_rate_bound, largest_joint_rate
-from chain_impact.kernel.ode.extended import drive_resistance, extend_start, extended_slopes
+from chain_impact.kernel.ode.extended_state import drive_impedance, extend_start, extended_slopes
 from chain_impact.scene.scene import with_values
 from tests.helpers.models.reference import mass_matrix
 from tests.kernel.chain.damped import prepared, random_chain
@@ -38,7 +38,7 @@ def test_every_joint_has_its_own_and_a_free_base_is_no_joint(sprung):
     assert [drive_slopes(d, i) for i in range(d.link_count)] == own
     extend_start(d)
     extended_slopes(d, d.implicit.z_start)
-    assert [drive_resistance(d, i, 0.3) for i in range(d.link_count)] == [0.3 * (c + 0.3 * k) for c, k in own]
+    assert [drive_impedance(d, i, 0.3) for i in range(d.link_count)] == [0.3 * (c + 0.3 * k) for c, k in own]
     assert [has_effect(k) for _, k in own] == [one > 0.0 for one in held]
 
 

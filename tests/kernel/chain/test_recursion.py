@@ -45,7 +45,7 @@ def test_a_thousand_links_solve_the_assembled_equations():
     angles, omega = rng.uniform(-np.pi, np.pi, count), rng.uniform(-5.0, 5.0, count)
     y[2 : count + 2], y[count + 4 : 2 * count + 4] = angles, omega
     loads, d.scratch.moment[:] = rng.uniform(-20.0, 20.0, (count + 1, 2)), rng.uniform(-5.0, 5.0, count)
-    set_vectors(d.scratch.load, loads)
+    set_vectors(d.scratch.applied_force, loads)
     set_link_vectors(d, y)
     solve_accelerations(d, y, rate)
     found = rate[count + 2 : 2 * count + 4]

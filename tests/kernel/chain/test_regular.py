@@ -1,6 +1,6 @@
 """Chains with a regular mass matrix in every position, against the smallest eigenvalue of the matrix."""
 
-# Tests: kernel/chain/inertia.py, kernel/chain/response.py
+# Tests: kernel/chain/inertia.py, kernel/chain/mass_matrix_solver.py
 
 import itertools
 from types import SimpleNamespace
@@ -10,7 +10,7 @@ import pytest
 
 from chain_impact.kernel.chain.inertia import find_loose_links
 from chain_impact.kernel.chain.kinematics import set_link_vectors
-from chain_impact.kernel.chain.response import FREE, clear_impedance, factorize_matrix
+from chain_impact.kernel.chain.mass_matrix_solver import FREE, clear_impedance, factorize_matrix
 from chain_impact.kernel.initialize import derive_chain
 from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.kernel.plain import record_of

@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain import kinematics, response
+from chain_impact.kernel.chain import kinematics, mass_matrix_solver
 from chain_impact.kernel.constraints.geometry import (
     BOX_NORMALS,
     add_along_row,
+    add_forces_at_joint_places,
     add_impedance,
     add_joint_impedances,
-    add_joint_loads,
-    clear_used_loads,
+    clear_used_forces,
     clearance_acceleration,
     clearance_and_rate,
     coordinate_sum,
@@ -158,20 +158,20 @@ def assert_adjoint(d, rows, change):
     """
     rng = np.random.default_rng(9)
     motion = d.scratch.place_change
-    load = d.scratch.load
+    load = d.scratch.applied_force
     own = d.scratch.impedance
     turns, points = np.diff(change[2:], prepend=0.0), slice(0, d.link_count + 1)
     for row in rows:
         speed, force = dot(row, motion), rng.normal()
         load.x[:] = load.y[:] = load.joint[:] = own.xx[:] = own.xy[:] = own.yy[:] = own.joint[:] = 9.0
-        clear_used_loads(d, load)
+        clear_used_forces(d, load)
         add_along_row(row, load, 0.25 * force)
         add_along_row(row, load, 0.75 * force)
         assert load.x @ motion.x + load.y @ motion.y == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
-        add_joint_loads(d, load)
+        add_forces_at_joint_places(d, load)
         power = load.x[points] @ motion.x[points] + load.y[points] @ motion.y[points] + load.joint @ turns
         assert power == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
-        response.clear_impedance(d, own)
+        mass_matrix_solver.clear_impedance(d, own)
         own.xy[d.link_count + 1 :] = own.yy[d.link_count + 1 :] = 0.0  # no function reads these numbers
         add_impedance(row, own, 1.0)
         add_impedance(row, own, 1.5)

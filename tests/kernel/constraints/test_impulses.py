@@ -6,8 +6,8 @@ They are compared with dense matrices and with every possible set of contacts.
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.response import HELD
-from chain_impact.kernel.constraints import compliance, geometry, impulses
+from chain_impact.kernel.chain.mass_matrix_solver import HELD
+from chain_impact.kernel.constraints import constraint_response, geometry, impulses
 from tests.kernel.chains import mark_touching
 from tests.kernel.forces.pressed import CANDIDATES, problem
 
@@ -45,13 +45,13 @@ def test_only_the_pressed_have_an_impedance_and_miss_their_aims():
 def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
     """An impulse p moves the point by W/(1 + D W) p, some millionths of W p."""
     d, _, _, _, w = problem(base)
-    amount = compliance.holding_impedance(d)
-    assert amount == pytest.approx(compliance.RELATIVE_IMPEDANCE * d.chain.mass.mean(), rel=1e-14)
+    amount = constraint_response.holding_impedance(d)
+    assert amount == pytest.approx(constraint_response.RELATIVE_IMPEDANCE * d.chain.mass.mean(), rel=1e-14)
     for k, c in enumerate(d.contacts.active_index[:4]):
         mark_touching(d, [c])
         d.constraints.impedance[0] = amount
-        compliance.factorize_contacts(d, HELD, d.constraints.impedance)
-        compliance.solve_contacts(d, HELD, np.ones(len(d.constraints.impulse)), d.constraints.change)
+        constraint_response.factorize_contacts(d, HELD, d.constraints.impedance)
+        constraint_response.solve_contacts(d, HELD, np.ones(len(d.constraints.impulse)), d.constraints.change)
         moved = geometry.dot(geometry.normal_row(d, c), d.scratch.place_change)
         assert moved == pytest.approx(w[k, k] / (1.0 + amount * w[k, k]), rel=1e-6)
         assert moved < 1e-5 * w[k, k]
@@ -86,7 +86,9 @@ def test_a_contact_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
     d, _, _, _, w = problem(pressed=[0, 1, 0, 0])
     own = d.constraints
     for part, iterates in ((1.01, True), (0.99, False)):
-        monkeypatch.setattr(impulses, "LEAST_SINGLE_MOBILITY", part * w[1, 1] * compliance.mean_mass(d))
+        monkeypatch.setattr(
+            impulses, "LEAST_SINGLE_MOBILITY", part * w[1, 1] * constraint_response.mean_mass(d)
+        )
         before = d.budget.other_cost
         impulses.factorize_free(d)
         impulses.solve_equality(d, 2.0)
@@ -99,16 +101,18 @@ def test_a_contact_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
 def test_a_chain_that_is_nearly_straight_is_held_by_a_smooth_force():
     """n sweeps leave the share (1 + D W)⁻ⁿ of a motion, also of a motion that one element alone leaves."""
     d, *_ = problem()
-    amount = compliance.holding_impedance(d)
+    amount = constraint_response.holding_impedance(d)
     for part in (0.0, 1e-6, 0.1, 1.0, 30.0, 1e6):
         mobility = part / amount
-        left = 1.0 - mobility / compliance.held_mobility(d, mobility)
-        assert left == pytest.approx((1.0 + part) ** -compliance.STICKING_ITERATIONS, rel=1e-9, abs=1e-15)
-    least = compliance.held_mobility(d, 0.0)
+        left = 1.0 - mobility / constraint_response.held_mobility(d, mobility)
+        assert left == pytest.approx(
+            (1.0 + part) ** -constraint_response.STICKING_ITERATIONS, rel=1e-9, abs=1e-15
+        )
+    least = constraint_response.held_mobility(d, 0.0)
     assert (
-        compliance.held_mobility(d, -1e-30)
+        constraint_response.held_mobility(d, -1e-30)
         == least
-        == pytest.approx(1.0 / (compliance.STICKING_ITERATIONS * amount))
+        == pytest.approx(1.0 / (constraint_response.STICKING_ITERATIONS * amount))
     )
 
 
@@ -137,7 +141,9 @@ def test_a_point_that_hardly_moves_is_held_in_a_few_iterations(monkeypatch, part
     d, _, _, _, w = problem(pressed=(0, 1, 0, 0))
     monkeypatch.setattr(impulses, "LEAST_SINGLE_MOBILITY", 1e9)
     monkeypatch.setattr(impulses, "holding_impedance", lambda _: part / w[1, 1])
-    monkeypatch.setattr(impulses, "LARGEST_IMPEDANCE", 1e12 * part / w[1, 1] / compliance.mean_mass(d))
+    monkeypatch.setattr(
+        impulses, "LARGEST_IMPEDANCE", 1e12 * part / w[1, 1] / constraint_response.mean_mass(d)
+    )
     before = d.budget.other_cost
     impulses.factorize_free(d)
     assert impulses.solve_equality(d, 2.0) <= 2e-15

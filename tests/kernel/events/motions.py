@@ -5,7 +5,7 @@ from scipy.optimize import brentq
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import crossing
-from chain_impact.kernel.events.exclusion import begin_next_interval, suspect_all_candidates
+from chain_impact.kernel.events.event_exclusion import begin_next_interval, suspect_all_candidates
 from chain_impact.kernel.forces.active_contacts import latch_onset, set_kink_sides
 from tests.helpers.scenes.problems import of_law
 from tests.kernel.chains import chain, mark_touching

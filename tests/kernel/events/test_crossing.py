@@ -9,7 +9,7 @@ import pytest
 
 from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.events import crossing
-from chain_impact.kernel.events.exclusion import begin_next_interval, suspect_all_candidates
+from chain_impact.kernel.events.event_exclusion import begin_next_interval, suspect_all_candidates
 from chain_impact.kernel.record.constants import CONTACT_ENDS, IMPLICIT, NO_EVENT, ONSET
 from chain_impact.kernel.record.state import sundman_u_at, time_at
 from tests.kernel.chains import chain, mark_touching

@@ -11,11 +11,11 @@ from chain_impact.kernel.advance import advance
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import crossing, force_events
 from chain_impact.kernel.events.crossing import locate_at_fraction, make_passage_search
-from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.event_exclusion import RELATCH_RATIO
 from chain_impact.kernel.forces.active_contacts import kink_height
 from chain_impact.kernel.forces.force_formula import elastic_force
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.ode.control import is_accepted
+from chain_impact.kernel.ode.step_control import is_accepted
 from chain_impact.kernel.record.constants import CONTACT_ENDS, KINK, NO_EVENT, RELATCH, RELEASE
 from chain_impact.kernel.status import OK
 from chain_impact.variables.prepared import PreparedScene

@@ -13,7 +13,7 @@ from chain_impact.kernel.events.handlers import (
     force_has_kink,
 )
 from chain_impact.kernel.forces.force_formula import elastic_energy
-from chain_impact.kernel.ode import control
+from chain_impact.kernel.ode import step_control
 from chain_impact.kernel.ode.methods import MIN_SWITCH_STEPS
 from chain_impact.kernel.record.constants import (
     CONTACT_ENDS,
@@ -163,9 +163,13 @@ def test_each_event_has_its_own_effect(kind, active, law, jumped):
     if kind in {RELATCH, KINK}:
         assert d.step.next_size == 0.125
     elif kind == ONSET:
-        assert d.step.next_size == control.size_at_second_onset(d, C) < control.size_at_onset(d, C, EXPLICIT)
+        assert (
+            d.step.next_size
+            == step_control.size_at_second_onset(d, C)
+            < step_control.size_at_onset(d, C, EXPLICIT)
+        )
     else:
-        assert d.step.next_size == control.size_at_onset(d, 1, EXPLICIT)
+        assert d.step.next_size == step_control.size_at_onset(d, 1, EXPLICIT)
 
 
 def test_rigid_walls_take_all_events_at_once_and_steps_are_explicit():
@@ -202,13 +206,13 @@ def test_the_size_of_steps_in_flight_is_kept_when_a_first_contact_begins():
 def test_a_flight_goes_on_with_the_steps_of_the_last_one_or_as_links_turn(method, flight):
     d = arrived()
     d.inputs.tip_force[:] = 0.3, 0.4
-    d.scratch.load.x[:] = d.scratch.load.y[:] = 9.0
+    d.scratch.applied_force.x[:] = d.scratch.applied_force.y[:] = 9.0
     d.step.flight_size, d.step.method = flight, method
     choose_next_size(d, -1, False)
-    turning = control.size_in_flight(d, d.step.state_end, d.scratch.rate_start)
+    turning = step_control.size_in_flight(d, d.step.state_end, d.scratch.rate_start)
     assert turning < 1.0
     assert d.step.next_size == min(flight, turning)
-    assert vectors(d.scratch.load).tolist() == [[0.0, 0.0]] * 3 + [[0.3, 0.4]]
+    assert vectors(d.scratch.applied_force).tolist() == [[0.0, 0.0]] * 3 + [[0.3, 0.4]]
     # no joint resists, so the flight has explicit steps
     assert begins_explicit(d)
 
@@ -225,13 +229,13 @@ def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
     if onset >= 0:
         assert (
             d.step.next_size
-            == control.size_at_second_onset(d, onset)
-            < control.size_at_onset(d, onset, EXPLICIT)
+            == step_control.size_at_second_onset(d, onset)
+            < step_control.size_at_onset(d, onset, EXPLICIT)
         )
         assert begins_explicit(d)
     else:
         kept = method == IMPLICIT or goes_on
-        assert d.step.next_size == (0.125 if kept else control.size_at_onset(d, 0, EXPLICIT))
+        assert d.step.next_size == (0.125 if kept else step_control.size_at_onset(d, 0, EXPLICIT))
         assert (d.step.method, d.step.stiff_count, d.step.switch_after) == (method, 3, 16)
 
 
@@ -239,7 +243,7 @@ def test_a_lone_onset_has_the_step_of_its_own_variable():
     d = arrived(touching=[C])
     d.contacts.latched_speed[C], d.contacts.expected_penetration[C] = 4.0, 0.1
     choose_next_size(d, C, False)
-    assert d.step.next_size == control.size_at_onset(d, C, EXPLICIT)
+    assert d.step.next_size == step_control.size_at_onset(d, C, EXPLICIT)
 
 
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
@@ -249,9 +253,9 @@ def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
     d.inputs.drive_damping[:], d.chain.has_springs_or_dampers = 1e12, 1
     d.chain.joint_rate_bound = joint_rate_bound(d)
     choose_next_size(d, C, False)
-    sizes = [control.size_at_onset(d, C, method_number) for method_number in (EXPLICIT, method)]
+    sizes = [step_control.size_at_onset(d, C, method_number) for method_number in (EXPLICIT, method)]
     assert d.step.method == method
-    beside = control.size_at_second_onset(d, C)
+    beside = step_control.size_at_second_onset(d, C)
     assert d.step.next_size == (min(*sizes, beside) if method == EXPLICIT else min(sizes))
     assert (sizes[1] < sizes[0]) == (method == IMPLICIT)
 

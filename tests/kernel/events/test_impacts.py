@@ -67,7 +67,7 @@ def touching(seed, candidates=(1, 6, 11), *, base="free", kinds=ONSET, arrive=Tr
     d.constraints.target_motion[:] = 5.0
     d.constraints.in_active_set[:] = 0
     d.constraints.unforced_motion[:] = 5.0
-    d.scratch.load.x[:] = 9.0
+    d.scratch.applied_force.x[:] = 9.0
     locate_points(d, y)
     return Touching(d, y, jacobian, response, w, candidates)
 
@@ -106,7 +106,7 @@ def test_an_impact_is_moreaus(seed, count, base):
     np.testing.assert_allclose(d.contact_log.separation_speed[rows], before + w @ p, rtol=1e-8)
     np.testing.assert_allclose(d.contact_log.impulse[rows], p, rtol=1e-9, atol=1e-9)
     # without contacts the loads are zero
-    assert not vectors(d.scratch.load).any()
+    assert not vectors(d.scratch.applied_force).any()
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -243,7 +243,7 @@ def test_errors_of_held_contacts_are_corrected_without_an_impulse():
 def test_with_nothing_that_touches_the_loads_are_those_of_a_flight():
     d = touching(2, (), arrive=False).d
     impacts.handle_impact(d)
-    assert not vectors(d.scratch.load).any()
+    assert not vectors(d.scratch.applied_force).any()
 
 
 def test_contacts_that_cannot_be_stopped_by_a_push_are_over():

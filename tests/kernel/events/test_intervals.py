@@ -1,6 +1,6 @@
 """The bounds that settle an interval in the search for crossings."""
 
-# Tests: kernel/events/crossing.py, kernel/events/exclusion.py
+# Tests: kernel/events/crossing.py, kernel/events/event_exclusion.py
 
 import math
 
@@ -9,8 +9,8 @@ import pytest
 
 from chain_impact.kernel.events import crossing
 from chain_impact.kernel.events.crossing import CROSSES, QUIET, SPLIT
-from chain_impact.kernel.events.exclusion import suspect_all_candidates
-from chain_impact.kernel.ode.dense import rate_bounds
+from chain_impact.kernel.events.event_exclusion import suspect_all_candidates
+from chain_impact.kernel.ode.dense_output import rate_bounds
 from chain_impact.kernel.record.constants import NO_CONTACT
 from chain_impact.kernel.record.state import omega_at, velocity_at
 from tests.kernel.chains import chain, stopped_chain, stops_of

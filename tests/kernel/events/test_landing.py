@@ -17,7 +17,7 @@ from chain_impact.kernel.events.search import (
     onset_fraction,
     starts_clear,
 )
-from chain_impact.kernel.ode.control import is_accepted, set_outcome
+from chain_impact.kernel.ode.step_control import is_accepted, set_outcome
 from chain_impact.kernel.record.constants import (
     CONTACT_ENDS,
     IMPLICIT,

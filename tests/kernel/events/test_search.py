@@ -8,7 +8,7 @@ import pytest
 from chain_impact import simulate
 from chain_impact.kernel.events import search
 from chain_impact.kernel.events.crossing import measure_clearances
-from chain_impact.kernel.events.exclusion import known_clearances, remember_clearances
+from chain_impact.kernel.events.event_exclusion import known_clearances, remember_clearances
 from chain_impact.kernel.events.search import find_event
 from chain_impact.kernel.record.constants import (
     CHECK_FAILED,

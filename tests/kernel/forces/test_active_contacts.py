@@ -50,13 +50,15 @@ def in_contact(law="zhang_sharf", touching=3):
 def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
     """Q = Σ F ∇g + f_tip·∇p_tip; the dissipated power is the walls' power minus the stored power."""
     scene, d, y, candidates, jacobian = in_contact(law, touching)
-    d.scratch.load.x[:] = d.scratch.load.y[:] = 9.0  # loads of another state
+    d.scratch.applied_force.x[:] = d.scratch.applied_force.y[:] = 9.0  # loads of another state
     rates = jacobian @ y[5:10]
     forces = np.array(
         [active_contacts.contact_force(d, c, *geometry.clearance_and_rate(d, c)) for c in candidates]
     )
-    lost = active_contacts.set_loads_of_step(d)
-    found = sum(point_jacobian(scene, y[2:5], k).T @ load for k, load in enumerate(vectors(d.scratch.load)))
+    lost = active_contacts.set_forces_of_step(d)
+    found = sum(
+        point_jacobian(scene, y[2:5], k).T @ load for k, load in enumerate(vectors(d.scratch.applied_force))
+    )
     expected = point_jacobian(scene, y[2:5], 3).T @ [0.3, -0.8]
     if touching:
         expected = expected + jacobian.T @ forces
@@ -70,8 +72,8 @@ def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
     )
     assert lost == pytest.approx(-forces @ rates - stored, abs=1e-6 * np.abs(forces * rates).sum())
     assert lost >= 0.0
-    active_contacts.clear_loads(d)
-    assert vectors(d.scratch.load).tolist() == [[0.0, 0.0]] * 3 + [[0.3, -0.8]]
+    active_contacts.clear_applied_forces(d)
+    assert vectors(d.scratch.applied_force).tolist() == [[0.0, 0.0]] * 3 + [[0.3, -0.8]]
 
 
 @LAWS
@@ -191,12 +193,12 @@ def test_beside_a_rigid_contact_only_the_others_have_a_force(rigid):
     _, d, _, candidates, _ = in_contact()
     others = [c for c in candidates if c != rigid]
     mark_touching(d, others)
-    lost, loads = active_contacts.set_loads_of_step(d), vectors(d.scratch.load)
+    lost, loads = active_contacts.set_forces_of_step(d), vectors(d.scratch.applied_force)
     mark_touching(d, candidates)
     d.contacts.force[rigid] = -5.0
     make_rigid(d, np.arange(d.candidate_count) == rigid)
-    assert active_contacts.set_loads_of_step(d) == lost
-    np.testing.assert_array_equal(vectors(d.scratch.load), loads)
+    assert active_contacts.set_forces_of_step(d) == lost
+    np.testing.assert_array_equal(vectors(d.scratch.applied_force), loads)
     assert d.contacts.force[rigid] == -5.0
 
 

@@ -130,7 +130,7 @@ def test_margins_are_the_least_of_a_step():
     d.friction_element.margin[c] = 7.0
     friction.clear_friction_margins(d)
     assert d.friction_element.margin[c] == 0.0
-    active_contacts.clear_loads(d)
+    active_contacts.clear_applied_forces(d)
     power = friction.apply_sliding_friction(d, c, 2.0)
     assert power == pytest.approx(-2.0 * abs(speed), rel=1e-14)
     assert d.friction_element.margin[c] == -abs(speed)
@@ -193,4 +193,4 @@ def test_notes_of_friction_in_a_step_are_forgotten_with_the_step():
 def test_friction_goes_with_a_force_that_is_continued_beyond_its_kink(force, approach_only, load):
     """A law with approach damping has no friction while its continued force pulls."""
     contacts, law = SimpleNamespace(force=[99.0, force]), SimpleNamespace(approach_only=[0, approach_only])
-    assert friction.friction_load(SimpleNamespace(contacts=contacts, law=law), 1) == load
+    assert friction.normal_force_for_friction(SimpleNamespace(contacts=contacts, law=law), 1) == load

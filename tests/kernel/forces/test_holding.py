@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact.kernel import equations
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.constraints import compliance, geometry, impulses
+from chain_impact.kernel.constraints import constraint_response, geometry, impulses
 from chain_impact.kernel.forces import friction, holding
 from chain_impact.kernel.record.constants import STICKS
 from tests.helpers.kernel.plain import make_rigid
@@ -106,7 +106,7 @@ def test_a_projection_far_larger_than_its_residual_is_refused(bad, tolerance):
         c, s = math.cos(1e-3), math.sin(1e-3)
         nx, ny = d.candidate.normal_x[first], d.candidate.normal_y[first]
         d.candidate.normal_x[second], d.candidate.normal_y[second] = c * nx - s * ny, s * nx + c * ny
-        compliance.effective_mass(d, second)
+        constraint_response.effective_mass(d, second)
         response[:, 1] = d.scratch.change  # M⁻¹ ∇g, by the recursion
     own.unforced_motion[:2] = 1e-6, -1e-6
     impulses.activate_all(d)

@@ -9,7 +9,7 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.constraints import geometry
 from chain_impact.kernel.equations import energy_balance, mechanical_energy
 from chain_impact.kernel.forces import force_formula
-from chain_impact.kernel.ode import balance, control, methods
+from chain_impact.kernel.ode import balance, methods, step_control
 from chain_impact.kernel.record.constants import (
     CHECK_FAILED,
     EXPLICIT,
@@ -43,9 +43,9 @@ def after_a_step():
 
 def error_after_check(d, theta):
     """Return the error of the last step after the energy check; before it was a tenth of the tolerance."""
-    control.set_outcome(d, 0.1, 1.0)
+    step_control.set_outcome(d, 0.1, 1.0)
     energies = balance.check_energy(d, theta)
-    if control.is_accepted(d):
+    if step_control.is_accepted(d):
         balance.store_energy(d, *energies)
     return float(d.trial.error)
 
@@ -107,7 +107,7 @@ def test_a_step_may_lose_what_is_left(so_far, by_the_step, noted):
         noted = by_the_step / ((d.step.end - d.step.start) / (10.0 + d.step.end))
         assert 0.1 < noted < 1.0 or by_the_step == 0.1
     assert error_after_check(d, -1.0) == d.trial.error == pytest.approx(noted, rel=1e-3)
-    assert control.is_accepted(d) == (noted <= 1.0)
+    assert step_control.is_accepted(d) == (noted <= 1.0)
 
 
 def test_energy_that_a_parameter_takes_is_not_lost():
@@ -272,10 +272,12 @@ def test_contacts_add_the_work_of_forces_over_depth_errors():
     d.contacts.effective_mass[touched] = [0.7, 1.9]
     found = balance.energy_scales(d, y)
     forces = [force_formula.elastic_force(d, c, -geometry.clearance_and_rate(d, c)[0]) for c in touched]
-    scale = sum(force * control.penetration_scale(d, c) for force, c in zip(forces, touched, strict=True))
+    scale = sum(
+        force * step_control.penetration_scale(d, c) for force, c in zip(forces, touched, strict=True)
+    )
     known = sum(force * geometry.coordinate_sum(d, c, y) for force, c in zip(forces, touched, strict=True))
     assert min(forces) > 1.0
-    assert found[0] - without[0] == pytest.approx(scale + control.impact_energy(d), rel=1e-9)
+    assert found[0] - without[0] == pytest.approx(scale + step_control.impact_energy(d), rel=1e-9)
     assert found[1] - without[1] == pytest.approx(known, rel=1e-9)
 
 

@@ -9,11 +9,11 @@ from chain_impact import simulate
 from chain_impact.kernel import equations
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.constraints import geometry
-from chain_impact.kernel.events.exclusion import known_clearances
-from chain_impact.kernel.ode import collocation, control, dense, methods
-from chain_impact.kernel.ode.control import ERROR_ORDER
-from chain_impact.kernel.ode.extended import clearance_at, extended_length, rate_at
+from chain_impact.kernel.events.event_exclusion import known_clearances
+from chain_impact.kernel.ode import collocation, dense_output, methods, step_control
+from chain_impact.kernel.ode.extended_state import clearance_at, extended_length, rate_at
 from chain_impact.kernel.ode.radau import RADAU_NODES, REAL_EIGENVALUE
+from chain_impact.kernel.ode.step_control import ERROR_ORDER
 from chain_impact.kernel.record.constants import (
     DIVERGED,
     EXPLICIT,
@@ -83,7 +83,7 @@ def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
             continue
         seen[d.step.start] = d.step.size
         for theta, found in errors.items():
-            dense.interpolate_state(d.step, theta, y)
+            dense_output.interpolate_state(d.step, theta, y)
             locate_points(d, y)
             for k in range(int(d.contacts.active_count)):
                 gap, _ = geometry.clearance_and_rate(d, int(d.contacts.active_index[k]))
@@ -186,7 +186,7 @@ def test_the_first_step_is_some_time_constants_of_a_fast_motion(tolerance, dampi
     expected = collocation.DECAY_TIMES / rho * (rho / (taken * fast)) ** (1.0 / (ERROR_ORDER[IMPLICIT] - 1))
     assert collocation.prepare_step(d, h) == pytest.approx(expected, rel=1e-6)
     collocation.integrate_trial(d, expected)
-    assert control.is_accepted(d)
+    assert step_control.is_accepted(d)
 
 
 def test_a_first_step_that_meets_no_fast_motion_is_as_long_as_it_may_be():
@@ -281,7 +281,7 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
     d = at_start()[1]
     collocation.prepare_step(d, 0.01)
     collocation.integrate_trial(d, 0.01)
-    assert control.is_accepted(d)
+    assert step_control.is_accepted(d)
 
     def unsolved(d, _h, _size):
         own = d.implicit
@@ -295,7 +295,7 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
     assert d.trial.cost_factor == 1.0
     assert d.statistics.rhs_evaluations == before + 4 * RADAU_STAGES
     if share:
-        assert control.next_size_factor(d) == pytest.approx(share, rel=0.02)
+        assert step_control.next_size_factor(d) == pytest.approx(share, rel=0.02)
 
 
 # --- what it costs and what it errs -------------------------------------------------------------------------
@@ -313,7 +313,7 @@ def test_a_step_that_is_solved_counts_its_systems_and_gives_its_error(monkeypatc
     assert d.statistics.rhs_evaluations - evaluations == RADAU_STAGES * iterations
     monkeypatch.setattr(collocation, "error_estimate", lambda *_: math.nan)
     collocation.integrate_trial(d, h)
-    assert not control.is_accepted(d)
+    assert not step_control.is_accepted(d)
 
 
 @pytest.mark.parametrize("bad", [math.inf, math.nan])

@@ -1,13 +1,13 @@
 """The dense output of an implicit step."""
 
-# Tests: kernel/ode/dense.py
+# Tests: kernel/ode/dense_output.py
 
 import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.ode import collocation, dense
-from chain_impact.kernel.ode.extended import clearance_at, quadrature_at
+from chain_impact.kernel.ode import collocation, dense_output
+from chain_impact.kernel.ode.extended_state import clearance_at, quadrature_at
 from chain_impact.kernel.ode.radau import RADAU_NODES
 from chain_impact.kernel.record.constants import RADAU_STAGES
 from chain_impact.kernel.record.state import dissipated_at, sundman_u_at
@@ -56,7 +56,7 @@ def test_the_polynomial_goes_through_the_stages(step):
     assert d.implicit.contact_set_of_step == 7
     y = np.zeros(len(d.step.state))
     for theta in (0.0, *RADAU_NODES, 0.43):
-        dense.interpolate_state(d.step, theta, y)
+        dense_output.interpolate_state(d.step, theta, y)
         assert y[:n] - d.step.state[:n] == pytest.approx(through(stages[:, :n], theta), abs=1e-14)
         part = collocation.extended_component(d, 4, theta) - d.implicit.z_start[4]
         assert part == pytest.approx(through(stages[:, 4], theta), abs=1e-14)
@@ -92,7 +92,7 @@ def test_dense_output_of_coordinates_meets_the_clearances(step, monkeypatch):
     before, changes = {}, {}
     for theta in (0.0, 1 / 3, 2 / 3, 1.0):
         before[theta] = np.zeros(len(d.step.state))
-        dense.interpolate_state(d.step, theta, before[theta])
+        dense_output.interpolate_state(d.step, theta, before[theta])
     asked = []
 
     def project_coordinates(d, _y, derivative, change):
@@ -112,7 +112,7 @@ def test_dense_output_of_coordinates_meets_the_clearances(step, monkeypatch):
         assert [call[1][k] for call in asked] == pytest.approx(wanted, abs=1e-15)
     y, end = np.zeros(len(d.step.state)), dissipated_at(LINKS)
     for theta, moved in ((0.0, ()), (1 / 3, (1, 2)), (2 / 3, (3, 4)), (1.0, ())):
-        dense.interpolate_state(d.step, theta, y)
+        dense_output.interpolate_state(d.step, theta, y)
         change = np.concatenate([changes[k] for k in moved]) if moved else np.zeros(end)
         assert y[:end] - before[theta][:end] == pytest.approx(change, abs=1e-14)
         assert y[end:] == pytest.approx(before[theta][end:], abs=1e-15)

@@ -12,8 +12,8 @@ from chain_impact.kernel import equations
 from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.chain import kinematics
 from chain_impact.kernel.constraints import geometry
-from chain_impact.kernel.ode import control, explicit, last_step, methods, sundman
-from chain_impact.kernel.ode.dense import interpolate_state
+from chain_impact.kernel.ode import explicit, last_step, methods, step_control, sundman
+from chain_impact.kernel.ode.dense_output import interpolate_state
 from chain_impact.kernel.ode.explicit import END_OVERSHOOT, UNRESOLVED_PART, error_estimate, size_toward_end
 from chain_impact.kernel.record import state
 from chain_impact.kernel.record.constants import OUTPUT_READER
@@ -257,7 +257,7 @@ def test_a_step_that_is_not_finite_or_far_too_long_is_not_accepted(entry):
     assert tried(d, 0.1).trial.error == math.inf
     d = initialized(FLYER)
     d["step"]["state_end"][5] = 1e3
-    assert not control.is_accepted(tried(d, (1.0, 1e2, 1e4, 1e6, 1e8, 1e10)[entry]))
+    assert not step_control.is_accepted(tried(d, (1.0, 1e2, 1e4, 1e6, 1e8, 1e10)[entry]))
 
 
 def test_the_points_of_a_step_are_located_where_it_is_to_be_projected():
@@ -267,7 +267,7 @@ def test_the_points_of_a_step_are_located_where_it_is_to_be_projected():
     assert d.friction.stuck_count == 1
     begin_step(d)
     methods.integrate_trial(d, 0.1)
-    assert control.is_accepted(d)
+    assert step_control.is_accepted(d)
     found = located(d)
     kinematics.locate_points(d, d.trial.state)
     np.testing.assert_array_equal(found, located(d))

@@ -5,9 +5,9 @@ import pytest
 
 from chain_impact.kernel.chain import kinematics
 from chain_impact.kernel.equations import rate_from_state
-from chain_impact.kernel.events import exclusion
+from chain_impact.kernel.events import event_exclusion
 from chain_impact.kernel.ode import explicit, last_step, methods
-from chain_impact.kernel.ode.dense import interpolate_state
+from chain_impact.kernel.ode.dense_output import interpolate_state
 from chain_impact.kernel.record import state
 from chain_impact.kernel.record.constants import (
     CURVATURES_KNOWN,
@@ -170,13 +170,13 @@ def test_a_step_that_is_cut_twice_dissipates_as_if_cut_once(method, first):
 @pytest.mark.parametrize("how", ["count_break", "roll_back", "truncate_step", "reset_step"])
 def test_bounds_on_clearances_end_with_their_step(how):
     d = with_a_step(started())
-    exclusion.remember_clearances(d, CURVATURES_KNOWN)
-    assert exclusion.known_clearances(d) == CURVATURES_KNOWN
+    event_exclusion.remember_clearances(d, CURVATURES_KNOWN)
+    assert event_exclusion.known_clearances(d) == CURVATURES_KNOWN
     more = {"truncate_step": (0.5,), "reset_step": (0.0, d.scratch.state)}
     getattr(last_step, how)(d, *more.get(how, ()))
-    assert exclusion.known_clearances(d) == NOTHING_KNOWN
-    exclusion.remember_clearances(d, DISTANCE_KNOWN)
-    assert exclusion.known_clearances(d) == DISTANCE_KNOWN
+    assert event_exclusion.known_clearances(d) == NOTHING_KNOWN
+    event_exclusion.remember_clearances(d, DISTANCE_KNOWN)
+    assert event_exclusion.known_clearances(d) == DISTANCE_KNOWN
 
 
 def test_the_dense_output_is_made_once_and_counts_if_the_solver_needs_it():

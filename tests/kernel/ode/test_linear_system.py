@@ -1,13 +1,13 @@
 """The linear systems of implicit steps against the assembled Jacobian, for real and complex shifts."""
 
-# Tests: kernel/ode/radau.py, kernel/constraints/compliance.py
+# Tests: kernel/ode/radau.py, kernel/constraints/constraint_response.py
 
 import numpy as np
 import pytest
 
 from chain_impact.kernel.chain import kinematics
-from chain_impact.kernel.constraints.compliance import holding_impedance
-from chain_impact.kernel.ode import extended
+from chain_impact.kernel.constraints.constraint_response import holding_impedance
+from chain_impact.kernel.ode import extended_state
 from chain_impact.kernel.ode.radau import COMPLEX_EIGENVALUES
 from chain_impact.kernel.record import state
 from chain_impact.scene.scene import load_scene
@@ -34,8 +34,8 @@ def linearized(turn, stiffness, damping):
         d.chain.has_springs = d.chain.has_springs_or_dampers = 1
     assert int(d.contacts.active_count) > 0
     kinematics.locate_points(d, d.step.state_end)
-    extended.extend_start(d)
-    extended.extended_slopes(d, d.implicit.z_start)
+    extended_state.extend_start(d)
+    extended_state.extended_slopes(d, d.implicit.z_start)
     return d
 
 
@@ -49,8 +49,8 @@ def jacobian(d, turn):
     places = [(int(candidate.point[c]), names[candidate.wall[c] % 4]) for c in chosen]
     normals = np.array([clearance_gradient(scene, angles, *place) for place in places])
     across, forces = relative_motion(N), np.zeros((N + 2, size))
-    v, gap = slice(N + 2, 2 * N + 4), slice(extended.clearance_at(d, 0), extended.rate_at(d, 0))
-    rate, impulse = slice(extended.rate_at(d, 0), size - count), slice(size - count, size)
+    v, gap = slice(N + 2, 2 * N + 4), slice(extended_state.clearance_at(d, 0), extended_state.rate_at(d, 0))
+    rate, impulse = slice(extended_state.rate_at(d, 0), size - count), slice(size - count, size)
     forces[:, gap] = -normals.T * d.implicit.contact_stiffness[:count]
     forces[:, rate] = -normals.T * d.implicit.contact_damping[:count]
     forces[:, v] = -across.T @ np.diag(d.inputs.drive_damping[:-1]) @ across
@@ -73,11 +73,11 @@ def solutions(d, size, h):
         r = rng.uniform(-1.0, 1.0, size) + 1j * rng.uniform(-1.0, 1.0, size) * (shift.imag != 0.0)
         x, y = r.real.copy(), r.imag.copy()
         if shift.imag == 0.0:
-            extended.factorize_real(d, shift.real)
-            extended.solve_real(d, shift.real, x)
+            extended_state.factorize_real(d, shift.real)
+            extended_state.solve_real(d, shift.real, x)
         else:
-            extended.factorize_complex(d, shift, pair)
-            extended.solve_complex(d, shift, pair, x, y, size)
+            extended_state.factorize_complex(d, shift, pair)
+            extended_state.solve_complex(d, shift, pair, x, y, size)
         yield shift, r, x + 1j * y
 
 
@@ -112,8 +112,8 @@ def held(base, stiffness, damping):
     candidates = [6, 16] if base == "free" else [5, 15]
     d.step.state_end[:] = locate_touching_state(rng, d, candidates, 0.0)
     d.chain.has_springs_or_dampers = d.chain.has_springs = 1
-    extended.extend_start(d)
-    extended.extended_slopes(d, d.implicit.z_start)
+    extended_state.extend_start(d)
+    extended_state.extended_slopes(d, d.implicit.z_start)
     angles, free = d.step.state_end[2 : N + 2], free_coordinates(d)
     normals = gradients(scene, d, angles, candidates)[:, free]
     inverse = np.linalg.inv(mass_matrix(scene, angles)[free, free])

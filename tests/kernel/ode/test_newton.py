@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from chain_impact.kernel.ode import collocation, control, radau
+from chain_impact.kernel.ode import collocation, radau, step_control
 from chain_impact.kernel.record.constants import IMPLICIT, RADAU_STAGES
 from tests.helpers.kernel.plain import Plain
 
@@ -133,7 +133,7 @@ def test_error_estimates_have_orders_five_and_six_and_combine_to_seven(kind, est
         error = error_of(d, h)
         found.append([*np.abs(d.implicit.right_hand_sides[:2]).max(1), error])
     slopes = np.diff(np.log(found), axis=0) / np.diff(np.log(sizes))[:, None]
-    expected = [RADAU_STAGES + 1, RADAU_STAGES, control.ERROR_ORDER[IMPLICIT]]
+    expected = [RADAU_STAGES + 1, RADAU_STAGES, step_control.ERROR_ORDER[IMPLICIT]]
     np.testing.assert_allclose(slopes, [expected] * 2, rtol=0, atol=0.15)
 
 

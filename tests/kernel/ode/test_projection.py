@@ -1,15 +1,15 @@
 """The projection of an implicit step's coordinates onto the clearances that were integrated with them."""
 
-# Tests: kernel/ode/extended.py
+# Tests: kernel/ode/extended_state.py
 
 import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.constraints.geometry import clearance_and_rate
-from chain_impact.kernel.ode import extended
+from chain_impact.kernel.ode import extended_state
 from chain_impact.kernel.ode.collocation import set_weights
-from chain_impact.kernel.ode.extended import (
+from chain_impact.kernel.ode.extended_state import (
     clearance_at,
     contact_impedance,
     extend_start,
@@ -62,7 +62,7 @@ def test_coordinates_move_to_clearances_as_the_chain_responds_to_impulses(step, 
     d.implicit.target_clearance[:2] = now + wanted
     expected = response(scene, d, y, touched, wanted)
     moved = y.copy()
-    extended.project_coordinates(d, moved, derivative, change)
+    extended_state.project_coordinates(d, moved, derivative, change)
     assert change == pytest.approx(expected, rel=1e-9)
     part = slice(derivative * HALF, (derivative + 1) * HALF)
     assert moved[part] - y[part] == pytest.approx(expected, abs=1e-15)
@@ -79,24 +79,24 @@ def test_the_mismatch_is_that_of_the_worst_contact_by_its_depth(step, k):
     z[clearance_at(d, 0)] += off[0]
     z[clearance_at(d, 1)] += off[1]
     z[clearance_at(d, k)] += 9.0 * off[k]
-    assert extended.largest_mismatch(d, z) == pytest.approx(1e-4 / depths[k], rel=1e-9)
+    assert extended_state.largest_mismatch(d, z) == pytest.approx(1e-4 / depths[k], rel=1e-9)
 
 
 def test_a_projection_returns_its_largest_change_and_residual(step):
     scene, d, touched, y, z = step
     moved = y.copy()
-    assert extended.project_clearances(d, z, moved) == (0.0, 0.0)  # consistent coordinates stay
+    assert extended_state.project_clearances(d, z, moved) == (0.0, 0.0)  # consistent coordinates stay
     assert moved.tolist() == y.tolist()
     gaps, rates = np.array([1e-6, -2e-6]), np.array([3e-3, 1e-3])
     for k in range(2):
         z[clearance_at(d, k)] += gaps[k]
         z[rate_at(d, k)] += rates[k]
     changes = np.concatenate([response(scene, d, y, touched, wanted) for wanted in (gaps, rates)])
-    apart, moved = extended.largest_mismatch(d, z) / extended.CLEARANCE_MISMATCH, y.copy()
-    worst = extended.project_clearances(d, z, moved)
+    apart, moved = extended_state.largest_mismatch(d, z) / extended_state.CLEARANCE_MISMATCH, y.copy()
+    worst = extended_state.project_clearances(d, z, moved)
     assert worst == pytest.approx((max(abs(changes) * d.implicit.error_weight[: 2 * HALF]), apart), rel=1e-7)
     assert moved[: 2 * HALF] - y[: 2 * HALF] == pytest.approx(changes, rel=1e-7, abs=1e-14)
-    assert extended.CLEARANCE_MISMATCH == 0.03
+    assert extended_state.CLEARANCE_MISMATCH == 0.03
 
 
 def test_the_change_of_either_part_may_be_the_largest(step):
@@ -108,5 +108,5 @@ def test_the_change_of_either_part_may_be_the_largest(step):
         weights = (
             d.implicit.error_weight[:HALF] if at is clearance_at else d.implicit.error_weight[HALF : 2 * HALF]
         )
-        worst, _ = extended.project_clearances(d, off, y.copy())
+        worst, _ = extended_state.project_clearances(d, off, y.copy())
         assert worst == pytest.approx(max(abs(changes) * weights), rel=1e-7)

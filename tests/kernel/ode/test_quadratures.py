@@ -3,7 +3,7 @@
 Gravity and the walls together change the momentum of the chain.
 """
 
-# Tests: kernel/ode/dense.py
+# Tests: kernel/ode/dense_output.py
 
 from dataclasses import replace
 
@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
-from chain_impact.kernel.ode import dense
-from chain_impact.kernel.ode.dense import interpolate_component
+from chain_impact.kernel.ode import dense_output
+from chain_impact.kernel.ode.dense_output import interpolate_component
 from chain_impact.kernel.record.constants import DENSE_COEFFICIENTS
 from chain_impact.kernel.record.state import time_at
 from chain_impact.scene.candidates import candidates_of
@@ -110,13 +110,13 @@ def values(d, *names):
 
 
 def test_impulses_of_active_contacts_are_integrated_if_they_are_wanted(d):
-    dense.reset_quadratures(d)
+    dense_output.reset_quadratures(d)
     assert d.quadrature.index[: d.quadrature.count].tolist() == TOUCHED
     mark_touching(d, [2])
-    dense.reset_quadratures(d)
+    dense_output.reset_quadratures(d)
     assert d.quadrature.index[: d.quadrature.count].tolist() == [2]
     d.quadrature.computed = 0
-    dense.reset_quadratures(d)
+    dense_output.reset_quadratures(d)
     assert d.quadrature.count == 0
 
 
@@ -125,7 +125,7 @@ def test_integrals_of_dry_friction_follow_those_of_contacts(contacts, joints):
     """The integrals of dry friction follow: one for each element, and the friction energy."""
     _, d, _ = rubbing_chain(np.random.default_rng(1), "free", contacts, joints)
     d.quadrature.computed = 1
-    dense.reset_quadratures(d)
+    dense_output.reset_quadratures(d)
     own, touched = d.quadrature, d.contacts.active_index[:contacts]
     last = d.candidate_count + d.friction_element_count
     assert own.index[: own.count].tolist() == [*touched, *(d.candidate_count + touched), last]
@@ -136,8 +136,8 @@ def test_integrals_of_dry_friction_follow_those_of_contacts(contacts, joints):
     )
     d.friction.power = 3.5
     own.rate[:] = 99.0
-    dense.store_end_rates(d)
-    dense.commit_quadratures(d)
+    dense_output.store_end_rates(d)
+    dense_output.commit_quadratures(d)
     right = np.zeros(len(own.integral))
     right[touched], right[d.candidate_count + touched] = (
         d.contacts.force[touched],
@@ -151,7 +151,7 @@ def test_integrals_of_dry_friction_follow_those_of_contacts(contacts, joints):
 def test_a_stage_is_the_force_in_the_variable_of_the_step(d, at_end):
     """dp/ds = F dt/ds."""
     before = d.quadrature.stage.copy()
-    (dense.set_quadrature_stage_at_end if at_end else dense.set_quadrature_stage)(d, 4)
+    (dense_output.set_quadrature_stage_at_end if at_end else dense_output.set_quadrature_stage)(d, 4)
     forces = d.quadrature.rate_end[:2] if at_end else d.contacts.force[TOUCHED]
     right = forces * d.scratch.stage[4, time_at(2)]
     assert d.quadrature.stage[4, :2].tolist() == right.tolist()
@@ -162,15 +162,15 @@ def test_a_stage_is_the_force_in_the_variable_of_the_step(d, at_end):
 def test_a_step_goes_on_from_the_last_one_and_may_be_cut_or_dropped(d):
     """The totals belong to the end of the step."""
     end, tried, total = *values(d, "state_end", "tried_state"), d.quadrature.integral.copy()
-    dense.accept_quadratures(d)
+    dense_output.accept_quadratures(d)
     assert values(d, "state", "state_end") == [end, tried]
     right = [interpolate_component(d.quadrature, 0.3, k) for k in range(2)]
-    dense.truncate_quadratures(d, 0.3)
+    dense_output.truncate_quadratures(d, 0.3)
     assert values(d, "state", "state_end") == [end, right]
-    dense.commit_quadratures(d)
+    dense_output.commit_quadratures(d)
     total[TOUCHED] = right
     assert d.quadrature.integral.tolist() == total.tolist()
-    dense.roll_back_quadratures(d)
+    dense_output.roll_back_quadratures(d)
     assert values(d, "state", "state_end") == [end, end]
 
 
@@ -188,7 +188,7 @@ def test_an_integral_that_falls_is_kept_or_its_sum_at_a_rigid_wall(d, rigid, wal
     make_rigid(d, rigid)
     d.candidate.wall[TOUCHED], d.candidate.stop[TOUCHED] = wall
     d.quadrature.state[:2], d.quadrature.state_end[:2] = course
-    dense.correct_falling_impulses(d)
+    dense_output.correct_falling_impulses(d)
     assert values(d, "state_end") == [right]
 
 
@@ -200,7 +200,7 @@ def test_a_course_that_falls_is_below_all_that_follows(d, kept):
     d.quadrature.dense[:3, 0], d.quadrature.state[0] = (1.0, -1.9, 2.0), 3.0
     d.quadrature.state_end[0] = interpolate_component(d.quadrature, kept, 0)
     at = np.array([interpolate_component(d.quadrature, theta, 0) for theta in thetas])
-    course = np.array([dense.quadrature_within(d, theta, 0) for theta in thetas])
+    course = np.array([dense_output.quadrature_within(d, theta, 0) for theta in thetas])
     assert np.diff(at).min() < -1e-3
     assert np.diff(course).min() >= 0.0
     assert (course[0], course[-1]) == (3.0, d.quadrature.state_end[0])
@@ -209,7 +209,7 @@ def test_a_course_that_falls_is_below_all_that_follows(d, kept):
 
 def test_a_new_phase_starts_from_the_totals(d):
     total, rate = d.quadrature.integral[TOUCHED].tolist(), d.quadrature.rate[TOUCHED].tolist()
-    dense.reset_quadratures(d)
+    dense_output.reset_quadratures(d)
     assert values(d, "rate_end") == [rate]
     assert values(d, "state", "state_end") == [total, total]
     assert d.quadrature.dense.shape[0] == DENSE_COEFFICIENTS
@@ -221,7 +221,7 @@ def test_a_new_phase_starts_from_the_totals(d):
 def test_without_them_nothing_is_done(d, name):
     d.quadrature.computed, d.quadrature.count, d.quadrature.rate[:] = 0, 0, 0.0
     before = d.numpy_record.tobytes()
-    getattr(dense, f"{name}_quadratures")(d)
+    getattr(dense_output, f"{name}_quadratures")(d)
     assert d.numpy_record.tobytes() == before
 
 
@@ -234,5 +234,5 @@ def test_rigid_walls_give_their_impulses_at_once_and_none_that_pulls(d, rigid, i
     d.constraints.impulse[:2] = impulses
     right = d.quadrature.integral.copy()
     right[TOUCHED] += given
-    dense.add_impulses_of_impact(d)
+    dense_output.add_impulses_of_impact(d)
     assert d.quadrature.integral.tolist() == right.tolist()

@@ -11,9 +11,9 @@ import pytest
 from chain_impact import simulate
 from chain_impact.kernel.chain.joints import largest_joint_rate
 from chain_impact.kernel.forces.active_contacts import contact_slopes
-from chain_impact.kernel.ode import control, methods
-from chain_impact.kernel.ode.control import AUTOMATIC_METHOD
+from chain_impact.kernel.ode import methods, step_control
 from chain_impact.kernel.ode.methods import MIN_SWITCH_STEPS, STIFF_STEP, choose_method, suggests_switch
+from chain_impact.kernel.ode.step_control import AUTOMATIC_METHOD
 from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT
 from chain_impact.simulation.instance import Instance
 from tests.helpers.kernel.plain import make_rigid
@@ -214,7 +214,7 @@ def test_an_impact_is_explicit_unless_joints_are_stiff_in_its_first_step(rng, me
     d.step.method, d.step.stiff_count, d.step.next_size = method, 2, h
     d.contacts.expected_penetration[tip], d.contacts.latched_speed[tip] = depth, 1.0
     methods.begin_impact(d, tip)
-    stiff, first = number > 1.0 and method == IMPLICIT, control.size_at_onset(d, tip, IMPLICIT)
+    stiff, first = number > 1.0 and method == IMPLICIT, step_control.size_at_onset(d, tip, IMPLICIT)
     assert d.step.method == (IMPLICIT if stiff else EXPLICIT)
     assert (first < h) == (depth < 1.0)
     assert d.step.next_size == (min(first, h) if stiff else h)

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.event_exclusion import RELATCH_RATIO
 from chain_impact.kernel.record.constants import CONTACT_ENDS, KINK, ONSET, RELATCH, RELEASE
 from chain_impact.kernel.tangent import event_times
 from tests.kernel.tangent.dual import dual

@@ -169,7 +169,7 @@ def test_a_replay_starts_as_the_instance_does(twins):
     assert initialize(d, 1.5) == OK
     replay.start_tangent(d, t)
     t.law.damping_factor[:] = 77.0
-    t.scratch.load.x[:], t.contacts.active_count, t.step.method, t.trust.reason = 9.0, 3, 1, 7
+    t.scratch.applied_force.x[:], t.contacts.active_count, t.step.method, t.trust.reason = 9.0, 3, 1, 7
     replay.start_tangent(d, t)
     records = [
         "chain",
@@ -200,7 +200,7 @@ def test_a_replay_starts_as_the_instance_does(twins):
     ):
         assert t.step[name] == d.step[name], name
     np.testing.assert_array_equal(t.step.state_end, d.step.state_end)
-    np.testing.assert_array_equal(vectors(t.scratch.load), vectors(d.scratch.load))
+    np.testing.assert_array_equal(vectors(t.scratch.applied_force), vectors(d.scratch.applied_force))
     assert t.trust.reason == trust.TRUSTED
     assert t.impact.last_time == 1.5
 
@@ -222,7 +222,7 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
     damping, number = t.contacts.damping[4], CONTACT_LAWS[law].number
     d.given.law, d.given.stiffness, d.given.restitution, d.given.tip_force[:] = number, 3e5, 0.8, (5.0, 6.0)
     assert candidate_laws.update_laws(d) == OK
-    t.scratch.load.x[:] = 9.0
+    t.scratch.applied_force.x[:] = 9.0
     t.contacts.beyond_kink[4] = 5
     t.step.communication_point = 1.0
     t.step.start_delay = 7.0
@@ -233,7 +233,7 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
     assert t.step.communication_point == t.step.start == t.step.end == 2.5
     assert t.step.start_delay == 0.0
     np.testing.assert_array_equal(t.step.state[:-2], y[:-2])
-    assert vectors(t.scratch.load).tolist() == [[0.0, 0.0], [0.0, 0.0], [5.0, 6.0]]
+    assert vectors(t.scratch.applied_force).tolist() == [[0.0, 0.0], [0.0, 0.0], [5.0, 6.0]]
     assert (t.law.number[4], t.law.stiffness[4]) == (number, 3e5)
     assert t.contacts.active_count == 1
     if law == "newton_impact":

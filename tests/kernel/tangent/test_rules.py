@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 import chain_impact.kernel
-from chain_impact.kernel.chain import kinematics, response
+from chain_impact.kernel.chain import kinematics, mass_matrix_solver
 from chain_impact.kernel.forces import force_formula, user_law
-from chain_impact.kernel.ode import dense, sundman_rate
+from chain_impact.kernel.ode import sundman_rate
 from chain_impact.kernel.record.state import sundman_u_at, time_at
 from chain_impact.kernel.tangent import rules
 from tests.kernel.tangent.dual import Dual
 
-RULES = {"has_dual_rule": rules.DUAL_RULES, "has_complex_rule": response.COMPLEX_RULES}
+RULES = {"has_dual_rule": rules.DUAL_RULES, "has_complex_rule": mass_matrix_solver.COMPLEX_RULES}
 DEPTH, EXPONENT = [0.3, -1.0, 2.0], [0.7, 0.2, 0.0]  # slopes
 
 
@@ -135,7 +135,7 @@ def test_the_fraction_of_a_step_varies_with_the_step_and_the_time(regularized):
     state[clock], state[root] = 0.0, depth_root
 
     def plain(changed):
-        return dense.fraction_at_time(step_of(changed, regularized), 0.25 + elapsed)
+        return dense_output.fraction_at_time(step_of(changed, regularized), 0.25 + elapsed)
 
     t = step_of(numbers, regularized, lambda number, k: Dual(number, np.eye(numbers.size)[k]))
     found = rules.fraction_at_time(t, 0.25 + elapsed)

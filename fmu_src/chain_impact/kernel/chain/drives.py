@@ -189,19 +189,19 @@ def is_powered(d, i):
     return d.chain.has_targets != 0 or d.drive.limit[i] < math.inf
 
 
-def unlimited_spring_resistance(d, y, i):
+def unlimited_spring_tension(d, y, i):
     """Return stiffness times stretch [N·m or N] of drive i's spring, also while the drive is at its limit."""
     return d.inputs.drive_stiffness[i] * spring_stretch(d, y, i)
 
 
-def spring_resistance(d, y, i):
+def spring_tension(d, y, i):
     """Return stiffness times stretch [N·m or N] of drive i's spring; 0 while the drive is at its limit."""
-    return unlimited_spring_resistance(d, y, i) if is_below_limit(d, i) else 0.0
+    return unlimited_spring_tension(d, y, i) if is_below_limit(d, i) else 0.0
 
 
-def passive_spring_resistance(d, y, i):
-    """Return ``spring_resistance`` [N·m or N] of drive i if the drive is passive; 0 if it is powered."""
-    return 0.0 if is_powered(d, i) else spring_resistance(d, y, i)
+def passive_spring_tension(d, y, i):
+    """Return ``spring_tension`` [N·m or N] of drive i if the drive is passive; 0 if it is powered."""
+    return 0.0 if is_powered(d, i) else spring_tension(d, y, i)
 
 
 def spring_energy(d, y):
@@ -219,7 +219,7 @@ def unlimited_force(d, y, i):
     if i < first_joint(d):
         return 0.0
     rate = drive_component(d, y, velocity_at(d.link_count), i) - d.inputs.target_velocity[i]
-    return d.inputs.motor[i] - d.inputs.drive_damping[i] * rate - unlimited_spring_resistance(d, y, i)
+    return d.inputs.motor[i] - d.inputs.drive_damping[i] * rate - unlimited_spring_tension(d, y, i)
 
 
 def drive_force(d, y, i):
@@ -247,7 +247,7 @@ def force_and_powers_of_drive(d, y, i):
     """Return the force [N·m or N] of drive i, and its dissipated and its supplied power [W].
 
     For a passive drive the results leave out the spring, which stores energy; the equations add the spring's
-    force, −``passive_spring_resistance``. For a powered drive they contain the spring, and all power is
+    force, −``passive_spring_tension``. For a powered drive they contain the spring, and all power is
     supplied.
     """
     rate = drive_component(d, y, velocity_at(d.link_count), i)
@@ -290,13 +290,13 @@ def mode_margin(d, y):
     return least_margin
 
 
-def load_drive(d, load, i, force):
-    """Set the load of drive i in ``load`` to ``force``, a torque [N·m] or, for the slider, a force [N].
+def apply_drive_force(d, applied_force, i, force):
+    """Set drive i's force in ``applied_force`` to ``force``, a torque [N·m] or, for a slider, a force [N].
 
-    The torque is the moment in the joint; the force acts on the base, along the slider's line. The load that
-    the joint or the base has in ``load`` is replaced.
+    The torque is the moment in the joint; the force acts on the base, along the slider's line. The moment
+    that the joint has in ``applied_force``, or the force on the base, is replaced.
     """
     if is_slider(d, i):
-        load.x[0], load.y[0] = force * d.slider.ux, force * d.slider.uy
+        applied_force.x[0], applied_force.y[0] = force * d.slider.ux, force * d.slider.uy
     else:
-        load.joint[i] = force
+        applied_force.joint[i] = force

@@ -4,7 +4,7 @@ A revolute joint without a rotor transmits a force and, apart from its known tor
 of the chain at a joint therefore needs the force ``A a + b`` for an acceleration ``a`` of that joint: ``A``
 is a symmetric 2×2 articulated inertia, ``b`` collects the terms of ω², gravity, torques and contact forces.
 Appell's equation for α_i, ∂Z/∂α_i = 0 with the Gibbs function Z (docs/computation.md), eliminates α_i. For
-chains with armatures, see ``solve_accelerations_with_armatures`` in constraints/compliance.py.
+chains with armatures, see ``solve_accelerations_with_armatures`` in constraints/constraint_response.py.
 
 A free chain has two free ends. The elimination goes from both ends toward the middle joint, where two
 equations remain. The accelerations are then computed from the middle outward. The two arms of the chain are
@@ -14,9 +14,9 @@ base, the base takes the place of the middle joint, and there is one arm.
 The absolute link angles θ_i are the coordinates and all vectors are in the world frame, so no rotation matrix
 appears: L is the vector along a link from the link's joint nearer to the middle, r_C the vector from that
 joint to the centre of mass, x⊥ = ẑ × x, m the mass, I the inertia about the centre of mass, g gravity, f the
-load on the outer joint, τ the moment on the link. A' and b' belong to the link's outer joint, A and b to the
-joint nearer to the middle, its inner joint. The rotation of a link about its inner joint has the inertia H
-and the coupling h with the motion of this joint (``hinge_inertia``).
+applied force on the outer joint, τ the moment on the link. A' and b' belong to the link's outer joint, A and
+b to the joint nearer to the middle, its inner joint. The rotation of a link about its inner joint has the
+inertia H and the coupling h with the motion of this joint (``hinge_inertia``).
 
 The centre of mass may lie beside the line of the link, because L and m r_C are independent in the equations.
 A site (chain/sites.py) with an impedance D adds D to A, D r⊥ to h and r⊥·D r⊥ to H of its link; r is the arm
@@ -85,10 +85,10 @@ def eliminate_inner(d, y, i, outward, axx, axy, ayy, bx, by):
     joint, omega = i + 1 if outward else i, y[omega_at(d.link_count) + i]
     link = lx, ly, _, _, _ = arm_of_link(d, d.scratch.link_vector, i, outward)
     w2 = omega * omega
-    # d = b' − f − ω² A' L is the force at the outer joint, with the load f there, if α = 0 and the inner
-    # joint has no acceleration
-    dx = bx - d.scratch.load.x[joint] - w2 * (axx * lx + axy * ly)
-    dy = by - d.scratch.load.y[joint] - w2 * (axy * lx + ayy * ly)
+    # d = b' − f − ω² A' L is the force at the outer joint, with the applied force f there, if α = 0 and the
+    # inner joint has no acceleration
+    dx = bx - d.scratch.applied_force.x[joint] - w2 * (axx * lx + axy * ly)
+    dy = by - d.scratch.applied_force.y[joint] - w2 * (axy * lx + ayy * ly)
     hx, hy, about_joint = hinge_inertia(link, axx, axy, ayy)
     return eliminate_link(d, i, w2, link, hx, hy, 1.0 / about_joint, axx, axy, ayy, dx, dy)
 
@@ -101,7 +101,7 @@ def eliminate_end(d, y, i, outward):
     """
     joint, omega = i + 1 if outward else i, y[omega_at(d.link_count) + i]
     link = _, _, sx, sy, inertia = arm_of_link(d, d.scratch.link_vector, i, outward)
-    dx, dy = -d.scratch.load.x[joint], -d.scratch.load.y[joint]
+    dx, dy = -d.scratch.applied_force.x[joint], -d.scratch.applied_force.y[joint]
     w2 = omega * omega
     return eliminate_link(d, i, w2, link, -sy, sx, 1.0 / inertia, 0.0, 0.0, 0.0, dx, dy)
 
@@ -118,7 +118,7 @@ def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
     # the moment about the inner joint without accelerations: h₀ = L⊥·d − m r_C⊥·g − τ
     h0 = (lx * dy - ly * dx) + (sy * gx - sx * gy - d.scratch.moment[i])
     if d.site_count > 0:
-        h0 -= d.scratch.load.link[i]
+        h0 -= d.scratch.applied_force.link[i]
     kx, ky = hx * inverse, hy * inverse
     elimination = d.scratch.elimination
     elimination.gain_x[i] = kx
@@ -153,16 +153,16 @@ def accelerate_link(d, y, i, outward, ax, ay, rate):
 
 
 def solve_accelerations(d, y, rate):
-    """Solve the equations of motion for the accelerations under the loads in the record.
+    """Solve the equations of motion for the accelerations under the applied forces in the record.
 
     Args:
-        d: the instance; reads ``scratch.link_vector`` (L_i) [m], ``scratch.load`` (external force on each
+        d: the instance; reads ``scratch.link_vector`` (L_i) [m], ``scratch.applied_force`` (force on each
             point 0…N [N] and moment on each link [N·m]), ``scratch.moment`` (net joint torque on each link)
             [N·m] and, with a slider, ``scratch.thrust`` (force of its drive) [N].
         y: state, of which the angular velocities ω_i [rad/s] are read.
         rate: result: the accelerations of the base [m/s²], which are zero if the base is pinned or moved by
             inputs, and of the links [rad/s²]. The function also stores the factors that ``copy_factors``
-            needs for the response to other loads.
+            needs for the response to other forces.
     """
     # for a chain with a base joint ``middle`` is a constant, so the compiled code of this call is faster
     if d.chain.has_base_joint:
@@ -193,19 +193,20 @@ def solve_along_arms(d, y, rate, middle):
     # the base is the middle joint: a = 0 at a pinned base, and a is along the line on a slider
     ax, ay = 0.0, 0.0
     if d.slides:
-        # the slider's equation of motion (slider.py): a = s̈ u, (u·A u + m) s̈ = F + u·(load + m g − b), with
+        # the slider's equation of motion (slider.py): a = s̈ u, (u·A u + m) s̈ = F + u·(f + m g − b), with
         # the direction u, the coordinate s, the carriage's mass m, gravity g, the force F of the drive, the
-        # load on the base, which contains dry friction, and A a + b, the force that the chain needs
+        # applied force f on the base, which contains dry friction, and A a + b, the force that the chain
+        # needs
         ux, uy, m = d.slider.ux, d.slider.uy, d.slider.mass
         elimination = d.scratch.elimination
         elimination.middle_xx, elimination.middle_xy, elimination.middle_yy = axx, axy, ayy
-        push_x = d.scratch.load.x[0] + m * d.chain.gravity[0] - bx
-        push_y = d.scratch.load.y[0] + m * d.chain.gravity[1] - by
+        push_x = d.scratch.applied_force.x[0] + m * d.chain.gravity[0] - bx
+        push_y = d.scratch.applied_force.y[0] + m * d.chain.gravity[1] - by
         along = (d.scratch.thrust + ux * push_x + uy * push_y) / inertia_along(d, axx, axy, ayy)
         ax, ay = along * ux, along * uy
     elif middle > 0 or not d.chain.has_base_joint:
         axx, axy, ayy = axx + cxx, axy + cxy, ayy + cyy
-        bx, by = bx + dx - d.scratch.load.x[middle], by + dy - d.scratch.load.y[middle]
+        bx, by = bx + dx - d.scratch.applied_force.x[middle], by + dy - d.scratch.applied_force.y[middle]
         determinant = axx * ayy - axy * axy
         ax = (axy * by - ayy * bx) / determinant
         ay = (axy * bx - axx * by) / determinant

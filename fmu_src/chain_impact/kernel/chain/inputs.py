@@ -44,7 +44,7 @@ UNEXPLAINED_DISPLACEMENT = 1e-9
 ACCELERATION_ROUND_OFF = 1e-14
 # A cubic motion that lasts a time h counts as fast as a sine of the angular frequency CUBIC_CHANGE/h [rad/s],
 # which is stored as `change_rate`. The value is small, because a cubic has no sixth derivative, to which the
-# error of a step's interpolant is proportional (events/exclusion.py).
+# error of a step's interpolant is proportional (events/event_exclusion.py).
 CUBIC_CHANGE = 0.5
 # the largest distance, relative to the time at the end of the last step, at which this end counts as equal to
 # another time: the end of a segment of a signal, or the communication point at which a piece of the inputs

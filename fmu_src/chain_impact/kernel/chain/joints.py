@@ -24,15 +24,20 @@ carriage without mass, makes the bound infinite.
 import math
 
 from chain_impact.kernel.chain.drives import (
+    apply_drive_force,
     armature_of_drive,
     drive_component,
     drive_count,
     drive_slopes,
-    load_drive,
     slopes_below_limit,
 )
 from chain_impact.kernel.chain.kinematics import clear_joints, clear_vectors, set_link_vectors
-from chain_impact.kernel.chain.response import FREE, clear_impedance, factorize_matrix, solve_response
+from chain_impact.kernel.chain.mass_matrix_solver import (
+    FREE,
+    clear_impedance,
+    factorize_matrix,
+    solve_response,
+)
 from chain_impact.kernel.chain.sites import clear_link_moments
 
 
@@ -44,28 +49,28 @@ def joint_rate_bound(d):
         if i + 1 < d.link_count:
             outer = slopes_below_limit(d, i + 1)
             c, k = c + outer[0], k + outer[1]
-        damping = max(damping, rate_from_resistance(2.0 * c, d.chain.inertia[i]))
-        stiffness = max(stiffness, rate_from_resistance(2.0 * k, d.chain.inertia[i]))
+        damping = max(damping, divide_by_inertia(2.0 * c, d.chain.inertia[i]))
+        stiffness = max(stiffness, divide_by_inertia(2.0 * k, d.chain.inertia[i]))
     if d.slides:
         c, k = slopes_below_limit(d, d.link_count)
-        damping = max(damping, rate_from_resistance(c, d.slider.mass))
-        stiffness = max(stiffness, rate_from_resistance(k, d.slider.mass))
+        damping = max(damping, divide_by_inertia(c, d.slider.mass))
+        stiffness = max(stiffness, divide_by_inertia(k, d.slider.mass))
     return damping + math.sqrt(stiffness)
 
 
-def rate_from_resistance(resistance, inertia):
-    """Return ``resistance``/``inertia`` for two numbers ≥ 0; here 0/0 is 0, and x/0 is ∞ for x > 0."""
+def divide_by_inertia(number, inertia):
+    """Return ``number``/``inertia`` of two numbers ≥ 0; here 0/0 is 0, and a number > 0 divided by 0 is ∞."""
     if inertia > 0.0:
-        return resistance / inertia
-    return math.inf if resistance > 0.0 else 0.0
+        return number / inertia
+    return math.inf if number > 0.0 else 0.0
 
 
 def largest_joint_rate(d, y):
     """Return the largest rate [1/s] that one damper (ρ_i) or one spring (ω_i) causes in state y.
 
     ρ_i = c_i χ_iᵀ M⁻¹ χ_i and ω_i² = k_i χ_iᵀ M⁻¹ χ_i are defined at the head of this module; a drive at its
-    limit does not count. Afterwards the link vectors are those of y, and the loads, impedances and factors in
-    the scratch memory are overwritten.
+    limit does not count. Afterwards the link vectors are those of y, and the applied forces, the impedances
+    and the slot FREE of the factors in ``scratch`` are overwritten.
     """
     set_link_vectors(d, y)
     scratch, fastest = d.scratch, 0.0
@@ -73,15 +78,15 @@ def largest_joint_rate(d, y):
     for i in range(d.link_count):
         scratch.impedance.joint[i] = armature_of_drive(d, i)
     factorize_matrix(d, scratch.link_vector, scratch, FREE, True)
-    clear_vectors(d, scratch.load)
-    clear_joints(scratch.load)
-    clear_link_moments(d, scratch.load)
+    clear_vectors(d, scratch.applied_force)
+    clear_joints(scratch.applied_force)
+    clear_link_moments(d, scratch.applied_force)
     for i in range(drive_count(d)):
         c, k = drive_slopes(d, i)
         if c > 0.0 or k > 0.0:
-            load_drive(d, scratch.load, i, 1.0)
+            apply_drive_force(d, scratch.applied_force, i, 1.0)
             solve_response(d, scratch.link_vector, scratch, FREE, scratch.change)
-            load_drive(d, scratch.load, i, 0.0)
+            apply_drive_force(d, scratch.applied_force, i, 0.0)
             # χ_iᵀ M⁻¹ χ_i, the change of the rate of the drive's coordinate by a unit impulse along it
             mobility = drive_component(d, scratch.change, 0, i)
             fastest = max(fastest, c * mobility, math.sqrt(k * mobility))

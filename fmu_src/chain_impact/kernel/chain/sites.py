@@ -96,34 +96,34 @@ def clear_sites(d, vectors):
 
 
 def has_link_moments(d):
-    """Return whether loads may include moments on links; else these moments are not read.
+    """Return whether applied forces may include moments on links; else these moments are not read.
 
     Forces at sites, and forces on centres of mass beside the lines of links, cause such moments.
     """
     return d.site_count > 0 or d.skewed != 0
 
 
-def clear_link_moments(d, load):
-    """Set the moments on all links in ``load`` to zero, if the scene can have any (``has_link_moments``).
+def clear_link_moments(d, applied_force):
+    """Set the moments on links in ``applied_force`` to zero, if the scene may have any.
 
     The torques of drives are not among these moments: they are in ``scratch.moment``.
     """
     for i in range(d.link_count if has_link_moments(d) else 0):
-        load.link[i] = 0.0
+        applied_force.link[i] = 0.0
 
 
-def move_site_loads(d, link_vectors, load):
+def move_site_forces(d, link_vectors, applied_force):
     """Replace the force at each site by an equal force at its link's proximal joint and a moment on the link.
 
     The moments on all links are first set to zero (``clear_link_moments``). Afterwards the forces at the
-    sites in ``load`` are zero.
+    sites in ``applied_force`` are zero.
     """
-    clear_link_moments(d, load)
+    clear_link_moments(d, applied_force)
     for s in range(d.site_count):
         i, k = d.site.link[s], site_place(d, s)
         rx, ry = site_arm(d, link_vectors, s)
-        load.x[i] += load.x[k]
-        load.y[i] += load.y[k]
+        applied_force.x[i] += applied_force.x[k]
+        applied_force.y[i] += applied_force.y[k]
         # the moment r⊥·F of the force F at the arm r
-        load.link[i] += rx * load.y[k] - ry * load.x[k]
-        load.x[k], load.y[k] = 0.0, 0.0
+        applied_force.link[i] += rx * applied_force.y[k] - ry * applied_force.x[k]
+        applied_force.x[k], applied_force.y[k] = 0.0, 0.0

@@ -6,8 +6,8 @@ Along the line the equation of motion is
 
     a = s̈ u,   (u·A u + m) s̈ = F + u·(f + m g − b),
 
-with m the mass of the carriage, g gravity, f the load on the base, and F the force of the slider's drive
-(drives.py). The line carries any force across it. Dry friction of the slider is an element
+with m the mass of the carriage, g gravity, f the applied force on the base, and F the force of the slider's
+drive (drives.py). The line carries any force across it. Dry friction of the slider is an element
 (forces/friction.py). The slider's stops, if any, are candidates, which the base touches
 (constraints/geometry.py).
 """

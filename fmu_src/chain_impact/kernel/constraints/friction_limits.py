@@ -29,9 +29,9 @@ Comput Stat 10:129).
 
 import math
 
-from chain_impact.kernel.chain.response import FREE, HELD
+from chain_impact.kernel.chain.mass_matrix_solver import FREE, HELD
 from chain_impact.kernel.constraints.complementarity import EXTRA_PIVOTS
-from chain_impact.kernel.constraints.compliance import (
+from chain_impact.kernel.constraints.constraint_response import (
     STICKING_ITERATIONS,
     factorize_contacts,
     holding_impedance,

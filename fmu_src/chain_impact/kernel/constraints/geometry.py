@@ -219,7 +219,7 @@ def dot(row, vectors):
 
 
 def add_along_row(row, vectors, amount):
-    """Add a force or impulse ``amount`` along a row to the load of the row's place in ``vectors``."""
+    """Add a force or impulse ``amount`` along a row to the vector of the row's place in ``vectors``."""
     place, nx, ny = row
     vectors.x[place] += nx * amount
     vectors.y[place] += ny * amount
@@ -281,19 +281,19 @@ def constraint_acceleration(d, k):
     return tangential_acceleration(d, d.friction_element.stuck_index[k - d.contacts.active_count])
 
 
-def add_joint_loads(d, load):
-    """Add the moment of the load at each joint's place to the moment in this joint.
+def add_forces_at_joint_places(d, applied_force):
+    """Add the moment of the applied force at each joint's place to the moment in this joint.
 
     The place of a joint is no point of the chain: its coordinate x is the joint's angle times a lever arm,
     the longest link, so a force at the place is a moment at this lever arm.
     """
     if d.chain.has_joint_places:
         for i in range(d.link_count):
-            load.joint[i] += d.chain.longest_link * load.x[joint_place(d, i)]
+            applied_force.joint[i] += d.chain.longest_link * applied_force.x[joint_place(d, i)]
 
 
 def add_joint_impedances(d, impedance):
-    """Add to each joint's impedance its rotor's inertia, and the impedance of stop and drive × lever arm²."""
+    """Add to each joint's impedance its rotor's inertia, and the impedance at its place × lever arm²."""
     if d.chain.has_joint_places or d.chain.has_armatures:
         square = d.chain.longest_link * d.chain.longest_link
         for i in range(d.link_count):
@@ -302,11 +302,11 @@ def add_joint_impedances(d, impedance):
                 impedance.joint[i] += square * impedance.xx[joint_place(d, i)]
 
 
-def clear_used_loads(d, load):
-    """Set ``load`` to zero at all places and, if joints can resist (``joints_resist``), in all joints."""
-    clear_vectors(d, load)
+def clear_used_forces(d, applied_force):
+    """Set ``applied_force`` to zero at all places in use and, if ``joints_resist`` is true, in joints."""
+    clear_vectors(d, applied_force)
     if joints_resist(d):
-        clear_joints(load)
+        clear_joints(applied_force)
 
 
 def largest_velocity(d):

@@ -27,8 +27,8 @@ depended on the residual, forces would jump within a step by a part of the resid
 
 import math
 
-from chain_impact.kernel.chain.response import FREE, HELD
-from chain_impact.kernel.constraints.compliance import (
+from chain_impact.kernel.chain.mass_matrix_solver import FREE, HELD
+from chain_impact.kernel.constraints.constraint_response import (
     RELATIVE_IMPEDANCE,
     STICKING_ITERATIONS,
     factorize_contacts,
@@ -40,7 +40,7 @@ from chain_impact.kernel.constraints.compliance import (
 )
 from chain_impact.kernel.constraints.geometry import (
     add_along_row,
-    clear_used_loads,
+    clear_used_forces,
     constraint_count,
     constraint_row,
     dot,
@@ -91,13 +91,13 @@ SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3
 
 
 def set_impedance(d, amount):
-    """Set the impedance [kg] of each constraint: ``amount`` in the active set, else ``resistance``.
+    """Set the impedance [kg] of each constraint: ``amount`` in the active set, else ``added_mass``.
 
     Each sticking element gets a part of ``amount`` (``scale_sticking_impedances``).
     """
     constraints = d.constraints
     for k in range(constraint_count(d)):
-        constraints.impedance[k] = amount if constraints.in_active_set[k] else constraints.resistance[k]
+        constraints.impedance[k] = amount if constraints.in_active_set[k] else constraints.added_mass[k]
     if amount > 0.0 and has_sticking(d):
         scale_sticking_impedances(d)
 
@@ -128,7 +128,7 @@ def set_single_solution_impedances(d):
 
 
 def factorize_free(d):
-    """Factorize M, with the resistances of contacts with a force law, for motions without constraints."""
+    """Factorize M, plus ``added_mass`` of each contact, into slot FREE, for motions without constraints."""
     set_impedance(d, 0.0)
     factorize_contacts(d, FREE, d.constraints.impedance)
 
@@ -232,8 +232,8 @@ def single_active(d):
 def solve_single(d, single):
     """Solve the equality problem for constraint ``single``; return False if a mobility is too small."""
     constraints, motion = d.constraints, d.scratch.place_change
-    clear_used_loads(d, d.scratch.load)
-    add_along_row(constraint_row(d, single), d.scratch.load, 1.0)
+    clear_used_forces(d, d.scratch.applied_force)
+    add_along_row(constraint_row(d, single), d.scratch.applied_force, 1.0)
     solve_in_space(d, d.scratch.link_vector, d.scratch, FREE, constraints.change)
     mobility = dot(constraint_row(d, single), motion)
     if single >= d.contacts.active_count:

@@ -13,7 +13,7 @@ from chain_impact.kernel.cost import count_other_cost, is_cost_exceeded
 from chain_impact.kernel.events.crossing import prescribed_bounds
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.mathematics.root_search import MOST_GUESSES
-from chain_impact.kernel.ode.dense import fraction_at_time
+from chain_impact.kernel.ode.dense_output import fraction_at_time
 from chain_impact.kernel.ode.last_step import ensure_dense, truncate_step
 from chain_impact.kernel.record.constants import SOLVER_READER
 from chain_impact.kernel.status import BASE_BEYOND_WALL, BASE_PART, OK, refuse_part

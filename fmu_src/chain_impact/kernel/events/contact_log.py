@@ -21,7 +21,7 @@ from chain_impact.kernel.forces.active_contacts import (
     set_contact_extremes,
     set_start_rates,
 )
-from chain_impact.kernel.ode.dense import (
+from chain_impact.kernel.ode.dense_output import (
     commit_quadratures,
     event_fraction,
     fraction_at_time,

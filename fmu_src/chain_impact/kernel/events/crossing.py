@@ -1,10 +1,11 @@
 """The first time in a step at which a function of the motion falls through zero, by bounds or by samples.
 
 The search by bounds is for a function φ of each candidate. Without contact, φ is the clearance g. In contact,
-φ is the penetration, u (record/state.py) of the regularized contact, or infinite at a rigid wall. φ′
-and φ″ are derivatives of φ in the integration variable of the step, and θ is a fraction of the step. The zero
-of φ is located on the dense output of the step. A suspect is a candidate that the search examines: after an
-implicit step each candidate, else a candidate of which the test in exclusion.py does not exclude an event.
+φ is the penetration, u (record/state.py) of the regularized contact, or infinite at a rigid wall. φ′ and φ″
+are derivatives of φ in the integration variable of the step, and θ is a fraction of the step. The zero of φ
+is located on the dense output of the step. A suspect is a candidate that the search examines: after an
+implicit step each candidate, else a candidate of which the test in event_exclusion.py does not exclude an
+event.
 
 If only the signs of φ at both ends of a step were compared, a point that dips into a wall and returns would
 be missed. So a bound |φ″| ≤ A over an interval of width w is used. By this bound, φ stays above its chord
@@ -20,11 +21,11 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.sites import site_of_point
 from chain_impact.kernel.constraints.geometry import is_at_joint_stop, is_at_wall, normal_row
 from chain_impact.kernel.cost import count_other_cost, is_cost_exceeded
-from chain_impact.kernel.events.exclusion import begin_next_interval, set_clearance, sundman_u_now
+from chain_impact.kernel.events.event_exclusion import begin_next_interval, set_clearance, sundman_u_now
 from chain_impact.kernel.events.marks import mark_contact_event
 from chain_impact.kernel.mathematics.root_search import MOST_GUESSES, next_guess
 from chain_impact.kernel.ode.collocation import bound_curvatures
-from chain_impact.kernel.ode.dense import interpolate_state, rate_bounds, rate_bounds_along
+from chain_impact.kernel.ode.dense_output import interpolate_state, rate_bounds, rate_bounds_along
 from chain_impact.kernel.ode.last_step import ensure_dense
 from chain_impact.kernel.record.constants import (
     CONTACT_ENDS,

@@ -36,13 +36,13 @@ from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.events.crossing import SIMULTANEOUS_TIME, locate_at_fraction, make_passage_search
-from chain_impact.kernel.events.exclusion import RELATCH_RATIO, is_nearly_fast
+from chain_impact.kernel.events.event_exclusion import RELATCH_RATIO, is_nearly_fast
 from chain_impact.kernel.events.marks import drop_events, mark_contact_event, mark_saturation
 from chain_impact.kernel.forces.active_contacts import kink_height
 from chain_impact.kernel.forces.force_formula import note_crossing
 from chain_impact.kernel.forces.holding import least_impulse, project_state
-from chain_impact.kernel.ode.control import is_accepted, reject_step
-from chain_impact.kernel.ode.dense import interpolate_state
+from chain_impact.kernel.ode.dense_output import interpolate_state
+from chain_impact.kernel.ode.step_control import is_accepted, reject_step
 from chain_impact.kernel.record.constants import (
     CHECK_FAILED,
     KINK,

@@ -14,7 +14,7 @@ from chain_impact.kernel.constraints.impulses import any_point_held
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.contact_log import end_contact
-from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.event_exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.friction_modes import choose_friction_modes, restart_friction_modes
 from chain_impact.kernel.events.impacts import (
     end_changed_contacts,
@@ -26,7 +26,7 @@ from chain_impact.kernel.events.marks import count_mode_changes, mark_contact_ev
 from chain_impact.kernel.events.saturation import choose_saturation
 from chain_impact.kernel.forces.active_contacts import (
     begin_force_contact,
-    clear_loads,
+    clear_applied_forces,
     cross_kink,
     expect_peaks,
     list_active_contacts,
@@ -34,7 +34,7 @@ from chain_impact.kernel.forces.active_contacts import (
     set_kink_sides,
 )
 from chain_impact.kernel.forces.force_formula import force_may_jump
-from chain_impact.kernel.ode import control
+from chain_impact.kernel.ode import step_control
 from chain_impact.kernel.ode.last_step import reset_step
 from chain_impact.kernel.ode.methods import begin_flight, begin_impact
 from chain_impact.kernel.record.constants import (
@@ -111,7 +111,7 @@ def apply_events(d):
         count_evaluations(d, 1)
     had_forces = contacts.compliant_count > 0
     if not had_forces:
-        control.store_flight_size(d)
+        step_control.store_flight_size(d)
     for c in range(d.candidate_count):
         kind = contacts.event[c]
         if d.law.impulsive[c]:
@@ -136,7 +136,7 @@ def apply_events(d):
         if had_forces:
             # the proposed size suits the contact with a force that has just ended, but not the flight after
             # the contact
-            control.propose_flight_size(d)
+            step_control.propose_flight_size(d)
         begin_flight(d)
     else:
         choose_next_size(d, onset, keeps_size)
@@ -183,17 +183,19 @@ def choose_next_size(d, onset, keeps_size):
         keeps_size: whether the proposed size stays valid while contacts last; not used if ``onset`` ≥ 0.
     """
     if d.contacts.active_count == 0:
-        clear_loads(d)
-        control.propose_flight_size(d)
-        control.limit_next_size(d, control.size_in_flight(d, d.step.state_end, d.scratch.rate_start))
+        clear_applied_forces(d)
+        step_control.propose_flight_size(d)
+        step_control.limit_next_size(
+            d, step_control.size_in_flight(d, d.step.state_end, d.scratch.rate_start)
+        )
         begin_flight(d)
     elif onset >= 0 or not (keeps_size or is_implicit(d)):
         c = onset if onset >= 0 else d.contacts.active_index[0]
-        control.propose_size(d, control.size_at_onset(d, c, EXPLICIT))
+        step_control.propose_size(d, step_control.size_at_onset(d, c, EXPLICIT))
     if onset >= 0:
         begin_impact(d, onset)
         if not is_implicit(d) and d.contacts.active_count > 1:
-            control.limit_next_size(d, control.size_at_second_onset(d, onset))
+            step_control.limit_next_size(d, step_control.size_at_second_onset(d, onset))
 
 
 def force_has_kink(d):

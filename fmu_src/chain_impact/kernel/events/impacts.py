@@ -26,9 +26,9 @@ that the impulses leave. If the impulses turn the point back, the contact does n
 import math
 
 from chain_impact.kernel.chain.kinematics import locate_points, locate_points_now
-from chain_impact.kernel.chain.response import copy_factors
+from chain_impact.kernel.chain.mass_matrix_solver import copy_factors
 from chain_impact.kernel.constraints.complementarity import solve_lcp
-from chain_impact.kernel.constraints.compliance import are_joints_loaded, mean_mass
+from chain_impact.kernel.constraints.constraint_response import joints_add_terms, mean_mass
 from chain_impact.kernel.constraints.geometry import (
     clearance_and_rate,
     coordinate_sum,
@@ -50,7 +50,7 @@ from chain_impact.kernel.events.friction_modes import choose_friction_modes
 from chain_impact.kernel.events.marks import drop_contact_events, mark_contact_event
 from chain_impact.kernel.forces.active_contacts import (
     begin_force_contact,
-    clear_loads,
+    clear_applied_forces,
     deactivate_candidate,
     join_impact,
     latch_onset,
@@ -69,7 +69,7 @@ from chain_impact.kernel.forces.holding import (
     solve_positions,
     work_of_impulses,
 )
-from chain_impact.kernel.ode.dense import add_impulses_of_impact
+from chain_impact.kernel.ode.dense_output import add_impulses_of_impact
 from chain_impact.kernel.ode.last_step import count_dissipated, count_supplied
 from chain_impact.kernel.record.constants import NEIGHBOUR, ONSET, RELEASE
 from chain_impact.kernel.record.state import velocity_at
@@ -125,7 +125,7 @@ def handle_impact(d):
         if d.friction.is_present:
             choose_friction_modes(d, True)
     update_active_set(d)
-    clear_loads(d)
+    clear_applied_forces(d)
     return onset
 
 
@@ -322,7 +322,7 @@ def update_active_set(d):
         end_unstopped_contacts(d)
         rate = d.scratch.rate
         free_rate_from_inputs(d, state, rate)
-        copy_factors(d, are_joints_loaded(d))
+        copy_factors(d, joints_add_terms(d))
         scale = set_unforced_to_accelerations(d, state, rate)
         activate_all(d)
         for k in range(contacts.compliant_count, contacts.active_count):

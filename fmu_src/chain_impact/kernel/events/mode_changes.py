@@ -4,7 +4,7 @@ An element that slides stops where its speed in the direction of sliding falls b
 sticks begins to slide where the friction force exceeds its limit.
 """
 
-from chain_impact.kernel.constraints.compliance import mean_mass
+from chain_impact.kernel.constraints.constraint_response import mean_mass
 from chain_impact.kernel.constraints.geometry import tangential_rate
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state

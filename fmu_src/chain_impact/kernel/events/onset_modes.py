@@ -6,12 +6,12 @@ prevent sliding is proportional to F, with a factor that follows from the chain'
 T is at most µ_s F. Otherwise it slides in the direction against which T would act.
 """
 
-from chain_impact.kernel.constraints.geometry import add_along_row, clear_used_loads, normal_row
+from chain_impact.kernel.constraints.geometry import add_along_row, clear_used_forces, normal_row
 from chain_impact.kernel.constraints.impulses import activate_all, solve_equality
 from chain_impact.kernel.cost import count_other_cost
 from chain_impact.kernel.forces.force_formula import law_force
 from chain_impact.kernel.forces.friction import list_sticking, set_friction_mode, sliding_sign
-from chain_impact.kernel.forces.holding import set_unforced_to_load_motion
+from chain_impact.kernel.forces.holding import set_unforced_to_motion_by_forces
 from chain_impact.kernel.record.constants import STICKS
 
 # [s] The tangential force that would prevent sliding and the limit of static friction are compared
@@ -36,12 +36,12 @@ def decide_onsets(d):
     if open_ones == 0:
         return
     list_sticking(d)
-    clear_used_loads(d, d.scratch.load)
+    clear_used_forces(d, d.scratch.applied_force)
     for k in range(d.contacts.compliant_count):
         c = d.contacts.active_index[k]
         if begins_now(d, c):
-            add_along_row(normal_row(d, c), d.scratch.load, force_after_onset(d, c))
-    scale = set_unforced_to_load_motion(d)
+            add_along_row(normal_row(d, c), d.scratch.applied_force, force_after_onset(d, c))
+    scale = set_unforced_to_motion_by_forces(d)
     activate_all(d)
     solve_equality(d, scale)
     count_other_cost(d, 1)

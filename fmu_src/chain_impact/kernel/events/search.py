@@ -1,8 +1,9 @@
 """The search of a step for the earliest event.
 
-For most steps a test of the states and rates at both ends excludes events of contacts (exclusion.py), and no
-dense output is needed. In the other steps the first crossing of a clearance is located, and then other kinds
-of events are searched for before this crossing. handlers.py and force_events.py describe the kinds of events.
+For most steps a test of the states and rates at both ends excludes events of contacts (event_exclusion.py),
+and no dense output is needed. In the other steps the first crossing of a clearance is located, and then other
+kinds of events are searched for before this crossing. handlers.py and force_events.py describe the kinds of
+events.
 """
 
 import math
@@ -22,7 +23,7 @@ from chain_impact.kernel.events.crossing import (
     locate_at_fraction,
     measure_clearances,
 )
-from chain_impact.kernel.events.exclusion import (
+from chain_impact.kernel.events.event_exclusion import (
     begin_next_interval,
     excludes_events,
     known_clearances,
@@ -32,9 +33,9 @@ from chain_impact.kernel.events.exclusion import (
 from chain_impact.kernel.events.force_events import find_kink, find_relatch, find_release, find_saturation
 from chain_impact.kernel.events.marks import count_mode_changes, mark_contact_event
 from chain_impact.kernel.events.mode_changes import find_mode_change, margin_is_halved
-from chain_impact.kernel.ode.control import is_accepted, reject_step
-from chain_impact.kernel.ode.dense import interpolate_component, interpolate_state
+from chain_impact.kernel.ode.dense_output import interpolate_component, interpolate_state
 from chain_impact.kernel.ode.last_step import ensure_dense
+from chain_impact.kernel.ode.step_control import is_accepted, reject_step
 from chain_impact.kernel.ode.sundman import time_rate_for_sizes
 from chain_impact.kernel.record.constants import (
     CHECK_FAILED,

@@ -12,7 +12,7 @@ from chain_impact.kernel.equations import energy_balance
 from chain_impact.kernel.events.handlers import restart_contacts_and_modes
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.function_marks import has_dual_rule
-from chain_impact.kernel.ode.dense import commit_quadratures, fraction_at_time
+from chain_impact.kernel.ode.dense_output import commit_quadratures, fraction_at_time
 from chain_impact.kernel.ode.last_step import (
     count_supplied,
     ensure_dense,

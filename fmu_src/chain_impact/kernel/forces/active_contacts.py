@@ -6,10 +6,10 @@ stop, or the angle to a joint's stop times the lever arm. The penetration is δ 
 during compression. An active candidate is in contact.
 """
 
-from chain_impact.kernel.constraints.compliance import effective_mass
+from chain_impact.kernel.constraints.constraint_response import effective_mass
 from chain_impact.kernel.constraints.geometry import (
     add_along_row,
-    clear_used_loads,
+    clear_used_forces,
     clearance_and_rate,
     is_at_joint_stop,
     lever_of_candidate,
@@ -51,26 +51,26 @@ def contact_force(d, c, clearance, clearance_rate):
 
 
 def apply_contact(d, c, clearance, clearance_rate):
-    """Add the force of active candidate c, as a step uses it, to the load at the candidate's place.
+    """Add the force of active candidate c, as a step uses it, to the applied forces.
 
     The arguments are the ``clearance`` [m] and the ``clearance_rate`` [m/s]. The force may continue below 0,
     beyond its kink (``continued_force``). Return the power [W] that the force dissipates.
     """
     force, elastic = continued_force(d, c, max(0.0, -clearance), -clearance_rate)
     store_force(d, c, force)
-    add_along_row(normal_row(d, c), d.scratch.load, force)
+    add_along_row(normal_row(d, c), d.scratch.applied_force, force)
     # the elastic part K δⁿ of the force F stores energy; the other part, F − K δⁿ, dissipates the power
     # (F − K δⁿ) δ̇, with the stiffness K and the penetration δ
     return (elastic - force) * clearance_rate
 
 
 def apply_true_contact(d, c, clearance, clearance_rate):
-    """Add the true force of active candidate c, which never pulls, to the load at the candidate's place.
+    """Add the true force of active candidate c, which never pulls, to the applied forces.
 
     The arguments are those of ``apply_contact``. Return 0, because nobody needs the power of this force.
     """
     store_force(d, c, contact_force(d, c, clearance, clearance_rate))
-    add_along_row(normal_row(d, c), d.scratch.load, d.contacts.force[c])
+    add_along_row(normal_row(d, c), d.scratch.applied_force, d.contacts.force[c])
     return 0.0
 
 
@@ -79,28 +79,29 @@ def store_force(d, c, force):
     d.contacts.force[c] = force
 
 
-def clear_loads(d):
-    """Set the loads at all places and in the joints to zero, but the load at the tip to the input force."""
-    clear_used_loads(d, d.scratch.load)
+def clear_applied_forces(d):
+    """Set the applied forces at places and in joints to zero, but the force at the tip to the input force."""
+    clear_used_forces(d, d.scratch.applied_force)
     tip = d.link_count
-    d.scratch.load.x[tip] = d.inputs.tip_force[0]
-    d.scratch.load.y[tip] = d.inputs.tip_force[1]
+    d.scratch.applied_force.x[tip] = d.inputs.tip_force[0]
+    d.scratch.applied_force.y[tip] = d.inputs.tip_force[1]
 
 
-def make_load_setter(add_force):
-    """Return a function (d) that sets the loads to the input force at the tip, contact forces and friction.
+def make_force_setter(add_force):
+    """Return a function (d) that sets the applied forces: the input force, contact forces and friction.
 
-    The loads get the forces of contacts with a force law, and the sliding friction of these contacts, of
-    joints and of the slider; earlier loads are cleared. The points must be located. The function returns the
-    power [W] that the contact forces, as far as ``add_force`` returns it, and the sliding friction dissipate.
+    The applied forces are the input force at the tip, the forces of contacts with a force law, and the
+    sliding friction of these contacts, of joints and of the slider; earlier forces are cleared. The points
+    must be located. The function returns the power [W] that the contact forces, as far as ``add_force``
+    returns it, and the sliding friction dissipate.
 
     Args:
-        add_force: function (d, c, clearance, clearance_rate) that adds the force of candidate c to the load
-            at the candidate's place, and returns the power [W] that this force dissipates.
+        add_force: function (d, c, clearance, clearance_rate) that adds the force of candidate c to the
+            applied forces, and returns the power [W] that this force dissipates.
     """
 
-    def set_loads(d):
-        clear_loads(d)
+    def set_forces(d):
+        clear_applied_forces(d)
         dissipated = 0.0
         for k in range(d.contacts.compliant_count):
             c = d.contacts.active_index[k]
@@ -108,10 +109,10 @@ def make_load_setter(add_force):
             dissipated += add_force(d, c, clearance, clearance_rate)
         return dissipated + apply_friction(d) if d.friction.active_count > 0 else dissipated
 
-    return set_loads
+    return set_forces
 
 
-set_loads_of_step, set_true_loads = make_load_setter(apply_contact), make_load_setter(apply_true_contact)
+set_forces_of_step, set_true_forces = make_force_setter(apply_contact), make_force_setter(apply_true_contact)
 
 
 def contact_slopes(d, c):
@@ -140,9 +141,9 @@ def touching_position(d, c):
 def latch_onset(d, c):
     """Make candidate c active at its onset, for the located points, and count the impact.
 
-    The function latches the speed v₀, the effective mass, the expected penetration and the damping of
-    the contact. Later, ``relatch_speed`` or a new law can change these values, except the effective
-    mass.
+    The function latches the speed v₀, the effective mass, the expected penetration and the damping of the
+    contact. Later, ``relatch_speed`` or a new law can change these values, except the effective mass. The
+    function also clears the contact's peaks, and stores the onset in ``contacts`` and ``impact``.
     """
     _, clearance_rate = clearance_and_rate(d, c)
     contacts = d.contacts

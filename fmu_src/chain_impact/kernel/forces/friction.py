@@ -172,7 +172,7 @@ def begin_friction(d, c):
     set_friction_mode(d, c, STICKS if speed == 0.0 else (1 if speed > 0.0 else -1))
 
 
-def friction_load(d, c):
+def normal_force_for_friction(d, c):
     """Return the normal force [N] of candidate c that determines its friction.
 
     A step continues the contact force, and so the friction, smoothly beyond the kink of the force
@@ -185,7 +185,7 @@ def friction_load(d, c):
 
 
 def apply_friction(d):
-    """Add the sliding friction of contacts with a force law, joints and slider to the loads.
+    """Add the sliding friction of contacts with a force law, joints and slider to the applied forces.
 
     The friction of a sticking element is not added: it is a constraint force, which is computed later. The
     function also sets the limits of static friction at contacts. It returns the power [W] that sliding
@@ -198,7 +198,7 @@ def apply_friction(d):
         # for a joint and the slider the limits of static and of sliding friction are equal
         sliding = d.friction_element.friction_limit[e]
         if e < d.candidate_count:
-            normal = friction_load(d, e)
+            normal = normal_force_for_friction(d, e)
             d.friction_element.friction_limit[e] = d.law.static_friction[e] * normal
             sliding = d.law.friction[e] * normal
         if d.friction_element.mode[e] != STICKS:
@@ -207,7 +207,7 @@ def apply_friction(d):
 
 
 def apply_sliding_friction(d, e, amount):
-    """Add friction of the ``amount`` [N] to the loads, against the sliding of element e.
+    """Add friction of the ``amount`` [N] to the applied forces, against the sliding of element e.
 
     Return the power [W] that the friction dissipates.
     """
@@ -215,7 +215,7 @@ def apply_sliding_friction(d, e, amount):
     speed = tangential_rate(d, e)
     d.friction_element.force[e] = -sign * amount
     d.friction_element.margin[e] = min(d.friction_element.margin[e], sign * speed)
-    add_along_row(tangent_row(d, e), d.scratch.load, d.friction_element.force[e])
+    add_along_row(tangent_row(d, e), d.scratch.applied_force, d.friction_element.force[e])
     # the power −F_t v_t that friction dissipates, with the friction force F_t and the speed v_t along t
     return sign * amount * speed
 

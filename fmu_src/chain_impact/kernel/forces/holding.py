@@ -15,9 +15,9 @@ from chain_impact.kernel.chain.kinematics import (
     move_points,
     vector_at_center_of_mass,
 )
-from chain_impact.kernel.chain.response import FREE, copy_factors
+from chain_impact.kernel.chain.mass_matrix_solver import FREE, copy_factors
 from chain_impact.kernel.constraints.complementarity import solve_lcp
-from chain_impact.kernel.constraints.compliance import are_joints_loaded, mean_mass, solve_in_space
+from chain_impact.kernel.constraints.constraint_response import joints_add_terms, mean_mass, solve_in_space
 from chain_impact.kernel.constraints.geometry import (
     clearance_and_rate,
     constraint_acceleration,
@@ -67,9 +67,9 @@ LARGEST_CORRECTION = 10.0
 # The largest part of the largest residual that a projection may leave if only sticking elements, and no
 # points at rigid walls, are constraints. A projection that would leave more is not done.
 LARGEST_REMAINING_RESIDUAL = 0.5
-# The impedance, relative to the mean mass of a link, with which contacts with a force law resist a projection
-# of sticking elements: a change of their clearance at a stiff wall would act as an impact.
-CONTACT_RESISTANCE = 1e3
+# The mass, relative to the mean mass of a link, with which each contact with a force law resists a projection
+# of sticking elements: a change of the contact's clearance at a stiff wall would act as an impact.
+CONTACT_ADDED_MASS = 1e3
 
 
 def set_unforced_to_positions(d):
@@ -94,10 +94,10 @@ def set_unforced_to_speeds(d):
         constraints.unforced_motion[first + i] = tangential_rate(d, d.friction_element.stuck_index[i])
 
 
-def set_unforced_to_load_motion(d):
-    """Set ``constraints.unforced_motion`` to the motion along each constraint that ``scratch.load`` causes.
+def set_unforced_to_motion_by_forces(d):
+    """Set ``unforced_motion`` to the motion along each constraint that ``scratch.applied_force`` causes.
 
-    If the loads are impulses, the motion is a change of velocity; if the loads are forces, the motion is an
+    If impulses are applied, the motion is a change of velocity; if forces are applied, the motion is an
     acceleration; in both cases it is the motion of the chain without constraints. Return the largest
     component of the motion of any place.
     """
@@ -145,7 +145,7 @@ def add_constraint_forces(d, y, rate):
     (constraints/impulses.py) is recorded, and the step is rejected later.
     """
     constraints = d.constraints
-    copy_factors(d, are_joints_loaded(d))
+    copy_factors(d, joints_add_terms(d))
     scale = set_unforced_to_accelerations(d, y, rate)
     activate_all(d)
     if solve_equality(d, scale) > d.solver.tolerance * scale:
@@ -171,7 +171,7 @@ def project_state(d, y):
     A held contact gets the clearance g = 0 and its rate ġ = 0. A sticking element moves to its anchor along
     its tangent and loses its tangential speed. If the change of coordinates were too large, rigid walls may
     only push points out, or nothing is moved (``solve_positions``). If any element sticks, each contact
-    with a force law resists the projection like a large mass (``contact_resistance``): at a stiff wall, a
+    with a force law resists the projection like a large mass (``contact_added_mass``): at a stiff wall, a
     change of the clearance would act as an impact.
 
     Near a toggle position, or where two points nearly coincide, small errors of ġ may need impulses of any
@@ -184,7 +184,7 @@ def project_state(d, y):
     """
     constraints, energy_index = d.constraints, dissipated_at(d.link_count)
     for k in range(d.contacts.compliant_count if has_sticking(d) else 0):
-        constraints.resistance[k] = contact_resistance(d)
+        constraints.added_mass[k] = contact_added_mass(d)
     # first the positions, then the speeds; a loop, because compiled code would contain two copies otherwise
     for of_speeds in range(2):
         activate_all(d)
@@ -212,8 +212,8 @@ def project_state(d, y):
             constraints.reached_motion[k] * constraints.reached_motion[k]
             - constraints.unforced_motion[k] * constraints.unforced_motion[k]
         )
-        y[energy_index] += 0.5 * constraints.resistance[k] * squares
-        constraints.resistance[k] = 0.0
+        y[energy_index] += 0.5 * constraints.added_mass[k] * squares
+        constraints.added_mass[k] = 0.0
 
 
 def power_of_motion(d, y, rate):
@@ -263,7 +263,7 @@ def work_of_impulses(d):
             _, nx, ny = constraint_row(d, k)
             impulse = constraints.impulse[k]
             if k < d.contacts.compliant_count:
-                impulse -= constraints.resistance[k] * (
+                impulse -= constraints.added_mass[k] * (
                     constraints.reached_motion[k] - constraints.unforced_motion[k]
                 )
             work += impulse * (d.wall_motion.belt_velocity[e] if sticks else d.wall_motion.velocity[e])
@@ -288,12 +288,12 @@ def total_momentum(d, vectors):
 
 
 @has_dual_rule
-def contact_resistance(d):
-    """Return the impedance [kg] with which a contact with a force law resists a projection.
+def contact_added_mass(d):
+    """Return the mass [kg] with which each contact with a force law resists a projection.
 
-    Only a projection with a sticking element uses this impedance.
+    ``project_state`` uses this mass while any element sticks.
     """
-    return CONTACT_RESISTANCE * mean_mass(d)
+    return CONTACT_ADDED_MASS * mean_mass(d)
 
 
 def solve_positions(d):

@@ -2,8 +2,8 @@
 
 The exact motion conserves the energy balance (equations.py), so any change of the balance in a step is an
 error. If the errors of the state in a step are within the tolerance, the balance changes by at most about the
-tolerance times a scale S [J]. S follows from the scales that control.py has for the errors of the components
-of the state. To first order S is
+tolerance times a scale S [J]. S follows from the scales that step_control.py has for the errors of the
+components of the state. To first order S is
 
     S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ k |φ| r + Σ (K δⁿ s_δ + ½ m v₀²)
         + dissipated and supplied energy,
@@ -44,21 +44,14 @@ from chain_impact.kernel.chain.drives import (
     coordinate_sum_of_drive,
     drive_count,
     moment_factor,
-    spring_resistance,
+    spring_tension,
 )
 from chain_impact.kernel.chain.inputs import apply_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.constraints.geometry import clearance_and_rate, coordinate_sum
 from chain_impact.kernel.equations import energy_balance, mechanical_energy, other_energy
 from chain_impact.kernel.forces.force_formula import elastic_force
-from chain_impact.kernel.ode.control import (
-    impact_energy,
-    is_accepted,
-    penetration_scale,
-    reject_step,
-    set_outcome,
-)
-from chain_impact.kernel.ode.dense import interpolate_state
+from chain_impact.kernel.ode.dense_output import interpolate_state
 from chain_impact.kernel.ode.last_step import (
     count_supplied,
     ensure_dense,
@@ -67,6 +60,13 @@ from chain_impact.kernel.ode.last_step import (
     largest_turn,
 )
 from chain_impact.kernel.ode.methods import STABLE_STEP, find_joint_stiffness
+from chain_impact.kernel.ode.step_control import (
+    impact_energy,
+    is_accepted,
+    penetration_scale,
+    reject_step,
+    set_outcome,
+)
 from chain_impact.kernel.record.constants import CHECK_FAILED, SOLVER_READER
 from chain_impact.kernel.record.method import was_implicit
 from chain_impact.kernel.record.state import dissipated_at, supplied_at
@@ -325,8 +325,8 @@ def dissipates_evenly(d, middle):
     """Return whether ``middle`` lies between the dissipated energies at both ends of the last step.
 
     ``middle`` [J] is the dissipated energy in the middle of the step. The result is also true if ``middle``
-    lies outside by at most MIDDLE_CHANGE × STEP_CHANGE × the tolerance × the scale that control.py has for
-    this energy.
+    lies outside by at most MIDDLE_CHANGE × STEP_CHANGE × the tolerance × the scale that step_control.py has
+    for this energy.
     """
     start, end = d.step.state[dissipated_at(d.link_count)], d.step.state_end[dissipated_at(d.link_count)]
     scale = d.chain.energy_scale + abs(end) + impact_energy(d)
@@ -364,7 +364,7 @@ def energy_scales(d, y):
     scale += abs(y[dissipated_at(d.link_count)]) + abs(y[supplied_at(d.link_count)])
     if d.chain.has_springs:
         for i in range(drive_count(d)):
-            force = abs(spring_resistance(d, y, i))
+            force = abs(spring_tension(d, y, i))
             scale += force * moment_factor(d, i)
             summed += force * (coordinate_sum_of_drive(d, y, i) + abs(d.inputs.target[i]))
     for k in range(d.contacts.compliant_count):

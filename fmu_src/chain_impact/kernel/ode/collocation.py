@@ -2,7 +2,7 @@
 
 The step finds the polynomial of degree 5 that starts at z_0 and satisfies ż = f(z) at five nodes. The end of
 this polynomial is the result of the step. The extended state z, its rate f and the linear systems are in
-extended.py; the coefficients, and the iteration for the values at the nodes, are in radau.py.
+extended_state.py; the coefficients, and the iteration for the values at the nodes, are in radau.py.
 
 Two estimates of the error compare rates with polynomials through the rates F_1 to F_5 at the five nodes,
 
@@ -13,8 +13,9 @@ step size, A the Jacobian, and μ the real eigenvalue of radau.py. The order of 
 of E. The quotient |E|²/|E′| is of order 7, closer to the order of the result.
 
 The dense output is the polynomial of degree 5, with an error of order h⁶. The first five basis functions of
-dense.py span all such polynomials that are 0 at the start of the step. The other two are 0 at both ends of
-the step; they move coordinates and rates within the step toward the integrated clearances and their rates.
+dense_output.py span all such polynomials that are 0 at the start of the step. The other two are 0 at both
+ends of the step; they move coordinates and rates within the step toward the integrated clearances and their
+rates.
 """
 
 import math
@@ -25,19 +26,8 @@ from chain_impact.kernel.constraints.impulses import any_constraint
 from chain_impact.kernel.cost import count_evaluations, count_other_cost
 from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.mathematics.powers import power
-from chain_impact.kernel.ode.control import (
-    END_OVERSHOOT,
-    ERROR_ORDER,
-    clear_faded,
-    force_errors,
-    largest_errors,
-    raise_scales,
-    reject_step,
-    set_outcome,
-    set_scales,
-)
-from chain_impact.kernel.ode.dense import BASIS_POWERS, copy_tried_quadratures, interpolate_state
-from chain_impact.kernel.ode.extended import (
+from chain_impact.kernel.ode.dense_output import BASIS_POWERS, copy_tried_quadratures, interpolate_state
+from chain_impact.kernel.ode.extended_state import (
     clearance_at,
     clearance_count,
     extend_start,
@@ -63,6 +53,17 @@ from chain_impact.kernel.ode.radau import (
     lagrange_polynomial,
     shift_of,
     simplified_newton,
+)
+from chain_impact.kernel.ode.step_control import (
+    END_OVERSHOOT,
+    ERROR_ORDER,
+    clear_faded,
+    force_errors,
+    largest_errors,
+    raise_scales,
+    reject_step,
+    set_outcome,
+    set_scales,
 )
 from chain_impact.kernel.record.constants import (
     DIVERGED,

@@ -18,7 +18,8 @@ from chain_impact.kernel.combinators import join_functions
 from chain_impact.kernel.constraints.geometry import clearance_acceleration, clearance_and_rate, has_sticking
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.function_marks import inlined
-from chain_impact.kernel.ode.control import (
+from chain_impact.kernel.ode.dense_output import set_quadrature_stage, set_quadrature_stage_at_end
+from chain_impact.kernel.ode.step_control import (
     END_OVERSHOOT,
     controlled_count,
     reject_step,
@@ -26,7 +27,6 @@ from chain_impact.kernel.ode.control import (
     set_clearance_errors,
     set_outcome,
 )
-from chain_impact.kernel.ode.dense import set_quadrature_stage, set_quadrature_stage_at_end
 from chain_impact.kernel.ode.sundman import regularize_rate, regularized_rate, root_curvature, runs_back
 from chain_impact.kernel.record.constants import NO_CONTACT, STAGE_COUNT, TIME_REVERSED
 from chain_impact.kernel.record.method import is_regularized

@@ -15,7 +15,7 @@ from chain_impact.kernel.constraints.impulses import any_point_held, replace_imp
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state, true_rate_from_inputs
 from chain_impact.kernel.forces.holding import add_change, store_constraint_forces
-from chain_impact.kernel.ode.dense import interpolate_state
+from chain_impact.kernel.ode.dense_output import interpolate_state
 from chain_impact.kernel.record.state import velocity_at
 
 # The least and the largest time from an output to each of the two nearer samples of a force, relative to the

@@ -1,6 +1,6 @@
 """The maximum of a quantity, such as a contact force, within the last step, by parabolas through values."""
 
-from chain_impact.kernel.ode.dense import event_fraction
+from chain_impact.kernel.ode.dense_output import event_fraction
 
 
 def maximum_of(value_at):

@@ -22,9 +22,9 @@ variable.
 import math
 
 from chain_impact.kernel.chain.joints import largest_joint_rate
-from chain_impact.kernel.forces.active_contacts import clear_loads, contact_slopes
+from chain_impact.kernel.forces.active_contacts import clear_applied_forces, contact_slopes
 from chain_impact.kernel.ode import collocation, explicit
-from chain_impact.kernel.ode.control import (
+from chain_impact.kernel.ode.step_control import (
     AUTOMATIC_METHOD,
     begin_trial,
     limit_next_size,
@@ -214,13 +214,13 @@ def find_joint_stiffness(d, h):
 
     ρ [1/s] is the largest rate that the damper or the spring of a single drive causes alone
     (chain/joints.py). The bound is the product of h and ``chain.joint_rate_bound``. If the bound exceeds
-    STIFF_STEP, ρ is computed, which overwrites the loads on all places; afterwards the load at the tip is the
-    input force there, and all other loads are 0.
+    STIFF_STEP, ρ is computed, which overwrites the applied forces; afterwards the force at the tip is the
+    input force there, and all other applied forces are 0.
     """
     z = h * d.chain.joint_rate_bound
     if z > STIFF_STEP:
         z = h * largest_joint_rate(d, d.step.state_end)
-        clear_loads(d)
+        clear_applied_forces(d)
     return z
 
 

@@ -12,11 +12,11 @@ SOLVER_METHODS = ("auto", "explicit", "implicit")
 # NEWTON_SLOW    Newton's iteration would need too many iterations
 # DIVERGED       a correction by Newton's iteration exceeds the correction before, or is far too large
 ACCEPTED, INACCURATE, INFINITE, CHECK_FAILED, TIME_REVERSED, NEWTON_SLOW, DIVERGED = 0, 1, 2, 3, 4, 5, 6
-DENSE_COEFFICIENTS = 7  # number of coefficients of the dense output (ode/dense.py)
+DENSE_COEFFICIENTS = 7  # number of coefficients of the dense output (ode/dense_output.py)
 STAGE_COUNT = 16  # number of stages of an explicit step, with those of the dense output (ode/explicit.py)
 RADAU_STAGES = 5  # number of stages of an implicit step (ode/radau.py)
 PAIR_COUNT = 2  # number of pairs of complex eigenvalues of the matrix Q (ode/radau.py)
-SLOT_COUNT = 3  # number of slots of `scratch.factors` (chain/response.py)
+SLOT_COUNT = 3  # number of slots of `scratch.factors` (chain/mass_matrix_solver.py)
 # values of step.dense_for: for whom the step's dense output was completed; NO_READER: for nobody yet
 NO_READER, OUTPUT_READER, SOLVER_READER = 0, 1, 2
 # value of step.regularized_candidate if no contact is regularized: the integration variable of the step is

@@ -73,7 +73,7 @@ def most_constraints(candidate_count: int, friction_element_count: int) -> int:
 @written_by(
     "forces/active_contacts.py",
     event="events/marks.py",
-    clearance_error="ode/control.py",
+    clearance_error="ode/step_control.py",
     **dict.fromkeys(
         ("damping", "expected_penetration", "kink_crossed", "kink_margin"), "forces/force_formula.py"
     ),
@@ -181,7 +181,7 @@ def latest_dtype() -> np.dtype:
     "constraints/impulses.py",
     is_violated="constraints/complementarity.py",
     unforced_motion="forces/holding.py",
-    resistance="forces/holding.py",
+    added_mass="forces/holding.py",
     refined_force="ode/folds.py",
     force_difference="ode/folds.py",
     least_force="forces/holding.py",
@@ -222,8 +222,9 @@ def constraints_dtype(link_count: int, candidate_count: int, friction_element_co
         ("residual", REAL, (count,)),
         ("impulse", REAL, (count,)),  # impulse [kg·m or N·s] or force [N] of the constraint, by the problem
         ("impedance", REAL, (count,)),  # kg, impedance D of the constraint
-        # kg, impedance with which a contact with a force law resists a projection if elements stick; else 0
-        ("resistance", REAL, (count,)),
+        # kg, in ``project_state`` while an element sticks: mass with which a contact with a force law resists
+        # (``contact_added_mass``); else 0
+        ("added_mass", REAL, (count,)),
         # N, near a fold: force of the constraint, computed from its forces at earlier and later times
         ("refined_force", REAL, (count,)),
         # N, near a fold: sum of the constraint's forces at earlier and later times, with the weights
@@ -313,9 +314,9 @@ def peaks_dtype() -> np.dtype:
     )
 
 
-@written_by("ode/dense.py", impulse_at_onset="forces/active_contacts.py")
+@written_by("ode/dense_output.py", impulse_at_onset="forces/active_contacts.py")
 def quadrature_dtype(candidate_count: int, friction_element_count: int) -> np.dtype:
-    """Return the layout of the quadratures: integrals along the motion, in the order of ode/dense.py.
+    """Return the layout of the quadratures: integrals along the motion, in the order of ode/dense_output.py.
 
     ``integral`` and ``rate`` have an entry for each quadrature. The fields after ``index`` have entries only
     for the quadratures that steps integrate at present, in the order of ``index``.

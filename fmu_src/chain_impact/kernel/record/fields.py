@@ -113,8 +113,8 @@ def place_count(link_count: int, site_count: int) -> int:
     return 2 * link_count + 1 + site_count
 
 
-def loads_dtype(link_count: int, site_count: int, scalar: type = REAL) -> np.dtype:
-    """Return the layout of loads: forces at places, moments of joints and links; or of impulses."""
+def applied_force_dtype(link_count: int, site_count: int, scalar: type = REAL) -> np.dtype:
+    """Return the layout of applied forces at places, and moments in joints and on links; or of impulses."""
     places = place_count(link_count, site_count)
     numbers = ((name, scalar, (link_count,)) for name in ("joint", "link"))
     return layout(("x", scalar, (places,)), ("y", scalar, (places,)), *numbers)

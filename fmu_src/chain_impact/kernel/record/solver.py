@@ -20,10 +20,10 @@ from chain_impact.kernel.record.fields import (
     COMPLEX,
     INTEGER,
     REAL,
+    applied_force_dtype,
     bounded_integer,
     impedance_dtype,
     layout,
-    loads_dtype,
     place_count,
     vectors_dtype,
     written_by,
@@ -35,7 +35,7 @@ from chain_impact.kernel.status import LAST_STATUS, OK
 @written_by(
     "ode/last_step.py",
     dense=("ode/last_step.py", "ode/explicit.py", "ode/collocation.py"),
-    **dict.fromkeys(("next_size", "flight_size"), "ode/control.py"),
+    **dict.fromkeys(("next_size", "flight_size"), "ode/step_control.py"),
     **dict.fromkeys(("method", "stiff_count", "switch_after", "other_method_size"), "ode/methods.py"),
 )
 def step_dtype(link_count: int, candidate_count: int) -> np.dtype:
@@ -86,13 +86,14 @@ def step_dtype(link_count: int, candidate_count: int) -> np.dtype:
     )
 
 
-@written_by("ode/control.py", state=("ode/collocation.py", "ode/last_step.py"))
+@written_by("ode/step_control.py", state=("ode/collocation.py", "ode/last_step.py"))
 def trial_dtype(link_count: int) -> np.dtype:
     """Return the layout of the outcome of the tried step."""
     return layout(
         ("size", REAL),  # size of the tried step in its integration variable: time [s] or fictitious time [s]
         ("state", REAL, (state_length(link_count),)),  # state y at the end of the tried step
-        # ACCEPTED, or the reason why the tried step is rejected, such as INACCURATE (kernel/ode/control.py)
+        # ACCEPTED, or the reason why the tried step is rejected, such as INACCURATE
+        # (kernel/ode/step_control.py)
         ("outcome", bounded_integer(ACCEPTED, DIVERGED)),
         # error of the tried step relative to the tolerance or, if larger, the energy that the step loses,
         # relative to the allowed loss; valid if ``outcome`` is ACCEPTED or INACCURATE
@@ -173,11 +174,11 @@ def balance_dtype() -> np.dtype:
 
 
 def factors_dtype(link_count: int, scalar: type, slots: int) -> np.dtype:
-    """Return the layout of the factors of ``slots`` matrices M + Jᵀ D J + K (chain/response.py)."""
+    """Return the layout of the factors of ``slots`` matrices M + Jᵀ D J + K (chain/mass_matrix_solver.py)."""
     return layout(
         # factors of each link, with the inertia H and the coupling h of the link's rotation, and the
-        # resistance κ of the link's inner joint: ``gain`` h/(H + κ), ``inverse`` 1/(H + κ), ``coupling``
-        # σ = κ/(H + κ) and ``complement`` 1 − σ = H/(H + κ)
+        # impedance κ of the link's inner joint: ``gain`` h/(H + κ), ``inverse`` 1/(H + κ), ``coupling`` σ =
+        # κ/(H + κ) and ``complement`` 1 − σ = H/(H + κ)
         *(
             (name, scalar, (slots, link_count))
             for name in ("gain_x", "gain_y", "inverse", "coupling", "complement")
@@ -208,10 +209,10 @@ def elimination_dtype(link_count: int) -> np.dtype:
     state="events/crossing.py",
     rate_start="advance.py",
     y_error="ode/collocation.py",
-    load=("forces/active_contacts.py", "constraints/compliance.py"),
-    place_change="constraints/compliance.py",
+    applied_force=("forces/active_contacts.py", "constraints/constraint_response.py"),
+    place_change="constraints/constraint_response.py",
     impedance="chain/joints.py",
-    factors="chain/response.py",
+    factors="chain/mass_matrix_solver.py",
     moment="equations.py",
     thrust="equations.py",
     elimination="chain/elimination.py",
@@ -222,7 +223,10 @@ def elimination_dtype(link_count: int) -> np.dtype:
 def scratch_dtype(link_count: int, site_count: int) -> np.dtype:
     """Return the layout of the scratch memory; fields are valid only within a step, unless noted."""
     points, state = link_count + 1, state_length(link_count)
-    places, loads = vectors_dtype(place_count(link_count, site_count)), loads_dtype(link_count, site_count)
+    places, applied_forces = (
+        vectors_dtype(place_count(link_count, site_count)),
+        applied_force_dtype(link_count, site_count),
+    )
     impedance = impedance_dtype(link_count, site_count)
     return layout(
         ("stage", REAL, (STAGE_COUNT, state)),  # rates dy/ds at the stages of a step
@@ -236,13 +240,13 @@ def scratch_dtype(link_count: int, site_count: int) -> np.dtype:
         ("y_error", REAL, (2, state)),  # the two error estimates of a tried step, for each entry of y
         # m, link vectors L_i, from the proximal joint to the far end of each link; entry N is not used
         ("link_vector", vectors_dtype(points)),
-        # loads on the chain, forces or impulses: N or N·s at places, N·m or N·m·s in joints and on links
-        ("load", loads),
+        # forces or impulses that act on the chain: N or N·s at places, N·m or N·m·s in joints and on links
+        ("applied_force", applied_forces),
         # N·m, sum of the moments on each link in its proximal and distal joint
         ("moment", REAL, (link_count,)),
         ("thrust", REAL),  # N, force of the slider's motor, spring and damper on the carriage
         ("impedance", impedance),  # impedance D of each place [kg], and impedance of each joint [kg·m²]
-        # factors of the matrices M + Jᵀ D J + K, see kernel/chain/response.py
+        # factors of the matrices M + Jᵀ D J + K, see kernel/chain/mass_matrix_solver.py
         ("factors", factors_dtype(link_count, REAL, SLOT_COUNT)),
         # results of the recursion for the accelerations, see kernel/chain/elimination.py
         ("elimination", elimination_dtype(link_count)),
@@ -264,12 +268,12 @@ def scratch_dtype(link_count: int, site_count: int) -> np.dtype:
 
 
 @written_by(
-    "events/exclusion.py",
+    "events/event_exclusion.py",
     curvature=("events/crossing.py", "ode/collocation.py"),
     input_rate="events/search.py",
 )
 def search_dtype(candidate_count: int) -> np.dtype:
-    """Return the layout of the search for events, with each φ (exclusion.py) at both ends of an interval."""
+    """Return the layout of the search for events; events/event_exclusion.py defines φ."""
     return layout(
         # what is known of the candidates' φ (``phi_end``) at the last step's end: a value of
         # record/constants.py, from NOTHING_KNOWN to DISTANCE_KNOWN; the latter means that candidates without
@@ -292,7 +296,7 @@ def search_dtype(candidate_count: int) -> np.dtype:
         # of each candidate that the search examines
         ("curvature", REAL, (candidate_count,)),
         # φ of each candidate at the start and the end of the searched interval: the clearance [m]; in contact
-        # the penetration [m], u of the regularized contact, or ∞ at a rigid wall (events/exclusion.py)
+        # the penetration [m], u of the regularized contact, or ∞ at a rigid wall (events/event_exclusion.py)
         ("phi_start", REAL, (candidate_count,)),
         ("phi_end", REAL, (candidate_count,)),
         # φ′ of each candidate at the start and the end of the interval: the derivative of φ by the step's
@@ -308,15 +312,16 @@ def search_dtype(candidate_count: int) -> np.dtype:
 
 @written_by(
     **dict.fromkeys(
-        ("z_start", "rate_start", "link_vector", "contact_stiffness", "contact_damping"), "ode/extended.py"
+        ("z_start", "rate_start", "link_vector", "contact_stiffness", "contact_damping"),
+        "ode/extended_state.py",
     ),
-    **dict.fromkeys(("drive_stiffness", "drive_damping", "shift", "pairs"), "ode/extended.py"),
+    **dict.fromkeys(("drive_stiffness", "drive_damping", "shift", "pairs"), "ode/extended_state.py"),
     **dict.fromkeys(("iterations", "relative_correction", "convergence_rate"), "ode/radau.py"),
     **dict.fromkeys(("contact_set_of_step", "last_stages", "dense_corrections"), "ode/collocation.py"),
     **dict.fromkeys(("z_scratch", "stages"), ("ode/collocation.py", "ode/radau.py", "ode/friction_work.py")),
     friction_force="ode/friction_work.py",
     right_hand_sides=("ode/collocation.py", "ode/radau.py"),
-    target_clearance=("ode/collocation.py", "ode/extended.py"),
+    target_clearance=("ode/collocation.py", "ode/extended_state.py"),
     error_weight="ode/collocation.py",
 )
 def implicit_dtype(
@@ -325,7 +330,7 @@ def implicit_dtype(
     """Return the layout of the scratch memory of an implicit step, and of the data of the last implicit step.
 
     The extended state z consists of y without the last two entries, the clearances of active contacts with a
-    force law, the rates of these clearances, and the quadratures (kernel/ode/extended.py).
+    force law, the rates of these clearances, and the quadratures (kernel/ode/extended_state.py).
     """
     state = state_length(link_count)
     extended = state + 3 * candidate_count + friction_element_count
@@ -335,7 +340,7 @@ def implicit_dtype(
     pairs = layout(
         ("factors", factors_dtype(link_count, COMPLEX, PAIR_COUNT)),
         ("impedance", impedance_dtype(link_count, site_count, COMPLEX)),
-        ("load", loads_dtype(link_count, site_count, COMPLEX)),
+        ("applied_force", applied_force_dtype(link_count, site_count, COMPLEX)),
         ("place_change", vectors_dtype(place_count(link_count, site_count), COMPLEX)),
         ("change", COMPLEX, (coordinate_count(link_count),)),
         ("x", COMPLEX, (extended,)),  # right-hand side of the linear system, later its solution
@@ -383,8 +388,8 @@ def implicit_dtype(
         # N·m·s/rad, slope −∂F/∂ψ̇ of the torque F of each joint's drive, by the joint's rate ψ̇; the last
         # entry belongs to the slider [N·s/m]
         ("drive_damping", REAL, (link_count + 1,)),
-        # m or m/s, clearances or their rates to which ``project_coordinates`` (ode/extended.py) moves the
-        # active contacts; in the order of `contacts.active_index`
+        # m or m/s, clearances or their rates to which ``project_coordinates`` (ode/extended_state.py) moves
+        # the active contacts; in the order of `contacts.active_index`
         ("target_clearance", REAL, (candidate_count,)),
         # s, real shift s of the linear systems (1 − s A) x = r, for which `scratch.factors` contains the
         # elimination

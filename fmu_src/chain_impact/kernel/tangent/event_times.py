@@ -13,7 +13,7 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import segment_end
 from chain_impact.kernel.constraints.geometry import clearance_acceleration, clearance_and_rate
 from chain_impact.kernel.equations import rate_from_points
-from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.event_exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.segments import has_segment_ended
 from chain_impact.kernel.forces.active_contacts import kink_height
 from chain_impact.kernel.ode.last_step import ensure_points

@@ -18,7 +18,7 @@ import math
 
 from chain_impact.kernel.chain.drives import drive_count, first_joint
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest_component, locate_points
-from chain_impact.kernel.constraints.compliance import mean_mass
+from chain_impact.kernel.constraints.constraint_response import mean_mass
 from chain_impact.kernel.constraints.geometry import tangential_acceleration, tangential_rate
 from chain_impact.kernel.constraints.impulses import activate_all
 from chain_impact.kernel.equations import rate_from_points
@@ -27,7 +27,7 @@ from chain_impact.kernel.events.mode_changes import friction_round_off, rest_spe
 from chain_impact.kernel.events.onset_modes import begins_now
 from chain_impact.kernel.forces.friction import list_sticking
 from chain_impact.kernel.forces.holding import (
-    CONTACT_RESISTANCE,
+    CONTACT_ADDED_MASS,
     set_unforced_to_speeds,
     solve_stopping_impulses,
 )
@@ -302,10 +302,10 @@ def any_begins_to_stick(t):
 
 
 def clear_sticking_speeds(t):
-    """Set the derivatives of the speeds of sticking elements to zero, without resistance of contacts.
+    """Set the derivatives of the speeds of sticking elements to zero, without the added mass of contacts.
 
-    In a projection (``project_state``), contacts with a force law resist, so a part of the derivatives would
-    stay as long as the elements stick, for example for a rod that lies almost flat.
+    In a projection (``project_state``), contacts with a force law resist (``contact_added_mass``), so a part
+    of the derivatives would stay as long as the elements stick, for example for a rod that lies almost flat.
     """
     activate_all(t)
     set_unforced_to_speeds(t)
@@ -334,8 +334,8 @@ def check_onsets_at_rest(t):
                     end_derivatives(t, SLIDES_FROM_REST, e)
 
 
-def contact_resistance(t):
-    """Return the resistance [kg] of contacts to a projection; 0 at an onset where an element is STOPPED.
+def contact_added_mass(t):
+    """Return the mass [kg] with which a contact resists a projection; 0 at an onset with a STOPPED element.
 
     At such an onset the forces of contacts are still small while friction stops the speed. Otherwise the
     result is the same as in forces/holding.py.
@@ -344,7 +344,7 @@ def contact_resistance(t):
         e = t.friction_element.stuck_index[i]
         if t.friction_element.decided_by_forces[e] == STOPPED and begins_now(t, e):
             return dual_with_slope(0.0, 0.0, t.step.end)
-    return CONTACT_RESISTANCE * mean_mass(t)
+    return CONTACT_ADDED_MASS * mean_mass(t)
 
 
 def check_coefficients(t):

@@ -31,11 +31,11 @@ from chain_impact.kernel.chain.drives import drive_count
 from chain_impact.kernel.chain.inputs import apply_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.signals import derive_signals
-from chain_impact.kernel.constraints.compliance import mean_mass
+from chain_impact.kernel.constraints.constraint_response import mean_mass
 from chain_impact.kernel.constraints.geometry import has_sticking
 from chain_impact.kernel.events.marks import copy_marks
 from chain_impact.kernel.events.segments import begin_segments
-from chain_impact.kernel.forces.active_contacts import clear_loads
+from chain_impact.kernel.forces.active_contacts import clear_applied_forces
 from chain_impact.kernel.forces.candidate_laws import start_laws
 from chain_impact.kernel.initialize import clear_run, derive_chain, derive_drives, set_run_start
 from chain_impact.kernel.ode import explicit
@@ -48,9 +48,8 @@ from chain_impact.kernel.ode.collocation import (
     set_step_end,
     solve_systems,
 )
-from chain_impact.kernel.ode.control import begin_trial
-from chain_impact.kernel.ode.dense import correct_falling_impulses
-from chain_impact.kernel.ode.extended import (
+from chain_impact.kernel.ode.dense_output import correct_falling_impulses
+from chain_impact.kernel.ode.extended_state import (
     clearance_count,
     extend_start,
     extended_length,
@@ -67,6 +66,7 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.ode.methods import begin_explicit
 from chain_impact.kernel.ode.radau import REAL_EIGENVALUE
+from chain_impact.kernel.ode.step_control import begin_trial
 from chain_impact.kernel.record.constants import CONTACT_ENDS, RADAU_STAGES
 from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START
 from chain_impact.kernel.record.method import is_implicit, is_regularized
@@ -133,7 +133,7 @@ def restart_tangent(d, t):
     copy_given_and_modes(d, t)
     apply_pending_inputs(t)
     check_coefficients(t)
-    clear_loads(t)
+    clear_applied_forces(t)
 
 
 def copy_given_and_modes(d, t):

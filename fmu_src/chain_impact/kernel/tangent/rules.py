@@ -2,7 +2,7 @@
 
 Each replacement in DUAL_RULES has the name of the function that it replaces, and is called in place of that
 function if an argument carries derivatives. The value of a result is the same up to round-off, except that
-the results of ``has_effect``, ``iterated_enough``, ``may_exceed`` and ``contact_resistance`` differ.
+the results of ``has_effect``, ``iterated_enough``, ``may_exceed`` and ``contact_added_mass`` differ.
 """
 
 import math
@@ -13,7 +13,7 @@ from chain_impact.kernel.constraints import impulses
 from chain_impact.kernel.events import friction_modes, saturation, segments
 from chain_impact.kernel.forces import force_formula, holding, user_law
 from chain_impact.kernel.mathematics import angles, exponentials, logarithms, powers
-from chain_impact.kernel.ode import dense, sundman_rate
+from chain_impact.kernel.ode import dense_output, sundman_rate
 from chain_impact.kernel.ode.last_step import evaluate_start
 from chain_impact.kernel.record.method import is_regularized
 from chain_impact.kernel.record.state import sundman_u_at, time_at
@@ -25,7 +25,7 @@ from chain_impact.kernel.tangent.duals import (
     replace_slope,
     value,
 )
-from chain_impact.kernel.tangent.friction import contact_resistance, make_modes_consistent
+from chain_impact.kernel.tangent.friction import contact_added_mass, make_modes_consistent
 from chain_impact.kernel.tangent.peaks import forget_peaks
 
 # The increment of an argument of a user's law, relative to the argument, for the differences that give the
@@ -142,11 +142,11 @@ def fraction_at_time(t, time):
     elapsed = time - step.start
     if not is_regularized(t):
         return elapsed / step.size
-    theta = value(dense.regularized_fraction(t, elapsed))
+    theta = value(dense_output.regularized_fraction(t, elapsed))
     rate = value(step.size) * sundman_rate.regularized_time_rate(
-        value(dense.interpolate_component(step, theta, sundman_u_at(t.link_count)))
+        value(dense_output.interpolate_component(step, theta, sundman_u_at(t.link_count)))
     )
-    error = dense.interpolate_component(step, theta, time_index) - elapsed
+    error = dense_output.interpolate_component(step, theta, time_index) - elapsed
     # a Newton step for the fraction θ at the time t, from its value θ₀: θ = θ₀ − (t(θ₀) − t)/ṫ with ṫ =
     # dt/dθ; where a contact begins or ends ṫ = 0, and ``reciprocal`` sets the derivatives of θ to 0
     return dual_with_slope(theta, -reciprocal(max(0.0, rate)), error)
@@ -244,7 +244,7 @@ def time_of_peak(_t, time, place):
 
 
 DUAL_RULES = {
-    holding.contact_resistance: contact_resistance,
+    holding.contact_added_mass: contact_added_mass,
     impulses.iterated_enough: iterated_enough,
     impulses.may_exceed: may_exceed,
     force_formula.power_of_penetration: power_of_penetration,
@@ -256,8 +256,8 @@ DUAL_RULES = {
     friction_modes.make_modes_consistent: make_modes_consistent,
     force_formula.user_force: user_force,
     saturation.choose_saturation: choose_saturation,
-    dense.fraction_at_time: fraction_at_time,
-    dense.event_fraction: event_fraction,
+    dense_output.fraction_at_time: fraction_at_time,
+    dense_output.event_fraction: event_fraction,
     transmitted_forces.time_of_peak: time_of_peak,
     segments.shift_start: shift_start,
     angles.unit_vector: unit_vector,

@@ -132,7 +132,7 @@ def next_size_factor(d):
 
 # [rad] The rotation of the fastest link in the first step of a flight, at a tolerance of 1. With a larger
 # value more of these steps are rejected, with a smaller value these steps are shorter than needed
-# (tests/kernel/ode/test_control.py).
+# (tests/kernel/ode/test_step_control.py).
 FIRST_STEP_ROTATION = 2.8
 
 
@@ -216,7 +216,7 @@ def set_scales(d, y, scale, contact_count):
     are controlled.
 
     The scales of the clearances of the first ``contact_count`` active contacts (``penetration_scale``) are
-    stored from the index of u on, as in z of extended.py. The points must be located for y.
+    stored from the index of u on, as in z of extended_state.py. The points must be located for y.
 
     Other components have no scales, and their errors are not controlled: u and t, whose errors are far
     smaller than those of the motion, the rates of clearances, and the quadratures.

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.mathematics import root_search
-from chain_impact.kernel.ode import dense, sundman_rate
+from chain_impact.kernel.ode import dense_output, sundman_rate
 from chain_impact.kernel.record.constants import DENSE_COEFFICIENTS
 from chain_impact.kernel.record.state import sundman_u_at, time_at
 from tests.kernel.chains import chain
@@ -33,32 +33,32 @@ def d():
 @pytest.mark.parametrize("theta", [0.0, 0.3, 0.8, 1.0])
 def test_a_state_is_that_of_the_polynomial(d, theta):
     y, right = np.zeros(len(d.step.state)), d.step.state + basis(theta) @ d.step.dense
-    dense.interpolate_state(d.step, theta, y)
+    dense_output.interpolate_state(d.step, theta, y)
     assert y == pytest.approx(right, abs=1e-14)
-    assert dense.interpolate_component(d.step, theta, 3) == y[3]
+    assert dense_output.interpolate_component(d.step, theta, 3) == y[3]
 
 
 def test_the_bounds_of_the_basis_are_sharp():
     assert len(POWERS) == DENSE_COEFFICIENTS
     slopes = np.gradient(basis(TIMES), TIMES, axis=1)
-    assert np.abs(basis(TIMES)).max(axis=1) == pytest.approx(dense.BASIS_BOUND, rel=1e-4)
-    assert np.abs(slopes).max(axis=1) == pytest.approx(dense.SLOPE_BOUND, rel=5e-3)
+    assert np.abs(basis(TIMES)).max(axis=1) == pytest.approx(dense_output.BASIS_BOUND, rel=1e-4)
+    assert np.abs(slopes).max(axis=1) == pytest.approx(dense_output.SLOPE_BOUND, rel=5e-3)
 
 
 @pytest.mark.parametrize("j", [0, 4, 9])
 def test_a_component_and_its_rate_stay_within_their_bounds(d, j):
     """The bounds along a direction are those of the rotated vector."""
-    value, slope = dense.rate_bounds(d.step, j)
+    value, slope = dense_output.rate_bounds(d.step, j)
     state, parts = d.step.state[j], d.step.dense[:, j].copy()
     assert value >= np.abs(state + basis(TIMES).T @ parts).max()
     assert slope >= np.abs(np.gradient(basis(TIMES).T, TIMES, axis=0) @ parts).max() / 0.25
-    assert value == pytest.approx(abs(state) + dense.BASIS_BOUND @ np.abs(parts), rel=1e-12)
-    assert slope == pytest.approx(dense.SLOPE_BOUND @ np.abs(parts) / 0.25, rel=1e-12)
+    assert value == pytest.approx(abs(state) + dense_output.BASIS_BOUND @ np.abs(parts), rel=1e-12)
+    assert slope == pytest.approx(dense_output.SLOPE_BOUND @ np.abs(parts) / 0.25, rel=1e-12)
     if j == 4:
-        found = dense.rate_bounds_along(d.step, j, 0.6, -0.8)
+        found = dense_output.rate_bounds_along(d.step, j, 0.6, -0.8)
         d.step.state[j] = 0.6 * state - 0.8 * d.step.state[j + 1]
         d.step.dense[:, j] = 0.6 * parts - 0.8 * d.step.dense[:, j + 1]
-        assert found == pytest.approx(dense.rate_bounds(d.step, j), rel=1e-12)
+        assert found == pytest.approx(dense_output.rate_bounds(d.step, j), rel=1e-12)
 
 
 def falling(d, start, end, lasts=1.0):
@@ -76,24 +76,28 @@ def falling(d, start, end, lasts=1.0):
 @pytest.mark.parametrize("theta", [1e-6, 0.1, 0.5, 0.9, 1.0])
 def test_a_moment_of_a_step_in_another_variable_is_found(d, start, end, theta):
     time = falling(d, start, end)
-    found = dense.regularized_fraction(d, time(theta))
+    found = dense_output.regularized_fraction(d, time(theta))
     assert time(found) == pytest.approx(time(theta), rel=1e-12)
     assert found == pytest.approx(theta, rel=1e-6 if end else 1e-4)
-    assert dense.fraction_at_time(d, 3.0 + time(theta)) == pytest.approx(found, abs=1e-7)
+    assert dense_output.fraction_at_time(d, 3.0 + time(theta)) == pytest.approx(found, abs=1e-7)
 
 
 def test_the_first_of_two_times_on_the_dense_output_is_taken(d):
     time = falling(d, 0.3, -0.2)  # back from θ = 0.6 on
     for theta in (0.05, 0.3, 0.59):
-        assert dense.regularized_fraction(d, time(theta)) == pytest.approx(theta, rel=1e-6)
+        assert dense_output.regularized_fraction(d, time(theta)) == pytest.approx(theta, rel=1e-6)
         # the time within the step may exceed the time at the end of the step
         assert time(theta) > time(1.0) or theta < 0.1
-    assert dense.regularized_fraction(d, 2.0 * time(0.6)) == pytest.approx(0.6, rel=1e-3)
+    assert dense_output.regularized_fraction(d, 2.0 * time(0.6)) == pytest.approx(0.6, rel=1e-3)
     time = falling(d, 0.1, 0.3)
-    assert dense.regularized_fraction(d, time(1.0)) == dense.regularized_fraction(d, 2.0 * time(1.0)) == 1.0
+    assert (
+        dense_output.regularized_fraction(d, time(1.0))
+        == dense_output.regularized_fraction(d, 2.0 * time(1.0))
+        == 1.0
+    )
     # a step without its own contact is uniform in time
     d.step.regularized_candidate, d.step.size = -1, 0.25
-    assert dense.fraction_at_time(d, 3.1) == pytest.approx(0.4)
+    assert dense_output.fraction_at_time(d, 3.1) == pytest.approx(0.4)
 
 
 def test_time_passes_fastest_where_u_is_one():

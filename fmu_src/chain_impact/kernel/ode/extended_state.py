@@ -28,14 +28,14 @@ clearances. The solution needs no linear algebra except the recursion. Let Δ = 
     (M + Jᵀ D J + K) Δ = Jᵀ (D r_ġ + s k r_g) + K r_v + s S r_q,   D = s c + s² k,   K = s C + s² S,
     x_v = r_v − Δ,   x_ġ = r_ġ − J Δ,   x_q = r_q + s x_v,   x_g = r_g + s x_ġ,
 
-Δ is the response of the chain to impulses at the touching points and along the drives. The impedance
-D of the contacts adds to the articulated inertia at their points. κ_i = s (c_i + s k_i) acts as a damper of
-drive i, and K r_v + s S r_q acts as an impulse on the drives (chain/response.py). A constraint is the
+Δ is the response of the chain to impulses at the touching points and along the drives. The impedance D of the
+contacts adds to the articulated inertia at their points. κ_i = s (c_i + s k_i) acts as a damper of drive i,
+and K r_v + s S r_q acts as an impulse on the drives (chain/mass_matrix_solver.py). A constraint is the
 condition J Δ = 0 for a point at a rigid wall or a sticking element; its impedance is far larger than the
 chain's mass (constraints/impulses.py).
 
 ``factorize_shift`` and ``solve_shift`` take a shift s, a scratch ``space`` and an array x: all are real, or
-all are complex. ``space`` contains impedances, loads, the resulting motion and several slots for factors;
+all are complex. ``space`` contains impedances, impulses, the resulting motion and several slots for factors;
 ``slot`` is the number of the slot that is used.
 
 At the end of a step a projection changes the coordinates and their rates, such that at stiff walls the
@@ -44,16 +44,16 @@ the small difference would act as an impact on a stiff wall. The difference befo
 error of the step.
 """
 
-from chain_impact.kernel.chain.drives import drive_component, drive_count, drive_slopes, load_drive
+from chain_impact.kernel.chain.drives import apply_drive_force, drive_component, drive_count, drive_slopes
 from chain_impact.kernel.chain.inputs import set_inputs
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, locate_points_now
-from chain_impact.kernel.chain.response import SHIFTED, clear_impedance, factorize_matrix
-from chain_impact.kernel.constraints.compliance import are_joints_loaded, solve_in_space
+from chain_impact.kernel.chain.mass_matrix_solver import SHIFTED, clear_impedance, factorize_matrix
+from chain_impact.kernel.constraints.constraint_response import joints_add_terms, solve_in_space
 from chain_impact.kernel.constraints.geometry import (
     add_along_row,
     add_impedance,
     add_joint_impedances,
-    clear_used_loads,
+    clear_used_forces,
     clearance_acceleration,
     clearance_and_rate,
     constraint_count,
@@ -64,12 +64,12 @@ from chain_impact.kernel.constraints.geometry import (
     row_of_drive,
 )
 from chain_impact.kernel.constraints.impulses import any_constraint, set_single_solution_impedances
-from chain_impact.kernel.equations import free_rate_from_loads
-from chain_impact.kernel.forces.active_contacts import apply_contact, clear_loads, set_loads_of_step
+from chain_impact.kernel.equations import free_rate_from_forces
+from chain_impact.kernel.forces.active_contacts import apply_contact, clear_applied_forces, set_forces_of_step
 from chain_impact.kernel.forces.force_formula import law_slopes
 from chain_impact.kernel.forces.friction import apply_friction
 from chain_impact.kernel.forces.holding import add_constraint_forces, power_of_motion
-from chain_impact.kernel.ode.dense import set_quadrature_rates
+from chain_impact.kernel.ode.dense_output import set_quadrature_rates
 from chain_impact.kernel.record.state import coordinate_count, sundman_u_at, supplied_at, velocity_at
 
 
@@ -122,10 +122,10 @@ def extend_start(d):
         implicit.rate_start[quadrature_at(d, k)] = d.quadrature.rate_end[k]
     clearance_rates(d, implicit.z_start, implicit.rate_start)
     if has_sticking(d):
-        # ``set_loads_of_step`` computes the limits of friction at the start. A system that is factorized
+        # ``set_forces_of_step`` computes the limits of friction at the start. A system that is factorized
         # before the first stage, as in ``size_for_fast_motion``, needs these limits: the impedances of
         # sticking elements depend on them.
-        set_loads_of_step(d)
+        set_forces_of_step(d)
 
 
 def clearance_rates(d, z, rate):
@@ -143,15 +143,15 @@ def extended_rate(d, z, elapsed, rate):
     if d.inputs.piece.degree > 0 or d.channel_count > 0 or d.signal_count > 0:
         set_inputs(d, d.step.time_origin + elapsed)
     locate_points_now(d, z)
-    clear_loads(d)
+    clear_applied_forces(d)
     dissipated = 0.0
     for k in range(clearance_count(d)):
         dissipated += apply_contact(d, d.contacts.active_index[k], z[clearance_at(d, k)], z[rate_at(d, k)])
     if d.friction.active_count > 0:
         dissipated += apply_friction(d)
-    # ``free_rate_from_loads`` also writes to the indices of u and t in y; z has other components at these
+    # ``free_rate_from_forces`` also writes to the indices of u and t in y; z has other components at these
     # indices, whose rates are set below
-    free_rate_from_loads(d, z, dissipated, rate)
+    free_rate_from_forces(d, z, dissipated, rate)
     if any_constraint(d):
         add_constraint_forces(d, z, rate)
     if d.channel_count > 0:
@@ -186,8 +186,8 @@ def contact_impedance(d, k, s):
     return s * (d.implicit.contact_damping[k] + s * d.implicit.contact_stiffness[k])
 
 
-def drive_resistance(d, i, s):
-    """Return the resistance κ = s c + s² k [kg·m² or kg] of drive i for a shift s [s].
+def drive_impedance(d, i, s):
+    """Return the impedance κ = s c + s² k [kg·m² or kg] of drive i for a shift s [s].
 
     c and k are the slopes −∂F/∂ψ̇ and −∂F/∂ψ of the drive's force F (``drive_slopes``).
     """
@@ -204,14 +204,12 @@ def factorize_shift(d, s, space, slot):
         add_impedance(constraint_row(d, k), space.impedance, d.constraints.impedance[k])
     if d.chain.has_springs_or_dampers:
         for i in range(d.link_count):
-            space.impedance.joint[i] = drive_resistance(d, i, s)
+            space.impedance.joint[i] = drive_impedance(d, i, s)
         if d.slides:
-            add_impedance(
-                row_of_drive(d, d.link_count), space.impedance, drive_resistance(d, d.link_count, s)
-            )
+            add_impedance(row_of_drive(d, d.link_count), space.impedance, drive_impedance(d, d.link_count, s))
     add_joint_impedances(d, space.impedance)
     factorize_matrix(
-        d, d.implicit.link_vector, space, slot, d.chain.has_springs_or_dampers != 0 or are_joints_loaded(d)
+        d, d.implicit.link_vector, space, slot, d.chain.has_springs_or_dampers != 0 or joints_add_terms(d)
     )
 
 
@@ -221,14 +219,14 @@ def solve_shift(d, s, space, slot, x):
     The array x contains r at the call, and the solution afterwards.
     """
     n, implicit, change = d.link_count, d.implicit, space.change
-    clear_used_loads(d, space.load)
+    clear_used_forces(d, space.applied_force)
     if d.chain.has_springs_or_dampers:
         for i in range(drive_count(d)):
             # the impulse of damper and spring of drive i: its part of K r_v + s S r_q, where x contains r
             rate = drive_component(d, x, velocity_at(n), i)
             displacement = drive_component(d, x, 0, i)
-            impulse = drive_resistance(d, i, s) * rate + s * implicit.drive_stiffness[i] * displacement
-            load_drive(d, space.load, i, impulse)
+            impulse = drive_impedance(d, i, s) * rate + s * implicit.drive_stiffness[i] * displacement
+            apply_drive_force(d, space.applied_force, i, impulse)
     for k in range(clearance_count(d)):
         # the impulse of the contact with the impedance D and the stiffness k: D r_ġ + s k r_g, where x
         # contains r
@@ -236,12 +234,12 @@ def solve_shift(d, s, space, slot, x):
             contact_impedance(d, k, s) * x[rate_at(d, k)]
             + s * implicit.contact_stiffness[k] * x[clearance_at(d, k)]
         )
-        add_along_row(constraint_row(d, k), space.load, impulse)
+        add_along_row(constraint_row(d, k), space.applied_force, impulse)
     solve_in_space(d, implicit.link_vector, space, slot, change)
     if d.slides:
-        # ``load_drive`` has put the load of the slider's drive on point 0, the base. The load is removed
-        # here, because in flight no other function clears the loads on points.
-        space.load.x[0], space.load.y[0] = 0.0, 0.0
+        # ``apply_drive_force`` has put the impulse of the slider's drive on point 0, the base. The impulse is
+        # removed here, because in flight no other function clears the applied forces on points.
+        space.applied_force.x[0], space.applied_force.y[0] = 0.0, 0.0
     for j in range(coordinate_count(n)):
         x[velocity_at(n) + j] -= change[j]
         x[j] += s * x[velocity_at(n) + j]
@@ -308,14 +306,14 @@ def project_coordinates(d, y, derivative, change):
     of the coordinates or velocities is stored in ``change``, shape (N+2,).
     """
     implicit, first = d.implicit, derivative * velocity_at(d.link_count)
-    clear_used_loads(d, d.scratch.load)
+    clear_used_forces(d, d.scratch.applied_force)
     for k in range(clearance_count(d)):
         c = d.contacts.active_index[k]
         clearance, clearance_rate = clearance_and_rate(d, c)
         impulse = contact_impedance(d, k, implicit.shift) * (
             implicit.target_clearance[k] - (clearance_rate if derivative else clearance)
         )
-        add_along_row(normal_row(d, c), d.scratch.load, impulse)
+        add_along_row(normal_row(d, c), d.scratch.applied_force, impulse)
     solve_in_space(d, implicit.link_vector, d.scratch, SHIFTED, change)
     for j in range(coordinate_count(d.link_count)):
         y[first + j] += change[j]

@@ -1,27 +1,31 @@
-"""The response of the chain to impulses: a linear solver for implicit steps, rigid walls and sticking.
+"""Impedances of, and impulses along, constraints: the data for the solver in chain/mass_matrix_solver.py.
 
 J contains the rows of the constraints: normals of active contacts, tangents of sticking elements. D =
 diag(D_k) contains an impedance [kg] for each constraint: a mass that resists motion along the row. K = s C +
-s² S is the resistance of the drives for a time s, with their damping matrix C and stiffness matrix S. With
-the mass matrix M, which contains the armatures, the module solves in O(N) the equation
+s² S is the impedance of the drives for a time s, with their damping matrix C and stiffness matrix S. With the
+mass matrix M, which contains the armatures, the module solves in O(N) the equation
 
     (M + Jᵀ D J + K) Δ = Jᵀ p + q,
 
 for the response Δ, changes of the coordinates' rates; p are impulses along the constraints, q impulses in the
-joints. The impedances are added to the articulated inertia at their points, and a joint with the resistance
-κ_i, or with a stop that has an impedance, is one more term of the elimination (chain/response.py). No matrix
-is formed.
+joints. The impedances are added to the articulated inertia at their points, and a joint with the impedance
+κ_i, or with a stop that has an impedance, is one more term of the elimination. No matrix is formed.
 """
 
 from chain_impact.kernel.chain.kinematics import move_points
-from chain_impact.kernel.chain.response import FREE, clear_impedance, factorize_matrix, solve_response
-from chain_impact.kernel.chain.sites import move_site_loads
+from chain_impact.kernel.chain.mass_matrix_solver import (
+    FREE,
+    clear_impedance,
+    factorize_matrix,
+    solve_response,
+)
+from chain_impact.kernel.chain.sites import move_site_forces
 from chain_impact.kernel.constraints.geometry import (
     add_along_row,
+    add_forces_at_joint_places,
     add_impedance,
     add_joint_impedances,
-    add_joint_loads,
-    clear_used_loads,
+    clear_used_forces,
     constraint_count,
     constraint_row,
     dot,
@@ -86,10 +90,10 @@ def factorize_contacts(d, slot, impedance):
     for k in range(constraint_count(d)):
         add_impedance(constraint_row(d, k), d.scratch.impedance, impedance[k])
     add_joint_impedances(d, d.scratch.impedance)
-    factorize_matrix(d, d.scratch.link_vector, d.scratch, slot, are_joints_loaded(d))
+    factorize_matrix(d, d.scratch.link_vector, d.scratch, slot, joints_add_terms(d))
 
 
-def are_joints_loaded(d):
+def joints_add_terms(d):
     """Return whether any joint adds a term to M + Jᵀ D J: an armature, an active stop or sticking friction.
 
     The sticking friction of a slider counts, too.
@@ -98,21 +102,21 @@ def are_joints_loaded(d):
 
 
 def solve_in_space(d, link_vectors, space, slot, change):
-    """Compute the response Δ to the impulses in ``space.load`` at the places and in the joints.
+    """Compute the response Δ to the impulses in ``space.applied_force`` at the places and in the joints.
 
-    The function changes ``space.load``: it adds loads at joints' places to the loads in joints, and loads at
-    sites to the loads at points and on links.
+    The function changes ``space.applied_force``: it adds impulses at joints' places to those in joints, and
+    impulses at sites to those at points and on links.
 
     Args:
         d: the instance.
         link_vectors: record with ``x, y``, shape (N+1,): the vectors L_i [m] (entry N is not used).
-        space: record of the factors and loads. The function stores the motion of the places in
+        space: record of the factors and impulses. The function stores the motion of the places in
             ``space.place_change``.
         slot: the slot of the factors.
         change: result Δ, changes of the coordinates' rates, shape (N+2,) [m/s, rad/s].
     """
-    add_joint_loads(d, space.load)
-    move_site_loads(d, link_vectors, space.load)
+    add_forces_at_joint_places(d, space.applied_force)
+    move_site_forces(d, link_vectors, space.applied_force)
     solve_response(d, link_vectors, space, slot, change)
     move_points(d, link_vectors, change, space.place_change)
 
@@ -120,12 +124,12 @@ def solve_in_space(d, link_vectors, space, slot, change):
 def solve_contacts(d, slot, impulse, change):
     """Compute the response Δ to the impulses p_k [N·s] in ``impulse``, one for each constraint k.
 
-    ``slot`` is the index of the factors in ``scratch.factors`` (chain/response.py). The function stores Δ in
-    ``change``, and the motion of the places in ``scratch.place_change``.
+    ``slot`` is the index of the factors in ``scratch.factors`` (chain/mass_matrix_solver.py). The function
+    stores Δ in ``change``, and the motion of the places in ``scratch.place_change``.
     """
-    clear_used_loads(d, d.scratch.load)
+    clear_used_forces(d, d.scratch.applied_force)
     for k in range(constraint_count(d)):
-        add_along_row(constraint_row(d, k), d.scratch.load, impulse[k])
+        add_along_row(constraint_row(d, k), d.scratch.applied_force, impulse[k])
     solve_in_space(d, d.scratch.link_vector, d.scratch, slot, change)
 
 
@@ -134,13 +138,14 @@ def solve_accelerations_with_armatures(d, y, rate):
 
     The mass matrix M also contains the inertia of the rotors. The force m (g − a_C) of each link is divided
     between its two ends according to the position of its centre of mass; a_C is the acceleration that the
-    centre of mass has at constant angular velocities. The loads at the points have their old values
-    afterwards; the factors of M stay in ``scratch.factors``.
+    centre of mass has at constant angular velocities. The applied forces at the points have their old values
+    afterwards, those in joints and, with ``skewed``, on links have not; the factors of M stay in slot FREE of
+    ``scratch.factors``.
     """
     scratch, n = d.scratch, d.link_count
-    load, link, motion = scratch.load, scratch.link_vector, scratch.place_change
+    applied_force, link, motion = scratch.applied_force, scratch.link_vector, scratch.place_change
     for k in range(n + 1):
-        motion.x[k], motion.y[k] = load.x[k], load.y[k]
+        motion.x[k], motion.y[k] = applied_force.x[k], applied_force.y[k]
     ax, ay, moment = 0.0, 0.0, 0.0
     if d.channel_count > 0 and d.chain.base_moves:
         ax, ay = d.channel.acceleration[0], d.channel.acceleration[1]
@@ -157,19 +162,19 @@ def solve_accelerations_with_armatures(d, y, rate):
         if d.skewed:
             # moment of the force F on a centre of mass at the distance o to the left of the link's line, with
             # the link vector L of length ℓ, and L⊥, which is L turned by 90° to the left: (o/ℓ) L⊥ × F
-            load.link[i] -= d.chain.offset_ratio[i] * (link.x[i] * fx + link.y[i] * fy)
-        load.x[i] += (1.0 - ratio) * fx
-        load.y[i] += (1.0 - ratio) * fy
-        load.x[i + 1] += ratio * fx
-        load.y[i + 1] += ratio * fy
+            applied_force.link[i] -= d.chain.offset_ratio[i] * (link.x[i] * fx + link.y[i] * fy)
+        applied_force.x[i] += (1.0 - ratio) * fx
+        applied_force.y[i] += (1.0 - ratio) * fy
+        applied_force.x[i + 1] += ratio * fx
+        applied_force.y[i + 1] += ratio * fy
         ax, ay = ax - w2x, ay - w2y
     for i in range(n - 1, -1, -1):
         moment += scratch.moment[i]
-        load.joint[i] = moment
+        applied_force.joint[i] = moment
     if d.slides:
         slider, gravity = d.slider, d.chain.gravity
-        load.x[0] += scratch.thrust * slider.ux + slider.mass * gravity[0]
-        load.y[0] += scratch.thrust * slider.uy + slider.mass * gravity[1]
+        applied_force.x[0] += scratch.thrust * slider.ux + slider.mass * gravity[0]
+        applied_force.y[0] += scratch.thrust * slider.uy + slider.mass * gravity[1]
     clear_impedance(d, scratch.impedance)
     add_joint_impedances(d, scratch.impedance)
     factorize_matrix(d, link, scratch, FREE, True)
@@ -177,14 +182,15 @@ def solve_accelerations_with_armatures(d, y, rate):
     for j in range(coordinate_count(n)):
         rate[velocity_at(n) + j] = scratch.change[j]
     for k in range(n + 1):
-        load.x[k], load.y[k] = motion.x[k], motion.y[k]
+        applied_force.x[k], applied_force.y[k] = motion.x[k], motion.y[k]
 
 
 def effective_mass(d, c):
     """Return the effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, for the located points.
 
     The result is at most the mass of chain, carriage and armatures, in which armatures count as in
-    ``mean_mass``, divided by LEAST_MOBILITY.
+    ``mean_mass``, divided by LEAST_MOBILITY. The applied forces, the impedances and the slot FREE of the
+    factors in ``scratch`` are overwritten.
     """
     scratch, row = d.scratch, normal_row(d, c)
     clear_impedance(d, scratch.impedance)
@@ -192,8 +198,8 @@ def effective_mass(d, c):
     factorize_matrix(
         d, scratch.link_vector, scratch, FREE, d.chain.has_armatures != 0 or is_at_joint_stop(d, c)
     )
-    clear_used_loads(d, scratch.load)
-    add_along_row(row, scratch.load, 1.0)
+    clear_used_forces(d, scratch.applied_force)
+    add_along_row(row, scratch.applied_force, 1.0)
     solve_in_space(d, scratch.link_vector, scratch, FREE, scratch.change)
     # in a toggle position no impulse moves the point, so its mobility is 0; the least mobility keeps the
     # result finite

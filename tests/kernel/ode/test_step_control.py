@@ -8,8 +8,8 @@ import pytest
 from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.forces.force_formula import damping_over_elastic
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.ode import control, methods
-from chain_impact.kernel.ode.control import ONSET_SIZE, SAFETY_FACTOR
+from chain_impact.kernel.ode import methods, step_control
+from chain_impact.kernel.ode.step_control import ONSET_SIZE, SAFETY_FACTOR
 from chain_impact.kernel.record.constants import CHECK_FAILED, EXPLICIT, IMPLICIT, INFINITE
 from chain_impact.kernel.record.state import omega_at, time_at
 from chain_impact.kernel.status import OK
@@ -46,21 +46,21 @@ def test_the_rise_time_of_a_force_is_that_of_depth_or_damping(power, restitution
     share = damping_over_elastic(d, 0)
     assert (share > 0.1) == (restitution < 1.0)
     time = 4e-3 * (1.0 + share) ** (-1.0 / (1.0 + power))
-    assert control.contact_time_scale(d, 0) == pytest.approx(time, rel=1e-13)
+    assert step_control.contact_time_scale(d, 0) == pytest.approx(time, rel=1e-13)
     d.solver.tolerance = 1e-6
     for method in (EXPLICIT, IMPLICIT):
-        right = ONSET_SIZE[method] * time * 1e-6 ** control.ONSET_EXPONENT[method]
-        assert control.size_at_onset(d, 0, method) == pytest.approx(right, rel=1e-13)
+        right = ONSET_SIZE[method] * time * 1e-6 ** step_control.ONSET_EXPONENT[method]
+        assert step_control.size_at_onset(d, 0, method) == pytest.approx(right, rel=1e-13)
     # 15 tolerance^(1/3)
-    assert control.size_at_second_onset(d, 0) == pytest.approx(0.15 * time, rel=1e-13)
+    assert step_control.size_at_second_onset(d, 0) == pytest.approx(0.15 * time, rel=1e-13)
 
 
 @pytest.mark.parametrize(
     ("tolerance", "age", "round_off"),
     [
         (1e-4, 0.0, 0.0),
-        (1e-13, 0.0, control.POSITION_ROUND_OFF),
-        (1e-13, 0.01, control.POSITION_ROUND_OFF_AT_REST),
+        (1e-13, 0.0, step_control.POSITION_ROUND_OFF),
+        (1e-13, 0.01, step_control.POSITION_ROUND_OFF_AT_REST),
     ],
 )
 def test_no_scale_of_an_implicit_step_asks_for_less_than_round_off(tolerance, age, round_off):
@@ -69,15 +69,15 @@ def test_no_scale_of_an_implicit_step_asks_for_less_than_round_off(tolerance, ag
     _, d = chain(rng, 2)
     y = locate_touching_state(rng, d, [0])
     d.contacts.expected_penetration[0], d.contacts.latched_speed[0], d.solver.tolerance = 1e-6, 0.5, tolerance
-    y[control.FIRST_ANGLE + 1] = -4e3
+    y[step_control.FIRST_ANGLE + 1] = -4e3
     d.contacts.onset[0], d.step.end = 1.0, 1.0 + age
-    size, gap = d.chain.longest_link, control.sundman_u_at(2)
+    size, gap = d.chain.longest_link, step_control.sundman_u_at(2)
     before, after = np.ones((2, gap + 1))
-    control.set_scales(d, y, before, 1)
-    control.set_scales(d, y, after, 1)
-    control.raise_scales(d, y, after, 0)
+    step_control.set_scales(d, y, before, 1)
+    step_control.set_scales(d, y, after, 1)
+    step_control.raise_scales(d, y, after, 0)
     np.testing.assert_array_equal(after, before)
-    control.raise_scales(d, y, after, 1)
+    step_control.raise_scales(d, y, after, 1)
     least = 4e3 * size * round_off / tolerance
     turning, raised = omega_at(2), round_off > 0.0
     assert after[gap] == pytest.approx(least if raised else before[gap], rel=1e-13)
@@ -90,17 +90,17 @@ def test_a_size_follows_from_the_error_and_from_the_cost():
     for method in (EXPLICIT, IMPLICIT):
         d.step.method = method
         for error in (5.0, 1e-5):
-            control.set_outcome(d, error, 0.7)
-            right = SAFETY_FACTOR[method] * 0.7 * error ** control.SIZE_EXPONENT[method]
-            assert control.next_size_factor(d) == pytest.approx(right, rel=1e-13)
+            step_control.set_outcome(d, error, 0.7)
+            right = SAFETY_FACTOR[method] * 0.7 * error ** step_control.SIZE_EXPONENT[method]
+            assert step_control.next_size_factor(d) == pytest.approx(right, rel=1e-13)
         for error in (1e12, math.inf, math.nan):
-            control.set_outcome(d, error, 0.7)
-            assert control.next_size_factor(d) == 0.1  # the factor is not less than control.LEAST_RATIO
-        control.set_outcome(d, 0.0, 0.7)
-        assert 6.0 < control.next_size_factor(d) < math.inf
-        control.set_outcome(d, 1e-5, 1.0)
-        control.reject_step(d, CHECK_FAILED)
-        assert 1 / 8.5 < control.next_size_factor(d) < 1 / 7
+            step_control.set_outcome(d, error, 0.7)
+            assert step_control.next_size_factor(d) == 0.1  # at least step_control.LEAST_RATIO
+        step_control.set_outcome(d, 0.0, 0.7)
+        assert 6.0 < step_control.next_size_factor(d) < math.inf
+        step_control.set_outcome(d, 1e-5, 1.0)
+        step_control.reject_step(d, CHECK_FAILED)
+        assert 1 / 8.5 < step_control.next_size_factor(d) < 1 / 7
 
 
 def test_in_flight_the_fastest_turn_decides():
@@ -108,40 +108,40 @@ def test_in_flight_the_fastest_turn_decides():
     d.solver.tolerance = 1e-8
     turn = 2.8 * 1e-8 ** (1.0 / 8.0)
     y, rate = np.zeros(len(d.step.state)), np.zeros(len(d.step.state))
-    assert control.size_in_flight(d, y, rate) == 1.0
+    assert step_control.size_in_flight(d, y, rate) == 1.0
     y[omega_at(3) + 1] = -5.0
-    assert control.size_in_flight(d, y, rate) == pytest.approx(turn / 5.0, rel=1e-13)
+    assert step_control.size_in_flight(d, y, rate) == pytest.approx(turn / 5.0, rel=1e-13)
     rate[omega_at(3) + 2] = -49.0  # rad/s²
-    assert control.size_in_flight(d, y, rate) == pytest.approx(turn / 7.0, rel=1e-13)
+    assert step_control.size_in_flight(d, y, rate) == pytest.approx(turn / 7.0, rel=1e-13)
     y[omega_at(3)] = 0.5 * turn
     y[omega_at(3) + 1] = rate[omega_at(3) + 2] = 0.0
-    assert control.size_in_flight(d, y, rate) == 1.0
+    assert step_control.size_in_flight(d, y, rate) == 1.0
 
 
 def test_a_proposed_size_is_limited_rescaled_and_kept_for_the_next_flight():
     _, d = chain(np.random.default_rng(7), 1)
-    control.propose_size(d, 0.5)
-    control.limit_next_size(d, 0.7)
+    step_control.propose_size(d, 0.5)
+    step_control.limit_next_size(d, 0.7)
     assert d.step.next_size == 0.5
-    control.limit_next_size(d, 0.25)
+    step_control.limit_next_size(d, 0.25)
     assert d.step.next_size == 0.25
-    control.store_flight_size(d)
-    control.scale_next_size(d, 3.0)
+    step_control.store_flight_size(d)
+    step_control.scale_next_size(d, 3.0)
     assert (d.step.next_size, d.step.flight_size) == (0.75, 0.25)
-    control.propose_flight_size(d)
+    step_control.propose_flight_size(d)
     assert d.step.next_size == 0.25
 
 
 @pytest.mark.parametrize("error", [0.0, 1.0, np.nextafter(1.0, 2.0), 1e300, math.inf, math.nan])
 def test_a_step_is_accepted_up_to_the_tolerance(error):
     _, d = chain(np.random.default_rng(1), 2)
-    control.set_outcome(d, error, 0.7)
-    assert control.is_accepted(d) == (error <= 1.0)
+    step_control.set_outcome(d, error, 0.7)
+    assert step_control.is_accepted(d) == (error <= 1.0)
     np.testing.assert_array_equal([d.trial.error, d.trial.cost_factor], [error, 0.7])
     assert (d.trial.outcome == INFINITE) == (not math.isfinite(error))
-    control.set_outcome(d, 0.5, 0.7)
-    control.reject_step(d, CHECK_FAILED)
-    assert not control.is_accepted(d)
+    step_control.set_outcome(d, 0.5, 0.7)
+    step_control.reject_step(d, CHECK_FAILED)
+    assert not step_control.is_accepted(d)
     assert (d.trial.error, d.trial.cost_factor) == (0.5, 0.7)
 
 
@@ -151,6 +151,6 @@ def test_a_new_run_forgets_the_error_of_the_last_step():
     methods.integrate_trial(d, 1e-3)
     assert d.trial.size == 1e-3
     assert d.trial.state[time_at(2)] == pytest.approx(1e-3, rel=1e-14)
-    control.reject_step(d, CHECK_FAILED)
+    step_control.reject_step(d, CHECK_FAILED)
     assert initialize(d, 0.0) == OK
-    assert control.is_accepted(d)
+    assert step_control.is_accepted(d)

@@ -7,8 +7,8 @@ from chain_impact.kernel import equations
 from chain_impact.kernel.chain import kinematics
 from chain_impact.kernel.constraints import geometry
 from chain_impact.kernel.forces import active_contacts, force_formula
-from chain_impact.kernel.ode import dense, extended
-from chain_impact.kernel.ode.extended import clearance_at, rate_at
+from chain_impact.kernel.ode import dense_output, extended_state
+from chain_impact.kernel.ode.extended_state import clearance_at, rate_at
 from chain_impact.kernel.record import state
 from tests.helpers.kernel.plain import make_rigid
 from tests.helpers.tools.differences import slope
@@ -27,22 +27,26 @@ def touching():
     d.step.state_end[:] = y
     equations.rate_from_state(d, y, d.scratch.rate_start)
     d.quadrature.computed = 1
-    dense.reset_quadratures(d)
+    dense_output.reset_quadratures(d)
     d.quadrature.state_end[:2], d.quadrature.rate_end[:2] = [3.0, 4.0], [30.0, 40.0]
     return scene, d, touched, y
 
 
 def test_clearances_their_rates_and_impulses_stand_one_after_the_other(touching):
     _, d, touched, _ = touching
-    assert extended.clearance_count(d) == 2
-    places = [at(d, k) for at in (clearance_at, rate_at, extended.quadrature_at) for k in range(2)]
-    assert [*places, extended.extended_length(d)] == list(range(FIRST, FIRST + 7))
+    assert extended_state.clearance_count(d) == 2
+    places = [at(d, k) for at in (clearance_at, rate_at, extended_state.quadrature_at) for k in range(2)]
+    assert [*places, extended_state.extended_length(d)] == list(range(FIRST, FIRST + 7))
     d.quadrature.computed = 0
-    dense.reset_quadratures(d)
-    assert extended.extended_length(d) == FIRST + 4
+    dense_output.reset_quadratures(d)
+    assert extended_state.extended_length(d) == FIRST + 4
     make_rigid(d, np.arange(d.candidate_count) == touched[0])
-    assert extended.clearance_count(d) == 1
-    assert [clearance_at(d, 0), rate_at(d, 0), extended.extended_length(d)] == [FIRST, FIRST + 1, FIRST + 2]
+    assert extended_state.clearance_count(d) == 1
+    assert [clearance_at(d, 0), rate_at(d, 0), extended_state.extended_length(d)] == [
+        FIRST,
+        FIRST + 1,
+        FIRST + 2,
+    ]
 
 
 def normal_accelerations(scene, d, y, rate, touched):
@@ -63,7 +67,7 @@ def test_a_step_starts_from_the_state_and_from_the_clearances_there(touching, at
     if not at_end:
         kinematics.locate_points(d, y + 0.1)
     d.scratch.located_at_end = at_end
-    extended.extend_start(d)
+    extended_state.extend_start(d)
     start, rate = d.implicit.z_start, d.implicit.rate_start
     assert start[:FIRST].tolist() == y[:FIRST].tolist()
     assert rate[:FIRST].tolist() == d.scratch.rate_start[:FIRST].tolist()
@@ -78,11 +82,11 @@ def test_a_step_starts_from_the_state_and_from_the_clearances_there(touching, at
 def test_forces_are_those_at_the_clearances_of_the_step(touching):
     """The coordinates' own clearances differ from the integrated clearances."""
     scene, d, touched, _ = touching
-    extended.extend_start(d)
+    extended_state.extend_start(d)
     z, rate = d.implicit.z_start.copy(), np.zeros(len(d.implicit.z_start))
     z[clearance_at(d, 0)] -= 2e-3
     z[rate_at(d, 1)] -= 0.3
-    extended.extended_rate(d, z, 0.0, rate)
+    extended_state.extended_rate(d, z, 0.0, rate)
     forces = [
         active_contacts.contact_force(d, c, z[clearance_at(d, k)], z[rate_at(d, k)])
         for k, c in enumerate(touched)
@@ -92,16 +96,16 @@ def test_forces_are_those_at_the_clearances_of_the_step(touching):
     bends = normal_accelerations(scene, d, z, rate, touched)
     assert rate[FIRST + 2 : FIRST + 4] == pytest.approx(bends, rel=1e-6)
     # with the coordinates' clearances the result is the rate of the state
-    extended.extended_rate(d, d.implicit.z_start.copy(), 0.0, rate)
+    extended_state.extended_rate(d, d.implicit.z_start.copy(), 0.0, rate)
     assert rate[:FIRST] == pytest.approx(d.scratch.rate_start[:FIRST], rel=1e-9)
 
 
 def test_slopes_are_those_of_the_forces_and_the_links_are_kept(touching):
     _, d, touched, _ = touching
-    extended.extend_start(d)
+    extended_state.extend_start(d)
     z = d.implicit.z_start.copy()
     z[clearance_at(d, 0)], z[clearance_at(d, 1)] = -3e-3, 1e-3  # the second point has left its wall
-    extended.extended_slopes(d, z)
+    extended_state.extended_slopes(d, z)
     for k, depth in enumerate((3e-3, 0.0)):
         right = force_formula.law_slopes(d, touched[k], depth, -z[rate_at(d, k)])
         assert (d.implicit.contact_stiffness[k], d.implicit.contact_damping[k]) == pytest.approx(

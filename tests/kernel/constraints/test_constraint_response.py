@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain import kinematics, response
+from chain_impact.kernel.chain import kinematics, mass_matrix_solver
 from chain_impact.kernel.chain.drives import drive_slopes
-from chain_impact.kernel.constraints import compliance, geometry
-from chain_impact.kernel.ode.extended import drive_resistance
+from chain_impact.kernel.constraints import constraint_response, geometry
+from chain_impact.kernel.ode.extended_state import drive_impedance
 from tests.helpers.models.reference import mass_matrix, point_jacobian, random_impedances, set_impedances
 from tests.kernel.chains import (
     chain,
@@ -42,7 +42,7 @@ def chain_at_walls(case, resist=True):
     )
     # values from an earlier problem
     set_impedances(d.scratch.impedance, random_impedances(rng, count + 1, 5.0) + 0.3)
-    d.scratch.load.x[:] = d.scratch.load.y[:] = 9.0
+    d.scratch.applied_force.x[:] = d.scratch.applied_force.y[:] = 9.0
     walls = [c for c in range(d.candidate_count) if c not in stops]
     of_walls = dict(zip(walls, gradients(scene, d, y[2 : count + 2], walls), strict=True))
     rows = [
@@ -78,14 +78,14 @@ def assert_moved(scene, d, angles, change):
 def assert_loads(scene, d, angles, added, work):
     """Assert the work of loads of points and joints, and the addition of their impedances to M."""
     own, count = d.scratch.impedance, d.link_count
-    for k, load in enumerate(vectors(d.scratch.load)):
+    for k, load in enumerate(vectors(d.scratch.applied_force)):
         at = point_jacobian(scene, angles, k)
         work = work - at.T @ load
         added = added - at.T @ [[own.xx[k], own.xy[k]], [own.xy[k], own.yy[k]]] @ at
     for i, turn in enumerate(
         d.chain.longest_link * relative_motion(count) if d.chain.has_joint_stops else ()
     ):
-        work = work - d.scratch.load.x[count + 1 + i] * turn
+        work = work - d.scratch.applied_force.x[count + 1 + i] * turn
         added = added - own.xx[count + 1 + i] * np.outer(turn, turn)
     np.testing.assert_allclose(work, 0.0, rtol=0, atol=1e-12)
     np.testing.assert_allclose(added, 0.0, rtol=0, atol=1e-11)
@@ -103,8 +103,8 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
     count, active, across = d.link_count, len(jacobian), relative_motion(d.link_count)
     assert d.chain.has_springs_or_dampers == (resist and (count > 1 or d.chain.has_base_joint))
     impedance, impulse = rng.uniform(0.0, 30.0, d.candidate_count), rng.normal(size=d.candidate_count)
-    compliance.factorize_contacts(d, response.HELD, impedance)
-    compliance.solve_contacts(d, response.HELD, impulse, d.constraints.change)
+    constraint_response.factorize_contacts(d, mass_matrix_solver.HELD, impedance)
+    constraint_response.solve_contacts(d, mass_matrix_solver.HELD, impulse, d.constraints.change)
     added, work = jacobian.T @ np.diag(impedance[:active]) @ jacobian, jacobian.T @ impulse[:active]
     expected = solved(d, mass_matrix(scene, angles) + added, work)
     np.testing.assert_allclose(d.constraints.change, expected, rtol=0, atol=1e-10)
@@ -112,18 +112,24 @@ def test_a_chain_yields_as_the_assembled_equations_say(case, resist, time):
     assert_loads(scene, d, angles, added, work)
     for i in range(d.link_count):
         d.implicit.drive_damping[i], d.implicit.drive_stiffness[i] = drive_slopes(d, i)
-        d.scratch.impedance.joint[i] = drive_resistance(d, i, time)
+        d.scratch.impedance.joint[i] = drive_impedance(d, i, time)
     geometry.add_joint_impedances(d, d.scratch.impedance)
     with_joints = d.chain.has_springs_or_dampers or d.chain.has_joint_stops
-    response.factorize_matrix(d, d.scratch.link_vector, d.scratch, response.SHIFTED, with_joints)
+    mass_matrix_solver.factorize_matrix(
+        d, d.scratch.link_vector, d.scratch, mass_matrix_solver.SHIFTED, with_joints
+    )
     joints = rng.normal(size=count) * with_joints
     joints[0] *= d.chain.has_base_joint  # a free base is no joint
-    geometry.clear_used_loads(d, d.scratch.load)
+    geometry.clear_used_forces(d, d.scratch.applied_force)
     for k in range(active):
-        geometry.add_along_row(geometry.normal_row(d, d.contacts.active_index[k]), d.scratch.load, impulse[k])
-    d.scratch.load.joint[:] += joints
+        geometry.add_along_row(
+            geometry.normal_row(d, d.contacts.active_index[k]), d.scratch.applied_force, impulse[k]
+        )
+    d.scratch.applied_force.joint[:] += joints
     change = np.full(count + 2, np.nan)
-    compliance.solve_in_space(d, d.scratch.link_vector, d.scratch, response.SHIFTED, change)
+    constraint_response.solve_in_space(
+        d, d.scratch.link_vector, d.scratch, mass_matrix_solver.SHIFTED, change
+    )
     links = scene.chain.links
     resistance = np.array([time * link.joint_damping + time**2 * link.joint_stiffness for link in links])
     resistance[0] *= d.chain.has_base_joint
@@ -139,7 +145,7 @@ def test_the_effective_mass_is_the_mass_that_an_impulse_moves(case):
     scene, d, angles, rows, _, _ = chain_at_walls(case)
     for c, row in enumerate(rows):
         expected = 1.0 / (row @ solved(d, mass_matrix(scene, angles), row))
-        assert compliance.effective_mass(d, c) == pytest.approx(expected, rel=1e-10)
+        assert constraint_response.effective_mass(d, c) == pytest.approx(expected, rel=1e-10)
 
 
 def test_a_point_that_cannot_move_has_a_million_chains_mass():
@@ -152,4 +158,6 @@ def test_a_point_that_cannot_move_has_a_million_chains_mass():
     d.candidate.normal_x[tip], d.candidate.normal_y[tip] = -np.cos(angle), -np.sin(angle)
     kinematics.locate_points(d, y)
     mass = sum(link.mass for link in scene.chain.links)
-    assert compliance.effective_mass(d, tip) == pytest.approx(mass / compliance.LEAST_MOBILITY, rel=1e-9)
+    assert constraint_response.effective_mass(d, tip) == pytest.approx(
+        mass / constraint_response.LEAST_MOBILITY, rel=1e-9
+    )

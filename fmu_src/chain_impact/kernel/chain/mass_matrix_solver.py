@@ -1,21 +1,23 @@
-"""The response of the chain to impulses: M + Jᵀ D J + K, eliminated by the recursion of chain/elimination.py.
+"""The solver of linear systems with the mass matrix, by the recursion of chain/elimination.py.
 
 ``factorize_matrix`` and ``solve_response`` solve linear systems with the matrix M + Jᵀ D J + K in O(N), for
-real, complex and dual numbers alike. M is the mass matrix. J maps rates of the coordinates to velocities of
-points and sites, and D are impedances (dampers) there. K = Σ κ_i χ_i χ_iᵀ, where κ_i is the resistance of
-joint i and χ_i the gradient of ω_i − ω_{i−1}. With the response Δ, joint i exerts the angular impulse κ_i
-(Δ_i − Δ_{i−1}) − μ_i against the change of its relative angular velocity; μ_i is a given impulse in the
-joint. A free base has no joint, so κ_1 = 0.
+real, complex and dual numbers alike. The solution is the response of the chain to impulses. This module knows
+places and joints only; constraints/constraint_response.py sets the impedances and impulses of contacts and
+sticking elements. M is the mass matrix. J maps rates of the coordinates to velocities of points and sites,
+and D are impedances (dampers) there. K = Σ κ_i χ_i χ_iᵀ, where κ_i is the impedance of joint i and χ_i the
+gradient of ω_i − ω_{i−1}. With the response Δ, joint i exerts the angular impulse κ_i (Δ_i − Δ_{i−1}) − μ_i
+against the change of its relative angular velocity; μ_i is a given impulse in the joint. A free base has no
+joint, so κ_1 = 0.
 
-The response minimises the quadratic form ½ Δᵀ (M + Jᵀ D J + K) Δ minus the work of the loads. The links are
-eliminated one after another, from both ends of the chain to the middle joint. The outer part of the chain at
-a joint is the part between this joint and the end of its arm. Z is the least value of the form over this
+The response minimises the quadratic form ½ Δᵀ (M + Jᵀ D J + K) Δ minus the work of the impulses. The links
+are eliminated one after another, from both ends of the chain to the middle joint. The outer part of the chain
+at a joint is the part between this joint and the end of its arm. Z is the least value of the form over this
 part. Z depends on the motion a of the joint. Z also depends on the rotation β of the link on the inner side
-of the joint, because a joint with resistance κ transmits a moment:
+of the joint, because a joint with an impedance κ transmits a moment:
 
     Z = ½ a·A a + β e·a + ½ p β² − b·a − t β.
 
-A, e and p are a symmetric 3×3 articulated inertia. The loads on the outer part act at the joint by the
+A, e and p are a symmetric 3×3 articulated inertia. The impulses on the outer part act at the joint as the
 impulse b and the angular impulse t. Link i adds its own inertia, and the impedances D at its outer joint and
 at its sites; the formulas leave these impedances out. The elimination of link i is that of its rotation Δ_i =
 α. L, m r_C, I and x⊥ are those of chain/elimination.py, and τ is a moment on the link. The coefficients A',
@@ -31,14 +33,14 @@ The result has the coefficients, with σ = κ/(H + κ) between 0 and 1,
     b = b' − h (s + μ)/(H + κ),    t = σ s − (1 − σ) μ,
 
 in which no digits cancel, however large κ is. As in chain/elimination.py, two arms meet at the middle joint:
-the inward arm begins at the base, the outward arm at the tip. The resistance κ of the middle joint belongs to
+the inward arm begins at the base, the outward arm at the tip. The impedance κ of the middle joint belongs to
 the outward arm. At the middle joint the β of the outward arm is the α of the inward arm's link there, so e, p
 and t of the outward arm add to h, H and s of this link. A light link at an end is eliminated before heavier
 links, because its sum with a heavier link would lose digits of the light one.
 
-In an implicit step κ and D may be complex, because they contain a complex shift (ode/extended.py). Even then
-no pivoting is needed: the argument of every shift is below 61°, so all quadratic forms lie in a sector of
-less than 122°, and no pivot vanishes.
+In an implicit step κ and D may be complex, because they contain a complex shift (ode/extended_state.py). Even
+then no pivoting is needed: the argument of every shift is below 61°, so all quadratic forms lie in a sector
+of less than 122°, and no pivot vanishes.
 """
 
 from chain_impact.kernel.chain.drives import joints_resist
@@ -50,7 +52,7 @@ from chain_impact.kernel.record.state import FIRST_ANGLE
 FREE, HELD, SHIFTED = 0, 1, 2
 """Slots of `scratch.factors`, one for each factorized matrix. FREE: the mass matrix, with armatures and, in
 ``project_state`` while an element sticks, with an added mass for each contact with a force law
-(``contact_resistance`` in forces/holding.py). HELD: the matrix of FREE plus Jᵀ D J with the
+(``contact_added_mass`` in forces/holding.py). HELD: the matrix of FREE plus Jᵀ D J with the
 impedances D of the constraints. SHIFTED: the matrix of an implicit step, for its real shift."""
 
 
@@ -103,7 +105,7 @@ def clear_impedance(d, impedance):
     """Set all numbers of ``impedance`` that are used to zero; ``factorize_matrix`` describes them.
 
     These numbers are the impedances D at points and sites, and at the places of joints if joints have places
-    (``xx`` only); and the resistances κ in all joints, if any joint may resist (``joints_resist``).
+    (``xx`` only); and the impedances κ of all joints, if any joint may resist (``joints_resist``).
     """
     for k in range(d.link_count + 1):
         impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
@@ -118,7 +120,7 @@ def clear_impedance(d, impedance):
 
 
 def factorize_matrix(d, link_vectors, space, slot, coupled):
-    """Factorize M + Jᵀ D J + K: mass matrix, impedances D at points, resistances K of joints.
+    """Factorize M + Jᵀ D J + K: mass matrix, impedances D at places, impedances K of joints.
 
     Args:
         d: the instance.
@@ -128,7 +130,7 @@ def factorize_matrix(d, link_vectors, space, slot, coupled):
             result, which ``solve_response`` uses.
         slot: the index in ``factors`` of this matrix: FREE, HELD or SHIFTED; for a complex matrix, the index
             of the complex shift.
-        coupled: whether joints may transmit moments. If not, all resistances κ_i count as zero here, and all
+        coupled: whether joints may transmit moments. If not, all impedances κ_i count as zero here, and all
             angular impulses μ_i in ``solve_response``; both functions then take less time.
     """
     n, middle, impedance = d.link_count, d.chain.meeting_joint, space.impedance
@@ -142,7 +144,7 @@ def factorize_matrix(d, link_vectors, space, slot, coupled):
         )
         if j >= 0:
             last = j + 1 == middle
-            resistance = 0.0 if last else impedance.joint[j + 1]
+            kappa = 0.0 if last else impedance.joint[j + 1]
             if last and coupled:
                 # The outward arm's term e·a α couples the motion a of the middle joint with the rotation α of
                 # link j. `factorize_link` needs this term in the motion a' of the link's outer joint:
@@ -152,7 +154,7 @@ def factorize_matrix(d, link_vectors, space, slot, coupled):
                 q += p + cross_product(2.0 * link_vectors.x[j], 2.0 * link_vectors.y[j], ex, ey)
                 fx, fy = fx + ex, fy + ey
             cxx, cxy, cyy, fx, fy, q = factorize_link(
-                d, link_vectors, space, slot, coupled, j, False, resistance, cxx, cxy, cyy, fx, fy, q
+                d, link_vectors, space, slot, coupled, j, False, kappa, cxx, cxy, cyy, fx, fy, q
             )
     axx = axx + cxx + impedance.xx[middle]
     axy = axy + cxy + impedance.xy[middle]
@@ -165,8 +167,8 @@ def copy_factors(d, coupled):
 
     So ``solve_response`` can use the factors without a new factorization. ``coupled`` tells whether joints
     may transmit moments, as for ``factorize_matrix``. In a chain with armatures,
-    ``solve_accelerations_with_armatures`` in constraints/compliance.py has set this slot, so the function
-    does nothing.
+    ``solve_accelerations_with_armatures`` in constraints/constraint_response.py has set this slot, so the
+    function does nothing.
     """
     if d.chain.has_armatures:
         return
@@ -197,12 +199,12 @@ def set_middle_mobility(d, factors, slot, axx, axy, ayy):
 
 
 @inlined
-def factorize_link(d, link_vectors, space, slot, coupled, i, outward, resistance, axx, axy, ayy, ex, ey, p):
+def factorize_link(d, link_vectors, space, slot, coupled, i, outward, kappa, axx, axy, ayy, ex, ey, p):
     """Eliminate link i: return the articulated inertia at its inner joint (nearer to the middle joint).
 
     The arguments axx to p are the parts A, e and p (head of this module) of the articulated inertia at the
     outer joint; the result has the same six numbers at the inner joint. ``outward``: whether the inner joint
-    is the proximal one; ``resistance``: κ of the inner joint.
+    is the proximal one; ``kappa``: κ of the inner joint.
     """
     point, factors = i + 1 if outward else i, space.factors
     axx += space.impedance.xx[point]
@@ -224,8 +226,8 @@ def factorize_link(d, link_vectors, space, slot, coupled, i, outward, resistance
         axx, axy, ayy = axx + xx, axy + xy, ayy + yy
     if coupled:
         hx, hy, about_joint = hx + ex, hy + ey, about_joint + (cross_product(2.0 * lx, 2.0 * ly, ex, ey) + p)
-        inverse = reciprocal(about_joint + resistance)
-        coupling = resistance * inverse
+        inverse = reciprocal(about_joint + kappa)
+        coupling = kappa * inverse
         factors.coupling[slot, i], factors.complement[slot, i] = coupling, about_joint * inverse
         # the parts e = σ h and p = σ H (head of this module) at the inner joint, with σ = κ/(H + κ)
         ex, ey, p = coupling * hx, coupling * hy, coupling * about_joint
@@ -238,42 +240,42 @@ def factorize_link(d, link_vectors, space, slot, coupled, i, outward, resistance
 
 
 def solve_response(d, link_vectors, space, slot, change):
-    """Solve (M + Jᵀ D J + K) Δ = Jᵀ load + Σ μ_i χ_i for the response Δ to impulses on points and in joints.
+    """Solve (M + Jᵀ D J + K) Δ = Jᵀ p + Σ μ_i χ_i for the response Δ to impulses on points and in joints.
 
     Args:
         d: the instance.
         link_vectors: as for ``factorize_matrix``.
-        space: record with the result of ``factorize_matrix``, and with ``load``. The load has the impulses
-            ``x, y`` on each point 0…N [N·s], the impulses μ_i in the joints, ``joint``, shape (N,) [N·m·s],
-            and the angular impulses τ_i on the links, ``link`` [N·m·s]. μ_i is read only if
+        space: record with the result of ``factorize_matrix``, and with ``applied_force``. This has the
+            impulses ``x, y`` on each point 0…N [N·s], the impulses μ_i in the joints, ``joint``, shape (N,)
+            [N·m·s], and the angular impulses τ_i on the links, ``link`` [N·m·s]. μ_i is read only if
             ``factorize_matrix`` has set the slot with ``coupled`` true, τ_i only if ``has_link_moments`` is
-            true. ``move_site_loads`` must have replaced the loads at sites. If the load has forces and
-            moments, Δ has accelerations.
+            true. ``move_site_forces`` must have replaced the impulses at sites. If ``applied_force`` has
+            forces and moments, Δ has accelerations.
         slot: the index in ``factors`` of the matrix, as for ``factorize_matrix``.
         change: result Δ, in its first N + 2 entries: the change of the base's velocity [m/s] and of the
             links' angular velocities [rad/s]. Further entries of the array stay as they are.
     """
-    n, middle, load, coupled = (
+    n, middle, applied_force, coupled = (
         d.link_count,
         d.chain.meeting_joint,
-        space.load,
+        space.applied_force,
         space.factors.coupled[slot] != 0,
     )
     bx, by, t = 0.0, 0.0, 0.0
     cx, cy, u = 0.0, 0.0, 0.0
     for k in range(n - middle):
         i, j = n - 1 - k, k - (n - 2 * middle)
-        bx, by, t = gather_loads(
-            d, link_vectors, space, slot, coupled, i, True, load.joint[i], bx, by, t, change
+        bx, by, t = gather_forces(
+            d, link_vectors, space, slot, coupled, i, True, applied_force.joint[i], bx, by, t, change
         )
         if j >= 0:
             last = j + 1 == middle
-            moment = 0.0 if last else -load.joint[j + 1]
+            moment = 0.0 if last else -applied_force.joint[j + 1]
             u = u + t if last else u
-            cx, cy, u = gather_loads(
+            cx, cy, u = gather_forces(
                 d, link_vectors, space, slot, coupled, j, False, moment, cx, cy, u, change
             )
-    bx, by = bx + cx + load.x[middle], by + cy + load.y[middle]
+    bx, by = bx + cx + applied_force.x[middle], by + cy + applied_force.y[middle]
     mobility = space.factors.middle_mobility
     x = mobility[slot, 0] * bx + mobility[slot, 1] * by
     y = mobility[slot, 1] * bx + mobility[slot, 2] * by
@@ -292,8 +294,8 @@ def solve_response(d, link_vectors, space, slot, change):
 
 
 @inlined
-def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, by, t, change):
-    """Set in ``change`` the part of α that the loads cause: (s + μ)/(H + κ), the α for a = 0 and β = 0.
+def gather_forces(d, link_vectors, space, slot, coupled, i, outward, moment, bx, by, t, change):
+    """Set in ``change`` the part of α that the impulses cause: (s + μ)/(H + κ), the α for a = 0 and β = 0.
 
     α is the change of ω_i, a that of the velocity of the inner joint, which is nearer to the middle joint, β
     that of the angular velocity of the link on the inner side; the module's docstring has the other symbols.
@@ -301,11 +303,11 @@ def gather_loads(d, link_vectors, space, slot, coupled, i, outward, moment, bx, 
     impulse t at the inner joint, from those at the outer joint: the arguments bx, by and t.
     """
     factors, point, sign = space.factors, i + 1 if outward else i, 1.0 if outward else -1.0
-    bx += space.load.x[point]
-    by += space.load.y[point]
+    bx += space.applied_force.x[point]
+    by += space.applied_force.y[point]
     s = cross_product(sign * link_vectors.x[i], sign * link_vectors.y[i], bx, by)
     if has_link_moments(d):
-        s += space.load.link[i]
+        s += space.applied_force.link[i]
     if coupled:
         s += t
         # angular impulse at the inner joint: t = σ s − (1 − σ) μ, with σ = κ/(H + κ)

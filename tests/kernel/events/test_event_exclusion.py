@@ -8,7 +8,7 @@ from scipy.interpolate import BPoly
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.constraints.geometry import clearance_and_rate, length_bound
-from chain_impact.kernel.events import exclusion
+from chain_impact.kernel.events import event_exclusion
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.ode.sundman import root_rate
 from chain_impact.kernel.record.constants import CURVATURES_KNOWN, DISTANCE_KNOWN, NOTHING_KNOWN, VALUES_KNOWN
@@ -53,12 +53,12 @@ def test_exclusion_keeps_every_event_and_skips_far_walls(seed, near, touching):
     d, motion = stepped([seed, touching], near=near, touching=touching)
     values = phi_all(d, motion)
     happens = (values.min(axis=0) < 0.0).any()
-    excluded = exclusion.excludes_events(d)
+    excluded = event_exclusion.excludes_events(d)
     assert not (excluded and happens)
     if values.min() > 0.3 * near and near >= 0.2:
         assert excluded
     # φ and φ′ of all candidates at both ends, and φ″
-    assert exclusion.known_clearances(d) == CURVATURES_KNOWN
+    assert event_exclusion.known_clearances(d) == CURVATURES_KNOWN
     np.testing.assert_allclose(d.search.phi_start, values[0], rtol=0, atol=1e-11)
     np.testing.assert_allclose(d.search.phi_end, values[-1], rtol=0, atol=1e-11)
     h = d.step.size / 1000
@@ -76,10 +76,10 @@ def test_exclusion_keeps_every_event_and_skips_far_walls(seed, near, touching):
 def test_contacts_that_cross_their_kink_or_are_pushed_in_are_looked_at():
     for change in ("kink_crossed", "penetration_rate"):
         d, _ = stepped(0, near=2.0, touching=2)
-        assert exclusion.excludes_events(d)
+        assert event_exclusion.excludes_events(d)
         d, _ = stepped(0, near=2.0, touching=2)
         d.contacts[change][1] = 1e6
-        assert not exclusion.excludes_events(d)
+        assert not event_exclusion.excludes_events(d)
 
 
 def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
@@ -92,10 +92,10 @@ def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
             d.search.input_rate = 1.1 / d.step.size
         else:
             d.chain.joint_rate_bound = 20.0 / d.step.size
-        assert not exclusion.excludes_events(d)
+        assert not event_exclusion.excludes_events(d)
         if field != "fade":
             assert d.search.suspect_index.tolist() == list(range(d.candidate_count))
-        assert exclusion.excludes_events(stepped(0, near=2.0)[0])
+        assert event_exclusion.excludes_events(stepped(0, near=2.0)[0])
 
 
 @pytest.mark.parametrize("held", [False, True])
@@ -112,7 +112,7 @@ def test_the_search_follows_free_candidates_but_no_held_ones(held):
     if held:
         d.law.impulsive[resting] = 1
         mark_touching(d, [resting])
-    assert not exclusion.excludes_events(d)
+    assert not event_exclusion.excludes_events(d)
     suspects = d.search.suspect_index[: d.search.suspect_count].tolist()
     assert suspects == ([near] if held else [near, resting])
 
@@ -137,7 +137,7 @@ def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, f
         gap = (clear * off if off > 0.0 else clear) - d.law.harmless_depth[0]
         for c in range(d.candidate_count):
             wall_at(d, c, motion.at(0.0), -gap if active else gap)
-        assert exclusion.excludes_events(d) == (clear > 1.0 or (off == 0.0 and clear > 0.0))
+        assert event_exclusion.excludes_events(d) == (clear > 1.0 or (off == 0.0 and clear > 0.0))
 
 
 @pytest.mark.parametrize("active", [False, True])
@@ -154,9 +154,11 @@ def test_a_clearance_is_above_its_least_bernstein_coefficient(seed, active):
         for name, value in zip(row, values, strict=True):
             search[name][c] = value
     inner = BPoly.from_derivatives([0.0, h], ends).c[1:, 0]
-    limit = inner.min() - exclusion.BERNSTEIN_MARGIN * (inner.max() - inner.min()) + d.law.harmless_depth[c]
-    assert exclusion.stays_positive(d, c, limit - 1e-9)
-    assert not exclusion.stays_positive(d, c, limit + 1e-9)
+    limit = (
+        inner.min() - event_exclusion.BERNSTEIN_MARGIN * (inner.max() - inner.min()) + d.law.harmless_depth[c]
+    )
+    assert event_exclusion.stays_positive(d, c, limit - 1e-9)
+    assert not event_exclusion.stays_positive(d, c, limit + 1e-9)
 
 
 @pytest.mark.parametrize(("end", "expected"), [(0.1, True), (0.0, False), (-0.1, False)])
@@ -164,24 +166,24 @@ def test_the_root_of_the_regularized_contact_decides_by_its_end(end, expected):
     _, d = chain(np.random.default_rng(0), 1)
     d.step.regularized_candidate, d.search.phi_end[2] = 2, end
     d.search.phi_start[2] = -9.0
-    assert exclusion.stays_in_contact(d, 2, 1e9) == expected
+    assert event_exclusion.stays_in_contact(d, 2, 1e9) == expected
 
 
 @pytest.mark.parametrize("what", [VALUES_KNOWN, CURVATURES_KNOWN, DISTANCE_KNOWN])
 def test_bounds_are_kept_until_the_steps_break(what):
     _, d = chain(np.random.default_rng(0), 1)
     d.step.break_count = 3
-    exclusion.remember_clearances(d, what)
-    assert exclusion.known_clearances(d) == what
+    event_exclusion.remember_clearances(d, what)
+    assert event_exclusion.known_clearances(d) == what
     d.step.break_count = 4
-    assert exclusion.known_clearances(d) == NOTHING_KNOWN
+    assert event_exclusion.known_clearances(d) == NOTHING_KNOWN
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
     """The stored distance is never larger than the true distance, and stays valid for some steps."""
     d, motion = stepped(seed, size=0.01, near=1.0)
-    assert exclusion.excludes_events(d)
+    assert event_exclusion.excludes_events(d)
     least = phi_all(d, motion)[-1].min()
     assert d.search.safe_distance == pytest.approx(least, rel=1e-9)
     d.search.speed_bound = length_bound(d, d.scratch.velocity)
@@ -193,13 +195,13 @@ def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
         d.step.start, d.step.end = 0.01 * k, 0.01 * (k + 1)
         locate_points(d, y)
         accelerate_points(d, y, motion.at(0.01 * (k + 1), 1))
-        far = exclusion.remains_far(d)
+        far = event_exclusion.remains_far(d)
         room = gaps_of(d, y).min()
         assert d.search.safe_distance <= room
-        assert far == (d.search.safe_distance > exclusion.allowed_position_error(d))
+        assert far == (d.search.safe_distance > event_exclusion.allowed_position_error(d))
         if not far:
             break
-        assert exclusion.known_clearances(d) == DISTANCE_KNOWN
+        assert event_exclusion.known_clearances(d) == DISTANCE_KNOWN
         lasted += 1
     assert lasted >= 2
     # no point moves further than its speed and acceleration permit, so no point or wall is inspected
@@ -211,13 +213,13 @@ def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
 def test_the_way_of_a_step_counts_the_acceleration_at_its_start(monkeypatch, channels):
     """way = h (v + h a), with the larger acceleration of both ends; nothing moves at the end."""
     d, _ = stepped(0, size=0.01, near=1.0)
-    assert exclusion.excludes_events(d)
+    assert event_exclusion.excludes_events(d)
     d.channel_count, (safe, lasted) = channels, (d.search.safe_distance, d.step.end - d.step.start)
-    monkeypatch.setattr(exclusion, "fastest_wall", lambda d: (0.0, 0.0))
+    monkeypatch.setattr(event_exclusion, "fastest_wall", lambda d: (0.0, 0.0))
     for vectors in (d.scratch.velocity, d.scratch.acceleration):
         vectors.x[:], vectors.y[:] = 0.0, 0.0
     d.search.speed_bound, d.search.acceleration_bound = 0.0, 100.0
-    exclusion.remains_far(d)
+    event_exclusion.remains_far(d)
     assert d.search.safe_distance == pytest.approx(safe - 100.0 * lasted * lasted)
 
 
@@ -225,26 +227,26 @@ def quiet_start(regularized=-1):
     d, _ = stepped(0, size=0.01, near=1.0)
     d.search.safe_distance, d.search.speed_bound, d.search.acceleration_bound = 5.0, 0.0, 0.0
     d.step.regularized_candidate = regularized
-    exclusion.remember_clearances(d, CURVATURES_KNOWN)
+    event_exclusion.remember_clearances(d, CURVATURES_KNOWN)
     return d
 
 
 def test_a_touching_point_is_near_unless_its_contact_is_regularized():
     d = quiet_start()
-    assert exclusion.remains_far(d)
+    assert event_exclusion.remains_far(d)
     for what in (NOTHING_KNOWN, VALUES_KNOWN):
         d = quiet_start()
-        exclusion.remember_clearances(d, what)
-        assert not exclusion.remains_far(d)
+        event_exclusion.remember_clearances(d, what)
+        assert not event_exclusion.remains_far(d)
     d = quiet_start()
     mark_touching(d, [2])
-    assert not exclusion.remains_far(d)
+    assert not event_exclusion.remains_far(d)
     for u, crossed, expected in ((0.5, 0, True), (0.0, 0, False), (-0.1, 0, False), (0.5, 1, False)):
         d = quiet_start(regularized=2)
         mark_touching(d, [2])
         d.step.state_end[sundman_u_at(d.link_count)], d.contacts.kink_crossed[2] = u, crossed
-        assert exclusion.remains_far(d) == expected
-        assert exclusion.known_clearances(d) == (DISTANCE_KNOWN if expected else CURVATURES_KNOWN)
+        assert event_exclusion.remains_far(d) == expected
+        assert event_exclusion.known_clearances(d) == (DISTANCE_KNOWN if expected else CURVATURES_KNOWN)
 
 
 @pytest.mark.parametrize("speed", [0.0, 1.4, 1.6])
@@ -256,12 +258,12 @@ def test_a_contact_is_nearly_fast_at_three_quarters_of_the_relatch_speed(speed, 
     point = d.candidate.point[0]
     d.scratch.velocity.x[point] = -3.0 * end * d.candidate.normal_x[0]
     d.scratch.velocity.y[point] = -3.0 * end * d.candidate.normal_y[0]
-    expected = max(speed, end) > exclusion.NEARLY_FAST * exclusion.RELATCH_RATIO
-    assert exclusion.is_nearly_fast(d, 0) == expected
+    expected = max(speed, end) > event_exclusion.NEARLY_FAST * event_exclusion.RELATCH_RATIO
+    assert event_exclusion.is_nearly_fast(d, 0) == expected
     d.contacts.kink_crossed[0] = 0
-    assert exclusion.force_stays_smooth(d, 0) == (not expected)
+    assert event_exclusion.force_stays_smooth(d, 0) == (not expected)
     d.contacts.kink_crossed[0] = 1
-    assert not exclusion.force_stays_smooth(d, 0)
+    assert not event_exclusion.force_stays_smooth(d, 0)
 
 
 @pytest.mark.parametrize("impulsive", [0, 1])
@@ -281,10 +283,10 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
     d.contacts.expected_penetration[:] = 0.3
     mark_touching(d, [2, 4])
     pace = 1.0 if regularized < 0 else u / (1.0 + u * u)
-    found = exclusion.sundman_u_now(d, y)
+    found = event_exclusion.sundman_u_now(d, y)
     slope = 0.0 if regularized < 0 else -0.5 * clearance_and_rate(d, 2)[1] / (0.3 * (1.0 + u * u))
     assert found == pytest.approx((1.0, 0.0) if regularized < 0 else (u, slope), rel=1e-12)
-    assert exclusion.set_clearances(d, y) == found[1]
+    assert event_exclusion.set_clearances(d, y) == found[1]
     for c in range(d.candidate_count):
         gap, rate = clearance_and_rate(d, c)
         sign = -1.0 if c in (2, 4) else 1.0
@@ -295,9 +297,9 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
             expected = found
         assert (d.search.phi_end[c], d.search.phi_end_rate[c]) == pytest.approx(expected, rel=1e-12)
         d.search.phi_end[c] = 7.0
-        exclusion.set_clearance(d, c, *found)
+        event_exclusion.set_clearance(d, c, *found)
         assert d.search.phi_end[c] == pytest.approx(expected[0], rel=1e-12)
-    exclusion.begin_next_interval(d)
+    event_exclusion.begin_next_interval(d)
     np.testing.assert_array_equal(d.search.phi_start, d.search.phi_end)
     np.testing.assert_array_equal(d.search.phi_start_rate, d.search.phi_end_rate)
 
@@ -320,11 +322,11 @@ def test_second_derivatives_are_those_in_the_variable_of_the_step(regularized):
         moved = motion.at(side * pace)
         moved[sundman_u_at(2)] = u + side * change
         locate_points(d, moved)
-        exclusion.set_clearances(d, moved)
+        event_exclusion.set_clearances(d, moved)
         rates.append(d.search.phi_end_rate.copy())
     locate_points(d, y)
     accelerate_points(d, y, rate)
-    exclusion.measure_all_candidates(d, y)
+    event_exclusion.measure_all_candidates(d, y)
     np.testing.assert_allclose(
         d.search.phi_end_curvature, (rates[0] - rates[1]) / (2 * h), rtol=1e-6, atol=1e-6
     )
@@ -357,4 +359,4 @@ def test_the_error_near_a_stop_is_that_of_both_links(lengths):
         d.step.end, d.scratch.rate_start[:] = 0.01, 0.0
         locate_points(d, d.step.state_end)
         accelerate_points(d, d.step.state_end, d.scratch.rate_start)
-        assert exclusion.excludes_events(d) == excluded
+        assert event_exclusion.excludes_events(d) == excluded
