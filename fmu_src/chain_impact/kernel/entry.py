@@ -74,7 +74,8 @@ def are_signals_sound(d):
         values = d.channel_count if driven == CHANNEL else len(input_field(d.inputs, driven))
         if not (is_within(signal.index[j], 0, values - 1) and 0 <= first <= signal.segment[j] <= last):
             return False
-        # index of the first given time and value of a signal of steps, which has as many of them as knots
+        # index in `knot` of the first given time of a signal of steps, which is at its source; the signal has
+        # as many given times and values as knots
         given = signal.first_knot[signal.source[j]]
         knots = knot_count(signal.form[j], signal.shape[signal.source[j]])
         if not (0 <= given <= d.knot_count - 1 - (last - first) and last - first + 1 >= knots):

@@ -56,7 +56,7 @@ def observe(d):
 
 
 def observe_state(d):
-    """Fill the STATE_OUTPUTS of record/instance.py at the communication point; no other is valid."""
+    """Fill the STATE_OUTPUTS of record/instance.py at the communication point; others are then invalid."""
     counts = read_cost_counts(d)
     fill_state(d, fraction_at_time(d, d.step.communication_point))
     restore_cost_counts(d, counts)

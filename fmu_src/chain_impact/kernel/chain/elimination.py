@@ -157,12 +157,12 @@ def solve_accelerations(d, y, rate):
 
     Args:
         d: the instance; reads ``scratch.link_vector`` (L_i) [m], ``scratch.applied_force`` (force on each
-            point 0…N [N] and moment on each link [N·m]), ``scratch.moment`` (net joint torque on each link)
-            [N·m] and, with a slider, ``scratch.thrust`` (force of its drive) [N].
+            point 0…N [N] and, in a scene with sites, moment on each link [N·m]), ``scratch.moment`` (net
+            joint torque on each link) [N·m] and, with a slider, ``scratch.thrust`` (force of its drive) [N].
         y: state, of which the angular velocities ω_i [rad/s] are read.
-        rate: result: the accelerations of the base [m/s²], which are zero if the base is pinned or moved by
-            inputs, and of the links [rad/s²]. The function also stores the factors that ``copy_factors``
-            needs for the response to other forces.
+        rate: result: the accelerations of the base [m/s²], which are zero if the base is pinned, also if a
+            prescribed motion moves it, and of the links [rad/s²]. The function also stores the factors that
+            ``copy_factors`` needs for the response to other forces.
     """
     # for a chain with a base joint ``middle`` is a constant, so the compiled code of this call is faster
     if d.chain.has_base_joint:
@@ -214,9 +214,9 @@ def solve_along_arms(d, y, rate, middle):
         elimination.middle_xx, elimination.middle_xy, elimination.middle_yy = axx, axy, ayy
 
     # Accelerations from the middle outward: a is the acceleration of a joint of the arm toward the tip, c of
-    # a joint of the arm toward the base; the base gets the last c. A base that inputs move is the middle
-    # joint: the links get the base's given acceleration, but the rate of the base is 0, because the solver
-    # does not integrate the base's motion.
+    # a joint of the arm toward the base; the base gets the last c. A base with a prescribed motion is the
+    # middle joint: the links get the base's given acceleration, but the rate of the base is 0, because the
+    # solver does not integrate the base's motion.
     cx, cy = ax, ay
     if d.channel_count > 0 and d.chain.base_moves:
         ax, ay = d.channel.acceleration[0], d.channel.acceleration[1]

@@ -32,8 +32,8 @@ from chain_impact.kernel.status import CANDIDATE_PART, OK, WALL_JUMPS, refuse_pa
 REINITIALIZE, CONTINUES = 1, 2
 # Velocities v and v′, given at the start and the end of a time T, explain a given displacement if a velocity
 # between v and v′ gives it in T. A displacement may differ from an explained one by UNEXPLAINED_PART × T (|v|
-# + |v′|). A larger difference is a contradiction, of which the user is warned. If the channel moves a wall or
-# belt, a difference beyond T (|v| + |v′|) is a jump of the position, and a fault.
+# + |v′|). A larger difference is a contradiction, of which the user is warned. If the channel moves a wall, a
+# difference beyond T (|v| + |v′|) is a jump of the position, and a fault.
 UNEXPLAINED_PART = 0.05
 # the displacement, relative to the longest link, that is added to both limits, that of a contradiction and
 # that of a jump, because of round-off
@@ -111,7 +111,10 @@ def are_inputs_in_use(d):
 
 
 def ensure_inputs(d, y):
-    """Set the inputs to their values at the time that the state y contains, unless they are constant."""
+    """Set the inputs to their values at the time that the state y contains, unless they are constant.
+
+    In a piece of a degree > 0 the prescribed motions are set, too (``set_inputs``).
+    """
     if d.inputs.piece.degree > 0:
         set_inputs(d, d.step.time_origin + y[time_at(d.link_count)])
     elif d.signal_count > 0:
@@ -237,7 +240,8 @@ def interpolate_prescribed_motions(d, time):
 
     Each cubic starts at the present position and velocity of its channel, and ends on the motion that the
     given values describe. A motion that a signal drives has no cubic. Nothing is done if the polynomials are
-    given, or ``time`` is the communication point or before it.
+    given, if ``time`` is the communication point or before it, or if the cubics until ``time`` are already
+    set. ``given.pending`` becomes CONTINUES or, if an acceleration jumps, REINITIALIZE.
 
     Returns:
         WALL_JUMPS if the given position of a wall jumps (see UNEXPLAINED_PART); else OK.
@@ -309,8 +313,8 @@ def set_cubic(d, j, time, h):
 def store_given_motion(d, j, time):
     """Record the values that are given to channel j at the communication point ``time`` [s].
 
-    Return False if the position of a wall or belt jumps, else True. A base that is given a new position
-    without velocities gets the mean velocity since its previous given position. The channel of the first
+    Return False if the position of a wall jumps, else True. A base that is given a new position without
+    velocities gets the mean velocity since its previous given position. The channel of the first
     contradiction between position and velocity, or of a jump, is stored in `channel.contradiction`, counted
     from 1.
     """

@@ -181,7 +181,7 @@ def note_points_at_end(d):
 
 
 def note_points_elsewhere(d):
-    """Record that the data of points need not be those at the end of the last step."""
+    """Record that positions, velocities and accelerations of points may be those at another time."""
     d.scratch.located_at_end = 0
 
 

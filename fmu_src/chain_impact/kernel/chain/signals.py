@@ -159,7 +159,7 @@ def drives_base_as_sine(d, j):
 
 
 def signal_rate(d, j):
-    """Return an angular frequency [rad/s] that tells how fast signal j changes in the last step.
+    """Return an angular frequency [rad/s], ≥ 0, that tells how fast signal j changes in the last step.
 
     For a sine that has begun, it is the largest angular frequency of the sine in the step. For a polynomial
     of a degree above 3, as of a smooth ramp, it is π divided by the duration of the segment, as if the

@@ -27,7 +27,8 @@ def solve_lcp(d, scale):
     ``in_active_set``. Candidates with p < 0 leave the set, and those with u < target enter it: all at once
     or, beyond MAX_STALLED_PIVOTS, only that of highest index; this search ends if the mobility W is positive
     definite (Murty 1974, Linear Algebra Appl 9:65). If the search reaches its largest number of pivots, the
-    problem is recorded as unsolved. Arguments and results are as in ``solve_equality``.
+    problem is recorded as unsolved; if the cost exceeds its limit, the search just ends. ``d.constraints``
+    has the problem and gets the results, and ``scale`` is the scale of round-off, as in ``solve_equality``.
     """
     constraints, first = d.constraints, d.contacts.compliant_count
     count = d.contacts.active_count - first
@@ -51,14 +52,20 @@ def solve_lcp(d, scale):
 
 
 def count_stalls(violation_count, fewest, stalls_left):
-    """Return the least number of violations so far, and how many pivots may still fail to reduce it."""
+    """Return the least number of violations so far, and how many pivots may still fail to reduce it.
+
+    The second result is < 0 if one pivot too many has failed.
+    """
     if violation_count < fewest:
         return violation_count, MAX_STALLED_PIVOTS
     return fewest, stalls_left - 1
 
 
 def count_violations(d, scale):
-    """Count and mark violations above round-off: impulses < 0 in the active set, motions < target outside."""
+    """Count and mark violations above round-off: impulses < 0 in the active set, motions < target outside.
+
+    ``scale`` is the largest motion of any point, to which the round-off of motions is relative.
+    """
     constraints, largest, violation_count = d.constraints, 0.0, 0
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
         largest = max(largest, abs(constraints.impulse[k]))

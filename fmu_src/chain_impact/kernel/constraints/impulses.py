@@ -138,7 +138,8 @@ def solve_equality(d, scale):
 
     Args:
         d: the instance, with the points located and the free motion factorized. ``d.constraints`` has the
-            problem and, afterwards, p in ``impulse``, u in ``reached_motion`` and Δ in ``change``.
+            problem and, afterwards, p in ``impulse``, u in ``reached_motion``, Δ in ``change``, and
+            ``near_fold``.
         scale: the largest motion of any point, to which round-off is relative.
 
     Returns:
@@ -230,7 +231,7 @@ def single_active(d):
 
 
 def solve_single(d, single):
-    """Solve the equality problem for constraint ``single``; return False if a mobility is too small."""
+    """Solve the problem for constraint ``single``; return False if a held point's mobility is too low."""
     constraints, motion = d.constraints, d.scratch.place_change
     clear_used_forces(d, d.scratch.applied_force)
     add_along_row(constraint_row(d, single), d.scratch.applied_force, 1.0)
@@ -320,7 +321,10 @@ def move_by_impulses(d):
 
 
 def replace_impulses(d, impulse):
-    """Set the impulses to ``impulse``, and ``change`` to the response to the new minus the old impulses."""
+    """Set the impulses to ``impulse``, and ``change`` to the response to the new minus the old impulses.
+
+    Afterwards ``reached_motion`` has no meaning.
+    """
     constraints = d.constraints
     for k in range(constraint_count(d)):
         constraints.impulse[k] = impulse[k] - constraints.impulse[k]
@@ -340,7 +344,7 @@ def note_unsolved(d):
 
 
 def note_moving(d, tolerated):
-    """Record MOVING if a held point's acceleration is off its target by more than ``tolerated`` [m/s²]."""
+    """Replace the outcome SOLVED by MOVING if a held point's residual exceeds ``tolerated`` [m/s²]."""
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
         if d.constraints.outcome == SOLVED and abs(d.constraints.residual[k]) > tolerated:
             d.constraints.outcome = MOVING

@@ -153,7 +153,8 @@ def remains_far(d):
 
     The result is true only if all candidates without contact are far from touching, and no contact has a
     force law, except a regularized contact that lasts, keeps its latched speed v₀ and crosses no kink. If the
-    result is true, DISTANCE_KNOWN is remembered.
+    result is true, DISTANCE_KNOWN is remembered. In any case, ``speed_bound``, ``acceleration_bound`` and
+    ``safe_distance`` of ``search`` are updated.
     """
     step, search, duration = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed_bound, search.acceleration_bound
@@ -163,8 +164,8 @@ def remains_far(d):
         wall_speed, wall_acceleration = fastest_wall(d)
         search.speed_bound = search.speed_bound + wall_speed
         search.acceleration_bound = search.acceleration_bound + wall_acceleration
-    # `way` estimates how far any place moves relative to walls in the step, from the speeds and accelerations
-    # at both ends; the acceleration counts double, as a margin
+    # `distance` estimates how far any place moves relative to walls in the step, from the speeds and
+    # accelerations at both ends; the acceleration counts double, as a margin
     distance = duration * (
         max(speed, search.speed_bound) + duration * max(acceleration, search.acceleration_bound)
     )

@@ -183,7 +183,10 @@ def join_near_contacts(d):
 
 
 def apply_impulses(d):
-    """Apply the impulses of an impact to the velocities; count lost energy and the work of moving walls."""
+    """Apply the impulses of an impact to the velocities; count lost energy and the work of moving walls.
+
+    A candidate marked NEIGHBOUR that gets an impulse has its onset now. Afterwards the points are located.
+    """
     loss, exchange = find_impulses(d, 1.0)
     if loss < -IMPACT_ROUND_OFF * exchange or lacks_rebound(d):
         # The impulses add energy, as a NEIGHBOUR that moves away from its wall can cause, or a wedged point
@@ -270,12 +273,12 @@ def end_rebounding_contacts(d):
 
 
 def is_gentle(d):
-    """Return whether an impact is gentle: all arriving points are slow, or have little energy together.
+    """Return whether an impact is gentle: the points at rigid walls are slow, or have little energy together.
 
-    The limit of the speeds follows from LEAST_REBOUND_SPEED, the limit of the kinetic energy from
-    NEAR_WALL_CLEARANCE. In a gentle impact, elements that stick continue to stick. If the small
-    impulses could make a joint slide, the joint's friction would lift points, these points would arrive
-    gently again, and so on without end.
+    The points are those that arrive at rigid walls now. The limit of the speeds follows from
+    LEAST_REBOUND_SPEED, the limit of the kinetic energy from NEAR_WALL_CLEARANCE. In a gentle impact,
+    elements of dry friction that stick continue to stick. If the small impulses could make a joint slide, the
+    joint's friction would lift points, these points would arrive gently again, and so on without end.
     """
     force = mean_mass(d) * d.link_count * (d.chain.gravity_magnitude + d.chain.longest_link)
     are_slow, energy, distance, position_scale = True, 0.0, 0.0, largest_coordinate(d)
@@ -357,7 +360,10 @@ def release_clearance(d, c, position_scale):
 
 
 def release_contacts(d):
-    """End held contacts outside the active set, and give them a clearance, ``release_clearance``."""
+    """End held contacts outside the active set, and give their points a clearance, ``release_clearance``.
+
+    If the function moves points, sticking elements get new anchors there.
+    """
     any_released, position_scale = False, largest_coordinate(d)
     set_unforced_to_positions(d)
     for k in range(d.contacts.compliant_count, d.contacts.active_count):

@@ -33,7 +33,8 @@ def mark_changes(d, element, theta):
 
     The sliding of an element that comes to rest at θ ends as well, although its speed need not change its
     sign: an element that sticks from θ on may hold it. Otherwise round-off would decide which elements of a
-    body that stops slide on at zero speed, with forces at their limits.
+    body that stops slide on at zero speed, with forces at their limits. Afterwards the points are located at
+    θ.
     """
     for i in range(d.friction.active_count):
         e = d.friction_element.index[i]

@@ -104,7 +104,8 @@ def begin_segments(d):
     """Begin the segments that follow the segments which end at the end of the last step.
 
     If the target of a drive jumps, the drive's spring gains or loses energy at once, which counts as supplied
-    energy.
+    energy. If an acceleration or a speed jumps, held contacts and modes are chosen again, and the last step
+    is reset to zero length.
 
     Returns:
         The largest effect of these segments on the motion, in the order NO_JUMP < ACCELERATION_JUMPS <

@@ -209,7 +209,8 @@ def apply_friction(d):
 def apply_sliding_friction(d, e, amount):
     """Add friction of the ``amount`` [N] to the applied forces, against the sliding of element e.
 
-    Return the power [W] that the friction dissipates.
+    The function also stores the force, and lowers ``margin`` of e to its speed of sliding. Return the power
+    [W] that the friction dissipates.
     """
     sign = float(d.friction_element.mode[e])
     speed = tangential_rate(d, e)

@@ -158,7 +158,7 @@ def add_constraint_forces(d, y, rate):
 
 
 def store_constraint_forces(d):
-    """Store the forces in ``d.constraints.impulse`` as the forces of held contacts and sticking elements."""
+    """Store ``d.constraints.impulse`` as the forces [N] of held contacts and sticking elements."""
     for k in range(d.contacts.compliant_count, d.contacts.active_count):
         store_force(d, d.contacts.active_index[k], d.constraints.impulse[k])
     if has_sticking(d):
@@ -180,7 +180,8 @@ def project_state(d, y):
 
     The kinetic energy that the projection removes counts as dissipated energy. The work of moving walls,
     belts and base during the projection counts as supplied energy. At the end the points are located in the
-    projected state.
+    projected state. If motions are prescribed and a point stays too deep in its wall (SQUEEZED_DEPTH),
+    SQUEEZED is recorded.
     """
     constraints, energy_index = d.constraints, dissipated_at(d.link_count)
     for k in range(d.contacts.compliant_count if has_sticking(d) else 0):
@@ -207,7 +208,7 @@ def project_state(d, y):
             0.5 * constraints.impulse[k] * (constraints.unforced_motion[k] + constraints.reached_motion[k])
         )
     for k in range(d.contacts.compliant_count):
-        # the resistance D of a contact acts with the impulse −D (u⁺ − u⁻), which also changes the energy
+        # the added mass m of a contact acts with the impulse −m (u⁺ − u⁻), which also changes the energy
         squares = (
             constraints.reached_motion[k] * constraints.reached_motion[k]
             - constraints.unforced_motion[k] * constraints.unforced_motion[k]

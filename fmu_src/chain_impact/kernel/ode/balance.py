@@ -142,10 +142,10 @@ def start_balance(d, time):
 
 
 def begin_window(d):
-    """Begin a window of time at the end of the last step; WINDOW_CHANGE limits the energy change in it."""
+    """Begin a window of time, whose start is already set; WINDOW_CHANGE limits the energy change in it."""
     balance = d.balance
     balance.window_value = balance.value_end
-    # `least_allowed` is the part of a step's allowed change that does not depend on the state
+    # `least_allowed_change` is the part of a step's allowed change that does not depend on the state
     energy = balance.root_reference_energy * balance.root_reference_energy + balance.reference_energy
     balance.least_allowed_change = STEP_CHANGE * d.solver.tolerance * energy
     balance.allowed_change = balance.least_allowed_change

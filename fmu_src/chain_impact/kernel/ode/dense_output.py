@@ -34,7 +34,10 @@ def interpolate_state(step, theta, y):
 
 
 def interpolate_component(step, theta, j):
-    """Return component j of the state at the fraction θ of the last step."""
+    """Return component j of the state, or quadrature j, at the fraction θ of the last step.
+
+    ``step`` is ``d.step`` for the state, ``d.quadrature`` for the quadratures, as in ``change_up_to``.
+    """
     return step.state[j] + change_up_to(step, theta, j)
 
 

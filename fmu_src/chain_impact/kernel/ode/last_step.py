@@ -164,7 +164,7 @@ def count_supplied(d, energy):
 
 
 def roll_back(d):
-    """Undo the last step, which was rejected: set its end back to its start, and count a break."""
+    """Undo the last step, which was rejected: set its end back to its start, and call ``count_break``."""
     step = d.step
     step.end = step.start
     for j in range(len(step.state)):
@@ -246,7 +246,8 @@ def choose_variable(d, size_chosen):
     Args:
         d: the instance.
         size_chosen: whether the proposed size is already in units of the chosen variable, as after contacts
-            have begun or ended; otherwise a change of the variable converts the size.
+            have begun or ended; otherwise a change of the variable converts the size. A change of the
+            variable counts as a break.
     """
     step, root = d.step, sundman_u_at(d.link_count)
     rate_before, (contact, u) = time_rate_for_sizes(d, step.state_end), find_lone_contact(d)

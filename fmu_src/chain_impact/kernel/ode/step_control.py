@@ -350,7 +350,7 @@ def force_errors(d):
 
 
 def force_error(d, error, i, c, k):
-    """Return a bound [N or N·m] on the error of drive i's force, from the ``error`` of a state, c and k."""
+    """Return a bound [N or N·m] on drive i's force error, from a state's ``error``; c, k: its slopes."""
     return k * abs(drive_component(d, error, 0, i)) + c * abs(
         drive_component(d, error, velocity_at(d.link_count), i)
     )

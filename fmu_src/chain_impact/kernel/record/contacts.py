@@ -6,9 +6,9 @@ from chain_impact.kernel.record.constants import DENSE_COEFFICIENTS, NEIGHBOUR, 
 from chain_impact.kernel.record.fields import INTEGER, REAL, bounded_integer, layout, table, written_by
 from chain_impact.kernel.record.state import coordinate_count
 
-# Number of ended contacts, not yet collected, in a full log. ``trajectory`` then returns, and ``run_each``
-# collects them; in other functions new entries overwrite the oldest. The log has one more row for each
-# candidate, because all contacts may end in one step.
+# Number of ended contacts, not yet collected, in a full log. ``trajectory`` then returns, so that its caller
+# can collect them, and ``run_each`` discards them; in other functions new entries overwrite the oldest. The
+# log has one more row for each candidate, because all contacts may end in one step.
 LOG_SIZE = 32
 LATEST_COUNT = LOG_SIZE  # length of the list of the latest impacts; a scene requests this number or fewer
 
@@ -112,7 +112,8 @@ def contacts_dtype(candidate_count: int) -> np.dtype:
         # N/s, rate of the contact force at the start of the step that is searched for peaks; only the sign is
         # used, and after an event the number 1 stands for a force that may rise
         ("force_rate", REAL, (candidate_count,)),
-        ("force", REAL, (candidate_count,)),  # N, force of an active candidate at the last evaluation of ẏ
+        # N, force of an active candidate along the normal, > 0 for a push, at the last evaluation of ẏ
+        ("force", REAL, (candidate_count,)),
         # side of the kink (forces/force_formula.py) whose smooth force a step uses on both sides; 1: the side
         # beyond the kink; 0: the side before the kink
         ("beyond_kink", INTEGER, (candidate_count,)),
@@ -220,7 +221,8 @@ def constraints_dtype(link_count: int, candidate_count: int, friction_element_co
         # residual target − reached, in the unit of ``target_motion``, of a constraint in the active set, else
         # 0; during a correction the residual times the impedance
         ("residual", REAL, (count,)),
-        ("impulse", REAL, (count,)),  # impulse [kg·m or N·s] or force [N] of the constraint, by the problem
+        # impulse [kg·m or N·s] or force [N] of the constraint along its row, see above; > 0: the wall pushes
+        ("impulse", REAL, (count,)),
         ("impedance", REAL, (count,)),  # kg, impedance D of the constraint
         # kg, in ``project_state`` while an element sticks: mass with which a contact with a force law resists
         # (``contact_added_mass``); else 0

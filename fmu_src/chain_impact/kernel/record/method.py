@@ -21,5 +21,5 @@ def was_implicit(d):
 
 @inlined
 def is_regularized(d):
-    """Return whether the step runs in the fictitious time of a regularized contact, not in time."""
+    """Return whether the last step or, after ``choose_variable``, the next one runs in fictitious time."""
     return d.step.regularized_candidate != NO_CONTACT

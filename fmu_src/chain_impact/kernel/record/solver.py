@@ -44,7 +44,8 @@ def step_dtype(link_count: int, candidate_count: int) -> np.dtype:
     return layout(
         ("communication_point", REAL),  # s, the communication point; between calls it lies in the last step
         ("start", REAL),  # s, time at which the last step starts
-        # s, time that is added to the entry t of the state y: the start of the last or of the tried step
+        # s, time added to the entry t of y: the start of the last or, after ``choose_variable``, of the next
+        # step
         ("time_origin", REAL),
         ("end", REAL),  # s, time of the last step's end or, if the step was cut, of the cut
         # s, time from ``start`` to the event that begins the step: 0; in a tangent instance this 0 has
@@ -116,7 +117,7 @@ def fault_dtype() -> np.dtype:
 def statistics_dtype() -> np.dtype:
     """Return the layout of the run's status, and of counts of steps and evaluations since its start."""
     return layout(
-        ("steps", INTEGER),  # number of accepted steps
+        ("steps", INTEGER),  # number of accepted steps, explicit and implicit
         ("rejected_steps", INTEGER),  # number of tried steps that were rejected
         # number of evaluations of ẏ that the solver needs; evaluations for outputs do not count
         ("rhs_evaluations", INTEGER),

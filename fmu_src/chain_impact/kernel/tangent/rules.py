@@ -118,7 +118,10 @@ def choose_saturation(t):
 
 
 def shift_start(t, delay):
-    """Give the start of the next step the derivatives of a ``delay`` [s]: move the state along the motion."""
+    """Give the start of the next step the derivatives of a ``delay`` [s]: move the state along the motion.
+
+    Peaks at this time lose their derivatives (``forget_peaks``).
+    """
     y, rate, shift = t.step.state_end, t.scratch.rate_start, dual_with_slope(0.0, 1.0, delay)
     if has_slope(shift):
         forget_peaks(t, shift)
@@ -209,8 +212,8 @@ def user_force(penetration, rate, speed, mass, stiffness, exponent, restitution)
 def slope_along(argument, h, values):
     """Return the derivative of the user's law with respect to one ``argument``, by central differences.
 
-    The differences are of order 4, with the increment h; ``values`` has the values of all arguments. 0 if
-    h = 0.
+    The differences are of order 4, with the increment h; ``values`` has the values of all arguments. The
+    result is 0 if h = 0.
     """
     if h == 0.0:
         return 0.0

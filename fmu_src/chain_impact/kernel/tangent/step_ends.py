@@ -98,7 +98,8 @@ def prepare_end(t):
 def move_along(t, delay):
     """Give the state and time at the end of the last step the derivatives of a shift along the motion.
 
-    ``delay`` [s] is the shift, a dual number of the value 0, so no value changes.
+    ``delay`` [s] is the shift, a dual number of the value 0, so no value changes. The function counts a
+    break.
     """
     y, rate = t.step.state_end, t.scratch.rate_end
     for j in range(sundman_u_at(t.link_count)):
