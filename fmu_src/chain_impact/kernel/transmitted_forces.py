@@ -102,7 +102,7 @@ def set_joint_forces(d, contact_force, friction_force, x, y):
 
 
 def subtract_contact(d, c, along_normal, along_tangent, x, y):
-    """Subtract the force or impulse of candidate c's wall from the entry in x and y of the loaded link.
+    """Subtract the force or impulse of candidate c's wall from the entry in x and y of the link it acts on.
 
     ``along_normal`` and ``along_tangent`` have the two components for each candidate. Stops are ignored:
     those of a joint act between links, those of the slider on its carriage.

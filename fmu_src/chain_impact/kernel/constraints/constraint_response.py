@@ -1,4 +1,4 @@
-"""Impedances of, and impulses along, constraints: the data for the solver in chain/mass_matrix_solver.py.
+"""The response of the chain to impulses along constraints, by the solver of chain/mass_matrix_solver.py.
 
 J contains the rows of the constraints: normals of active contacts, tangents of sticking elements. D =
 diag(D_k) contains an impedance [kg] for each constraint: a mass that resists motion along the row. K = s C +
@@ -73,12 +73,12 @@ def held_mobility(d, mobility):
     W′ = W/(1 − (1 + D W)⁻ⁿ). If D W is large, W′ equals W up to round-off. D W is small for a motion that
     can hardly be constrained: in a toggle position, where W = 0, W′ is 1/(n D).
     """
-    compliance = 1.0 / holding_impedance(d)
-    fraction = compliance / (compliance + max(0.0, mobility))
+    inverse_impedance = 1.0 / holding_impedance(d)
+    fraction = inverse_impedance / (inverse_impedance + max(0.0, mobility))
     total = 1.0
     for _ in range(STICKING_ITERATIONS - 1):
         total = 1.0 + fraction * total
-    return (compliance + max(0.0, mobility)) / total
+    return (inverse_impedance + max(0.0, mobility)) / total
 
 
 def factorize_contacts(d, slot, impedance):

@@ -181,7 +181,7 @@ def project_state(d, y):
     The kinetic energy that the projection removes counts as dissipated energy. The work of moving walls,
     belts and base during the projection counts as supplied energy. At the end the points are located in the
     projected state. If motions are prescribed and a point stays too deep in its wall (SQUEEZED_DEPTH),
-    SQUEEZED is recorded.
+    ``note_squeezed`` records this.
     """
     constraints, energy_index = d.constraints, dissipated_at(d.link_count)
     for k in range(d.contacts.compliant_count if has_sticking(d) else 0):

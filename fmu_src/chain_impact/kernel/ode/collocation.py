@@ -172,7 +172,7 @@ def set_weights(d):
 
 
 def size_toward_end(d, h):
-    """Return h [s] or, if less, END_OVERSHOOT × the predicted time to the next end of a compliant contact."""
+    """Return h [s] or, if less, END_OVERSHOOT × the predicted time to the next end of a contact in z."""
     for k in range(clearance_count(d)):
         clearance, rate = d.implicit.z_start[clearance_at(d, k)], d.implicit.z_start[rate_at(d, k)]
         # near its end a contact has hardly any force, so the rate ġ of its clearance g hardly changes, and

@@ -113,7 +113,7 @@ def shift_of(pair, h):
 
 
 def _transformed(i):
-    """Return a function that sets row i of the right-hand sides to row i of LEFT · R, R = h Q F − U."""
+    """Return a function (d, h, component_count) that sets right-hand side i to row i of LEFT · R."""
     rate_weights, stage_weights = LEFT_Q[i], LEFT[i]
 
     def transformed(d, h, component_count):

@@ -33,7 +33,7 @@ def channel_dtype(channel_count: int) -> np.dtype:
         ("run_start", REAL),  # s, time at which the run started
         ("cubic_end", REAL),  # s, the communication point at which the cubics of the motions end
         # number, from 1, of the first channel whose given positions and velocities contradict each other or,
-        # after the status WALL_JUMPS, of the channel that jumps; 0: none
+        # after WALL_JUMPS (kernel/status.py), of the channel that jumps; 0: none
         ("contradiction", INTEGER),
         # m, displacement of the channel in ``contradiction`` between its previous and its new given values
         ("contradiction_distance", REAL),
