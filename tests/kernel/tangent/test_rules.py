@@ -13,7 +13,7 @@ import pytest
 import chain_impact.kernel
 from chain_impact.kernel.chain import kinematics, mass_matrix_solver
 from chain_impact.kernel.forces import force_formula, user_law
-from chain_impact.kernel.ode import sundman_rate
+from chain_impact.kernel.ode import dense_output, sundman_rate
 from chain_impact.kernel.record.state import sundman_u_at, time_at
 from chain_impact.kernel.tangent import rules
 from tests.kernel.tangent.dual import Dual
@@ -129,9 +129,9 @@ def test_the_fraction_of_a_step_varies_with_the_step_and_the_time(regularized):
     clock, root = time_at(1), sundman_u_at(1)
     size, depth_root, elapsed = 0.5, 0.6, 0.09
     numbers = np.concatenate([np.random.default_rng(5).normal(size=8 * COUNT), [0.25, size]])
-    dense_output, state = numbers[: 7 * COUNT].reshape(7, COUNT), numbers[7 * COUNT : 8 * COUNT]
-    dense_output[:, [clock, root]] = 0.0
-    dense_output[0, clock] = size * sundman_rate.regularized_time_rate(depth_root)
+    coefficients, state = numbers[: 7 * COUNT].reshape(7, COUNT), numbers[7 * COUNT : 8 * COUNT]
+    coefficients[:, [clock, root]] = 0.0
+    coefficients[0, clock] = size * sundman_rate.regularized_time_rate(depth_root)
     state[clock], state[root] = 0.0, depth_root
 
     def plain(changed):
