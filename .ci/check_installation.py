@@ -17,7 +17,7 @@ import fmpy
 
 import chain_impact
 from chain_impact import BuildError, build_fmu, explore, fit, load_scene, simulate
-from chain_impact.compilation import folders, ready
+from chain_impact.compilation import folders, prebuilt
 from chain_impact.scene.scene import scene_from_dict, with_values
 
 MOST = 470  # MB
@@ -43,8 +43,8 @@ assert Path("build/FourLinkBox.png").is_file()
 wheel = distribution("chain-impact").read_text("WHEEL") or ""
 assert TAG in wheel, wheel
 
-assert len(ready.ready_kernels()) == LIBRARIES
-for links in (1, 4, ready.LARGEST_EXACT, ready.LARGEST_EXACT + 1, 64):
+assert len(prebuilt.prebuilt_kernels()) == LIBRARIES
+for links in (1, 4, prebuilt.LARGEST_EXACT, prebuilt.LARGEST_EXACT + 1, 64):
     assert len(simulate(scene_from_dict(chain(links), "chain"), stop_time=0.35).impacts) > 0
 scratch = tempfile.TemporaryDirectory()
 assert build_fmu("rod_drop", scratch.name, target="native").is_file()

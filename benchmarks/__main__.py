@@ -9,7 +9,7 @@ from pathlib import Path
 
 from benchmarks.common import ROOT
 from chain_impact.compilation.compilers import PORTABLE_CPU
-from chain_impact.compilation.ready import RELEASE
+from chain_impact.compilation.prebuilt import RELEASE
 
 # numpy and numba read these variables when they are imported
 SETTINGS = {

@@ -17,7 +17,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, TypeVar
 
-from chain_impact.compilation.ready import is_release_build
+from chain_impact.compilation.prebuilt import is_release_build
 
 ROOT = Path(__file__).parents[1]
 RESULTS = Path(__file__).parent / "results"

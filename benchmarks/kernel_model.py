@@ -32,7 +32,7 @@ import numpy as np
 from numba import float64, int32, int64, types, void
 
 from benchmarks import common
-from chain_impact.compilation import compilers, ready
+from chain_impact.compilation import compilers, prebuilt
 from chain_impact.compilation.cache import get_or_make
 from chain_impact.compilation.collecting import collect_only
 from chain_impact.compilation.entry_points import Entries
@@ -379,7 +379,7 @@ def digest(*sources: Path) -> str:
 
 def built(links: int) -> Path:
     """Return the library for a number of links, compiled if it is not cached."""
-    here, exact = Path(__file__), ready.exact_scope(links)
+    here, exact = Path(__file__), prebuilt.exact_scope(links)
     name = f"{here.stem}-{digest(here)}"
     program = "from benchmarks import kernel_model; "
 

@@ -22,7 +22,7 @@ def get_requires_for_build_wheel(  # type: ignore[no-redef]
 ) -> list[str]:
     """Return the requirements of a wheel's build besides [build-system] requires."""
     making = kernels()
-    cached = making.all_cached(target(), release=making.ready.is_release_build())
+    cached = making.all_cached(target(), release=making.prebuilt.is_release_build())
     compilers = [] if cached else making.REQUIREMENTS
     if compilers:
         say("the build needs compilers, some hundred megabytes, which are removed after it")

@@ -19,7 +19,7 @@ PLATFORM = "CHAIN_IMPACT_PLATFORM"
 
 
 def kernels() -> ModuleType:
-    """Return the module ready_kernels, without the rest of the package and its requirements."""
+    """Return the module prebuilt_kernels, without the rest of the package and its requirements."""
     if "chain_impact" not in sys.modules:
         package = ModuleType("chain_impact")
         package.__path__ = [str(PACKAGE)]
@@ -32,7 +32,7 @@ def kernels() -> ModuleType:
     here = str(Path(__file__).parent)
     if here not in sys.path:  # a build without backend.py lacks this folder
         sys.path.insert(0, here)
-    return import_module("ready_kernels")
+    return import_module("prebuilt_kernels")
 
 
 def platforms() -> dict[str, Any]:
@@ -86,14 +86,14 @@ class KernelHook(BuildHookInterface[Any]):
         if version == "editable":
             return
         making, platform = kernels(), target()
-        ready, release = making.ready, making.ready.is_release_build()
+        prebuilt, release = making.prebuilt, making.prebuilt.is_release_build()
         self.scratch = tempfile.TemporaryDirectory(prefix="chain-impact-")
-        folder = Path(self.scratch.name, ready.FOLDER.name)
+        folder = Path(self.scratch.name, prebuilt.FOLDER.name)
         cached = making.all_cached(platform, release=release)
         making.make(folder, platform, release=release, say=say)
         if not cached:
             say("the kernels are ready")
-        build_data["force_include"][str(folder)] = f"chain_impact/{ready.FOLDER.name}"
+        build_data["force_include"][str(folder)] = f"chain_impact/{prebuilt.FOLDER.name}"
         build_data["pure_python"] = False
         build_data["tag"] = tag(platform)
 

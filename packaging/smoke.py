@@ -33,7 +33,7 @@ import numpy as np
 import chain_impact as ci
 from chain_impact import console, system
 from chain_impact.cli import main as main_of_command_line
-from chain_impact.compilation import compilers, ready
+from chain_impact.compilation import compilers, prebuilt
 from chain_impact.fmu.build import TARGET
 from chain_impact.simulation.kernels import kernel_for, load_kernel
 from chain_impact.variables.prepared import PreparedScene
@@ -99,16 +99,16 @@ def outputs_of(name: str) -> np.ndarray:
 @check
 def kernels() -> str:
     assert system.HOST in system.PLATFORMS
-    count = len(ready.ready_kernels())
+    count = len(prebuilt.prebuilt_kernels())
     assert count or COMPILERS, "the kernels of the wheel are not those of its sources"
-    return f"{system.HOST}, {count} ready kernels, compilers: {'yes' if COMPILERS else 'no'}"
+    return f"{system.HOST}, {count} prebuilt kernels, compilers: {'yes' if COMPILERS else 'no'}"
 
 
 @check
 def all_kinds_of_kernels_give_the_same_bits() -> str:
     scene, blocks = ci.load_scene("four_link_box"), {}
     for kind, size in ((compilers.KERNEL, 4), (compilers.KERNEL, None), (compilers.DERIVATIVES, None)):
-        found = ready.find(ready.library_name(size, system.HOST, library_kind=kind))
+        found = prebuilt.find(prebuilt.library_name(size, system.HOST, library_kind=kind))
         if found is None:
             continue
         kernel, memory = load_kernel(found), PreparedScene(scene).new_instance()

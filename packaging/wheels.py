@@ -1,8 +1,8 @@
 """Build all files of a release on one machine: ``python packaging/wheels.py -o dist``.
 
-A wheel for each platform, with its ready kernels, also those with derivatives, and the source distribution.
-The same sources and versions of the compilers give the same bytes. Kernels that are in the cache are not
-compiled again. Needs the extra ``dev``.
+A wheel for each platform, with its prebuilt kernels, also those with derivatives, and the source
+distribution. The same sources and versions of the compilers give the same bytes. Kernels that are in the
+cache are not compiled again. Needs the extra ``dev``.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def built(target: str, folder: Path, platform: str = "") -> Path:
     Raises:
         ReleaseError: when that fails.
     """
-    settings = {PLATFORM: platform, kernels().ready.RELEASE: "1", "SOURCE_DATE_EPOCH": DATE}
+    settings = {PLATFORM: platform, kernels().prebuilt.RELEASE: "1", "SOURCE_DATE_EPOCH": DATE}
     before = set(folder.iterdir())
     command = [sys.executable, "-m", "hatchling", "build", "-t", target, "-d", str(folder)]
     done = subprocess.run(

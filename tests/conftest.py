@@ -12,7 +12,7 @@ import pytest
 
 import chain_impact
 from chain_impact import cli
-from chain_impact.cli import progress
+from chain_impact.cli import progress_bar
 from tests.helpers.tools.fakes import CheckedPatch
 from tests.helpers.tools.shared import make_once, shared_folder
 from tests.helpers.tools.sources import check_sources
@@ -69,7 +69,7 @@ def run(here, capsys, monkeypatch):
     """Run a command in an empty folder: (exit code, standard output, standard error)."""
 
     # tests on slow machines print no lines of progress
-    monkeypatch.setattr(progress, "LINE_INTERVAL", math.inf)
+    monkeypatch.setattr(progress_bar, "LINE_INTERVAL", math.inf)
 
     def run(*arguments):
         try:

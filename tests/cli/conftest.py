@@ -5,7 +5,7 @@ import io
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.cli import progress
+from chain_impact.cli import printing
 from chain_impact.compilation.library import kernel_library
 from chain_impact.scene.files.models import model_names
 
@@ -23,8 +23,8 @@ def terminal(monkeypatch):
 
     def terminal(is_one):
         text = io.StringIO()
-        console = progress.plain_console(file=text, force_terminal=is_one, width=100)
-        monkeypatch.setattr(progress, "err", console)
+        console = printing.plain_console(file=text, force_terminal=is_one, width=100)
+        monkeypatch.setattr(printing, "err", console)
         return text
 
     return terminal

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from chain_impact.compilation import browser, ready
+from chain_impact.compilation import browser, prebuilt
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.library import browser_module
 from chain_impact.pages.assembly import text_of
@@ -58,7 +58,7 @@ def test_the_browser_module_is_small_and_exports_the_called_functions():
 @pytest.mark.full("takes long")
 def test_without_a_compiler_a_sentence_says_what_to_do(tmp_path, monkeypatch):
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path))
-    monkeypatch.setattr(ready, "find_spec", lambda _: None)
+    monkeypatch.setattr(prebuilt, "find_spec", lambda _: None)
     with pytest.raises(BuildError, match="a page that computes needs a compiler: "):
         browser_module()
 

@@ -322,7 +322,7 @@ def test_files_of_the_cache_are_listed_and_removed():
     assert (own.path, own.size, own.files) == (present_kernel_folder(), 5 + MARK, ("a.so",))
     assert (linker.path, linker.files) == (zig, ())
     lines = list(contents())
-    assert lines[0].startswith("ready    ")
+    assert lines[0].startswith("prebuilt ")
     assert "(in use): a.so" in "".join(lines)
     assert "of the linker" in "".join(lines)
     assert clear() == 5 + MARK

@@ -9,7 +9,7 @@ import pytest
 
 import chain_impact.kernel
 from chain_impact import BuildError, load_scene, simulate
-from chain_impact.compilation import compilers, library, ready
+from chain_impact.compilation import compilers, library, prebuilt
 from chain_impact.compilation.library import kernel_library
 from chain_impact.extras import how_to_install
 from chain_impact.scene.scene import with_values
@@ -74,7 +74,7 @@ def test_every_function_that_it_offers_computes_with_the_usual_registers():
 def test_kernels_for_any_and_for_four_links_give_equal_bits():
     scene = load_scene("four_link_box")
     outputs = []
-    for path in (kernel_library(4), kernel_library(ready.LARGEST_EXACT + 1)):
+    for path in (kernel_library(4), kernel_library(prebuilt.LARGEST_EXACT + 1)):
         memory, kernel = PreparedScene(scene).new_instance(), load_kernel(path)
         assert kernel.initialize(memory.ctypes.data, 0.0) == 0
         assert kernel.advance_to(memory.ctypes.data, 1.0) == 0
@@ -139,8 +139,8 @@ class Compilers:
 def stand_in(tmp_path, monkeypatch):
     """Replace the compilers by stand-ins, with an empty cache and no prebuilt library."""
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
-    monkeypatch.delenv(ready.RELEASE, raising=False)
-    monkeypatch.setattr(ready, "_is_usable", lambda: False)
+    monkeypatch.delenv(prebuilt.RELEASE, raising=False)
+    monkeypatch.setattr(prebuilt, "_is_usable", lambda: False)
     both = Compilers()
     for name in ("lower", "compile_part", "link"):
         monkeypatch.setattr(compilers, name, getattr(both, name))
@@ -162,10 +162,10 @@ def test_the_kernel_is_lowered_and_linked_once_for_any_number_of_links(stand_in,
 
 @needs_compilers
 def test_for_a_release_it_is_linked_for_each_number_of_links_up_to_ten(stand_in, monkeypatch):
-    monkeypatch.setenv(ready.RELEASE, "1")
-    for links in (3, ready.LARGEST_EXACT, ready.LARGEST_EXACT + 1):
+    monkeypatch.setenv(prebuilt.RELEASE, "1")
+    for links in (3, prebuilt.LARGEST_EXACT, prebuilt.LARGEST_EXACT + 1):
         kernel_library(links)
-    assert [links for *_, links in stand_in.compiled] == [3, ready.LARGEST_EXACT, None]
+    assert [links for *_, links in stand_in.compiled] == [3, prebuilt.LARGEST_EXACT, None]
 
 
 @needs_compilers
@@ -208,7 +208,7 @@ def test_without_a_compiler_one_sentence_says_what_to_install(
 ):
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text("def mine(rate):\n    return 1.0\n")
-    monkeypatch.setattr(ready, "find_spec", lambda name: None if name == "ziglang" else name)
+    monkeypatch.setattr(prebuilt, "find_spec", lambda name: None if name == "ziglang" else name)
     with pytest.raises(BuildError) as caught:
         kernel_library(3, **arguments)
     assert str(caught.value).startswith(message)

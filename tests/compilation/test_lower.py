@@ -73,7 +73,7 @@ def test_equal_sources_give_equal_bytes_in_any_folder(tmp_path, monkeypatch):
     law.write_text("def mine(penetration, rate):\n    return 2.0 * penetration ** 1.5 * rate\n")
     compilers.lower(tmp_path / "here.ll", "law", law)
     package = tmp_path / "elsewhere" / "chain_impact"
-    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__", "ready"))
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__", "prebuilt"))
     monkeypatch.setattr(compilers, "PACKAGE", package)
     monkeypatch.chdir(tmp_path)
     for name, value in (("PYTHONHASHSEED", "4711"), ("NUMBA_BOUNDSCHECK", "1"), ("NUMBA_DEBUGINFO", "1")):

@@ -28,7 +28,7 @@ def test_equal_sources_have_one_wherever_they_are(copy):
 
 KERNEL = [f"kernel/{name}.py" for name in ("forces/active_contacts", "events/search", "record/instance")]
 OURS = ["user_laws/law_file.py", "compilation/record_type.py", "compilation/c_interface/common/states.c"]
-NOT_OURS = [f"compilation/{name}.py" for name in ("cache", "errors", "folders", "library", "ready")]
+NOT_OURS = [f"compilation/{name}.py" for name in ("cache", "errors", "folders", "library", "prebuilt")]
 NOT_OURS += ["pictures/overview.py", "extras.py", "system.py"]
 
 

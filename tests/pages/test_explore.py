@@ -3,7 +3,7 @@
 import pytest
 
 from chain_impact import BuildError, SceneError, explore, load_scene
-from chain_impact.compilation import ready
+from chain_impact.compilation import prebuilt
 from tests.helpers.tools.page_data import data_of
 
 LAW = "def mine(penetration, stiffness):\n    return stiffness * penetration\n"
@@ -43,7 +43,7 @@ def test_a_scene_that_cannot_be_read_leaves_no_file(tmp_path):
 def test_a_law_of_the_users_own_needs_the_compilers_and_says_so(tmp_path, monkeypatch):
     (tmp_path / "mine.py").write_text(LAW)
     (tmp_path / "mine.toml").write_text(SCENE)
-    monkeypatch.setattr(ready, "find_spec", lambda _: None)
+    monkeypatch.setattr(prebuilt, "find_spec", lambda _: None)
     with pytest.raises(BuildError, match=r"mine\.py: a contact law of your own needs a compiler: "):
         explore(tmp_path / "mine.toml", tmp_path / "a.html")
 

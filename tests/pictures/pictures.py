@@ -10,9 +10,9 @@ from matplotlib.text import Text
 from chain_impact import IMPACT_DTYPE, load_scene, simulate
 from chain_impact.pictures.drawing import figures
 from chain_impact.pictures.drawing.dark_ground import GLARE, luminance
-from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.legends import MARK
 from chain_impact.pictures.drawing.style import drawing_style
+from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.motion.named_points import NAME
 from chain_impact.pictures.over_time.impacts import LANE
 from chain_impact.pictures.overview import fill, usual_size
@@ -197,7 +197,7 @@ def check_ink(page):
     boxes = [Text.get_window_extent(text) for text in inside]  # without the lines to their marks
     for text in inside:
         text.set_visible(False)
-    ink = Ink(page)
+    used_pixels = UsedPixels(page)
     for text, box in zip(inside, boxes, strict=True):
-        assert ink.take(box.min, box.max, on_pale=bool(text.get_path_effects())), text.get_text()
+        assert used_pixels.take(box.min, box.max, on_pale=bool(text.get_path_effects())), text.get_text()
         text.set_visible(True)

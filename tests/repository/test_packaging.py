@@ -46,8 +46,8 @@ def wheel(folder, name_tag, tag, kernel):
     path = folder / f"chain_impact-1.0-{name_tag}.whl"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("chain_impact-1.0.dist-info/WHEEL", f"Wheel-Version: 1.0\nTag: {tag}\n")
-        archive.writestr("chain_impact/ready/kernel-1-linux64.so", "")
-        archive.writestr(f"chain_impact/ready/{kernel}", "")
+        archive.writestr("chain_impact/prebuilt/kernel-1-linux64.so", "")
+        archive.writestr(f"chain_impact/prebuilt/{kernel}", "")
     return path
 
 

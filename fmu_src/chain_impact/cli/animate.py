@@ -21,7 +21,8 @@ from chain_impact.cli.options import (
     path_with_suffix,
     settings_of,
 )
-from chain_impact.cli.progress import progress, say
+from chain_impact.cli.printing import say
+from chain_impact.cli.progress_bar import progress
 from chain_impact.fmu.run import record_fmu
 from chain_impact.recording.csv_file import NeedsSceneError, read_csv
 from chain_impact.recording.pacing import IMPACT_TIME

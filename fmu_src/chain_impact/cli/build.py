@@ -7,7 +7,8 @@ from pathlib import Path
 
 from chain_impact.cli.completers import is_fmu
 from chain_impact.cli.options import UsageError, Verbs, add_scene, add_verb
-from chain_impact.cli.progress import progress, say
+from chain_impact.cli.printing import say
+from chain_impact.cli.progress_bar import progress
 from chain_impact.cli.simulate import Canvas, simulate_and_tell
 from chain_impact.cli.source import Source
 from chain_impact.fmu.versions import FMI_2, FMI_3, VERSIONS

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from datetime import datetime
 
 from chain_impact.cli.options import Verbs, add_verb
-from chain_impact.cli.progress import say
-from chain_impact.compilation import cache, folders, ready
+from chain_impact.cli.printing import say
+from chain_impact.compilation import cache, folders, prebuilt
 
 
 def add(verbs: Verbs) -> None:
@@ -29,12 +29,16 @@ def run(options: argparse.Namespace) -> int:
 
 
 def contents() -> Iterator[str]:
-    """Yield a line on the ready kernels of the installation, on the cache, and on each folder in the cache.
+    """Yield a line on the prebuilt kernels of the installation, on the cache, and on each folder in it.
 
     The folder with the kernels of the present sources and compilers is marked "in use".
     """
-    kernels, entries, present_folder = ready.ready_kernels(), cache.entries(), cache.present_kernel_folder()
-    yield "ready    " + (f"{len(kernels)} kernels in {kernels[0].parent}" if kernels else "–")
+    kernels, entries, present_folder = (
+        prebuilt.prebuilt_kernels(),
+        cache.entries(),
+        cache.present_kernel_folder(),
+    )
+    yield "prebuilt " + (f"{len(kernels)} kernels in {kernels[0].parent}" if kernels else "–")
     yield f"cache    {present_folder.parent}, {sum(entry.size for entry in entries) / 1e6:.1f} MB"
     for entry in entries:
         content_text = "of the linker" if entry.path.name.startswith(cache.LINKER) else ", ".join(entry.files)

@@ -20,7 +20,8 @@ from chain_impact.cli.options import (
     names_in,
     write_picture,
 )
-from chain_impact.cli.progress import progress, say
+from chain_impact.cli.printing import say
+from chain_impact.cli.progress_bar import progress
 from chain_impact.cli.screen import law_table, show
 
 

@@ -10,7 +10,7 @@ import argparse
 import os
 
 from chain_impact.cli.options import Verbs, add_verb
-from chain_impact.cli.progress import say
+from chain_impact.cli.printing import say
 
 SHELLS = ("bash", "zsh", "fish")
 # the environment variable that a shell sets when it calls the program for completions

@@ -14,7 +14,7 @@ from chain_impact.cli.options import (
     names_in,
     path_with_suffix,
 )
-from chain_impact.cli.progress import say
+from chain_impact.cli.printing import say
 
 SINGLE_OPTIONS = {
     "--plane": (

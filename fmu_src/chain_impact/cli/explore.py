@@ -17,7 +17,8 @@ from chain_impact.cli.options import (
     load_scene_with,
     path_with_suffix,
 )
-from chain_impact.cli.progress import progress, say
+from chain_impact.cli.printing import say
+from chain_impact.cli.progress_bar import progress
 from chain_impact.console import has_screen
 
 DEFAULT = Path("explore.html")

@@ -22,7 +22,8 @@ from chain_impact.cli.options import (
     settings_of,
     write_picture,
 )
-from chain_impact.cli.progress import progress, say
+from chain_impact.cli.printing import say
+from chain_impact.cli.progress_bar import progress
 from chain_impact.scene.files.models import scene_file_path
 from chain_impact.scene.scene import load_scene
 from chain_impact.scene.settings import with_settings

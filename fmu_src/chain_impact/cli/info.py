@@ -12,7 +12,7 @@ from rich.text import Text
 
 from chain_impact.cli.completers import is_fmu
 from chain_impact.cli.options import Verbs, add_scene, add_verb
-from chain_impact.cli.progress import out, say
+from chain_impact.cli.printing import out, say
 from chain_impact.cli.screen import headline, variable_lines
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.platforms import platforms_of

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chain_impact.cli.completers import DEFAULT_SCENE, complete, settings
-from chain_impact.cli.progress import say
+from chain_impact.cli.printing import say
 from chain_impact.fmu.inputs import InputTable
 from chain_impact.scene.asked_inputs import with_inputs
 from chain_impact.scene.errors import RefusalError

@@ -15,7 +15,7 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from chain_impact.cli.progress import out, plain_console, say
+from chain_impact.cli.printing import out, plain_console, say
 from chain_impact.kernel.record.constants import STICKS
 from chain_impact.recording.bodies import sites_of_links
 from chain_impact.recording.impacts import cut_sentence

@@ -28,7 +28,7 @@ from chain_impact.cli.options import (
     path_with_suffix,
     write_picture,
 )
-from chain_impact.cli.progress import say
+from chain_impact.cli.printing import say
 from chain_impact.cli.screen import sensitivity_tables, show, summary, with_screen_tables
 from chain_impact.cli.source import Source
 from chain_impact.recording.curves import Curves, curves_of

@@ -14,7 +14,8 @@ from pathlib import Path
 
 from chain_impact.cli.completers import is_fmu
 from chain_impact.cli.options import UsageError, load_scene_with, settings_of
-from chain_impact.cli.progress import complain, progress
+from chain_impact.cli.printing import complain
+from chain_impact.cli.progress_bar import progress
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.inputs import InputTable
 from chain_impact.fmu.run import record_fmu

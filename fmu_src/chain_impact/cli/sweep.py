@@ -26,7 +26,8 @@ from chain_impact.cli.options import (
     settings_of,
     write_picture,
 )
-from chain_impact.cli.progress import complain, progress, say
+from chain_impact.cli.printing import complain, say
+from chain_impact.cli.progress_bar import progress
 
 
 def add(verbs: Verbs) -> None:

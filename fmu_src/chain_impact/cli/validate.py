@@ -9,7 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from chain_impact.cli.options import UsageError, Verbs, add_verb
-from chain_impact.cli.progress import complain, out, say
+from chain_impact.cli.printing import complain, out, say
 from chain_impact.fmu.findings import Finding, finding_lines
 from chain_impact.fmu.validate import TIMEOUT, Validation, validation
 from chain_impact.scene.files.models import scene_file_path

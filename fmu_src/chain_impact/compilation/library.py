@@ -1,4 +1,4 @@
-"""Gets a kernel as a shared library or a module for browsers: ready, from the cache, or newly compiled."""
+"""Gets a kernel as a shared library or a module for browsers: prebuilt, from the cache, or newly compiled."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from chain_impact.compilation import browser, cache, compilers, ready
+from chain_impact.compilation import browser, cache, compilers, prebuilt
 from chain_impact.compilation.compilers import DERIVATIVES, KERNEL, KernelScope
 from chain_impact.compilation.errors import BuildError
 from chain_impact.progress import log_once
@@ -29,7 +29,7 @@ def kernel_library(
     *,
     derivatives: bool = False,
 ) -> Path:
-    """Return the path of a kernel for the scenes ``scope``: ready, from the cache, or newly compiled.
+    """Return the path of a kernel for the scenes ``scope``: prebuilt, from the cache, or newly compiled.
 
     Args:
         scope: a number of links; None for any number; compilers.GENERAL for a scene with rare features; or
@@ -46,14 +46,14 @@ def kernel_library(
         raise BuildError(no_kernel_sentence())
     law = _law(law_file) if law_file else None
     library_kind = DERIVATIVES if derivatives else KERNEL
-    exact = ready.exact_scope(scope, library_kind)
-    name = ready.library_name(exact, platform, _law_name(law) if law else "", library_kind)
+    exact = prebuilt.exact_scope(scope, library_kind)
+    name = prebuilt.library_name(exact, platform, _law_name(law) if law else "", library_kind)
     existing = (
-        cache.find(name) if law else ready.best_kernel(scope, platform, library_kind) or cache.find(name)
+        cache.find(name) if law else prebuilt.best_kernel(scope, platform, library_kind) or cache.find(name)
     )
     if existing:
         return existing
-    ready.require_compilers(_purpose(platform, law_file, derivatives))
+    prebuilt.require_compilers(_purpose(platform, law_file, derivatives))
     lowered_law = _lowered_law(law, law_file) if law else None
 
     def part_file(part: str) -> Path:
@@ -64,10 +64,10 @@ def kernel_library(
             log_once(f"linking the kernel for {platform}", seconds)
             return module
 
-        return ready.object_file(exact, platform, part, text)
+        return prebuilt.object_file(exact, platform, part, text)
 
     def link(file: Path) -> None:
-        parts = [part_file(part) for part in ready.LIBRARY_PARTS[library_kind]]
+        parts = [part_file(part) for part in prebuilt.LIBRARY_PARTS[library_kind]]
         with _naming_law_file(law_file):
             compilers.link(parts, file, platform, lowered_law)
 
@@ -86,10 +86,12 @@ def browser_module(law_file: str = "") -> Path:
     """
     law = _law(law_file) if law_file else None
     name = f"{_law_name(law)}-{browser.MODULE}" if law else browser.MODULE
-    existing = ready.find(name) or cache.find(name)
+    existing = prebuilt.find(name) or cache.find(name)
     if existing:
         return existing
-    ready.require_compilers(f"{law_file}: a contact law of your own" if law_file else "a page that computes")
+    prebuilt.require_compilers(
+        f"{law_file}: a contact law of your own" if law_file else "a page that computes"
+    )
     lowered_law = _lowered_law(law, law_file) if law else None
 
     def text() -> str:
@@ -98,7 +100,7 @@ def browser_module(law_file: str = "") -> Path:
         return module
 
     def link(file: Path) -> None:
-        compiled = ready.browser_object_file(text)
+        compiled = prebuilt.browser_object_file(text)
         with _naming_law_file(law_file):
             browser.link(compiled, file, lowered_law)
 
@@ -108,7 +110,7 @@ def browser_module(law_file: str = "") -> Path:
 def _lowered_kernel(part: str) -> str:
     """Return the text of a part of the kernel, KERNEL or DERIVATIVES, in LLVM's language.
 
-    The text is that of ``ready.lowered_kernel``, if it exists, for KERNEL; else from the cache, or newly
+    The text is that of ``prebuilt.lowered_kernel``, if it exists, for KERNEL; else from the cache, or newly
     lowered. The text fits all scenes: ``compilers.add_prelude`` adds the counts.
     """
 
@@ -116,7 +118,7 @@ def _lowered_kernel(part: str) -> str:
         log_once("compiling the kernel", LOWERING[part])
         compilers.lower(module, part)
 
-    packed = ready.lowered_kernel() if part == KERNEL else None
+    packed = prebuilt.lowered_kernel() if part == KERNEL else None
     return packed or cache.get_or_make(f"{part}.ll", lower).read_text()
 
 

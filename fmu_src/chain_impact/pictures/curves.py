@@ -27,7 +27,6 @@ from chain_impact.pictures.curve_peaks import (
 from chain_impact.pictures.curve_texts import axis_unit, number_at, quantity_text, values_at_onset
 from chain_impact.pictures.drawing.distinct_curves import dash_lines, plot_curves
 from chain_impact.pictures.drawing.figures import PANEL_HEIGHT, settle
-from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.labels import Label, place_labels
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import (
@@ -40,6 +39,7 @@ from chain_impact.pictures.drawing.style import (
     is_narrow,
     write_foot,
 )
+from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.over_time.energies import ENERGIES, energy_look
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
@@ -160,9 +160,9 @@ def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str
     figure.align_ylabels()
     settle(figure)
     figure.set_layout_engine("none")  # the axes must not move after labels are placed in them
-    ink = Ink(figure)
+    used_pixels = UsedPixels(figure)
     for axes, labels in zip(grid, panel_labels, strict=True):
-        place_labels(axes, labels, ink, lines=True, fontsize="small")
+        place_labels(axes, labels, used_pixels, lines=True, fontsize="small")
 
 
 def lacks_impulses(recording: Recording, curves: Curves) -> bool:

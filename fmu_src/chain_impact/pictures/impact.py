@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.figures import settle
-from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.labels import Label, place_labels
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
@@ -26,6 +25,7 @@ from chain_impact.pictures.drawing.style import (
     load_unit,
     write_headline,
 )
+from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.over_time.single_impact import shown_contact
 from chain_impact.pictures.texts.headline import hit_text
@@ -97,9 +97,9 @@ def fill_impact(figure: Figure, recording: Recording, number: int, course: Impac
         legend.remove()
     settle(figure)
     figure.set_layout_engine("none")
-    ink = Ink(figure)
+    used_pixels = UsedPixels(figure)
     for axes, label in peak_labels:
-        place_labels(axes, [label], ink, lines=True, fontsize="small")
+        place_labels(axes, [label], used_pixels, lines=True, fontsize="small")
 
 
 def duration_text(impact: np.void, course: ImpactCourse) -> str:

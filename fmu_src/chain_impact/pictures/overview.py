@@ -10,11 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.figures import settle
-from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.legends import legend_above, legend_beside
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.drawing.style import drawing_style, is_narrow, write_foot
+from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.motion.motion import all_entries, draw_motion, few_entries, note_on_lines
 from chain_impact.pictures.motion.view import GROWTH_FACTORS, is_flat, view_of
@@ -97,9 +97,9 @@ def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title
         is_alone = len(panel_axes) == 1 or not is_beside(ratio, figure.get_figwidth())
         _settle_motion(figure, motion, recording, ratio, is_alone=is_alone)
     figure.set_layout_engine("none")  # nothing moves while labels are placed
-    ink = Ink(figure)
+    used_pixels = UsedPixels(figure)
     for name in (name for name in PANELS if name in panel_axes):
-        PANELS[name].write_numbers(panel_axes[name], recording, ink)
+        PANELS[name].write_numbers(panel_axes[name], recording, used_pixels)
 
 
 def _settle_motion(
@@ -170,10 +170,10 @@ def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
             PANELS[name].draw(panel, recording)
         fit_into_figure(given_axes)
         for figure in {panel.get_figure(root=True) for panel in given_axes}:
-            ink = Ink(figure)
+            used_pixels = UsedPixels(figure)
             for name, panel in zip(shown_panels, given_axes, strict=True):
                 if panel.get_figure(root=True) is figure:
-                    PANELS[name].write_numbers(panel, recording, ink)
+                    PANELS[name].write_numbers(panel, recording, used_pixels)
 
 
 def unreached_walls(recording: Recording) -> str:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from matplotlib.axes import Axes
 
-from chain_impact.pictures.drawing.ink import Ink
+from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.motion.impact_rings import number_rings
 from chain_impact.pictures.motion.line_motion import draw_along_line, line_of_motion
 from chain_impact.pictures.motion.motion import draw_motion
@@ -39,7 +39,7 @@ class Panel(NamedTuple):
     draw: Callable[[Axes, Recording], None]
     count: Callable[[Recording], int]
     height: Callable[[Recording], float] = lambda _: 1.0
-    write_numbers: Callable[[Axes, Recording, Ink], None] = lambda *_: None
+    write_numbers: Callable[[Axes, Recording, UsedPixels], None] = lambda *_: None
 
 
 def draw_position(axes: Axes, recording: Recording) -> None:
@@ -51,11 +51,11 @@ def draw_position(axes: Axes, recording: Recording) -> None:
         draw_along_line(axes, recording, axis)
 
 
-def number_positions(axes: Axes, recording: Recording, ink: Ink) -> None:
+def number_positions(axes: Axes, recording: Recording, used_pixels: UsedPixels) -> None:
     """Write numbers of impacts and names of points into the panel of a motion in the plane."""
     if line_of_motion(recording) is None:
-        number_rings(axes, recording, ink)
-        name_points(axes, recording, ink)
+        number_rings(axes, recording, used_pixels)
+        name_points(axes, recording, used_pixels)
 
 
 PANELS = {

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.recording.impact_course import Rerun
+from chain_impact.recording.impact_course import RepeatableRun
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.pacing import impact_ends
 from chain_impact.recording.recording import Recording
@@ -77,7 +77,7 @@ def curves_of(
     units: Mapping[str, str],
     *,
     around: int | None = None,
-    rerun: Rerun | None = None,
+    rerun: RepeatableRun | None = None,
 ) -> Curves:
     """Return the curves of some outputs, for the whole run or for a close view of one impact.
 

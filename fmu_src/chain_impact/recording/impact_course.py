@@ -25,7 +25,7 @@ LASTING_SAMPLES = 4000
 FIRST_SAMPLE = 1e-6
 
 
-class Rerun(Protocol):
+class RepeatableRun(Protocol):
     """A run that can be repeated, with rows at other times."""
 
     @property
@@ -81,7 +81,7 @@ class HasRerun(Protocol):
     """A recording that computes the courses of its impacts if its run can be repeated."""
 
     @property
-    def rerun(self) -> Rerun | None:
+    def rerun(self) -> RepeatableRun | None:
         """The run, to repeat it; None if the run cannot be repeated."""
 
     def course_of_impact(self, number: int) -> ImpactCourse:
@@ -94,7 +94,7 @@ class HasRerun(Protocol):
 
 def course_of(
     prepared_scene: PreparedScene,
-    rerun: Rerun | None,
+    rerun: RepeatableRun | None,
     impact: np.void,
     *,
     end_time: float = math.nan,

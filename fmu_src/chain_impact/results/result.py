@@ -16,7 +16,7 @@ import numpy as np
 
 from chain_impact.deprecated import OlderName
 from chain_impact.recording import summary, tables
-from chain_impact.recording.impact_course import Rerun
+from chain_impact.recording.impact_course import RepeatableRun
 from chain_impact.recording.impacts import NO_IMPACTS
 from chain_impact.recording.joint_stops import JointRange, ranges_of
 from chain_impact.recording.sensitivity import Sensitivities
@@ -82,7 +82,7 @@ class Result(PrintedResult, SceneRecording):
     sensitivities: Sensitivities | None = None
     stepwise: Mapping[str, np.ndarray] = field(default_factory=dict, compare=False)
     stick_slip: np.ndarray = field(default_factory=lambda: NO_PHASES)
-    rerun: Rerun | None = field(default=None, compare=False)
+    rerun: RepeatableRun | None = field(default=None, compare=False)
     input_values: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @overload

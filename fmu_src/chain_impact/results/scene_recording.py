@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from chain_impact.recording.curves import Curves, curves_of, impact_numbers
-from chain_impact.recording.impact_course import ImpactCourse, Rerun, course_of
+from chain_impact.recording.impact_course import ImpactCourse, RepeatableRun, course_of
 from chain_impact.recording.passed_walls import points_through_walls
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
@@ -32,7 +32,7 @@ class SceneRecording(Recording):
 
     prepared_scene: PreparedScene
     statistics: dict[str, int]
-    rerun: Rerun | None
+    rerun: RepeatableRun | None
 
     @property
     def scene(self) -> Scene:

@@ -90,7 +90,7 @@ class Run:
             sensitivities=self._sensitivities(numbers[:, len(words) :], order, table, chosen_outputs),
             stepwise=StepwiseColumns(numbers[:, indices.width :], words[indices.width :], indices.stepwise),
             stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
-            rerun=SceneRerun(self.prepared_scene, schedule),
+            rerun=RepeatableSceneRun(self.prepared_scene, schedule),
             input_values=schedule.values(input_rows, input_names) if input_names else {},
         )
 
@@ -129,7 +129,7 @@ class Run:
 
 
 @dataclass(frozen=True, eq=False)
-class SceneRerun:
+class RepeatableSceneRun:
     """A function of times that repeats the run, with rows at these times."""
 
     prepared_scene: PreparedScene
@@ -167,10 +167,12 @@ class SceneRerun:
         given_inputs = {name: values[: len(outputs)] for name, values in self.inputs(times).items()}
         return given_inputs | self.prepared_scene.series(outputs)
 
-    def changed(self, values: Mapping[str, Any]) -> SceneRerun:
+    def changed(self, values: Mapping[str, Any]) -> RepeatableSceneRun:
         """Return the run with the same inputs over time and with other values of parameters.
 
         Raises:
             SceneError: when the scene cannot have one of the values, or a name is not that of a parameter.
         """
-        return SceneRerun(PreparedScene(with_values(self.prepared_scene.scene, values)), self.schedule)
+        return RepeatableSceneRun(
+            PreparedScene(with_values(self.prepared_scene.scene, values)), self.schedule
+        )

@@ -1,6 +1,6 @@
 """Labels stand beside their places, and never overlap another label, a line or a mark."""
 
-# Tests: pictures/drawing/ink.py, pictures/texts/impact_numbers.py, pictures/drawing/line_breaks.py
+# Tests: pictures/drawing/used_pixels.py, pictures/texts/impact_numbers.py, pictures/drawing/line_breaks.py
 
 import itertools
 
@@ -10,8 +10,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.labels import Label, folded_label, place_labels
+from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.texts.impact_numbers import number_list
 
 
@@ -22,7 +22,7 @@ def axes():
 
 def test_the_first_keeps_its_place_and_those_that_have_no_room_are_told(axes):
     labels = [Label(str(k), (0.5 + 0.001 * k, 0.5)) for k in range(60)]
-    left = place_labels(axes, labels, Ink(axes.figure), fontsize=7)
+    left = place_labels(axes, labels, UsedPixels(axes.figure), fontsize=7)
     shown = [text.get_text() for text in axes.texts]
     assert shown[0] == "0"
     assert 1 < len(shown) < 60
@@ -33,7 +33,9 @@ def test_the_first_keeps_its_place_and_those_that_have_no_room_are_told(axes):
 
 def test_a_label_turns_to_where_it_keeps_inside(axes):
     assert (
-        place_labels(axes, [Label("wide label", (1.0, 0.5)), Label("high", (0.5, 1.0))], Ink(axes.figure))
+        place_labels(
+            axes, [Label("wide label", (1.0, 0.5)), Label("high", (0.5, 1.0))], UsedPixels(axes.figure)
+        )
         == []
     )
     inside = axes.get_window_extent()
@@ -46,7 +48,7 @@ def test_a_label_turns_to_where_it_keeps_inside(axes):
 def test_a_label_without_a_leader_is_nearest_to_its_own_place(axes):
     axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
     labels = [Label(f"1{k}", (0.5 + 0.04 * (k % 5), 0.05 * (k // 5))) for k in range(25)]
-    place_labels(axes, labels, Ink(axes.figure))
+    place_labels(axes, labels, UsedPixels(axes.figure))
     places = axes.transData.transform([label.position for label in labels])
     assert len(axes.texts) > 2
     for text in axes.texts:
@@ -59,7 +61,7 @@ def test_a_label_without_a_leader_is_nearest_to_its_own_place(axes):
 
 def test_a_label_stands_on_the_side_it_is_meant_for(axes):
     sides = [Label("left", (0.5, 0.2), (-1.0, 0.0)), Label("below", (0.5, 0.8), (0.0, -1.0))]
-    place_labels(axes, sides, Ink(axes.figure))
+    place_labels(axes, sides, UsedPixels(axes.figure))
     left, below = (text.get_window_extent() for text in axes.texts)
     assert left.x1 < axes.transData.transform((0.5, 0.2))[0]
     assert below.y1 < axes.transData.transform((0.5, 0.8))[1]
@@ -69,7 +71,7 @@ def test_a_wide_label_leaves_the_best_position_of_the_next_place_free(axes):
     axes.axhline(0.5, color="black")
     below = (0.0, -1.0)
     wide, other = Label("7, 10 + 4 more", (0.5, 0.5), below), Label("2", (0.45, 0.5), below)
-    assert place_labels(axes, [wide, other], Ink(axes.figure), lines=True) == []
+    assert place_labels(axes, [wide, other], UsedPixels(axes.figure), lines=True) == []
     first, second = axes.texts
     assert second.get_text() == "2"
     assert second.get_window_extent().y1 > axes.transData.transform((0.0, 0.5))[1] - 25.0  # at its place
@@ -79,7 +81,7 @@ def test_a_wide_label_leaves_the_best_position_of_the_next_place_free(axes):
 def test_a_label_meets_no_line(axes):
     axes.plot([0.0, 1.0], [0.55, 0.55], color="0.8", linewidth=1.0)
     axes.set(ylim=(0.0, 1.0))
-    place_labels(axes, [Label("above", (0.5, 0.5))], Ink(axes.figure))
+    place_labels(axes, [Label("above", (0.5, 0.5))], UsedPixels(axes.figure))
     (text,) = axes.texts
     y = axes.transData.transform((0.5, 0.55))[1]
     box = text.get_window_extent()
@@ -89,8 +91,8 @@ def test_a_label_meets_no_line(axes):
 def test_a_line_leads_to_a_label_that_is_far_from_its_place(axes):
     axes.plot([0.5], [0.5], "o", color="0.8", markersize=40.0)
     label = [Label("1", (0.5, 0.5))]
-    assert place_labels(axes, label, Ink(axes.figure)) == label
-    assert place_labels(axes, label, Ink(axes.figure), lines=True) == []
+    assert place_labels(axes, label, UsedPixels(axes.figure)) == label
+    assert place_labels(axes, label, UsedPixels(axes.figure), lines=True) == []
     assert axes.texts[0].arrow_patch is not None
 
 
@@ -99,12 +101,12 @@ def test_a_label_finds_room_between_rays(axes):
     for angle in np.linspace(0.0, 2.0 * np.pi, 9):
         axes.plot([0.5, 0.5 + np.cos(angle)], [0.5, 0.5 + np.sin(angle)], color="0.8", linewidth=0.6)
     axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
-    assert place_labels(axes, [Label("1", (0.5, 0.5))], Ink(axes.figure), lines=True, fontsize=7) == []
+    assert place_labels(axes, [Label("1", (0.5, 0.5))], UsedPixels(axes.figure), lines=True, fontsize=7) == []
 
 
 def test_a_line_to_a_label_passes_no_other_label(axes):
     axes.plot([0.5], [0.5], "o", color="0.8", markersize=40.0)
-    place_labels(axes, [Label(str(k), (0.5, 0.5)) for k in range(8)], Ink(axes.figure), lines=True)
+    place_labels(axes, [Label(str(k), (0.5, 0.5)) for k in range(8)], UsedPixels(axes.figure), lines=True)
     axes.figure.draw_without_rendering()
     boxes = [Text.get_window_extent(text) for text in axes.texts]
     assert len(boxes) > 2
@@ -131,7 +133,7 @@ def test_a_line_to_a_label_goes_around_a_strong_line_if_it_can():
         [1.7, 2.3, 2.3, 1.7], [1.7, 1.7, 2.3, 2.3], color="0.93"
     )  # covers all positions beside the place
     wall = axes.plot([2.45, 2.45], [0.0, 4.0], color="black")[0].get_xdata()[0]
-    assert not place_labels(axes, [Label("1", (2.0, 2.0), (1.0, 0.0))], Ink(page), lines=True)
+    assert not place_labels(axes, [Label("1", (2.0, 2.0), (1.0, 0.0))], UsedPixels(page), lines=True)
     (label,) = axes.texts
     page.draw_without_rendering()
     box = label.get_window_extent().transformed(axes.transData.inverted())
@@ -151,12 +153,12 @@ def rays(count, colour, width):
 def test_a_number_without_free_room_is_outlined_on_pale_lines():
     page, axes = rays(200, "0.85", 0.6)
     label = Label("1, 3", (2.0, 2.0))
-    assert place_labels(axes, [label], Ink(page)) == [label]
-    assert place_labels(axes, [label], Ink(page), lines=True) == []
+    assert place_labels(axes, [label], UsedPixels(page)) == [label]
+    assert place_labels(axes, [label], UsedPixels(page), lines=True) == []
     (text,) = axes.texts
     assert text.get_path_effects()
     page, axes = rays(200, "0.3", 0.6)
-    assert place_labels(axes, [label], Ink(page), lines=True) == [label]
+    assert place_labels(axes, [label], UsedPixels(page), lines=True) == [label]
 
 
 def test_a_label_on_pale_lines_is_better_than_a_line_across_a_link():
@@ -164,7 +166,9 @@ def test_a_label_on_pale_lines_is_better_than_a_line_across_a_link():
     axes.fill([2.3, 4.0, 4.0, 2.3], [0.0, 0.0, 4.0, 4.0], color="white", zorder=3)
     link = 2.25
     axes.plot([link, link], [0.0, 4.0], color="black", linewidth=3.0, zorder=4)
-    assert not place_labels(axes, [Label("1", (2.1, 2.0), (1.0, 0.0))], Ink(page), lines=True, fontsize=7)
+    assert not place_labels(
+        axes, [Label("1", (2.1, 2.0), (1.0, 0.0))], UsedPixels(page), lines=True, fontsize=7
+    )
     page.draw_without_rendering()
     (text,) = axes.texts
     assert Text.get_window_extent(text).transformed(axes.transData.inverted()).x1 < link
@@ -176,11 +180,11 @@ def test_leaders_avoid_rims_of_marks_and_other_leaders():
     axes.axis("off")
     axes.plot([2.5, 2.5], [0.0, 4.0], color="black", linewidth=3.0)
     axes.plot([2.5], [2.0], "o", color="black", markeredgecolor="white", markeredgewidth=1.0, markersize=10.0)
-    ink, points = Ink(page), 100 / 72.0
+    used_pixels, points = UsedPixels(page), 100 / 72.0
     low, high = np.array([300.0, 206.0]), np.array([320.0, 226.0])
-    assert not ink.take(low, high, np.array([200.0, 205.0]), 6.0 * points, crossed=0.0)
-    assert ink.take(np.array([100.0, 300.0]), np.array([110.0, 310.0]), np.array([10.0, 200.0]))
-    assert not ink.take(np.array([100.0, 190.0]), np.array([110.0, 200.0]), np.array([10.0, 305.0]))
+    assert not used_pixels.take(low, high, np.array([200.0, 205.0]), 6.0 * points, crossed=0.0)
+    assert used_pixels.take(np.array([100.0, 300.0]), np.array([110.0, 310.0]), np.array([10.0, 200.0]))
+    assert not used_pixels.take(np.array([100.0, 190.0]), np.array([110.0, 200.0]), np.array([10.0, 305.0]))
 
 
 def test_a_label_in_a_narrow_area_has_two_lines():
@@ -188,7 +192,7 @@ def test_a_label_in_a_narrow_area_has_two_lines():
     axes = page.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 4.0), ylim=(0.0, 4.0))
     axes.axis("off")
     axes.fill([1.0, 4.0, 4.0, 1.0], [0.0, 0.0, 4.0, 4.0], color="black")
-    assert not place_labels(axes, [Label("3, 5 + 13 more", (0.5, 2.0))], Ink(page), lines=True)
+    assert not place_labels(axes, [Label("3, 5 + 13 more", (0.5, 2.0))], UsedPixels(page), lines=True)
     (text,) = axes.texts
     assert text.get_text() == "3, 5\n+ 13 more"
 
@@ -206,7 +210,7 @@ def test_no_leader_ends_inside_a_strong_body():
     axes.axis("off")
     axes.fill([1.6, 2.4, 2.4, 1.6], [1.6, 1.6, 2.4, 2.4], color="black")
     inside, at_edge = Label("6, 9", (2.0, 2.0)), Label("4", (2.38, 2.0), (1.0, 0.0))
-    assert place_labels(axes, [inside, at_edge], Ink(page), lines=True) == [inside]
+    assert place_labels(axes, [inside, at_edge], UsedPixels(page), lines=True) == [inside]
 
 
 def test_another_order_is_tried_if_a_label_has_no_room():
@@ -217,7 +221,7 @@ def test_another_order_is_tried_if_a_label_has_no_room():
     for x in (1.57, 1.91):  # of the two free areas, the right one is near both positions
         axes.fill([x, x + 0.18, x + 0.18, x], [1.91, 1.91, 2.09, 2.09], color="white")
     labels = [Label("1", (1.83, 2.0), (1.0, 0.0)), Label("2", (2.17, 2.0))]
-    assert place_labels(axes, labels, Ink(page), lines=True, fontsize=9) == []
+    assert place_labels(axes, labels, UsedPixels(page), lines=True, fontsize=9) == []
     page.draw_without_rendering()
     one, two = sorted(axes.texts, key=Text.get_text)
     assert Text.get_window_extent(one).x1 < 183.0 < Text.get_window_extent(two).x0
@@ -232,7 +236,9 @@ def test_labels_in_a_row_do_not_read_as_one(axes):
         text.remove()
     way = (0.5 * sum(widths) + 3.0 * point) / axes.get_window_extent().width
     assert (
-        place_labels(axes, [Label(texts[0], (0.3, 0.5)), Label(texts[1], (0.3 + way, 0.5))], Ink(axes.figure))
+        place_labels(
+            axes, [Label(texts[0], (0.3, 0.5)), Label(texts[1], (0.3 + way, 0.5))], UsedPixels(axes.figure)
+        )
         == []
     )
     first, second = (text.get_window_extent() for text in axes.texts)
@@ -245,7 +251,7 @@ def test_a_line_behind_a_label_is_not_seen_between_its_words(axes):
         axes.axhline(height, color="0.8")
     assert (
         place_labels(
-            axes, [Label("joint 2: 670 N", (0.5, 0.5))], Ink(axes.figure), lines=True, fontsize="small"
+            axes, [Label("joint 2: 670 N", (0.5, 0.5))], UsedPixels(axes.figure), lines=True, fontsize="small"
         )
         == []
     )

@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 
 from chain_impact.pictures.drawing.dark_ground import TEXT_OUTLINE
-from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.style import INK
+from chain_impact.pictures.drawing.used_pixels import UsedPixels
 
 LABEL_OFFSET = 4.0  # [points] the usual distance from a position to its label
 # The distances between a position and its label, relative to LABEL_OFFSET, in the order in which they are
@@ -33,9 +33,9 @@ TURN_ORDER = (
     *(sign * part for part in range(1, LABEL_DIRECTIONS // 2) for sign in (1, -1)),
     LABEL_DIRECTIONS // 2,
 )
-# CROSSED_LENGTHS: [points] limits of the length of a leader on strong pixels (``Ink``), in the order in which
-# they are tried. MARK_LENGTH: [points] the first part of a leader, which does not count for CROSSED_LENGTHS,
-# because the mark of the position is there.
+# CROSSED_LENGTHS: [points] limits of the length of a leader on strong pixels (``UsedPixels``), in the order
+# in which they are tried. MARK_LENGTH: [points] the first part of a leader, which does not count for
+# CROSSED_LENGTHS, because the mark of the position is there.
 CROSSED_LENGTHS, MARK_LENGTH = (0.0, 4.0, 12.0), 6.0
 # [points] Without leaders, no strong pixel between a position and its label may be farther from the position
 # than this.
@@ -77,7 +77,7 @@ class Label(NamedTuple):
 
 
 def place_labels(
-    axes: Axes, labels: Sequence[Label], ink: Ink, *, lines: bool = False, **look: Any
+    axes: Axes, labels: Sequence[Label], used_pixels: UsedPixels, *, lines: bool = False, **look: Any
 ) -> list[Label]:
     """Write labels, the most important first, where nothing else is drawn; return labels without room.
 
@@ -89,7 +89,7 @@ def place_labels(
         axes: the axes of the labels; only with leaders, labels may stand beyond the right edge
             (FARTHEST_OUTSIDE).
         labels: the labels to write, the most important first.
-        ink: the used pixels of the figure, which afterwards include the labels.
+        used_pixels: the used pixels of the figure, which afterwards include the labels.
         lines: whether leaders are allowed: a label may then be far from its position, with a line from the
             position to the label, and may cover pale lines.
         look: properties of the text of all labels, with matplotlib's names.
@@ -124,17 +124,26 @@ def place_labels(
             other_marks = (
                 axes.transData.transform(given_marks) if given_marks else np.delete(marks, k, axis=0)
             )
-            if not _place(axes, labels[k], homes[n + 1 :], other_marks, sizes, ink=ink, steps=steps, **look):
+            if not _place(
+                axes,
+                labels[k],
+                homes[n + 1 :],
+                other_marks,
+                sizes,
+                used_pixels=used_pixels,
+                steps=steps,
+                **look,
+            ):
                 misses.append(k)
         return misses
 
     def remove_texts() -> None:
         for text in {*axes.texts} - texts_before:
             text.remove()
-        ink.restore(free_pixels)
+        used_pixels.restore(free_pixels)
 
     marks = axes.transData.transform(np.reshape([label.position for label in labels], (-1, 2)))
-    texts_before, free_pixels, order = {*axes.texts}, ink.pixels(), range(len(labels))
+    texts_before, free_pixels, order = {*axes.texts}, used_pixels.pixels(), range(len(labels))
     misses = write_labels(order)
     if misses and lines:
         retries = [*misses, *(k for k in order if k not in misses)]
@@ -175,7 +184,7 @@ def _place(
     other_marks: np.ndarray,
     sizes: dict[str, np.ndarray],
     *,
-    ink: Ink,
+    used_pixels: UsedPixels,
     steps: np.ndarray,
     **look: Any,
 ) -> bool:
@@ -192,7 +201,7 @@ def _place(
         other_marks: the positions of other marks, shape (O, 2) [pixels]. Without leaders, neither the middle
             nor the box of the text may be nearer to one of ``other_marks`` than to the label's own position.
         sizes: text → half of its width and height [pixels]; the texts are tried in the order of the dict.
-        ink: the used pixels of the figure.
+        used_pixels: the used pixels of the figure.
         steps: the distances from the position that are tried, in this order, relative to LABEL_OFFSET.
         look: properties of the text, with matplotlib's names.
     """
@@ -215,7 +224,7 @@ def _place(
         "in_layout": False,
     }
     grounds = (False, True) if may_lead else (False,)
-    shift = np.array([ink.label_space, 0.0])
+    shift = np.array([used_pixels.label_space, 0.0])
     outline: Any = {
         True: {"path_effects": [withStroke(linewidth=TEXT_OUTLINE, foreground="white")]},
         False: {},
@@ -235,7 +244,7 @@ def _place(
         for home in spared:
             is_inside &= ~((low < home[1] + shift) & (home[0] - shift < high)).all(axis=-1)
         tried_positions = np.argwhere(is_inside)
-        is_free = ink.were_free(low[is_inside], high[is_inside], on_pale=on_pale)
+        is_free = used_pixels.were_free(low[is_inside], high[is_inside], on_pale=on_pale)
         # Limits > 0 concern leaders only; positions without a leader were already tried with the limit 0.
         if crossed:
             is_free &= np.isin(steps[tried_positions[:, 0]], LEADER_DISTANCES)
@@ -247,9 +256,9 @@ def _place(
             if not is_led and _is_nearest_to_other(middle, half, label_point, other_marks):
                 continue
             is_apart = not may_lead or (not is_led and steps[step] > TOUCHING)
-            if is_apart and ink.is_crossed(label_point, middle, OWN_LINE * point):
+            if is_apart and used_pixels.is_crossed(label_point, middle, OWN_LINE * point):
                 continue
-            if ink.take(*box, start, MARK_LENGTH * point, crossed * point, on_pale=on_pale):
+            if used_pixels.take(*box, start, MARK_LENGTH * point, crossed * point, on_pale=on_pale):
                 offset = (ways[step, turn] / point).tolist()
                 axes.annotate(
                     label_text, label.position, offset, **led, **outline[on_pale], **style | look | label.look

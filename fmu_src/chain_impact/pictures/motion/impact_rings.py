@@ -10,9 +10,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from chain_impact.kernel.record.constants import STICKS
-from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.labels import Label, place_labels
 from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR, is_narrow
+from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.motion.joint_forces import name_loads
 from chain_impact.pictures.motion.walls import wall_line
 from chain_impact.pictures.over_time.impacts import marks_of, rows_by_height
@@ -81,19 +81,19 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
         axes.plot(*np.transpose(positions), **mark_style, zorder=5.5, label="sticks at the end")
 
 
-def number_rings(axes: Axes, recording: Recording, ink: Ink) -> None:
-    """Write the numbers of the impacts beside their rings, beyond the walls, where ``ink`` is free.
+def number_rings(axes: Axes, recording: Recording, used_pixels: UsedPixels) -> None:
+    """Write the numbers of the impacts beside their rings, beyond the walls, where no pixels are used.
 
     The label of a ring has the numbers of all its impacts, or that of the hardest one and how many more there
     are (``numbers_of``). The rings with the hardest impacts come first; only the largest force in a joint
     (``name_loads``) comes before them, and other forces in joints come last. If a ring's label has no room,
     the label of the nearest ring at the same wall or stop has the numbers of both (``_joined``).
     """
-    ink.bar(*_obstacles(axes, recording))
-    is_told = name_loads(axes, recording, ink, slice(1))
+    used_pixels.bar(*_obstacles(axes, recording))
+    is_told = name_loads(axes, recording, used_pixels, slice(1))
     rank_of_row = {row: rank for rank, row in enumerate(rows_by_height(marks_of(recording)[1]).tolist())}
     hits_at = rings(axes, recording)
-    earlier_texts, free_pixels = {*axes.texts}, ink.pixels()
+    earlier_texts, free_pixels = {*axes.texts}, used_pixels.pixels()
     while True:
         for hits in hits_at.values():
             hits.sort(key=rank_of_row.__getitem__)
@@ -101,7 +101,7 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> None:
         labels = [
             _ring_label(recording, ring_position, hits_at[ring_position]) for ring_position in ring_positions
         ]
-        missed = place_labels(axes, labels, ink, lines=True, fontsize="small", color=INK)
+        missed = place_labels(axes, labels, used_pixels, lines=True, fontsize="small", color=INK)
         lacking = [
             ring_position
             for ring_position, label in zip(ring_positions, labels, strict=True)
@@ -112,10 +112,10 @@ def number_rings(axes: Axes, recording: Recording, ink: Ink) -> None:
             break
         for text in {*axes.texts} - earlier_texts:
             text.remove()
-        ink.restore(free_pixels)
+        used_pixels.restore(free_pixels)
         hits_at = joined_hits
     if is_told:
-        name_loads(axes, recording, ink, slice(1, None))
+        name_loads(axes, recording, used_pixels, slice(1, None))
 
 
 def _joined(
@@ -151,7 +151,7 @@ def _ring_label(recording: Recording, ring_position: tuple[float, float], hits: 
 def _obstacles(axes: Axes, recording: Recording) -> tuple[list[np.ndarray], float]:
     """Return what no leader crosses: chains at start and end, lines of walls, centres of rings; and a radius.
 
-    All positions are in pixels, as for ``Ink.bar``; the radius is that of the rings.
+    All positions are in pixels, as for ``UsedPixels.bar``; the radius is that of the rings.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None

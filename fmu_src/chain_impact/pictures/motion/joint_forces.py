@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.labels import Label, place_labels
 from chain_impact.pictures.drawing.style import LOAD, force_text
+from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.motion.view import View, view_of
 from chain_impact.recording.joint_peaks import joint_peaks
 from chain_impact.recording.recording import Recording
@@ -105,8 +105,8 @@ def part_in_view(positions: np.ndarray, ways: np.ndarray, corners: np.ndarray) -
     return float(parts.min(initial=1.0))
 
 
-def name_loads(axes: Axes, recording: Recording, ink: Ink, wanted_joints: slice) -> bool:
-    """Write those of the MOST_FORCES largest joint forces that are ``wanted_joints``, where ``ink`` has room.
+def name_loads(axes: Axes, recording: Recording, used_pixels: UsedPixels, wanted_joints: slice) -> bool:
+    """Write those of the MOST_FORCES largest joint forces that are ``wanted_joints``, where pixels are free.
 
     ``wanted_joints`` selects from the forces, the largest first. Each force stands near the position of its
     joint at the time of the force. A force without room leaves out all smaller ones. Returns whether all have
@@ -123,4 +123,4 @@ def name_loads(axes: Axes, recording: Recording, ink: Ink, wanted_joints: slice)
         for peak, value in zip(peaks, values, strict=True)
     ]
     look: dict[str, Any] = {"lines": True, "fontsize": "small", "color": LOAD}
-    return all(not place_labels(axes, [label], ink, **look) for label in labels)
+    return all(not place_labels(axes, [label], used_pixels, **look) for label in labels)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.labels import Label, place_labels
 from chain_impact.pictures.drawing.style import TIME_COLOURS
+from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.texts.point_names import POINT, shortened_name
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import ball_of
@@ -28,8 +28,8 @@ def touching_points(recording: Recording) -> list[int]:
     return sorted({*hits})
 
 
-def name_points(axes: Axes, recording: Recording, ink: Ink) -> None:
-    """Write the names of points that touch beside the chain at the start, in its colour, if ``ink`` is free.
+def name_points(axes: Axes, recording: Recording, used_pixels: UsedPixels) -> None:
+    """Write the names of points that touch beside the chain at the start, in its colour, on free pixels.
 
     A point without a name is "point 2" or, without room and after the first one, only "2". A name stands
     nearer to its own point than to any other point of the chain.
@@ -48,5 +48,5 @@ def name_points(axes: Axes, recording: Recording, ink: Ink) -> None:
         position = (float(positions[point][0]), float(positions[point][1]))
         label = Label(text, position, (x, y), short="" if is_first else short, other_marks=other_positions)
         look = {"fontsize": "small", "color": TIME_COLOURS(0.0), "gid": NAME}
-        if not place_labels(axes, [label], ink, lines=True, **look) and not name:
+        if not place_labels(axes, [label], used_pixels, lines=True, **look) and not name:
             is_first = False

@@ -15,10 +15,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation
 
-from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.labels import Label
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import GREY, INK, PEAK_COLOUR, is_narrow, load_unit, scale_numbers
+from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, rubbing_locations
 from chain_impact.pictures.over_time.time_axis import show_all_time
 from chain_impact.pictures.texts.headline import impact_values, marked_peaks
@@ -301,8 +301,8 @@ def point_groups(recording: Recording, tops: np.ndarray) -> list[tuple[str, dict
     return [(name, dict(mark), np.flatnonzero(hits)) for name, mark, hits in groups]
 
 
-def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
-    """Write numbers of impacts at their marks, where ``ink`` is free.
+def number_impacts(axes: Axes, recording: Recording, used_pixels: UsedPixels) -> None:
+    """Write numbers of impacts at their marks, where pixels are free.
 
     If ``numbered_step`` is a number k > 1, every k-th impact gets a number. Otherwise all impacts get one or,
     without room for that, those with the highest marks and the last impact (``label_subsets``); impacts whose
@@ -335,7 +335,7 @@ def number_impacts(axes: Axes, recording: Recording, ink: Ink) -> None:
         groups = {tuple(sorted(common_rows[row], key=lambda row: -heights[row])) for row in rows}
         if len(groups) <= MOST_NUMBER_LABELS:
             tries.append([label(group) for group in sorted(groups, key=lambda group: -heights[group[0]])])
-    write_first_fitting(axes, tries, ink, fontsize="small")
+    write_first_fitting(axes, tries, used_pixels, fontsize="small")
 
 
 def numbered_step(axes: Axes, recording: Recording) -> int:

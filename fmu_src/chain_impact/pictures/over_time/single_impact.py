@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.labels import Label, place_labels
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR, force_text, give_ticks, load_unit
+from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.over_time.impacts import HEADROOM
 from chain_impact.pictures.texts.headline import peaks
 from chain_impact.recording.contact_times import course_in_run
@@ -131,7 +131,7 @@ def curve_of(
     return factor * (time - impact["onset"]), scale * force, unit
 
 
-def number_one_impact(axes: Axes, recording: Recording, ink: Ink) -> None:
+def number_one_impact(axes: Axes, recording: Recording, used_pixels: UsedPixels) -> None:
     """Write the peak force or moment at the curve of ``draw_one_impact``."""
     if hardest_course := course_of_hardest(recording):
         times, forces, _ = curve_of(recording, hardest_course)
@@ -141,4 +141,4 @@ def number_one_impact(axes: Axes, recording: Recording, ink: Ink) -> None:
         )
         position = float(times[top]), float(forces[top])
         label = Label(force_text(float(peak), unit), position, look={"color": PEAK_COLOUR})
-        place_labels(axes, [label], ink, lines=True, fontsize="small")
+        place_labels(axes, [label], used_pixels, lines=True, fontsize="small")

@@ -8,8 +8,8 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from chain_impact.pictures.drawing.ink import Ink
 from chain_impact.pictures.drawing.labels import Label, place_labels
+from chain_impact.pictures.drawing.used_pixels import UsedPixels
 
 NUMBER_SIGN = "#"  # the sign before the number of an impact, as in pages and in lists of impacts
 LEAST_RUN = 3  # the least number of successive numbers that are written as a range
@@ -31,17 +31,19 @@ def label_subsets(order: Sequence[int]) -> Iterator[list[int]]:
             yield [*dict.fromkeys([*order[:count], max(order)])]
 
 
-def write_first_fitting(axes: Axes, tries: Iterable[Sequence[Label]], ink: Ink, **options: Any) -> None:
+def write_first_fitting(
+    axes: Axes, tries: Iterable[Sequence[Label]], used_pixels: UsedPixels, **options: Any
+) -> None:
     """Write those labels that have room, of the first list of which most have room; else of the last list.
 
     Most labels are all but the part MOST_MISSES. ``options`` are keywords of ``place_labels``.
     """
-    earlier_texts, free_pixels = {*axes.texts}, ink.pixels()
+    earlier_texts, free_pixels = {*axes.texts}, used_pixels.pixels()
     for labels in tries:
         for text in {*axes.texts} - earlier_texts:
             text.remove()
-        ink.restore(free_pixels)
-        if len(place_labels(axes, labels, ink, **options)) <= MOST_MISSES * len(labels):
+        used_pixels.restore(free_pixels)
+        if len(place_labels(axes, labels, used_pixels, **options)) <= MOST_MISSES * len(labels):
             return
 
 

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 
 from chain_impact.pictures.drawing.row_names import POINTS_IN_INCH
 from chain_impact.studies.sweep.quantities import COUNT, LOADS, Quantity
-from chain_impact.studies.sweep.runs import Runs
+from chain_impact.studies.sweep.runs import SweepRuns
 from chain_impact.variables.peaks import PEAKS
 
 MARK_SIZE, MARK_EDGE = 3.0, 0.9  # [points] the size of a mark, and the width of the edge of a ring
@@ -33,7 +33,7 @@ def is_largest_value(quantity: Quantity) -> bool:
     return quantity.column in (*PEAKS, *LOADS)
 
 
-def joined_pairs(runs: Runs, quantity: Quantity, lines: Sequence[np.ndarray]) -> list[np.ndarray]:
+def joined_pairs(runs: SweepRuns, quantity: Quantity, lines: Sequence[np.ndarray]) -> list[np.ndarray]:
     """Return for each line in a panel whether a segment joins each point with the next one, shape (R - 1,).
 
     Two points are joined if their runs have the same number of impacts; points of a largest value also if the
@@ -52,7 +52,7 @@ def joined_pairs(runs: Runs, quantity: Quantity, lines: Sequence[np.ndarray]) ->
     return joined_lines
 
 
-def known_pairs(runs: Runs, quantity: Quantity, lines: Sequence[np.ndarray]) -> list[np.ndarray]:
+def known_pairs(runs: SweepRuns, quantity: Quantity, lines: Sequence[np.ndarray]) -> list[np.ndarray]:
     """Return for each line of ``joined_pairs`` whether each point and the next one have values."""
     is_known = np.isfinite(quantity.values_or_nan(runs))
     return [is_known[rows[1:]] & is_known[rows[:-1]] for rows in lines]

@@ -35,7 +35,7 @@ from chain_impact.studies.sweep.maps import (
     own_value,
 )
 from chain_impact.studies.sweep.quantities import EQUAL_RESULTS, Quantity, results_of
-from chain_impact.studies.sweep.runs import Runs
+from chain_impact.studies.sweep.runs import SweepRuns
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.text import number_text
 
@@ -58,7 +58,7 @@ MOST_DIGITS = 17  # with so many significant digits, all different numbers have 
 
 def draw_curves(
     panels: Sequence[Axes],
-    runs: Runs,
+    runs: SweepRuns,
     quantities: list[Quantity],
     abscissa: Variation,
     choice: Variation | None = None,
@@ -115,7 +115,7 @@ def draw_curves(
 
 
 def gaps_text(
-    runs: Runs, quantities: Sequence[Quantity], abscissa: Variation, choice: Variation | None = None
+    runs: SweepRuns, quantities: Sequence[Quantity], abscissa: Variation, choice: Variation | None = None
 ) -> str:
     """Return words for where lines of these panels break, and why panels have only marks; "" without gaps.
 
@@ -176,7 +176,7 @@ def looks_of(lines: Iterable[tuple[str, ...]], choice: Variation | None) -> list
 
 
 def lines_of(
-    runs: Runs, abscissa: Variation, choice: Variation | None = None
+    runs: SweepRuns, abscissa: Variation, choice: Variation | None = None
 ) -> dict[tuple[str, ...], np.ndarray]:
     """Return the lines of any panel: names → indices of the line's runs, sorted by the value of ``abscissa``.
 

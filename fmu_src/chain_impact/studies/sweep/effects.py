@@ -16,7 +16,7 @@ from numpy.polynomial.legendre import legvander
 from chain_impact.scene.texts.unit_text import with_unit
 from chain_impact.studies.sweep.maps import is_logarithmic
 from chain_impact.studies.sweep.quantities import LEADING_HYPHEN, Quantity
-from chain_impact.studies.sweep.runs import Runs
+from chain_impact.studies.sweep.runs import SweepRuns
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.text import signed_text
 
@@ -86,7 +86,7 @@ class Effects:
         return f"{min(99.9, math.floor(1000.0 * self.explained) / 10.0):g} %"
 
 
-def effects_on(runs: Runs, quantity: Quantity, variations: Sequence[Variation]) -> Effects | None:
+def effects_on(runs: SweepRuns, quantity: Quantity, variations: Sequence[Variation]) -> Effects | None:
     """Return the effects of ``variations`` on a result; None if it is equal or known in too few runs."""
     values = quantity.values_or_nan(runs)
     is_known = np.isfinite(values)
@@ -112,7 +112,7 @@ def effects_on(runs: Runs, quantity: Quantity, variations: Sequence[Variation]) 
     return Effects(effects, is_factor, degree, explained, float(deviation.std()))
 
 
-def _terms(runs: Runs, variation: Variation, degree: int) -> np.ndarray:
+def _terms(runs: SweepRuns, variation: Variation, degree: int) -> np.ndarray:
     """Return the terms of the fit for a parameter in each run, shape (R, number of terms)."""
     values = runs[variation.name]
     levels, level_indices = np.unique(values, return_inverse=True)

@@ -29,7 +29,7 @@ from chain_impact.studies.sweep.maps import (
     own_value,
 )
 from chain_impact.studies.sweep.quantities import LOADS, Quantity
-from chain_impact.studies.sweep.runs import Runs
+from chain_impact.studies.sweep.runs import SweepRuns
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.text import count_text
 
@@ -51,7 +51,7 @@ MOST_BINS = 60
 ONE_BAR_SPREAD = 1e-9  # [1] all values share one bar if their range is at most this times the largest |value|
 
 
-def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity]) -> None:
+def draw_histograms(panels: Sequence[Axes], runs: SweepRuns, quantities: Sequence[Quantity]) -> None:
     """Draw a histogram of each quantity in its panel: numbers of runs over values, lines at the QUANTILES.
 
     Runs without a finite value are left out, such as runs with impulses in a histogram of peak forces. If no
@@ -94,7 +94,7 @@ def draw_histograms(panels: Sequence[Axes], runs: Runs, quantities: Sequence[Qua
 
 
 def draw_samples(
-    panels: Sequence[Axes], runs: Runs, quantities: Sequence[Quantity], variations: Sequence[Variation]
+    panels: Sequence[Axes], runs: SweepRuns, quantities: Sequence[Quantity], variations: Sequence[Variation]
 ) -> None:
     """Draw each quantity in successive panels: dots over each of ``drawn_parameters``, then a histogram.
 
@@ -132,7 +132,7 @@ def draw_samples(
         legend_at_foot(figure, keys)
 
 
-def drawn_parameters(runs: Runs, variations: Sequence[Variation]) -> list[Variation]:
+def drawn_parameters(runs: SweepRuns, variations: Sequence[Variation]) -> list[Variation]:
     """Return the parameters over which samples are drawn: at most MOST_SCATTERS, the strongest first.
 
     The strength of a parameter is the largest spread of its effects on one of the LOADS, relative to the
@@ -172,7 +172,7 @@ def rank_correlation(first_values: np.ndarray, second_values: np.ndarray) -> flo
     return float(spearmanr(first_values, second_values).statistic)
 
 
-def influence_text(runs: Runs, quantities: Sequence[Quantity], variations: Sequence[Variation]) -> str:
+def influence_text(runs: SweepRuns, quantities: Sequence[Quantity], variations: Sequence[Variation]) -> str:
     """Return words with the number of runs and, for each quantity, on its fit (``effects_on``), if any.
 
     The words have the effects of the parameters without a panel; a quantity that the fit does not describe
@@ -197,7 +197,7 @@ def influence_text(runs: Runs, quantities: Sequence[Quantity], variations: Seque
 
 
 def _scatter(
-    axes: Axes, runs: Runs, quantity: Quantity, variation: Variation, shown_values: np.ndarray
+    axes: Axes, runs: SweepRuns, quantity: Quantity, variation: Variation, shown_values: np.ndarray
 ) -> None:
     """Draw a quantity over a varied parameter, with a dot for each run and a line at ``own_value``.
 

@@ -29,7 +29,7 @@ from chain_impact.studies.sweep.colour_bars import (
 from chain_impact.studies.sweep.contours import Scale, draw_contours, has_jumps
 from chain_impact.studies.sweep.map_marks import HATCHED_STYLE, SCENE_MARK, hatch, mark_scene
 from chain_impact.studies.sweep.quantities import Quantity, printed_number
-from chain_impact.studies.sweep.runs import Runs
+from chain_impact.studies.sweep.runs import SweepRuns
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.text import number_text
 
@@ -51,7 +51,7 @@ NO_VALUE_TEXT, NO_IMPACT = "no run has a finite value", "no impact"
 def draw_maps(
     figure: Figure,
     panels: Sequence[Axes],
-    runs: Runs,
+    runs: SweepRuns,
     quantities: Sequence[Quantity],
     variations: Sequence[Variation],
 ) -> None:
@@ -109,7 +109,7 @@ def draw_maps(
         legend_at_foot(figure, entries)
 
 
-def _tables(runs: Runs, values: np.ndarray, variations: Sequence[Variation]) -> Any:
+def _tables(runs: SweepRuns, values: np.ndarray, variations: Sequence[Variation]) -> Any:
     """Return a value of each run in maps, shape (number of maps, rows, columns), masked if it is not finite.
 
     ``variations`` is as in ``draw_maps``. Rows and columns are in the order of the axes, maps in that of the
@@ -125,7 +125,7 @@ def _tables(runs: Runs, values: np.ndarray, variations: Sequence[Variation]) -> 
     return np.ma.masked_invalid(values.reshape(-1, *values.shape[-2:]))
 
 
-def nearest_map(runs: Runs, third_variation: Variation) -> tuple[int, bool] | None:
+def nearest_map(runs: SweepRuns, third_variation: Variation) -> tuple[int, bool] | None:
     """Return the index of the map nearest to the scene's own value of the third parameter, if any.
 
     The second result tells whether the map has exactly this value. Without such a map the result is None, as
@@ -143,7 +143,7 @@ def nearest_map(runs: Runs, third_variation: Variation) -> tuple[int, bool] | No
 
 
 def _name_maps(
-    panels: Sequence[Axes], runs: Runs, variations: Sequence[Variation]
+    panels: Sequence[Axes], runs: SweepRuns, variations: Sequence[Variation]
 ) -> tuple[int, bool] | None:
     """Write the names of the parameters once around all maps; return the map of the scene, if any.
 
@@ -229,9 +229,9 @@ def _write_values(
     for row, column in np.argwhere(~np.ma.getmaskarray(shown_values)).tolist():
         cell_middle = (scales[0].middles[column], scales[1].middles[row])
         text_offset, va = (-4.0, "top") if [column, row] == marked_cell else (0.0, "center")
-        ink = "black" if colour_fractions[row, column] > LIGHT_COLOUR else "white"
+        used_pixels = "black" if colour_fractions[row, column] > LIGHT_COLOUR else "white"
         text = number_text(shown_values[row, column], digits)
-        look: dict[str, Any] = {"va": va, "ha": "center", "color": ink, "fontsize": "x-small"}
+        look: dict[str, Any] = {"va": va, "ha": "center", "color": used_pixels, "fontsize": "x-small"}
         look["gid"] = COLOURED_GROUND
         axes.annotate(text, cell_middle, (0.0, text_offset), textcoords="offset points", **look)
 
@@ -268,7 +268,7 @@ def is_logarithmic(variation: Variation) -> bool:
     return not variation.choices and (variation.logarithmic or bool(0.0 < low <= high / WIDE_PARAMETER))
 
 
-def own_value(runs: Runs, variation: Variation) -> float | None:
+def own_value(runs: SweepRuns, variation: Variation) -> float | None:
     """Return the scene's own value of a varied number; None if it is out of the varied range or unknown.
 
     The result is also None for a choice.
@@ -278,18 +278,18 @@ def own_value(runs: Runs, variation: Variation) -> float | None:
     return value if is_within else None
 
 
-def number_in_scene(runs: Runs, variation: Variation) -> float | None:
+def number_in_scene(runs: SweepRuns, variation: Variation) -> float | None:
     """Return the scene's own value of a varied number; None for a choice, or if the value is unknown."""
     value = runs.scene.values.get(variation.name)
     return float(value) if isinstance(value, int | float) and not variation.choices else None
 
 
-def label_of(runs: Runs, variation: Variation) -> str:
+def label_of(runs: SweepRuns, variation: Variation) -> str:
     """Return the label of a parameter's axis: the name and the unit."""
     return f"{variation.name}{raise_exponents(bracketed_unit(unit_of(runs, variation)))}"
 
 
-def unit_of(runs: Runs, variation: Variation) -> str:
+def unit_of(runs: SweepRuns, variation: Variation) -> str:
     """Return the unit of a varied parameter, such as N/m^1.5.
 
     If the runs vary an exponent, a unit has the word "exponent" in place of its number: N/m^exponent.

@@ -22,7 +22,7 @@ from chain_impact.studies.sweep.layout import (
 )
 from chain_impact.studies.sweep.maps import NO_IMPACT, unit_of
 from chain_impact.studies.sweep.quantities import Quantity, Results, printed_number
-from chain_impact.studies.sweep.runs import Runs
+from chain_impact.studies.sweep.runs import SweepRuns
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.text import names_text, number_text
 
@@ -38,7 +38,7 @@ LEAST_SHARE, MAIN, HALF = 0.2, 2.0, 0.5
 SMALL_EFFECT, NO_EFFECT = 0.01, 1e-6
 
 
-def headline_parts(runs: Runs, results: Results, mark: str, *, is_small: bool = False) -> list[str]:
+def headline_parts(runs: SweepRuns, results: Results, mark: str, *, is_small: bool = False) -> list[str]:
     """Return the parts of the headline, of which the last are runs without impact, and failed runs.
 
     The first parts are results with their course, and varied parameters that hardly matter (``idle_text``).
@@ -67,7 +67,7 @@ def headline_parts(runs: Runs, results: Results, mark: str, *, is_small: bool = 
     return [f"{runs.scene.name}: {first_part}", *other_parts]
 
 
-def effect_text(runs: Runs, quantity: Quantity) -> str:
+def effect_text(runs: SweepRuns, quantity: Quantity) -> str:
     """Return words for what a result depends on, such as "rises mostly with stiffness"."""
     variations, values = varying_in(runs.design), quantity.values_or_nan(runs)
     is_known = np.isfinite(values)
@@ -97,7 +97,7 @@ def _dependence_text(shares_of_names: dict[str, tuple[float, str]]) -> str:
 
 
 def shares_on(
-    runs: Runs, quantity: Quantity, variations: Sequence[Variation]
+    runs: SweepRuns, quantity: Quantity, variations: Sequence[Variation]
 ) -> dict[str, tuple[float, str]]:
     """Return for each parameter its share in the variance of a result, and "rises", "falls" or "".
 
@@ -117,7 +117,7 @@ def shares_on(
     }
 
 
-def idle_text(runs: Runs, quantity: Quantity) -> str:
+def idle_text(runs: SweepRuns, quantity: Quantity) -> str:
     """Return words for the varied parameters of a grid that hardly matter: "initial.x has no effect".
 
     A parameter hardly matters if its effect is at most SMALL_EFFECT. Of three parameters, the words always
@@ -146,7 +146,7 @@ def idle_text(runs: Runs, quantity: Quantity) -> str:
     return ", ".join(idle_names)
 
 
-def share_of(runs: Runs, variation: Variation, values: np.ndarray) -> tuple[float, str]:
+def share_of(runs: SweepRuns, variation: Variation, values: np.ndarray) -> tuple[float, str]:
     """Return the share of a parameter in the variance of the ranks of a result, and "rises" or "falls".
 
     For samples of a number, the second text is that of the rank correlation. Else it is "" for a choice, and
@@ -169,7 +169,7 @@ def share_of(runs: Runs, variation: Variation, values: np.ndarray) -> tuple[floa
     return share, "" if variation.choices else sense
 
 
-def no_impact_text(runs: Runs, quantity: Quantity) -> str:
+def no_impact_text(runs: SweepRuns, quantity: Quantity) -> str:
     """Return words for the runs in which a quantity is ``is_without_touch``; "" if there are none.
 
     If these runs are all the runs with some values of a number, up to an end, the words tell these values.

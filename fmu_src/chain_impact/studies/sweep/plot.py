@@ -64,7 +64,7 @@ from chain_impact.studies.sweep.quantities import (
     printed_number,
     results_of,
 )
-from chain_impact.studies.sweep.runs import Runs
+from chain_impact.studies.sweep.runs import SweepRuns
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.text import count_text
 
@@ -104,7 +104,7 @@ def check_picture(variations: Sequence[Variation], samples: int | None, runs: in
 
 
 def plot_sweep(
-    runs: Runs,
+    runs: SweepRuns,
     path: str | os.PathLike[str] | None = None,
     size: Size | None = None,
     panels: Sequence[str] = (),
@@ -132,7 +132,7 @@ def plot_sweep(
 
 
 @drawing_style()
-def fill(figure: Figure, runs: Runs, results: Results, texts: Callable[..., tuple[str, str]]) -> None:
+def fill(figure: Figure, runs: SweepRuns, results: Results, texts: Callable[..., tuple[str, str]]) -> None:
     """Draw the headline and, for each of ``results.drawn_quantities``, ``panels_of_each`` panels.
 
     ``texts``: a function that returns the result of ``headline_and_conditions``.
@@ -161,7 +161,7 @@ def fill(figure: Figure, runs: Runs, results: Results, texts: Callable[..., tupl
     place_names(figure)
 
 
-def headline_and_conditions(runs: Runs, results: Results, *, is_small: bool) -> tuple[str, str]:
+def headline_and_conditions(runs: SweepRuns, results: Results, *, is_small: bool) -> tuple[str, str]:
     """Return the headline, which is short if ``is_small``, and the text with the conditions."""
     kind, variations = picture_form(runs.design), varying_in(runs.design)
     parts = [conditions(runs, variations), constant_quantities_text(runs, results)]
@@ -188,7 +188,7 @@ def name_once(figure: Figure) -> None:
             axes.tick_params(which="both", labelbottom=False)
 
 
-def marked_parameters(runs: Runs, variations: list[Variation]) -> list[Variation]:
+def marked_parameters(runs: SweepRuns, variations: list[Variation]) -> list[Variation]:
     """Return the parameters of which the picture can mark the value in the scene, with a mark or a line.
 
     These are, with curves, the parameter of the horizontal axis; with histograms, the parameters over which
@@ -213,7 +213,7 @@ def marked_parameters(runs: Runs, variations: list[Variation]) -> list[Variation
     )
 
 
-def conditions(runs: Runs, variations: list[Variation]) -> str:
+def conditions(runs: SweepRuns, variations: list[Variation]) -> str:
     """Return a text with the range of each varied number, and how many choices each varied choice has.
 
     After a range stands the value in the scene: with (+) or (dashed) if the picture marks the value
@@ -268,7 +268,7 @@ def _panels(figure: Figure, count: int, column_count: int, *, sharey: bool = Fal
     return panels[:count]
 
 
-def _draw_dots(panels: list[Axes], runs: Runs, quantities: list[Quantity], choice: Variation) -> None:
+def _draw_dots(panels: list[Axes], runs: SweepRuns, quantities: list[Quantity], choice: Variation) -> None:
     """Draw each quantity in a panel with a row for each run, and a dot for each value.
 
     A row without a value has a word in place of the dot: "failed", NO_IMPACT if nothing touches, "impulse"

@@ -13,7 +13,7 @@ from chain_impact.scene.errors import SceneError, names_matching
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.texts.unit_text import bracketed_unit, unit_text, with_unit
 from chain_impact.studies.sweep.job import END_COLUMN, Job
-from chain_impact.studies.sweep.runs import Runs
+from chain_impact.studies.sweep.runs import SweepRuns
 from chain_impact.text import names_text, number_text, prefixed_unit, span_text
 from chain_impact.variables.impact_units import unit_at
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
@@ -95,7 +95,7 @@ class Quantity:
         relative_range = float(np.ptp(values) / largest_value)
         return relative_range if EQUAL_RESULTS < relative_range < LEAST_RANGE else 0.0
 
-    def is_without_touch(self, runs: Runs) -> np.ndarray:
+    def is_without_touch(self, runs: SweepRuns) -> np.ndarray:
         """Return whether each run has no value because nothing touches, shape (R,).
 
         The table has 0 for a load, a penetration or a dissipated energy of such a run. For any other
@@ -110,11 +110,11 @@ class Quantity:
         is_energy = self.column == "energy.dissipated"
         return np.asarray(~runs.failed & (runs[self.column] == 0.0) & (runs[COUNT] == 0.0) & is_energy)
 
-    def values_or_nan(self, runs: Runs) -> np.ndarray:
+    def values_or_nan(self, runs: SweepRuns) -> np.ndarray:
         """Return the values as ``values_in`` does, but NaN for runs that are ``is_without_touch``."""
         return np.where(self.is_without_touch(runs), np.nan, self.values_in(runs))
 
-    def values_in(self, runs: Runs) -> np.ndarray:
+    def values_in(self, runs: SweepRuns) -> np.ndarray:
         """Return the values in all runs, shape (R,), in the unit of the picture; NaN if a run failed.
 
         A peak force or moment is also NaN after an impulse of a rigid wall or stop.
@@ -169,7 +169,7 @@ class Results:
         return [quantity for quantity in self.all_quantities if quantity not in self.drawn_quantities]
 
 
-def results_of(runs: Runs, panels: Sequence[str] = ()) -> Results:
+def results_of(runs: SweepRuns, panels: Sequence[str] = ()) -> Results:
     """Return the quantities that the picture of a sweep tells in words or panels, and those in panels.
 
     If ``panels`` names columns, the picture tells and draws these columns. Without ``panels``, the picture
@@ -253,7 +253,7 @@ def outputs_for(job: Job, panels: Sequence[str]) -> list[str]:
     ]
 
 
-def constant_quantities_text(runs: Runs, results: Results) -> str:
+def constant_quantities_text(runs: SweepRuns, results: Results) -> str:
     """Return words for the quantities that are the same in all runs that did not fail; "" without any.
 
     An example is "the same in all runs: impacts 14".
@@ -275,7 +275,7 @@ def _final_quantity(name: str, prepared_scene: PreparedScene) -> Quantity:
     return Quantity(name, name if is_peak else f"{name} at the end", unit_text(unit))
 
 
-def _with_prefixes(runs: Runs, quantities: Sequence[Quantity]) -> list[Quantity]:
+def _with_prefixes(runs: SweepRuns, quantities: Sequence[Quantity]) -> list[Quantity]:
     """Return the quantities with prefixes in their units, such as kN, and the factors for the prefixes.
 
     An additional output whose unit is not in SHARED_UNITS gets no prefix. All other quantities with equal

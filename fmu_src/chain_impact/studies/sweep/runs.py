@@ -17,7 +17,7 @@ from chain_impact.studies.sweep.job import STATUS
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Runs:
+class SweepRuns:
     """The runs of a sweep, a row of results for each; ``Sweep`` (table.py) describes the attributes."""
 
     scene: Scene

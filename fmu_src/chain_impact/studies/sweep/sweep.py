@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.compilation.ready import missing_compilers
+from chain_impact.compilation.prebuilt import missing_compilers
 from chain_impact.progress import Progress, log, no_progress
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.studies.sweep.batches import missing_spans, run_in_threads

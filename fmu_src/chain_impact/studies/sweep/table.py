@@ -20,7 +20,7 @@ from chain_impact.kernel.status import STATUS_NAME
 from chain_impact.scene.errors import SceneError
 from chain_impact.studies.sweep.computation import PARQUET, Columns, write_parquet
 from chain_impact.studies.sweep.job import STATUS
-from chain_impact.studies.sweep.runs import Runs
+from chain_impact.studies.sweep.runs import SweepRuns
 from chain_impact.text import TextTable, as_html, count_text
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ SHOWN_RUNS = 10  # a notebook shows the rows of the first SHOWN_RUNS runs, and t
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Sweep(Runs):
+class Sweep(SweepRuns):
     """The runs of a sweep, a row of results for each.
 
     ``sweep["peak_force"]`` is the column of this name, with one value for each run. The first columns are the

@@ -1,11 +1,11 @@
 """Progress messages on standard error and in a terminal during long computations."""
 
-# Tests: progress.py
+# Tests: progress.py, cli/progress_bar.py
 
 import logging
 import time
 
-from chain_impact.cli import progress
+from chain_impact.cli import printing, progress_bar
 from chain_impact.progress import log, log_once
 from tests.cli.terminal import compiling
 
@@ -24,7 +24,7 @@ def test_a_library_prints_nothing_and_leaves_the_log_to_its_user(capfd):
     log_once("compiling", 12.0)
     assert capfd.readouterr() == ("", "")
     assert log.level == logging.NOTSET
-    with progress.progress():
+    with progress_bar.progress():
         pass
     assert (log.level, len(log.handlers)) == (logging.NOTSET, 1)
 
@@ -51,10 +51,10 @@ def test_quiet_says_nothing_of_compiling_but_still_what_is_wrong(run, monkeypatc
 
 def test_without_a_terminal_long_work_writes_a_line_now_and_then(monkeypatch, terminal):
     now = [0.0]
-    monkeypatch.setattr(progress, "monotonic", lambda: now[0])
-    monkeypatch.setattr(progress.out, "quiet", False)
+    monkeypatch.setattr(progress_bar, "monotonic", lambda: now[0])
+    monkeypatch.setattr(printing.out, "quiet", False)
     text = terminal(False)
-    with progress.progress("sweeping") as advance:
+    with progress_bar.progress("sweeping") as advance:
         for done in range(1, 101):
             now[0] += 0.5
             advance(done / 100)
@@ -73,9 +73,9 @@ def test_a_bar_shows_on_a_terminal_while_something_compiles(run, monkeypatch, te
 
 
 def test_the_bar_returns_to_the_simulation_after_a_second_compilation(monkeypatch, terminal):
-    monkeypatch.setattr(progress, "BAR_DELAY", 0.0)
+    monkeypatch.setattr(progress_bar, "BAR_DELAY", 0.0)
     text = terminal(True)
-    with progress.progress() as advance:
+    with progress_bar.progress() as advance:
         advance(0.1)
         log_once("linking", 3.0)
         advance(0.5)

@@ -1,4 +1,4 @@
-"""The build of a wheel's prebuilt kernels, which compilation/ready.py later finds."""
+"""The build of a wheel's prebuilt kernels, which compilation/prebuilt.py later finds."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any
 
-from chain_impact.compilation import browser, cache, compilers, ready
+from chain_impact.compilation import browser, cache, compilers, prebuilt
 from chain_impact.compilation.sources import fingerprint
 from chain_impact.system import HOST, cores
 
@@ -27,15 +27,15 @@ REQUIREMENTS = [
 def _wanted(platform: str, release: bool) -> dict[str, tuple[str, int | None]]:
     """Return the kernels of a wheel: file name → kind and scenes."""
     return {
-        ready.library_name(scope, platform, library_kind=kind): (kind, scope)
-        for kind in ready.LIBRARY_PARTS
-        for scope in ready.wheel_scopes(kind, release)
+        prebuilt.library_name(scope, platform, library_kind=kind): (kind, scope)
+        for kind in prebuilt.LIBRARY_PARTS
+        for scope in prebuilt.wheel_scopes(kind, release)
     }
 
 
 def all_cached(platform: str = HOST, *, release: bool = False) -> bool:
     """Return whether all files for a platform are in the cache, so that ``make`` needs no compiler."""
-    return all(cache.find(name) for name in (ready.MODULE, browser.MODULE, *_wanted(platform, release)))
+    return all(cache.find(name) for name in (prebuilt.MODULE, browser.MODULE, *_wanted(platform, release)))
 
 
 def make(
@@ -57,14 +57,14 @@ def make(
     """
     wanted = _wanted(platform, release)
     if not all_cached(platform, release=release):
-        ready.require_compilers("a wheel")
+        prebuilt.require_compilers("a wheel")
         _compile(wanted, platform, say)
     folder.mkdir()
-    for name in (ready.MODULE, browser.MODULE, *wanted):
+    for name in (prebuilt.MODULE, browser.MODULE, *wanted):
         found = cache.find(name)
         assert found is not None, name
         shutil.copy(found, folder)
-    (folder / ready.MADE_FROM).write_text(fingerprint())
+    (folder / prebuilt.MADE_FROM).write_text(fingerprint())
 
 
 def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Callable[[str], None]) -> None:
@@ -86,7 +86,7 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
             return [one.result() for one in running]
 
         preparing = pool.submit(compilers.prepare_zig, platform)
-        texts = dict(zip(ready.LIBRARY_PARTS, each(text, ready.LIBRARY_PARTS), strict=True))
+        texts = dict(zip(prebuilt.LIBRARY_PARTS, each(text, prebuilt.LIBRARY_PARTS), strict=True))
         preparing.result()
 
         names = [*wanted, browser.MODULE]
@@ -95,12 +95,12 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
             def link(file: Path) -> None:
                 say(f"linking {name}, {names.index(name) + 1} of {len(names)}")
                 if name == browser.MODULE:
-                    browser.link(ready.browser_object_file(lambda: texts[compilers.KERNEL]), file)
+                    browser.link(prebuilt.browser_object_file(lambda: texts[compilers.KERNEL]), file)
                     return
                 kind, scope = wanted[name]
                 parts = [
-                    ready.object_file(scope, platform, what, functools.partial(texts.__getitem__, what))
-                    for what in ready.LIBRARY_PARTS[kind]
+                    prebuilt.object_file(scope, platform, what, functools.partial(texts.__getitem__, what))
+                    for what in prebuilt.LIBRARY_PARTS[kind]
                 ]
                 compilers.link(parts, file, platform)
 
@@ -110,5 +110,5 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
             # a stronger compression takes ten times as long for half of the size
             file.write_bytes(lzma.compress(texts[compilers.KERNEL].encode(), preset=1))
 
-        cache.get_or_make(ready.MODULE, pack)
+        cache.get_or_make(prebuilt.MODULE, pack)
         each(library, names)

@@ -1,8 +1,8 @@
-"""The ready kernels in a wheel, with which most users need no compiler.
+"""The prebuilt kernels in a wheel, with which most users need no compiler.
 
-packaging/ready_kernels.py, at the top of the repository, makes the ready kernels when a wheel is built. A
-wheel for release also has kernels that are each for one number of links. An editable installation has no
-ready kernels: a kernel is compiled at its first use, and stored in the cache.
+packaging/prebuilt_kernels.py, at the top of the repository, makes the prebuilt kernels when a wheel is built.
+A wheel for release also has kernels that are each for one number of links. An editable installation has no
+prebuilt kernels: a kernel is compiled at its first use, and stored in the cache.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from chain_impact.compilation.sources import COMPILERS, PACKAGE, fingerprint
 from chain_impact.extras import how_to_install
 from chain_impact.system import PLATFORMS
 
-FOLDER = PACKAGE / "ready"
+FOLDER = PACKAGE / "prebuilt"
 MODULE = f"{KERNEL}.ll.xz"  # the file in each wheel with the lowered kernel, compressed
-# the file with the fingerprint of the sources from which the ready kernels were made; they are used only if
-# the present sources have the same fingerprint
+# the file with the fingerprint of the sources from which the prebuilt kernels were made; they are used only
+# if the present sources have the same fingerprint
 MADE_FROM = "sources.txt"
 RELEASE = "CHAIN_IMPACT_RELEASE"
 """The environment variable that is "1" while a wheel for release is built."""
@@ -97,14 +97,14 @@ def library_name(scope: KernelScope, platform: str, law: str = "", library_kind:
 
 
 def find(name: str) -> Path | None:
-    """Return the path of the ready file ``name``; None if there is none from the present sources."""
+    """Return the path of the prebuilt file ``name``; None if there is none from the present sources."""
     return FOLDER / name if _is_usable() and (FOLDER / name).is_file() else None
 
 
 def best_kernel(scope: KernelScope, platform: str, library_kind: str) -> Path | None:
-    """Return the path of a ready kernel of a ``library_kind`` that can run the scenes ``scope``, or None.
+    """Return the path of a prebuilt kernel of a ``library_kind`` that can run the scenes ``scope``, or None.
 
-    For a number of links, this is the kernel for any number if there is no ready kernel for this number.
+    For a number of links, this is the kernel for any number if there is no prebuilt kernel for this number.
     """
     scopes = (scope,) if scope == GENERAL or isinstance(scope, tuple) else (scope, None)
     return next(
@@ -118,8 +118,8 @@ def lowered_kernel() -> str | None:
     return lzma.decompress(packed.read_bytes()).decode() if packed else None
 
 
-def ready_kernels() -> list[Path]:
-    """Return the sorted paths of all ready kernels; none if they were made from other sources."""
+def prebuilt_kernels() -> list[Path]:
+    """Return the sorted paths of all prebuilt kernels; none if they were made from other sources."""
     return sorted(FOLDER.glob("*-*")) if _is_usable() else []
 
 

@@ -10,10 +10,10 @@ import time
 import tomllib
 from pathlib import Path
 
+import prebuilt_kernels
 import pytest
-import ready_kernels
 
-from chain_impact.compilation import browser, compilers, ready
+from chain_impact.compilation import browser, compilers, prebuilt
 from chain_impact.compilation.library import kernel_library
 from chain_impact.compilation.sources import COMPILERS, fingerprint
 from chain_impact.system import HOST, PLATFORMS
@@ -62,39 +62,42 @@ def made(tmp_path, monkeypatch, said):
     """Return a folder of prebuilt libraries, as in a wheel."""
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
     replace_compilers(monkeypatch)
-    assert not ready_kernels.all_cached()
-    ready_kernels.make(tmp_path / "ready", say=said.append)
-    monkeypatch.setattr(ready, "FOLDER", tmp_path / "ready")
-    ready._is_usable.cache_clear()
-    yield tmp_path / "ready"
-    ready._is_usable.cache_clear()
+    assert not prebuilt_kernels.all_cached()
+    prebuilt_kernels.make(tmp_path / "prebuilt", say=said.append)
+    monkeypatch.setattr(prebuilt, "FOLDER", tmp_path / "prebuilt")
+    prebuilt._is_usable.cache_clear()
+    yield tmp_path / "prebuilt"
+    prebuilt._is_usable.cache_clear()
 
 
 @needs_compilers
 def test_a_second_wheel_of_the_same_sources_takes_no_compiler(made, tmp_path, monkeypatch):
     monkeypatch.setattr(compilers, "lower", None)
     monkeypatch.setattr(compilers, "link", None)
-    assert ready_kernels.all_cached()
-    ready_kernels.make(tmp_path / "again")
+    assert prebuilt_kernels.all_cached()
+    prebuilt_kernels.make(tmp_path / "again")
     first, second = (sorted(path.name for path in folder.iterdir()) for folder in (made, tmp_path / "again"))
     assert first == second
 
 
 @needs_compilers
 def test_there_is_a_kernel_for_every_chain_which_takes_no_compiler(made, monkeypatch):
-    monkeypatch.setattr(ready, "find_spec", lambda _: None)
-    found = ready.find(ready.library_name(None, "linux64", library_kind=ready.DERIVATIVES))
+    monkeypatch.setattr(prebuilt, "find_spec", lambda _: None)
+    found = prebuilt.find(prebuilt.library_name(None, "linux64", library_kind=prebuilt.DERIVATIVES))
     assert found.read_text() == "kernel for None and derivatives for None"
     assert kernel_library(4, derivatives=True) == found
-    assert ready.find(ready.library_name(ready.exact_scope(64), "linux64")).read_text() == "kernel for None"
-    assert ready.find(ready.library_name(3, "linux64")) is None
-    assert kernel_library(4) == kernel_library(64) == ready.find(ready.library_name(None, "linux64"))
-    assert ready.find(ready.library_name(None, "win64")) is None
-    assert ready.find(browser.MODULE).read_text() == "kernel for a browser"
+    assert (
+        prebuilt.find(prebuilt.library_name(prebuilt.exact_scope(64), "linux64")).read_text()
+        == "kernel for None"
+    )
+    assert prebuilt.find(prebuilt.library_name(3, "linux64")) is None
+    assert kernel_library(4) == kernel_library(64) == prebuilt.find(prebuilt.library_name(None, "linux64"))
+    assert prebuilt.find(prebuilt.library_name(None, "win64")) is None
+    assert prebuilt.find(browser.MODULE).read_text() == "kernel for a browser"
     # with and without derivatives, static and moving walls, and a browser module
-    assert len(ready.ready_kernels()) == 5
-    assert ready.lowered_kernel() == "kernel"
-    assert lzma.decompress((made / ready.MODULE).read_bytes()) == b"kernel"
+    assert len(prebuilt.prebuilt_kernels()) == 5
+    assert prebuilt.lowered_kernel() == "kernel"
+    assert lzma.decompress((made / prebuilt.MODULE).read_bytes()) == b"kernel"
     assert not [path for path in made.iterdir() if path.is_dir()]
 
 
@@ -102,7 +105,7 @@ def test_there_is_a_kernel_for_every_chain_which_takes_no_compiler(made, monkeyp
 def test_the_making_of_kernels_says_what_it_does(made, said):
     """pip shows these lines: none comes long after the previous line."""
     assert sorted(said[:2]) == [
-        f"compiling {what}, for any number of links" for what in sorted(ready.LIBRARY_PARTS)
+        f"compiling {what}, for any number of links" for what in sorted(prebuilt.LIBRARY_PARTS)
     ]
     assert "linking derivatives-any-linux64.so, 3 of 5" in said
     assert len(said) == 7
@@ -112,7 +115,7 @@ def test_the_making_of_kernels_says_what_it_does(made, said):
 def test_a_long_step_says_that_work_goes_on(tmp_path, monkeypatch):
     said = []
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(ready_kernels, "PATIENCE", 0.01)
+    monkeypatch.setattr(prebuilt_kernels, "PATIENCE", 0.01)
     replace_compilers(monkeypatch)
 
     def slow(module, what):
@@ -121,7 +124,7 @@ def test_a_long_step_says_that_work_goes_on(tmp_path, monkeypatch):
         lower(module, what)
 
     monkeypatch.setattr(compilers, "lower", slow)
-    ready_kernels.make(tmp_path / "ready", say=said.append)
+    prebuilt_kernels.make(tmp_path / "prebuilt", say=said.append)
     assert "still at work" in said
 
 
@@ -129,16 +132,16 @@ def test_a_long_step_says_that_work_goes_on(tmp_path, monkeypatch):
 def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(made, tmp_path, monkeypatch):
     """Kernels in the cache are not compiled again."""
     said = []
-    assert not ready_kernels.all_cached(release=True)
-    ready_kernels.make(tmp_path / "release", release=True, say=said.append)
-    assert ready_kernels.all_cached(release=True)
+    assert not prebuilt_kernels.all_cached(release=True)
+    prebuilt_kernels.make(tmp_path / "release", release=True, say=said.append)
+    assert prebuilt_kernels.all_cached(release=True)
     assert not [line for line in said if "kernel-any-" in line]
-    monkeypatch.setattr(ready, "FOLDER", tmp_path / "release")
-    ready._is_usable.cache_clear()
+    monkeypatch.setattr(prebuilt, "FOLDER", tmp_path / "release")
+    prebuilt._is_usable.cache_clear()
     # two with derivatives, and a browser module
-    assert len(ready.ready_kernels()) == len(ready.WHEEL_SCOPES) + 3
+    assert len(prebuilt.prebuilt_kernels()) == len(prebuilt.WHEEL_SCOPES) + 3
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "nothing"))
-    for links in range(1, ready.LARGEST_EXACT + 1):
+    for links in range(1, prebuilt.LARGEST_EXACT + 1):
         assert kernel_library(links).read_text() == f"kernel for {links}"
     for links in (4, 64):
         found = kernel_library(links, derivatives=True).read_text()
@@ -148,14 +151,14 @@ def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(made, t
 @needs_compilers
 def test_kernels_of_other_sources_are_not_used(made):
     """A user may have changed the kernel's sources in the installed package."""
-    (made / ready.MADE_FROM).write_text("of before")
-    ready._is_usable.cache_clear()
-    assert ready.find(ready.library_name(None, "linux64")) is None
-    assert ready.lowered_kernel() is None
-    assert ready.ready_kernels() == []
-    (made / ready.MADE_FROM).write_text(fingerprint())
-    ready._is_usable.cache_clear()
-    assert len(ready.ready_kernels()) > 1
+    (made / prebuilt.MADE_FROM).write_text("of before")
+    prebuilt._is_usable.cache_clear()
+    assert prebuilt.find(prebuilt.library_name(None, "linux64")) is None
+    assert prebuilt.lowered_kernel() is None
+    assert prebuilt.prebuilt_kernels() == []
+    (made / prebuilt.MADE_FROM).write_text(fingerprint())
+    prebuilt._is_usable.cache_clear()
+    assert len(prebuilt.prebuilt_kernels()) > 1
 
 
 def test_compilers_and_python_of_a_wheel_are_those_of_the_project():
@@ -164,7 +167,7 @@ def test_compilers_and_python_of_a_wheel_are_those_of_the_project():
     assert f">={done.stdout.strip()}" == project["requires-python"]
     compilers = project["optional-dependencies"]["compiler"]
     assert sorted(compilers) == sorted(f"{name}=={version}" for name, version in COMPILERS.items())
-    assert [*compilers, "numpy>=2.0,<3"] == ready_kernels.REQUIREMENTS
+    assert [*compilers, "numpy>=2.0,<3"] == prebuilt_kernels.REQUIREMENTS
 
 
 def backend(program, **settings):
@@ -184,8 +187,8 @@ def test_the_build_backend_asks_for_compilers_only_where_they_are_needed(tmp_pat
         ast.literal_eval(backend(program.format(kind), CHAIN_IMPACT_CACHE=str(tmp_path)).stdout)
         for kind in ("wheel", "editable")
     )
-    assert set(ready_kernels.REQUIREMENTS) <= set(wheel)
-    assert not set(ready_kernels.REQUIREMENTS) & set(editable)
+    assert set(prebuilt_kernels.REQUIREMENTS) <= set(wheel)
+    assert not set(prebuilt_kernels.REQUIREMENTS) & set(editable)
 
 
 @needs_compilers
@@ -194,7 +197,7 @@ def test_a_release_wheel_needs_compilers_if_only_first_kernels_are_cached(made, 
     for release in "01":
         done = backend(program, CHAIN_IMPACT_RELEASE=release)  # the library is in the cache of ``made``
         asked = set(ast.literal_eval(done.stdout))
-        assert bool(set(ready_kernels.REQUIREMENTS) & asked) == (release == "1")
+        assert bool(set(prebuilt_kernels.REQUIREMENTS) & asked) == (release == "1")
 
 
 def test_a_wheel_is_for_this_machine_unless_another_platform_is_named():

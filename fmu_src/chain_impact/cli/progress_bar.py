@@ -1,35 +1,20 @@
-"""Prints the texts of the command line and, during long work, the log of the package and the progress."""
+"""Shows the progress of long work on standard error, and the messages that the package logs meanwhile."""
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
 from time import monotonic
 
-from rich.console import Console
-
+from chain_impact.cli import printing
+from chain_impact.cli.printing import complain
 from chain_impact.progress import Progress, log, no_progress
 
 BAR_DELAY = 1.0  # [s] time after the start of work at which the progress bar of the whole work appears
 # [s] the least time between two lines with the finished fraction, which stand in place of the progress bar
 # where standard error is no terminal
 LINE_INTERVAL = 10.0
-plain_console = partial(Console, highlight=False, markup=False, emoji=False)
-"""Make a console of rich that prints each text unchanged, also with [brackets] and :names:."""
-out, err = plain_console(), plain_console(stderr=True)
-"""The consoles of standard output and of standard error."""
-
-
-def say(text: str) -> None:
-    """Print a text on standard output, unchanged."""
-    out.print(text, soft_wrap=True)
-
-
-def complain(text: object) -> None:
-    """Print "chain-impact: " and an error, a warning or a message on standard error."""
-    err.print(f"chain-impact: {text}", soft_wrap=True)
 
 
 @contextmanager
@@ -41,9 +26,9 @@ def progress(work: str = "simulating") -> Iterator[Progress]:
     INFO or above and, at most once in LINE_INTERVAL seconds, the finished fraction. With ``--quiet`` it shows
     nothing. ``work`` are the words for the work.
     """
-    if out.quiet:
+    if printing.out.quiet:
         yield no_progress
-    elif err.is_terminal:
+    elif printing.err.is_terminal:
         with _bar(work) as advance:
             yield advance
     else:
@@ -99,7 +84,9 @@ def _bar(work: str) -> Iterator[Progress]:
 
     text_column = rich_progress.TextColumn("{task.description}", markup=False)
     columns = text_column, rich_progress.BarColumn(pulse_style="cyan")
-    bar = rich_progress.Progress(*columns, rich_progress.TimeElapsedColumn(), console=err, transient=True)
+    bar = rich_progress.Progress(
+        *columns, rich_progress.TimeElapsedColumn(), console=printing.err, transient=True
+    )
     start_time, shown_fraction = monotonic(), 0.0
 
     def begin(sentence: str, total: float | None) -> None:

@@ -23,7 +23,7 @@ CROSSING_DISTANCE = 2
 LABEL_SPACE = 5.0
 
 
-class Ink:
+class UsedPixels:
     """The pixels of a figure that are drawn, and those that labels and leaders have taken.
 
     Pixels in the colour of the figure's or the axes' ground, of the area beyond walls, or of the shade over a
@@ -184,6 +184,6 @@ def cumulative_counts(pixels: np.ndarray) -> np.ndarray:
 
 
 def _pixel(colour: Any) -> int:
-    """Return a colour as the number that an opaque pixel with this colour has in ``Ink``."""
+    """Return a colour as the number that an opaque pixel with this colour has in ``UsedPixels``."""
     parts = [round(255.0 * part) for part in to_rgba(colour, 1.0)]
     return int(np.array(parts, np.uint8).view(np.uint32)[0])
