@@ -29,7 +29,7 @@ from chain_impact.pictures.first_order import (
     with_small_steps,
 )
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts, is_shifted, short_contacts
-from chain_impact.pictures.sensitivities import LARGEST_EFFECTS, fill_sensitivities, looks_of
+from chain_impact.pictures.sensitivities import LARGEST_EFFECTS, draw_sensitivities, looks_of
 from chain_impact.pictures.sensitivity_table import (
     ADDED_HEADING,
     CELL_HEIGHT,
@@ -62,7 +62,7 @@ def page(swing):
 
 def sensitivity_page(recording, *outputs):
     page = Figure(figsize=(10.0, 5.4), layout="constrained")
-    fill_sensitivities(page, recording, outputs)
+    draw_sensitivities(page, recording, outputs)
     return page
 
 

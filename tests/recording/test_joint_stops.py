@@ -14,7 +14,7 @@ from chain_impact.cli.screen import plain_lines, summary
 from chain_impact.pictures.drawing.figures import FIGURE_SIZE
 from chain_impact.pictures.motion.impact_rings import rings, rows_by_speed
 from chain_impact.pictures.over_time.impacts import draw_impacts, stop_scale
-from chain_impact.pictures.overview import fill
+from chain_impact.pictures.overview import draw_overview
 from chain_impact.recording.csv_file import read_csv
 from chain_impact.recording.impacts import IMPACT_DTYPE
 from chain_impact.recording.interactions import JOINT_STOP
@@ -141,7 +141,7 @@ def test_touches_have_the_moments_of_stops(up, stop):
 
 def test_impacts_at_stops_have_marks_and_their_own_axis():
     page, recording = Figure(figsize=FIGURE_SIZE, layout="constrained"), swung()
-    fill(page, recording)
+    draw_overview(page, recording)
     names = {name for axes in page.axes for name in axes.get_legend_handles_labels()[1]}
     assert {"stops", "impacts", "joint 2", "point 2"} <= names
     found = rings(page.axes[0], recording).values()

@@ -64,18 +64,18 @@ class Canvas:
         """Return whether there is a file or a window to draw in."""
         return bool(self.path or self.window)
 
-    def draw(self, plot: Callable[..., object], fill: Callable[[Figure], object]) -> None:
-        """Draw into the file by ``plot(path, size=size)``, and into the window by ``fill(window)``.
+    def draw(self, plot: Callable[..., object], draw_contents: Callable[[Figure], object]) -> None:
+        """Draw into the file by ``plot(path, size=size)``, and into the window by ``draw_contents(window)``.
 
-        Without a file, ``plot`` is not called; without a window, ``fill`` is not. ``path``, ``size`` and
-        ``window`` are the attributes.
+        Without a file, ``plot`` is not called; without a window, ``draw_contents`` is not. ``path``, ``size``
+        and ``window`` are the attributes.
         """
         write_picture(self.path, self.size, plot)
         if self.window:
             # imported here, because the import takes a second
             from chain_impact.pictures.drawing.style import adapt_to_dark_style
 
-            fill(self.window)
+            draw_contents(self.window)
             adapt_to_dark_style(self.window)
 
 
@@ -288,7 +288,7 @@ def simulate_and_tell(
         recording.save_impacts(impacts)
         say(f"impacts  {impacts}")
     if ranking:
-        canvas.draw(ranking.plot, ranking.fill)
+        canvas.draw(ranking.plot, ranking.draw)
     elif choice.curves:
         draw_curves(canvas, recording, curves_in(recording, source, choice))
     elif canvas:
@@ -305,11 +305,11 @@ def simulate_and_tell(
 
 def draw(canvas: Canvas, recording: Recording, *, has_derivatives: bool) -> None:
     """Draw the derivatives of a recording or, if ``has_derivatives`` is false, motion, energies, impacts."""
-    from chain_impact.pictures import FIGURE_SIZE, draw_figure, fill, fill_sensitivities, usual_size
+    from chain_impact.pictures import FIGURE_SIZE, draw_figure, draw_overview, draw_sensitivities, usual_size
 
-    fill_page = partial(fill_sensitivities if has_derivatives else fill, recording=recording)
+    draw_contents = partial(draw_sensitivities if has_derivatives else draw_overview, recording=recording)
     usual_figure_size = FIGURE_SIZE if has_derivatives else usual_size(recording, size=canvas.size)
-    canvas.draw(partial(draw_figure, fill_page, usual_size=usual_figure_size), fill_page)
+    canvas.draw(partial(draw_figure, draw_contents, usual_size=usual_figure_size), draw_contents)
 
 
 def curves_in(recording: Recording, source: Source, choice: PictureChoice) -> Curves:
@@ -332,11 +332,11 @@ def draw_curves(canvas: Canvas, recording: Recording, curves: Curves) -> None:
 
     Too many units, too many outputs of a unit, or too little room raise a UsageError.
     """
-    from chain_impact.pictures import curves_size, draw_figure, fill_curves, narrow_peak
+    from chain_impact.pictures import curves_size, draw_curve_figure, draw_figure, narrow_peak
 
-    fill_page = partial(fill_curves, recording=recording, curves=curves)
+    draw_contents = partial(draw_curve_figure, recording=recording, curves=curves)
     try:
-        canvas.draw(partial(draw_figure, fill_page, usual_size=curves_size(curves)), fill_page)
+        canvas.draw(partial(draw_figure, draw_contents, usual_size=curves_size(curves)), draw_contents)
     except ValueError as error:
         raise UsageError(str(error)) from None
     if number := narrow_peak(recording, curves):

@@ -35,7 +35,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import determined_quantities, exclusive_inputs
 from chain_impact.scene.texts.names import OWNER_AT, DataPath
 from chain_impact.variables.indices import layout_of, word_index
-from chain_impact.variables.kind import GIVEN_CHANNEL, LETTERS, Block, VariableKind, fill_path
+from chain_impact.variables.kind import GIVEN_CHANNEL, LETTERS, Block, VariableKind, owner_path
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import COUNT_RULES, OWNER_KINDS, RECORD_NUMBERS, Owner
@@ -318,7 +318,7 @@ def word_terms(path: DataPath) -> list[int]:
     """
 
     def word(record: np.dtype, index: int) -> int:
-        return word_index(record, fill_path(path, {"at": index}))
+        return word_index(record, owner_path(path, {"at": index}))
 
     record = layout_of(*SAMPLES[0])
     return [*_affine(lambda record: word(record, 0)), word(record, 1) - word(record, 0)]

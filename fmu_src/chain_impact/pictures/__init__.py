@@ -1,14 +1,14 @@
-"""Pictures of a recording: functions that fill figures, and ``draw_figure``, which makes the figure."""
+"""Pictures of a recording: functions that draw on figures, and ``draw_figure``, which makes the figure."""
 
-from chain_impact.pictures.bars import Bars, axis_ends, bars_size, fill_bars
-from chain_impact.pictures.curves import curves_size, fill_curve_axes, fill_curves, narrow_peak
+from chain_impact.pictures.bars import Bars, axis_ends, bars_size, draw_bar_figure
+from chain_impact.pictures.curves import curves_size, draw_curve_figure, draw_curve_panels, narrow_peak
 from chain_impact.pictures.drawing.figures import FIGURE_SIZE, NoRoomError, check_alone, draw_figure
 from chain_impact.pictures.drawing.sizes import MM
-from chain_impact.pictures.impact import IMPACT_SIZE, fill_impact, fill_loop_axes
+from chain_impact.pictures.impact import IMPACT_SIZE, draw_impact, draw_loop_panel
 from chain_impact.pictures.motion.poses import draw_chain
 from chain_impact.pictures.motion.walls import draw_walls
-from chain_impact.pictures.overview import fill, fill_axes, usual_size
-from chain_impact.pictures.sensitivities import fill_sensitivities
+from chain_impact.pictures.overview import draw_overview, draw_panels, usual_size
+from chain_impact.pictures.sensitivities import draw_sensitivities
 
 __all__ = [
     "FIGURE_SIZE",
@@ -20,17 +20,17 @@ __all__ = [
     "bars_size",
     "check_alone",
     "curves_size",
+    "draw_bar_figure",
     "draw_chain",
+    "draw_curve_figure",
+    "draw_curve_panels",
     "draw_figure",
+    "draw_impact",
+    "draw_loop_panel",
+    "draw_overview",
+    "draw_panels",
+    "draw_sensitivities",
     "draw_walls",
-    "fill",
-    "fill_axes",
-    "fill_bars",
-    "fill_curve_axes",
-    "fill_curves",
-    "fill_impact",
-    "fill_loop_axes",
-    "fill_sensitivities",
     "narrow_peak",
     "usual_size",
 ]

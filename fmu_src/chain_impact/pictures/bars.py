@@ -143,7 +143,7 @@ def bars_size(counts: Sequence[int]) -> tuple[float, float]:
 
 
 @drawing_style()
-def fill_bars(
+def draw_bar_figure(
     figure: Figure, *, title: str, conditions: str, blocks: Sequence[Bars], warning: str = ""
 ) -> None:
     """Draw blocks of bars, one below the other, on an empty figure.

@@ -116,7 +116,7 @@ def check_curves(curves: Curves) -> None:
 
 
 @drawing_style()
-def fill_curves(figure: Figure, recording: Recording, curves: Curves, title: str | None = "") -> None:
+def draw_curve_figure(figure: Figure, recording: Recording, curves: Curves, title: str | None = "") -> None:
     """Draw the curves on an empty figure.
 
     If the title is "", the headline names the impact around which the curves are drawn
@@ -206,7 +206,7 @@ def shown_impact_text(recording: Recording, curves: Curves) -> str:
     return f"{hit_text(recording, impact)}, impact {curves.number} of {count}"
 
 
-def fill_curve_axes(panel_axes: Sequence[Axes], recording: Recording, curves: Curves) -> None:
+def draw_curve_panels(panel_axes: Sequence[Axes], recording: Recording, curves: Curves) -> None:
     """Draw the curves into axes that a user gives: those of each unit into one of the axes, in order.
 
     Raises:

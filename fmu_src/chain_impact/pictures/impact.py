@@ -44,7 +44,7 @@ LOOP = 1.6
 
 
 @drawing_style()
-def fill_impact(figure: Figure, recording: Recording, number: int, course: ImpactCourse) -> None:
+def draw_impact(figure: Figure, recording: Recording, number: int, course: ImpactCourse) -> None:
     """Draw impact ``number``, from 1, on an empty figure.
 
     Force, penetration and speed are drawn over time, with the largest force and the largest penetration as
@@ -134,7 +134,7 @@ def draw_loop(axes: Axes, impact: np.void, course: ImpactCourse, *, at_stop: boo
         write_impulse_note(axes)
 
 
-def fill_loop_axes(axes: Axes, impact: np.void, course: ImpactCourse, *, at_stop: bool) -> None:
+def draw_loop_panel(axes: Axes, impact: np.void, course: ImpactCourse, *, at_stop: bool) -> None:
     """Draw force over penetration into axes that a user gives; arguments as for ``draw_loop``."""
     with draw_into([axes]):
         draw_loop(axes, impact, course, at_stop=at_stop)

@@ -50,7 +50,9 @@ NUMBER_BAND, NARROW_NUMBER_BAND, MOST_BAND = 30.0, 36.0, 0.35
 
 
 @drawing_style()
-def fill(figure: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = "") -> None:
+def draw_overview(
+    figure: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = ""
+) -> None:
     """Draw the panels named ``panels`` on an empty figure; without names, those of ``panels_to_draw``.
 
     A motion in the plane is to the left of the panels over time or, if there is no room for that
@@ -149,7 +151,7 @@ def _settle_motion(
     settle(figure, scaled_axes)
 
 
-def fill_axes(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
+def draw_panels(axes: Any, recording: Recording, panels: Sequence[str]) -> None:
     """Draw some panels into axes that a user gives, one for each panel; see ``panels_to_draw``.
 
     Raises:

@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, fill_band
+from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, draw_band
 from chain_impact.pictures.drawing.figures import settle
 from chain_impact.pictures.drawing.headings import HEIGHT_COUNTS, name_above
 from chain_impact.pictures.drawing.legends import legend_at_head
@@ -68,7 +68,7 @@ Looks = list[dict[str, Any]]
 
 
 @drawing_style()
-def fill_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[str] = ()) -> None:
+def draw_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[str] = ()) -> None:
     """Draw the changes of outputs and impacts by each parameter on an empty figure.
 
     ``outputs`` are names as in ``Sensitivities.drawn``.
@@ -245,7 +245,7 @@ def draw_changes(
     changes *= scale
     grey = [k for k, look in enumerate(looks) if look["color"] == GREY and has_curves(look)]
     if len(grey) > MOST_GREY:
-        fill_band(axes, recording.time, changes[:, grey].T, looks[grey[-1]]["label"])
+        draw_band(axes, recording.time, changes[:, grey].T, looks[grey[-1]]["label"])
     for k, (values, look) in enumerate(zip(changes.T, looks, strict=True)):
         if has_curves(look) and (len(grey) <= MOST_GREY or k not in grey):
             axes.plot(recording.time, values, **look)

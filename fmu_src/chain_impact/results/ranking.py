@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from chain_impact.deprecated import OlderName
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import (
     EXPONENT_NOTE,
@@ -82,6 +83,7 @@ class Ranking(PrintedResult):
     limits: tuple[str, ...]
     left_out: tuple[str, ...] = ()
     value_in: Callable[[Recording], float] = field(compare=False, kw_only=True)
+    fill = OlderName("draw")
 
     def _lines_and_tables(self, *, in_notebook: bool) -> Iterator[str | TextTable]:  # noqa: ARG002
         """Return tables of the effects, and remarks."""
@@ -186,9 +188,9 @@ class Ranking(PrintedResult):
         from chain_impact import pictures
 
         usual_figure_size = pictures.bars_size([len(effects) for effects in self._blocks()])
-        return pictures.draw_figure(self.fill, path, size, usual_figure_size)
+        return pictures.draw_figure(self.draw, path, size, usual_figure_size)
 
-    def fill(self, figure: Figure) -> None:
+    def draw(self, figure: Figure) -> None:
         """Draw the bars on an empty figure.
 
         If the runs differ from all effects of the picture, the bars are the changes in these runs, because no
@@ -220,7 +222,7 @@ class Ranking(PrintedResult):
             f"of {len(self.unknown)} it is not known" if self.unknown else "",
             *(f"{name} {EXPONENT_NOTE}" for name in self.left_out),
         ]
-        pictures.fill_bars(
+        pictures.draw_bar_figure(
             figure,
             title=f"{self.source}: {self._winner(drawn_effects)}",
             warning=warning,

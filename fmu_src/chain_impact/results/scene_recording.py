@@ -119,10 +119,12 @@ class SceneRecording(Recording):
                 self.name, "energy.kinetic", self.columns, "not an output of this result", self.output_hint
             )
         if ax is None:
-            fill = partial(pictures.fill, recording=self, panels=shown_panels, title=title)
-            return pictures.draw_figure(fill, path, size, pictures.usual_size(self, shown_panels, size))
+            draw_contents = partial(pictures.draw_overview, recording=self, panels=shown_panels, title=title)
+            return pictures.draw_figure(
+                draw_contents, path, size, pictures.usual_size(self, shown_panels, size)
+            )
         pictures.check_alone(path, size)
-        pictures.fill_axes(ax, self, shown_panels or ["motion"])
+        pictures.draw_panels(ax, self, shown_panels or ["motion"])
         return ax
 
     def _plot_curves(
@@ -137,10 +139,10 @@ class SceneRecording(Recording):
         from chain_impact import pictures
 
         if ax is None:
-            fill = partial(pictures.fill_curves, recording=self, curves=curves, title=title)
-            return pictures.draw_figure(fill, path, size, pictures.curves_size(curves))
+            draw_contents = partial(pictures.draw_curve_figure, recording=self, curves=curves, title=title)
+            return pictures.draw_figure(draw_contents, path, size, pictures.curves_size(curves))
         pictures.check_alone(path, size)
-        pictures.fill_curve_axes(np.ravel(ax).tolist(), self, curves)
+        pictures.draw_curve_panels(np.ravel(ax).tolist(), self, curves)
         return ax
 
     def curves(self, names: Sequence[str], around: int | None = None) -> Curves:
@@ -194,10 +196,10 @@ class SceneRecording(Recording):
         course = self.course_of_impact(number)
         impact = self.impacts[number - 1]
         if ax is None:
-            fill = partial(pictures.fill_impact, recording=self, number=number, course=course)
-            return pictures.draw_figure(fill, path, size, pictures.IMPACT_SIZE)
+            draw_contents = partial(pictures.draw_impact, recording=self, number=number, course=course)
+            return pictures.draw_figure(draw_contents, path, size, pictures.IMPACT_SIZE)
         pictures.check_alone(path, size)
-        pictures.fill_loop_axes(ax, impact, course, at_stop=self.is_joint_stop(impact["wall"]))
+        pictures.draw_loop_panel(ax, impact, course, at_stop=self.is_joint_stop(impact["wall"]))
         return ax
 
     def course_of_impact(self, number: int) -> ImpactCourse:
@@ -306,7 +308,7 @@ class SceneRecording(Recording):
 
         names = self._derivatives.drawn(outputs)
         return pictures.draw_figure(
-            partial(pictures.fill_sensitivities, recording=self, outputs=names), path, size
+            partial(pictures.draw_sensitivities, recording=self, outputs=names), path, size
         )
 
     def animate(self, path: str | os.PathLike[str] | None = None, **options: Any) -> InlinePage | None:

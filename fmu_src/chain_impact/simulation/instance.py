@@ -145,7 +145,7 @@ class Instance:
             end_row = last if ends is None else ends[np.searchsorted(ends, finished_rows, side="right")]
             end = min(finished_rows + rows.chunk, end_row)
             schedule.set(self.record, finished_rows)
-            finished_rows += rows.fill(self, schedule.times[finished_rows:end], finished_rows)
+            finished_rows += rows.write(self, schedule.times[finished_rows:end], finished_rows)
             impacts.append(self.collect())
             progress(finished_rows / last)
         return finished_rows, impacts

@@ -25,7 +25,7 @@ class Rows(Protocol):
 
     chunk: int
 
-    def fill(self, instance: Any, times: np.ndarray, start: int) -> int:
+    def write(self, instance: Any, times: np.ndarray, start: int) -> int:
         """Advance an instance to each of the times [s] and fill rows from ``start`` on.
 
         Returns the number of filled rows; ``Instance.trajectory`` says when fewer rows than times are filled.
@@ -47,8 +47,8 @@ class WordRows:
         self.spans, self.of_state = spans_of(words), of_state
         self.chunk = max(1, min(CHUNK_ROWS, CHUNK_BYTES // max(1, 8 * len(words))))
 
-    def fill(self, instance: Any, times: np.ndarray, start: int) -> int:
-        """Fill rows as ``Rows.fill`` describes."""
+    def write(self, instance: Any, times: np.ndarray, start: int) -> int:
+        """Write rows as ``Rows.write`` describes."""
         if self.numbers.shape[1]:
             rows = self.numbers[start : start + len(times)]
             filled_count: int = instance.trajectory(times, rows, self.spans, of_state=self.of_state)

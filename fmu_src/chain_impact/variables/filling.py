@@ -27,7 +27,7 @@ from chain_impact.scene.rules.rule_language import members_in, number_in, number
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.texts.names import ENTRY_AT, OWNER_AT, DataPath
 from chain_impact.variables.indices import layout_of, word_index
-from chain_impact.variables.kind import SIGNAL_OWNERS, VariableKind, fill_path
+from chain_impact.variables.kind import SIGNAL_OWNERS, VariableKind, owner_path
 from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.owners import OWNER_KINDS, RECORD_NUMBERS, values_of
 from chain_impact.variables.parameters import METHODS, PARAMETERS
@@ -252,7 +252,7 @@ def _words_of(
         )
         indices = indices_of[kind.owner_kind]
         for path in filter(None, (kind.record_path, given_paths)):
-            words += [word_index(layout, fill_path(path, index)) for index in indices]
+            words += [word_index(layout, owner_path(path, index)) for index in indices]
         if indices:
             index_list.append(reader)
     return np.array(words, int), index_list

@@ -295,7 +295,7 @@ def record_block(
     return block(owner_kind, *kinds, prefix=prefix, **{"is_terminal": True} | extras)
 
 
-def fill_path(path: DataPath, owner: Mapping[str, Any]) -> DataPath:
+def owner_path(path: DataPath, owner: Mapping[str, Any]) -> DataPath:
     """Return a path in the record or in a scene: the template ``path`` with the values of ``owner``."""
     if not owner:
         return path

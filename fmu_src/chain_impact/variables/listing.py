@@ -15,7 +15,7 @@ from chain_impact.scene.derived import rule_at
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.texts.names import DataPath, is_like, sensitivity_name
 from chain_impact.user_laws.law_file import read_law
-from chain_impact.variables.kind import Block, VariableKind, fill_path
+from chain_impact.variables.kind import Block, VariableKind, owner_path
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import Owner
 from chain_impact.variables.parameters import LAWS, METHODS, PARAMETERS
@@ -41,7 +41,7 @@ def parameters_of(scene: Scene, structure: Structure) -> Iterator[Variable]:
     """
     derived, choices = frozenset(scene.derived_paths), choices_of(scene)
     for kind, owner, texts in _owned_kinds(PARAMETERS, structure):
-        path = fill_path(kind.scene_path or (), owner.values)
+        path = owner_path(kind.scene_path or (), owner.values)
         value = value_at_path(scene, path)
         if value is not None and not (kind.only_if_in_file and path in derived):
             rule = (
@@ -58,7 +58,7 @@ def parameters_of(scene: Scene, structure: Structure) -> Iterator[Variable]:
                 texts,
                 variability="tunable" if kind.tunable and owner.conditions[kind.tunable] else "fixed",
                 scene_path=path,
-                given_path=given_numbers and fill_path(given_numbers, owner.values),
+                given_path=given_numbers and owner_path(given_numbers, owner.values),
                 rule=rule,
                 items=choices.get(kind.choices, ()),
             )

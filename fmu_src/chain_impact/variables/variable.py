@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from chain_impact.scene.fast_values import LARGEST_NUMBER
 from chain_impact.scene.rules.key_rules import Derived, allowed_text
 from chain_impact.scene.texts.names import DataPath
-from chain_impact.variables.kind import VariableKind, fill_path
+from chain_impact.variables.kind import VariableKind, owner_path
 from chain_impact.variables.owners import Owner
 
 OBSERVED = ("output",), ("latest",)
@@ -85,7 +85,7 @@ class Variable:
             # a value of a signal has the unit of the input that the signal drives
             unit=texts.get("unit", kind.unit) if kind.unit == "1" else kind.unit,
             description=f"{text}{UNLESS_SET}{rule.text}" if rule else text,
-            record_path=fill_path(kind.record_path, owner.values),
+            record_path=owner_path(kind.record_path, owner.values),
             minimum=texts.get(kind.minimum, kind.minimum),
             maximum=texts.get(kind.maximum, kind.maximum),
             base_at_rest=owner.conditions.get("base_at_rest", False),

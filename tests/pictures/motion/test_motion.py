@@ -24,7 +24,7 @@ from chain_impact.pictures.motion.named_points import NAME, touching_points
 from chain_impact.pictures.motion.poses import FAINT_POSES, MOST_STRONG_POSES, distinct_poses, strong_rows
 from chain_impact.pictures.motion.view import view_of
 from chain_impact.pictures.over_time.impacts import marks_of, rows_by_height
-from chain_impact.pictures.overview import fill, usual_size
+from chain_impact.pictures.overview import draw_overview, usual_size
 from chain_impact.pictures.texts.headline import marked_peaks, peaks
 from chain_impact.recording.joint_peaks import joint_peaks
 from chain_impact.recording.joint_stops import range_lines
@@ -286,7 +286,7 @@ def distance(segment, place):
 def test_no_leader_passes_another_ring_or_crosses_a_chain_at_start_or_end(model, width):
     recording = crowd() if model == "crowd" else recorded(model)
     size = usual_size(recording, size=(width / 25.4, None))
-    page = figures.draw_figure(functools.partial(fill, recording=recording), usual_size=size)
+    page = figures.draw_figure(functools.partial(draw_overview, recording=recording), usual_size=size)
     page.draw_without_rendering()
     motion = next(axes for axes in page.axes if axes.get_label() == "motion")
     at, point = motion.transData.transform, page.dpi / 72.0

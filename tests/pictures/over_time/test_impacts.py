@@ -23,7 +23,7 @@ from chain_impact.pictures.over_time.impacts import (
     marks_of,
     point_groups,
 )
-from chain_impact.pictures.overview import fill
+from chain_impact.pictures.overview import draw_overview
 from chain_impact.pictures.texts.headline import impulses_of_hits
 from chain_impact.pictures.texts.impact_numbers import NUMBER_SIGN
 from chain_impact.recording.contact_times import impacts_at_peaks
@@ -193,7 +193,7 @@ def test_many_points_are_not_told_apart():
 
 def test_without_impacts_the_panel_says_so():
     page = Figure(layout="constrained")
-    fill(page, swing(), ["impacts"])
+    draw_overview(page, swing(), ["impacts"])
     assert texts(page.axes[-1]) == ["no impact"]
 
 

@@ -13,18 +13,18 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from chain_impact import CONTACT_LAWS, compare, load_scene
-from chain_impact.pictures.drawing.distinct_curves import fill_band
+from chain_impact.pictures.drawing.distinct_curves import draw_band
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
 from chain_impact.pictures.drawing.style import GREY, INK
 from chain_impact.pictures.over_time.energies import energy_curves
 from chain_impact.scene.scene import with_values
-from chain_impact.studies.compare.grey_loops import fill_loops
+from chain_impact.studies.compare.grey_loops import draw_grey_loops
 from chain_impact.studies.compare.headline import headline
 from chain_impact.studies.compare.looks import COLOURED_LAWS, brief_names, looks_of, named_laws
 from chain_impact.studies.compare.plot import (
     SIZE,
     conditions,
-    fill,
+    draw_comparison,
     legend_handles,
     plot_comparison,
     shown_span,
@@ -39,7 +39,7 @@ def comparison():
 
 def comparison_page(comparison):
     page = Figure(figsize=SIZE, layout="constrained")
-    fill(page, comparison)
+    draw_comparison(page, comparison)
     page.draw_without_rendering()
     return page
 
@@ -197,8 +197,8 @@ def test_a_key_is_a_line_where_loops_have_no_area():
     for curves, kind in (([law], Line2D), ([law[:, [0, 1, 4]]], PolyCollection)):
         energy.clear()
         loops.clear()
-        fill_loops(loops, curves)
-        fill_band(energy, law[0], [law[1]], "3 others")
+        draw_grey_loops(loops, curves)
+        draw_band(energy, law[0], [law[1]], "3 others")
         (key,) = legend_handles({}, energy, loops)
         assert isinstance(key, kind)
         assert key.get_label() == "3 others"

@@ -31,7 +31,7 @@ AREA_OPACITY = 0.2  # the opacity of the area for a fast curve, from 0 to 1
 FAST_ENTRY = "pale: range of an oscillation, line: mean"
 
 
-def fill_band(
+def draw_band(
     axes: Axes, x_values: np.ndarray, curves: np.ndarray | Sequence[np.ndarray], label: str | None = None
 ) -> None:
     """Fill in grey, at each position, the range from the least to the largest value of some curves.

@@ -34,7 +34,7 @@ from chain_impact.pictures.drawing.style import (
     StyledFigure,
     adapt_to_dark_style,
     drawing_style,
-    filled_figure,
+    drawn_figure,
     save,
 )
 
@@ -62,7 +62,7 @@ COARSE_STEPS = (1, 2, 4, 5, 10)
 
 # the label of an axis x is broken into lines if it is longer than LABEL_RATIO × the axis (``break_labels``)
 LABEL_RATIO = 1.1
-Fill = Callable[[Figure], None]
+DrawContents = Callable[[Figure], None]
 """A function that draws a picture on an empty figure."""
 
 
@@ -80,7 +80,7 @@ class NoRoomError(ValueError):
 
 
 def draw_figure(
-    fill: Fill,
+    draw_contents: DrawContents,
     path: str | os.PathLike[str] | None = None,
     size: Size | None = None,
     usual_size: tuple[float, float] = FIGURE_SIZE,
@@ -88,7 +88,7 @@ def draw_figure(
     """Draw a figure into a file, or return the figure.
 
     Args:
-        fill: function that draws the contents on an empty figure.
+        draw_contents: function that draws the contents on an empty figure.
         path: the file to write; its suffix png, svg or pdf determines the format. With None, the figure is
             returned.
         size: width and height [inches]. The height None means the height that the contents need. If ``size``
@@ -100,22 +100,22 @@ def draw_figure(
         ValueError: when the given size is not possible, or has no room for the contents.
         OSError: when the file cannot be written.
     """
-    inches, fill_figure, is_free = usual_size, fill, False
+    inches, is_free = usual_size, False
     if size is not None:
         width, height = figure_size(size)
         if height is None:
-            tried_figure = fitting_figure(fill, width, usual_size)
+            tried_figure = fitting_figure(draw_contents, width, usual_size)
             if path is not None:
                 save(Path(path), lambda: tried_figure)
                 return None
             inches, is_free = (width, float(tried_figure.get_figheight())), True
         else:
-            inches, fill_figure = (width, height), partial(fill_or_refuse, fill)
+            inches, draw_contents = (width, height), partial(draw_or_refuse, draw_contents)
     if path is not None:
-        save(Path(path), lambda: filled_figure(fill_figure, inches))
+        save(Path(path), lambda: drawn_figure(draw_contents, inches))
         return None
     figure = StyledFigure(figsize=inches, free_height=is_free)
-    fill_figure(figure)
+    draw_contents(figure)
     adapt_to_dark_style(figure)
     return figure
 
@@ -130,7 +130,7 @@ def check_alone(path: object, size: object) -> None:
         raise ValueError("ax: axes that are there have their size, and their figure writes the file")
 
 
-def fill_or_refuse(fill: Fill, figure: Figure) -> None:
+def draw_or_refuse(draw_contents: DrawContents, figure: Figure) -> None:
     """Draw on a figure, or refuse a figure with too little room for its contents.
 
     The error names a sufficient height, or says that the figure must be wider.
@@ -138,17 +138,17 @@ def fill_or_refuse(fill: Fill, figure: Figure) -> None:
     Raises:
         ValueError: when there is too little room.
     """
-    lacking = lacking_height(fill, figure)
+    lacking = lacking_height(draw_contents, figure)
     if lacking <= 0.0:
         return
     width, height = map(float, figure.get_size_inches())
-    least_height = float(least_figure(fill, width, height, lacking=lacking).get_figheight())
+    least_height = float(least_figure(draw_contents, width, height, lacking=lacking).get_figheight())
     raise NoRoomError(
         width, height, f"at least {least_height:g} high, or the picture must have fewer panels", least_height
     )
 
 
-def fitting_figure(fill: Fill, width: float, usual_size: tuple[float, float]) -> Figure:
+def fitting_figure(draw_contents: DrawContents, width: float, usual_size: tuple[float, float]) -> Figure:
     """Return a figure of a given width [inches] with the height that its contents need.
 
     The first height that is tried is that of ``usual_size`` (width and height [inches]); for a width between
@@ -163,12 +163,12 @@ def fitting_figure(fill: Fill, width: float, usual_size: tuple[float, float]) ->
     most_height = max(LEAST_SIZE, min(TALL, SLENDER * width))
     height = min(max(LEAST_SIZE, height), most_height)
     with suppress(NoRoomError):
-        return figure_at_least(fill, width, height, USUAL_AXES_HEIGHT, most_height)
-    return figure_at_least(fill, width, most_height, FLAT_AXES_HEIGHT)
+        return figure_at_least(draw_contents, width, height, USUAL_AXES_HEIGHT, most_height)
+    return figure_at_least(draw_contents, width, most_height, FLAT_AXES_HEIGHT)
 
 
 def figure_at_least(
-    fill: Fill, width: float, height: float, mean: float, most_height: float = math.inf
+    draw_contents: DrawContents, width: float, height: float, mean: float, most_height: float = math.inf
 ) -> Figure:
     """Return a figure with a width and a height [inches], or the higher one that its contents need.
 
@@ -178,14 +178,16 @@ def figure_at_least(
         NoRoomError: when no tried height is enough.
     """
     figure = StyledFigure(figsize=(width, height), dpi=DPI, free_height=True)
-    lacking = lacking_height(fill, figure, mean)
+    lacking = lacking_height(draw_contents, figure, mean)
     if lacking <= 0.0:
         return figure
-    return least_figure(fill, width, height, mean, lacking, most_height=most_height, free_height=True)
+    return least_figure(
+        draw_contents, width, height, mean, lacking, most_height=most_height, free_height=True
+    )
 
 
 def least_figure(
-    fill: Fill,
+    draw_contents: DrawContents,
     width: float,
     height: float,
     mean: float = 0.0,
@@ -218,7 +220,7 @@ def least_figure(
         k = min(max(guess, low + 1), high - 1)
         height = float(heights[k])
         figure = StyledFigure(figsize=(width, height), dpi=DPI, free_height=free_height)
-        lacking = lacking_height(fill, figure, mean)
+        lacking = lacking_height(draw_contents, figure, mean)
         if lacking > 0.0:
             low = k
             continue
@@ -231,7 +233,7 @@ def least_figure(
 
 
 @drawing_style()
-def lacking_height(fill: Fill, figure: Figure, mean: float = 0.0) -> float:
+def lacking_height(draw_contents: DrawContents, figure: Figure, mean: float = 0.0) -> float:
     """Draw on a figure; return the height [inches] that the figure lacks for its axes to be high enough.
 
     A result of at most 0 means that the figure has room. The result inf means that the lack is not known:
@@ -244,7 +246,7 @@ def lacking_height(fill: Fill, figure: Figure, mean: float = 0.0) -> float:
     """
     with warnings.catch_warnings(), suppress(UserWarning):
         warnings.filterwarnings("error", "constrained_layout not applied")
-        fill(figure)
+        draw_contents(figure)
         if not isinstance(figure.get_layout_engine(), PlaceHolderLayoutEngine):
             figure.draw_without_rendering()
         framed = list(framed_panels(figure))

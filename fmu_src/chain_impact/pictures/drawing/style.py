@@ -343,13 +343,13 @@ def metadata_of(figure: Figure) -> dict[str, str]:
     return {"Title": title, "Description": "\n".join(filter(None, texts)).replace("\u00a0", " ")}
 
 
-def filled_figure(fill: Callable[[Figure], None], size: tuple[float, float] | None = None) -> Figure:
-    """Return a new figure that ``fill`` has drawn on, with the resolution of files.
+def drawn_figure(draw_contents: Callable[[Figure], None], size: tuple[float, float] | None = None) -> Figure:
+    """Return a new figure that ``draw_contents`` has drawn on, with the resolution of files.
 
     ``size``: width and height [inches]; None for matplotlib's default size.
     """
     figure = StyledFigure(figsize=size, dpi=DPI)
-    fill(figure)
+    draw_contents(figure)
     return figure
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from chain_impact.pictures.drawing.dark_ground import OCHRE
-from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, SAME_CURVE, fill_band, plot_curves
+from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, SAME_CURVE, draw_band, plot_curves
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import BLACK, BLUE, BROWN, GREEN, PURPLE, VIOLET
 from chain_impact.pictures.over_time.time_axis import show_all_time, tick_impacts
@@ -62,7 +62,7 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
     if tiny_indices:
         values = [curves[k][0] for k in tiny_indices]
         names = ", ".join(curves[k][1]["label"] for k in tiny_indices)
-        fill_band(axes, time, values, f"{names}: ≤ {np.abs(values).max():.2g} J")
+        draw_band(axes, time, values, f"{names}: ≤ {np.abs(values).max():.2g} J")
     axes.set_ylabel("energy [J]")
     tick_impacts(axes, recording)
     show_all_time(axes, recording)

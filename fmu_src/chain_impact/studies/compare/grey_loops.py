@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from chain_impact.pictures.drawing.distinct_curves import fill_band
+from chain_impact.pictures.drawing.distinct_curves import draw_band
 from chain_impact.pictures.drawing.style import GREY
 from chain_impact.studies.compare.runs import grows_again
 
@@ -16,7 +16,7 @@ BAND_POINTS = 400
 HAIRLINE = 0.4  # [points] the width of the lines of loops in the grey band
 
 
-def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
+def draw_grey_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
     """Draw thin loops, and fill the area between the least and the largest force at each penetration.
 
     A loop has the penetrations and the forces in the first impact with one law, shape (2, S). No area is
@@ -35,4 +35,4 @@ def fill_loops(axes: Axes, loops: Sequence[np.ndarray]) -> None:
             order = np.argsort(depth[part], kind="stable")
             padding = {"left": np.nan, "right": np.nan}
             branches.append(np.interp(depths, depth[part][order], force[part][order], **padding))
-    fill_band(axes, depths, branches)
+    draw_band(axes, depths, branches)

@@ -14,7 +14,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, dash_lines, fill_band
+from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, dash_lines, draw_band
 from chain_impact.pictures.drawing.end_labels import EndLabel, spread, write_end_labels
 from chain_impact.pictures.drawing.figures import check_alone, draw_figure, settle
 from chain_impact.pictures.drawing.legends import legend_at_head
@@ -34,7 +34,7 @@ from chain_impact.pictures.over_time.energies import offset_text, shown_energies
 from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.pictures.over_time.time_axis import name_time
 from chain_impact.scene.texts.unit_text import stiffness_unit
-from chain_impact.studies.compare.grey_loops import HAIRLINE, fill_loops
+from chain_impact.studies.compare.grey_loops import HAIRLINE, draw_grey_loops
 from chain_impact.studies.compare.headline import headline, laws_with_e, peaks
 from chain_impact.studies.compare.looks import REFERENCE_LAYER, Looks, are_loops_equal, brief_names, looks_of
 from chain_impact.studies.compare.runs import LawRuns, with_jump
@@ -60,7 +60,7 @@ def plot_comparison(
 ) -> Any:
     """Draw the picture of a comparison, as ``Comparison.plot`` describes."""
     if ax is None:
-        return draw_figure(partial(fill, comparison=comparison), path, size, SIZE)
+        return draw_figure(partial(draw_comparison, comparison=comparison), path, size, SIZE)
     check_alone(path, size)
     with draw_into([ax]):
         draw_loops(ax, comparison, looks_of(comparison))
@@ -71,7 +71,7 @@ def plot_comparison(
 
 
 @drawing_style()
-def fill(figure: Figure, comparison: LawRuns) -> None:
+def draw_comparison(figure: Figure, comparison: LawRuns) -> None:
     """Draw the two panels of the picture on an empty figure."""
     is_small = is_narrow(figure)
     looks = looks_of(comparison, is_small=is_small)
@@ -149,8 +149,8 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
 def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     """Draw force over penetration in the first impact; an impulse is a vertical line at penetration 0.
 
-    The loops of the laws of ``laws_in_band`` are drawn by ``fill_loops``. A law whose ``LawRun.loop`` is None
-    has no line.
+    The loops of the laws of ``laws_in_band`` are drawn by ``draw_grey_loops``. A law whose ``LawRun.loop`` is
+    None has no line.
     """
     band = laws_in_band(comparison, looks)
     loops = {law: loop for law in looks if (loop := comparison[law].loop) is not None}
@@ -159,7 +159,7 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     largest_values = np.max([loop.max(axis=1) for loop in loops.values() if loop.size], axis=0, initial=0.0)
     factors, (depth_unit, force_unit) = zip(*map(prefixed_unit, largest_values, units), strict=True)
     loops = {law: loop * np.reshape(factors, (2, 1)) if loop.size else loop for law, loop in loops.items()}
-    fill_loops(axes, [loops[law] for law in band if law in loops and loops[law].size])
+    draw_grey_loops(axes, [loops[law] for law in band if law in loops and loops[law].size])
     for law in (law for law, loop in loops.items() if not loop.size):
         axes.axvline(0.0, **looks[law])
     lines = {law: with_jump(law, loop) for law, loop in loops.items() if loop.size and law not in band}
@@ -223,7 +223,7 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
         curves = [np.interp(time, *total, right=np.nan) for total in totals]
         figure = axes.get_figure(root=True)
         is_small = figure is not None and is_narrow(figure)
-        fill_band(axes, time, curves, band_label(comparison, band, is_small=is_small))
+        draw_band(axes, time, curves, band_label(comparison, band, is_small=is_small))
     courses = {
         law: np.array([result.time, offset + result.energy["total"]])
         for law in looks

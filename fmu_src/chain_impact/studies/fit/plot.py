@@ -110,14 +110,14 @@ def plot_fit(
 ) -> Figure | None:
     """Draw the picture of a fit, as ``Fit.plot`` describes."""
     if fit.ranking:
-        return draw_figure(partial(fill_ranking, fit=fit), path, size, bars_size([len(fit.ranking)]))
+        return draw_figure(partial(draw_law_ranking, fit=fit), path, size, bars_size([len(fit.ranking)]))
     names = list(fit.columns)[:MOST_FIT_PANELS]
     width, rows = (1.5 if len(names) == 1 else 2.0) * FIT_PANEL_WIDTH, -(-len(names) // len(_widths(names)))
-    return draw_figure(partial(fill, fit=fit), path, size, (width, 0.7 + rows * FIT_PANEL_HEIGHT))
+    return draw_figure(partial(draw_fit, fit=fit), path, size, (width, 0.7 + rows * FIT_PANEL_HEIGHT))
 
 
 @drawing_style()
-def fill(figure: Figure, fit: Estimates) -> None:
+def draw_fit(figure: Figure, fit: Estimates) -> None:
     """Draw a panel for each of the first MOST_FIT_PANELS columns, and the headline, on an empty figure."""
     names = list(fit.columns)[:MOST_FIT_PANELS]
     widths = [1] if is_narrow(figure) else _widths(names)
@@ -179,7 +179,7 @@ def _widths(names: Sequence[str]) -> list[int]:
 
 
 @drawing_style()
-def fill_ranking(figure: Figure, fit: Estimates) -> None:
+def draw_law_ranking(figure: Figure, fit: Estimates) -> None:
     """Draw the ranking of contact laws on an empty figure: ΔAIC of each law as a dot.
 
     The best law is on top. A law without a fit has no dot. If a dot is beyond SUPPORT_LIMIT, the axis is

@@ -128,11 +128,15 @@ def plot_sweep(
     )
     # a picture is drawn anew for each height that is tried, with the same texts
     texts = cache(partial(headline_and_conditions, runs, results))
-    return draw_figure(partial(fill, runs=runs, results=results, texts=texts), path, size, usual_figure_size)
+    return draw_figure(
+        partial(draw_sweep, runs=runs, results=results, texts=texts), path, size, usual_figure_size
+    )
 
 
 @drawing_style()
-def fill(figure: Figure, runs: SweepRuns, results: Results, texts: Callable[..., tuple[str, str]]) -> None:
+def draw_sweep(
+    figure: Figure, runs: SweepRuns, results: Results, texts: Callable[..., tuple[str, str]]
+) -> None:
     """Draw the headline and, for each of ``results.drawn_quantities``, ``panels_of_each`` panels.
 
     ``texts``: a function that returns the result of ``headline_and_conditions``.
