@@ -10,8 +10,9 @@ from typing import Any
 _MODULES = {
     "compilation.errors": ("BuildError",),
     "extras": ("MissingExtraError",),
-    "fmu.build": ("build_fmu", "validate_fmu"),
+    "fmu.build": ("build_fmu",),
     "fmu.run": ("record_fmu",),
+    "fmu.validate": ("validate_fmu",),
     "kernel.forces.contact_law": ("ContactLaw",),
     "kernel.forces.laws": ("CONTACT_LAWS",),
     "results.animation": ("AnimationError",),

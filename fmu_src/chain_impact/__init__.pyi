@@ -2,8 +2,8 @@
 from chain_impact.compilation.errors import BuildError as BuildError
 from chain_impact.extras import MissingExtraError as MissingExtraError
 from chain_impact.fmu.build import build_fmu as build_fmu
-from chain_impact.fmu.build import validate_fmu as validate_fmu
 from chain_impact.fmu.run import record_fmu as record_fmu
+from chain_impact.fmu.validate import validate_fmu as validate_fmu
 from chain_impact.kernel.forces.contact_law import ContactLaw as ContactLaw
 from chain_impact.kernel.forces.laws import CONTACT_LAWS as CONTACT_LAWS
 from chain_impact.pages.explore import explore as explore

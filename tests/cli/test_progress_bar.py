@@ -1,6 +1,6 @@
 """Progress messages on standard error and in a terminal during long computations."""
 
-# Tests: progress.py, cli/progress_bar.py
+# Tests: progress.py, cli/printing.py, cli/progress_bar.py
 
 import logging
 import time

@@ -19,10 +19,11 @@ from matplotlib import pyplot
 from chain_impact import load_scene
 from chain_impact.compilation.errors import BuildError
 from chain_impact.fmu import build
-from chain_impact.fmu.build import build_fmu, validate_fmu
+from chain_impact.fmu.build import build_fmu
 from chain_impact.fmu.model_description import model_description
 from chain_impact.fmu.references import REFERENCE_FILE
 from chain_impact.fmu.scene_data import SCENE_DATA_FILE
+from chain_impact.fmu.validate import validate_fmu
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.files.models import model_names

@@ -12,10 +12,9 @@ from pathlib import Path
 import pytest
 
 from chain_impact.fmu import findings
-from chain_impact.fmu.build import validate_fmu
 from chain_impact.fmu.check_description import NAME_PATTERNS, description_findings
 from chain_impact.fmu.importer import read_fmu
-from chain_impact.fmu.validate import validation
+from chain_impact.fmu.validate import validate_and_run, validate_fmu
 from chain_impact.scene.errors import SceneError
 from chain_impact.system import HOST
 from tests.fmu.standard import co_simulation_functions
@@ -42,7 +41,7 @@ from tests.tiers import needs_compilers
 @pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize("model", ["rod_drop", "kneed_leg", "controlled_arm"])
 def test_an_fmu_of_ours_has_no_faults(fmus, model):
-    found = validation(fmus[model])
+    found = validate_and_run(fmus[model])
     assert list(found.findings) == []
     assert [note.split(",")[0] for note in found.notes] == ["reference results: passed"]
 
@@ -96,7 +95,7 @@ def test_a_planted_fault_is_found_with_its_place(all_fmus, quick_names, tmp_path
     """Only the fault's own file is checked, except for faults that only a run shows."""
     fault, fmu = FAULTS[version][name], all_fmus["native" if version == "2" else "fmi3"]["rod_drop"]
     path = spoiled(fmu, tmp_path / "x.fmu", edited(*fault.pairs, alone=not fault.runs))
-    lines = finding_texts(path) if fault.runs else validate_fmu(path)
+    lines = validate_fmu(path, run=fault.runs)
     assert any(fault.sentence in line for line in lines), lines
     assert all(re.match(r"(modelDescription\.xml|binaries/\S+): \S", line) for line in lines)
     assert all(len(line.split()) > 4 for line in lines)
@@ -262,7 +261,7 @@ def test_an_fmu_for_scheduled_execution_is_not_run(fmi3, tmp_path):
     change = edited(
         (r"<CoSimulation modelIdentifier=(\S+)[^>]*>", r"<ScheduledExecution modelIdentifier=\1/>")
     )
-    found = validation(spoiled(fmi3["rod_drop"], tmp_path / "x.fmu", change))
+    found = validate_and_run(spoiled(fmi3["rod_drop"], tmp_path / "x.fmu", change))
     assert [note for note in found.notes if note.startswith("not run: ")]
 
 

@@ -143,7 +143,7 @@ def test_arrows_lean_against_the_motion_and_a_bar_shows_what_sticks(show_recordi
 
 def test_forces_in_joints_are_arrows_with_a_key(show_recording):
     recording = record_slowly(load_scene("pinned_arm").with_values({"outputs.loads": True}))
-    page, forces = show_recording(recording), np.array(list(recording.loads.values()))
+    page, forces = show_recording(recording), np.array(list(recording.joint_forces.values()))
     (told,) = page.locator("#impacts tbody td:last-child").all_inner_texts()
     assert told == f"{recording.impacts['joint_force'][0]:.0f}"
     assert page.inner_text("#impacts th:last-child") == "in joint, N"
@@ -153,7 +153,7 @@ def test_forces_in_joints_are_arrows_with_a_key(show_recording):
     joint, row = np.unravel_index(sizes.argmax(), sizes.shape)
     go_to(page, recording.time[row])
     assert page.locator(".key").all_text_contents() == ["➝ joint", "➝ wall"]
-    assert page.locator("line.arrow.load").count() == len(recording.loads) == 2
+    assert page.locator("line.arrow.load").count() == len(recording.joint_forces) == 2
     told = page.text_content(".force-text.load")
     assert float(re.match(r"[\d.]+", told)[0]) == pytest.approx(sizes.max(), rel=0.02)
     arrow = page.locator("line.arrow.load").nth(joint)

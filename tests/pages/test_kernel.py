@@ -218,7 +218,9 @@ def test_the_page_shows_what_an_animation_shows(motions, scene):
         if interaction.force is not None and interaction.force.any()
     }
     assert {(point, wall) for point, wall in found["forces"]} == forces
-    loads = [(joint, *force.min(axis=0)[:1], *force.max(axis=0)[1:]) for joint, force in known.loads.items()]
+    loads = [
+        (joint, *force.min(axis=0)[:1], *force.max(axis=0)[1:]) for joint, force in known.joint_forces.items()
+    ]
     np.testing.assert_allclose(found["loads"], loads, rtol=0.02)
     assert found["radius"] == pytest.approx(radius, abs=1e-9)
     assert [stop["joint"] for stop in found["stops"]] == list(known.stops)

@@ -74,7 +74,7 @@ def test_the_largest_force_in_a_joint_says_when():
     assert len(lines) == 2
     for line in lines:
         joint, told = re.search(r"joint\[(\d)\], at ([\d.]+) s, during impact 1$", line).groups()
-        time = fine.time[np.hypot(*fine.loads[int(joint)].T).argmax()]
+        time = fine.time[np.hypot(*fine.joint_forces[int(joint)].T).argmax()]
         assert abs(float(told) - time) <= 1e-5
 
 

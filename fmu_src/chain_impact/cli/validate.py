@@ -11,7 +11,7 @@ from pathlib import Path
 from chain_impact.cli.options import UsageError, Verbs, add_verb
 from chain_impact.cli.printing import complain, out, say
 from chain_impact.fmu.findings import Finding, finding_lines
-from chain_impact.fmu.validate import TIMEOUT, Validation, validation
+from chain_impact.fmu.validate import TIMEOUT, Validation, validate_and_run
 from chain_impact.scene.files.models import scene_file_path
 
 
@@ -46,7 +46,9 @@ def run(options: argparse.Namespace) -> int:
     for path in options.fmus:
         _refuse_scene(path)
         path.open("rb").close()  # a file that cannot be read ends the command before any check
-    checked = [(path, checked_fmu(path, options.timeout, report=not options.json)) for path in options.fmus]
+    checked = [
+        (path, validate_and_report(path, options.timeout, report=not options.json)) for path in options.fmus
+    ]
     if options.json:
         texts = [
             {
@@ -69,14 +71,14 @@ def _refuse_scene(path: Path) -> None:
         )
 
 
-def checked_fmu(path: Path, timeout: float, *, report: bool) -> Validation:
+def validate_and_report(path: Path, timeout: float, *, report: bool) -> Validation:
     """Check an FMU, whose binary may run for ``timeout`` [s], and return the result.
 
     If ``report`` is true, print the faults and notes; with ``--quiet``, print only the faults, on standard
     error.
     """
     try:
-        result = validation(path, timeout)
+        result = validate_and_run(path, timeout)
     except zipfile.BadZipFile as error:
         result = Validation([Finding(f"not a readable FMU: {error}", file="")], [])
     if report:

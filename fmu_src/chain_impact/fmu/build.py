@@ -13,12 +13,12 @@ from pathlib import Path
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.library import kernel_library
 from chain_impact.files import written_atomically
-from chain_impact.fmu.check_description import description_findings
 from chain_impact.fmu.documents import documents
 from chain_impact.fmu.native_target import native_files
 from chain_impact.fmu.pythonfmu_target import pythonfmu_files
 from chain_impact.fmu.references import reference_files
 from chain_impact.fmu.scene_data import scene_data_file
+from chain_impact.fmu.validate import validate_fmu
 from chain_impact.fmu.versions import FMI_2, FMI_3, VERSIONS
 from chain_impact.progress import log
 from chain_impact.scene.scene import SceneSource, scene_of
@@ -120,18 +120,6 @@ def _checked_platforms(target: str, fmi: int, platforms: Sequence[str]) -> Seque
         )
         raise BuildError(f"platforms = {list(platforms)} must be some of {', '.join(supported)}{target_hint}")
     return platforms
-
-
-def validate_fmu(path: str | os.PathLike[str]) -> list[str]:
-    """Check an FMU against the FMI standard without running it; return a sentence for each fault.
-
-    Raises:
-        OSError: when the file cannot be read.
-    """
-    try:
-        return [str(finding) for finding in description_findings(Path(path))]
-    except zipfile.BadZipFile as error:
-        return [f"not an FMU: {error}"]
 
 
 def _pack(files: Mapping[str, bytes], target: Path) -> None:

@@ -38,7 +38,24 @@ class Validation:
     notes: Sequence[str]
 
 
-def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Validation:
+def validate_fmu(path: str | os.PathLike[str], *, run: bool = False) -> list[str]:
+    """Check an FMU against the FMI standard; return a sentence for each fault.
+
+    Args:
+        path: an FMU of any tool, for co-simulation or model exchange, of FMI 2.0 or 3.0.
+        run: whether the FMU's binary is also run, as ``chain-impact validate`` does.
+
+    Raises:
+        OSError: when the file cannot be read.
+    """
+    try:
+        findings = validate_and_run(path).findings if run else description_findings(Path(path))
+    except zipfile.BadZipFile as error:
+        return [f"not an FMU: {error}"]
+    return [str(finding) for finding in findings]
+
+
+def validate_and_run(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Validation:
     """Check an FMU; run its binary, if it can be run, in another process, which may crash or hang.
 
     Args:

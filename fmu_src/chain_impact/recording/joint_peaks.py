@@ -43,8 +43,8 @@ def joint_peaks(recording: Recording) -> list[JointPeak]:
             first = recording.time[(peaks >= (1.0 - EQUAL_FORCES) * peaks[-1]).argmax()]
             time, kind = (first, LARGEST_OF_ROWS) if times is None else (times[-1], EXACT_PEAK)
             found_peaks.append(JointPeak(joint, float(peaks[-1]), float(time), kind))
-        elif joint in recording.loads:
-            sizes = np.hypot(*recording.loads[joint].T)
+        elif joint in recording.joint_forces:
+            sizes = np.hypot(*recording.joint_forces[joint].T)
             row = sizes.argmax()
             found_peaks.append(JointPeak(joint, float(sizes[row]), float(recording.time[row]), SAMPLED_PEAK))
     return sorted(found_peaks, key=lambda peak: -peak.force)

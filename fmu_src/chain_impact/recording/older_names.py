@@ -13,6 +13,7 @@ class OlderNames:
     end_speeds = OlderName("linear_impact_speeds")
     in_other_run = OlderName("row_of_other_run")
     is_stop = OlderName("is_joint_stop")
+    loads = OlderName("joint_forces")
     passing = OlderName("points_through_walls")
     spot = OlderName("impact_position")
     toucher = OlderName("touching_part")

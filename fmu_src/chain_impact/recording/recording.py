@@ -221,7 +221,7 @@ class Recording(OlderNames):
         return self.time, self.energies
 
     @cached_property
-    def loads(self) -> dict[int, np.ndarray]:
+    def joint_forces(self) -> dict[int, np.ndarray]:
         """Joint i with a known force → the force on link i at this joint, x and y, shape (T, 2) [N]."""
         return {
             joint: np.stack([parts[f"force.{axis}"] for axis in AXES], axis=-1)

@@ -5,7 +5,7 @@ import zipfile
 from pathlib import Path
 from typing import NamedTuple
 
-from chain_impact.fmu.validate import validation
+from chain_impact.fmu.validate import validate_and_run
 from chain_impact.system import HOST, PLATFORMS
 
 XML = "modelDescription.xml"
@@ -120,4 +120,4 @@ def by_fmpy(path, *, names):
 
 
 def finding_texts(path, **options):
-    return [str(finding) for finding in validation(path, **options).findings]
+    return [str(finding) for finding in validate_and_run(path, **options).findings]

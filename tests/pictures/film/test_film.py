@@ -218,7 +218,7 @@ def test_an_arrow_is_there_while_there_is_a_force(recording):
 
 def test_forces_in_joints_are_arrows_of_a_colour_of_their_own_with_a_key():
     recording = record_slowly(load_scene("pinned_arm").with_values({"outputs.loads": True}))
-    sizes = sum(np.hypot(*force.T) for force in recording.loads.values())
+    sizes = sum(np.hypot(*force.T) for force in recording.joint_forces.values())
     start, peak = (coloured(one, LOAD) for one in pictures(recording, 0.0, recording.time[sizes.argmax()]))
     assert 60 < start < peak < 1000
     (picture,) = pictures(record_slowly("pinned_arm"), recording.time[sizes.argmax()])

@@ -314,9 +314,11 @@ def test_a_joints_largest_force_is_an_arrow_at_its_place():
     # an arrow along a link is beside the link
     shift = 1.01 * LOAD_SHIFT * max(np.ptp(motion.get_xlim()), np.ptp(motion.get_ylim()))
     assert np.hypot(*arrows.XY[1]) <= shift
-    row = np.hypot(*recording.loads[2].T).argmax()
+    row = np.hypot(*recording.joint_forces[2].T).argmax()
     assert np.hypot(*(arrows.XY[0] - recording.points[row, 1])) <= shift
-    assert arrows.V[0] / arrows.U[0] == pytest.approx(recording.loads[2][row, 1] / recording.loads[2][row, 0])
+    assert arrows.V[0] / arrows.U[0] == pytest.approx(
+        recording.joint_forces[2][row, 1] / recording.joint_forces[2][row, 0]
+    )
     assert motion.get_legend().get_texts()[-1].get_text() == "joint forces\n≤ 670 N"
 
 

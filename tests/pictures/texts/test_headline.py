@@ -248,7 +248,7 @@ def test_the_joint_with_the_largest_force_is_told_with_its_number_and_time():
     peaks_of = {n: result[f"joint[{n}].peak_force"] for n in (1, 2)}
     joint = max(peaks_of, key=lambda n: peaks_of[n][-1])
     fine = simulate(scene, output_step=1e-5)
-    time = fine.time[np.hypot(*fine.loads[joint].T).argmax()]
+    time = fine.time[np.hypot(*fine.joint_forces[joint].T).argmax()]
     (told,) = re.findall(r"joint (\d) bears up to ([\d.]+) k?N in the run, at ([\d.]+) s", load_text(result))
     assert (int(told[0]), float(told[2])) == (joint, pytest.approx(time, abs=1e-5))
     assert any(load_text(result) in text.get_text() for text in page.texts)

@@ -163,7 +163,7 @@ def largest_forces(recording: Recording) -> dict[str, np.ndarray]:
     ]
     known_forces = {
         "wall": [force for force in at_walls if force is not None],
-        "joint": [np.hypot(*force.T) for force in recording.loads.values()],
+        "joint": [np.hypot(*force.T) for force in recording.joint_forces.values()],
     }
     force_curves = {name: np.max(forces, axis=0) for name, forces in known_forces.items() if forces}
     return {name: force for name, force in force_curves.items() if force.any()}

@@ -94,7 +94,9 @@ class Film:
         self.points = np.stack(
             [self._frame_values(point) for point in recording.all_points.transpose(1, 0, 2)], axis=1
         )
-        self.loads = {joint: self._frame_values(force) for joint, force in recording.loads.items()}
+        self.joint_forces = {
+            joint: self._frame_values(force) for joint, force in recording.joint_forces.items()
+        }
         self.rows = np.searchsorted(recording.time, times, side="right") - 1
         self.interactions, self.moving_artists = recording.interactions, list[Any]()
         self.numbers, self.arrows = list[Number](), list[np.ndarray]()
@@ -139,7 +141,7 @@ class Film:
         self.scale = ArrowScale(peak, self.side)
         if peak > 0.0:
             self.scale.draw(self.scene, SCALE, MUTED)
-        if self.loads:
+        if self.joint_forces:
             self._draw_key(figure, 0.99 if not is_wide else layout.scene[0] + layout.scene[2])
         self._suit(figure)
 
@@ -331,7 +333,7 @@ class Film:
 
         A force that is too small for ``ArrowScale.is_shown`` has neither arrow nor number.
         """
-        forces = {joint: force[frame] for joint, force in self.loads.items()}
+        forces = {joint: force[frame] for joint, force in self.joint_forces.items()}
         peak_joint = max(forces, key=lambda joint: np.hypot(*forces[joint]), default=0)
         for joint, force in forces.items():
             size = float(np.hypot(*force))

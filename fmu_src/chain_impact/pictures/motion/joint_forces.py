@@ -46,9 +46,9 @@ def draw_loads(axes: Axes, recording: Recording, view: View, shown_poses: Sequen
     """
     arrows, loads, side = [], joint_peaks(recording), float(np.ptp(view.corners, axis=0).max())
     for peak in loads:
-        if peak.joint in recording.loads:
+        if peak.joint in recording.joint_forces:
             row = recording.row_at(peak.time)
-            force = recording.loads[peak.joint][row]
+            force = recording.joint_forces[peak.joint][row]
             if size := np.hypot(*force):
                 foot = shifted_foot(recording.points[row], peak.joint, force, LOAD_SHIFT * side)
                 arrows.append((*foot, *(peak.force / size * force)))

@@ -151,7 +151,7 @@ def write_head(
     short, load = is_narrow(figure), load_text(recording) if told_peaks is None else ""
     told_peaks = peaks(recording) if told_peaks is None else told_peaks
     lead = next((peak.text for peak in told_peaks), "") if lead is None else lead
-    if not (lead or title or told_peaks) and load and "motion" in panels and recording.loads:
+    if not (lead or title or told_peaks) and load and "motion" in panels and recording.joint_forces:
         lead, load = load_text(recording, digits=3).replace(" in the run, ", " "), ""
     valued = [bool(title) or lead != peak.text for peak in told_peaks]
     hits = [peak_impact_text(recording, *pair) for pair in zip(told_peaks, valued, strict=True)]
@@ -161,7 +161,7 @@ def write_head(
         first_text = hits.pop(0).removeprefix(f"{told_peaks[0].name} in ")  # the title tells the peak
         lines.append((first_text, PEAK_COLOUR if is_marked else INK))
     if short and load:
-        lines.append((load, LOAD if "motion" in panels and recording.loads else INK))
+        lines.append((load, LOAD if "motion" in panels and recording.joint_forces else INK))
     results = [*first, *hits, "" if short else load]
     if short and not title:
         results += [*([impact_count_text(recording)] if lead else []), *energy_texts(recording)]
