@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
 from chain_impact import SceneError, UnknownNameError, load_scene, simulate
-from chain_impact.pictures.bars import PALE_BARS, Bars, fill_bars, shared_ends
+from chain_impact.pictures.bars import PALE_BARS, Bars, draw_bar_figure, shared_ends
 from chain_impact.pictures.drawing.row_names import ROW_PITCH
 from chain_impact.pictures.drawing.style import LEFT_MARGIN
 from chain_impact.results.effects import split_by_step
@@ -224,7 +224,7 @@ def test_a_long_bar_of_another_block_leaves_room_for_the_ranking():
     second = Bars(["c", "d"], [9.0, 0.2], ["3", "4"], "N", marks=[8.0, 0.3])
     assert shared_ends([first, second]) == [(-0.5, 2.2)] * 2
     page = Figure(layout="constrained")
-    fill_bars(page, title="t", conditions="x", blocks=[first, second])
+    draw_bar_figure(page, title="t", conditions="x", blocks=[first, second])
     shown = {
         line.get_marker(): line.get_ydata()[0] for line in page.axes[1].lines if len(line.get_ydata()) == 1
     }
