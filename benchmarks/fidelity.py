@@ -154,9 +154,10 @@ def draw(figure: Any, record: dict[str, Any]) -> None:
     ]
     write_headline(
         figure,
-        f"chain-impact at tolerance {number_text(DEFAULT)} errs by ≤ {number_text(most, 1)} mm, "
-        f"another law or stiffness by ≥ {number_text(wrong, 1)} mm",
-        f"four_link_box with the stiffness of steel: {'; '.join(parts)} of CPU time",
+        f"chain-impact at tolerance {number_text(DEFAULT)} errs by ≤ {number_text(most, 1)} mm; "
+        f"other laws or stiffnesses differ by ≥ {number_text(wrong, 1)} mm",
+        f"four_link_box: error {'; '.join(parts)} of CPU time  ·  "
+        f"differ: from {LAW} with the stiffness of steel",
     )
     entries = {
         label: handle
@@ -189,13 +190,15 @@ def draw_stiffness(axes: Any, strip: Any, rows: list[dict[str, Any]]) -> None:
         numbers = [number_text(stiffness) for stiffness in sorted(group)]
         name = " … ".join(numbers[:: len(numbers) - 1]) if len(numbers) > 2 else ", ".join(numbers)
         middle = math.exp(np.mean([math.log(heights[stiffness]) for stiffness in group]))
+        name = f"K = {name}" if group is groups[0] else name
         strip.text(MARKS[1] + 0.08, middle, name, va="center", fontsize="small", color=INK)
     mine = [row for row in rows if (row["choice"], row["stiffness"]) == (GRID, STEEL)]
     look = {"color": OURS, "marker": "o", "markersize": 4, "linewidth": 2.0, "zorder": 4}
     label = f"zhang_sharf, K = {number_text(STEEL)} N/m$^{{1.5}}$ (steel), with its tolerances"
     axes.loglog([1e3 * row["seconds"] for row in mine], [row["tip"] for row in mine], label=label, **look)
     for row in mine[1::2]:
-        name_point(axes, f"1e{math.log10(row['tolerance']):.0f}", row, OURS)
+        text = f"1e{math.log10(row['tolerance']):.0f}"
+        name_point(axes, f"tolerance {text}" if row is mine[3] else text, row, OURS)
 
 
 def draw_laws(axes: Any, rows: list[dict[str, Any]]) -> None:

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks import common
-from benchmarks.looks import LIGHT_BLUE, OURS, WIDTH, highest_first, strong
+from benchmarks.looks import LIGHT_BLUE, OURS, WIDTH, name_curves, strong
 from benchmarks.peers.ours import Kernel
 from benchmarks.race import ROUNDS, Entries, above_loosest, race, seconds_at
 from chain_impact import simulate
@@ -245,7 +245,6 @@ def off(state: np.ndarray, truth: np.ndarray) -> float:
 # --- the chart ----------------------------------------------------------------------------------------------
 
 SIZE = (WIDTH, 4.4)  # [inch] of the chart
-NAMES_IN_ROW = 3  # number of names in a row of the legend
 LEAST = 1e-6  # [µm/s] smaller drifts are drawn here, at "none"
 BREAK = 1e-5  # [µm/s] place of the line between "none" and the logarithmic scale
 CREEPS, SHOWN = "MuJoCo Euler, defaults", 1e-3  # the setting and the step [s] of the headline
@@ -274,14 +273,14 @@ def draw(figure: Any, record: Any) -> None:
             mine = [row for row in rows if row["name"] == name and "seconds" in row]
             times = [1e3 * row["seconds"]["median"] for row in mine]
             values = [max(row[value], LEAST) if key == "slope" else row[value] for row in mine]
-            axes.loglog(
-                times, values, label=name.replace("ours", "chain-impact"), **strong(name == "ours", *drawn)
-            )
+            label = {"ours": "chain-impact"}.get(name, name.removeprefix("MuJoCo "))
+            label = label.replace("duration of ours", "our duration")
+            axes.loglog(times, values, label=label, **strong(name == "ours", *drawn))
         axes.set_xlabel("CPU time [ms]")
         axes.set_title(f"thrown chain, {key}" if key != "slope" else f"rod on a slope, {STOP:g} s")
         axes.minorticks_off()
     panels[0].set_ylabel("drift [µm/s]")
-    panels[1].set_ylabel("largest error of a component [SI unit]")
+    panels[1].set_ylabel("largest error [m, rad, m/s or rad/s]")
     panels[2].sharey(panels[1])
     panels[2].tick_params(labelleft=False)
     panels[0].set_yticks(
@@ -290,7 +289,7 @@ def draw(figure: Any, record: Any) -> None:
     write_headline(figure, *headline(results))
     # below the lowest decade that is drawn, the axis is broken: "none" is not on the logarithmic scale
     panels[0].axhline(BREAK, color=INK, linewidth=0.8, linestyle=(0.0, (1.0, 3.0)))
-    figure.legend(handles=highest_first(panels), loc="outside lower center", ncols=NAMES_IN_ROW)
+    name_curves(figure, panels)
 
 
 def headline(results: dict[str, list[dict[str, Any]]]) -> tuple[str, str]:
@@ -309,7 +308,7 @@ def headline(results: dict[str, list[dict[str, Any]]]) -> tuple[str, str]:
     times, more = (f"{min(found):.2g} to {max(found):.2g} times" for found in (factors, errors))
     return (
         f"chain-impact holds a rod on a slope, on which MuJoCo's defaults drift {creep / 1e3:.2g} mm/s",
-        "noslip holds it, too, with about the errors of the defaults  ·  "
+        "Euler, RK4: MuJoCo, also with the duration of our contacts; noslip holds the rod, too  ·  "
         f"none: below {number_text(BREAK)} µm/s  ·  defaults, "
         f"thrown chain: {times} the CPU time of our loosest run, and {more} the error, "
         f"with steps of {1e3 * SHOWN:g} ms",

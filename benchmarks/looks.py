@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from matplotlib.colors import to_rgb
+from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.drawing import style
 from chain_impact.pictures.drawing.style import BLACK, BLUE, GREEN, PURPLE, VERMILLION
@@ -13,6 +17,11 @@ from chain_impact.pictures.drawing.style import BLACK, BLUE, GREEN, PURPLE, VERM
 OURS, LIGHT_BLUE = VERMILLION, "#56b4e9"
 STYLE = style.STYLE | {"axes.grid": True, "axes.titlesize": "medium"}
 WIDTH = 190.0 / 25.4  # [inch] of a chart: that of a printed page, so that its text has the size of pictures
+# Names at curves: OFFSET: distance from a point [points]; CLEAR: enough distance from other curves [inch];
+# SAMPLES of a piece of a curve; DARKENED: brightness of a name, in its colour; SIDES: right, above
+# OVERLAP: the least distance from a curve, which has markers [points]
+OFFSET, CLEAR, SAMPLES, DARKENED, OVERLAP = 4.5, 0.2, 30, 0.8, 3.0
+SIDES = ((0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1), (1, 0), (-1, 0))
 LOOKS = {
     "chain-impact": (OURS, "o", "-"),
     "chain-impact, FMU": (OURS, "s", "--"),
@@ -36,17 +45,71 @@ def strong(ours: bool, colour: Any, marker: str, line: str = "-") -> dict[str, A
     return {"color": colour, "marker": marker, "linestyle": line, "markersize": 4.5, **bold}
 
 
-def highest_first(panels: Iterable[Any]) -> list[Any]:
-    """Return the labelled lines of panels with logarithmic vertical axes, one for each label, for a legend.
+def name_curves(figure: Any, panels: Sequence[Any]) -> None:
+    """Write the name of each labelled curve once, beside a point of the curve in one of the panels.
 
-    The first is the line whose mean height in the panels is the largest.
+    The name is nearer to its curve than to others, by CLEAR or as much as possible; of equal places it has
+    the first. Other texts must be there before, and the layout of the figure must not change after that.
     """
-    found: dict[str, tuple[Any, list[float]]] = {}
-    for axes in panels:
-        low, high = np.log(axes.get_ylim())
-        for line in axes.lines:
-            values = np.log(np.asarray(line.get_ydata(), float))
-            if np.isfinite(values).any() and not line.get_label().startswith("_"):
-                heights = found.setdefault(line.get_label(), (line, []))[1]
-                heights.append(float(np.nanmean((values - low) / (high - low))))
-    return [line for line, heights in sorted(found.values(), key=lambda each: -np.mean(each[1]))]
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    panel_curves = [[(line, samples(line)) for line in axes.lines] for axes in panels]
+    taken = [text.get_window_extent() for axes in panels for text in axes.texts]
+    panel_counts = Counter(line.get_label() for curves in panel_curves for line, _ in curves)
+    for label in sorted(panel_counts, key=lambda name: (panel_counts[name], -len(name))):
+        places = [
+            (min(CLEAR * figure.dpi, clearance(box, line, curves, taken)), axes, line, point, shift)
+            for axes, curves in zip(panels, panel_curves, strict=True)
+            for line, points in curves
+            if line.get_label() == label and not label.startswith("_")
+            for point, shift, box in places_beside(axes, line, points)
+        ]
+        if places:
+            _, axes, line, point, shift = max(places, key=lambda place: place[0])
+            colour = tuple(DARKENED * np.array(to_rgb(line.get_color())))
+            look: dict[str, Any] = {"xycoords": "figure pixels", "textcoords": "offset points"}
+            look |= {"ha": "center", "va": "center", "fontsize": "small", "in_layout": False}
+            text = axes.annotate(label, point, shift, color=colour, **look)
+            taken.append(text.get_window_extent())
+
+
+def samples(line: Any) -> np.ndarray:
+    """Return points of a curve in small steps, shape (S, 2) [pixels]."""
+    points = line.get_transform().transform(np.column_stack(line.get_data()))
+    points = points[np.isfinite(points).all(axis=1)]
+    steps = np.linspace(0.0, 1.0, SAMPLES)[:, np.newaxis]
+    return np.concatenate(
+        [points[:1], *(first + steps * (second - first) for first, second in pairwise(points))]
+    )
+
+
+def clearance(
+    box: Bbox, own_line: Any, curves: Iterable[tuple[Any, np.ndarray]], taken: Iterable[Bbox]
+) -> float:
+    """Return how much nearer a rectangle is to its own curve than to others [pixels].
+
+    The result is −infinity if the rectangle overlaps a curve or one of the rectangles ``taken``.
+    """
+    distances = {False: np.inf, True: np.inf}
+    for line, points in curves:
+        if len(points):
+            apart = np.maximum(np.maximum(box.min - points, points - box.max), 0.0)
+            is_own = line is own_line
+            distances[is_own] = min(distances[is_own], float(np.hypot(*apart.T).min()))
+    least = OVERLAP * own_line.figure.dpi / 72.0
+    if min(distances.values()) < least or any(box.overlaps(other) for other in taken):
+        return -np.inf
+    return distances[False] - distances[True]
+
+
+def places_beside(axes: Any, line: Any, points: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, Bbox]]:
+    """Yield places of a name beside its curve: point [pixels], shift [points], rectangle [pixels]."""
+    probe = axes.text(0.0, 0.0, line.get_label(), fontsize="small", in_layout=False)
+    size, pixel = probe.get_window_extent().size, axes.figure.dpi / 72.0
+    probe.remove()
+    for point in points[:: SAMPLES // 6]:
+        for side in np.array(SIDES):
+            shift = side * (OFFSET * pixel + 0.5 * size)
+            box = Bbox([point + shift - 0.5 * size, point + shift + 0.5 * size])
+            if (box.min >= axes.bbox.min).all() and (box.max <= axes.bbox.max).all():
+                yield point, shift / pixel, box

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 
 from benchmarks import common
 from benchmarks.looks import WIDTH
@@ -301,6 +302,8 @@ def warm_up(method: str) -> None:
 SIZE = (WIDTH, 7.4)  # [inch] of the chart
 # DEAREST: the end of the colours for the ratio of a cost to the cheapest one
 DEAREST, FAILED, EDGES = 1000.0, "0.9", "#f4f4f4"
+GROUNDS = dict.fromkeys(OUTCOMES, FAILED) | {"over budget": "0.75", "tunnelled": "0.6", "gave up": "0.97"}
+"""The grey of the cells of each outcome."""
 
 
 def title_of(method: str) -> str:
@@ -323,11 +326,16 @@ def draw(figure: Any, record: Any) -> None:
     settings, tally = record["settings"], record["results"]["tally"]
     stiffnesses, restitutions = settings["stiffnesses"], settings["restitutions"]
     cells, done = len(stiffnesses) * len(restitutions), {m: tally[m].get("completed", 0) for m in tally}
-    ours, others = ([done[m] for m in done if (m in OURS) == own] for own in (True, False))
+    ours, others = ([m for m in done if (m in OURS) == own] for own in (True, False))
+    equal = [m for m in others if done[m] == cells]
+    rest = [done[m] for m in others if done[m] < cells]
+    as_well = f", as do {' and '.join(equal)}" if equal else ""
     write_headline(
         figure,
-        f"chain-impact completes {min(ours)} of {cells} runs, other methods {min(others)} to {max(others)}",
-        f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  in each title: completed runs",
+        f"chain-impact completes {min(done[m] for m in ours)} of {cells} runs{as_well}; "
+        f"others complete {min(rest)} to {max(rest)}",
+        f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  "
+        f"in each title: completed runs, of {cells}",
     )
     cost = LogNorm(1.0, DEAREST)
     cheapest = cheapest_of(record["results"]["cells"])
@@ -346,6 +354,8 @@ def draw(figure: Any, record: Any) -> None:
                 costs[place] = row["cpu"] / cheapest[row["stiffness"], row["restitution"]]
             else:
                 letter: dict[str, Any] = {"fontsize": "small", "ha": "center", "va": "center"}
+                corner = (place[1] - 0.5, place[0] - 0.5)
+                axes.add_patch(Rectangle(corner, 1.0, 1.0, facecolor=GROUNDS[row["outcome"]], zorder=0.5))
                 axes.text(place[1], place[0], OUTCOMES[row["outcome"]], color=INK, **letter)
         edges = [np.arange(len(one) + 1) - 0.5 for one in (stiffnesses, restitutions)]
         look = {"edgecolors": EDGES, "linewidth": 0.8}
@@ -357,9 +367,16 @@ def draw(figure: Any, record: Any) -> None:
         axes.grid(visible=False)
         axes.tick_params(length=0)
     name_around(panels.tolist(), name_below="stiffness K [N/m$^{1.5}$]", name_beside="restitution e")
+    names = {"over budget": f"over budget ({settings['budget [s CPU]']:g} s)"}
     keys = [
         Line2D(
-            [], [], color=INK, marker=f"$\\mathrm{{{letter}}}$", linestyle="", markeredgewidth=0.0, label=name
+            [],
+            [],
+            color=INK,
+            marker=f"$\\mathrm{{{letter}}}$",
+            linestyle="",
+            markeredgewidth=0.0,
+            label=names.get(name, name),
         )
         for name, letter in OUTCOMES.items()
         if letter and any(name in tally[m] for m in tally)

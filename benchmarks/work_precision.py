@@ -22,7 +22,7 @@ from typing import Any
 from matplotlib.lines import Line2D
 
 from benchmarks import common, peers
-from benchmarks.looks import LOOKS, WIDTH, highest_first, look
+from benchmarks.looks import LOOKS, WIDTH, look, name_curves
 from benchmarks.problems import PROBLEMS
 from benchmarks.race import ROUNDS, judge, race, seconds_at
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
@@ -38,7 +38,8 @@ from benchmarks.problems import PROBLEMS
 peers.contenders(PROBLEMS["four"], 1e-8, 1.2, [{family!r}])[0][{name!r}].run()
 """
 SIZE = (WIDTH, 6.4)  # [inch] of the chart
-NAMES_IN_ROW = 4  # number of names in a row of the legend
+# the tolerance and the contender in the title, and the contender that is a part of the package
+TOLD_AT, PEER, ALONE = 1e-8, "CVODE Adams", "kernel alone"
 TOLD = 24  # the largest number of characters in a line of the reason why a contender is absent
 ALL_ROUNDS: dict[str, Any] = {"linewidth": 3.0, "alpha": 0.3}
 """The look of the vertical line from the least to the largest time of all rounds."""
@@ -91,21 +92,21 @@ def at_equal_error(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def headline(equal: list[dict[str, Any]]) -> tuple[str, str]:
-    """Return title and text on how long peers take at equal error, at all tolerances; "" without times."""
+    """Return title and text on how long peers take at the tolerance TOLD_AT; "" without times."""
     found = {}
     for name in LOOKS:
-        factors = [row["times as long"][name] for row in equal if name in row["times as long"]]
+        mine = [row["times as long"] for row in equal if row["setting"] == TOLD_AT]
+        factors = [times[name] for times in mine if name in times]
         if factors and peers.FAMILIES[name] != "ours":
             found[name] = sorted(factors)
     if not found:
         return "", ""
-    every = sorted(factor for factors in found.values() for factor in factors)
     order = sorted(found, key=lambda name: found[name][-1])
-    first, *others = (f"as {name}" for name in order)
-    ranges = [_between(found[name]) for name in order]
-    parts = [f"{ranges[0]} times as fast {first}", *map(" ".join, zip(ranges[1:], others, strict=True))]
-    title = f"chain-impact is {_between(every)} times as fast as others at equal error"
-    return f"{title}, at all tolerances", ", ".join(parts)
+    chosen = PEER if PEER in found else order[-1]
+    parts = [f"{name} {_between(found[name])}" for name in order if name != chosen]
+    title = f"chain-impact is {_between(found[chosen])} times as fast as {chosen} "
+    text = f"at equal error; as fast as others: {', '.join(parts)}" if parts else ""
+    return f"{title}at tolerance {decade(TOLD_AT)}", text
 
 
 def _between(factors: list[float]) -> str:
@@ -138,22 +139,24 @@ def draw(figure: Any, record: Any) -> None:
                 axes.set_title(f"{PROBLEMS[name].title}, {PROBLEMS[name].times[-1]:g} s\n{impacts} impacts")
     for axes in panels:
         number_few_decades(axes.yaxis)
-    # a column of the legend has the own programs, then two columns have the others
-    keys = sorted(highest_first(panels), key=lambda line: line.get_color() != LOOKS["chain-impact"][0])
-    keys.append(Line2D([], [], color=INK, marker="x", linestyle="", label="other impacts"))
-    keys.append(Line2D([], [], color=INK, label="pale bar: range of all rounds", **ALL_ROUNDS))
-    figure.legend(handles=keys, loc="outside lower center", ncols=NAMES_IN_ROW)
+    keys = [
+        Line2D([], [], color=INK, marker="x", linestyle="", label="other impacts"),
+        Line2D([], [], color=INK, label="range of all rounds", **ALL_ROUNDS),
+    ]
+    figure.legend(handles=keys, loc="outside lower center", ncols=len(keys))
     title, factors = headline(results["at equal error"])
     told = [
         factors,
-        f"points of simulate() from the right: tolerances from {decade(TOLERANCES[0])} to "
+        f"points of chain-impact from the right: tolerances {decade(TOLERANCES[0])} to "
         f"{decade(TOLERANCES[-1])}, in steps of 100",
+        f"{ALONE}: chain-impact without simulate()",
     ]
     write_headline(
         figure,
         title or "CPU time over errors of the tip and of onsets",
         SEPARATOR.join(filter(None, told)),
     )
+    name_curves(figure, panels)
 
 
 def draw_runs(axes: Any, rows: list[dict[str, Any]], key: str) -> None:
