@@ -21,7 +21,10 @@ pytest_plugins = ["tests.tiers", "tests.scheduling"]
 
 
 def pytest_configure(config):
-    """Set one folder for all temporary files of this session; pytest's own folders stay in place."""
+    """Check the package, and set threads, bytecode and one folder for temporary files of this session.
+
+    pytest's own folders stay in place.
+    """
     if hasattr(config, "workerinput"):
         return  # a worker process, which has the settings of its parent
     check_sources(config.rootpath / "fmu_src/chain_impact", Path(chain_impact.__file__).parent)

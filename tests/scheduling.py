@@ -77,7 +77,10 @@ def pytest_make_collect_report(collector):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
-    """Put the slowest files first, and all other files in the same order in all processes."""
+    """Leave out the tests that are not in the tier, and put the slowest files first.
+
+    All other files follow in the same order in all processes.
+    """
     tiers.leave_out(config, items)
     place = {file: k for k, file in enumerate(SLOWEST)}
 

@@ -20,7 +20,7 @@ ROD = models_folder() / "rod_drop"
 
 
 def info(run, source):
-    """Return the lines with values and the lines of the variables, which may go on in indented lines."""
+    """Return the text with the values, and name → line of each variable, joined with its indented lines."""
     code, said, errors = run("info", source)
     assert (code, errors) == (0, "")
     values, listing = said.split("\nVariables of the FMU\n")

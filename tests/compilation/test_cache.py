@@ -177,7 +177,7 @@ def test_a_read_only_cache_gives_an_error_that_says_what_to_set(monkeypatch):
 
 
 def not_kept(folder, reason):
-    """Check that nothing is stored in a folder, and that a message tells why."""
+    """Check that nothing is stored in a folder; return whether the message tells this reason."""
     with pytest.raises(BuildError) as caught:
         get_or_make("b.so", whole)
     return str(caught.value) == f"no kernel can be stored in {folder} ({reason}): {folders.ADVICE}"
@@ -203,7 +203,10 @@ def shared(request, monkeypatch):
 
 
 def _owned_by(folder, user, monkeypatch, group=0):
-    """Report a false owner for a folder, because only root can change an owner."""
+    """Let all folders seem to have this owner and group, because only root can change an owner.
+
+    Return ``folder``.
+    """
     real = folders.files.others_can_write
 
     def seen(found):

@@ -32,7 +32,7 @@ def number(affine, links, candidates, elements):
 
 
 def per(affine, count):
-    """Return the slope of a count, such as ``link_count``."""
+    """Return by how much a size grows with a count, such as ``link_count``."""
     return affine.slopes[COUNTS.index(count)]
 
 

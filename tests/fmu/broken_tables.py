@@ -35,7 +35,10 @@ def guarded(fmu):
 
 
 def used(library, count):
-    """Use an instance as an importer does; return 1 if it is refused with one sentence."""
+    """Use an instance as an importer does.
+
+    Return 0; or, if there is no instance, 1 if it is refused with the right sentence, else 2.
+    """
     library.said()
     one, c, real = library.instantiate(), library.c, ctypes.c_double
     if not one:
@@ -86,7 +89,10 @@ def mutants_of(whole):
 
 
 def fates(fmu):
-    """Run each mutant, with a recomputed checksum, in its own process, and return the results."""
+    """Run each mutant, with a recomputed checksum, in its own process.
+
+    Return description → exit code (or minus the number of a signal), and the second result of ``mutants_of``.
+    """
     library = guarded(fmu)
     file = library.folder / "resources" / "model.bin"
     whole, count, found = file.read_bytes(), len(library.nodes), {"none": used(library, len(library.nodes))}

@@ -168,7 +168,7 @@ class Instance:
         raise NotImplementedError
 
     def state(self) -> c_void_p:
-        """Save the present state within the context."""
+        """Return the present state, which the caller frees."""
         state = c_void_p()
         assert self.call(self.STATES.get, byref(state)) == OK
         return state
@@ -195,7 +195,10 @@ class Instance:
 def each_call(
     library: Any, new: Callable[[Any], Any], calls: Mapping[str, Callable[[Any], int]], phases: Iterable[str]
 ) -> list[list[Any]]:
-    """Call each function in each phase: yield its status, its message, and whether the state changed."""
+    """Call each function in each phase, on a new instance each time.
+
+    Return rows: phase, function, its status, its messages, and whether it left the state unchanged.
+    """
     found = []
     for phase in phases:
         for name, call in calls.items():
@@ -252,7 +255,7 @@ class Component(Instance):
         return self.call("fmi2SetupExperiment", 0, c_double(0.0), *rest)
 
     def start(self, start: float = 0.0, stop: float | None = None, **values: float) -> Component:
-        """Continue to the first step."""
+        """Set up a new instance, set values and initialize, so that the first step can follow."""
         assert self.setup(start, stop) == OK
         for name, value in values.items():
             assert self.set_real(name, value) == OK

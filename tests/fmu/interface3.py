@@ -68,7 +68,7 @@ class Component(Instance):
         return self.call("EnterInitializationMode", c_bool(False), c_double(0.0), *times)
 
     def start(self, **values: float) -> Component:
-        """Continue to step mode, through event mode if the instance uses event mode."""
+        """Set values and bring a new instance to step mode, through event mode if it uses event mode."""
         for name, value in values.items():
             assert self.set(name, value) == OK
         assert self.enter() == OK

@@ -122,7 +122,10 @@ def test_without_early_return_steps_are_plain(fmu):
 
 
 def stopping(fmu, size, stop):
-    """Run with steps of one size that end at events, and without events. Event mode changes nothing."""
+    """Run with steps of one size that end at events, and without events. Event mode changes nothing.
+
+    Return the events: [time, number of impacts].
+    """
     library, events = Library(fmu), []
     names = [n for n in library.references if library.shapes[n] and n not in ("impact.point", "impact.wall")]
     one, plain = Component(library).start(), Component(library, event_mode=False).start()

@@ -57,7 +57,7 @@ def sanitized_kernel(folder, links):
 
 @pytest.fixture(scope="module")
 def printed(fuzzer, fmu):
-    """Return what a run with each seed prints: each runs once."""
+    """Return a function from a seed to what its run prints; each seed runs once."""
     return cache(partial(run, fuzzer, fmu))
 
 

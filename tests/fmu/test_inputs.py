@@ -76,7 +76,10 @@ MOTIONS = [
 
 
 def moved(fmu, motions, period):
-    """Return a base and a wall that move, given at communication points; and once more from a saved state."""
+    """Run with a base and a wall whose motions are given at communication points.
+
+    Return the names of the outputs, their rows, and the rows of the second half again, from a saved state.
+    """
     instance, rows = Instance(fmu).start(**motions[0]), []
     state, again = None, []
     for k, given in enumerate(motions):

@@ -132,7 +132,7 @@ def values_of(scene):
 
 
 def shown(fmu, changes, names, when):
-    """Return the parameters before any is set, after the changes, and after initialization."""
+    """Return the parameters before any is set, the changed ones, and all after initialization and a reset."""
     one = Instance(fmu)
     told = [one.get(names)]
     one.fmu.setupExperiment(startTime=0.0)

@@ -125,7 +125,7 @@ def test_a_scene_that_cannot_run_has_no_reference_and_that_is_said(tmp_path, cap
 
 
 def changed(name, row, value):
-    """Change a cell of a table."""
+    """Return a function that changes a cell in the text of a table."""
 
     def change(text):
         rows = [line.split(",") for line in text.splitlines()]

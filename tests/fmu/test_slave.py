@@ -139,14 +139,14 @@ def test_a_fault_is_seen_where_the_importer_does_not_log(path, clean, tmp_path):
 
 
 def damaged(name, content):
-    """Return a start that was edited by hand, in an FMU that is otherwise whole."""
+    """Return the content of a file of an FMU; in model.bin one bit is changed."""
     if name == "resources/model.bin":
         return content[:5000] + bytes([content[5000] ^ 1]) + content[5001:]
     return content
 
 
 def described_anew(name, content):
-    """Return an FMU with another GUID in its model description, from which importers take the GUID."""
+    """Return the content of a file of an FMU; importers take another GUID from the model description."""
     described = name == "modelDescription.xml"
     return re.sub(rb'(guid=")........', rb"\g<1>00000000", content) if described else content
 

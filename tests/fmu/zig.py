@@ -12,10 +12,10 @@ WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Werror", "-Wno-unused-paramete
 
 
 def zig(folder: Path, *arguments: object) -> None:
-    """Run zig's C compiler in a folder that holds its scratch files; any message is an error.
+    """Run zig's C compiler in a folder that holds its scratch files; with WARNINGS any warning is an error.
 
     A program ends at a trap where its behaviour is undefined.
-    The default target and an optimised build reuse zig's own libraries, whose build takes 15 s.
+    With the default target and the optimised build, zig's own libraries, whose build takes 15 s, are reused.
     """
     folders = {"ZIG_GLOBAL_CACHE_DIR": str(linker_folder()), "ZIG_LOCAL_CACHE_DIR": str(folder / "zig")}
     command = [sys.executable, "-m", "ziglang", "cc", "-std=c11", "-D_POSIX_C_SOURCE=200809L", "-O1"]

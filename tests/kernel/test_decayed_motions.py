@@ -56,7 +56,7 @@ def test_an_implicit_step_with_a_faded_error_is_accepted(monkeypatch, size, othe
 
 
 def resting():
-    """Return a pinned rod and its contact, as a record."""
+    """Return the record of two pinned links with one contact, at the end of a step."""
     rng = np.random.default_rng(1)
     _, d = chain(rng, 2, "pinned")
     y = random_state(rng, d)

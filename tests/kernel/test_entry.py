@@ -50,7 +50,7 @@ class Runs:
 
 
 def alone(stiffness, stop=STOP):
-    """Return the same by a fresh instance: its record at the end, and the impacts it has logged."""
+    """Return the record of a fresh instance after the same run, with the impacts that it has logged."""
     d = Plain(
         PreparedScene(
             with_values(ball(1e-3, 1.0, stiffness=STIFFNESS), {("contact", "stiffness"): stiffness})

@@ -54,7 +54,7 @@ def test_a_recording_plays_on_its_own_and_pauses(show_recording):
 
 
 def test_a_page_starts_paused_and_its_clock_keeps_its_rate(show_recording):
-    """In 1/3 s the clock passes a part of a millisecond at an impact, else as long or twice as long."""
+    """In 1/3 s the clock passes less than 3 ms at an impact; without slow motion 1/3 s, or twice as long."""
     page = show_recording(stopped=True)
     assert time_after(page, 500) == 0.0
     page.get_by_role("button", name="Play").click()

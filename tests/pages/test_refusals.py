@@ -154,7 +154,7 @@ def status_of(words):
 
 
 def changed(chance, contents, keys):
-    """Return the contents of a file with one or two values changed, added or removed."""
+    """Change, add or remove up to two values in the contents of a file, and return these contents."""
     for _ in range(chance.integers(1, 3)):
         places = list(places_in(contents, keys))
         table, key, rule = places[chance.integers(len(places))]

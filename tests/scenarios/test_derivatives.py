@@ -136,7 +136,7 @@ def impact_errors(case, answer):
 
 
 def worst(errors, names):
-    """Return the values above a bound, for the message."""
+    """Return name → error as text, for the message of a failed test."""
     return {name: f"{error:.1e}" for name, error in zip(names, errors, strict=True)}
 
 

@@ -25,7 +25,7 @@ FOLLOWS = {"inputs": {"joint_targets": True}}
 
 
 def one_servo(**changes):
-    """Return a rod at a pin, without gravity."""
+    """Return a rod at a pin with a servo, without gravity; ``changes`` are keys of the link."""
     return chain_with_drives(
         [ROD | SERVO | changes], {"angles": [0.7], "angular_velocities": [1.5]}, **FOLLOWS
     )

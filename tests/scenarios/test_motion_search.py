@@ -47,7 +47,10 @@ def moving(seed):
 
 
 def check(seed):
-    """Simulate, and return the reason of an early end, if any."""
+    """Simulate the scene of a seed, and check its energy balance and its walls.
+
+    Return the status with which the run ends: 0, or the reason of an early end.
+    """
     scene, inputs = moving(seed)
     status = 0
     try:

@@ -10,7 +10,7 @@ MODELS = ("four_link_box", "pinned_arm", "kneed_leg", "ramp", "rod_drop")
 
 
 def slow(scene, changes, monkeypatch):
-    """Return the same by reading all of it."""
+    """Return the scene with changed values, by a new reading of the whole scene."""
     with monkeypatch.context() as patch:
         patch.setattr(module, "with_numbers", lambda *_: None)
         return scene.with_values(changes)

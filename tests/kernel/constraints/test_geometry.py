@@ -46,7 +46,7 @@ SLOPES = [
 
 
 def prepared(box, changes=None):
-    """Return the record of the default chain between walls at any angle, and in its box or without one."""
+    """Return the default chain between inclined walls, in its box or without one: scene and record."""
     walls = [{"name": f"w{w}", "point": point, "angle": angle} for w, (angle, point) in enumerate(SLOPES)]
     scene = with_values(
         default_scene(), {("walls",): walls} | ({} if box else {("box",): {}}) | (changes or {})
@@ -112,7 +112,7 @@ def test_a_candidate_can_be_given_any_wall(c):
 
 @pytest.fixture(params=["free", "pinned"])
 def stopped(request):
-    """Return a chain of three links with stops in its joints, located in some state."""
+    """Return a chain of three links with stops in its joints, located in some state: its record and state."""
     d = stopped_chain(3, request.param)[1]
     y = random_state(np.random.default_rng(7), d)
     kinematics.locate_points(d, y)

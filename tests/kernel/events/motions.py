@@ -62,7 +62,10 @@ DEEP = 0.3  # m, at the start
 
 
 def falling(height, law="jankowski", size=1.0, touching=(1,)):
-    """Return contacts of a chain that moves to and from the floor without rotation: δ = DEEP − height(t)."""
+    """Return a chain in contact that moves to and from the floor without rotation, and its motion.
+
+    The depths are δ = DEEP − height(t); ``height`` is a polynomial, lowest power first.
+    """
     _, d = chain(np.random.default_rng(0), 2, **of_law(law), stiffness=4.0, restitution=0.5)
     motion = translation(d, [0.3, 0.1], height)
     walls_away(d)

@@ -69,7 +69,7 @@ def forces(d, t, height):
 
 
 def pressed(height, law="zhang_sharf", size=1.0):
-    """Return a step of a contact that has been followed to its start."""
+    """Return a step of a contact that has been followed to the step's start, and its motion."""
     d, motion = falling(height, law=law, size=size)
     d.contacts.latched_speed[1] = 3.0
     set_damping(d, 1)

@@ -240,7 +240,10 @@ SIZE = 0.2
 
 
 def released(force=(1.0, -0.5, -2.0), least=-1e-2, size=SIZE):
-    """Return a step in which the force of a wall is a polynomial, of which the stages have seen the least."""
+    """Return a step in which the force of a wall is a polynomial, and the wall's candidate.
+
+    ``least`` is the least force that the stages have seen.
+    """
     d, c, _ = held_tip(size, force)
     d.constraints.least_force[:] = -1e9
     d.constraints.least_force[c] = least

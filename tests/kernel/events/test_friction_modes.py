@@ -162,7 +162,7 @@ def test_no_mark_of_a_change_outlives_the_choice_of_modes():
 
 @pytest.fixture
 def one():
-    """Return a chain whose first contact is its only element with friction."""
+    """Return a chain whose contact is its only element with friction, and the candidate in contact."""
     _, d, _ = rubbing_chain(np.random.default_rng(3), "free", 1, False)
     return d, int(d.contacts.active_index[0])
 

@@ -74,9 +74,9 @@ def test_the_candidate_that_is_unsettled_decides_among_several():
 @pytest.mark.parametrize("active", [0, 1])
 @pytest.mark.parametrize("whole", [False, True])
 def test_a_harmless_interval_at_the_end_of_a_step_has_no_crossing(whole, active):
-    """A contact that ends keeps its end in this step.
+    """A point that is hardly beyond zero may turn back.
 
-    The onset of a lasting contact lies in this step or the next.
+    Where the interval ends inside the step (not ``whole``), this holds only for a point in contact.
     """
     for end, harmless in ((-0.5e-12, True), (-2e-12, False)):
         d = interval(1.0, end, (-1.0, -1.0), 0.0, active=active)

@@ -239,7 +239,7 @@ def test_an_incredible_onset_refuses_the_step_or_is_dropped(
 
 
 def found_leaving(d):
-    """Return a touch of a point that moves away."""
+    """Let candidate 1 touch in the middle of the step and move away at its end; return this time."""
     measure_clearances(d, 0.5)
     d.contacts.event[1], d.search.phi_end_rate[1] = ONSET, 1.0
     return 0.5

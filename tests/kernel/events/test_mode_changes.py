@@ -63,7 +63,8 @@ def compound_pendulum(moment):
     """Return two links in line that fall about a pin with a sticking joint, and the time of its slip.
 
     The rigid pendulum has θ̈ = −V′/I. The moment in the joint moves the lower link alone:
-    I₂ θ̈ + m₂ c₂ (ℓ₁ θ̈ + g cos θ), with I₂ about the joint: in proportion to cos θ.
+    I₂ θ̈ + m₂ c₂ (ℓ₁ θ̈ + g cos θ), with I₂ about the joint: in proportion to cos θ. The friction is the part
+    ``moment`` of its largest value.
     """
     length, masses = (0.4, 0.7), (1.1, 0.6)
     own = [m * b**2 / 12 for m, b in zip(masses, length, strict=True)]

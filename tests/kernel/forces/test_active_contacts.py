@@ -91,7 +91,10 @@ def test_slopes_at_the_points_are_those_of_the_law(law):
 @pytest.mark.parametrize("law", ["zhang_sharf", "jankowski", "newton_impact"])
 @pytest.mark.parametrize("speed", [2.0, 1e-4, 0.0, -0.5])
 def test_a_contact_begins_with_what_the_impact_is(law, speed):
-    """v₀ has a lower bound, and the depth is that of an elastic impact: K δⁿ⁺¹/(n+1) = ½ m v₀²."""
+    """v₀ has a lower bound. Of a compliant law the depth is that of an elastic impact.
+
+    K δⁿ⁺¹/(n+1) = ½ m v₀². Of the rigid law it is the length of the longest link.
+    """
     rng = np.random.default_rng(3)
     scene, d = chain(rng, 3, **of_law(law), restitution=0.6, minimum_impact_speed=1e-2)
     c = d.candidate_count - 2

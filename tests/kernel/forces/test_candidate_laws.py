@@ -29,7 +29,7 @@ def restitution_for(law, e=0.7):
 
 
 def laws_of(d):
-    """Return all that is known of the laws, as bytes."""
+    """Return all that is known of the laws, for a comparison."""
     return d.law.tobytes(), d.contact_settings.any_force, d.contact_settings.any_rigid
 
 

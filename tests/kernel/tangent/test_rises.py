@@ -32,7 +32,7 @@ def shaken(one, scene=ROD, phase=PHASE, start=0.0):
 
 
 def by_rise(scene, *outputs):
-    """Return the derivatives of some outputs by the rise, and the sentences on them."""
+    """Return the derivatives of some outputs by the rise, and the result with the sentences on them."""
     run = simulate(scene, tolerance=1e-11, sensitivities=[RISE, "signal.drive.amplitude"])
     assert np.isfinite(run.sensitivity(outputs[0], "signal.drive.amplitude")).all()
     return [run.sensitivity(name, RISE) for name in outputs], run

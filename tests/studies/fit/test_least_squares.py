@@ -8,7 +8,7 @@ from chain_impact.studies.fit.problem import Evaluation
 
 
 def search(function, start, *, low=-np.inf, high=np.inf, sigma=None, most=200):
-    """Minimize a function that returns residuals and slopes."""
+    """Minimize a function that returns residuals and slopes; return result and evaluated places."""
     calls = []
 
     def evaluate(place):
