@@ -141,7 +141,7 @@ def test_a_step_after_a_rigid_impact_is_as_in_flight(monkeypatch, rigid, complia
         mark_touching(d, [0])
     d.contact_settings.any_rigid, d.step.method = rigid, EXPLICIT
     monkeypatch.setattr(loop, "apply_pending_events", lambda _: (events, True))
-    monkeypatch.setattr(loop.control, "size_in_flight", lambda *_: 1e-3)
+    monkeypatch.setattr(loop.step_control, "size_in_flight", lambda *_: 1e-3)
     for size in (1e-2, 1e-4):
         d.step.next_size = size
         assert loop.begin_step(d) == events
