@@ -70,15 +70,15 @@ def finding_of(
 ) -> SensitivityFinding:
     """Return the headline, which tells what the most important parameter does, and the change in a run.
 
-    The most important parameter is the one whose changes end first (``known_changes``). If the changes of all
-    parameters hold to the end, it is the parameter with the largest change relative to an output's range. Of
-    all outputs with the unit of the output that changes so, the headline names the one with the largest
-    change by this parameter that a run with the changed parameter confirms: to first order, the change in
-    this run is not ``is_different``. The detail has the time of this change; if the largest change of all is
-    not confirmed, its sizes in a run and to first order; and the time at which the changes end. Without such
-    a run, ``checked`` is None. A parameter with the value 0 is named only if no other parameter has an
-    effect, because its step cannot be compared with a change by 1 %. The headline tells if no parameter has
-    an effect, or if there are no derivatives after the start.
+    The most important parameter is the one whose changes end first (``known_changes``) or, if the changes of
+    all hold to the end, the one with the largest change relative to an output's range. A parameter with the
+    value 0 is it only if no other has an effect, because its step cannot be compared with a change by 1 %.
+    The headline has the largest change by this parameter that a run with the changed parameter confirms (not
+    ``is_different``); if none is confirmed, the largest one, with its size in the run. These are changes of
+    the outputs that have the unit of the output with the largest relative change. The detail has the time of
+    the change; if the largest change is not confirmed, its sizes in a run and to first order; and the time at
+    which the changes end. If no run with the changed parameter is possible, ``checked`` is None. The headline
+    tells if no parameter has an effect, or if there are no derivatives after the start.
 
     ``parts``: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P). ``is_known`` is the
     result of ``known_changes``.

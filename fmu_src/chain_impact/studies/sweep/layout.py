@@ -112,13 +112,13 @@ def sorted_parameters(variations: Sequence[Variation], kind: str) -> list[Variat
 def panels_in_row(design: Design, count: int, width: float) -> int:
     """Return the number of panels in a row of a figure with ``count`` panels and a width [inches].
 
-    - Maps of one result: as few as at most SMALL_MAPS in a row allow, or MOST_IN_ROW in a figure narrower
-      than THREE_SMALL; one more if otherwise the last row would have a single map.
-    - Other maps: 3 of 3, at most 2 of another count; in a figure narrower than THREE_SMALL, 1 of at most 3.
-      With names of choices: 1 in a figure narrower than TWO_COLUMN_WIDTH; of one result, narrower than
-      THREE_SMALL.
-    - Other panels in a figure that is too narrow for two columns (TWO_COLUMN_WIDTH): 1.
-    - Panels with dots: as few as the least possible number of rows allows.
+    - Maps of one result: as few as the least number of rows allows. A row has room for SMALL_MAPS; in a
+      figure narrower than THREE_SMALL for MOST_IN_ROW or, with names of choices at an axis, for 1. One more
+      is in a row if otherwise the last row would have a single map.
+    - Other maps: 3 of 3, at most 2 of another count; but 1 in a figure narrower than TWO_COLUMN_WIDTH with
+      names of choices at an axis, or narrower than THREE_SMALL with at most 3 maps.
+    - Other panels in a figure narrower than TWO_COLUMN_WIDTH: 1.
+    - Panels with dots: as few as the least number of rows allows.
     - Other panels: 3 of 3, at most 2 of another count.
     """
     kind, variations = picture_form(design), varying_in(design)

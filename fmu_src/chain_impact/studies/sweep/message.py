@@ -170,9 +170,10 @@ def share_of(runs: SweepRuns, variation: Variation, values: np.ndarray) -> tuple
 
 
 def no_impact_text(runs: SweepRuns, quantity: Quantity) -> str:
-    """Return words for the runs in which a quantity is ``is_without_touch``; "" if there are none.
+    """Return words for the runs in which nothing touches that a quantity could measure; "" if there are none.
 
-    If these runs are all the runs with some values of a number, up to an end, the words tell these values.
+    The words tell the number of these runs; or, if they are all runs with the least or the largest values of
+    a varied number, these values.
     """
     is_missed = quantity.is_without_touch(runs)
     if not is_missed.any() or is_missed.all():

@@ -111,7 +111,7 @@ class Quantity:
         return np.asarray(~runs.failed & (runs[self.column] == 0.0) & (runs[COUNT] == 0.0) & is_energy)
 
     def values_or_nan(self, runs: SweepRuns) -> np.ndarray:
-        """Return the values as ``values_in`` does, but NaN for runs that are ``is_without_touch``."""
+        """Return the values as ``values_in`` does, but NaN for the runs of ``is_without_touch``."""
         return np.where(self.is_without_touch(runs), np.nan, self.values_in(runs))
 
     def values_in(self, runs: SweepRuns) -> np.ndarray:
