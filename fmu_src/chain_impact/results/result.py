@@ -226,7 +226,7 @@ class Result(PrintedResult, SceneRecording):
 
     @property
     def angles(self) -> np.ndarray:
-        """Absolute angles of the links, counterclockwise from the x axis, shape (T, N) [rad].
+        """Absolute angles of the links, anticlockwise from the x axis, shape (T, N) [rad].
 
         Raises:
             UnknownNameError: when the result lacks one of these angles.
@@ -235,7 +235,7 @@ class Result(PrintedResult, SceneRecording):
 
     @property
     def angular_velocities(self) -> np.ndarray:
-        """Angular velocities of the links, positive counterclockwise, shape (T, N) [rad/s].
+        """Angular velocities of the links, positive anticlockwise, shape (T, N) [rad/s].
 
         Raises:
             UnknownNameError: when the result lacks one of these angular velocities.
