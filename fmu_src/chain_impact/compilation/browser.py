@@ -87,7 +87,8 @@ def link(compiled: Path, output: Path, law: Path | None = None) -> None:
 def _write_imports(output: Path) -> Path:
     """Write a C file with a function for each of IMPORTED, which calls that of the browser's ``Math``.
 
-    The linker keeps only the functions that the law calls. The file is in the folder of ``output``.
+    The linker keeps only the functions that the law calls. The file, whose path is returned, is in the folder
+    of ``output``.
     """
     text = ""
     for name, arguments in IMPORTED.items():

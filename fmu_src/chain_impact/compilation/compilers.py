@@ -278,9 +278,9 @@ def _zig_library(platform: str, library: Path, *inputs: Path) -> None:
 def write_stubs(library: Path, law: Path | None, *, derivatives: bool = False) -> tuple[Path, ...]:
     """Write a C file with substitutes for functions that a kernel lacks; return the files to link with it.
 
-    Without ``derivatives``, the C file has the functions of HOOKS. Without a ``law``, it has those of LAW;
-    with a law, it has only ``user_law_present``, which then returns 1. The files to link are the law, if
-    there is one, and the C file, which is in the folder of ``library``.
+    The C file has the functions of PYTHON_SYMBOLS and, without ``derivatives``, those of HOOKS. Without a
+    ``law``, it has those of LAW; with a law, it has of these only ``user_law_present``, which returns 1. The
+    files to link are the law, if there is one, and the C file, which is in the folder of ``library``.
     """
     missing = ({} if derivatives else HOOKS) | ({"user_law_present": ("i64", (), 1)} if law else LAW)
     text = "".join(map(STUB_CODE.format, PYTHON_SYMBOLS))

@@ -96,7 +96,7 @@ def _fields_by_path(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
             add((*path, name), inner, [sum(pair) for pair in zip(offsets, starts, strict=True)])
 
     def add_columns(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
-        """Add to ``table`` an array of records at ``path``, as one record whose fields are the columns."""
+        """Add the array of records at ``path`` to the result, as one record whose fields are the columns."""
         row = dtypes[0].base
         shape = [affine(sizes) for sizes in zip(*(dtype.shape for dtype in dtypes), strict=True)]
         size = affine([dtype.itemsize for dtype in dtypes])

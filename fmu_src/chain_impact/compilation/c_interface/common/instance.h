@@ -92,7 +92,8 @@ int reset(Instance *instance, const char *call);
 int do_step(Instance *instance, const char *call, double now, double size, int *onset_due);
 /* Compute the start of the run, unless it is computed already; return a status. */
 int start(Instance *instance, const char *call);
-/* Log the kernel's status `fault`, set the phase FAILED, in which no step is allowed, and return `status`. */
+/* Log the kernel's status `fault`, set the phase FAILED, in which no step is allowed, and the time that the kernel has
+   reached; return `status`. */
 int fail(Instance *instance, int status, int fault);
 
 /* functions of variables.c */

@@ -185,7 +185,8 @@ static void warn(Instance *instance) {
 
 /* Make a step of `size` seconds from the time `now` [s]. Unless the call is refused, set *onset_due: 1 if the step ends
    at the onset of a contact, early or at the usual end of the step; else 0. The value is 1 only with event mode and
-   early return (FMI 3.0). Every step ends, because solver.work_limit limits the solver's work. */
+   early return (FMI 3.0). Return PENDING if the kernel pauses: the same call then goes on with the step. Every step
+   ends, because solver.work_limit limits the solver's work. */
 int do_step(Instance *instance, const char *call, double now, double size, int *onset_due) {
     if (!allowed(instance, call, IN(STEPPING))) return ERROR;
     uint64_t registers = usual_registers();
