@@ -213,7 +213,7 @@ def test_show_opens_one_window_with_the_picture(run, monkeypatch):
 
 
 def test_a_picture_and_a_window_have_rows_of_their_own(run, here, fmu, monkeypatch):
-    """Check that a picture at 10 rows per second draws links of constant length, and rings on the paths."""
+    """At 10 rows per second a scene is drawn from 1001 rows; the picture of an FMU has poses only."""
     shown, few = [], ("--set", "simulation.step_size=0.1")
     code, _, said = run("simulate", fmu, *few, "--plot", "a.png")
     assert code == 0

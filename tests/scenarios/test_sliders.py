@@ -155,7 +155,7 @@ def test_a_point_mass_on_a_carriage_without_mass_is_refused():
 
 
 def test_a_force_on_the_carriage_that_changes_with_time_does_its_work():
-    """Without gravity the centre of mass follows the double integral of F = 1.5 + 2 t − t²."""
+    """Without gravity the momentum along the line is the integral of F = 1.5 + 2 t − t², or of F = 1.5."""
     cart = on_slider(
         {},
         {"mass": 2.0},

@@ -39,7 +39,7 @@ def test_the_first_crossing_is_the_first_fall_through_zero(seed, near, touching,
 @pytest.mark.parametrize("depth", [1e-2, 1e-6, 1e-9])
 @pytest.mark.parametrize("falling", [1.0, -1.0])
 def test_a_dip_between_the_ends_of_a_step_is_found(falling, depth):
-    """g = a (t − ½)² − depth: a point of a chain without rotation dips into the wall and returns."""
+    """g = a (t − ½)² ∓ depth: a point of a chain without rotation dips into the wall, or turns before it."""
     _, d = chain(np.random.default_rng(1), 1)
     motion = free_motion(np.random.default_rng(2), d, speed=0.0, bend=0.0)
     c = 1  # the base at the floor

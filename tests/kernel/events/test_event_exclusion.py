@@ -122,7 +122,7 @@ def test_the_search_follows_free_candidates_but_no_held_ones(held):
 def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, fade, active):
     """The margin is ten times h⁶ φ⁽⁶⁾/46080 of a stretched chain that rotates and decays: reach ω² ρ⁴.
 
-    The tolerance of a position is added; nothing moves in this step.
+    Without contact the tolerance of a position is added; nothing moves in this step.
     """
     _, d = chain(np.random.default_rng(0), 2)
     off = 10.0 / 46080.0 * d.chain.length.sum() * turn**2 * max(turn, fade) ** 4

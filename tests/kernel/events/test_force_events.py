@@ -300,7 +300,7 @@ def test_a_stage_beyond_a_place_of_infinite_forces_spoils_the_step(times, size, 
 
 
 def test_the_strongest_force_accelerates_a_carriage_along_its_line():
-    """M (g + a + s 1 rad/s²) with the mass M of carriage and pole, and the length s of the pole."""
+    """M (g + a + s 1 rad/s²) of mass M of cart and pole, acceleration a, and length s of the pole."""
     d = initialized(cart())
     d.step.state[5], d.scratch.rate_start[3:6] = 0.0, (4e3 * math.cos(0.1), 4e3 * math.sin(0.1), 0.0)
     assert force_events.plausible_pull(d) == pytest.approx(2.5 * (9.81 + 4e3 + 0.5), rel=1e-12)

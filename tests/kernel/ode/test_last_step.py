@@ -233,7 +233,7 @@ def test_a_link_can_have_turned_as_its_rates_at_the_ends_allow():
 
 @pytest.mark.parametrize("touching", [0, 1, 2])
 def test_points_that_the_error_of_a_step_has_located_are_not_located_again(monkeypatch, touching):
-    """The step has one contact or two contacts."""
+    """The error of a step locates the points only if there are contacts."""
     d, told = started(), []
     methods.prepare_step(d, H)
     methods.integrate_trial(d, H)

@@ -58,7 +58,7 @@ def hysteresis(penetration, rate, stiffness, restitution):
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize(("restitution", "trusted"), [(0.7, False), (1.0, True)])
 def test_a_law_whose_force_jumps(tmp_path, restitution, trusted):
-    """The force jumps where the point reverses, in the middle of its impact: derivatives end there."""
+    """Unless e = 1, the force jumps where the point reverses, amid its impact: derivatives end there."""
     file = tmp_path / "hysteresis.py"
     file.write_text(HYSTERESIS)
     scene = ball(0.01, 1.0, stiffness=1e6, restitution=restitution, stop_time=0.05).with_values(
