@@ -111,6 +111,17 @@ def page_of(recording):
     return page, *page.axes
 
 
+@functools.cache
+def page_of_width(model, width):
+    """Return the page of a model that is ``width`` [mm] wide and as high as needed; it is drawn once."""
+    return recorded(model).plot(size=(width / 25.4, None))
+
+
+def panel_of(page, name):
+    """Return the axes of a page with a panel."""
+    return next(axes for axes in page.axes if axes.get_label() == name)
+
+
 def motion_of(recording):
     """Return the axes of the motion, drawn without other panels; they are drawn once and cached."""
     if id(recording) not in _MOTIONS:
@@ -118,7 +129,7 @@ def motion_of(recording):
         page = figures.draw_figure(parts, usual_size=usual_size(recording))
         page.draw_without_rendering()
         _MOTIONS[id(recording)] = recording, page
-    return next(axes for axes in _MOTIONS[id(recording)][1].axes if axes.get_label() == "motion")
+    return panel_of(_MOTIONS[id(recording)][1], "motion")
 
 
 def impacts_of(recording):

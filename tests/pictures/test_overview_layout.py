@@ -11,7 +11,15 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.figures import FIGURE_SIZE
 from chain_impact.pictures.overview_layout import broadness, is_beside, is_over_time
-from tests.pictures.pictures import WIDTHS, check_rules, check_texts, page_of, recorded, swing
+from tests.pictures.pictures import (
+    WIDTHS,
+    check_rules,
+    check_texts,
+    page_of,
+    page_of_width,
+    recorded,
+    swing,
+)
 
 
 @pytest.mark.full("more cases", but=["four_link_box", "rod_drop"])
@@ -45,7 +53,7 @@ def test_a_broad_motion_has_the_whole_width():
 @pytest.mark.parametrize("model", ["hopper", "rod_drop"])
 def test_the_legend_of_a_slim_motion_is_beside_it(model):
     """So the motion is as high as all panels over time, and not cut by a legend of one column."""
-    page = recorded(model).plot(size=(190 / 25.4, None))
+    page = page_of_width(model, 190)
     panels = {axes.get_label(): axes for axes in page.axes}
     motion, legend = panels["motion"], panels["motion"].get_legend().get_window_extent()
     assert motion.bbox.x1 <= legend.x0 <= legend.x1 < panels["energy"].get_tightbbox().x0
@@ -55,7 +63,7 @@ def test_the_legend_of_a_slim_motion_is_beside_it(model):
 @pytest.mark.full("more cases", but="thrown_brick")
 @pytest.mark.parametrize("model", ["thrown_brick", "sliding_rod", "ur5e"])
 def test_a_caption_has_room_below_a_picture_on_a_page(model):
-    assert recorded(model).plot(size=(190 / 25.4, None)).get_figheight() * 25.4 <= 200.0
+    assert page_of_width(model, 190).get_figheight() * 25.4 <= 200.0
 
 
 # a page of 120 mm has the panels of one of 84 mm with more room; one of 190 mm is nearly the usual page
@@ -84,7 +92,7 @@ def test_texts_fit_a_page_of_any_width(model, width):
 @pytest.mark.full("more cases", but="arm_at_stop")
 @pytest.mark.parametrize("model", ["arm_at_stop", "rod_drop", "hopper", "stick_slip_belt"])
 def test_a_slim_motion_leaves_no_empty_half_on_a_page_of_120_mm(model):
-    page = recorded(model).plot(size=(WIDTHS[1], None))
+    page = page_of_width(model, 120)
     check_texts(page)
     motion, *others = (axes.get_position() for axes in page.axes)
     assert motion.x1 < min(other.x0 for other in others)
@@ -94,7 +102,7 @@ def test_a_slim_motion_leaves_no_empty_half_on_a_page_of_120_mm(model):
 
 @pytest.mark.full("takes long")
 def test_a_broad_motion_fills_a_page_of_120_mm():
-    page = recorded("four_link_box").plot(size=(WIDTHS[1], None))
+    page = page_of_width("four_link_box", 120)
     page.draw_without_rendering()
     places = {axes.get_label(): axes.get_position() for axes in page.axes}
     assert places["motion"].width > 0.9 * places["energy"].width
@@ -159,7 +167,7 @@ def test_on_a_narrow_page_the_left_edges_of_all_panels_are_aligned():
 
 @pytest.mark.parametrize("model", ["four_link_box", "rod_drop"])
 def test_a_picture_for_a_column_is_low_and_has_one_axis_of_time(model):
-    page = recorded(model).plot(size=(WIDTHS[0], None))
+    page = page_of_width(model, 84)
     assert page.get_figheight() <= 1.6 * WIDTHS[0] + 1e-9
     page.draw_without_rendering()
     panels = {axes.get_label(): axes for axes in page.axes}
@@ -174,7 +182,7 @@ def test_a_picture_for_a_column_is_low_and_has_one_axis_of_time(model):
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize("model", ["kneed_leg", "hopping_leg"])
 def test_numbers_below_a_motion_that_is_narrower_than_its_panel_keep_apart(model):
-    page = recorded(model).plot(size=(WIDTHS[1], None))
+    page = page_of_width(model, 120)
     page.draw_without_rendering()
     low, high = page.axes[0].get_xlim()
     ticks = [tick for tick in page.axes[0].get_xticklabels() if low <= tick.get_position()[0] <= high]
@@ -183,5 +191,4 @@ def test_numbers_below_a_motion_that_is_narrower_than_its_panel_keep_apart(model
 
 
 def test_an_overview_in_one_column_of_a_page_leaves_room_for_a_caption():
-    recording = recorded("thrown_brick")
-    assert recording.plot(size=(84 / 25.4, None)).get_figheight() < 170 / 25.4
+    assert page_of_width("thrown_brick", 84).get_figheight() < 170 / 25.4

@@ -4,6 +4,7 @@
 # Tests: pictures/motion/poses.py, pictures/motion/named_points.py, pictures/texts/point_names.py
 
 import functools
+import itertools
 import re
 
 import numpy as np
@@ -30,7 +31,18 @@ from chain_impact.recording.joint_peaks import joint_peaks
 from chain_impact.recording.joint_stops import range_lines
 from chain_impact.recording.view import ball_of
 from chain_impact.scene.display.bodies import size_of_motion
-from tests.pictures.pictures import boxes, crowd, impact_row, motion_of, page_of, recorded, swing, texts
+from tests.pictures.pictures import (
+    boxes,
+    crowd,
+    impact_row,
+    motion_of,
+    page_of,
+    page_of_width,
+    panel_of,
+    recorded,
+    swing,
+    texts,
+)
 
 
 def poses(axes):
@@ -47,12 +59,16 @@ def ring_places(axes):
     return np.concatenate([line.get_xydata() for line in rings])
 
 
+def cases(*models):
+    """Return the pages of models in one column and in two, and one page between them."""
+    return [*itertools.product(models, (84, 190)), ("hopper", 120)]
+
+
 @pytest.mark.full("more cases", but=["thrown_brick-190", "hopper-120"])
-@pytest.mark.parametrize("width", [84, 120, 190])
-@pytest.mark.parametrize("model", ["thrown_brick", "hopper", "four_link_box", "whip"])
+@pytest.mark.parametrize(("model", "width"), cases("thrown_brick", "hopper", "four_link_box", "whip"))
 def test_points_that_touch_have_names_nearest_to_their_place_at_the_start(model, width):
     recording = recorded(model)
-    motion = recording.plot(size=(width / 25.4, None)).axes[0]
+    motion = panel_of(page_of_width(model, width), "motion")
     places = motion.transData.transform(recording.all_points[0])
     names = [text for text in motion.texts if text.get_gid() == NAME]
     numbers = {name: number for number, name in recording.point_names.items()}
@@ -249,8 +265,7 @@ def told_count(text):
 @pytest.mark.parametrize("model", ["four_link_box", "rod_drop"])
 def test_no_list_of_numbers_at_a_ring_is_silently_short(model):
     recording = recorded(model)
-    page = recording.plot(size=(84 / 25.4, None))
-    motion = next(axes for axes in page.axes if axes.get_label() == "motion")
+    motion = panel_of(page_of_width(model, 84), "motion")
     told = [text.replace("\n", " ") for text in texts(motion)]
     lists = [text.removeprefix("#") for text in told if text.startswith("#")]
     assert sum(map(told_count, lists)) == len(recording.impacts)
@@ -258,7 +273,7 @@ def test_no_list_of_numbers_at_a_ring_is_silently_short(model):
 
 def test_the_largest_joint_force_is_told_first():
     arm = simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}))
-    motion = next(axes for axes in arm.plot(size=(84 / 25.4, None)).axes if axes.get_label() == "motion")
+    motion = panel_of(arm.plot(size=(84 / 25.4, None), panels="motion"), "motion")
     told = [text.get_text() for text in motion.texts if text.get_color() == LOAD]
     assert told[0].endswith(force_text(joint_peaks(arm)[0].force, "N"))
 
@@ -281,14 +296,15 @@ def distance(segment, place):
 
 
 @pytest.mark.full("more cases", but=["four_link_box-84"])
-@pytest.mark.parametrize("width", [84, 120, 190])
-@pytest.mark.parametrize("model", ["four_link_box", "hopper", "pinned_arm", "crowd"])
+@pytest.mark.parametrize(("model", "width"), cases("four_link_box", "hopper", "pinned_arm", "crowd"))
 def test_no_leader_passes_another_ring_or_crosses_a_chain_at_start_or_end(model, width):
-    recording = crowd() if model == "crowd" else recorded(model)
-    size = usual_size(recording, size=(width / 25.4, None))
-    page = figures.draw_figure(functools.partial(draw_overview, recording=recording), usual_size=size)
+    if model == "crowd":
+        recording, size = crowd(), usual_size(crowd(), size=(width / 25.4, None))
+        page = figures.draw_figure(functools.partial(draw_overview, recording=recording), usual_size=size)
+    else:
+        recording, page = recorded(model), page_of_width(model, width)
     page.draw_without_rendering()
-    motion = next(axes for axes in page.axes if axes.get_label() == "motion")
+    motion = panel_of(page, "motion")
     at, point = motion.transData.transform, page.dpi / 72.0
     chains = [at(recording.points[row]) for row in (0, -1)]
     places = at(list(rings(motion, recording)))

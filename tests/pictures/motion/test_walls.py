@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact.scene.texts.names import SLIDER_STOPS, STOPS
-from tests.pictures.pictures import PLANAR, motion_of, page_of, recorded, swing
+from tests.pictures.pictures import PLANAR, motion_of, page_of, page_of_width, panel_of, recorded, swing
 
 
 def wall_lines(axes):
@@ -148,9 +148,8 @@ def test_a_flat_motion_has_the_height_of_its_axes():
 @pytest.mark.parametrize("model", ["clattering_rod", "double_pendulum_wall"])
 def test_no_large_part_of_the_axes_is_empty(model):
     recording = recorded(model)
-    for size in (None, (84 / 25.4, None)):
-        page = recording.plot(size=size)
-        motion = next(axes for axes in page.axes if axes.get_label() == "motion")
+    for page in (page_of(recording)[0], page_of_width(model, 84)):
+        motion = panel_of(page, "motion")
         places = recording.all_points.reshape(-1, 2)
         for along, limits in enumerate((motion.get_xlim(), motion.get_ylim())):
             reach = places[:, along]
@@ -161,8 +160,8 @@ def test_no_large_part_of_the_axes_is_empty(model):
 @pytest.mark.full("more cases", but="pinned_arm")
 @pytest.mark.parametrize("model", ["pinned_arm", "whip", "rod_drop"])
 def test_the_view_of_a_narrow_picture_is_not_much_wider_than_the_motion(model):
-    page = recorded(model).plot(size=(120 / 25.4, None))
-    motion = next(axes for axes in page.axes if axes.get_label() == "motion")
+    page = page_of_width(model, 120)
+    motion = panel_of(page, "motion")
     places = recorded(model).points[..., 0]
     left, right = motion.get_xlim()
     beside = [places.min() - left, right - places.max()]

@@ -12,7 +12,7 @@ from chain_impact.pictures.over_time.dry_friction import MOST_ROWS
 from chain_impact.pictures.over_time.energies import energy_curves
 from chain_impact.pictures.texts.conditions import conditions
 from tests.helpers.scenes.friction import pendulum, sled, thrown
-from tests.pictures.pictures import WIDTHS, page_of, recorded
+from tests.pictures.pictures import page_of, page_of_width, panel_of, recorded
 
 
 @pytest.fixture(scope="module")
@@ -44,9 +44,9 @@ def test_bars_stand_where_a_joint_sticks_and_lines_where_it_slides(recording):
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize("model", ["rocking_block", "hopper"])
 def test_the_names_of_rows_stay_clear_of_the_bars_of_other_rows(model):
-    page = recorded(model).plot(size=(WIDTHS[0], None))  # the narrowest one
+    page = page_of_width(model, 84)  # [mm] the narrowest one
     page.draw_without_rendering()
-    (strip,) = (axes for axes in page.axes if axes.get_label() == "friction")
+    strip = panel_of(page, "friction")
     names = [label.get_window_extent() for label in strip.get_yticklabels()]
     bars = [bar.get_window_extent() for bars in strip.containers for bar in bars]
     least = page.dpi / 72.0  # 1 point
@@ -58,7 +58,7 @@ def test_the_names_of_rows_stay_clear_of_the_bars_of_other_rows(model):
 def test_phases_too_short_to_be_seen_are_not_in_the_legend():
     """A corner of the block slides for some microseconds before it sticks."""
     page, *_ = page_of(recorded("rocking_block"))
-    strip = next(axes for axes in page.axes if axes.get_label() == "friction")
+    strip = panel_of(page, "friction")
     assert [text.get_text() for text in strip.get_legend().get_texts()] == ["sticks at y_min"]
 
 

@@ -2,6 +2,7 @@
 
 # Tests: pictures/over_time/time_axis.py
 
+import itertools
 import re
 
 import numpy as np
@@ -27,7 +28,17 @@ from chain_impact.pictures.overview import draw_overview
 from chain_impact.pictures.texts.headline import impulses_of_hits
 from chain_impact.pictures.texts.impact_numbers import NUMBER_SIGN
 from chain_impact.recording.contact_times import impacts_at_peaks
-from tests.pictures.pictures import MODELS, impact_row, impacts_of, page_of, recorded, swing, texts
+from tests.pictures.pictures import (
+    MODELS,
+    impact_row,
+    impacts_of,
+    page_of,
+    page_of_width,
+    panel_of,
+    recorded,
+    swing,
+    texts,
+)
 
 
 def numbers(axes):
@@ -92,15 +103,16 @@ def test_a_number_stands_near_its_impact_and_counts_in_time(model):
 
 
 @pytest.mark.full("more cases", but=["thrown_brick-190", "four_link_box-84"])
-@pytest.mark.parametrize("width", [84, 120, 190])
-@pytest.mark.parametrize("model", ["thrown_brick", "four_link_box", "hopper", "rod_drop", "falling_arm"])
+@pytest.mark.parametrize(
+    ("model", "width"),
+    [
+        *itertools.product(["thrown_brick", "four_link_box", "hopper", "rod_drop", "falling_arm"], [84, 190]),
+        ("hopper", 120),
+    ],
+)
 def test_no_mark_of_another_impact_is_nearer_to_a_number_than_its_own(model, width):
     recording = recorded(model)
-    axes = next(
-        panel
-        for panel in recording.plot(size=(width / 25.4, None)).axes
-        if panel.get_label() in ("impacts", "speeds")
-    )
+    axes = panel_of(page_of_width(model, width), "impacts")
     times, heights = marks_of(recording)
     marks = axes.transData.transform(np.stack([times, heights], axis=-1))
     shared = common_marks(recording, times, heights).values()
@@ -152,8 +164,7 @@ def test_of_many_impacts_the_largest_and_the_last_are_numbered():
 
 @pytest.mark.full("takes long")
 def test_every_kth_of_many_evenly_spaced_impacts_is_numbered():
-    page = recorded("bouncing_table").plot(size=(84 / 25.4, None))
-    (axes,) = (panel for panel in page.axes if panel.get_label() == "impacts")
+    axes = panel_of(page_of_width("bouncing_table", 84), "impacts")
     assert numbers(axes) == [str(number) for number in range(5, 31, 5)]
 
 
