@@ -27,7 +27,8 @@ def main() -> None:
         animation, exploring = Path(folder, "animation.html"), Path(folder, "explore.html")
         write_animation(record_slowly(load_scene("four_link_box")), animation)
         explore("four_link_box", exploring)
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+        chromium = shutil.which("chromium") or shutil.which("chromium-headless-shell")
+        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
         for address, size, name in (
             (animation.as_uri(), SIZE, "animation"),
             (exploring.as_uri() + CHANGES, WIDE_VIEWPORT, "explore"),
