@@ -15,12 +15,18 @@ from tests import tiers
 SLOWEST = (
     "tests/scenarios/test_random_scenes.py",
     "tests/simulation/test_derivatives.py",
+    "tests/pictures/motion/test_motion.py",  # and the files that share its process
     "tests/fmu/test_platforms.py",
     "tests/repository/test_docs.py",
     "tests/scenarios/test_derivatives.py",
     "tests/fmu/test_fuzzer.py",
     "tests/scenarios/test_carried_arm.py",
     "tests/studies/sweep/test_cluster.py",
+    "tests/studies/sweep/test_batches.py",
+    "tests/fmu/test_parameters.py",
+    "tests/fmu/test_interface.py",
+    "tests/scenarios/test_certificate.py",
+    "tests/studies/sweep/test_interrupted.py",
     "tests/compilation/test_browser.py",
     "tests/scenarios/test_law_file.py",
     "tests/cli/test_commands.py",
@@ -38,6 +44,7 @@ SHARED_PROCESS = {
     for name in (
         "motion/test_motion",
         "motion/test_walls",
+        "over_time/test_dry_friction",
         "over_time/test_energies",
         "over_time/test_impacts",
         "test_committed_pictures",

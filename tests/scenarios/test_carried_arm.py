@@ -63,8 +63,10 @@ def test_no_impulse_is_lost_between_communication_points(tmp_path):
 
 
 @needs_interop
-@pytest.mark.parametrize("master", ["libcosim", "ecos"])
-def test_another_master_has_the_same_results(master, tmp_path):
-    ours, theirs = (co_simulated("carried_arm", tmp_path, "--master", name) for name in ("fmpy", master))
-    for name in ("base.x", "link[2].angle", "joint[1].impulse.x"):
-        np.testing.assert_allclose(theirs[name], ours[name], rtol=0, atol=1e-6, err_msg=name)
+def test_another_master_has_the_same_results(tmp_path):
+    ours = co_simulated("carried_arm", tmp_path, "--master", "fmpy")
+    for master in ("libcosim", "ecos"):
+        theirs = co_simulated("carried_arm", tmp_path, "--master", master)
+        for name in ("base.x", "link[2].angle", "joint[1].impulse.x"):
+            what = f"{name} with {master}"
+            np.testing.assert_allclose(theirs[name], ours[name], rtol=0, atol=1e-6, err_msg=what)
