@@ -119,7 +119,7 @@ def test_the_page_has_the_ranges_and_tells_stops_from_walls():
         "x_max": False,
     }
     first = packed["impacts"][0]
-    assert first["linearSpeed"] == 0.5 * first["speed"]
+    assert first["linearSpeed"] == 0.5 * first["impact_speed"]
 
 
 def test_ten_seconds_of_four_links_are_small():

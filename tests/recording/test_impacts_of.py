@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact import SceneWarning, impacts_of, load_scene, simulate
-from chain_impact.recording.impacts import COLUMNS
+from chain_impact.recording.impacts import FMU_NAMES
 from chain_impact.simulation.instance import Instance
 
 EXACT = ("point", "wall", "onset", "impact_speed")
@@ -18,14 +18,14 @@ def recorded(scene, times):
     """Return the record of an importer that reads all impacts at each communication point."""
     instance = Instance(scene)
     record = {"time": np.array(times), "impact.count": []}
-    names = [(j, name) for j in range(scene.outputs.impacts) for name in COLUMNS]
-    record |= {f"impact[{j + 1}].{COLUMNS[name]}": [] for j, name in names}
+    names = [(j, name) for j in range(scene.outputs.impacts) for name in FMU_NAMES]
+    record |= {f"impact[{j + 1}].{FMU_NAMES[name]}": [] for j, name in names}
     for time in times:
         assert instance.advance(time) == 0
         instance.observe()
         record["impact.count"].append(int(instance.record["impact"]["count"]))
         for j, name in names:
-            record[f"impact[{j + 1}].{COLUMNS[name]}"].append(instance.record["latest"][name][j])
+            record[f"impact[{j + 1}].{FMU_NAMES[name]}"].append(instance.record["latest"][name][j])
     return record
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene.texts.names import grouped_by_owner
 from chain_impact.variables.outputs import OUTPUTS
 
@@ -31,17 +32,8 @@ DRAWN_COLUMNS: Mapping[tuple[str, str], tuple[str, str]] = {
 slider as joint 0."""
 GROUPS = tuple(dict.fromkeys(group for group, _ in DRAWN_COLUMNS.values()))
 """The names of the groups; an entry of a group has the quantities of one owner."""
-COLUMN_OF_QUANTITY = {
-    "speed": "impact_speed",
-    "rebound": "separation_speed",
-    "peak": "peak_force",
-    "impulse": "impulse",
-    "jointForce": "joint_force",
-    "depth": "max_penetration",
-    "x": "x",
-    "y": "y",
-}
-"""Quantity of an impact in the pages → its column in a list of impacts."""
+IMPACT_QUANTITIES = tuple(name for name in LOG_DTYPE.names or () if LOG_DTYPE[name] == np.float64)
+"""The columns of a list of impacts that are real numbers, which the impacts of pages have, too."""
 NEEDED_QUANTITIES = {"contacts": {"force"}, "loads": {"x", "y"}}
 """Group → the quantities without which an entry cannot be drawn."""
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.pages.assembly import assemble_page, program, script_data, styles, text_of
-from chain_impact.pages.drawn import COLUMN_OF_QUANTITY, drawn_entries
+from chain_impact.pages.drawn import IMPACT_QUANTITIES, drawn_entries
 from chain_impact.pages.encoding import base64_text
 from chain_impact.pages.shared import FINEST
 from chain_impact.recording.joint_stops import JointRange
@@ -106,11 +106,9 @@ def impacts(recording: Recording) -> list[dict[str, Any]]:
             "point": int(impact["point"]),
             "what": recording.touching_part(impact),
             "wall": recording.wall_names[impact["wall"]],
-            "onset": float(impact["onset"]),
-            "end": _number_or_none(impact["end"]),
             "linearSpeed": linear_speed,
             "joint": int(impact["joint"]),
-            **{name: _number_or_none(impact[column]) for name, column in COLUMN_OF_QUANTITY.items()},
+            **{name: _number_or_none(impact[name]) for name in IMPACT_QUANTITIES},
             "atStop": at_stop,
         }
         for impact, linear_speed, at_stop in rows

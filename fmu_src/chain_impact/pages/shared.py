@@ -27,9 +27,8 @@ from chain_impact.kernel.record.constants import NOT_GIVEN, WALLS
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STARTS_INSIDE_WALL, STATUS_TEXT
-from chain_impact.pages.drawn import COLUMN_OF_QUANTITY, GROUPS
+from chain_impact.pages.drawn import GROUPS, IMPACT_QUANTITIES
 from chain_impact.recording import curves, joint_stops, pacing, view
-from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene import errors
 from chain_impact.scene.checks.signal_checks import REST_TOLERANCE
 from chain_impact.scene.contents import PARALLEL_COSINE
@@ -138,8 +137,8 @@ def page_data() -> dict[str, Any]:
             "STOP_CODES": STOP_CODES,
             "STATUS_TEXT": {str(status): text for status, text in STATUS_TEXT.items()},
         },
-        "drawn": {"GROUPS": GROUPS, "COLUMN_OF_QUANTITY": COLUMN_OF_QUANTITY},
-        "contactLog": {"REALS": [name for name in LOG_DTYPE.names or () if LOG_DTYPE[name] == np.float64]},
+        "drawn": {"GROUPS": GROUPS},
+        "contactLog": {"REALS": IMPACT_QUANTITIES},
         "packed": {"FINEST": FINEST},
         "quantities": {
             name: re.sub(r"\B(?=[A-Z])", " ", unit.quantity).lower()

@@ -13,6 +13,7 @@ from chain_impact.kernel.record.constants import WALLS
 from chain_impact.kernel.record.contacts import contact_log_dtype
 from chain_impact.scene.texts.names import SLIDER_STOPS, STOPS, name_parts
 from chain_impact.scene.warning import warn
+from chain_impact.variables.outputs import OUTPUTS
 
 _LOG = contact_log_dtype(0)
 # fields of the kernel's log of contacts that are not columns of the table of impacts
@@ -52,18 +53,13 @@ that of the joint or, at a stop of a slider, of the base."""
 
 NO_IMPACTS = np.zeros(0, IMPACT_DTYPE)
 NO_IMPACTS.flags.writeable = False
-COLUMNS = {
-    "point": "point",
-    "wall": "wall",
-    "onset": "time",
-    "end": "end",
-    "impact_speed": "speed",
-    "separation_speed": "separation_speed",
-    "peak_force": "peak_force",
-    "max_penetration": "max_penetration",
-    "impulse": "impulse",
+FMU_NAMES = {
+    str(kind.record_path[1]): kind.parts.quantity
+    for block in OUTPUTS
+    for kind in block.kinds
+    if kind.owner_kind == "impact"
 }
-"""Column of the table of impacts → last part of the name of the FMU's variable."""
+"""Column of the table of impacts → the last part of the name of its variable in FMUs, `impact[1].time`."""
 POSITION = ("x", "y")
 UNSHOWN_COLUMNS = ("effective_mass", "joint_force", *POSITION)
 """The columns that are NaN in a table from an FMU's outputs, because the FMU has no outputs for them."""
@@ -197,7 +193,7 @@ def _table(record: Any, walls: Sequence[str]) -> np.ndarray:
     table = np.zeros(len(number), LOG_DTYPE)
     for field in UNSHOWN_COLUMNS:
         table[field] = np.nan
-    for field, name in COLUMNS.items():
+    for field, name in FMU_NAMES.items():
         columns = np.array([_column(record, f"impact[{j}].{name}") for j in range(1, shown_count + 1)])
         table[field] = columns[counts[row] - number, row]
     table["wall"] -= 1
@@ -238,7 +234,7 @@ def shown_impacts(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
     rows = np.flatnonzero(np.diff(record["impact.count"], prepend=0))
     table = np.full(len(rows), np.nan, np.dtype([(name, np.float64) for name in LOG_DTYPE.names or ()]))
     for field in ("point", "wall", "onset", "impact_speed"):
-        table[field] = np.asarray(record[f"impact.last_{COLUMNS[field]}"])[rows]
+        table[field] = np.asarray(record[f"impact.last_{FMU_NAMES[field]}"])[rows]
     table["wall"] -= 1
     table["joint"] = 0
     return impact_table_of_log(table.astype(LOG_DTYPE), walls)

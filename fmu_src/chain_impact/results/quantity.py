@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from chain_impact.recording.impacts import POSITION
+from chain_impact.recording.impacts import FMU_NAMES, POSITION
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities, slopes_of_impacts
 from chain_impact.scene.errors import SceneError
@@ -21,8 +21,8 @@ from chain_impact.variables.impact_units import impact_units
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
 
 DURATION = "duration"  # the duration of an impact [s], from its onset to its end
-FMU_NAMES = {"time": "onset", "speed": "impact_speed"}
-"""Name of a quantity in the FMU's ``impact[j]`` → its column in ``Result.impacts``, if the names differ."""
+COLUMN_OF_FMU_NAME = {name: column for column, name in FMU_NAMES.items()}
+"""Name of a quantity in the FMU's ``impact[j]`` → its column in ``Result.impacts``."""
 
 
 class RankedQuantity(NamedTuple):
@@ -59,7 +59,7 @@ def quantity_named(recording: Recording, sensitivities: Sensitivities, name: str
         return _joint_force(recording, sensitivities)
     owner, number, _, quantity = name_parts(name)
     if owner == "impact" and "[" in name:
-        return _impact_quantity(recording, sensitivities, number, FMU_NAMES.get(quantity, quantity))
+        return _impact_quantity(recording, sensitivities, number, COLUMN_OF_FMU_NAME.get(quantity, quantity))
     if name not in sensitivities.columns:
         quantities = (*PEAKS, JOINT_FORCE, *sensitivities.columns)
         of_peak = re.sub(r"\w*$", r"peak_\g<0>", name, count=1)

@@ -26,10 +26,10 @@ export const texts = async () => {
 export const course = async ({ module, file, kit, values }) => {
   const kernel = await Kernel.load(await compiled(module), sceneOf({ file, kit }));
   const { parts: { forces, impacts, rowTime } } = runThrough(motion(kernel, values));
-  return impacts.map(({ point, wall, onset, end, peak }) => {
+  return impacts.map(({ point, wall, onset, end, peak_force }) => {
     const { force } = forces.find((one) => one.point === point && one.wall === wall);
     const within = force.filter((_, k) => rowTime[k] >= onset && rowTime[k] <= end);
-    return [peak, Math.max(...within)];
+    return [peak_force, Math.max(...within)];
   });
 };
 

@@ -2,7 +2,7 @@
 import { ImpactList } from "../../../fmu_src/chain_impact/pages/browser/player/impact_list.js";
 
 export const longList = (count) => {
-  const impact = (k) => ({ onset: k / count, what: "point 1", wall: "y_min", speed: 1, peak: 2 });
+  const impact = (k) => ({ onset: k / count, what: "point 1", wall: "y_min", impact_speed: 1, peak_force: 2 });
   const element = document.body.appendChild(document.createElement("div"));
   const impacts = Array.from({ length: count }, (_, k) => impact(k));
   new ImpactList(element, () => {}).show({ impacts, frameAt: () => 0, pointAt: () => [0, 0] });

@@ -1,6 +1,8 @@
 // Functions that write numbers, units and times as text.
 // The twin in Python is `scene/texts/unit_text.py`.
 
+import { mapped } from "./mapped.js";
+
 const [PRODUCT, SQUARE] = [SHARED.units.PRODUCT, SHARED.units.SQUARE].map((pattern) => new RegExp(pattern, "g"));
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""]];
 // for small speeds and impulses: least value for a prefix, in the unit without prefix; factor on the value; prefix of the unit
@@ -142,12 +144,17 @@ export function speedText(value) {
   return `${names[value] ?? Number(value.toPrecision(3))} ×`;
 }
 
-/** Return the units of an impact's speed, peak force and impulse; at a stop of a joint (`atStop`), those of the angular quantities. */
+/**
+ * Return the largest force of an impact or, at a stop of a joint, the largest moment as text; the impulse if the impact has no peak force;
+ * `unknown` if the impulse is unknown, too.
+ */
+export function peakText(impact, unknown = "–") {
+  return impact.peak_force === null ? impulseText(impact) || unknown : forceText(impact.peak_force, 3, unitsOf(impact).peak_force);
+}
+
+/** Return name of a quantity of an impact → its unit; at a stop of a joint (`atStop`), speeds, forces and so on are angular. */
 export function unitsOf({ atStop }) {
-  const units = SHARED.impactUnits[atStop ? "AT_STOP" : "AT_WALL"];
-  const [speed, force, impulse, penetration] =
-    [units.impact_speed, units.peak_force, units.impulse, units.max_penetration].map(unitText);
-  return { speed, force, impulse, penetration };
+  return mapped(SHARED.impactUnits[atStop ? "AT_STOP" : "AT_WALL"], unitText);
 }
 
 /** Return a sentence with ≤ and ≥ in place of <= and >=, in which no line ends after a sign of comparison. */

@@ -79,8 +79,8 @@ export function writerOf(arrays) {
  * no peak force is known.
  */
 export function contactTitle(contact) {
-  const { number, peak, what } = contact;
-  const impulse = peak === null ? impulseText(contact) : "";
+  const { number, peak_force, what } = contact;
+  const impulse = peak_force === null ? impulseText(contact) : "";
   return `${number ? `impact ${number}: ` : ""}${placeText({ ...contact, what: pointName(what) ?? what })}${impulse && `, ${impulse}`}`;
 }
 

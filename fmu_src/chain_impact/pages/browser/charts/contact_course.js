@@ -39,9 +39,9 @@ export function rootTicks({ height }, high) {
 }
 
 /**
- * Return the course of a contact: `times` since its onset [s], and the values of `force`, `depth` and `friction` at these times. The times
- * are those of the recording's rows from a short time before the contact to a short time after it. Before and after the contact, force,
- * depth and friction are 0. An unknown depth or friction is undefined; an unknown force is 0.
+ * Return the course of a contact: `times` since its onset [s], and the values of `force`, `penetration` and `friction` at these times.
+ * The times are those of the recording's rows from a short time before the contact to a short time after it. Before and after the contact,
+ * force, penetration and friction are 0. An unknown penetration or friction is undefined; an unknown force is 0.
  */
 export function courseAround(recording, contact) {
   const { onset, end } = contact;
@@ -52,8 +52,8 @@ export function courseAround(recording, contact) {
   const last = lastBefore(time, end + margin) + 2;
   const times = Array.from(time.slice(first, last), (now) => now - onset);
   const during = (all) => all && times.map((now, index) => (now >= 0 && now <= end - onset ? all[first + index] : 0));
-  const [force, depth, friction] = [columns.force, columns.penetration, columns.friction].map(during);
-  return { times, force: force ?? times.map(() => 0), depth, friction };
+  const [force, penetration, friction] = [columns.force, columns.penetration, columns.friction].map(during);
+  return { times, force: force ?? times.map(() => 0), penetration, friction };
 }
 
 /**
@@ -63,7 +63,7 @@ export function courseAround(recording, contact) {
  */
 export function impulsesLike({ impacts }, contact) {
   const alike = impacts.filter((impact) => hasImpulseOnly(impact) && Boolean(impact.atStop) === Boolean(contact.atStop) &&
-    (impact === contact || Number.isFinite(impact.rebound ?? NaN)));
+    (impact === contact || Number.isFinite(impact.separation_speed ?? NaN)));
   return [alike.flatMap(({ onset }) => [onset, onset, onset]), alike.flatMap(({ impulse }) => [0, impulse, 0])];
 }
 

@@ -73,7 +73,7 @@ export class ForceChart extends Chart {
             size: labelledWidth,
             filter: (_, ticks) => ticks, // else uPlot leaves out ticks, because the scale is not linear
             splits: (plot, axis, low, high) => (this.isOfRoots ? rootTicks(plot, high) : ticksUpwards(plot, low, high)),
-            values: (_, ticks) => forceTicks(ticks, this.unit.force).map(withMinus),
+            values: (_, ticks) => forceTicks(ticks, this.unit.peak_force).map(withMinus),
           }),
         ],
       },
@@ -141,7 +141,7 @@ export class ForceChart extends Chart {
     ctx.fillStyle = styleColour("force");
     ctx.fill();
     ctx.restore();
-    this.peakText.textContent = impulses ? impulseText(shown) : forceText(this.peak, 3, this.unit.force);
+    this.peakText.textContent = impulses ? impulseText(shown) : forceText(this.peak, 3, this.unit.peak_force);
     this.#placePeak();
   }
 
@@ -169,7 +169,7 @@ export class ForceChart extends Chart {
     if (this.isAroundNow) {
       this.peakAt = [this.plot.valToPos(x, "x"), this.plot.valToPos(this.forceNow, "y")];
       this.dot.style.transform = `translate(${this.peakAt[0]}px, ${this.peakAt[1]}px)`;
-      this.peakText.textContent = forceText(this.forceNow, 3, this.unit.force);
+      this.peakText.textContent = forceText(this.forceNow, 3, this.unit.peak_force);
       this.dot.hidden = this.peakText.hidden = this.line.hidden;
     }
     if (this.peakText.hidden) return;
@@ -183,7 +183,7 @@ export class ForceChart extends Chart {
     if (this.impulses) return `${withMinus(fixed(time, 4))} s`;
     const [times, force] = this.plot.data;
     const text = this.isAroundNow ? `${fixed(time + this.shown.onset, 4)} s` : withMinus(durationText(time));
-    return `${text}: ${forceText(valueAtPlace(force, placeIn(times, time)), 3, this.unit.force)}`;
+    return `${text}: ${forceText(valueAtPlace(force, placeIn(times, time)), 3, this.unit.peak_force)}`;
   }
 
   goTo(time) {
@@ -200,9 +200,9 @@ export class ForceChart extends Chart {
 
   timeAt(left, top) {
     if (!this.loop) return super.timeAt(left);
-    const [depth, force, times] = this.loop;
+    const [penetration, force, times] = this.loop;
     const { onset, end } = this.shown;
-    const awayFrom = (k) => Math.hypot(this.plot.valToPos(depth[k], "x") - left, this.plot.valToPos(force[k], "y") - top);
+    const awayFrom = (k) => Math.hypot(this.plot.valToPos(penetration[k], "x") - left, this.plot.valToPos(force[k], "y") - top);
     const rows = [...times.keys()].filter((k) => times[k] >= 0 && times[k] <= end - onset);
     return times[rows.reduce((best, k) => (awayFrom(k) < awayFrom(best) ? k : best))];
   }
@@ -224,7 +224,7 @@ export class ForceChart extends Chart {
     const { recording } = this;
     const now = recording.timeAt(frame);
     const course = recording.courseOf(contact);
-    const [depth, force] = [course.penetration, course.force].map((values) => values && recording.betweenRows(values, frame));
+    const [penetration, force] = [course.penetration, course.force].map((values) => values && recording.betweenRows(values, frame));
     this.forceNow = force;
     const part = shownPartOf(contact, now, PART_SHARE * (recording.end - recording.start));
     if (contact !== this.shown || part.from !== this.part?.from || part.to !== this.part.to) this.#show(contact, part);
@@ -234,8 +234,8 @@ export class ForceChart extends Chart {
       return;
     }
     this.at = undefined;
-    this.dot.hidden = !(depth > 0);
-    const [left, top] = [this.plot.valToPos(depth, "x"), this.plot.valToPos(force, "y")];
+    this.dot.hidden = !(penetration > 0);
+    const [left, top] = [this.plot.valToPos(penetration, "x"), this.plot.valToPos(force, "y")];
     this.dot.style.transform = `translate(${left}px, ${top}px)`;
   }
 
@@ -246,8 +246,8 @@ export class ForceChart extends Chart {
     Object.assign(this.unit, unitsOf(contact));
     const own = courseAround(recording, contact);
     const hasCurve = own.force.some((force) => force > 0);
-    this.loopButton.hidden = !own.depth;
-    this.loop = own.depth && this.loopButton.ariaPressed === "true" ? [own.depth, own.force, own.times] : null;
+    this.loopButton.hidden = !own.penetration;
+    this.loop = own.penetration && this.loopButton.ariaPressed === "true" ? [own.penetration, own.force, own.times] : null;
     const lines = this.compared.map((line) => ({ ...line, ...this.#courseIn(line.recording, contact) }));
     this.curves = lines.filter(({ points }) => points);
     this.impulses = !hasCurve && !this.curves.length && hasImpulseOnly(contact) ? impulsesLike(recording, contact) : null;
@@ -255,7 +255,7 @@ export class ForceChart extends Chart {
       Object.assign(this, { loop: null }).loopButton.hidden = true;
       this.curves = this.compared.map((line) => ({ ...line, points: impulsesLike(line.recording, contact) }))
         .filter(({ points: [onsets] }) => onsets.length);
-      this.unit.force = this.unit.impulse;
+      this.unit.peak_force = this.unit.impulse;
     }
     this.isAroundNow = part.isAroundNow && !this.loop && !this.impulses;
     const rubs = own.friction?.some((force) => force !== 0);
@@ -269,12 +269,12 @@ export class ForceChart extends Chart {
   }
 
   /** Return the ends of the horizontal axis: of penetrations, of the run if the chart has impulses, or of times since the onset. */
-  #alongRange(depth) {
+  #alongRange(penetration) {
     const { recording, zoomed, curves, part: { from, to, isAroundNow } } = this;
     if (zoomed) return zoomed;
     if (this.impulses) return [recording.start, recording.end];
     const extent = (own, axis) => extentOf([own], curves.map(({ points }) => points[axis]));
-    if (this.loop) return [0, 1.05 * extent(depth, 0)];
+    if (this.loop) return [0, 1.05 * extent(penetration, 0)];
     if (!(to > from)) return [-MOMENT, MOMENT];
     const margin = (isAroundNow ? PART_MARGIN : SHOWN_SHARE) * (to - from);
     // with the ends of compared contacts that last somewhat longer
@@ -283,15 +283,15 @@ export class ForceChart extends Chart {
   }
 
   /** Set the data and the axes of the plot; return the end of a linear axis of forces. `friction` may have null values. */
-  #setAxes({ times, force, depth }, friction) {
+  #setAxes({ times, force, penetration }, friction) {
     const { shown, impulses, loop, curves } = this;
-    const [low, high] = this.#alongRange(depth);
+    const [low, high] = this.#alongRange(penetration);
     const isIn = (x) => loop !== null || (x >= low && x <= high);
     const inRange = ([along, up]) => up.filter((_, k) => isIn(along[k]));
-    this.top = shown.peak ? force.reduce((best, value, k) => (isIn(times[k]) && value > (force[best] ?? 0) ? k : best), -1) : -1;
-    const hasPeak = shown.peak && isIn(shown.peakTime - shown.onset);
-    this.peak = hasPeak ? shown.peak : force[this.top]; // the peak may lie between two rows
-    const ownForces = impulses ? impulses[1] : hasPeak ? [shown.peak] : inRange([times, force]);
+    this.top = shown.peak_force ? force.reduce((best, value, k) => (isIn(times[k]) && value > (force[best] ?? 0) ? k : best), -1) : -1;
+    const hasPeak = shown.peak_force && isIn(shown.peakTime - shown.onset);
+    this.peak = hasPeak ? shown.peak_force : force[this.top]; // the peak may lie between two rows
+    const ownForces = impulses ? impulses[1] : hasPeak ? [shown.peak_force] : inRange([times, force]);
     const forces = [[ownForces, inRange([times, friction])], curves.map(({ points }) => inRange(points))];
     const linear = extentOf(...forces);
     const most = extentOf(...forces, MOST_OF_ROOTS);
@@ -316,7 +316,7 @@ export class ForceChart extends Chart {
     const isHeld = isRigid && hasCurve;
     const [force, moment] = isHeld ? ["Holding force", "Holding moment"] : ["Contact force", "Moment of the stop"];
     const letters = hasCurve || this.impulses ? "" : this.curves.map(({ letter }) => letter).join(", ");
-    const quantity = (unitsOf(contact).force === "N" ? force : moment) + (isHeld ? " after the impulse" : letters && ` of ${letters}`);
+    const quantity = (unitsOf(contact).peak_force === "N" ? force : moment) + (isHeld ? " after the impulse" : letters && ` of ${letters}`);
     const impulses = contact.atStop ? "Angular impulses" : "Impulses";
     const axis = this.isOfRoots ? " (square roots)" : "";
     this.quantity.textContent = this.impulses ? impulses : (this.loop ? `${quantity} over penetration` : quantity) + axis;
@@ -324,7 +324,7 @@ export class ForceChart extends Chart {
     const isPart = !this.loop && !isHeld && to - from < end - onset;
     const shownPart = isPart ? `, ${isAroundNow ? "around now" : "its beginning"}` : "";
     const own = hasCurve ? durationText(end - onset, 2) + shownPart : without;
-    const whyOf = ({ points, why = "" }) => (this.impulses ? "" : (points && noteAbove(points[1], high, this.unit.force)) || why);
+    const whyOf = ({ points, why = "" }) => (this.impulses ? "" : (points && noteAbove(points[1], high, this.unit.peak_force)) || why);
     const lettersWith = (why) => lines.filter((line) => whyOf(line) === why).map(({ letter }) => letter).join(", ");
     const notes = [...new Set(lines.map(whyOf))].filter(Boolean).map((why) => `; ${lettersWith(why)}: ${why}`).join("");
     const legend = (rubs && !this.loop ? "; dotted: friction" : "") + notes;
@@ -336,9 +336,10 @@ export class ForceChart extends Chart {
   #courseIn(other, contact) {
     const { partner, isDoubtful } = partnerOf(contact, this.recording, other);
     if (!partner) return { why: "no such impact near" };
-    const { times, depth, force } = courseAround(other, partner);
-    if (this.loop && !depth) return { why: "no known penetration" };
+    const { times, penetration, force } = courseAround(other, partner);
+    if (this.loop && !penetration) return { why: "no known penetration" };
     if (!force.some((value) => value > 0)) return { why: hasImpulseOnly(partner) ? ONLY_IMPULSE : NO_COURSE };
-    return { points: [this.loop ? depth : times, force], end: partner.end - partner.onset, ...(isDoubtful && { why: DOUBTFUL_PAIR }) };
+    const points = [this.loop ? penetration : times, force];
+    return { points, end: partner.end - partner.onset, ...(isDoubtful && { why: DOUBTFUL_PAIR }) };
   }
 }

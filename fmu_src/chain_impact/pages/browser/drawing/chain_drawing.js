@@ -335,7 +335,7 @@ export class ChainDrawing {
       if (STOPS.includes(wall)) {
         this.arrows.circle(STOP_DOT).center(x, y).addClass("stop-dot");
         this.labelSpace.reserveAround([x, y], STOP_DOT / 2);
-        texts.push([[x, y], [dx, dy], 2 * STOP_DOT, held + forceText(force, 3, unitsOf({ atStop: true }).force), "force"]);
+        texts.push([[x, y], [dx, dy], 2 * STOP_DOT, held + forceText(force, 3, unitsOf({ atStop: true }).peak_force), "force"]);
         return;
       }
       if (sticks) {

@@ -60,7 +60,8 @@ export function impulsesOf({ impacts }, rings) {
 }
 
 /** Return whether an impact is an impulse of a rigid wall: neither that of a stop of a joint, nor that of a rest, which grows with time. */
-const isImpulse = (impact) => hasImpulseOnly(impact) && !impact.atStop && impact.impulse > 0 && Number.isFinite(impact.rebound ?? NaN);
+const isImpulse = (impact) =>
+  hasImpulseOnly(impact) && !impact.atStop && impact.impulse > 0 && Number.isFinite(impact.separation_speed ?? NaN);
 
 /** Return a function: middle of a place for a ring's number → whether it is clearly nearer to the ring than to rings at other positions. */
 export function isOwnPlace({ position }, rings) {

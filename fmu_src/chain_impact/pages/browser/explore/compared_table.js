@@ -1,7 +1,7 @@
 // The tables of compared motions: a summary with a row for each motion, and, on request, a table with a row for each impact.
 
 import { make } from "../base/dom.js";
-import { digits, durationText, forceText, impulseText, unitsOf, withMinus } from "../base/format.js";
+import { digits, durationText, peakText, unitsOf, withMinus } from "../base/format.js";
 import { writerOf } from "../charts/chart.js";
 import { partingTime } from "../recording/parting.js";
 import { partnerOf } from "../recording/partners.js";
@@ -124,7 +124,7 @@ function firstDifference(reference, other) {
 function changeWords(impact, present) {
   const [time, ratio] = differenceOf(impact, present);
   const ofPeak = present.atStop ? "moment" : "force";
-  const word = forceKeyOf(impact, present) === "peak" ? ofPeak : "impulse";
+  const word = forceKeyOf(impact, present) === "peak_force" ? ofPeak : "impulse";
   return [/[1-9]/.test(time) && time, ratio && `${word} ${ratio}`].filter(Boolean).join(", ");
 }
 
@@ -174,15 +174,15 @@ function alignedImpacts(all) {
  * no other impact has a known value of this kind. The result is null if no value is known.
  */
 function largestKnown({ impacts }) {
-  const [peaks, impulses] = ["peak", "impulse"].map((key) => impacts.filter((impact) => Number.isFinite(impact[key] ?? NaN)));
-  const ended = impulses.filter(({ rebound }) => Number.isFinite(rebound ?? NaN)); // without a rest, whose impulse grows with time
+  const [peaks, impulses] = ["peak_force", "impulse"].map((key) => impacts.filter((impact) => Number.isFinite(impact[key] ?? NaN)));
+  // without a rest, whose impulse grows with time
+  const ended = impulses.filter((impact) => Number.isFinite(impact.separation_speed ?? NaN));
   const known = [peaks, ended, impulses].find(({ length }) => length) ?? [];
   const atWalls = known.filter(({ atStop }) => !atStop);
-  const key = peaks.length ? "peak" : "impulse";
+  const key = peaks.length ? "peak_force" : "impulse";
   const impact = (atWalls.length ? atWalls : known).reduce((one, other) => (one && one[key] >= other[key] ? one : other), null);
   if (!impact) return null;
-  const unit = unitsOf(impact)[key === "peak" ? "force" : "impulse"];
-  return { value: impact[key], unit, text: key === "peak" ? forceText(impact.peak, 3, unit) : impulseText(impact) };
+  return { value: impact[key], unit: unitsOf(impact)[key], text: peakText(impact) };
 }
 
 /** Return a text: the largest peak force of a recording; the largest impulse if no peak force is known; a dash if neither is known. */
@@ -229,7 +229,7 @@ export function differenceText(before, present) {
  */
 function cellOf(impact, present, isDoubtful, number) {
   if (!impact) return make("td", { textContent: "–", title: "No impact of this point and wall is near" });
-  const force = impact.peak === null ? impulseText(impact) || "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);
+  const force = peakText(impact, "rigid");
   const until = `until ${durationText(impact.end - impact.onset)} later`;
   const title = `Impact ${impact.number}: ${placeText(impact)}, ${until}${isDoubtful ? "; perhaps another impact" : ""}`;
   const cell = make("td", { title, className: isDoubtful ? "doubtful" : "" });
@@ -240,10 +240,10 @@ function cellOf(impact, present, isDoubtful, number) {
   return cell;
 }
 
-/** Return the key of the quantity that compares two impacts: "peak" or, if both have no peak force, "impulse"; "" if only one has none. */
+/** Return the quantity that compares two impacts: "peak_force" or, if both have no peak force, "impulse"; "" if only one has none. */
 function forceKeyOf(one, other) {
-  const hasNone = [one, other].filter(({ peak }) => peak === null).length;
-  return ["peak", "", "impulse"][hasNone];
+  const hasNone = [one, other].filter(({ peak_force }) => peak_force === null).length;
+  return ["peak_force", "", "impulse"][hasNone];
 }
 
 /** Return the changes of time and of peak force (or impulse, if no peak is known) from an impact to its partner `present` as texts. */

@@ -1,7 +1,7 @@
 // The list of impacts; a click on a row goes to the impact's `peakTime`: the time of its largest force, or the onset if this is unknown.
 
 import { find, make } from "../base/dom.js";
-import { fixed, forceText, impulseText, inOneUnit, speedWithUnit, unitsOf, withMinus } from "../base/format.js";
+import { fixed, impulseText, inOneUnit, peakText, speedWithUnit, unitsOf, withMinus } from "../base/format.js";
 import { mapped } from "../base/mapped.js";
 import { capitalized, placeText, touchingPartText, wallText } from "../scene/words.js";
 
@@ -19,40 +19,34 @@ const TITLES = {
   [JOINT_FORCE]: "Largest force in a joint while the contact lasts",
 };
 
-/**
- * Return the largest force of an impact or, at a stop of a joint, the largest moment as text; the impulse if the impact has no peak
- * force; a dash if both are unknown.
- */
-function peakText(impact) {
-  return impact.peak === null ? impulseText(impact) || "–" : forceText(impact.peak, 3, unitsOf(impact).force);
-}
-
 function approachText(impact) {
-  return speedWithUnit(impact.speed, unitsOf(impact).speed);
+  return speedWithUnit(impact.impact_speed, unitsOf(impact).impact_speed);
 }
 
 /**
- * Return {textContent, title} for the ratio of the separation speed (`rebound`) to the impact speed. The text is "lasts" if the contact has
+ * Return {textContent, title} for the ratio of the separation speed to the impact speed. The text is "lasts" if the contact has
  * a peak force and no separation speed yet, else a dash if the ratio is unknown. A ratio above 1 does not describe the contact, because
  * other forces have accelerated the point: the text is "> 1", and the title tells the separation speed.
  */
 function reboundCell(impact) {
-  const { speed, rebound, peak } = impact;
-  if (!Number.isFinite(rebound ?? NaN)) return { textContent: peak === null ? "–" : "lasts" };
-  const ratio = speed > 0 ? (rebound / speed).toFixed(3) : "–";
+  const { impact_speed: before, separation_speed: after } = impact;
+  if (!Number.isFinite(after ?? NaN)) return { textContent: impact.peak_force === null ? "–" : "lasts" };
+  const ratio = before > 0 ? (after / before).toFixed(3) : "–";
   if (!(Number(ratio) > 1)) return { textContent: ratio };
-  const title = `Other forces act during the contact: the separation speed is ${speedWithUnit(rebound, unitsOf(impact).speed)}`;
+  const title = `Other forces act during the contact: the separation speed is ${speedWithUnit(after, unitsOf(impact).impact_speed)}`;
   return { textContent: ">\u00a01", title };
 }
 
+const valueAndUnit = (impact, name) => [impact[name], unitsOf(impact)[name]];
+
 /** The columns with a unit: head → function from an impact to the pair [value, unit]. */
 const QUANTITIES_OF = {
-  speed: (impact) => [impact.speed, unitsOf(impact).speed],
-  peak: (impact) => (impact.peak === null ? [impact.impulse, unitsOf(impact).impulse] : [impact.peak, unitsOf(impact).force]),
-  [JOINT_FORCE]: ({ joint, jointForce }) => [joint > 0 ? jointForce : null, "N"],
+  speed: (impact) => valueAndUnit(impact, "impact_speed"),
+  peak: (impact) => valueAndUnit(impact, impact.peak_force === null ? "impulse" : "peak_force"),
+  [JOINT_FORCE]: ({ joint, joint_force }) => [joint > 0 ? joint_force : null, "N"],
   duration: ({ onset, end }) => [end - onset, "s"],
-  penetration: (impact) => [impact.depth, unitsOf(impact).penetration],
-  impulse: (impact) => [impact.impulse, unitsOf(impact).impulse],
+  penetration: (impact) => valueAndUnit(impact, "max_penetration"),
+  impulse: (impact) => valueAndUnit(impact, "impulse"),
 };
 
 export class ImpactList {
@@ -116,7 +110,7 @@ export class ImpactList {
     element.textContent = recording.impacts.length ? "" : "none";
     if (!recording.impacts.length) return this.#showAll(false);
     element.parentElement.style.setProperty("--rows", recording.impacts.length);
-    const areImpulses = recording.impacts.every((impact) => impact.peak === null && impulseText(impact));
+    const areImpulses = recording.impacts.every((impact) => impact.peak_force === null && impulseText(impact));
     const ofJoints = recording.impacts.some(({ joint }) => joint > 0) ? [JOINT_FORCE] : [];
     const columns = [...COLUMNS, ...ofJoints, ...(this.isLarge ? OF_LARGE_LIST.filter((name) => !areImpulses || name !== "impulse") : [])];
     const hasStops = recording.impacts.some(({ atStop }) => atStop);
@@ -147,7 +141,7 @@ export class ImpactList {
    */
   #markLargest(impacts) {
     [true, false].forEach((ofStops) => {
-      const peaks = impacts.map(({ peak, atStop }) => (Boolean(atStop) === ofStops ? peak ?? 0 : 0));
+      const peaks = impacts.map(({ peak_force, atStop }) => (Boolean(atStop) === ofStops ? peak_force ?? 0 : 0));
       const largest = peaks.reduce((most, peak) => Math.max(most, peak), 0);
       const row = this.rows[peaks.indexOf(largest)]; // missing if the list is too long
       if (!row || peaks.filter((peak) => peak > 0).length < 2) return;

@@ -106,10 +106,10 @@ export class Zoom {
   }
 
   /** Return half the side [m] of the view of a contact. */
-  #halfOf({ depth, atStop }) {
+  #halfOf({ max_penetration, atStop }) {
     const [low, high] = this.player.recording.view;
     const whole = Math.max(high[0] - low[0], high[1] - low[1]);
-    const wanted = atStop || !(depth > 0) ? Infinity : HALF_DEPTHS * depth;
+    const wanted = atStop || !(max_penetration > 0) ? Infinity : HALF_DEPTHS * max_penetration;
     return Math.min(Math.max(wanted, LEAST_HALF * whole), MOST_HALF * whole);
   }
 

@@ -9,17 +9,18 @@ const COORDINATES = 2_000_000; // largest number of coordinates of points in all
 const FEWEST_FRAMES = 200; // number of frames that a recording may have in any case
 
 /**
- * Return the impacts in the form of a `Recording`. An unknown `end` becomes `stop`, the end of the recording [s]. The peak force `peak`
+ * Return the impacts in the form of a `Recording`. An unknown `end` becomes `stop`, the end of the recording [s]. The peak force
  * becomes null if it is 0, or if the largest penetration is 0, as at a rigid wall: the force of this wall only holds the point after the
  * impulse. `impactEnd` [s] is the time at which the slow motion of an impact ends: `end` or, in a long contact, an earlier time, which
  * follows from the largest penetration and the impact speed.
  */
 export function impactsUntil(impacts, stop) {
-  return impacts.map(({ end, peak, ...impact }) => {
-    const { depth } = impact;
-    const until = end ?? stop;
-    const lasting = (PACING.LONGEST_IMPACT * depth) / Math.max(impact.speed, PACING.LEAST_SPEED);
-    return { ...impact, end: until, impactEnd: Math.min(until, impact.onset + lasting), peak: peak > 0 && depth !== 0 ? peak : null };
+  return impacts.map((impact) => {
+    const { onset, impact_speed, peak_force, max_penetration } = impact;
+    const end = impact.end ?? stop;
+    const lasting = (PACING.LONGEST_IMPACT * max_penetration) / Math.max(impact_speed, PACING.LEAST_SPEED);
+    const hasForce = peak_force > 0 && max_penetration !== 0;
+    return { ...impact, end, impactEnd: Math.min(end, onset + lasting), peak_force: hasForce ? peak_force : null };
   });
 }
 
@@ -110,7 +111,7 @@ export function framesOf(rows, { times, frameRate }) {
   const energies = Object.entries(drawn.energies[0]?.columns ?? {}).filter(([, values]) => values.some((value) => value !== 0))
     .sort(([a], [b]) => (a === "total") - (b === "total")); // the total energy is last, so that it is drawn above the other curves
   const peaks = [
-    ...impacts.filter(({ atStop }) => !atStop).map(({ peak }) => peak ?? 0),
+    ...impacts.filter(({ atStop }) => !atStop).map(({ peak_force }) => peak_force ?? 0),
     ...forces.filter(({ wall }) => wall in walls || wall in (rail?.stops ?? {})).map(({ force }) => largest(force)),
     ...drawn.loads.map(({ columns: { x: along, y: up } }) => largest(along.map((value, row) => Math.hypot(value, up[row])))),
   ];

@@ -34,8 +34,8 @@ export function valueAtPlace(values, [row, share]) {
 }
 
 /** Return whether an impact has an impulse in place of a force: its wall or stop is rigid. */
-export function hasImpulseOnly({ peak, impulse }) {
-  return peak === null && Number.isFinite(impulse ?? NaN);
+export function hasImpulseOnly({ peak_force, impulse }) {
+  return peak_force === null && Number.isFinite(impulse ?? NaN);
 }
 
 /**
@@ -113,7 +113,7 @@ export class Recording {
     const { rowTime: time } = this;
     const { force } = this.courseOf(contact);
     let [peakTime, most] = [contact.onset, 0];
-    if (!force || contact.peak === null) return peakTime;
+    if (!force || contact.peak_force === null) return peakTime;
     for (let row = lastBefore(time, contact.onset); time[row] <= contact.end; row += 1) {
       if (time[row] >= contact.onset && force[row] > most) [peakTime, most] = [time[row], force[row]];
     }

@@ -24,20 +24,18 @@ const { EARLY_TIMES, MOST_REFINED_IMPACTS, LONG_CONTACT, EARLIEST_SHARE, TIMES_W
 /** Return the impacts of a run of the kernel in the form that `impactsUntil` takes. */
 export function impactsOf(impacts, scene, valueOf) {
   return impacts.map((impact) => {
-    const { point, wall, onset, end, joint } = impact;
-    const quantities = mapped(SHARED.drawn.COLUMN_OF_QUANTITY, (column) => impact[column]);
-    const atStop = scene.stops.length > 0 && STOPS.includes(scene.wallNames[wall]);
-    const linearSpeed = quantities.speed * (atStop ? valueOf(`link[${point}].length`) : 1);
-    const stopped = scene.sliderStops.includes(scene.wallNames[wall]) ? "slider" : atStop && `joint ${point}`;
+    const { point, end } = impact;
+    const wall = scene.wallNames[impact.wall];
+    const atStop = scene.stops.length > 0 && STOPS.includes(wall);
+    const stopped = scene.sliderStops.includes(wall) ? "slider" : atStop && `joint ${point}`;
     return {
-      point,
+      ...impact,
       what: stopped || pointText(new Map(scene.pointNames), point),
-      wall: scene.wallNames[wall],
-      boxWall: boxWallText(scene.wallNames[wall], valueOf),
-      onset,
+      wall,
+      boxWall: boxWallText(wall, valueOf),
       end: Number.isFinite(end) ? end : null,
-      linearSpeed, joint, atStop,
-      ...quantities,
+      linearSpeed: impact.impact_speed * (atStop ? valueOf(`link[${point}].length`) : 1),
+      atStop,
     };
   });
 }

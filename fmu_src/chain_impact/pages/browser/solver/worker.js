@@ -42,7 +42,7 @@ function* study(kernel, values, { names, each, words }) {
     const [first] = impactsUntil(impactsOf(impacts.slice(0, 1), kernel.scene, valueOf), endTime);
     return first ? {
       "impact[1].onset": first.onset,
-      "impact[1].peak_force": first.atStop ? null : first.peak,
+      "impact[1].peak_force": first.atStop ? null : first.peak_force,
       "impact[1].place": `${touchingPartText(first)} ${wallText(first)}`,
     } : null;
   };
