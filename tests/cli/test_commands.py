@@ -218,7 +218,9 @@ def test_a_picture_and_a_window_have_rows_of_their_own(run, here, fmu, monkeypat
     code, _, said = run("simulate", fmu, *few, "--plot", "a.png")
     assert code == 0
     assert "poses only, one each communication step, and cannot show the motion between them" in said
-    monkeypatch.setattr("chain_impact.pictures.fill", lambda _, recording: shown.append(recording))
+    monkeypatch.setattr(
+        "chain_impact.pictures.picture.draw_overview", lambda _, recording, **_more: shown.append(recording)
+    )
     assert run("simulate", "four_link_box", *few, "--plot", "a.png", "--csv", "a.csv")[0] == 0
     assert len((here / "a.csv").read_text(encoding="utf-8").splitlines()) == 22
     monkeypatch.setattr("chain_impact.cli.simulate.open_window", mpl.figure.Figure)

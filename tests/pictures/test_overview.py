@@ -1,6 +1,6 @@
 """The page with a recording: its files, its headline, its panels, and no overlaps."""
 
-# Tests: pictures/panels.py
+# Tests: pictures/panels.py, pictures/picture.py
 
 import dataclasses
 import itertools

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -43,7 +42,9 @@ from chain_impact.text import count_text
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from chain_impact.pictures import Picture
     from chain_impact.pictures.drawing.sizes import Size
+    from chain_impact.results.ranking import Ranking
 
 
 @dataclass(frozen=True)
@@ -64,18 +65,14 @@ class Canvas:
         """Return whether there is a file or a window to draw in."""
         return bool(self.path or self.window)
 
-    def draw(self, plot: Callable[..., object], draw_contents: Callable[[Figure], object]) -> None:
-        """Draw into the file by ``plot(path, size=size)``, and into the window by ``draw_contents(window)``.
-
-        Without a file, ``plot`` is not called; without a window, ``draw_contents`` is not. ``path``, ``size``
-        and ``window`` are the attributes.
-        """
-        write_picture(self.path, self.size, plot)
+    def draw(self, picture: Picture | Ranking) -> None:
+        """Draw a picture into the file and into the window, if there are any."""
+        write_picture(self.path, self.size, picture.plot)
         if self.window:
             # imported here, because the import takes a second
             from chain_impact.pictures.drawing.style import adapt_to_dark_style
 
-            draw_contents(self.window)
+            picture.draw(self.window)
             adapt_to_dark_style(self.window)
 
 
@@ -288,7 +285,7 @@ def simulate_and_tell(
         recording.save_impacts(impacts)
         say(f"impacts  {impacts}")
     if ranking:
-        canvas.draw(ranking.plot, ranking.draw)
+        canvas.draw(ranking)
     elif choice.curves:
         draw_curves(canvas, recording, curves_in(recording, source, choice))
     elif canvas:
@@ -305,11 +302,12 @@ def simulate_and_tell(
 
 def draw(canvas: Canvas, recording: Recording, *, has_derivatives: bool) -> None:
     """Draw the derivatives of a recording or, if ``has_derivatives`` is false, motion, energies, impacts."""
-    from chain_impact.pictures import FIGURE_SIZE, draw_figure, draw_overview, draw_sensitivities, usual_size
+    from chain_impact.pictures import overview_picture, sensitivities_picture
 
-    draw_contents = partial(draw_sensitivities if has_derivatives else draw_overview, recording=recording)
-    usual_figure_size = FIGURE_SIZE if has_derivatives else usual_size(recording, size=canvas.size)
-    canvas.draw(partial(draw_figure, draw_contents, usual_size=usual_figure_size), draw_contents)
+    if has_derivatives:
+        canvas.draw(sensitivities_picture(recording))
+    else:
+        canvas.draw(overview_picture(recording, size=canvas.size))
 
 
 def curves_in(recording: Recording, source: Source, choice: PictureChoice) -> Curves:
@@ -332,11 +330,10 @@ def draw_curves(canvas: Canvas, recording: Recording, curves: Curves) -> None:
 
     Too many units, too many outputs of a unit, or too little room raise a UsageError.
     """
-    from chain_impact.pictures import curves_size, draw_curve_figure, draw_figure, narrow_peak
+    from chain_impact.pictures import curves_picture, narrow_peak
 
-    draw_contents = partial(draw_curve_figure, recording=recording, curves=curves)
     try:
-        canvas.draw(partial(draw_figure, draw_contents, usual_size=curves_size(curves)), draw_contents)
+        canvas.draw(curves_picture(recording, curves))
     except ValueError as error:
         raise UsageError(str(error)) from None
     if number := narrow_peak(recording, curves):

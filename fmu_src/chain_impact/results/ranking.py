@@ -187,8 +187,8 @@ class Ranking(PrintedResult):
         """
         from chain_impact import pictures
 
-        usual_figure_size = pictures.bars_size([len(effects) for effects in self._blocks()])
-        return pictures.draw_figure(self.draw, path, size, usual_figure_size)
+        usual_size = pictures.bars_size([len(effects) for effects in self._blocks()])
+        return pictures.Picture(self.draw, usual_size).plot(path, size=size)
 
     def draw(self, figure: Figure) -> None:
         """Draw the bars on an empty figure.

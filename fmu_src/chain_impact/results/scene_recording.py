@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -119,10 +119,7 @@ class SceneRecording(Recording):
                 self.name, "energy.kinetic", self.columns, "not an output of this result", self.output_hint
             )
         if ax is None:
-            draw_contents = partial(pictures.draw_overview, recording=self, panels=shown_panels, title=title)
-            return pictures.draw_figure(
-                draw_contents, path, size, pictures.usual_size(self, shown_panels, size)
-            )
+            return pictures.overview_picture(self, shown_panels, size, title).plot(path, size=size)
         pictures.check_alone(path, size)
         pictures.draw_panels(ax, self, shown_panels or ["motion"])
         return ax
@@ -139,8 +136,7 @@ class SceneRecording(Recording):
         from chain_impact import pictures
 
         if ax is None:
-            draw_contents = partial(pictures.draw_curve_figure, recording=self, curves=curves, title=title)
-            return pictures.draw_figure(draw_contents, path, size, pictures.curves_size(curves))
+            return pictures.curves_picture(self, curves, title).plot(path, size=size)
         pictures.check_alone(path, size)
         pictures.draw_curve_panels(np.ravel(ax).tolist(), self, curves)
         return ax
@@ -196,8 +192,7 @@ class SceneRecording(Recording):
         course = self.course_of_impact(number)
         impact = self.impacts[number - 1]
         if ax is None:
-            draw_contents = partial(pictures.draw_impact, recording=self, number=number, course=course)
-            return pictures.draw_figure(draw_contents, path, size, pictures.IMPACT_SIZE)
+            return pictures.impact_picture(self, number, course).plot(path, size=size)
         pictures.check_alone(path, size)
         pictures.draw_loop_panel(ax, impact, course, at_stop=self.is_joint_stop(impact["wall"]))
         return ax
@@ -307,9 +302,7 @@ class SceneRecording(Recording):
         from chain_impact import pictures
 
         names = self._derivatives.drawn(outputs)
-        return pictures.draw_figure(
-            partial(pictures.draw_sensitivities, recording=self, outputs=names), path, size
-        )
+        return pictures.sensitivities_picture(self, names).plot(path, size=size)
 
     def animate(self, path: str | os.PathLike[str] | None = None, **options: Any) -> InlinePage | None:
         """Write an animation: a page for the browser, ``.html``, or a film, ``.gif`` or ``.mp4``.

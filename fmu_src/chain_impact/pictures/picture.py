@@ -1,0 +1,63 @@
+"""The pictures of a recording, which methods of results and the command line draw into files and windows."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from functools import partial
+from typing import NamedTuple
+
+from matplotlib.figure import Figure
+
+from chain_impact.pictures.curves import curves_size, draw_curve_figure
+from chain_impact.pictures.drawing.figures import FIGURE_SIZE, DrawContents, draw_figure
+from chain_impact.pictures.drawing.sizes import Size
+from chain_impact.pictures.impact import IMPACT_SIZE, draw_impact
+from chain_impact.pictures.overview import draw_overview, usual_size
+from chain_impact.pictures.sensitivities import draw_sensitivities
+from chain_impact.recording.course import Course
+from chain_impact.recording.curves import Curves
+from chain_impact.recording.recording import Recording
+
+
+class Picture(NamedTuple):
+    """A picture that is not drawn yet.
+
+    Attributes:
+        draw: the function that draws the picture on an empty figure.
+        usual_size: the width and height of its figure [inches] if the user gives no size.
+    """
+
+    draw: DrawContents
+    usual_size: tuple[float, float] = FIGURE_SIZE
+
+    def plot(self, path: str | os.PathLike[str] | None = None, *, size: Size | None = None) -> Figure | None:
+        """Draw the picture into a file, or return its figure, as ``draw_figure`` does."""
+        return draw_figure(self.draw, path, size, self.usual_size)
+
+
+def overview_picture(
+    recording: Recording, panels: Sequence[str] = (), size: Size | None = None, title: str | None = ""
+) -> Picture:
+    """Return the picture with the panels of a recording: motion, energy, impacts.
+
+    The arguments are those of ``draw_overview`` and of ``usual_size``, which raise errors.
+    """
+    draw = partial(draw_overview, recording=recording, panels=panels, title=title)
+    return Picture(draw, usual_size(recording, panels, size))
+
+
+def curves_picture(recording: Recording, curves: Curves, title: str | None = "") -> Picture:
+    """Return the picture with curves of outputs; the arguments are those of ``draw_curve_figure``."""
+    draw = partial(draw_curve_figure, recording=recording, curves=curves, title=title)
+    return Picture(draw, curves_size(curves))
+
+
+def impact_picture(recording: Recording, number: int, course: Course) -> Picture:
+    """Return the picture of one impact; the arguments are those of ``draw_impact``."""
+    return Picture(partial(draw_impact, recording=recording, number=number, course=course), IMPACT_SIZE)
+
+
+def sensitivities_picture(recording: Recording, outputs: Sequence[str] = ()) -> Picture:
+    """Return the picture of derivatives; the arguments are those of ``draw_sensitivities``."""
+    return Picture(partial(draw_sensitivities, recording=recording, outputs=outputs))
