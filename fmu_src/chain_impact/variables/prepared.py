@@ -7,8 +7,8 @@ instances, whose records have the parameters of the scene.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from functools import cached_property, lru_cache
+from collections.abc import Iterable, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -226,29 +226,18 @@ class PreparedScene:
         Raises:
             UnknownNameError: when a name is not that of an output, or a pattern matches no output.
         """
-        by_names, kept_indices = self._indices_by_names, self._indices_by_text
-        if not isinstance(wanted_names, str):
-            return by_names(*(variable.name for variable in outputs_named(self, wanted_names)))
-        if wanted_names not in kept_indices:
+        names = wanted_names if isinstance(wanted_names, str) else tuple(wanted_names)
+        kept_indices = self._indices_by_names
+        if names not in kept_indices:
             if len(kept_indices) >= KEPT_SELECTIONS:
                 kept_indices.clear()
-            kept_indices[wanted_names] = by_names(
-                *(variable.name for variable in outputs_named(self, wanted_names))
-            )
-        return kept_indices[wanted_names]
+            kept_indices[names] = indices_of(outputs_named(self, names), self.output_indices)
+        return kept_indices[names]
 
     @shared_by_structure
-    def _indices_by_text(self) -> dict[str, OutputIndices]:
-        """Name or pattern → the indices of its outputs, from earlier calls of ``indices_named``."""
+    def _indices_by_names(self) -> dict[str | tuple[str, ...], OutputIndices]:
+        """Names or patterns → the indices of their outputs, from earlier calls of ``indices_named``."""
         return {}
-
-    @shared_by_structure
-    def _indices_by_names(self) -> Callable[..., OutputIndices]:
-        """The function from names of outputs to their indices, which keeps the results of its last calls."""
-        outputs, all_indices = self.outputs_without_derivatives, self.output_indices
-        return lru_cache(KEPT_SELECTIONS)(
-            lambda *names: indices_of([outputs[name] for name in names], all_indices)
-        )
 
     def series(self, outputs: np.ndarray) -> dict[str, np.ndarray]:
         """Return name of an output → its values over time, shape (T,).
