@@ -24,6 +24,10 @@ RECIPES = {heading: text for heading, text in SECTIONS.items() if "`" in heading
 for text in SECTIONS.values():
     RECIPES |= re.findall(r"^- (\*\*[^:]*):(.*(?:\n  .*)*)", text, re.M)
 """Heading of a section, or first words of an entry, with examples in quotes → text."""
+TEXT_OF_ANCHOR = {
+    re.sub(r"[^\w-]", "", heading.lower().replace(" ", "-")): text for heading, text in SECTIONS.items()
+}
+"""The part of a link to a section after ``#`` → text."""
 
 
 def examples_in(heading):
@@ -31,10 +35,10 @@ def examples_in(heading):
 
 
 def places_in(text):
-    """Return the files and folders that a recipe names, with those of the recipe that comes before it."""
+    """Return the files and folders that a recipe names, with those of the recipes to which it links."""
     found = re.findall(r"`([\w./]*(?:/|\.(?:py|js|toml|yml|md|json|txt)))`", text)
-    if text.startswith("\nAfter the scene key") or "step 7 of the scene key" in text:
-        found += places_in(next(text for name, text in RECIPES.items() if name.startswith("Scene key")))
+    for anchor in re.findall(r"\]\(#([\w-]+)\)", text):
+        found += places_in(TEXT_OF_ANCHOR[anchor])
     return found
 
 
@@ -59,7 +63,8 @@ def test_a_recipe_names_all_places_of_its_example(heading, example):
     word = re.compile(rf"(?<!\w){re.escape(example)}(?!\w)")
     found = [file for file in SOURCES if word.search(file.read_text(encoding="utf-8"))]
     assert len(found) > 0 or (ROOT / "models" / example).is_dir()
-    places = places_in(RECIPES[heading])
+    # a folder of the package does not tell the place in it
+    places = [place for place in places_in(RECIPES[heading]) if not (PACKAGE / place).is_dir()]
     assert places
     places += places_in(SECTIONS["After each change"])
     assert [file.as_posix() for file in found if not is_named(file, places)] == []

@@ -140,9 +140,9 @@ def test_the_reference_agrees_with_an_independent_integration(model):
     if model in CHANGED:
         columns = simulate(scene, output_step=STEP, tolerance=1e-12, method="explicit").continuous_columns
     error, inputs = INDEPENDENT[model][1], inputs_of(model)
-    for name, values in exact.values.items():
-        if name in columns and not name.startswith("energy"):
-            assert columns[name][rows] == pytest.approx(values, abs=error * scale(name)), name
+    compared = [name for name in exact.values if not name.startswith("energy")]
+    for name in filter(PreparedScene(scene).output_index.__contains__, compared):
+        assert columns[name][rows] == pytest.approx(exact.values[name], abs=error * scale(name)), name
     until = time[rows[-1]]
     found = simulate(scene, stop_time=until, tolerance=1e-12, method="explicit", inputs=inputs).impacts
     assert found["point"].tolist() == exact.points.tolist()
@@ -157,7 +157,7 @@ def test_a_simulation_with_the_default_tolerance_agrees_with_the_reference(model
     scene = load_scene(model)
     time, columns = reference(model)
     fresh = simulate(scene, output_step=STEPS.get(model, STEP), inputs=inputs_of(model))
-    assert list(fresh.continuous_columns) == list(columns)
+    assert fresh.continuous_columns.keys() >= columns.keys(), "newer outputs may be missing in the reference"
     assert fresh.time == pytest.approx(time, abs=1e-12)
     links = len(scene.chain.links)
     found, expected = coordinates(fresh.columns, links), coordinates(columns, links)
