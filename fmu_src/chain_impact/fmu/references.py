@@ -44,7 +44,9 @@ SHORTENING = 10
 # the largest deviation of this output in the second run before the table's end, and at least LEAST_TOLERANCE.
 # The scene's tolerance, LARGEST_DEVIATION and LEAST_TOLERANCE are relative to the largest absolute value of
 # all outputs with the same unit. Outputs that are whole numbers may not deviate.
-LARGEST_DEVIATION, TOLERANCE_FACTOR, LEAST_TOLERANCE = 1e-5, 10.0, 1e-9
+LARGEST_DEVIATION = 1e-5
+TOLERANCE_FACTOR = 10.0
+LEAST_TOLERANCE = 1e-9
 # Outputs are not compared closer to the onset or the end of a contact than EVENT_DISTANCE × the communication
 # step, because they change too fast there.
 EVENT_DISTANCE = 1e-4

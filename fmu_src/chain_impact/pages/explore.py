@@ -25,9 +25,9 @@ from chain_impact.pages.kit import page_kit
 from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import Scene, SceneSource, load_scene, scene_of, scene_to_dict
 
-BEGIN, PROGRAM, WORKER = "explore/begin.js", "explore/explore.js", "solver/worker.js"
-"""Scripts of the page: BEGIN runs before the scripts of the libraries; PROGRAM is the program of the page,
-WORKER the program of each worker that simulates."""
+BEGIN = "explore/begin.js"  # the script that runs before the scripts of the libraries
+PROGRAM = "explore/explore.js"  # the program of the page
+WORKER = "solver/worker.js"  # the program of each worker that simulates
 TOML = "vendor/smol-toml.cjs"
 """The library with which the page reads scene files."""
 UNNAMED_FILE = "scene.toml"

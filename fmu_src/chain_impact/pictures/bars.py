@@ -36,9 +36,10 @@ from chain_impact.pictures.drawing.style import (
     write_headline,
 )
 
-# [inch] the width of the figure; the sum of the spaces above and below all bars; the space between two
-# blocks of bars; the height for one bar
-BARS_WIDTH, BARS_MARGIN, BLOCK_SPACE, BAR_HEIGHT = 7.0, 1.4, 0.6, 0.25
+BARS_WIDTH = 7.0  # [inch] the width of the figure
+BARS_MARGIN = 1.4  # [inch] the sum of the spaces above and below all bars
+BLOCK_SPACE = 0.6  # [inch] the space between two blocks of bars
+BAR_HEIGHT = 0.25  # [inch] the height for one bar
 BAR_MARGIN = 0.03  # the space beyond the ends of an axis (``shared_ends``), relative to their distance
 # [points] the space between the axes and the heading of the texts, and between the axes and a title above it
 HEADING_SPACE, TITLE_SPACE = 3.0, 16.0

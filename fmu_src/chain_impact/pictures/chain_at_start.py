@@ -29,9 +29,9 @@ DRAWING_SIZE, ICON_SIZE = (7.6, 4.6), (1.28, 1.28)  # [inch] width and height of
 # [inch] in the drawing and in the icon: the least free width, left plus right, which is also the least free
 # height, top plus bottom
 DRAWING_MARGIN, ICON_MARGIN = 1.4, 0.3
-# [points] three lengths: of an arrow, of the radius of the arc of an angle, and of the line from which an
-# angle is measured
-ARROW_LENGTH, ARC_RADIUS, REFERENCE_LENGTH = 30.0, 18.0, 32.0
+ARROW_LENGTH = 30.0  # [points]
+ARC_RADIUS = 18.0  # [points] the radius of the arc of an angle
+REFERENCE_LENGTH = 32.0  # [points] the length of the line from which an angle is measured
 # the largest number of links with which all points and angles have labels; with more links, only some points
 # and the first angle have a label
 MOST_LABELLED_LINKS = 8

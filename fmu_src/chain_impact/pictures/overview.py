@@ -43,10 +43,9 @@ LEAST_MOTION = 0.55
 HIGH_MOTION = 0.95
 # the largest factors (``view_of``) with which the view grows if the motion has the whole width of the figure
 WHOLE_WIDTH = (1.25, GROWTH_FACTORS[1])
-# NUMBER_BAND: [points] how far the picture shows the area beyond a wall, where numbers of impacts stand;
-# NARROW_NUMBER_BAND: the same in a narrow figure; MOST_BAND: the largest width of this area, relative to the
-# shorter side of the view without margins
-NUMBER_BAND, NARROW_NUMBER_BAND, MOST_BAND = 30.0, 36.0, 0.35
+NUMBER_BAND = 30.0  # [points] how far a picture shows the area beyond a wall, with numbers of impacts
+NARROW_NUMBER_BAND = 36.0  # [points] the same in a narrow figure
+MOST_BAND = 0.35  # the largest width of this area, relative to the shorter side of the view without margins
 
 
 @drawing_style()

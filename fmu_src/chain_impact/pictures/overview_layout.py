@@ -21,11 +21,14 @@ from chain_impact.pictures.motion.view import view_of
 from chain_impact.pictures.panels import PANELS
 from chain_impact.recording.recording import Recording
 
-# Ratios of width to height of the motion. SLIM, BROAD: the least and the largest ratio that the panel of
-# motion has beside other panels. BROADEST_BESIDE: a motion with a larger ratio has the whole width of the
-# figure, above the other panels. BROADEST_HIGH: on a figure with a width of COLUMN or less, a motion with a
-# larger ratio has a lower panel than MOTION_ABOVE_HEIGHT.
-SLIM, BROAD, BROADEST_BESIDE, BROADEST_HIGH = 0.6, 1.0, 1.6, 2.3
+# ratios of width to height of the motion
+SLIM = 0.6  # the least ratio that the panel of motion has beside other panels
+BROAD = 1.0  # the largest ratio that the panel of motion has beside other panels
+# a motion with a larger ratio has the whole width of the figure, above the other panels
+BROADEST_BESIDE = 1.6
+# on a figure with a width of COLUMN or less, a motion with a larger ratio has a lower panel than
+# MOTION_ABOVE_HEIGHT
+BROADEST_HIGH = 2.3
 # BROADEST_WITH_LEGEND: a motion in a wide figure with at most this ratio has its legend at its right;
 # LEAST_SLIM: the least ratio that the panel of such a motion has, without the legend
 BROADEST_WITH_LEGEND, LEAST_SLIM = 0.8, 0.45
@@ -38,23 +41,20 @@ WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # the height of the panel of energies.
 CLOCK_SHARE, MOTION_ABOVE_HEIGHT = 0.06, 2.2
 ROWS_IN_COLUMN = 1.6  # see ``heights_of``
-# the largest height of the panel of motion, relative to the width of the figure, if the user gives no height:
-# HIGHEST from TWO_COLUMN_WIDTH on, NARROW_HIGHEST from COLUMN to TWO_COLUMN_WIDTH
-HIGHEST, NARROW_HIGHEST = 0.4, 0.65
-# Lengths in inches.
-# LOWEST: the least height of the panel of motion beside other panels.
-# ENERGY_HEIGHT: the height of a panel of energies.
-# ENERGY_IN_COLUMN: the same on a figure with a width of COLUMN or less.
-# COLUMN_FOOT: the height of the texts at the foot of a figure with a width of COLUMN or less.
-# TEXTS: the height of the legend and the numbers of a panel over time.
-# HEADS: the height of the headline plus the height of the labels below all panels.
-# LABELS: the height of the legend and the labels of a motion.
-# MARGINS: the width of the numbers and labels at the left and right of the motion.
-# LEAST_BESIDE: the least width of panels over time beside the motion, with their numbers and labels.
-# LEGEND_WIDTH: the width of the legend at the right of a motion.
-LOWEST, ENERGY_HEIGHT, TEXTS, HEADS, LABELS, MARGINS, LEAST_BESIDE = 2.4, 1.15, 0.45, 1.0, 0.6, 0.9, 2.6
-LEGEND_WIDTH = 1.2
-ENERGY_IN_COLUMN, COLUMN_FOOT = 0.75, 0.45
+# the largest height of the panel of motion, relative to the width of the figure, if the user gives no height
+HIGHEST = 0.4  # from TWO_COLUMN_WIDTH on
+NARROW_HIGHEST = 0.65  # from COLUMN to TWO_COLUMN_WIDTH
+# lengths in inches
+LOWEST = 2.4  # the least height of the panel of motion beside other panels
+ENERGY_HEIGHT = 1.15  # the height of a panel of energies
+ENERGY_IN_COLUMN = 0.75  # the same on a figure with a width of COLUMN or less
+COLUMN_FOOT = 0.45  # the height of the texts at the foot of a figure with a width of COLUMN or less
+TEXTS = 0.45  # the height of the legend and the numbers of a panel over time
+HEADS = 1.0  # the height of the headline plus the height of the labels below all panels
+LABELS = 0.6  # the height of the legend and the labels of a motion
+MARGINS = 0.9  # the width of the numbers and labels at the left and right of the motion
+LEAST_BESIDE = 2.6  # the least width of panels over time beside the motion, with their numbers and labels
+LEGEND_WIDTH = 1.2  # the width of the legend at the right of a motion
 
 
 def is_over_time(recording: Recording, name: str) -> bool:

@@ -18,10 +18,11 @@ from chain_impact.pictures.over_time.impacts import draw_impacts, number_impacts
 from chain_impact.pictures.over_time.single_impact import draw_one_impact, is_alone, number_one_impact
 from chain_impact.recording.recording import Recording
 
-# Heights of panels in the column of panels over time, relative to the height of the panel of energies.
-# RUBBING_ROW: each row of the panel of dry friction, for one contact or joint. LINE_MOTION_HEIGHT: the panel
-# of a ball that moves along a line. LOW_IMPACTS: the panel of at most FEW_IMPACTS impacts.
-RUBBING_ROW, LINE_MOTION_HEIGHT, LOW_IMPACTS, FEW_IMPACTS = 0.21, 1.4, 0.65, 3
+# heights of panels in the column of panels over time, relative to the height of the panel of energies
+RUBBING_ROW = 0.21  # of each row of the panel of dry friction, for one contact or joint
+LINE_MOTION_HEIGHT = 1.4  # of the panel of a ball that moves along a line
+LOW_IMPACTS = 0.65  # of the panel of at most FEW_IMPACTS impacts
+FEW_IMPACTS = 3
 
 
 class Panel(NamedTuple):

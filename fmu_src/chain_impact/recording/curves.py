@@ -20,16 +20,20 @@ TIMES_WITHIN_IMPACT, MOST_REFINED_IMPACTS = 50, 400
 # In films and pages, a contact that lasts longer than LONG_CONTACT, relative to the run's duration, has
 # EARLY_TIMES further times in geometric progression, from EARLIEST_SHARE times its duration after the onset
 # on, because its largest force may come soon.
-LONG_CONTACT, EARLY_TIMES, EARLIEST_SHARE = 0.01, 100, 1e-3
+LONG_CONTACT = 0.01
+EARLY_TIMES = 100
+EARLIEST_SHARE = 1e-3
 # number of equally spaced times in a picture of one impact (a close view), besides the rows and bends
 CLOSE_TIMES = 1000
 # [1] time that a close view shows before and after the impact, relative to the impact's duration
 CLOSE_BEFORE, CLOSE_AFTER = 0.5, 1.0
-# BEND: a curve bends where it deviates from a straight line by more than this, relative to its range. PARTS:
-# an interval with a bend is divided into so many intervals. ROUNDS: this is done at most so many times, but
+# An interval in which a curve bends is divided into PARTS intervals. This is done at most ROUNDS times, but
 # not if there would be more than MOST_TIMES times. Without the additional times, the largest force would
 # be drawn too low if it occurs late in a long contact.
-BEND, ROUNDS, PARTS, MOST_TIMES = 0.01, 4, 4, 20_000
+BEND = 0.01  # a curve bends where it deviates from a straight line by more than this, relative to its range
+PARTS = 4
+ROUNDS = 4
+MOST_TIMES = 20_000
 # [1] the duration that a close view assumes for a contact that lasts to the end of the run, relative to the
 # run's duration
 LASTING_SHARE = 0.02

@@ -44,9 +44,9 @@ LONGEST_IMPACT = 5.0
 LEAST_SPEED = 1e-6
 MOST_FRAMES = 20_000  # largest number of frames of a film; a longer film has fewer frames per second
 TAIL = 0.3  # [s] simulated time in which the drawn trace of the tip fades
-# REAL: a rate is called real time if it differs from 1 by less than this. SLOW_RATE: pages and films show a
-# rate below this in a stronger colour. TENS: a factor that is at least this is written without decimals.
-REAL, SLOW_RATE, TENS = 0.05, 0.5, 9.95
+REAL = 0.05  # a rate is called real time if it differs from 1 by less than this
+SLOW_RATE = 0.5  # pages and films show a rate below this in a stronger colour
+TENS = 9.95  # a factor that is at least this is written without decimals
 
 Span = tuple[float, float]
 

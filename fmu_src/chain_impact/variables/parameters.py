@@ -41,9 +41,9 @@ HAS_TARGET = (
     "with inputs.joint_targets it is the start value of the target angle: vary or fit the value of a "
     "constant signal of the target instead"
 )
-KEY, INDEX, AXIS = "{key}", "{index}", "{axis}"
-"""Placeholders for steps of a path: KEY for the key of a parameter, INDEX and AXIS for the index (0, 1) and
-the name (x, y) of an axis."""
+KEY = "{key}"  # placeholder for the key of a parameter in a path
+INDEX = "{index}"  # placeholder for the index of an axis in a path: 0, 1
+AXIS = "{axis}"  # placeholder for the name of an axis in a path: x, y
 
 
 @cache

@@ -30,7 +30,10 @@ LEAST_LUMINANCE = 0.2
 # LIGHTEST_LINE, the least ratio is 1 + FAINT_GROWTH × the distance of the grey from white, 0…1, but at most
 # FAINT_CONTRAST, because a small ratio is visible on white, but not on black. Transparent lines without marks
 # and transparent areas have at least FAINT_CONTRAST. All greys are those that are chosen for a white ground.
-READABLE_CONTRAST, VISIBLE_CONTRAST, FAINT_CONTRAST, FAINT_GROWTH = 4.5, 3.0, 2.0, 10.0
+READABLE_CONTRAST = 4.5
+VISIBLE_CONTRAST = 3.0
+FAINT_CONTRAST = 2.0
+FAINT_GROWTH = 10.0
 GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
 # The number of mixtures that are tried. MIXTURES: of a colour with white, by increasing part of white;
 # GREY_MIXTURES: for a grey, of the colours of ground and text, by increasing part of text. The first mixture
@@ -41,10 +44,14 @@ MIXTURES, GREY_MIXTURES = 41, 201
 LEAST_WHITE = 0.999
 LIGHTEST_TEXT, LIGHTEST_LINE = 0.5, 0.75
 GAMMA = 2.2  # the exponent γ from a colour's value to the brightness of a screen
-# colours of curves: UMBER, PLUM and OCHRE on white; YELLOW, SKY and ORANGE, which are too pale for lines on
-# white, on a dark ground
-UMBER, PLUM, OCHRE = "#6b4c00", "#5c1a6e", "#c07f00"
-YELLOW, SKY, ORANGE = "#f0e442", "#8fd3ff", "#e69f00"
+# colours of curves on white
+UMBER = "#6b4c00"
+PLUM = "#5c1a6e"
+OCHRE = "#c07f00"
+# colours of curves on a dark ground, which are too pale for lines on white
+YELLOW = "#f0e442"
+SKY = "#8fd3ff"
+ORANGE = "#e69f00"
 # colour of a curve on white → the colour that replaces it on a dark ground; only mixed with white, the colour
 # would look like that of another curve
 REPLACED = {UMBER: YELLOW, PLUM: SKY, OCHRE: ORANGE}

@@ -16,17 +16,20 @@ from chain_impact.pictures.drawing.style import GREY
 MOST_GREY = 2  # the largest number of grey curves that are drawn as curves; more are drawn as one band
 # the opacity of a band, from 0 to 1, and the width of the line at its edge [points]
 BAND_OPACITY, BAND_EDGE = 0.45, 0.5
-# BIN: the width [points] of the parts into which the axes are divided. FAST_TURNS: a curve is fast at a part
-# if it has at least so many turns, two in each period, in this part and the parts beside it. FAST_PART: a
-# curve is fast if it is fast at more than this share of the parts. LEAST_TURN: a turn counts if the value
-# changes at least by this until the next turn, relative to the range of all curves in the axes.
-BIN, FAST_TURNS, FAST_PART, LEAST_TURN = 4.0, 6, 0.2, 0.05
+BIN = 4.0  # [points] the width of the parts into which the axes are divided
+# a curve is fast at a part if it has at least so many turns, two in each period, in this part and the parts
+# beside it
+FAST_TURNS = 6
+FAST_PART = 0.2  # a curve is fast if it is fast at more than this share of the parts
+# a turn counts if the value changes at least by this until the next turn, relative to the range of all curves
+LEAST_TURN = 0.05
 # the largest distance of two curves that look like one curve, relative to the range of all compared curves
 SAME_CURVE = 0.005
-# MERGING_DISTANCE: lines coincide where their distance, relative to the range of all lines, is at most this;
-# PIECES: the number of points of a line at which the distance is measured; LEAST_DASHED: the least length of
-# a part with dashes, relative to the range of all lines; DASH: the length of a dash, in line widths
-MERGING_DISTANCE, PIECES, LEAST_DASHED, DASH = 0.008, 600, 0.05, 3.0
+# lines coincide where their distance, relative to the range of all lines, is at most this
+MERGING_DISTANCE = 0.008
+PIECES = 600  # the number of points of a line at which the distance is measured
+LEAST_DASHED = 0.05  # the least length of a part with dashes, relative to the range of all lines
+DASH = 3.0  # the length of a dash, in line widths
 AREA_OPACITY = 0.2  # the opacity of the area for a fast curve, from 0 to 1
 FAST_ENTRY = "pale: range of an oscillation, line: mean"
 

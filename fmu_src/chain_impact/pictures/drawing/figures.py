@@ -43,10 +43,9 @@ PANEL_HEIGHT = 1.9  # [inch] the usual height of a panel over time, with its leg
 LEAST_AXES_HEIGHT = 0.3  # [inch] the least height of axes with a label along y
 # [inch] the least mean height of the axes with a label along y, if the user gives no height
 USUAL_AXES_HEIGHT = 1.0
-# TALL: [inch] the largest wanted height of a figure: a printed page also has room for a caption; SLENDER: the
-# largest wanted height, relative to the width. If a figure would be higher, the least mean height of the axes
-# is FLAT_AXES_HEIGHT [inch].
-TALL, SLENDER, FLAT_AXES_HEIGHT = 7.75, 1.6, 0.7
+TALL = 7.75  # [inch] the largest wanted height of a figure: a printed page also has room for a caption
+SLENDER = 1.6  # the largest wanted height of a figure, relative to its width
+FLAT_AXES_HEIGHT = 0.7  # [inch] the least mean height of the axes if a figure would be higher than wanted
 EDGE_MARGIN = 0.04  # [inch] the least distance of a label of an axis from the figure's left and right edge
 SETTLINGS = 3  # how often, at most, a figure is arranged: a label or legend that is broken changes the layout
 OVERLAP_TOLERANCE = 1.0  # [pixels] the largest distance by which texts may reach beyond the figure or overlap

@@ -27,7 +27,11 @@ from chain_impact.pictures.drawing.dark_ground import PLUM, TIME, UMBER, Ground
 from chain_impact.pictures.drawing.line_breaks import COMMA, break_lines
 from chain_impact.text import LOAD_UNITS, prefixed_unit
 
-BLACK, GREEN, BLUE, VERMILLION, PURPLE = "#000000", "#009e73", "#0072b2", "#d55e00", "#cc79a7"
+BLACK = "#000000"
+GREEN = "#009e73"
+BLUE = "#0072b2"
+VERMILLION = "#d55e00"
+PURPLE = "#cc79a7"
 BROWN, VIOLET = "#7a4b2a", "#7a3fa8"
 PEAK_COLOUR = VERMILLION  # the colour of the impact with the largest force, moment or impulse
 # the colours of a decrease and of an increase, which no curve has and colour-blind readers can distinguish
@@ -40,10 +44,11 @@ The first four are from Okabe and Ito, Color Universal Design (2008), whose othe
 too pale for lines on white. The last two are dark, so that colour-blind readers can distinguish them from the
 first four.
 """
-GREY, PALE_GREY, INK = "0.72", "0.9", "0.25"
-"""Greys: GREY of curves in the background, PALE_GREY of a grid's lines, INK of text and outlines."""
-OUTSIDE_COLOUR, SHORT_TIMES_COLOUR = "0.93", "0.965"
-"""The colours of the ground beyond walls, and where the chain may be only at some times."""
+GREY = "0.72"  # the colour of curves in the background
+PALE_GREY = "0.9"  # the colour of a grid's lines
+INK = "0.25"  # the colour of text and outlines
+OUTSIDE_COLOUR = "0.93"  # the colour of the ground beyond walls
+SHORT_TIMES_COLOUR = "0.965"  # the colour of the ground where the chain may be only at some times
 FLAT_COLOURS = ("white", OUTSIDE_COLOUR, SHORT_TIMES_COLOUR)
 """The colours of the ground on which labels may stand."""
 # Parts of the text's colour in mixtures with the ground (``faint_colour``). SHADE: for a time in which
@@ -88,9 +93,9 @@ If the user's style is dark, ``adapt_to_dark_style`` changes the colours afterwa
 DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
 """The groups of matplotlib's settings, such as ``font``, whose values a ``StyledFigure`` stores."""
 DPI = 160
-# [inch] FULL_WIDTH: the usual width of a figure; TWO_COLUMN_WIDTH: the least width for two columns of axes;
-# COLUMN: the largest width of a figure for one column of a printed page
-FULL_WIDTH, TWO_COLUMN_WIDTH, COLUMN = 10.0, 6.0, 3.5
+FULL_WIDTH = 10.0  # [inch] the usual width of a figure
+TWO_COLUMN_WIDTH = 6.0  # [inch] the least width for two columns of axes
+COLUMN = 3.5  # [inch] the largest width of a figure for one column of a printed page
 LEFT_MARGIN, TOP_MARGIN = (
     0.12,
     0.08,

@@ -34,10 +34,10 @@ from chain_impact.recording.recording import Recording
 FORCE = "#d9480f"  # the colour of wall forces in a film
 CHARTS = (0.69, 0.12, 0.29, 0.6)
 """The room for the charts: left, bottom, width and height, relative to the size of the figure."""
-# Lengths relative to the axis of time. EVEN: positions that differ by less look equal; TICK_GAP: the least
-# distance of two numbers; END_TOLERANCE: a number beyond an end of the axis by at most this counts as at this
-# end.
-EVEN, TICK_GAP, END_TOLERANCE = 0.01, 0.13, 1e-9
+# lengths relative to the axis of time
+EVEN = 0.01  # positions that differ by less look equal
+TICK_GAP = 0.13  # the least distance of two numbers
+END_TOLERANCE = 1e-9  # a number beyond an end of the axis by at most this counts as at this end
 # heights of the chart of forces and of the space above this chart, relative to the height of the figure
 STRIP, STRIP_TOP_MARGIN = 0.13, 0.075
 # the opacity, from 0 to 1, of the veil over the time that the film has not yet shown: on white and on a dark

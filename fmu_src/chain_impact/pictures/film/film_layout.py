@@ -12,7 +12,9 @@ SIZE_WITH_CHARTS = (7.0, 3.9375)  # [inch] the least width and height of a figur
 SCENE = (0.02, 0.09, 0.6, 0.79)
 LEAST_WIDTH = 0.45  # the least width of the axes with the chain beside charts, relative to that of the figure
 # positions of the texts: left edge and middle of the height, relative to the size of the figure
-CLOCK, RATE, CAPTION = (0.69, 0.95), (0.69, 0.895), (0.69, 0.832)
+CLOCK = (0.69, 0.95)
+RATE = (0.69, 0.895)
+CAPTION = (0.69, 0.832)
 SMALL_LAYOUT = (0.02, 0.09, 0.96, 0.69), (0.02, 0.84), (0.55, 0.84)
 """SCENE, CLOCK and RATE on a figure that has no room for charts."""
 

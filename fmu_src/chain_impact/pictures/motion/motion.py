@@ -40,10 +40,10 @@ from chain_impact.text import prefixed_unit
 # matplotlib's order of drawing (zorder) for the tip's path: above walls, because a tip may slide along a wall
 PATH_LAYER = 2.1
 MOST_MARKED_POINTS = 12  # a chain with more points than this has no marks at its points
-# PATH_WIDTH: [points] the usual width of the line along the tip's path; DENSE: a line that would cover more
-# than this part of the area around the path is narrower; LINE_CELL, AREA_CELL: see ``density``; MOST_SAMPLES:
-# the largest number of points on a path from which ``density`` computes
-PATH_WIDTH, DENSE, LINE_CELL, AREA_CELL, MOST_SAMPLES = 1.5, 0.3, 0.01, 0.05, 20000
+PATH_WIDTH = 1.5  # [points] the usual width of the line along the tip's path
+DENSE = 0.3  # a line that would cover more than this part of the area around the path is narrower
+LINE_CELL, AREA_CELL = 0.01, 0.05  # see ``density``
+MOST_SAMPLES = 20000  # the largest number of points on a path from which ``density`` computes
 # If the last part of a tip's path, shorter than HIDING × the duration of the run, covers the earlier part,
 # the legend tells this; REVISITED: see ``last_time_seen``.
 HIDING, REVISITED = 0.5, 0.05

@@ -49,9 +49,11 @@ IMPACT_DOT, COVERED_SHIFT = 4.5, 3.0
 # the width and height of a cell in which all marks of impacts count as one mark, relative to the run's
 # duration and to the largest height of a mark
 ONE_MARK = 0.005
-# [points] the widths of the vertical line at an impact and of the line that shows a contact; the height of a
-# row of contacts, the space above all rows, and the distance of a row's name from the axes
-STEM, CONTACT, ROW, ROWS_GAP, NAME_GAP = 0.8, 2.5, 8.5, 6.5, 4.0
+STEM = 0.8  # [points] the width of the vertical line at an impact
+CONTACT = 2.5  # [points] the width of the line that shows a contact
+ROW = 8.5  # [points] the height of a row of contacts
+ROWS_GAP = 6.5  # [points] the space above all rows of contacts
+NAME_GAP = 4.0  # [points] the distance of a row's name from the axes
 LANE = "lane"  # the matplotlib identifier (gid) of the name of a row of contacts
 STEM_KEY = 8.0  # [points] the height of the vertical line in the legend that stands for lines at impacts
 SOLID_MARK: dict[str, Any] = {"color": INK, "markeredgecolor": "white", "markeredgewidth": 0.5}

@@ -15,9 +15,10 @@ LONGER_SIDE = 240  # number of pixels of the longer side of the drawing
 # border inside the drawing; a wall is drawn if its distance from the point nearest to it is at most
 # DRAWN_WITHIN
 SCENE_MARGIN, DRAWN_WITHIN = 0.15, 1.0
-# all divided by the longer side of the drawing: LINK_WIDTH is the width of links, THIN_WIDTH the width of
-# other lines, POINT_RADIUS the radius of points
-LINK_WIDTH, THIN_WIDTH, POINT_RADIUS = 0.012, 0.004, 0.02
+# lengths divided by the longer side of the drawing
+LINK_WIDTH = 0.012  # the width of links
+THIN_WIDTH = 0.004  # the width of other lines
+POINT_RADIUS = 0.02  # the radius of points
 
 
 def svg(scene: SceneContents, values: Mapping[str, Any]) -> str:

@@ -26,7 +26,9 @@ TOO_LONG = 990.0
 # Rows seem to be missing in a step of time that is longer than LONG_STEP times the median step. This holds
 # for a regular table only: it has at least ROWS steps, and at least half of the steps differ from the median
 # step by at most EQUAL_STEPS times the median step.
-LONG_STEP, ROWS, EQUAL_STEPS = 10.0, 10, 0.01
+LONG_STEP = 10.0
+ROWS = 10
+EQUAL_STEPS = 0.01
 EMPTY_TEXTS = ("", "nan", "NaN", "NAN", "None", "<NA>")  # the texts that count as an empty cell
 
 

@@ -81,9 +81,9 @@ MOST_DOTS = 40  # largest number of dots of a data set over time; of more values
 # curves of several data sets have the palette's colours
 MODEL = VERMILLION
 SUPPORT_LIMIT = 10.0  # the ΔAIC from which on the data hardly support a law (Burnham & Anderson 2004)
-# MEAN_PARTS: each point of the running mean of residuals over time is the mean of 1/MEAN_PARTS of the values;
-# LEAST_FOR_MEAN: the least number of values for a running mean; MEAN: the label of its line in matplotlib
-MEAN_PARTS, LEAST_FOR_MEAN, MEAN = 20, 100, "_running mean"
+MEAN_PARTS = 20  # each point of the running mean of residuals is the mean of 1/MEAN_PARTS of the values
+LEAST_FOR_MEAN = 100  # the least number of values for a running mean
+MEAN = "_running mean"  # the label of the line of a running mean in matplotlib
 # bars, and the grey band of usual residuals, extend from −USUAL_RESIDUAL to USUAL_RESIDUAL standard
 # deviations
 USUAL_RESIDUAL = 2.0

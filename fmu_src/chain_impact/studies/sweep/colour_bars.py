@@ -33,14 +33,16 @@ WIDE_RANGE = 1e3
 # multiples FEW_TICKS of each power of ten
 FEW_TICKS = (2.0, 5.0)
 MOST_LEVELS = 5  # the largest number of intervals between the ticks of a linear bar
-# END_ROOM: the least distance of a number from that at an end of a bar, relative to the bar, of which
-# LEVEL_BAR_ROOM is that of a bar along x; END_DIGITS: the number of digits at an end
-END_ROOM, LEVEL_BAR_ROOM, END_DIGITS = 0.1, 0.2, 3
+END_ROOM = 0.1  # the least distance of a number from that at an end of a bar, relative to the bar
+LEVEL_BAR_ROOM = 0.2  # the same for a bar along x
+END_DIGITS = 3  # the number of digits at an end of a bar
 SLIM_BAR = 40.0  # the length of a bar for several maps, relative to the bar's width
-# [inch] WIDE_COLUMN: a bar stands beside its map if the figure has this width for each column of maps, else
-# above it; MAP_BAR_HEIGHT: the height of a bar above a map; NUMBERS_WIDTH: the width for numbers and names
-# beside the maps; DIGIT: about the width of a digit in a number at a bar
-WIDE_COLUMN, MAP_BAR_HEIGHT, NUMBERS_WIDTH, DIGIT = 3.2, 0.08, 0.75, 0.07
+# lengths in inches
+# a bar stands beside its map if the figure has this width for each column of maps, else above it
+WIDE_COLUMN = 3.2
+MAP_BAR_HEIGHT = 0.08  # the height of a bar above a map
+NUMBERS_WIDTH = 0.75  # the width for numbers and names beside the maps
+DIGIT = 0.07  # about the width of a digit in a number at a bar
 
 
 def colours_of(

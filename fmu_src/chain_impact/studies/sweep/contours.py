@@ -14,10 +14,10 @@ from matplotlib.patheffects import Normal, Stroke
 
 from chain_impact.pictures.drawing.dark_ground import COLOURED_GROUND
 
-# MOST_PIECES: a contour in more pieces is left out; LEAST_CELLS: the least number of cells on each axis for
-# contours; LEAST_ROOM: the least distance of the value of a contour from the next line, and LEAST_LENGTH: the
-# least extent of a contour along an axis, both relative to the map
-MOST_PIECES, LEAST_CELLS, LEAST_ROOM, LEAST_LENGTH = 2, 5, 0.07, 0.2
+MOST_PIECES = 2  # a contour in more pieces is left out
+LEAST_CELLS = 5  # the least number of cells on each axis for contours
+LEAST_ROOM = 0.07  # the least distance of the value of a contour from the next line, relative to the map
+LEAST_LENGTH = 0.2  # the least extent of a contour along an axis, relative to the map
 # A value jumps if it differs from the median of itself and its two neighbours along an axis by more than JUMP
 # times the range of the map. There are no contours if the part MOST_JUMPS of the values along an axis jumps.
 JUMP, MOST_JUMPS = 0.01, 0.05

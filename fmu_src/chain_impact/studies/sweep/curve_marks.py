@@ -25,7 +25,9 @@ LEAST_JOINED = 0.5
 # A largest value, such as a peak force, jumps between two neighbours if the step there exceeds LARGE_STEP
 # times the steps beside it, and SMALL_STEP times the range of the line. Lines of fewer than FEWEST_STEPS
 # steps have too few of them to compare.
-LARGE_STEP, SMALL_STEP, FEWEST_STEPS = 2.0, 0.02, 4
+LARGE_STEP = 2.0
+SMALL_STEP = 0.02
+FEWEST_STEPS = 4
 
 
 def is_largest_value(quantity: Quantity) -> bool:

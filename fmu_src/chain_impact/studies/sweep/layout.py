@@ -36,9 +36,9 @@ ONE_PANEL_WIDTH = 6.5  # [inch] default width of a figure with one panel
 # [inch] the least width of a figure with SMALL_MAPS maps of one result in a row, or with maps of two or three
 # results in a row
 THREE_SMALL = 4.0
-# [inch] ROW_HEIGHT: the default height of a row of panels; MAP_GAP: the space above a map for names and
-# a bar; HEAD_AND_FOOT: the space for texts above and below all maps
-ROW_HEIGHT, MAP_GAP, HEAD_AND_FOOT = 2.7, 0.65, 1.2
+ROW_HEIGHT = 2.7  # [inch] the default height of a row of panels
+MAP_GAP = 0.65  # [inch] the space above a map for names and a bar
+HEAD_AND_FOOT = 1.2  # [inch] the space for texts above and below all maps
 # in rows that are lower than ROW_HEIGHT, the height of a map relative to its width; but it is at least
 # LOWEST_MAP [inch]
 MAP_SHAPE, LOWEST_MAP = 0.75, 1.1

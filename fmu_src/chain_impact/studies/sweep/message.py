@@ -32,7 +32,9 @@ MOST_REASONS = 2  # the largest number of reasons of failed runs that the headli
 # its share is at least LEAST_SHARE; one parameter alone is named if its share is at least MAIN times that of
 # any other. The result depends mostly on it if its share exceeds one half; it depends on two together if all
 # shares are less, so that most of the variance is due to several parameters together.
-LEAST_SHARE, MAIN, HALF = 0.2, 2.0, 0.5
+LEAST_SHARE = 0.2
+MAIN = 2.0
+HALF = 0.5
 # The headline tells that a parameter of a grid hardly matters if it changes a result, whatever the others
 # are, by at most SMALL_EFFECT times the largest |result|; at most NO_EFFECT, due to steps, is no effect.
 SMALL_EFFECT, NO_EFFECT = 0.01, 1e-6
