@@ -26,19 +26,20 @@ MODULE = f"{KERNEL}.ll.xz"  # the file in each wheel with the lowered kernel, co
 # the file with the fingerprint of the sources from which the prebuilt kernels were made; they are used only
 # if the present sources have the same fingerprint
 MADE_FROM = "sources.txt"
+# The environment variable that is "1" while a wheel for release is built.
 RELEASE = "CHAIN_IMPACT_RELEASE"
-"""The environment variable that is "1" while a wheel for release is built."""
+# The largest number of links for which a wheel for release has a kernel of its own. Chains with more links
+# share a kernel that reads the number of links from the record. With the shared kernel, runs of up to ten
+# links would take 10 % to 30 % longer, with many rows of outputs up to 40 %; runs of thirty links take no
+# longer.
 LARGEST_EXACT = 10
-"""The largest number of links for which a wheel for release has a kernel of its own. Chains with more links
-share a kernel that reads the number of links from the record. With the shared kernel, runs of up to ten links
-would take 10 % to 30 % longer, with many rows of outputs up to 40 %; runs of thirty links take no longer."""
 
+# The scenes of the kernels without derivatives in a wheel for release: None, any number of links; GENERAL,
+# any number of links and all rare features; and each number of links from 1 to LARGEST_EXACT. In other
+# wheels, and for kernels with derivatives, there are only None and GENERAL.
 WHEEL_SCOPES: tuple[int | None, ...] = (None, GENERAL, *range(1, LARGEST_EXACT + 1))
-"""The scenes of the kernels without derivatives in a wheel for release: None, any number of links; GENERAL,
-any number of links and all rare features; and each number of links from 1 to LARGEST_EXACT. In other wheels,
-and for kernels with derivatives, there are only None and GENERAL."""
+# Kind of library → parts of the kernel that are compiled and linked for it.
 LIBRARY_PARTS = {KERNEL: (KERNEL,), DERIVATIVES: (KERNEL, DERIVATIVES)}
-"""Kind of library → parts of the kernel that are compiled and linked for it."""
 
 
 def missing_compilers() -> list[str]:

@@ -10,21 +10,21 @@ from pathlib import Path
 from chain_impact.system import PLATFORMS
 
 PACKAGE = Path(__file__).parents[1]
+# The modules of this folder that make code, so that a change of them may change kernels. The other modules
+# find, store and describe kernels.
 MAKERS = (
     *("affine", "browser", "built_in", "collecting", "compilers", "dual_numbers", "entry_points"),
     *("functions", "law", "lower", "record_type", "signatures"),
 )
-"""The modules of this folder that make code, so that a change of them may change kernels. The other modules
-find, store and describe kernels."""
+# The folders and files of the package from which kernels are made.
 COMPILED = (
     "kernel",
     *(f"compilation/{name}.py" for name in MAKERS),
     "compilation/c_interface",
     "user_laws",
 )
-"""The folders and files of the package from which kernels are made."""
+# Name of a package → the version that compilation needs, as in the extra "compiler" of pyproject.toml.
 COMPILERS = {"llvmlite": "0.50.0", "numba": "0.68.1", "ziglang": "0.17.0"}
-"""Name of a package → the version that compilation needs, as in the extra "compiler" of pyproject.toml."""
 LANGUAGES = (".py", ".c", ".h")  # the suffixes of files in the folders of COMPILED that are sources
 
 

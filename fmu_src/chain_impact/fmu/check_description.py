@@ -27,6 +27,7 @@ from chain_impact.fmu.versions import VERSIONS
 FMI_VERSIONS = tuple(f"{version}.0" for version in VERSIONS)
 TERMINALS = ("terminalsAndIcons/terminalsAndIcons.xml", "icons/terminalsAndIcons.xml")
 FMI_MODES = ("CoSimulation", "ModelExchange", "ScheduledExecution")
+# Paths of elements whose children must all have different names, and different values in an enumeration.
 LISTS = (
     "UnitDefinitions",
     "UnitDefinitions/Unit",
@@ -38,17 +39,14 @@ LISTS = (
     "ModelVariables/ScalarVariable/Annotations",
     *(f"{mode}/SourceFiles" for mode in FMI_MODES),
 )
-"""Paths of elements whose children must all have different names, and different values in an enumeration."""
 _PART = r"""([A-Za-z_]\w*|'([ !#-&(-\[\]-_a-~]|\\['"?\\abfnrtv])+')(\[\d+(,\d+)*\])?"""
 _NAME = rf"{_PART}(\.{_PART})*"
+# Naming convention → regular expression that matches the allowed names.
+# See FMI 2.0.4, section 2.2.9, and FMI 3.0, section 2.4.7.5.1.
 NAME_PATTERNS = {
     "structured": re.compile(rf"{_NAME}|der\({_NAME}(,\d+)?\)", re.ASCII),
     "flat": re.compile(r"[^\r\n\t]+"),
 }
-"""Naming convention → regular expression that matches the allowed names.
-
-See FMI 2.0.4, section 2.2.9, and FMI 3.0, section 2.4.7.5.1.
-"""
 # matches the beginning of fmpy's sentence on a fault against the XML schema; the group is the line's number
 _SCHEMA_ERROR = re.compile(r"^ERROR \(line (\d+), column \d+\): ")
 # matches the words in fmpy's sentence on a fault that name a variable; the group is the name

@@ -16,15 +16,12 @@ from pathlib import Path
 from chain_impact.text import names_text
 
 DESCRIPTION = "modelDescription.xml"
+# The test run of an FMU reports this word as its last call; if it is missing, the process ended too early.
 END_MARK = "complete"
-"""The test run of an FMU reports this word as its last call; if it is missing, the process ended too
-early."""
+# [byte] The largest sum of the sizes of an FMU's unpacked files.
+# An FMU with a larger sum is refused, as it could fill the disk. The sizes are those that the zip declares;
+# Python never unpacks more than the declared size of a file.
 LARGEST_SUM = 2**30
-"""[byte] The largest sum of the sizes of an FMU's unpacked files.
-
-An FMU with a larger sum is refused, as it could fill the disk. The sizes are those that the zip declares;
-Python never unpacks more than the declared size of a file.
-"""
 # largest number of variables that one line names; the line only counts further variables: "and 3 more"
 NAMED_VARIABLES = 5
 # if more findings than this differ only in the variable, they share one line

@@ -30,8 +30,8 @@ from chain_impact.system import HOST, PLATFORMS
 
 # the number of the status fmi2Warning; messages up to this status are dropped, because they report no fault
 WARNING = 1
+# The name of the logger to which the slaves in Python (slave.py) write their errors.
 SLAVE_LOGGER = "chain_impact.fmu"
-"""The name of the logger to which the slaves in Python (slave.py) write their errors."""
 # two lists of the errors that FMUs report while ``collect_messages`` lasts in the calling thread: `logged`
 # has those sent by FMI's callback, `slave_messages` those of slaves in Python (of SLAVE_LOGGER)
 _thread = threading.local()
@@ -163,8 +163,8 @@ def instantiate(fmu: Any) -> None:
         fmu.instantiate(loggingOn=True, logMessage=_collect_error)
 
 
+# Held while ``_callbacks`` is called, so that two threads do not make two sets of callbacks.
 _CALLBACK_LOCK = threading.Lock()
-"""Held while ``_callbacks`` is called, so that two threads do not make two sets of callbacks."""
 
 
 @cache

@@ -17,8 +17,8 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.units import UNITS, sorted_units, unit_of
 from chain_impact.variables.variable import Variable
 
+# Version of FMI → the attribute of the root element that tells one FMU from another.
 TOKEN = {FMI_2: "guid", FMI_3: "instantiationToken"}
-"""Version of FMI → the attribute of the root element that tells one FMU from another."""
 CAPABILITIES = {
     FMI_2: {
         "needsExecutionTool": "false",
@@ -39,8 +39,8 @@ CAPABILITIES = {
         "hasEventMode": "true",
     },
 }
+# Type of a variable in this package → type in FMI 3.0.
 TYPES = {"real": "Float64", "integer": "Int64", "enumeration": "Enumeration"}
-"""Type of a variable in this package → type in FMI 3.0."""
 # the earliest date that a zip can store; every FMU gets this date, so that equal scenes give equal FMUs
 DATE = "1980-01-01T00:00:00Z"
 LOG_CATEGORIES = {

@@ -16,8 +16,8 @@ from chain_impact.recording.recording import Recording
 from chain_impact.scene.texts.unit_text import unit_text
 
 AMOUNT_WIDTH = 1.2  # [points] the width of the line of a force's amount
+# The units of curves whose largest values are written → quantity.
 MARKED_UNITS = {"N": "force", "N.m": "moment", "N.s": "impulse"}
-"""The units of curves whose largest values are written → quantity."""
 # a number stands at the inner side of its curve if another curve is nearer at the outer side, and nearer than
 # this, relative to the range of all curves in the panel
 LABEL_DISTANCE = 0.15

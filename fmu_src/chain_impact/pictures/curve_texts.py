@@ -16,12 +16,12 @@ from chain_impact.text import LOAD_UNITS
 
 # unit that only one quantity has → name of this quantity, for the label of a panel
 QUANTITIES = {"N": "force", "N.m": "moment", "N.s": "impulse", "J": "energy", "W": "power", "rad": "angle"}
+# The last part of a component's name → the word for its vector.
 VECTORS = {
     f"{letter}{axis}": word
     for letter, word in (("", "position"), ("v", "velocity"), ("a", "acceleration"))
     for axis in AXES
 }
-"""The last part of a component's name → the word for its vector."""
 PREFIX_BELOW = 0.1  # [m] if all |values| of a panel are smaller, the unit m has a prefix, as in mm
 SMALLEST_VALUE = 1e-6
 # LITTLE_CHANGE: see ``values_at_onset``; CLOSE_UNITS: units that have a prefix in a close view, as in

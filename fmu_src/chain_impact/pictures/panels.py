@@ -59,6 +59,7 @@ def number_positions(axes: Axes, recording: Recording, used_pixels: UsedPixels) 
         name_points(axes, recording, used_pixels)
 
 
+# Name → panel, in the order in which a picture shows panels.
 PANELS = {
     "motion": Panel(draw_position, lambda _: 1, lambda _: LINE_MOTION_HEIGHT, number_positions),
     "impact": Panel(draw_one_impact, is_alone, write_numbers=number_one_impact),
@@ -75,4 +76,3 @@ PANELS = {
         lambda recording: RUBBING_ROW * len(rubbing_locations(recording)[:MOST_ROWS]),
     ),
 }
-"""Name → panel, in the order in which a picture shows panels."""

@@ -61,8 +61,8 @@ COARSE_STEPS = (1, 2, 4, 5, 10)
 
 # the label of an axis x is broken into lines if it is longer than LABEL_RATIO × the axis (``break_labels``)
 LABEL_RATIO = 1.1
+# A function that draws a picture on an empty figure.
 DrawContents = Callable[[Figure], None]
-"""A function that draws a picture on an empty figure."""
 
 
 class NoRoomError(ValueError):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+# Width and height of a figure [inches]; the height None means the height that the contents need.
 Size = Sequence[float | None]
-"""Width and height of a figure [inches]; the height None means the height that the contents need."""
 # [inch] the least and the largest width and height of a figure; a larger size is probably in other units, and
 # would fill the memory with pixels
 LEAST_SIZE, LARGEST_SIZE = 2.0, 60.0

@@ -37,26 +37,25 @@ PEAK_COLOUR = VERMILLION  # the colour of the impact with the largest force, mom
 # the colours of a decrease and of an increase, which no curve has and colour-blind readers can distinguish
 DECREASE, INCREASE = "#a08400", "#5e3c99"
 LOAD = "#b3006e"  # the colour of the forces in joints, also in films and pages; no time has it
+# The colours of curves.
+# The first four are from Okabe and Ito, Color Universal Design (2008), whose other colours, except black, are
+# too pale for lines on white. The last two are dark, so that colour-blind readers can distinguish them from
+# the first four.
 PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, UMBER, PLUM)
-"""The colours of curves.
-
-The first four are from Okabe and Ito, Color Universal Design (2008), whose other colours, except black, are
-too pale for lines on white. The last two are dark, so that colour-blind readers can distinguish them from the
-first four.
-"""
 GREY = "0.72"  # the colour of curves in the background
 PALE_GREY = "0.9"  # the colour of a grid's lines
 INK = "0.25"  # the colour of text and outlines
 OUTSIDE_COLOUR = "0.93"  # the colour of the ground beyond walls
 SHORT_TIMES_COLOUR = "0.965"  # the colour of the ground where the chain may be only at some times
+# The colours of the ground on which labels may stand.
 FLAT_COLOURS = ("white", OUTSIDE_COLOUR, SHORT_TIMES_COLOUR)
-"""The colours of the ground on which labels may stand."""
 # Parts of the text's colour in mixtures with the ground (``faint_colour``). SHADE: for a time in which
 # nothing moves; IMPACT_LINE: for the line at an impact.
 SHADE, IMPACT_LINE = 0.05, 0.35
 # the colour map viridis without its upper end, whose yellow is too pale on white
 TIME_COLOURS = LinearSegmentedColormap.from_list(TIME, mpl.colormaps["viridis"](np.linspace(0.0, 0.85, 64)))
 
+# Settings of matplotlib for every picture; a setting that a user or a style sheet has changed stays.
 STYLE: Any = {
     "font.size": 9,
     "axes.spines.top": False,
@@ -78,7 +77,8 @@ STYLE: Any = {
     # without hinting the width of text does not depend on the resolution, so one layout fits all resolutions
     "text.hinting": "none",
 }
-"""Settings of matplotlib for every picture; a setting that a user or a style sheet has changed stays."""
+# Settings with which a picture in a new figure is drawn: black on white, whatever the user's style is.
+# If the user's style is dark, ``adapt_to_dark_style`` changes the colours afterwards.
 COLOURS: Any = {
     name: "white" if name.endswith("facecolor") else "black"
     for name in (
@@ -86,12 +86,8 @@ COLOURS: Any = {
         *("axes.facecolor", "figure.facecolor", "savefig.facecolor"),
     )
 }
-"""Settings with which a picture in a new figure is drawn: black on white, whatever the user's style is.
-
-If the user's style is dark, ``adapt_to_dark_style`` changes the colours afterwards.
-"""
+# The groups of matplotlib's settings, such as ``font``, whose values a ``StyledFigure`` stores.
 DRAWING = ("axes", "font", "mathtext", "pdf", "ps", "savefig", "svg", "text", "xtick", "ytick")
-"""The groups of matplotlib's settings, such as ``font``, whose values a ``StyledFigure`` stores."""
 DPI = 160
 FULL_WIDTH = 10.0  # [inch] the usual width of a figure
 TWO_COLUMN_WIDTH = 6.0  # [inch] the least width for two columns of axes

@@ -32,8 +32,8 @@ from chain_impact.recording.interactions import SLIDER_STOP, WALL
 from chain_impact.recording.recording import Recording
 
 FORCE = "#d9480f"  # the colour of wall forces in a film
+# The room for the charts: left, bottom, width and height, relative to the size of the figure.
 CHARTS = (0.69, 0.12, 0.29, 0.6)
-"""The room for the charts: left, bottom, width and height, relative to the size of the figure."""
 # lengths relative to the axis of time
 EVEN = 0.01  # positions that differ by less look equal
 TICK_GAP = 0.13  # the least distance of two numbers
@@ -47,8 +47,8 @@ FORCE_HEADROOM = 1.25  # the upper end of the axis of forces, relative to the la
 # COLOURED_PARTS: the number of parts, each with one colour, of the bar along the axis of time;
 # COLOURED_WIDTH: [points] the width of this bar
 COLOURED_PARTS, COLOURED_WIDTH = 64, 3.0
+# Kind of forces → their colour.
 FORCE_COLOURS = {"wall": FORCE, "joint": LOAD}
-"""Kind of forces → their colour."""
 
 
 class ChartPeak(NamedTuple):

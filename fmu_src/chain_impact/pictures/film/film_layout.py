@@ -15,8 +15,8 @@ LEAST_WIDTH = 0.45  # the least width of the axes with the chain beside charts, 
 CLOCK = (0.69, 0.95)
 RATE = (0.69, 0.895)
 CAPTION = (0.69, 0.832)
+# SCENE, CLOCK and RATE on a figure that has no room for charts.
 SMALL_LAYOUT = (0.02, 0.09, 0.96, 0.69), (0.02, 0.84), (0.55, 0.84)
-"""SCENE, CLOCK and RATE on a figure that has no room for charts."""
 
 
 class FilmLayout(NamedTuple):

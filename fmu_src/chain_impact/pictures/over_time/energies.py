@@ -22,9 +22,10 @@ from chain_impact.recording.recording import Recording
 # the zero of the potential energy is moved if the move makes the range of all energies (``range_of``) smaller
 # than this part of the range with the usual zero
 RANGE_SHARE = 0.8
+# Name of an energy that is a part of another one → colour; ``friction`` is a part of ``dissipated``.
 ENERGY_PARTS = {"friction": BROWN}
-"""Name of an energy that is a part of another one → colour; ``friction`` is a part of ``dissipated``."""
 PART_LABEL = "{} loss"  # the label of an energy in ENERGY_PARTS; {}: the name of this energy
+# Name of an energy → its colour in all pictures.
 ENERGIES = {
     "kinetic": GREEN,
     "potential": OCHRE,
@@ -34,19 +35,16 @@ ENERGIES = {
     **ENERGY_PARTS,
     "supplied": PURPLE,
 }
-"""Name of an energy → its colour in all pictures."""
+# Name of an energy → its dashes in all pictures, by which readers distinguish energies without colours.
+# Other energies have solid lines, from whose narrow peaks dashes would leave pieces.
 ENERGY_DASHES: dict[str, Any] = {
     "potential": (0.0, (1.0, 0.8)),
     "dissipated": (0.0, (2.8, 1.0)),
     "friction": (0.0, (2.4, 0.9, 0.9, 0.9)),
     "supplied": (0.0, (6.0, 1.2, 1.2, 1.2)),
 }
-"""Name of an energy → its dashes in all pictures, by which readers distinguish energies without colours.
-
-Other energies have solid lines, from whose narrow peaks dashes would leave pieces.
-"""
+# Name of an energy → width of its line [points], where it differs from 1.
 ENERGY_WIDTHS = {"total": 2.0, "kinetic": 1.3, "potential": 1.3, "elastic": 0.8}
-"""Name of an energy → width of its line [points], where it differs from 1."""
 # the elastic energy is drawn if its largest value exceeds this, relative to the range of 0 and all energies
 VISIBLE_ELASTIC = 0.01
 # An energy whose |values| are all less than this, relative to the largest |value| of any energy, looks like a

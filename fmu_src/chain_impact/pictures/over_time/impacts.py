@@ -69,8 +69,8 @@ STOP_MARKS = tuple(
     for form, look in zip("DdXPh", (HOLLOW_MARK, SOLID_MARK) * 2 + (HOLLOW_MARK,), strict=True)
 )
 OTHERS_MARK: dict[str, Any] = SOLID_MARK | {"marker": "o", "color": GREY}
+# Form of a mark → factor on its size, so that all forms look equally large.
 MARK_SCALES = {"s": 0.85, "D": 0.8, "^": 1.2, "v": 1.2, "d": 1.2, "X": 1.1, "P": 1.1}
-"""Form of a mark → factor on its size, so that all forms look equally large."""
 
 
 def draw_impacts(axes: Axes, recording: Recording) -> None:
