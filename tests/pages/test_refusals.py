@@ -17,7 +17,13 @@ import pytest
 
 from chain_impact import SceneError, load_scene, model_names
 from chain_impact.scene.files.models import scene_file_path
-from chain_impact.scene.rules.refusals import ENTRY_REFUSALS, REFUSALS, SENTENCES, SIGNAL_REFUSALS
+from chain_impact.scene.rules.refusals import (
+    ENTRY_REFUSALS,
+    GIVEN_REFUSALS,
+    REFUSALS,
+    SENTENCES,
+    SIGNAL_REFUSALS,
+)
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.simulation.kernels import kernel_for
 from chain_impact.variables.prepared import PreparedScene
@@ -71,6 +77,12 @@ def wall(name, angle=0.0):
 
 
 RULED = {
+    "wall_angle": {"walls": [wall("floor"), {"name": "side", "point": [-4.0, 0.0]}]},
+    "wall_angles": {"walls": [wall("floor") | {"normal": [0.0, 1.0]}]},
+    "no_normal": {"walls": [{"name": "floor", "point": [0.0, -4.0], "normal": [0.0, 0.0]}]},
+    "no_height": {"link": {"shape": "box"}},
+    "no_shape": {"link": {"height": 0.5}},
+    "angles": {"base": "pinned", "initial": {"joint_angles": [0.5]}},
     "points": {"contact": {"points": [1, 1]}},
     "out_of_reach": {
         "base": "slider",
@@ -111,7 +123,8 @@ RULED = {
 
 
 def test_each_rule_has_a_case():
-    assert set(RULED) == {rule.fault for rule in (*ENTRY_REFUSALS, *REFUSALS, *SIGNAL_REFUSALS)}
+    rules = (*GIVEN_REFUSALS, *ENTRY_REFUSALS, *REFUSALS, *SIGNAL_REFUSALS)
+    assert set(RULED) == {rule.fault for rule in rules}
 
 
 @pytest.mark.parametrize("fault", RULED)

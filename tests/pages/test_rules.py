@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from chain_impact.scene.facts import FACTS, LISTS
-from chain_impact.scene.rules.refusals import REFUSALS, SIGNAL_REFUSALS
+from chain_impact.scene.rules.refusals import GIVEN_REFUSALS, REFUSALS, SIGNAL_REFUSALS
 from chain_impact.scene.rules.rule_language import is_rule_true, names_in, number_in, tree
 from chain_impact.variables.owners import COUNT_RULES, OWNER_KINDS, RECORD_NUMBERS
 from tests.pages.javascript import function_of
@@ -17,7 +17,12 @@ from tests.scene.rule_cases import CASES, VALUES
 
 EVALUATED = function_of("rules", "evaluated")
 ALL_RULES = [
-    *(text for rule in (*REFUSALS, *SIGNAL_REFUSALS) for text in (rule.condition, rule.least) if text),
+    *(
+        text
+        for rule in (*GIVEN_REFUSALS, *REFUSALS, *SIGNAL_REFUSALS)
+        for text in (rule.condition, rule.least)
+        if text
+    ),
     *(fact.rule for fact in FACTS.values()),
     *(
         text

@@ -5,7 +5,7 @@
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.scene.checks.checks import coefficients
+from chain_impact.scene.checks.rule_checks import coefficients
 from chain_impact.scene.keys.tables import Material
 from chain_impact.scene.scene import parse_scene, scene_to_dict, with_values
 from tests.helpers.scenes.friction import pendulum, sled

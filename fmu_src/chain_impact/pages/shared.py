@@ -38,6 +38,7 @@ from chain_impact.scene.keys.signal_tables import FORMS, NUMBERS, SHAPES
 from chain_impact.scene.keys.tables import STEP_ROUND_OFF
 from chain_impact.scene.rules.refusals import (
     ENTRY_REFUSALS,
+    GIVEN_REFUSALS,
     LAW_FACTS,
     REFUSALS,
     SENTENCES,
@@ -102,6 +103,7 @@ def page_data() -> dict[str, Any]:
         "peaks": {name: {"unit": peak.fmi_unit, "atStops": peak.at_stops} for name, peak in PEAKS.items()},
         "refusals": SENTENCES,
         "refusalRules": {
+            "GIVEN": [*map(_rule_data, GIVEN_REFUSALS)],
             "FILE": [*map(_rule_data, REFUSALS)],
             "ENTRY": [*map(_rule_data, ENTRY_REFUSALS)],
             "SIGNAL": [*map(_rule_data, SIGNAL_REFUSALS)],
@@ -155,9 +157,13 @@ def declaration() -> str:
 
 
 def _rule_data(rule: RefusalRule) -> dict[str, Any]:
-    """Return the data of a rule that refuses a value, with its condition and least value as syntax trees."""
-    least_tree = tree(rule.least) if rule.least else None
-    return {**rule._asdict(), "condition": tree(rule.condition), "least": least_tree, "bound": rule.least}
+    """Return the data of a rule that refuses a value, with its condition and least value as syntax trees.
+
+    Empty texts and false values are left out.
+    """
+    rule_data = {**rule._asdict(), "condition": tree(rule.condition), "bound": rule.least}
+    rule_data["least"] = tree(rule.least) if rule.least else None
+    return {name: value for name, value in rule_data.items() if value}
 
 
 def _constants(module: ModuleType, constants: Iterable[str]) -> dict[str, Any]:

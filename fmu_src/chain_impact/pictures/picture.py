@@ -15,8 +15,8 @@ from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.impact import IMPACT_SIZE, draw_impact
 from chain_impact.pictures.overview import draw_overview, usual_size
 from chain_impact.pictures.sensitivities import draw_sensitivities
-from chain_impact.recording.course import Course
 from chain_impact.recording.curves import Curves
+from chain_impact.recording.impact_course import ImpactCourse
 from chain_impact.recording.recording import Recording
 
 
@@ -53,7 +53,7 @@ def curves_picture(recording: Recording, curves: Curves, title: str | None = "")
     return Picture(draw, curves_size(curves))
 
 
-def impact_picture(recording: Recording, number: int, course: Course) -> Picture:
+def impact_picture(recording: Recording, number: int, course: ImpactCourse) -> Picture:
     """Return the picture of one impact; the arguments are those of ``draw_impact``."""
     return Picture(partial(draw_impact, recording=recording, number=number, course=course), IMPACT_SIZE)
 

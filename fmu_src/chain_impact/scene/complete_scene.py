@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from chain_impact.scene.checks.rule_checks import check_given_rules
 from chain_impact.scene.contents import AnyScene
-from chain_impact.scene.errors import error_at, no_wall_error, refusal, value_text
+from chain_impact.scene.errors import error_at, no_wall_error
 from chain_impact.scene.half_planes import direction
 from chain_impact.scene.keys.tables import Material
 from chain_impact.scene.shapes import with_shapes
@@ -21,7 +22,9 @@ def completed_scene(scene: AnyScene, folder: Path) -> AnyScene:
 
     Relative paths of files begin at ``folder``.
     """
-    scene = with_radii(with_shapes(with_angles(with_law_path(scene, folder))))
+    scene = with_law_path(scene, folder)
+    check_given_rules(scene)
+    scene = with_radii(with_shapes(with_angles(scene)))
     return with_signals(with_materials(with_absolute_angles(scene)), folder)
 
 
@@ -42,17 +45,11 @@ def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
 
 
 def with_angles(scene: AnyScene) -> AnyScene:
-    """Return the scene with an angle for each entry of ``walls``; a given normal becomes None.
-
-    Refuse a wall with both an angle and a normal, or with neither, and a normal of length 0.
-    """
-    walls = []
-    for i, wall in enumerate(scene.walls):
-        if (wall.angle is None) == (wall.normal is None):
-            raise refusal(("walls", i), "wall_angle" if wall.angle is None else "wall_angles")
-        if wall.normal and not any(wall.normal):
-            raise refusal(("walls", i, "normal"), "no_normal", value=value_text(list(wall.normal)))
-        walls.append(replace(wall, angle=direction(wall.normal), normal=None) if wall.normal else wall)
+    """Return the scene with an angle for each entry of ``walls``; a given normal becomes None."""
+    walls = (
+        replace(wall, angle=direction(wall.normal), normal=None) if wall.normal else wall
+        for wall in scene.walls
+    )
     return replace(scene, walls=tuple(walls))
 
 
@@ -80,14 +77,11 @@ def with_radii(scene: AnyScene) -> AnyScene:
 def with_absolute_angles(scene: AnyScene) -> AnyScene:
     """Return the scene with absolute initial angles only, without joint angles.
 
-    If the file gives joint angles, the absolute angles that follow from them count as given. A file that
-    gives both is refused.
+    If the file gives joint angles, the absolute angles that follow from them count as given.
     """
     start, paths = scene.initial, scene.derived_paths
     if start.joint_angles is None:
         return scene
-    if ANGLES not in paths:
-        raise refusal(("initial",), "angles")
     paths = tuple(path for path in paths if path != ANGLES)
     absolute = replace(start, joint_angles=None)
     return replace(scene, initial=absolute, derived_paths=paths, has_joint_angles=True)

@@ -13,7 +13,7 @@ from typing import Any
 
 from chain_impact.kernel.chain.inertia import corner_of_box
 from chain_impact.scene.contents import AnyScene, SceneContents
-from chain_impact.scene.errors import SceneError, refusal
+from chain_impact.scene.errors import SceneError
 from chain_impact.scene.keys.chain_tables import BOX_CORNERS, Site
 from chain_impact.scene.texts.names import DataPath
 
@@ -22,15 +22,9 @@ _CORNER = object()
 
 
 def with_shapes(scene: AnyScene) -> AnyScene:
-    """Return the scene in which the points of each link that is a box begin with the box's four corners.
-
-    Refuse a shape without a height, and a height without a shape.
-    """
+    """Return the scene in which the points of each link that is a box begin with the box's four corners."""
     links = []
-    for i, link in enumerate(scene.chain.links):
-        if (link.shape is None) != (link.height is None):
-            given_keys, missing_keys = ("height", "shape") if link.shape is None else ("shape", "height")
-            raise refusal(("chain", "links", i), "shape", has=given_keys, lacks=missing_keys)
+    for link in scene.chain.links:
         if link.height is None:
             links.append(link)
             continue

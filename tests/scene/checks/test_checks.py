@@ -1,6 +1,6 @@
 """Refused scenes and their messages: values, keys, walls, starts inside walls."""
 
-# Tests: scene/kernel_view.py, scene/rules/key_rules.py, scene/rules/refusals.py
+# Tests: scene/checks/rule_checks.py, scene/kernel_view.py, scene/rules/key_rules.py, scene/rules/refusals.py
 
 import ast
 import math

@@ -6,9 +6,10 @@ import pytest
 
 from chain_impact.scene.keys.chain_tables import Link
 from chain_impact.scene.keys.signal_tables import Signal
-from chain_impact.scene.keys.tables import Contact, Initial, Material, Simulation, Solver, Stops
+from chain_impact.scene.keys.tables import Contact, Initial, Material, Simulation, Solver, Stops, Wall
 from chain_impact.scene.rules.key_rules import key_fields
 from chain_impact.scene.rules.refusals import (
+    GIVEN_REFUSALS,
     LAW_FACTS,
     REFUSALS,
     SENTENCES,
@@ -34,7 +35,8 @@ WRONG = (
 ALL_KEYS = {key for key, _ in scene_keys()}
 OF_LINK = {entry.name for entry in key_fields(Link)} | {"order"}
 OF_LAW = {entry.name for entry in key_fields(Material)} | {"exponent"} | {f"law.{key}" for key in LAW_FACTS}
-NAMES = {"": ALL_KEYS | OF_LINK, "link": ALL_KEYS | OF_LINK, "law": OF_LAW}
+OF_WALL = {entry.name for entry in key_fields(Wall)}
+NAMES = {"": ALL_KEYS | OF_LINK, "link": ALL_KEYS | OF_LINK, "wall": OF_WALL, "law": OF_LAW}
 """Table to which a rule belongs → the names that the rule may have."""
 
 
@@ -58,11 +60,15 @@ def test_an_unknown_name_is_an_error():
         is_rule_true("a and strange", VALUES.__getitem__)
 
 
-@pytest.mark.parametrize("rule", [*REFUSALS, *SIGNAL_REFUSALS], ids=lambda rule: f"{rule.fault}, {rule.key}")
+@pytest.mark.parametrize(
+    "rule",
+    [*GIVEN_REFUSALS, *REFUSALS, *SIGNAL_REFUSALS],
+    ids=lambda rule: f"{rule.fault}, {rule.key}",
+)
 def test_the_rules_of_a_file_name_keys_and_facts(rule: RefusalRule):
     facts = {"moves", "order", "steps_differ", "starts_fast"} | {entry.name for entry in key_fields(Signal)}
     names = facts if rule in SIGNAL_REFUSALS else NAMES[rule.of]
-    assert {rule.key, *names_in(tree(rule.condition))} <= names
+    assert {rule.key, *names_in(tree(rule.condition))} <= names | {"", "initial"}
     assert {*names_in(tree(rule.least or "0"))} <= names
     assert rule.fault in SENTENCES
 

@@ -23,7 +23,8 @@ SENTENCES = {
     "length": "has {found}, must have {needed}",
     "entries": "has {count} entries, must have {least} to {most}",
     "links": "has {count} links, must have at most {most}",
-    "shape": "has {has} but no {lacks}, must have both or neither",
+    "no_height": "has shape but no height, must have both or neither",
+    "no_shape": "has height but no shape, must have both or neither",
     "angles": "has both angles and joint_angles, must have one of them",
     "wall_angle": "has neither angle nor normal, must have one of them",
     "wall_angles": "has both angle and normal, must have one of them",
@@ -82,16 +83,18 @@ class RefusalRule(NamedTuple):
 
     Attributes:
         fault: the name of the fault, a key of SENTENCES.
-        key: the refused key; the value of this key replaces the word ``value`` in the sentence.
+        key: the refused key; the value of this key replaces the word ``value`` in the sentence. "" stands for
+            the table itself.
         condition: the condition, in the language of rule_language.py, that is true if the value is refused.
             Its names are keys and facts.
         least: an expression of this language for the number with which the sentence compares the value; ""
             for none. The number replaces the word ``least`` in the sentence, the text of the expression the
             word ``bound``.
         of: the tables for which the rule is checked, and to which the key belongs: "" is the whole file;
-            "link" is each link; "law" is [contact], each table in [contact.wall], and [stops]. With "law", a
-            missing coefficient of friction of a wall, and a missing value of [stops], follow from [contact].
-            In such a rule, ``law`` is the contact law of the table; a user's law has no properties in rules.
+            "link" is each link; "wall" is each entry of ``walls``; "law" is [contact], each table in
+            [contact.wall], and [stops]. With "law", a missing coefficient of friction of a wall, and a
+            missing value of [stops], follow from [contact]. In such a rule, ``law`` is the contact law of the
+            table; a user's law has no properties in rules.
         in_kernel: whether the kernel checks the rule, too, at the start of a run. A page does not check such
             a rule when its user changes one value, because the user may change the other value next.
     """
@@ -104,6 +107,16 @@ class RefusalRule(NamedTuple):
     in_kernel: bool = False
 
 
+GIVEN_REFUSALS = (
+    RefusalRule("wall_angle", "", "not has_value(angle) and not has_value(normal)", of="wall"),
+    RefusalRule("wall_angles", "", "has_value(angle) and has_value(normal)", of="wall"),
+    RefusalRule("no_normal", "normal", "has_value(normal) and not normal", of="wall"),
+    RefusalRule("no_height", "", "has_value(shape) and not has_value(height)", of="link"),
+    RefusalRule("no_shape", "", "has_value(height) and not has_value(shape)", of="link"),
+    RefusalRule("angles", "initial", "has_value(initial.angles) and has_value(initial.joint_angles)"),
+)
+"""Rules of a file before values that follow from others are added, in the order in which they are checked. A
+value that the file does not give is missing."""
 STOP_KEYS = ("model", "stiffness", "exponent", "restitution", "minimum_impact_speed")
 REFUSALS = (
     RefusalRule(

@@ -32,7 +32,7 @@ export function refuse(path, fault, words = {}) {
 export function keepRules(rules, valueOf, nameOf, words = {}) {
   const rule = rules.find(({ condition }) => holds(condition, valueOf));
   if (!rule) return;
-  const { fault, key, least, bound } = rule;
+  const { fault, key = "", least, bound } = rule;
   const bounds = least && { least: Number(numberIn(least, valueOf).toPrecision(15)), bound };
   refuse(nameOf(key), fault, { ...words, value: shown(valueOf(key)), ...bounds });
 }
@@ -43,18 +43,20 @@ export function keepRules(rules, valueOf, nameOf, words = {}) {
  */
 export function keepFileRules(file, { textAt = pathText, rules = SHARED.refusalRules.FILE, valueAt = (path) => inFile(file, path) } = {}) {
   const whole = (key) => valueAt(key.split("."));
+  const tablesOf = (list, members) => members.map((_, order) => {
+    const path = [...list, order];
+    return [path, (key) => (key === "order" ? order : valueAt([...path, key]) ?? whole(key))];
+  });
   const tables = {
     "": [[[], whole]],
-    link: file.chain.links.map((_, order) => {
-      const path = ["chain", "links", order];
-      return [path, (key) => (key === "order" ? order : valueAt([...path, key]) ?? whole(key))];
-    }),
+    link: tablesOf(["chain", "links"], file.chain.links),
+    wall: tablesOf(["walls"], file.walls),
     law: tablesOfLaws(file, valueAt),
   };
   for (const rule of rules) {
-    for (const [path, valueOf] of tables[rule.of]) {
+    for (const [path, valueOf] of tables[rule.of ?? ""]) {
       const words = rule.of === "law" ? { law: valueOf("law.id") } : {};
-      keepRules([rule], valueOf, (key) => textAt([...path, ...key.split(".")]), words);
+      keepRules([rule], valueOf, (key) => textAt([...path, ...key.split(".").filter(Boolean)]), words);
     }
   }
 }

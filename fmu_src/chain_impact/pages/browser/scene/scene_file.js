@@ -212,8 +212,9 @@ function textInFile(path, { chain: { links } }) {
 function completeAll(file, data, kit) {
   // the order is that of Python's checks, so that a file with several faults is refused for the same fault
   const textAt = (path) => textInFile(path, data);
+  keepFileRules(file, { textAt, rules: SHARED.refusalRules.GIVEN });
   setWallAngles(file);
-  setBodies(file, data, textAt);
+  setBodies(file, data);
   setAngles(file);
   checkMaterials(file);
   completeSignals(file.signals, kit.tables);
@@ -222,13 +223,9 @@ function completeAll(file, data, kit) {
 }
 
 /** Add the corners of a link that is a box to its points; remove the default table of a slider if the base is not on a slider. */
-function setBodies({ chain }, data, textAt) {
-  chain.links.forEach((link, k) => {
+function setBodies({ chain }, data) {
+  chain.links.forEach((link) => {
     const { shape, height, length } = link;
-    if ((shape === undefined) !== (height === undefined)) {
-      const [has, lacks] = shape ? ["shape", "height"] : ["height", "shape"];
-      refuse(textAt(["chain", "links", k]), "shape", { has, lacks });
-    }
     if (shape === undefined) return;
     const corners = CORNERS.map((_, index) => {
       const [x, y] = cornerOf(index + 1, length, height);
@@ -253,7 +250,6 @@ export function asWritten(file) {
 
 /** Replace initial joint angles by absolute angles; if initial angular velocities are missing, they become 0. */
 function setAngles({ initial, chain }) {
-  if (initial.joint_angles && initial.angles) refuse("initial", "angles");
   let sum = 0;
   initial.angles ??= initial.joint_angles?.map((angle) => (sum += angle));
   delete initial.joint_angles;
@@ -262,10 +258,7 @@ function setAngles({ initial, chain }) {
 
 /** Replace normals of walls by angles. */
 function setWallAngles({ walls }) {
-  walls.forEach((wall, k) => {
-    const path = `walls[${k + 1}]`;
-    if ((wall.angle === undefined) === (wall.normal === undefined)) refuse(path, wall.angle === undefined ? "wall_angle" : "wall_angles");
-    if (wall.normal?.every((part) => part === 0)) refuse(`${path}.normal`, "no_normal", { value: shown(wall.normal) });
+  walls.forEach((wall) => {
     wall.angle ??= Math.atan2(-wall.normal[0], wall.normal[1]) + 0;
     delete wall.normal;
   });
