@@ -8,6 +8,7 @@ instances, whose records have the parameters of the scene.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from functools import cached_property
 from typing import Any
 
@@ -228,10 +229,15 @@ class PreparedScene:
         """
         names = wanted_names if isinstance(wanted_names, str) else tuple(wanted_names)
         kept_indices = self._indices_by_names
-        if names not in kept_indices:
-            if len(kept_indices) >= KEPT_SELECTIONS:
-                kept_indices.clear()
-            kept_indices[names] = indices_of(outputs_named(self, names), self.output_indices)
+        with suppress(KeyError, TypeError):  # TypeError: a name is no text, which ``outputs_named`` refuses
+            return kept_indices[names]
+        outputs = outputs_named(self, names)
+        full_names = tuple(output.name for output in outputs)
+        if len(kept_indices) >= KEPT_SELECTIONS:
+            kept_indices.clear()
+        if full_names not in kept_indices:
+            kept_indices[full_names] = indices_of(outputs, self.output_indices)
+        kept_indices[names] = kept_indices[full_names]
         return kept_indices[names]
 
     @shared_by_structure
