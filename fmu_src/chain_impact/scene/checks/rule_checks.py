@@ -56,9 +56,9 @@ def check_refusal_rules(scene: SceneContents, rules: Sequence[RefusalRule], scen
     ``scene_value`` gives the value of a name with dots in a rule.
     """
     tables: dict[str, list[tuple[DataPath, ValueOf]]] = {"": [((), scene_value)]}
-    for of, list_name in (("link", "chain.links"), ("wall", "walls")):
+    for table_kind, list_name in (("link", "chain.links"), ("wall", "walls")):
         lookups = member_lookups(value_of_key(scene, list_name), scene_value)
-        tables[of] = [((*list_name.split("."), i), lookup) for i, lookup in enumerate(lookups)]
+        tables[table_kind] = [((*list_name.split("."), i), lookup) for i, lookup in enumerate(lookups)]
     if any(rule.of == "law" for rule in rules):
         tables["law"] = [(path, table.get) for path, table in _law_tables(scene).items()]
     for rule in rules:
