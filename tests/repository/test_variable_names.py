@@ -21,8 +21,8 @@ why wide within without written wrong
 """
 """Adjectives, verb forms, pronouns and prepositions: alone, none of them says what a variable holds."""
 NOUNS = """
-bodies candidates choices curves drives errors events facts inputs keys kit members names numbers places rows
-text
+bodies candidates choices curves drives errors events facts inputs keys kit members names numbers places
+prepared_scene recording rows scene tables text
 """
 """Usual names of variables: a variable of this name hides a function of this name."""
 PUBLIC_PARAMETERS = {("plot", "around"), ("curves", "around"), ("curves_of", "around"), ("fit", "free")}
@@ -85,17 +85,45 @@ MEMORY = ("simulation/", "variables/", "fmu/table.py", "studies/animate.py")
 """Files and folders that read the record's words of memory."""
 
 
+ROOMS_OF_WORDS = {
+    "driven": r"scene/scene\.py",
+    "fill": r"variables/\S+|pictures/(bars|drawing/dark_ground|motion/bodies)\.py",
+    "varied": r"(cli|studies)/sweep\S*",
+}
+"""A word → the files whose names may contain it: records and areas of a picture are filled, a sweep varies
+parameters, and ``Scene.is_driven`` is public; else signals give inputs, and drives are those of joints."""
+
+
+def all_names(file):
+    """Return the names of variables, parameters, functions, classes and attributes that a file defines."""
+    code = [*ast.walk(ast.parse(file.read_text("utf-8")))]
+    names = {name for _, name in variables(file)}
+    names |= {node.name for node in code if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
+    return names | {
+        node.attr for node in code if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store)
+    }
+
+
+@pytest.mark.parametrize("room", sorted(ROOMS))
+def test_a_word_stays_in_the_room_of_its_meaning(room):
+    found = set()
+    for file in (PACKAGE / room).rglob("*.py"):
+        path = file.relative_to(PACKAGE).as_posix()
+        words = {word for name in all_names(file) for word in name.lower().split("_")}
+        found |= {
+            (path, word)
+            for word, files in ROOMS_OF_WORDS.items()
+            if word in words and not re.fullmatch(files, path)
+        }
+    assert found == set()
+
+
 @pytest.mark.parametrize("room", sorted(ROOMS))
 def test_words_of_the_kernel_have_no_other_meaning(room):
     """What the kernel calls a trial, a place or a word is not something else in another room."""
     found = set()
     for file in (PACKAGE / room).rglob("*.py"):
-        path, code = file.relative_to(PACKAGE).as_posix(), [*ast.walk(ast.parse(file.read_text("utf-8")))]
-        names = {name for _, name in variables(file)}
-        names |= {node.name for node in code if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
-        names |= {
-            node.attr for node in code if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store)
-        }
+        path, names = file.relative_to(PACKAGE).as_posix(), all_names(file)
         for word, allowed in KERNEL_WORDS.items():
             if word != "words" or not path.startswith(MEMORY):
                 found |= {

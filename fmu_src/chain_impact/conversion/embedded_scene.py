@@ -160,8 +160,8 @@ class _Merger:
         self.missing += [f"inputs.wall_motion {name}" for name in gone]
         signals = data.get("signals", {})
         for name, signal in list(signals.items()):
-            driven_inputs, signal["input"] = signal["input"], list(filter(exists, signal["input"]))
-            if signal["input"] != driven_inputs:
+            earlier_inputs, signal["input"] = signal["input"], list(filter(exists, signal["input"]))
+            if signal["input"] != earlier_inputs:
                 self.missing.append(f"signals.{name}")
             if not signal["input"]:
                 del signals[name]

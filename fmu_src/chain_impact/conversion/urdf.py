@@ -301,7 +301,7 @@ def _joint(joint: Any) -> Joint:
     limit, dynamics = joint.limit, joint.dynamics
     low, high = _range(joint)
     damping, friction = (float(getattr(dynamics, key, 0.0) or 0.0) for key in ("damping", "friction"))
-    is_driven = limit is not None and bool(limit.effort)
+    has_effort = limit is not None and bool(limit.effort)
     return Joint(
         name=joint.name,
         kind=KINDS.get(joint.type, joint.type),
@@ -310,10 +310,10 @@ def _joint(joint: Any) -> Joint:
         low=low,
         high=high,
         start=min(max(0.0, low), high) if low <= high else 0.0,
-        inputs=frozenset(["joint_torques"] if is_driven else []),
+        inputs=frozenset(["joint_torques"] if has_effort else []),
         damping=damping,
         friction=friction,
-        torque_limit=float(limit.effort) if is_driven and not damping else None,
+        torque_limit=float(limit.effort) if has_effort and not damping else None,
     )
 
 

@@ -105,7 +105,7 @@ def input_rows_for(
     }
     jumps = np.zeros(len(points), bool)
     for name, members in given_members.items():
-        knot_times, powers = _course(signal, members, members.index(name), stop)
+        knot_times, powers = _polynomials(signal, members, members.index(name), stop)
         begin = start_values.get(name, 0.0) if name not in columns else 0.0
         for rows, side in ((left_rows, "left"), (right_rows, "right")):
             rows[name] = begin + values_of(knot_times, powers, points, side)
@@ -121,7 +121,9 @@ def input_rows_for(
     return short, rows[np.argsort(rows[TIME], kind="stable")]
 
 
-def _course(signal: Signal, members: Sequence[str], k: int, stop: float) -> tuple[np.ndarray, np.ndarray]:
+def _polynomials(
+    signal: Signal, members: Sequence[str], k: int, stop: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Return member ``k`` of a family of inputs as polynomials of time: start times [s] and coefficients.
 
     Each row of the coefficients belongs to one polynomial, in ascending powers of the time since its start.

@@ -108,18 +108,16 @@ def _settle_motion(
 ) -> None:
     """Arrange a figure with the panel ``motion``, and draw the motion anew for the room of this panel.
 
-    ``ratio`` is the motion's width over its height; ``is_alone``: whether no panel is beside the motion. In a
-    narrow figure, the legend is beside a slim motion that is alone, with all entries if there is room, else
-    with few. Beside other motions there is no room, and a legend with few entries is above. The foot of the
-    figure explains what a legend with few entries lacks. In a wide figure, a legend with all entries is
-    beside a slim motion (``has_legend_beside``), unless the motion is clearly higher below the legend, and
-    above any other one.
+    The legend has the position and the entries that leave the motion enough room. In a narrow figure with few
+    entries, the foot of the figure explains what the legend lacks. ``ratio`` is the motion's width over its
+    height; ``is_alone``: whether no panel is beside the motion.
     """
     is_small, scaled_axes, explained = is_narrow(figure), None if is_flat(recording) else motion, False
     is_wide_slim = not is_alone and has_legend_beside(ratio, figure.get_figwidth())
     has_own_legend = is_small or is_wide_slim
+    # the positions of the legend, with its entries; the first with enough room is taken, else the last one
     tries: list[Any] = [(legend_above, few_entries)]
-    if is_wide_slim:
+    if is_wide_slim:  # beside the motion, unless the motion is clearly higher below the legend
         tries = [(put, all_entries) for put in (legend_beside, legend_above, legend_beside)]
     elif is_alone and is_small:
         tries = [(legend_beside, all_entries), (legend_beside, few_entries), *tries]

@@ -68,20 +68,20 @@ def finding_of(
     parts: np.ndarray,
     is_known: np.ndarray,
 ) -> SensitivityFinding:
-    """Return the headline, which tells what the most important parameter does, and the change in a run.
+    """Return the headline on the parameter of ``most_important``, with its largest change of an output.
 
-    The most important parameter is the one whose changes end first (``known_changes``) or, if the changes of
-    all hold to the end, the one with the largest change relative to an output's range. A parameter with the
-    value 0 is it only if no other has an effect, because its step cannot be compared with a change by 1 %.
-    The headline has the largest change by this parameter that a run with the changed parameter confirms (not
-    ``is_different``); if none is confirmed, the largest one, with its size in the run. These are changes of
-    the outputs that have the unit of the output with the largest relative change. The detail has the time of
-    the change; if the largest change is not confirmed, its sizes in a run and to first order; and the time at
-    which the changes end. If no run with the changed parameter is possible, ``checked`` is None. The headline
-    tells if no parameter has an effect, or if there are no derivatives after the start.
+    The change is the largest one of ``_largest_changes`` that a run with the changed parameter confirms, or
+    the largest of all if the run confirms none. The detail has the time of this change, the sizes of a larger
+    change that the run does not confirm, and the time at which the changes end. Without a change, the
+    headline says that no parameter has an effect, or that there are no derivatives. ``checked`` is None
+    without a change, or if the run cannot be repeated.
 
-    ``parts``: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P). ``is_known`` is the
-    result of ``known_changes``.
+    Args:
+        recording: the run.
+        sensitivities: the derivatives of its outputs.
+        outputs: names of outputs.
+        parts: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P).
+        is_known: the result of ``known_changes``.
     """
     has_any = np.isfinite(sensitivities.slopes).any(axis=(1, 2))
     if not has_any[1:].any():
@@ -172,7 +172,11 @@ def _output_text(output: str) -> str:
 
 
 def most_important(sensitivities: Sensitivities, relative_changes: np.ndarray, is_known: np.ndarray) -> int:
-    """Return the index of the parameter that the headline names (``finding_of``).
+    """Return the index of the parameter that the headline names.
+
+    It is the parameter whose changes end first or, if the changes of all hold to the end, the one with the
+    largest change relative to an output's range. A parameter with the value 0 is returned only if no other
+    parameter has an effect, because its step cannot be compared with a change by 1 %.
 
     ``relative_changes``: the largest of the ``shares`` of all outputs, shape (T, P). ``is_known`` is the
     result of ``known_changes``.

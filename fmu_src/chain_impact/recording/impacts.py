@@ -30,11 +30,20 @@ IMPACT_DTYPE = np.dtype(
 )
 """The columns of the table of impacts; each row is one contact.
 
-The columns are, in this order: the number of the point; the index of the wall in ``scene.wall_names``; onset
-and end [s]; impact speed and separation speed [m/s]; peak force [N]; largest penetration [m]; effective mass
-at the onset [kg]; impulse of the wall [N·s], as accurate as the momentum of the chain; the largest force in
-any joint during the contact [N]; the number of this joint, 1…N; x and y of the position at which the point
-touches at the onset [m]; the first 32 characters of the wall's name; the duration, which is end − onset [s].
+- ``point``: the number of the point
+- ``wall``: the index of the wall in ``scene.wall_names``
+- ``onset``, ``end``: the times at which the contact begins and ends [s]
+- ``impact_speed``, ``separation_speed``: the speeds toward the wall at the onset and away from it at the end
+  [m/s]
+- ``peak_force``: the largest force of the wall [N]
+- ``max_penetration``: the largest penetration [m]
+- ``effective_mass``: the effective mass at the onset [kg]
+- ``impulse``: the impulse of the wall [N·s], as accurate as the momentum of the chain
+- ``joint_force``: the largest force in any joint during the contact [N]
+- ``joint``: the number of this joint, 1…N
+- ``x``, ``y``: the position at which the point touches at the onset [m]
+- ``wall_name``: the first 32 characters of the wall's name
+- ``duration``: end − onset [s]
 
 If the scene asks for no impulses, the impulse is NaN. If the scene asks for no loads, the force in a joint is
 NaN, and the number of the joint is 0. If the wall's name is unknown, it is "". If a contact lasts to the end

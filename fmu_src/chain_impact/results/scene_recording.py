@@ -73,16 +73,13 @@ class SceneRecording(Recording):
         straight parts between rows. ``chain-impact simulate`` with ``--plot`` or ``--show`` simulates once
         more, with more rows, if there are fewer than 1000 rows.
 
-        Fonts follow matplotlib's settings and style sheets. In a dark style the picture is dark. Axes ``ax``
-        become smaller if labels would be cut off by the edge of their figure.
+        Fonts and colours follow matplotlib's settings and style sheets.
 
         Args:
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned, for a notebook; ``figure.axes`` have the names of panels as labels.
             kind: the name of a single panel, in place of ``panels``.
-            size: width and height [inches]; with the height None, the contents determine the height. A slim
-                motion stands beside the other panels, a broad one above them; a ball on a straight line is
-                drawn over time.
+            size: width and height [inches]; with the height None, the contents determine the height.
             panels: some of ``motion``, ``impact`` (the force of the hardest impact over its time),
                 ``energy``, ``impacts`` and ``friction``; by default those for which the result has data, but
                 for a single impact only one of ``impact`` and ``impacts``.
@@ -94,7 +91,7 @@ class SceneRecording(Recording):
             title: the title of the picture, by default the impact in view or a summary of the run; None for
                 no title.
             ax: axes of matplotlib to draw into, one for each panel; without ``panels`` or ``kind``, axes for
-                ``motion`` alone. The axes are returned.
+                ``motion`` alone. The axes are returned, and smaller if their figure would cut off labels.
 
         Raises:
             ValueError: when a panel or an impact does not exist, the picture is smaller than 2 by 2 inches or

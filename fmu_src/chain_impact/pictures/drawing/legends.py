@@ -107,7 +107,7 @@ def _legend_of_figure(figure: Figure, handles: Sequence[Any], **options: Any) ->
     handle_width = legend.get_window_extent().width - max(text.get_window_extent().width for text in texts)
     for text in texts:
         break_lines(text, room - handle_width)
-    _fill_rows(legend, room)
+    _packed_rows(legend, room)
     return float(legend.get_window_extent().height / figure.bbox.height)
 
 
@@ -136,7 +136,7 @@ def fit_legends(figure: Figure, wanted_axes: Sequence[Axes] | None = None) -> bo
             known_legends |= entries
         earlier_size = legend.get_window_extent().size
         axes.apply_aspect()
-        _fill_rows(legend, axes.get_window_extent().width)
+        _packed_rows(legend, axes.get_window_extent().width)
         is_changed |= not np.allclose(legend.get_window_extent().size, earlier_size)
     return is_changed
 
@@ -157,7 +157,7 @@ def _add_legend(axes: Axes, entries: Sequence[tuple[Any, str]]) -> None:
         axes.legend(handles, labels, ncols=len(entries), **LOOK, **LEGEND_ABOVE).set_gid(MARK)
 
 
-def _fill_rows(legend: Any, room: float) -> None:
+def _packed_rows(legend: Any, room: float) -> None:
     """Arrange the entries of a legend in rows of similar lengths that fit into ``room``, a width [pixels].
 
     The entries of different rows are not aligned in columns, because one long entry would leave gaps in all

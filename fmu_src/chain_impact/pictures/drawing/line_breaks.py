@@ -48,8 +48,8 @@ def break_lines(text: Text, room: float, parts: str = SEPARATOR, more_lines: int
     for part in re.split(f"(?<={re.escape(parts.rstrip(' '))}) ", whole_text):
         is_narrow = width(part.rstrip(dropped_characters)) <= room
         pieces += [part] if is_narrow else BREAKABLE_SPACE.split(part)
-    lines, words = _fill_lines(pieces, room, width, dropped_characters), BREAKABLE_SPACE.split(whole_text)
-    filled_lines = _fill_lines(words, room, width, dropped_characters)
+    lines, words = _packed_lines(pieces, room, width, dropped_characters), BREAKABLE_SPACE.split(whole_text)
+    filled_lines = _packed_lines(words, room, width, dropped_characters)
     if len(lines) > len(filled_lines) + more_lines:
         lines, pieces = filled_lines, words
     lines, narrowest = _balanced(pieces, lines, room, width, dropped_characters)
@@ -66,12 +66,12 @@ def _balanced(
 
     The width is nearly the least one or, for a single line, ``room``.
 
-    The other arguments are those of ``_fill_lines``.
+    The other arguments are those of ``_packed_lines``.
     """
     low, high = max(map(width, pieces), default=0.0), room
     for _ in range(HALVINGS if len(lines) > 1 else 0):
         middle = 0.5 * (low + high)
-        tried_lines = _fill_lines(pieces, middle, width, dropped)
+        tried_lines = _packed_lines(pieces, middle, width, dropped)
         if len(tried_lines) == len(lines):
             lines, high = tried_lines, middle
         else:
@@ -79,7 +79,7 @@ def _balanced(
     return lines, high
 
 
-def _fill_lines(
+def _packed_lines(
     pieces: Sequence[str], room: float, width: Callable[[str], float], dropped_characters: str
 ) -> list[str]:
     """Return lines of text, each with as many successive pieces as fit into ``room``, a width [pixels].
