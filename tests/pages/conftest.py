@@ -15,7 +15,7 @@ from tests.tiers import CHROMIUM
 RUN = function_of("conftest", "runInPage")
 
 
-SCENE = ("scene/changes.js", "scene/changed_file.js", "scene/model.js")
+SCENE = ("scene/changes.js", "scene/changed_file.js", "scene/page_scene.js")
 """The modules that read, change and write a scene file."""
 RECORDING = (
     "solver/motion.js",
@@ -41,7 +41,7 @@ RECORDING = (
 """Further modules that need no browser to be run."""
 MODULES = ("solver/motion.js", "base/base64.js", *SCENE)
 """The modules that read a scene file, and compute a motion."""
-SCENE_OF = "const sceneOf = ({ file, kit }) => describe(kit, complete(file, kit), []);"
+SCENE_OF = "const sceneOf = ({ file, kit }) => pageScene(kit, completedFile(file, kit), []);"
 COMPILED = f"""{SCENE_OF}
 const textsOf = {TEXTS};
 const modules = new Map();

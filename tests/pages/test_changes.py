@@ -1,7 +1,7 @@
 """Changed parameters of the page: derived values follow, a refused change leaves all as it is."""
 
 # Tests: pages/browser/scene/changes.js, pages/browser/explore/edited_scene.js
-# Tests: pages/browser/base/paths.js, pages/browser/scene/changed_file.js, pages/browser/scene/model.js
+# Tests: pages/browser/base/paths.js, pages/browser/scene/changed_file.js, pages/browser/scene/page_scene.js
 
 import numpy as np
 import pytest

@@ -6,7 +6,7 @@ libraries round sines differently.
 
 # Tests: pages/drawn.py, pages/shared.py, pictures/film/arrow_scale.py, pictures/film/film.py
 # Tests: scene/display/bodies.py
-# Tests: pages/browser/base/mapped.js, pages/browser/base/similar_names.js
+# Tests: pages/browser/base/map_values.js, pages/browser/base/similar_names.js
 # Tests: pages/browser/drawing/arrow_scale.js, pages/browser/explore/map/map_colours.js
 # Tests: pages/browser/recording/pacing.js, pages/browser/recording/view.js
 # Tests: pages/browser/recording/free_region.js, pages/browser/recording/frames.js

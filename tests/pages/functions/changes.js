@@ -3,7 +3,7 @@ import { editedScene, partsOf } from "../../../fmu_src/chain_impact/pages/browse
 import { Changes } from "../../../fmu_src/chain_impact/pages/browser/scene/changes.js";
 import { contentsOf, tomlText } from "../../../fmu_src/chain_impact/pages/browser/scene/changed_file.js";
 import { addLink, removeLink, removePoint, removeWall, setBase, setBox, setOfLink } from "../../../fmu_src/chain_impact/pages/browser/scene/edits.js";
-import { asWritten, complete } from "../../../fmu_src/chain_impact/pages/browser/scene/scene_file.js";
+import { asWritten, completedFile } from "../../../fmu_src/chain_impact/pages/browser/scene/scene_file.js";
 
 export const refusedReset = (contents) => {
   const changes = new Changes(sceneOf(contents));
@@ -47,7 +47,7 @@ export const keptByEdit = ([contents, given, edit, at]) => {
   const before = partsOf(edited);
   ({ addLink, removeLink, removePoint, removeWall, setBase, setBox, setOfLink })[edit](edited, ...at);
   const open = (file) => {
-    const whole = complete(file, contents.kit);
+    const whole = completedFile(file, contents.kit);
     return { whole, scene: sceneOf({ file, kit: contents.kit }) };
   };
   const { whole, scene, kept, nameOf, removed } = editedScene(edited, before, changes, { kit: contents.kit, open });

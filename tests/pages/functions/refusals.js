@@ -1,10 +1,10 @@
 // Functions that tests/pages/test_refusals.py runs in a page.
-import { describe } from "../../../fmu_src/chain_impact/pages/browser/scene/model.js";
-import { complete } from "../../../fmu_src/chain_impact/pages/browser/scene/scene_file.js";
+import { pageScene } from "../../../fmu_src/chain_impact/pages/browser/scene/page_scene.js";
+import { completedFile } from "../../../fmu_src/chain_impact/pages/browser/scene/scene_file.js";
 
 export const page = ([kit, contents]) => {
   try {
-    const { record, contactPoints } = describe(kit, complete(contents, kit), []);
+    const { record, contactPoints } = pageScene(kit, completedFile(contents, kit), []);
     return { words: [...new BigInt64Array(record.buffer)].map(String), touching: contactPoints.length };
   } catch (error) {
     if (error instanceof RangeError) return { refusal: error.message };

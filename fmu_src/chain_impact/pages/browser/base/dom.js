@@ -1,7 +1,7 @@
 // Functions that find or make elements of the page.
 
 /** Return the element of the page with an id; null if there is none. */
-export function find(id) {
+export function byId(id) {
   return document.getElementById(id);
 }
 

@@ -1,7 +1,7 @@
 // Functions that write numbers, units and times as text.
 // The twin in Python is `scene/texts/unit_text.py`.
 
-import { mapped } from "./mapped.js";
+import { mapValues } from "./map_values.js";
 
 const [PRODUCT, SQUARE] = [SHARED.units.PRODUCT, SHARED.units.SQUARE].map((pattern) => new RegExp(pattern, "g"));
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""]];
@@ -154,7 +154,7 @@ export function peakText(impact, unknown = "–") {
 
 /** Return name of a quantity of an impact → its unit; at a stop of a joint (`atStop`), speeds, forces and so on are angular. */
 export function unitsOf({ atStop }) {
-  return mapped(SHARED.impactUnits[atStop ? "AT_STOP" : "AT_WALL"], unitText);
+  return mapValues(SHARED.impactUnits[atStop ? "AT_STOP" : "AT_WALL"], unitText);
 }
 
 /** Return a sentence with ≤ and ≥ in place of <= and >=, in which no line ends after a sign of comparison. */

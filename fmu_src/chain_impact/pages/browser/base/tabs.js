@@ -1,6 +1,6 @@
 // Tabs: a list of buttons, of which one is chosen; the part of the page that it names is shown, and the parts of the others are hidden.
 
-import { find } from "./dom.js";
+import { byId } from "./dom.js";
 
 /** Let the tabs of a list choose their parts, by a click or the arrow keys; `onChoose` is called with the chosen tab. */
 export function connectTabs(list, onChoose = () => {}) {
@@ -9,7 +9,7 @@ export function connectTabs(list, onChoose = () => {}) {
     tabs.forEach((tab) => {
       tab.setAttribute("aria-selected", tab === chosen);
       tab.tabIndex = tab === chosen ? 0 : -1;
-      find(tab.getAttribute("aria-controls")).hidden = tab !== chosen;
+      byId(tab.getAttribute("aria-controls")).hidden = tab !== chosen;
     });
     onChoose(chosen);
   };

@@ -1,6 +1,6 @@
 // Charts of quantities over the time of a recording or over a part of it, among them the chart of the energies.
 
-import { find, make } from "../base/dom.js";
+import { byId, make } from "../base/dom.js";
 import { fixed, ticksOf, withMinus } from "../base/format.js";
 import { lastBefore } from "../recording/recording.js";
 import {
@@ -227,7 +227,7 @@ export class EnergyChart extends TimeChart {
   offset = 0; // [J] the number that the chart adds to the potential and the total energy (energy_zero.js)
 
   constructor(element, energies, pointer) {
-    super(element, 180, energies, find("energy-time"), pointer);
+    super(element, 180, energies, byId("energy-time"), pointer);
   }
 
   compare(recordings) {
@@ -239,7 +239,7 @@ export class EnergyChart extends TimeChart {
   #tellShown() {
     const ofPins = [this.compared.length > 0 && "dashes: total energy of pins", this.#hasParting && "▾ motions differ from here"];
     const texts = [offsetText(this.offset), ...ofPins];
-    find("energy-offset").textContent = texts.filter(Boolean).join("; ");
+    byId("energy-offset").textContent = texts.filter(Boolean).join("; ");
   }
 
   get #hasParting() {

@@ -1,6 +1,6 @@
 // The address of the page: the open scene, the reader's changes, the chosen outputs, the pins, the time of a pause, and the switches.
 
-import { find } from "../base/dom.js";
+import { byId } from "../base/dom.js";
 import { numberText } from "../base/format.js";
 import { Changes } from "../scene/changes.js";
 import { inputStepsIn } from "../scene/input_steps.js";
@@ -15,10 +15,10 @@ const [BETWEEN_PINS, AFTER_LETTER, BEFORE_NAME] = ["!", "~", ":"];
 
 // the switches of the page by their ids, besides the speed: those that differ from a new page are in the address
 const SWITCHES = ["force-loop", "zoom-impact", "at-contact", "slow", "trace", "loop"];
-const isOn = (id) => find(id).matches(":checked, [aria-pressed=true]");
+const isOn = (id) => byId(id).matches(":checked, [aria-pressed=true]");
 
 /** Return the ids of the switches of a new page that are on, and its speed. */
-const usualSwitches = () => ({ on: SWITCHES.filter(isOn), speed: find("speed").value });
+const usualSwitches = () => ({ on: SWITCHES.filter(isOn), speed: byId("speed").value });
 
 export class Address {
   #usual = usualSwitches();
@@ -44,7 +44,7 @@ export class Address {
       if (this.#isRunning) [this.#awaited, this.#isRunning] = [{}, false];
       this.updateSoon();
     };
-    SWITCHES.forEach((id) => find(id).addEventListener("click", () => this.updateSoon()));
+    SWITCHES.forEach((id) => byId(id).addEventListener("click", () => this.updateSoon()));
     let isPlaying = clock.playing;
     clock.onChange(() => {
       if (!clock.playing || !isPlaying) this.updateSoon();
@@ -73,15 +73,15 @@ export class Address {
   get #view() {
     const { on, speed } = this.#usual;
     const differing = SWITCHES.filter((id) => isOn(id) !== on.includes(id));
-    return [...differing, find("speed").value !== speed && find("speed").value].filter(Boolean).join();
+    return [...differing, byId("speed").value !== speed && byId("speed").value].filter(Boolean).join();
   }
 
   /** Set switches and speed as the text `view` of an address tells; a switch or speed that it does not name is as on a new page. */
   set #view(view) {
     const [parts, { on, speed }] = [view.split(","), this.#usual];
-    SWITCHES.filter((id) => isOn(id) !== (on.includes(id) !== parts.includes(id))).forEach((id) => find(id).click());
-    find("speed").value = parts.find((part) => Number(part)) ?? speed;
-    find("speed").dispatchEvent(new Event("change"));
+    SWITCHES.filter((id) => isOn(id) !== (on.includes(id) !== parts.includes(id))).forEach((id) => byId(id).click());
+    byId("speed").value = parts.find((part) => Number(part)) ?? speed;
+    byId("speed").dispatchEvent(new Event("change"));
   }
 
   /**

@@ -2,16 +2,16 @@
 // loaded when it shows its first motion, so that a program that takes a picture of the loaded page takes the motion.
 
 import { decompressed } from "../base/base64.js";
-import { find, make } from "../base/dom.js";
+import { byId, make } from "../base/dom.js";
 import { Engine } from "../solver/engine.js";
 
 const LONGEST_LOAD = 5000; // [ms] a page without a motion counts as loaded after this time
 
 const needed = ["Worker", "WebAssembly", "DecompressionStream"].filter((name) => !(name in window));
 if (needed.length) throw new Error(`this browser has no ${needed.join(", no ")}`);
-const program = decompressed(find("worker").textContent)
+const program = decompressed(byId("worker").textContent)
   .then((text) => URL.createObjectURL(new Blob([text], { type: "text/javascript" })));
-const compiled = decompressed(find("kernel").textContent).then((bytes) => WebAssembly.compile(bytes));
+const compiled = decompressed(byId("kernel").textContent).then((bytes) => WebAssembly.compile(bytes));
 const startEngine = () => new Engine(program, compiled);
 // the page counts as not loaded while it contains this frame, because the document of the frame is open
 const unloaded = make("iframe", { hidden: true });

@@ -1,6 +1,6 @@
 // The motions that are drawn behind the present motion: the motion before the last change, and pinned motions, which a table compares.
 
-import { find, make } from "../base/dom.js";
+import { byId, make } from "../base/dom.js";
 import { LabelSpace, positionsAround } from "../drawing/label_positions.js";
 import { STRIP } from "../drawing/scale_strip.js";
 import { partingTime } from "../recording/parting.js";
@@ -72,7 +72,7 @@ export class ComparedMotions {
     const { recording } = this.player;
     const equal = this.pinned.find((motion) => isSameRun(motion.recording, recording));
     if (equal) {
-      find("pin-equal").textContent = `The present motion is the same as pin ${LETTERS[equal.colour - 1]}, so it is not pinned again.`;
+      byId("pin-equal").textContent = `The present motion is the same as pin ${LETTERS[equal.colour - 1]}, so it is not pinned again.`;
       return;
     }
     const used = this.pinned.map(({ colour }) => colour);
@@ -194,8 +194,8 @@ export class ComparedMotions {
   /** Show the curves of the pinned motions in the charts, and list the impacts of the present and the pinned motions side by side. */
   show() {
     const { pinned, panel, table, player } = this;
-    find("pin-equal").textContent = "";
-    find("impacts-before").textContent = this.#changeText;
+    byId("pin-equal").textContent = "";
+    byId("impacts-before").textContent = this.#changeText;
     const lines = pinned.map(({ recording, colour }) =>
       ({ recording, stroke: `pin-${colour}`, letter: LETTERS[colour - 1], parting: this.#partingOf(recording) }));
     player.panels.forEach(([, , chart]) => chart.compare(lines));
@@ -209,8 +209,8 @@ export class ComparedMotions {
     const open = make("button", { type: "button", id: "pairs-open", textContent: "Impact by impact…", ariaHasPopup: "dialog" });
     open.addEventListener("click", () => {
       const named = all.map((motion) => ({ ...motion, name: make("span", { className: "pin-title" }, ...this.#nameOf(motion)) }));
-      find("pairs-table").replaceChildren(...pairsTable(named, isPresent));
-      find("pairs").showModal();
+      byId("pairs-table").replaceChildren(...pairsTable(named, isPresent));
+      byId("pairs").showModal();
     });
     const [reference, isChosen] = [this.#referenceIndex, document.activeElement?.name === "reference"];
     const titled = all.map((motion, k) => ({ ...motion, title: this.#title(motion, k === reference) }));

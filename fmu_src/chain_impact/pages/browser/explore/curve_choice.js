@@ -1,6 +1,6 @@
 // The dialog in which the reader chooses outputs for the charts over time.
 
-import { find, make } from "../base/dom.js";
+import { byId, make } from "../base/dom.js";
 import { readable, unitText } from "../base/format.js";
 import { nearestText } from "../base/similar_names.js";
 import { groupOf, MOST_CURVES, MOST_UNITS } from "../charts/curve_charts.js";
@@ -64,14 +64,14 @@ export class CurveChoice {
 
   constructor(changes) {
     this.changes = changes;
-    this.dialog = find("curves");
-    [this.field, this.search, this.list] = ["curves-names", "curves-search", "curves-list"].map(find);
-    this.none = find("curves-clear");
+    this.dialog = byId("curves");
+    [this.field, this.search, this.list] = ["curves-names", "curves-search", "curves-list"].map(byId);
+    this.none = byId("curves-clear");
     this.none.addEventListener("click", () => {
       this.#choose("");
       this.search.focus();
     });
-    [find("curves-open"), find("curves-more")].forEach((button) => button.addEventListener("click", () => this.open()));
+    [byId("curves-open"), byId("curves-more")].forEach((button) => button.addEventListener("click", () => this.open()));
     this.field.addEventListener("change", () => this.#choose(this.field.value));
     this.field.addEventListener("input", () => this.#tell(faultIn(this.field.value, this.#columns), true));
     this.field.addEventListener("keydown", (event) => {
@@ -112,7 +112,7 @@ export class CurveChoice {
       this.#toggle({ textContent, title: names.join(", ") }, () => names));
     this.groups = [...new Set(this.rows.map(({ heading }) => heading))].map((heading) =>
       this.#quantity(heading, this.rows.filter((row) => row.heading === heading)));
-    find("curves-proposals").replaceChildren(...this.sets.map(({ button }) => button));
+    byId("curves-proposals").replaceChildren(...this.sets.map(({ button }) => button));
     this.list.replaceChildren(...this.groups.map(({ part }) => part));
     this.search.value = search;
     this.#refresh();
@@ -165,7 +165,7 @@ export class CurveChoice {
    * While the dialog is open or the charts are hidden, do nothing.
    */
   bringIntoView() {
-    const charts = find("outputs-over-time").closest("section");
+    const charts = byId("outputs-over-time").closest("section");
     if (!this.isNew || this.dialog.open || charts.hidden) return;
     this.isNew = false;
     charts.scrollIntoView({ block: "nearest" });
@@ -176,7 +176,7 @@ export class CurveChoice {
     try {
       const { names, fault } = namesIn(text, this.#columns);
       if (fault && !names.length) throw new RangeError(fault);
-      if (arePulses(names) !== arePulses(this.names)) find("zoom-impact").ariaPressed = arePulses(names);
+      if (arePulses(names) !== arePulses(this.names)) byId("zoom-impact").ariaPressed = arePulses(names);
       this.names = names;
       this.isNew = names.length > 0;
       this.#listener();
@@ -199,7 +199,7 @@ export class CurveChoice {
 
   /** Tell a fault of the text in the field; while the reader types, the text may be incomplete. */
   #tell(fault, isTyping = false) {
-    Object.assign(find("curves-text"), { textContent: readable(fault), className: isTyping ? "typing" : "" });
+    Object.assign(byId("curves-text"), { textContent: readable(fault), className: isTyping ? "typing" : "" });
   }
 
   #showStates() {
@@ -219,6 +219,6 @@ export class CurveChoice {
       });
     });
     this.#showStates();
-    find("curves-none").hidden = this.rows.some(({ row }) => !row.hidden);
+    byId("curves-none").hidden = this.rows.some(({ row }) => !row.hidden);
   }
 }

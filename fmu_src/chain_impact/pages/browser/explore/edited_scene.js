@@ -1,10 +1,10 @@
 // Keeps the reader's changes when a scene is edited: an edit may change the number of a link or point, and a changed variable stays with
 // its owner.
 
-import { inFile } from "../base/paths.js";
+import { valueInFile } from "../base/paths.js";
 import { setOrRemove } from "../scene/edits.js";
 import { CORNERS } from "../scene/geometry.js";
-import { filled, structureOf } from "../scene/owners.js";
+import { filledTemplate, structureOf } from "../scene/owners.js";
 import { asWritten } from "../scene/scene_file.js";
 
 /**
@@ -55,7 +55,7 @@ function namesAfter({ file }, kit, before, after) {
   for (const { ownerKind, counts, rows } of [kit.parameters, kit.inputs, kit.motions, kit.outputs].flat()) {
     for (const owner of owners[ownerKind]) {
       const moved = ownerAfter(owner, counts, before, after);
-      rows.forEach(({ name }) => names.set(filled(name, owner), moved && filled(name, moved)));
+      rows.forEach(({ name }) => names.set(filledTemplate(name, owner), moved && filledTemplate(name, moved)));
     }
   }
   return (name) => (names.has(name) ? names.get(name) : name);
@@ -99,8 +99,8 @@ export function editedScene(contents, before, { scene, parameters, values, input
     const [after, { filePath, items }] = [nameOf(name), parameters.get(name)];
     const path = paths.get(after);
     if (path === null) ofInputs[after] = value;
-    else if (path && inFile(file, path) === (items.length ? items[value - 1][0] : value)) {
-      setOrRemove(inFile(file, path.slice(0, -1)), path.at(-1), inFile(scene.file, filePath));
+    else if (path && valueInFile(file, path) === (items.length ? items[value - 1][0] : value)) {
+      setOrRemove(valueInFile(file, path.slice(0, -1)), path.at(-1), valueInFile(scene.file, filePath));
       ofFile[after] = value;
     }
   }

@@ -1,6 +1,6 @@
 // The dialog in which the reader adds and removes links, points, walls and stops, and opens scene files.
 
-import { find, make } from "../base/dom.js";
+import { byId, make } from "../base/dom.js";
 import { numberText, readable, unitText } from "../base/format.js";
 import { inShownUnit, shownIn, typed, valueText } from "../scene/angles.js";
 import { connectTabs } from "../base/tabs.js";
@@ -24,24 +24,24 @@ export class Editor {
     const { links: { keys: link }, slider: { keys: slider } } = keys.chain.keys;
     const tables = { link, slider, point: link.points.keys, box: keys.box.keys, wall: keys.walls.keys };
     Object.assign(this, { changes, openScene, keys, tables });
-    this.dialog = find("edit");
+    this.dialog = byId("edit");
     this.text = new SceneText(changes, openScene, keys);
-    connectTabs(find("edit-tabs"), () => this.#draw());
-    find("edit-open").addEventListener("click", () => {
+    connectTabs(byId("edit-tabs"), () => this.#draw());
+    byId("edit-open").addEventListener("click", () => {
       this.#draw();
       this.#say("");
       this.#show();
     });
-    this.dialog.addEventListener("close", () => document.querySelector("main").after(find("status")));
+    this.dialog.addEventListener("close", () => document.querySelector("main").after(byId("status")));
     Object.entries({ link: addLink, point: addPoint, wall: addWall }).forEach(([part, add]) =>
-      find(`add-${part}`).addEventListener("click", () => this.#add(add, find(`edit-${part}s`))));
-    find("edit-base").addEventListener("change", ({ target }) => this.#change((file) => setBase(file, target.value)));
-    find("edit-choose").addEventListener("click", () => find("edit-file").click());
-    find("edit-file").addEventListener("change", ({ target }) => {
+      byId(`add-${part}`).addEventListener("click", () => this.#add(add, byId(`edit-${part}s`))));
+    byId("edit-base").addEventListener("change", ({ target }) => this.#change((file) => setBase(file, target.value)));
+    byId("edit-choose").addEventListener("click", () => byId("edit-file").click());
+    byId("edit-file").addEventListener("change", ({ target }) => {
       this.#read(target.files[0]);
       target.value = ""; // the field is emptied, so that choosing the same file again is a change, too
     });
-    find("edit-first").addEventListener("click", () => {
+    byId("edit-first").addEventListener("click", () => {
       openScene.openFirst();
       this.#refused.clear();
       this.#draw();
@@ -58,7 +58,7 @@ export class Editor {
 
   /** Open the dialog, which has the line on the last run while it covers the page. */
   #show() {
-    find("edit-text").after(find("status"));
+    byId("edit-text").after(byId("status"));
     this.dialog.showModal();
   }
 
@@ -172,33 +172,33 @@ export class Editor {
   }
 
   #say(text, isFault = false) {
-    Object.assign(find("edit-text"), { textContent: readable(text), className: isFault ? "fault" : "" });
+    Object.assign(byId("edit-text"), { textContent: readable(text), className: isFault ? "fault" : "" });
   }
 
   #draw() {
     const { scene: { file } } = this.changes;
     this.text.show();
     this.#edits.clear();
-    find("edit-base").value = file.chain.base;
+    byId("edit-base").value = file.chain.base;
     const heads = ["Link", ...this.#heads("link", this.#keysOfLinks(file)), ""];
-    this.#fill(find("edit-links"), heads, file.chain.links.map((link, k) => this.#linkRow(file, link, k)));
+    this.#fill(byId("edit-links"), heads, file.chain.links.map((link, k) => this.#linkRow(file, link, k)));
     const points = sitesOf(file).map((site, s) => [site, s]).filter(([{ corner }]) => !corner);
     const ofPoints = ["Point", "Link", ...this.#heads("point"), ""];
-    this.#fill(find("edit-points"), ofPoints, points.map(([site, s]) => this.#pointRow(file, site, s)));
-    find("edit-points").hidden = points.length === 0;
+    this.#fill(byId("edit-points"), ofPoints, points.map(([site, s]) => this.#pointRow(file, site, s)));
+    byId("edit-points").hidden = points.length === 0;
     const { slider } = file.chain;
-    find("edit-slider").hidden = !slider;
+    byId("edit-slider").hidden = !slider;
     if (slider) {
       const cellOf = (key) =>
         this.#field(`slider.${key}`, slider[key], (value, all) => setOrRemove(all.chain.slider, key, value), this.tables.slider[key].unit);
-      this.#fill(find("edit-slider"), this.#heads("slider"), [this.#keysIn("slider").map(cellOf)]);
+      this.#fill(byId("edit-slider"), this.#heads("slider"), [this.#keysIn("slider").map(cellOf)]);
     }
-    this.#fill(find("edit-box"), this.#heads("box"), [this.#keysIn("box").map((key) =>
+    this.#fill(byId("edit-box"), this.#heads("box"), [this.#keysIn("box").map((key) =>
       this.#field(`box.${key}`, file.box[key], (value, all) => setBox(all, key, value), this.tables.box[key].unit))]);
     const atPoint = ["x", "y"].map((axis) => `${axis}, ${unitText(this.tables.wall.point.each.unit)}`);
     const ofWalls = ["Wall", ...atPoint, ...this.#heads("wall"), ""];
-    this.#fill(find("edit-walls"), ofWalls, file.walls.map((wall, k) => this.#wallRow(wall, k)));
-    find("edit-walls").hidden = find("edit-walls-title").hidden = file.walls.length === 0;
+    this.#fill(byId("edit-walls"), ofWalls, file.walls.map((wall, k) => this.#wallRow(wall, k)));
+    byId("edit-walls").hidden = byId("edit-walls-title").hidden = file.walls.length === 0;
     [...this.#refused.keys()].filter((name) => !this.#edits.has(name)).forEach((name) => this.#refused.delete(name));
   }
 

@@ -2,13 +2,13 @@
 // (assembly.py), so no two modules may have the same name at the top level.
 
 import { decompressed } from "../base/base64.js";
-import { find, make } from "../base/dom.js";
+import { byId, make } from "../base/dom.js";
 import { numberText } from "../base/format.js";
 import { Player } from "../player/player.js";
 import { Recording } from "../recording/recording.js";
 import { Changes } from "../scene/changes.js";
-import { describe } from "../scene/model.js";
-import { complete } from "../scene/scene_file.js";
+import { pageScene } from "../scene/page_scene.js";
+import { completedFile } from "../scene/scene_file.js";
 import { Address } from "./address.js";
 import { ComparedMotions } from "./compared_motions.js";
 import { consoleInterface } from "./console.js";
@@ -34,16 +34,16 @@ const KEPT = 0.5;
 const SPEED_BAR = 50; // [pixels] largest length of the bar that is the scale of the arrows of velocities
 const FILES_OF_RUN = ["csv", "impacts-csv", "png", "charts-png", "charts-svg"]; // buttons that save what only a run has
 
-const { file, kit, command } = JSON.parse(new TextDecoder().decode(await decompressed(find("data").textContent)));
-const changes = new Changes(describe(kit, complete(file, kit), command));
+const { file, kit, command } = JSON.parse(new TextDecoder().decode(await decompressed(byId("data").textContent)));
+const changes = new Changes(pageScene(kit, completedFile(file, kit), command));
 const player = new Player(1);
-const comparedMotions = new ComparedMotions(player, find("pins"), find("pin-table"));
-const handles = new Handles(player, changes, find("scene"));
+const comparedMotions = new ComparedMotions(player, byId("pins"), byId("pin-table"));
+const handles = new Handles(player, changes, byId("scene"));
 const dragLine = make("p", { className: "by-hand-line" }); // tells in the drawing what the reader can drag
-find("view").append(dragLine);
+byId("view").append(dragLine);
 const [speedBar, speedWords] = [make("span", { className: "speed-bar" }), make("span")];
 const showByHand = () => {
-  find("by-hand").setAttribute("aria-pressed", handles.areShown);
+  byId("by-hand").setAttribute("aria-pressed", handles.areShown);
   dragLine.hidden = !handles.areShown;
   if (dragLine.hidden || !player.recording) return;
   // a bar for a speed of 1, 2 or 5 times a power of ten, at most SPEED_BAR long
@@ -75,10 +75,10 @@ function withSteadyView(next) {
 // the engine (the worker with a kernel) that begin.js has started, or a new one
 const beginEngine = () => (window.begun.engines.pop() ?? window.begun.startEngine()).open(changes.scene);
 const choice = new CurveChoice(changes);
-const showOutcome = outcomeBeside(find("main-parameters"));
+const showOutcome = outcomeBeside(byId("main-parameters"));
 const simulation = new Simulation(beginEngine, changes, choice, (parts, about, overlap) => {
   document.querySelector("footer").inert = !parts && Boolean(player.recording);
-  FILES_OF_RUN.forEach((id) => Object.assign(find(id), { disabled: !parts }));
+  FILES_OF_RUN.forEach((id) => Object.assign(byId(id), { disabled: !parts }));
   refusedStart.show(overlap, player, Boolean(parts), handles.dragged);
   if (parts) {
     player.show(Object.assign(new Recording(withSteadyView(parts)), about));
@@ -105,12 +105,12 @@ function bringBack({ pins, time }) {
 const openScene = new OpenScene(changes, choice, kit);
 const editor = new Editor(changes, openScene, kit.keys);
 changes.onChange(() => {
-  find("reset-all").hidden = changes.count === 0 && !openScene.isEdited;
+  byId("reset-all").hidden = changes.count === 0 && !openScene.isEdited;
 });
 const presentState = () =>
   ({ isPlaying: player.clock.playing, time: player.recording ? player.clock.time : 0, inputs: player.recording?.inputs });
-player.layers.push({ draw: showMainParameters(find("main-parameters"), changes, presentState) });
-showParameterList(find("list-of-parameters"), changes, kit.keys);
+player.layers.push({ draw: showMainParameters(byId("main-parameters"), changes, presentState) });
+showParameterList(byId("list-of-parameters"), changes, kit.keys);
 const { clock } = player;
 const address = new Address(changes, choice, { openScene, clock, comparedMotions, refuse: (fault) => simulation.notify(fault) });
 comparedMotions.follow(changes, handles);
@@ -129,33 +129,33 @@ connectExport(changes, {
   linesBelow: () => comparedMotions.caption, mapNow: () => map, faultOf: (...end) => simulation.faultOf(...end),
 });
 // a press on a point or its number proposes its outputs for charts; at the start, a press is for a handle
-find("scene").addEventListener("click", ({ target }) => {
+byId("scene").addEventListener("click", ({ target }) => {
   const { recording, drawing: { dots, names } } = player;
   if (!recording || handles.areShown) return;
   const point = dots.find(([, dot]) => dot.node === target)?.[0] ?? names.findIndex(({ node }) => node === target);
   if (point >= 0) choice.open(`point ${point}`);
 });
-find("map-open").addEventListener("click", () => {
+byId("map-open").addEventListener("click", () => {
   if (!map) {
     map = new GridMap(beginEngine, changes);
     fillMap(map);
   }
   map.open();
 });
-find("reset-all").addEventListener("click", () => (changes.count ? changes.replace({}, {}) : openScene.undoEdits()));
-find("pin").addEventListener("click", () => player.recording && comparedMotions.pin());
-find("by-hand").addEventListener("click", ({ detail }) => {
+byId("reset-all").addEventListener("click", () => (changes.count ? changes.replace({}, {}) : openScene.undoEdits()));
+byId("pin").addEventListener("click", () => player.recording && comparedMotions.pin());
+byId("by-hand").addEventListener("click", ({ detail }) => {
   player.clock.set({ frame: 0, playing: false });
   if (detail > 0 || !player.recording) return;
   // a key has pressed the button, so the arrow keys are to move the first handle next
   player.draw();
-  find("scene").querySelector("[data-grip^=joint]").focus({ preventScroll: true });
+  byId("scene").querySelector("[data-grip^=joint]").focus({ preventScroll: true });
 });
 /** Tell by the button what the reader can drag at the start: walls only if the scene has any. */
 const tellByHand = () => {
   const hasWalls = Object.keys(changes.scene.walls).length > 0;
   const dragged = hasWalls ? "joints, arrows of velocity, and walls" : "joints and arrows of velocity";
-  find("by-hand").title = find("by-hand-text").textContent = `At the start, drag ${dragged}. Playing ends this.`;
+  byId("by-hand").title = byId("by-hand-text").textContent = `At the start, drag ${dragged}. Playing ends this.`;
   const otherwise = make("span", { className: "wide", textContent: "; or use Tab, Page Down, arrow keys" });
   dragLine.replaceChildren(`Drag ${dragged.replace("velocity", "velocity (green)")}`, otherwise, speedBar, speedWords);
 };

@@ -1,6 +1,6 @@
 // The dialog that exports the command, the page's address, tables, the scene file and pictures.
 
-import { find } from "../base/dom.js";
+import { byId } from "../base/dom.js";
 import { contentsOf, tomlText } from "../scene/changed_file.js";
 import { inputSignals } from "../scene/input_steps.js";
 import { lawText } from "../scene/words.js";
@@ -21,16 +21,16 @@ const LONG_ADDRESS = 2000; // number of characters from which on some programs c
  */
 export function connectExport(changes, { keys, ask, address, linesBelow, openScene, mapNow, faultOf }) {
   const captionOf = () => {
-    const title = [document.querySelector("h1").textContent, find("time").textContent, lawText(lawOf(changes))].join(", ");
+    const title = [document.querySelector("h1").textContent, byId("time").textContent, lawText(lawOf(changes))].join(", ");
     return [{ text: title }, ...linesBelow()];
   };
-  find("export-open").addEventListener("click", async () => {
-    find("command").value = commandOf(changes);
-    find("export").showModal();
+  byId("export-open").addEventListener("click", async () => {
+    byId("command").value = commandOf(changes);
+    byId("export").showModal();
     await null; // the dialog has then paused the motion, so that the address has the time
-    find("link").value = address.text;
+    byId("link").value = address.text;
     const { length } = address.text;
-    find("export-text").textContent = [
+    byId("export-text").textContent = [
       location.protocol === "file:" && "The link works on this computer only: to send it, save this page.",
       openScene.text && "The command needs the scene file: save it first.",
       address.lacksPins && "The link has no pins of other scenes.",
@@ -38,7 +38,7 @@ export function connectExport(changes, { keys, ask, address, linesBelow, openSce
     ].filter(Boolean).join(" ");
   });
   document.querySelectorAll("[data-copy]").forEach((button) => button.addEventListener("click", async () => {
-    const field = find(button.dataset.copy);
+    const field = byId(button.dataset.copy);
     field.select();
     const copied = navigator.clipboard?.writeText(field.value) ?? Promise.reject(new Error("no clipboard"));
     await copied.catch(() => document.execCommand("copy"));
@@ -67,7 +67,7 @@ export function connectExport(changes, { keys, ask, address, linesBelow, openSce
   });
   connectFile("png", async () => {
     const background = getComputedStyle(document.body).backgroundColor;
-    save(await pictureOf(find("scene"), background, { caption: captionOf() }), `${changes.scene.name}.png`);
+    save(await pictureOf(byId("scene"), background, { caption: captionOf() }), `${changes.scene.name}.png`);
     return "";
   });
   [["png", pictureOfCards], ["svg", drawingOfCards]].forEach(([kind, drawn]) => connectFile(`charts-${kind}`, async () => {
@@ -81,7 +81,7 @@ export function connectExport(changes, { keys, ask, address, linesBelow, openSce
 
 /** Let the button with an id call `write`, which saves a file and returns "" or a sentence on a fault; show the sentence or error. */
 function connectFile(id, write) {
-  find(id).addEventListener("click", async () => {
-    find("export-text").textContent = await write().catch((error) => `${error.message}.`);
+  byId(id).addEventListener("click", async () => {
+    byId("export-text").textContent = await write().catch((error) => `${error.message}.`);
   });
 }

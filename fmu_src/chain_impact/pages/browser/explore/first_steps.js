@@ -1,11 +1,11 @@
 // The line with the first steps, beside the page's title: it stays until the reader has taken all steps or has closed it.
 
-import { find } from "../base/dom.js";
+import { byId } from "../base/dom.js";
 import { store, stored } from "../base/storage.js";
 
 /** Show the line, unless it has ended before in this browser; mark each step that the reader takes. */
 export function showFirstSteps(changes) {
-  const line = find("first-steps");
+  const line = byId("first-steps");
   const [close, ...steps] = line.children;
   const show = (isShown) => {
     line.hidden = !isShown;
@@ -21,6 +21,6 @@ export function showFirstSteps(changes) {
   };
   show(!stored("first-steps"));
   changes.onChange(() => take(steps[0]));
-  ["pin", "map-open"].forEach((id, k) => find(id).addEventListener("click", () => take(steps[k + 1])));
+  ["pin", "map-open"].forEach((id, k) => byId(id).addEventListener("click", () => take(steps[k + 1])));
   close.addEventListener("click", end);
 }

@@ -1,6 +1,6 @@
 // Folds the chart of energies where the column of cards has no room for it beside charts of inputs and outputs.
 
-import { find } from "../base/dom.js";
+import { byId } from "../base/dom.js";
 import { fold } from "../player/folding.js";
 
 /**
@@ -8,7 +8,7 @@ import { fold } from "../player/folding.js";
  * folded or unfolded this card.
  */
 export function foldEnergiesWithoutRoom(changes) {
-  const [column, energies, ...others] = [document.querySelector("aside"), ...["energy-card", "inputs-card", "outputs-card"].map(find)];
+  const [column, energies, ...others] = [document.querySelector("aside"), ...["energy-card", "inputs-card", "outputs-card"].map(byId)];
   const fit = () => {
     if (energies.dataset.isOfReader || energies.matches(".enlarged")) return;
     fold(energies, false);

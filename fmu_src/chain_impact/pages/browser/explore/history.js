@@ -1,6 +1,6 @@
 // Undo and redo: the states of the scene and its parameters, one for each gesture of the reader.
 
-import { find } from "../base/dom.js";
+import { byId } from "../base/dom.js";
 import { onGesture } from "./gestures.js";
 
 export class UndoHistory {
@@ -18,8 +18,8 @@ export class UndoHistory {
     Object.assign(this, { openScene, onStep });
     this.present = openScene.state;
     onGesture(changes, handles, (isBegin) => this.#record(isBegin));
-    find("undo").addEventListener("click", () => this.#step(this.#past, this.#future));
-    find("redo").addEventListener("click", () => this.#step(this.#future, this.#past));
+    byId("undo").addEventListener("click", () => this.#step(this.#past, this.#future));
+    byId("redo").addEventListener("click", () => this.#step(this.#future, this.#past));
     document.addEventListener("input", ({ target }) => {
       this.#typed = target.matches("input:not([type=range], [type=checkbox])") ? target : null;
     });
@@ -62,10 +62,10 @@ export class UndoHistory {
   }
 
   #show() {
-    find("undo").hidden = !this.#past.length && !this.#future.length;
-    find("redo").hidden = find("undo").hidden;
-    find("undo").disabled = !this.#past.length;
-    find("redo").disabled = !this.#future.length;
+    byId("undo").hidden = !this.#past.length && !this.#future.length;
+    byId("redo").hidden = byId("undo").hidden;
+    byId("undo").disabled = !this.#past.length;
+    byId("redo").disabled = !this.#future.length;
   }
 
   #press(event) {

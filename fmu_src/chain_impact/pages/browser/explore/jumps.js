@@ -1,6 +1,6 @@
 // The buttons of a phone: those below the motion each scroll the page to one of its parts; on its side, one shows and hides the parameters.
 
-import { find, make } from "../base/dom.js";
+import { byId, make } from "../base/dom.js";
 
 // words → selectors of the first element of a part; the first that is shown is scrolled into view
 const PARTS = {
@@ -21,7 +21,7 @@ export function addJumps() {
     return { button, places };
   });
   jumps.append(...all.map(({ button }) => button));
-  find("stage").append(jumps);
+  byId("stage").append(jumps);
   // the present part is the last one that has begun (BEGUN); the end of the page shows the last part
   const show = () => {
     const isEnd = scrollY + innerHeight >= document.documentElement.scrollHeight - 2;
@@ -35,7 +35,7 @@ export function addJumps() {
 
 /** Connect the button that shows the parameters beside the motion, or hides them. */
 export function foldParameters() {
-  const button = find("parameters-fold");
+  const button = byId("parameters-fold");
   const show = (isShown) => {
     button.setAttribute("aria-expanded", isShown);
     document.body.classList.toggle("without-parameters", !isShown);

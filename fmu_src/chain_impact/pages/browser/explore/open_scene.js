@@ -1,9 +1,9 @@
 // The open scene: the page's own scene, or a scene from a file, from the address or from an edit.
 
-import { find } from "../base/dom.js";
+import { byId } from "../base/dom.js";
 import { tomlText } from "../scene/changed_file.js";
-import { describe } from "../scene/model.js";
-import { asWritten, complete } from "../scene/scene_file.js";
+import { pageScene } from "../scene/page_scene.js";
+import { asWritten, completedFile } from "../scene/scene_file.js";
 import { inputText, sceneText } from "../scene/words.js";
 import { editedScene } from "./edited_scene.js";
 
@@ -72,8 +72,8 @@ export class OpenScene {
 
   /** Return the complete file for some contents, and its scene; in commands the file's name is the scene's name with the suffix .toml. */
   #sceneIn(contents) {
-    const whole = complete(contents, this.kit);
-    return { whole, scene: describe(this.kit, whole, [`${whole.name}.toml`]) };
+    const whole = completedFile(contents, this.kit);
+    return { whole, scene: pageScene(this.kit, whole, [`${whole.name}.toml`]) };
   }
 
   /** Return a scene with the text of its file; if an edit is taken back, the scene before the edits, or the page's own scene. */
@@ -88,7 +88,7 @@ export class OpenScene {
 
   /** Return whether two contents of scene files give the same scene; an error names the wrong key. */
   areSame(contents, others) {
-    return this.#textOf(complete(contents, this.kit)) === this.#textOf(complete(others, this.kit));
+    return this.#textOf(completedFile(contents, this.kit)) === this.#textOf(completedFile(others, this.kit));
   }
 
   /** Show a scene, with the text of its file and the changes `kept` in it. */
@@ -103,11 +103,11 @@ export class OpenScene {
     Object.assign(document.querySelector("h1"), { textContent: sceneText(name), title: name });
     document.title = `${sceneText(name)} – chain-impact`;
     const isFree = inputs.length > 0 && driven.length === 0 && inputs.every((input) => starts[input] === 0);
-    find("description").textContent = [text, isFree && "Here no controller sets the inputs."].filter(Boolean).join(". ");
-    find("description").hidden = !find("description").textContent;
-    find("inputs").hidden = still.length === 0;
+    byId("description").textContent = [text, isFree && "Here no controller sets the inputs."].filter(Boolean).join(". ");
+    byId("description").hidden = !byId("description").textContent;
+    byId("inputs").hidden = still.length === 0;
     const words = still.map((input) => inputText(input, valueOf)).join("; ");
-    find("inputs").textContent = `These inputs keep their start values here: ${words}. A signal in the scene file can change them.`;
-    find("edit-first").hidden = !this.text;
+    byId("inputs").textContent = `These inputs keep their start values here: ${words}. A signal in the scene file can change them.`;
+    byId("edit-first").hidden = !this.text;
   }
 }

@@ -1,6 +1,6 @@
 // The page as one file with its present state: the address, which has changes, pins and time, and the fields of the map.
 
-import { find, make } from "../base/dom.js";
+import { byId, make } from "../base/dom.js";
 import { save } from "./export.js";
 
 const ID = "saved"; // the element of a saved page that has its state
@@ -9,7 +9,7 @@ SOURCE.querySelectorAll(":scope > iframe").forEach((frame) => frame.remove()); /
 
 /** Return the state with which the page was saved: `hash`, the end of its address, and `map`, the result of `stateOf`. */
 export function savedState() {
-  return JSON.parse(find(ID)?.textContent ?? "{}");
+  return JSON.parse(byId(ID)?.textContent ?? "{}");
 }
 
 /** Save the page as one file with a `name`; `hash`: the end of its present address, from the "#" on; `map`: the map, once it is made. */
@@ -24,7 +24,7 @@ const partOf = ({ type }) => (type === "checkbox" ? "checked" : "value");
 
 /** Return the file of the map's scene, the fields of the map, pairs [id, value], and the runs of a map that is no preview. */
 function stateOf(map) {
-  const fields = [...find("map").querySelectorAll(":is(select, input)[id]")].map((field) => [field.id, field[partOf(field)]]);
+  const fields = [...byId("map").querySelectorAll(":is(select, input)[id]")].map((field) => [field.id, field[partOf(field)]]);
   return { file: map.changes.scene.file, fields, shown: map.saved };
 }
 
@@ -32,9 +32,9 @@ function stateOf(map) {
 export function fillMap(map) {
   const saved = savedState().map;
   if (!saved || JSON.stringify(saved.file) !== JSON.stringify(map.changes.scene.file)) return; // the reader has opened another scene
-  const write = () => saved.fields.forEach(([id, value]) => find(id) && Object.assign(find(id), { [partOf(find(id))]: value }));
+  const write = () => saved.fields.forEach(([id, value]) => byId(id) && Object.assign(byId(id), { [partOf(byId(id))]: value }));
   write();
   if (saved.shown) return map.restore(saved.shown);
-  ["map-x-name", "map-y-name"].forEach((id) => find(id).dispatchEvent(new Event("change"))); // which chooses other ranges
+  ["map-x-name", "map-y-name"].forEach((id) => byId(id).dispatchEvent(new Event("change"))); // which chooses other ranges
   write();
 }

@@ -1,6 +1,6 @@
 // The text of the scene in the editor: each valid text is opened at once, and a fault is told with its line and its key.
 
-import { find } from "../base/dom.js";
+import { byId } from "../base/dom.js";
 import { readable } from "../base/format.js";
 import { contentsOf, tomlText } from "../scene/changed_file.js";
 import { contentsIn } from "../scene/scene_file.js";
@@ -13,7 +13,7 @@ export class SceneText {
   #before = {}; // `text` that the page has shown last, and `state` of the open scene then
 
   constructor(changes, openScene, keys) {
-    Object.assign(this, { changes, openScene, keys, field: find("edit-toml") });
+    Object.assign(this, { changes, openScene, keys, field: byId("edit-toml") });
     this.field.addEventListener("input", () => {
       clearTimeout(this.#timer);
       this.#timer = setTimeout(() => this.#take(), PAUSE);
@@ -44,6 +44,6 @@ export class SceneText {
 
   #tell(fault) {
     this.field.setAttribute("aria-invalid", Boolean(fault));
-    find("edit-toml-text").textContent = readable(fault);
+    byId("edit-toml-text").textContent = readable(fault);
   }
 }

@@ -1,6 +1,6 @@
 // The runs of the page, which simulates after each change, and the line that tells how the last run ended.
 
-import { find, make } from "../base/dom.js";
+import { byId, make } from "../base/dom.js";
 import { readable } from "../base/format.js";
 import { changesOf } from "../scene/changes.js";
 import { capitalized, withBoxWalls } from "../scene/words.js";
@@ -48,13 +48,13 @@ export class Simulation {
       this.soon();
     });
     this.#tell();
-    find("caption").textContent = "Simulating…"; // this text is shown until the first motion is drawn
+    byId("caption").textContent = "Simulating…"; // this text is shown until the first motion is drawn
     this.soon();
   }
 
   /** Simulate with the present parameters as soon as the present run has ended or has lasted for PATIENCE, or at once without a run. */
   soon() {
-    find("stage").ariaBusy = "true";
+    byId("stage").ariaBusy = "true";
     clearTimeout(this.#nextRun);
     const left = this.#started + PATIENCE - performance.now();
     if (left > 0) this.#nextRun = setTimeout(() => this.#run(), left);
@@ -71,7 +71,7 @@ export class Simulation {
     const waiting = setTimeout(() => document.body.classList.add("computing"), WAITING_TIME);
     const result = await this.engine
       .ask("motion", changes.values, { replaces: true, curves: choice.names, inputSteps: changes.inputSteps }, (share) =>
-        find("stage").style.setProperty("--share", `${100 * share}%`))
+        byId("stage").style.setProperty("--share", `${100 * share}%`))
       .catch((error) => ({ parts: null, fault: `The solver cannot work in this browser: ${error.message}.` }));
     clearTimeout(waiting);
     if (!result) return;
@@ -89,7 +89,7 @@ export class Simulation {
     if (isRefused && names.length === 1) markFailing(names[0], this.#inWords(startText(result, scene, overlap)));
     this.show(result.parts, { ...words, scene, values, inputSteps }, overlap);
     if (this.#nextRun) this.soon();
-    else find("stage").ariaBusy = "false";
+    else byId("stage").ariaBusy = "false";
   }
 
   /**
@@ -166,14 +166,14 @@ export class Simulation {
 
   #tell() {
     const all = [this.#notice, this.#sentence].filter(Boolean).join(" ");
-    find("status").classList.add("begun");
-    find("status").textContent = readable(all);
-    find("status").hidden = !all;
-    if (this.#status === SHARED.kernel.FRICTION_WITH_RIGID_WALLS) find("status").append(" ", this.#withoutFriction());
+    byId("status").classList.add("begun");
+    byId("status").textContent = readable(all);
+    byId("status").hidden = !all;
+    if (this.#status === SHARED.kernel.FRICTION_WITH_RIGID_WALLS) byId("status").append(" ", this.#withoutFriction());
     if (all && this.#reach !== COMPLETE) this.#offerUndo(this.#failures[this.#reach]);
     if (!all || !this.#reason) return;
     const reason = make("p", { textContent: readable(this.#reason) });
-    find("status").append(make("details", {}, make("summary", { textContent: "Why, and what may help" }), reason));
+    byId("status").append(make("details", {}, make("summary", { textContent: "Why, and what may help" }), reason));
   }
 
   /**
@@ -199,8 +199,8 @@ export class Simulation {
     if (!names.length && !isEdited) return;
     const textContent = isEdited ? "Undo the edit" : `Undo the change of ${names.map(wordsFor(changes)).join(", ")}`;
     const button = make("button", { type: "button", className: "action", textContent });
-    button.addEventListener("click", () => (isEdited ? find("undo").click() : changes.takeBack(names, last)));
-    find("status").append(" ", button);
+    button.addEventListener("click", () => (isEdited ? byId("undo").click() : changes.takeBack(names, last)));
+    byId("status").append(" ", button);
   }
 
   /** Return a button that sets all coefficients of friction at walls to 0, for a scene with rigid walls and friction, which cannot run. */

@@ -1,6 +1,6 @@
 // Connects the buttons, the slider of time and the keys of the player with its clock.
 
-import { find } from "../base/dom.js";
+import { byId } from "../base/dom.js";
 import { fixed, speedText } from "../base/format.js";
 import { store, stored } from "../base/storage.js";
 import { connectTabs } from "../base/tabs.js";
@@ -31,39 +31,39 @@ export function connect(clock, drawing, zoom) {
     "=": () => zoom.press(1),
     "-": () => zoom.press(-1),
     0: () => zoom.fit(),
-    "?": () => find("help").showModal(),
+    "?": () => byId("help").showModal(),
     "/": () => {
-      if (!find("parameters")?.checkVisibility()) find("parameters-fold")?.click();
-      find("list-of-parameters")?.setAttribute("open", "");
+      if (!byId("parameters")?.checkVisibility()) byId("parameters-fold")?.click();
+      byId("list-of-parameters")?.setAttribute("open", "");
       document.querySelector("#list-of-parameters input")?.focus();
     },
   };
   // the page of a recording lacks some of the buttons
   Object.entries(BUTTON_KEYS).forEach(([key, id]) => {
-    actions[key] ??= () => find(id)?.click();
+    actions[key] ??= () => byId(id)?.click();
   });
   document.addEventListener("keydown", (event) => {
     const name = event.shiftKey && event.key.startsWith("Arrow") ? `Shift${event.key}` : event.key;
     const action = actions[name.length === 1 ? name.toLowerCase() : name];
     const isReady = (clock.recording && !document.querySelector("footer").inert) || "emx/".includes(name);
-    const isOff = name.length === 1 && name !== " " && !find("shortcuts").checked;
+    const isOff = name.length === 1 && name !== " " && !byId("shortcuts").checked;
     if (!action || isOff || !isReady || event.ctrlKey || event.altKey || event.metaKey || keepsKey(event)) return;
     event.preventDefault();
     action();
   });
   const buttons = { play: actions[" "], previous: actions.ShiftArrowLeft, next: actions.ShiftArrowRight };
-  Object.entries(buttons).forEach(([id, action]) => find(id).addEventListener("click", () => clock.recording && action()));
-  find("slow").addEventListener("change", ({ target }) => clock.set({ slow: target.checked }));
-  find("loop").addEventListener("change", ({ target }) => clock.set({ loop: target.checked }));
-  find("full").hidden = !document.fullscreenEnabled;
-  find("full").addEventListener("click", () =>
+  Object.entries(buttons).forEach(([id, action]) => byId(id).addEventListener("click", () => clock.recording && action()));
+  byId("slow").addEventListener("change", ({ target }) => clock.set({ slow: target.checked }));
+  byId("loop").addEventListener("change", ({ target }) => clock.set({ loop: target.checked }));
+  byId("full").hidden = !document.fullscreenEnabled;
+  byId("full").addEventListener("click", () =>
     (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen()));
-  find("trace").addEventListener("change", ({ target }) => {
+  byId("trace").addEventListener("change", ({ target }) => {
     drawing.showTrace = target.checked;
     clock.set({});
   });
-  connectTabs(find("help-tabs"));
-  find("help-open").addEventListener("click", () => find("help").showModal());
+  connectTabs(byId("help-tabs"));
+  byId("help-open").addEventListener("click", () => byId("help").showModal());
   keepShortcuts();
   pauseBehindDialogs(clock);
   connectSpeed(clock);
@@ -72,7 +72,7 @@ export function connect(clock, drawing, zoom) {
 
 /** Return whether a key is left to the element with the focus or to an open dialog: a text field, for example, uses most keys itself. */
 function keepsKey({ target, key }) {
-  if (find("help").open || target.closest("dialog:modal")) return true;
+  if (byId("help").open || target.closest("dialog:modal")) return true;
   if (target.closest("dialog[open]") && /^(Arrow|Page|Home$|End$|Enter$)/.test(key)) return true; // of the map beside the motion
   if (target.closest("input[type=range]:not(#scrub)")) return /^(Arrow|Page|Home$|End$)/.test(key); // these keys move the slider
   if (target.closest("input:not([type=checkbox], [type=range])")) return true;
@@ -82,7 +82,7 @@ function keepsKey({ target, key }) {
 
 /** Keep in the browser whether keys of one letter, digit or sign act: each may be pressed by chance, or by voice control. */
 function keepShortcuts() {
-  const box = find("shortcuts");
+  const box = byId("shortcuts");
   box.checked = stored("shortcuts") !== "off";
   box.addEventListener("change", () => store("shortcuts", box.checked ? "on" : "off"));
 }
@@ -100,7 +100,7 @@ function pauseBehindDialogs(clock) {
 }
 
 function connectSpeed(clock) {
-  const select = find("speed");
+  const select = byId("speed");
   const choices = SPEEDS.includes(clock.speed) ? SPEEDS : [...SPEEDS, clock.speed].sort((a, b) => a - b);
   select.append(...choices.map((value) => new Option(speedText(value), String(value))));
   select.addEventListener("change", () => clock.set({ speed: Number(select.value) }));
@@ -113,9 +113,9 @@ function connectSpeed(clock) {
 }
 
 function connectSlider(clock) {
-  const slider = find("scrub");
+  const slider = byId("scrub");
   slider.addEventListener("input", () => clock.recording && clock.seek(Number(slider.value)));
-  const play = find("play");
+  const play = byId("play");
   clock.onChange(() => {
     const { recording } = clock;
     slider.value = String(clock.time);
@@ -124,7 +124,7 @@ function connectSlider(clock) {
     const label = clock.playing ? "Pause" : "Play";
     if (play.getAttribute("aria-label") !== label) play.setAttribute("aria-label", label);
   });
-  const marks = find("marks");
+  const marks = byId("marks");
   // size and colour of the canvas with marks, read only when they may have changed: reading them makes the browser lay out the page
   let look;
   const draw = () => clock.recording && look && drawMarks(marks, look, clock.recording);

@@ -1,6 +1,6 @@
 // Cards beside the motion that the reader enlarges: the motion leaves a part of its space to one card.
 
-import { find, make } from "../base/dom.js";
+import { byId, make } from "../base/dom.js";
 
 // [pixels] space around an enlarged card; with less height than LEAST_BELOW below the motion, the card covers the motion
 const [AROUND_CARD, LEAST_BELOW] = [8, 170];
@@ -49,9 +49,9 @@ export function enlargeable(cards) {
 
 /** Return the place of an enlarged card as a style: below the motion or, without room there, over the whole window. */
 function placeOf() {
-  const parts = [find("stage"), ...document.querySelectorAll("aside, body > footer")];
+  const parts = [byId("stage"), ...document.querySelectorAll("aside, body > footer")];
   const [stage, column, footer] = parts.map((part) => part.getBoundingClientRect());
-  const pins = find("pins")?.checkVisibility() ? find("pins").getBoundingClientRect().top : Infinity;
+  const pins = byId("pins")?.checkVisibility() ? byId("pins").getBoundingClientRect().top : Infinity;
   const isInColumn = column.bottom > stage.bottom && column.bottom < footer.top && pins > column.bottom;
   const bottom = isInColumn ? column.bottom : Math.min(footer.top, pins > stage.bottom ? pins : Infinity) - AROUND_CARD;
   const below = Math.max(stage.bottom, 0) + AROUND_CARD;

@@ -1,8 +1,8 @@
 // The list of impacts; a click on a row goes to the impact's `peakTime`: the time of its largest force, or the onset if this is unknown.
 
-import { find, make } from "../base/dom.js";
+import { byId, make } from "../base/dom.js";
 import { fixed, impulseText, inOneUnit, peakText, speedWithUnit, unitsOf, withMinus } from "../base/format.js";
-import { mapped } from "../base/mapped.js";
+import { mapValues } from "../base/map_values.js";
 import { capitalized, placeText, touchingPartText, wallText } from "../scene/words.js";
 
 const LONGEST_LIST = 2000; // largest number of rows in the list, because each needs several elements of the page
@@ -115,7 +115,7 @@ export class ImpactList {
     const columns = [...COLUMNS, ...ofJoints, ...(this.isLarge ? OF_LARGE_LIST.filter((name) => !areImpulses || name !== "impulse") : [])];
     const hasStops = recording.impacts.some(({ atStop }) => atStop);
     const table = make("table", { className: hasStops || areImpulses ? "long-units" : "" });
-    this.columns = mapped(QUANTITIES_OF, (quantityOf) => inOneUnit(recording.impacts.map(quantityOf)));
+    this.columns = mapValues(QUANTITIES_OF, (quantityOf) => inOneUnit(recording.impacts.map(quantityOf)));
     const heads = columns.map((column) => {
       const name = areImpulses && column === "peak" ? "impulse" : column;
       const textContent = [name, this.columns[column]?.unit].filter(Boolean).join(", ");
@@ -175,7 +175,7 @@ export class ImpactList {
     row.addEventListener("click", () => {
       this.goTo(impact);
       // on a phone in landscape format, the list lies far below the motion, so the page scrolls back to it
-      find("stage").scrollIntoView({ block: "nearest" });
+      byId("stage").scrollIntoView({ block: "nearest" });
     });
     return row;
   }
@@ -203,7 +203,7 @@ export class ImpactList {
     const { scrollHeight, clientHeight } = this.element;
     const [row] = this.rows ?? [];
     const seen = row ? Math.floor((clientHeight - row.parentElement.previousElementSibling.offsetHeight + 1) / row.offsetHeight) : 0;
-    find("impacts-seen").textContent = row && scrollHeight > clientHeight + 1 ? `${seen} of ${this.count} in view` : "";
+    byId("impacts-seen").textContent = row && scrollHeight > clientHeight + 1 ? `${seen} of ${this.count} in view` : "";
   }
 
   /** Scroll the list, but not the page, to the row of the present contact, with one more row below it, which lies in the shadow. */

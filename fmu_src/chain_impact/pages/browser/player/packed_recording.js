@@ -1,7 +1,7 @@
 // Reads the numbers of a recording, which `recorded.py` has packed as integers from 0 to FINEST.
 
 import { bytesIn, numbersIn } from "../base/base64.js";
-import { mapped } from "../base/mapped.js";
+import { mapValues } from "../base/map_values.js";
 import { boxWallText } from "../scene/words.js";
 
 /** Return the real numbers low + (high − low) · k / FINEST for packed integers k, which `values` has as text in base64. */
@@ -29,8 +29,8 @@ function atAllRows(packedRows, count) {
 export function unpack(packed) {
   const time = numbersIn(packed.time);
   const [x, y] = [packed.x, packed.y].map(numbers);
-  const drawn = mapped(packed.drawn, (entries) => entries.map(({ n, name, rows, columns }) =>
-    ({ n, name, columns: mapped(columns, atAllRows(rows, time.length)) })));
+  const drawn = mapValues(packed.drawn, (entries) => entries.map(({ n, name, rows, columns }) =>
+    ({ n, name, columns: mapValues(columns, atAllRows(rows, time.length)) })));
   const impacts = packed.impacts.map((impact) => ({ ...impact, boxWall: boxWallText(impact.wall, (name) => packed.gravity[name]) }));
-  return { ...packed, impacts, moved: mapped(packed.moved, numbers), time, x, y, drawn };
+  return { ...packed, impacts, moved: mapValues(packed.moved, numbers), time, x, y, drawn };
 }

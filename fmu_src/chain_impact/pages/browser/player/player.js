@@ -1,6 +1,6 @@
 // The player: the parts of the page that show a recording, and the loop that draws them.
 
-import { find } from "../base/dom.js";
+import { byId } from "../base/dom.js";
 import { rateText } from "../base/format.js";
 import { CurveCharts } from "../charts/curve_charts.js";
 import { ForceChart } from "../charts/force_chart.js";
@@ -24,34 +24,34 @@ export class Player {
 
   constructor(speed) {
     this.clock = new Clock(speed);
-    this.drawing = new ChainDrawing(find("scene"));
+    this.drawing = new ChainDrawing(byId("scene"));
     const pointer = {
       seek: (time, contact) => this.clock.seek(time, contact),
       read: (time) => this.panels.forEach(([, card, part]) => card.hidden || part.readAt(time)),
     };
     this.panels = [
-      [({ energies }) => Object.keys(energies).length > 0, find("energy").closest("section"),
-        new EnergyChart(find("energy"), find("energies"), pointer)],
-      [({ inputs }) => inputs?.curves.length > 0, find("inputs-over-time").closest("section"),
-        new CurveCharts(find("inputs-over-time"), pointer,
-          { curvesOf: ({ inputs }) => inputs, label: "Driven inputs", note: find("inputs-note"),
+      [({ energies }) => Object.keys(energies).length > 0, byId("energy").closest("section"),
+        new EnergyChart(byId("energy"), byId("energies"), pointer)],
+      [({ inputs }) => inputs?.curves.length > 0, byId("inputs-over-time").closest("section"),
+        new CurveCharts(byId("inputs-over-time"), pointer,
+          { curvesOf: ({ inputs }) => inputs, label: "Driven inputs", note: byId("inputs-note"),
             whyWithout: "such an input is constant there or does not exist" })],
-      [({ outputs }) => outputs?.curves.length > 0, find("outputs-over-time").closest("section"),
-        new CurveCharts(find("outputs-over-time"), pointer,
-          { curvesOf: ({ outputs }) => outputs, label: "Outputs", zoomButton: find("zoom-impact"),
-            title: find("outputs-impact"), note: find("outputs-note"), apartBox: find("curves-apart"),
+      [({ outputs }) => outputs?.curves.length > 0, byId("outputs-over-time").closest("section"),
+        new CurveCharts(byId("outputs-over-time"), pointer,
+          { curvesOf: ({ outputs }) => outputs, label: "Outputs", zoomButton: byId("zoom-impact"),
+            title: byId("outputs-impact"), note: byId("outputs-note"), apartBox: byId("curves-apart"),
             whyWithout: "a pin of another scene keeps its outputs" })],
-      [({ impacts }) => impacts.length > 0, find("force").closest("section"),
-        new ForceChart(find("force"), find("contact-quantity"), find("contact-name"), find("force-loop"), pointer)],
+      [({ impacts }) => impacts.length > 0, byId("force").closest("section"),
+        new ForceChart(byId("force"), byId("contact-quantity"), byId("contact-name"), byId("force-loop"), pointer)],
     ];
-    this.impacts = new ImpactList(find("impacts"), (impact) => this.clock.toImpact(impact));
-    enlargeable([...this.panels.map(([, card, part]) => [card, part]), [find("list"), this.impacts]]);
+    this.impacts = new ImpactList(byId("impacts"), (impact) => this.clock.toImpact(impact));
+    enlargeable([...this.panels.map(([, card, part]) => [card, part]), [byId("list"), this.impacts]]);
     this.zoom = new Zoom(this);
     this.showControls = connect(this.clock, this.drawing, this.zoom);
     connectFolding();
     connectFades();
     this.clock.onChange(() => this.drawSoon());
-    new ResizeObserver(() => this.fit()).observe(find("view"));
+    new ResizeObserver(() => this.fit()).observe(byId("view"));
   }
 
   /** Show the first recording, or another one at the present simulated time; hide panels that have nothing to show. */
@@ -59,7 +59,7 @@ export class Player {
     const first = !this.recording;
     this.recording = recording;
     const [low, high] = recording.view;
-    find("view").style.setProperty("--aspect", (high[0] - low[0]) / (high[1] - low[1]));
+    byId("view").style.setProperty("--aspect", (high[0] - low[0]) / (high[1] - low[1]));
     this.panels.forEach(([hasContents, panel, part]) => {
       panel.hidden = !hasContents(recording);
       if (!panel.hidden) part.show(recording);
@@ -67,7 +67,7 @@ export class Player {
     [this.drawing, this.impacts].forEach((part) => part.show(recording));
     this.clock.show(recording);
     this.showControls();
-    find("subtitle").textContent = subtitle(recording);
+    byId("subtitle").textContent = subtitle(recording);
     if (first) this.#begin();
     else this.drawSoon();
   }
@@ -89,7 +89,7 @@ export class Player {
   /** Fit the drawing to its place on the page, and draw at once, so that no frame of the browser shows it with its old size. */
   fit() {
     if (!this.recording) return;
-    const { clientWidth, clientHeight } = find("view");
+    const { clientWidth, clientHeight } = byId("view");
     this.drawing.resize(clientWidth, clientHeight);
     this.draw();
   }
@@ -111,13 +111,13 @@ export class Player {
     this.zoom.follow(contact, frame);
     this.panels.forEach(([, panel, part]) => panel.hidden || part.draw(frame, contact));
     [this.drawing, this.impacts, ...this.layers].forEach((part) => part.draw(frame, contact));
-    find("time").textContent = `${time.toFixed(5)} s`;
-    find("rate").textContent = clock.hasEnded ? "" : rateText(clock.rate);
+    byId("time").textContent = `${time.toFixed(5)} s`;
+    byId("rate").textContent = clock.hasEnded ? "" : rateText(clock.rate);
     document.body.classList.toggle("slow-motion", clock.rate < SHARED.pacing.SLOW_RATE * clock.speed);
     document.body.classList.toggle("playing", clock.playing);
     const caption = impactText(recording, contact, time);
     // the caption may be cut, so its whole text is also the tooltip
-    if (find("caption").textContent !== caption) Object.assign(find("caption"), { textContent: caption, title: caption });
+    if (byId("caption").textContent !== caption) Object.assign(byId("caption"), { textContent: caption, title: caption });
   }
 }
 

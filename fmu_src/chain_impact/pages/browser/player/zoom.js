@@ -1,6 +1,6 @@
 // The zoom of the drawing: by the wheel, two fingers or keys, at any place, or at the present contact.
 
-import { find } from "../base/dom.js";
+import { byId } from "../base/dom.js";
 import { Camera } from "../drawing/camera.js";
 import { STRIP } from "../drawing/scale_strip.js";
 
@@ -20,7 +20,7 @@ export class Zoom {
 
   constructor(player) {
     this.player = player;
-    const [view, button] = [find("view"), find("at-contact")];
+    const [view, button] = [byId("view"), byId("at-contact")];
     this.button = button;
     const at = ({ clientX, clientY }) => {
       const { left, top } = view.getBoundingClientRect();
@@ -86,7 +86,7 @@ export class Zoom {
   }
 
   #look(view) {
-    find("view").style.touchAction = view ? "none" : ""; // one finger moves an enlarged drawing, and scrolls the page otherwise
+    byId("view").style.touchAction = view ? "none" : ""; // one finger moves an enlarged drawing, and scrolls the page otherwise
     this.player.drawing.lens = view;
     this.player.drawSoon();
   }

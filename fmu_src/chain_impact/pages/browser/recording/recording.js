@@ -1,6 +1,6 @@
 // The recording: a simulation at frames, with interpolation between frames.
 
-import { mapped } from "../base/mapped.js";
+import { mapValues } from "../base/map_values.js";
 
 /** Return whether a frame, without its fraction, is in any of some spans, each with a first and a last frame, both included. */
 function isWithin(spans, frame) {
@@ -177,7 +177,7 @@ export class Recording {
   /** Return the entries of a group of `drawn.py` at a frame: number `n` and `name` of the owner, and name of a quantity → its value. */
   drawnAt(group, frame) {
     return this.drawn[group].map(({ n, name, columns }) =>
-      ({ n, name, ...mapped(columns, (values) => this.betweenRows(values, frame)) }));
+      ({ n, name, ...mapValues(columns, (values) => this.betweenRows(values, frame)) }));
   }
 
   /** Return the numbers of the joints that stick at a frame; 0 stands for a slider. */

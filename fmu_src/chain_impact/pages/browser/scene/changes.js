@@ -1,7 +1,7 @@
 // The present parameters of the page: the values of the scene, and the reader's changes of them.
 
 import { numberText } from "../base/format.js";
-import { inFile, pathText } from "../base/paths.js";
+import { valueInFile, pathText } from "../base/paths.js";
 import { nearestText } from "../base/similar_names.js";
 import { inRadians, orDegrees } from "./angles.js";
 import { sumOf } from "./geometry.js";
@@ -106,7 +106,7 @@ export class Changes {
   /** Refuse changes with which values of the scene file are valid alone, but not together; the kernel checks further rules. */
   #check(values) {
     const nameAt = (path) => this.names.get(pathText(path));
-    const valueAt = (path) => (nameAt(path) ? this.valueOf(nameAt(path), values) : inFile(this.scene.file, path));
+    const valueAt = (path) => (nameAt(path) ? this.valueOf(nameAt(path), values) : valueInFile(this.scene.file, path));
     const rules = SHARED.refusalRules.FILE.filter((rule) => !rule.in_kernel);
     keepFileRules(this.scene.file, { textAt: (path) => nameAt(path) ?? pathText(path), rules, valueAt });
   }

@@ -2,10 +2,10 @@
 // `facts.py` and `owners.py`.
 // The twins in Python are `scene/facts.py`, `variables/owners.py`, `variables/structure.py`.
 
-import { mapped } from "../base/mapped.js";
-import { inFile } from "../base/paths.js";
+import { mapValues } from "../base/map_values.js";
+import { valueInFile } from "../base/paths.js";
 import { BOX_WALLS, STOPS } from "./geometry.js";
-import { holds, membersIn, numberIn, valuesOfMembers } from "./rules.js";
+import { isRuleTrue, membersIn, numberIn, valuesOfMembers } from "./rules.js";
 import { pairsOf, sitesOf, sliderStopsOf, stopsOf, touchingPoints, wallsOf } from "./scene_file.js";
 import { drivenBy } from "./signals.js";
 
@@ -19,12 +19,12 @@ export function structureOf(file, kit) {
   const parts = { file, driven: drivenBy(file, kit.tables), sites, mayTouch, sliderStops, stops, existingWalls, wallNames, pairs };
   const lists = listsOf(parts, kit);
   const sceneNumbers = numbersOfScene(file, lists, kit);
-  return { ...parts, lists, sceneNumbers, owners: mapped(kit.owners, (row) => ownersIn(row, sceneNumbers, lists)) };
+  return { ...parts, lists, sceneNumbers, owners: mapValues(kit.owners, (row) => ownersIn(row, sceneNumbers, lists)) };
 }
 
 /** Return a function from a name in the rules of `owners.py` to its value, as the function `values_of` in `owners.py` does. */
 export function valuesOfScene(file, lists, sceneNumbers) {
-  return (name) => (name.includes(".") ? inFile(file, name.split(".")) : lists[name] ?? sceneNumbers[name]);
+  return (name) => (name.includes(".") ? valueInFile(file, name.split(".")) : lists[name] ?? sceneNumbers[name]);
 }
 
 /** Return name of a list of a scene → its members, each a table of values, as `LISTS` in `facts.py` describes them. */
@@ -49,7 +49,7 @@ function listsOf({ file, driven, sites, sliderStops, stops, existingWalls, wallN
   for (const [name, { sourceList, condition, values }] of Object.entries(kit.lists)) {
     lists[name] = valuesOfMembers(sourceList, valueOf).flatMap((ofMember) => {
       const own = {};
-      if (!holds(condition, ofMember)) return [];
+      if (!isRuleTrue(condition, ofMember)) return [];
       for (const [key, rule] of Object.entries(values)) own[key] = numberIn(rule, (inner) => own[inner] ?? ofMember(inner));
       return [own];
     });
@@ -67,7 +67,7 @@ function numbersOfScene(file, lists, { facts, counts }) {
   const sceneNumbers = { ...flags(file.inputs, "inputs"), ...flags(file.outputs, "outputs") };
   const valueOf = valuesOfScene(file, lists, sceneNumbers);
   for (const [name, rule] of Object.entries(facts)) sceneNumbers[name] = numberIn(rule, valueOf);
-  return { ...sceneNumbers, ...mapped(lists, ({ length }) => length), ...mapped(counts, (rule) => numberIn(rule, valueOf)) };
+  return { ...sceneNumbers, ...mapValues(lists, ({ length }) => length), ...mapValues(counts, (rule) => numberIn(rule, valueOf)) };
 }
 
 /**
@@ -79,9 +79,9 @@ function ownersIn({ sourceList, condition, numbers, conditions }, sceneNumbers, 
   membersIn(sourceList, (name) => lists[name] ?? sceneNumbers[name]).forEach((member, order) => {
     const here = { ...sceneNumbers, ...member, order };
     const valueOf = (name) => here[name];
-    if (!holds(condition, valueOf)) return;
-    const owner = { ...member, ...mapped(numbers, (rule) => numberIn(rule, valueOf)) };
-    for (const [name, rule] of Object.entries(conditions)) owner[name] = here[name] = holds(rule, valueOf);
+    if (!isRuleTrue(condition, valueOf)) return;
+    const owner = { ...member, ...mapValues(numbers, (rule) => numberIn(rule, valueOf)) };
+    for (const [name, rule] of Object.entries(conditions)) owner[name] = here[name] = isRuleTrue(rule, valueOf);
     const key = [owner.n, owner.of, owner.name].join();
     if (!found.has(key)) found.set(key, owner);
   });
@@ -93,7 +93,7 @@ function ownersIn({ sourceList, condition, numbers, conditions }, sceneNumbers, 
  *
  * The words are the owner's number {n}, the number {of} of its link, its {name}, and {before}: the link n − 1, or the base if n is 1.
  */
-export function filled(text, { n, of, name }) {
+export function filledTemplate(text, { n, of, name }) {
   const before = n > 1 ? `link ${n - 1}` : "the base";
   return text.replaceAll("{n}", n).replaceAll("{of}", of).replaceAll("{name}", name).replaceAll("{before}", before);
 }
@@ -103,6 +103,6 @@ export function rowsOfOwners(groups, { owners, sceneNumbers }) {
   return groups.flatMap(({ ownerKind, rows }) => owners[ownerKind].flatMap((owner) => {
     const here = { ...sceneNumbers, ...owner };
     return rows.map((row) =>
-      ({ ...row, ownerKind, owner, name: filled(row.name, owner), has: row.when.every((condition) => here[condition]) }));
+      ({ ...row, ownerKind, owner, name: filledTemplate(row.name, owner), has: row.when.every((condition) => here[condition]) }));
   }));
 }

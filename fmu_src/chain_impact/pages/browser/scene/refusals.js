@@ -1,7 +1,7 @@
 // Refuses contents of a scene file with the sentences and rules of `refusals.py`, which Python uses, too.
 
-import { inFile, pathText } from "../base/paths.js";
-import { holds, numberIn } from "./rules.js";
+import { valueInFile, pathText } from "../base/paths.js";
+import { isRuleTrue, numberIn } from "./rules.js";
 
 /** Return a value as text for an error, as in Python's errors, cut if it is long; some values differ (1 for 1.0, true for True). */
 export function shown(value) {
@@ -30,7 +30,7 @@ export function refuse(path, fault, words = {}) {
  * key for the error; `words` are further words of the sentence.
  */
 export function keepRules(rules, valueOf, nameOf, words = {}) {
-  const rule = rules.find(({ condition }) => holds(condition, valueOf));
+  const rule = rules.find(({ condition }) => isRuleTrue(condition, valueOf));
   if (!rule) return;
   const { fault, key = "", least, bound } = rule;
   const bounds = least && { least: Number(numberIn(least, valueOf).toPrecision(15)), bound };
@@ -41,7 +41,8 @@ export function keepRules(rules, valueOf, nameOf, words = {}) {
  * Refuse the first value of a scene file that a rule forbids together with the file's other values. `valueAt` returns the value at a path
  * of the file; `textAt` returns the name of a path, which the refusal begins with.
  */
-export function keepFileRules(file, { textAt = pathText, rules = SHARED.refusalRules.FILE, valueAt = (path) => inFile(file, path) } = {}) {
+export function keepFileRules(file, options = {}) {
+  const { textAt = pathText, rules = SHARED.refusalRules.FILE, valueAt = (path) => valueInFile(file, path) } = options;
   const whole = (key) => valueAt(key.split("."));
   const tablesOf = (list, members) => members.map((_, order) => {
     const path = [...list, order];
@@ -72,7 +73,7 @@ export function keepEntryRules({ chain: { base, links }, contact: { points = [] 
   };
   const words = { base, first: facts.movable[0], last: facts.movable.at(-1) };
   for (const { fault, condition, of } of SHARED.refusalRules.ENTRY) {
-    const wrong = lists[of].find(({ known }) => holds(condition, (name) => known[name] ?? facts[name]));
+    const wrong = lists[of].find(({ known }) => isRuleTrue(condition, (name) => known[name] ?? facts[name]));
     if (!wrong) continue;
     const { path, known: { entry, before } } = wrong;
     refuse(textAt(path), fault, { ...words, value: shown(entry), others: [...facts.reserved, ...before].join(", ") });

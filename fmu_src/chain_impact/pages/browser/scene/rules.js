@@ -18,9 +18,9 @@ const COMPARISONS = {
 function valueIn({ name, constant, operator, parts }, valueOf) {
   if (!parts) return name ? toNumber(valueOf(name)) : constant;
   if (operator === "any" || operator === "sum") return ofMembers(operator, valuesOfMembers(parts[0], valueOf), parts[1]);
-  if (operator === "and") return toNumber(parts.every((part) => holds(part, valueOf)));
-  if (operator === "or") return toNumber(parts.some((part) => holds(part, valueOf)));
-  if (operator === "not") return toNumber(!holds(parts[0], valueOf));
+  if (operator === "and") return toNumber(parts.every((part) => isRuleTrue(part, valueOf)));
+  if (operator === "or") return toNumber(parts.some((part) => isRuleTrue(part, valueOf)));
+  if (operator === "not") return toNumber(!isRuleTrue(parts[0], valueOf));
   const [first, second] = parts.map((part) => valueIn(part, valueOf));
   if (operator === "has_value") return toNumber(first !== null);
   if (first === null || second === null) return operator in ARITHMETIC ? null : 0;
@@ -33,7 +33,7 @@ function valueIn({ name, constant, operator, parts }, valueOf) {
  * of the numbers that the rule gives for all members, null if a number is missing.
  */
 function ofMembers(operator, members, of) {
-  if (operator === "any") return toNumber(members.some((valueOf) => holds(of, valueOf)));
+  if (operator === "any") return toNumber(members.some((valueOf) => isRuleTrue(of, valueOf)));
   const values = members.map((valueOf) => valueIn(of, valueOf));
   return values.includes(null) ? null : values.reduce((sum, value) => sum + value, 0);
 }
@@ -57,7 +57,7 @@ function isTruthy(value) {
 }
 
 /** Return whether a rule is true; `valueOf` is a function from a name in the rule to its value. */
-export function holds(rule, valueOf) {
+export function isRuleTrue(rule, valueOf) {
   return isTruthy(valueIn(rule, valueOf));
 }
 

@@ -186,7 +186,7 @@ export function pairsOf(file) {
  * Return the contents of a scene file with all defaults, one entry for each link, and absolute angles in radians. Derived values are left
  * out. An error names the wrong key.
  */
-export function complete(data, kit) {
+export function completedFile(data, kit) {
   const file = new ContentsReader(kit).table(data, kit.keys, "");
   if ((file.contact.law_file || "") !== kit.lawFile) {
     const law = `contact.law_file = ${shown(file.contact.law_file)}`;

@@ -1,5 +1,5 @@
-// The kernel: the WebAssembly module with one instance in its memory, and its runs. `model.js` has the indices of values in the instance's
-// record.
+// The kernel: the WebAssembly module with one instance in its memory, and its runs. `page_scene.js` has the indices of values in the
+// instance's record.
 // The twin in Python is `simulation/simulate.py`.
 
 const { WORD } = SHARED.record; // [bytes] size of a word
@@ -37,7 +37,7 @@ function wordSpans(outputs) {
 const mathematics = Object.assign(Object.create(Math), { fmod: (x, y) => x % y });
 
 export class Kernel {
-  /** Return a promise of the kernel of a module, for a scene in the form of `describe`. */
+  /** Return a promise of the kernel of a module, for a scene in the form of `pageScene`. */
   static async load(module, scene) {
     const { exports } = await WebAssembly.instantiate(module, { Math: mathematics });
     return new Kernel(exports, scene, scene.record);

@@ -1,7 +1,7 @@
 // A motion for the player, from two runs of the kernel. The first run finds the impacts. The second run has rows at the frames, which are
 // close where the motion is shown slowly, and more rows for smooth curves; rows do not change the solution.
 
-import { mapped } from "../base/mapped.js";
+import { mapValues } from "../base/map_values.js";
 import { framesOf, impactsUntil, timesOf } from "../recording/frames.js";
 import { PACING } from "../recording/pacing.js";
 import { lastBefore } from "../recording/recording.js";
@@ -93,7 +93,7 @@ function rowsOf(scene, valueOf, { time, impacts, column }) {
     time,
     x,
     y,
-    drawn: mapped(groups, (entries) => entries.map(({ n, name, words }) => ({ n, name, columns: mapped(words, column) }))),
+    drawn: mapValues(groups, (entries) => entries.map(({ n, name, words }) => ({ n, name, columns: mapValues(words, column) }))),
     impacts,
     walls: wallsAt(scene, valueOf),
     moved: Object.fromEntries(moved.map(({ ownerName, word }) => [ownerName, column(word)])),

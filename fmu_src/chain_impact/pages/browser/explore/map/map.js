@@ -1,6 +1,6 @@
 // The map: an output at the end of each run, shown as a colour over a grid of the values of two parameters.
 
-import { find } from "../../base/dom.js";
+import { byId } from "../../base/dom.js";
 import { numberText, readable } from "../../base/format.js";
 import { presentlyShown } from "../parameters/parameter_fields.js";
 import { mainParametersOf, withControls, wordsFor } from "../parameters/main_parameters.js";
@@ -32,22 +32,22 @@ export class GridMap {
   /** Make the map; `begin` is a function that starts an engine (a worker with a kernel). */
   constructor(begin, changes) {
     Object.assign(this, { begin, changes });
-    this.dialog = find("map");
+    this.dialog = byId("map");
     this.place = new MapPlace(this.dialog);
-    this.canvas = find("map-canvas");
-    this.drawing = new MapDrawing(this.canvas, find("map-scales"), find("map-frame"));
-    this.inputs = ["x", "y"].map((axis) => ["name", "from", "to"].map((part) => find(`map-${axis}-${part}`)));
-    [this.output, this.scaleKind, this.limitField] = ["map-output", "map-scale", "map-limit"].map(find);
+    this.canvas = byId("map-canvas");
+    this.drawing = new MapDrawing(this.canvas, byId("map-scales"), byId("map-frame"));
+    this.inputs = ["x", "y"].map((axis) => ["name", "from", "to"].map((part) => byId(`map-${axis}-${part}`)));
+    [this.output, this.scaleKind, this.limitField] = ["map-output", "map-scale", "map-limit"].map(byId);
     this.inputs.forEach(([name], k) => name.addEventListener("change", () => this.#range(k)));
     this.#fill();
     changes.onOpen(() => this.#fill());
     changes.onChange(() => this.#follow());
-    find("map-run").addEventListener("click", () => (this.#isRunning ? this.#stop() : this.run()));
+    byId("map-run").addEventListener("click", () => (this.#isRunning ? this.#stop() : this.run()));
     this.inputs.flat().forEach((field) => field.addEventListener("change", () => this.#preview()));
     this.output.addEventListener("change", () => (this.shown ? this.#recolour() : this.#preview()));
     [this.scaleKind, this.limitField].forEach((field) => field.addEventListener("change", () => this.shown && this.#recolour()));
     connectFiles(this);
-    new ResizeObserver(() => this.shown && this.#drawScales()).observe(find("map-frame"));
+    new ResizeObserver(() => this.shown && this.#drawScales()).observe(byId("map-frame"));
     this.dialog.addEventListener("close", () => this.dialog.open || this.#stop());
     const choose = (name) => {
       this.inputs[0][0].value = name;
@@ -90,7 +90,7 @@ export class GridMap {
   /** Note whether the reader has left the map for one of its runs: then the button that opens the map tells the way back. */
   #leave(isLeft) {
     this.#isLeft = isLeft;
-    find("map-back").hidden = !isLeft;
+    byId("map-back").hidden = !isLeft;
   }
 
   /** Return whether runs of a map with all its points are under way. */
@@ -99,7 +99,7 @@ export class GridMap {
   }
 
   #showState() {
-    find("map-run").textContent = this.#isRunning ? "Stop" : `Simulate ${POINTS} × ${POINTS} runs`;
+    byId("map-run").textContent = this.#isRunning ? "Stop" : `Simulate ${POINTS} × ${POINTS} runs`;
   }
 
   /** Show a preview, a map of few runs for the present fields, unless the shown map has all its points and fits these fields. */
@@ -131,7 +131,7 @@ export class GridMap {
     this.#refuse(false);
     this.shown = undefined;
     this.drawing.clear();
-    find("map-files").hidden = true;
+    byId("map-files").hidden = true;
     this.#say("");
     const reals = this.changes.scene.parameters.filter(({ type, word }) => type === "real" && word >= 0);
     this.wordsOf = wordsFor(this.changes);
@@ -168,7 +168,7 @@ export class GridMap {
   /** Tell the unit of an axis; return the factor from the SI unit to it. */
   #tellUnit(k) {
     const { factor, text } = presentlyShown(this.changes, this.inputs[k][0].value);
-    find(`map-${"xy"[k]}-unit`).textContent = text && `in ${text}`;
+    byId(`map-${"xy"[k]}-unit`).textContent = text && `in ${text}`;
     return factor;
   }
 
@@ -188,7 +188,7 @@ export class GridMap {
   /** Note whether the values of the fields are refused. If they are, the map still shows earlier values, and is drawn pale. */
   #refuse(isRefused) {
     this.#refuses = isRefused;
-    find("map-frame").classList.toggle("earlier", isRefused);
+    byId("map-frame").classList.toggle("earlier", isRefused);
   }
 
   /** Compute the map with `points` values of each parameter, and draw it as it grows. If the fields have a fault, only tell the fault. */
@@ -236,7 +236,7 @@ export class GridMap {
   }
 
   #say(text, isFault = false) {
-    Object.assign(find("map-text"), { textContent: readable(text), className: isFault ? "fault" : "" });
+    Object.assign(byId("map-text"), { textContent: readable(text), className: isFault ? "fault" : "" });
   }
 
   /** Return what the fields ask for: `names` of two parameters, `axes` with their values, all changed `values`, and all `outputs`. */
@@ -324,7 +324,7 @@ export class GridMap {
     const present = [...shown.known.values()].filter(({ status }) => !status).map(({ values }) => outputIn(values, shown.output));
     shown.scale = colourScale([...results, ...present], shown.output.integer, this.scaleKind.value);
     this.drawing.drawRuns(shown, results);
-    find("map-files").hidden = shown.points !== POINTS || shown.rows === 0;
+    byId("map-files").hidden = shown.points !== POINTS || shown.rows === 0;
     this.#drawScales();
   }
 

@@ -1,6 +1,6 @@
 // The limit of a map's output, which the reader gives: its value, and how many runs keep it.
 
-import { find } from "../../base/dom.js";
+import { byId } from "../../base/dom.js";
 import { typed } from "../../scene/angles.js";
 import { capitalized } from "../../scene/words.js";
 import { scaledTo } from "./map_scales.js";
@@ -13,7 +13,7 @@ export function limitIn(field, { output, scale }) {
   const text = field.value.trim();
   const { factor, text: unit } = scaledTo(output, scale);
   field.setCustomValidity("");
-  find("map-limit-unit").textContent = unit && `in ${unit}`;
+  byId("map-limit-unit").textContent = unit && `in ${unit}`;
   field.disabled = Boolean(output.places);
   if (!text || output.places) return undefined;
   const limit = Number.isFinite(Number(text)) ? Number(text) / factor : typed(text, output.unit === "1" ? "" : output.unit);

@@ -1,20 +1,20 @@
 // The place of the map: on a wide screen a panel beside the motion, elsewhere, or when the reader enlarges it, a dialog over the page.
 
-import { find } from "../../base/dom.js";
+import { byId } from "../../base/dom.js";
 
 export class MapPlace {
   #isEnlarged = false;
 
   constructor(dialog) {
     this.dialog = dialog;
-    this.button = find("map-enlarge");
+    this.button = byId("map-enlarge");
     this.wide = matchMedia("(min-width: 1200px) and (min-height: 600px)");
     this.wide.addEventListener("change", () => dialog.open && this.show());
     this.button.addEventListener("click", () => this.#enlarge(!this.#isEnlarged));
-    this.foldButton = find("map-fold");
+    this.foldButton = byId("map-fold");
     this.foldButton.addEventListener("click", () => this.#fold(this.foldButton.ariaExpanded === "true"));
     // fields that are set fold, so that the map is larger; on a phone they have no room
-    find("map-run").addEventListener("click", () => setTimeout(() => this.#fold(!dialog.querySelector(":invalid"))));
+    byId("map-run").addEventListener("click", () => setTimeout(() => this.#fold(!dialog.querySelector(":invalid"))));
     this.#fold(matchMedia("(max-width: 760px) and (min-height: 481px)").matches);
     dialog.addEventListener("cancel", (event) => {
       if (!this.#isEnlarged || !this.wide.matches) return;
@@ -63,7 +63,7 @@ export class MapPlace {
 
   #tell() {
     document.body.classList.toggle("with-map", this.isBeside);
-    find("map-open").ariaExpanded = this.isBeside;
+    byId("map-open").ariaExpanded = this.isBeside;
     this.button.ariaPressed = this.#isEnlarged;
   }
 }

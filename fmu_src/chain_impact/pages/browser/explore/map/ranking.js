@@ -1,6 +1,6 @@
 // What drives an output of the map: the parameters in the order of their effects, each from a run with a small step of this parameter.
 
-import { find, make } from "../../base/dom.js";
+import { byId, make } from "../../base/dom.js";
 import { digits, unitText, withMinus } from "../../base/format.js";
 import { save } from "../export.js";
 import { outputIn, presentOutputs, runIn, wordsOfRun } from "./map_outputs.js";
@@ -61,8 +61,8 @@ export class Ranking {
    */
   constructor(changes, { startEngines, wordsOf, choose }) {
     Object.assign(this, { changes, startEngines, wordsOf, choose });
-    [this.list, this.text] = ["map-ranking", "map-ranking-text"].map(find);
-    this.tabs = [find("map-tab"), find("map-rank")];
+    [this.list, this.text] = ["map-ranking", "map-ranking-text"].map(byId);
+    this.tabs = [byId("map-tab"), byId("map-rank")];
     this.tabs.forEach((tab, k) => {
       tab.addEventListener("click", () => this.#show(k === 1));
       tab.addEventListener("keydown", ({ key }) => {
@@ -71,9 +71,9 @@ export class Ranking {
         this.tabs[1 - k].focus();
       });
     });
-    find("map-output").addEventListener("change", () => this.#draw());
-    find("map").addEventListener("close", ({ target }) => target.open || this.#show(false));
-    find("map-rank-csv").addEventListener("click", () =>
+    byId("map-output").addEventListener("change", () => this.#draw());
+    byId("map").addEventListener("close", ({ target }) => target.open || this.#show(false));
+    byId("map-rank-csv").addEventListener("click", () =>
       save(new Blob([this.csv], { type: "text/csv" }), `${changes.scene.name}-ranking.csv`));
   }
 
@@ -86,8 +86,8 @@ export class Ranking {
       tab.setAttribute("aria-selected", isShown === (k === 1));
       tab.tabIndex = isShown === (k === 1) ? 0 : -1;
     });
-    find("map").classList.toggle("with-effects", isShown);
-    find("map-title").textContent = isShown ? "Effects of single parameters" : "Map of two parameters";
+    byId("map").classList.toggle("with-effects", isShown);
+    byId("map-title").textContent = isShown ? "Effects of single parameters" : "Map of two parameters";
     this.#stop();
     if (isShown) this.#rank();
   }
@@ -95,7 +95,7 @@ export class Ranking {
   /** Fill the list, which is shown if it has entries. */
   #fill(rows) {
     this.list.replaceChildren(...rows);
-    this.list.hidden = find("map-rank-csv").hidden = !rows.length;
+    this.list.hidden = byId("map-rank-csv").hidden = !rows.length;
   }
 
   #stop() {
@@ -136,7 +136,7 @@ export class Ranking {
   #draw() {
     const { shown, text } = this;
     if (text.hidden || shown?.runs.length !== shown?.count) return;
-    const output = shown.outputs.find(({ name }) => name === find("map-output").value);
+    const output = shown.outputs.find(({ name }) => name === byId("map-output").value);
     const valueOf = ({ values }) => values && !output.isPlace ? outputIn(values, output) : null;
     const base = valueOf(shown.runs.find(({ sign }) => sign === 0));
     const { factor, text: unit } = scaledTo(output, { ends: [base ?? 0] });

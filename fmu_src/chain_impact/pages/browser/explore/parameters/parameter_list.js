@@ -1,6 +1,6 @@
 // The list of all parameters, which the reader can search.
 
-import { find, make } from "../../base/dom.js";
+import { byId, make } from "../../base/dom.js";
 import { breakable, readable } from "../../base/format.js";
 import { proposed } from "../../base/similar_names.js";
 import { capitalized } from "../../scene/words.js";
@@ -55,11 +55,11 @@ export function showParameterList(details, changes, keys) {
   const refresh = () => {
     count.textContent = changes.count ? ` · ${changes.count} changed` : "";
     if (details.open) fill();
-    const hidden = Object.keys(changes.values).filter((name) => !find(`main-${name}`));
+    const hidden = Object.keys(changes.values).filter((name) => !byId(`main-${name}`));
     const wordsOf = wordsFor(changes);
     const told = hidden.slice(0, MOST_TOLD).map((name) => `${wordsOf(name)} = ${writtenValue(changes, name, changes.valueOf(name))}`);
     const more = hidden.length > MOST_TOLD ? ", …" : "";
-    Object.assign(find("also-changed"), { hidden: !told.length || details.open, textContent: `Also changed: ${told.join(", ")}${more}` });
+    Object.assign(byId("also-changed"), { hidden: !told.length || details.open, textContent: `Also changed: ${told.join(", ")}${more}` });
   };
   const filter = () => {
     const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);

@@ -1,11 +1,11 @@
 // The model of a scene for the page: its variables and its record, made from the contents of the scene's file and the templates of
 // `kit.py`.
 
-import { mapped } from "../base/mapped.js";
-import { inFile } from "../base/paths.js";
+import { mapValues } from "../base/map_values.js";
+import { valueInFile } from "../base/paths.js";
 import { range } from "../base/range.js";
 import { pointText, sumOf, wallsAt } from "./geometry.js";
-import { filled, rowsOfOwners, structureOf } from "./owners.js";
+import { filledTemplate, rowsOfOwners, structureOf } from "./owners.js";
 import { recordOf, wordIndex, wordIndices } from "./record.js";
 import { drivenRows, withOutputs } from "./signals.js";
 
@@ -18,13 +18,13 @@ function valuesOf(file, rows) {
   for (const { name, path, owner, rule, items, has, valueIfNotInFile = null } of rows) {
     const indices = { "{at}": owner.at, "{name}": owner.name, "{link}": owner.link, "{entry}": owner.entry };
     const steps = path.map((step) => indices[step] ?? step);
-    const given = inFile(file, steps);
+    const given = valueInFile(file, steps);
     const number = items.length && given !== undefined ? items.findIndex(([id]) => id === given) + 1 : given;
     if (number !== undefined) values.set(name, { number, steps });
     else if (has && valueIfNotInFile !== null) values.set(name, { number: valueIfNotInFile, steps });
     else if (rule && (has || owner.corner)) {
       const ownRule = (rule.ofBox && file.chain.links[owner.at]?.height && rule.ofBox) || rule;
-      const terms = ownRule.terms.map((term) => term.map((factor) => filled(factor, owner)));
+      const terms = ownRule.terms.map((term) => term.map((factor) => filledTemplate(factor, owner)));
       derived.push({ name, steps, rule: { ...ownRule, terms } });
     }
   }
@@ -48,7 +48,7 @@ function drawnOf(kit, sceneNumbers, outputs) {
   return {
     points: range(sceneNumbers.link_count + 1 + sceneNumbers.site_count).map((k) =>
       kit.points.map((coordinate) => wordIndex(coordinate, sceneNumbers, k))),
-    groups: mapped(groups, (entries) => [...entries.values()]),
+    groups: mapValues(groups, (entries) => [...entries.values()]),
   };
 }
 
@@ -67,7 +67,7 @@ function parametersOf(rows, others, values, { sceneNumbers }, byName) {
     const index = word ? wordIndex(givenWord && sceneNumbers[givenWordWhen] ? givenWord : word, sceneNumbers, owner.at) : -1;
     // in a row for signals the unit "1" stands for the unit of the input that the signal drives
     const unit = row.unit === "1" && owner.input ? byName.get(owner.input).unit : row.unit;
-    return { ...row, name, unit, filePath: steps, word: index, text: filled(row.text, owner), start, derived: follows };
+    return { ...row, name, unit, filePath: steps, word: index, text: filledTemplate(row.text, owner), start, derived: follows };
   });
 }
 
@@ -85,13 +85,13 @@ function partsInWords({ file, pairs, stops, sliderStops, wallNames }, pointNames
 }
 
 /** Return the model of a scene; `command`: the words after `chain-impact simulate` in the command that repeats a run. */
-export function describe(kit, file, command) {
+export function pageScene(kit, file, command) {
   const structure = structureOf(file, kit);
   const { stops, wallNames, existingWalls, sceneNumbers, sites } = structure;
   const pointNames = sites.flatMap(({ name }, s) => (name ? [[sceneNumbers.link_count + 1 + s, name]] : []));
   const all = (groups) => rowsOfOwners(groups, structure).filter(({ has }) => has);
   const [motions, settable] = [all(kit.motions), all(kit.inputs)];
-  const filledAll = (row, key) => row[key].map((name) => filled(name, row.owner));
+  const filledAll = (row, key) => row[key].map((name) => filledTemplate(name, row.owner));
   const byName = new Map([...settable, ...motions].map((row) =>
     [row.name, { ...row, family: filledAll(row, "family"), alone: filledAll(row, "alone") }]));
   const drivenInputs = withOutputs(structure.driven, byName, file.signals);
