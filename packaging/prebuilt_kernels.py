@@ -24,7 +24,7 @@ REQUIREMENTS = [
 """Requirements of the compilation of kernels."""
 
 
-def _wanted(platform: str, release: bool) -> dict[str, tuple[str, int | None]]:
+def _wanted(platform: str, release: bool) -> dict[str, tuple[str, int | compilers.AnyLinks]]:
     """Return the kernels of a wheel: file name → kind and scenes."""
     return {
         prebuilt.library_name(scope, platform, library_kind=kind): (kind, scope)
@@ -67,7 +67,9 @@ def make(
     (folder / prebuilt.MADE_FROM).write_text(fingerprint())
 
 
-def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Callable[[str], None]) -> None:
+def _compile(
+    wanted: dict[str, tuple[str, int | compilers.AnyLinks]], platform: str, say: Callable[[str], None]
+) -> None:
     """Compile missing kernels into the cache, with as many processes as cores."""
 
     def text(what: str) -> str:

@@ -155,7 +155,7 @@ def test_the_kernel_is_lowered_and_linked_once_for_any_number_of_links(stand_in,
     assert said == ["compiling the kernel", "linking the kernel for linux64"]
     assert {kernel_library(links) for links in (2, 3, 64)} == {first}
     assert (stand_in.lowered, first.suffix) == (["kernel"], ".so")
-    assert stand_in.compiled == [("kernel", "linux64", None)]
+    assert stand_in.compiled == [("kernel", "linux64", compilers.AnyLinks.PLAIN)]
     assert len(caplog.messages) == 2
     assert (kernel_library(3, "win64").suffix, stand_in.lowered) == (".dll", ["kernel"])
 
@@ -165,14 +165,14 @@ def test_for_a_release_it_is_linked_for_each_number_of_links_up_to_ten(stand_in,
     monkeypatch.setenv(prebuilt.RELEASE, "1")
     for links in (3, prebuilt.LARGEST_EXACT, prebuilt.LARGEST_EXACT + 1):
         kernel_library(links)
-    assert [links for *_, links in stand_in.compiled] == [3, prebuilt.LARGEST_EXACT, None]
+    assert [links for *_, links in stand_in.compiled] == [3, prebuilt.LARGEST_EXACT, compilers.AnyLinks.PLAIN]
 
 
 @needs_compilers
 def test_derivatives_are_linked_to_the_unchanged_kernel(stand_in):
     plain, other = kernel_library(3), kernel_library(3, derivatives=True)
-    assert plain.read_text() == "kernel for None"
-    assert other.read_text() == "kernel for None and derivatives for None"
+    assert plain.read_text() == "kernel for AnyLinks.PLAIN"
+    assert other.read_text() == "kernel for AnyLinks.PLAIN and derivatives for AnyLinks.PLAIN"
     assert {kernel_library(links, derivatives=True) for links in (1, 2, 4)} == {other}
     assert stand_in.lowered == ["kernel", "derivatives"]
     assert [what for what, *_ in stand_in.compiled] == ["kernel", "derivatives"]
@@ -191,7 +191,9 @@ def test_laws_are_linked_to_one_kernel(stand_in, tmp_path):
     assert len(stand_in.compiled) == 2
     for file, parts in ((one, ["kernel"]), (two, ["kernel"]), (varied, ["kernel", "derivatives"])):
         law = file.stem.removeprefix(f"{parts[-1]}-any-").removesuffix("-linux64")
-        assert file.read_text() == " and ".join([*(f"{part} for None" for part in parts), f"{law}.ll"])
+        assert file.read_text() == " and ".join(
+            [*(f"{part} for AnyLinks.PLAIN" for part in parts), f"{law}.ll"]
+        )
 
 
 @pytest.mark.parametrize(

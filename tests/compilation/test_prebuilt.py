@@ -20,6 +20,7 @@ from chain_impact.system import HOST, PLATFORMS
 from tests.tiers import needs_compilers
 
 ROOT = Path(__file__).parents[2]
+PLAIN = compilers.AnyLinks.PLAIN
 
 
 def lower(module, what):
@@ -83,16 +84,16 @@ def test_a_second_wheel_of_the_same_sources_takes_no_compiler(made, tmp_path, mo
 @needs_compilers
 def test_there_is_a_kernel_for_every_chain_which_takes_no_compiler(made, monkeypatch):
     monkeypatch.setattr(prebuilt, "find_spec", lambda _: None)
-    found = prebuilt.find(prebuilt.library_name(None, "linux64", library_kind=prebuilt.DERIVATIVES))
-    assert found.read_text() == "kernel for None and derivatives for None"
+    found = prebuilt.find(prebuilt.library_name(PLAIN, "linux64", library_kind=prebuilt.DERIVATIVES))
+    assert found.read_text() == "kernel for AnyLinks.PLAIN and derivatives for AnyLinks.PLAIN"
     assert kernel_library(4, derivatives=True) == found
     assert (
         prebuilt.find(prebuilt.library_name(prebuilt.exact_scope(64), "linux64")).read_text()
-        == "kernel for None"
+        == "kernel for AnyLinks.PLAIN"
     )
     assert prebuilt.find(prebuilt.library_name(3, "linux64")) is None
-    assert kernel_library(4) == kernel_library(64) == prebuilt.find(prebuilt.library_name(None, "linux64"))
-    assert prebuilt.find(prebuilt.library_name(None, "win64")) is None
+    assert kernel_library(4) == kernel_library(64) == prebuilt.find(prebuilt.library_name(PLAIN, "linux64"))
+    assert prebuilt.find(prebuilt.library_name(PLAIN, "win64")) is None
     assert prebuilt.find(browser.MODULE).read_text() == "kernel for a browser"
     # with and without derivatives, static and moving walls, and a browser module
     assert len(prebuilt.prebuilt_kernels()) == 5
@@ -145,7 +146,7 @@ def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(made, t
         assert kernel_library(links).read_text() == f"kernel for {links}"
     for links in (4, 64):
         found = kernel_library(links, derivatives=True).read_text()
-        assert found == "kernel for None and derivatives for None"
+        assert found == "kernel for AnyLinks.PLAIN and derivatives for AnyLinks.PLAIN"
 
 
 @needs_compilers
@@ -153,7 +154,7 @@ def test_kernels_of_other_sources_are_not_used(made):
     """A user may have changed the kernel's sources in the installed package."""
     (made / prebuilt.MADE_FROM).write_text("of before")
     prebuilt._is_usable.cache_clear()
-    assert prebuilt.find(prebuilt.library_name(None, "linux64")) is None
+    assert prebuilt.find(prebuilt.library_name(PLAIN, "linux64")) is None
     assert prebuilt.lowered_kernel() is None
     assert prebuilt.prebuilt_kernels() == []
     (made / prebuilt.MADE_FROM).write_text(fingerprint())

@@ -56,7 +56,7 @@ def compile_kernel(module: str, compiled: Path) -> None:
         BuildError: when the compiler fails.
     """
     kernel = compiled.with_name("kernel.ll")
-    kernel.write_text(compilers.add_prelude(module, compilers.GENERAL, compilers.NO_REGISTERS))
+    kernel.write_text(compilers.add_prelude(module, compilers.AnyLinks.GENERAL, compilers.NO_REGISTERS))
     compilers.run_zig(["cc", "-c", *TARGET, *compilers.C_FLAGS, "-o", str(compiled), str(kernel)], compiled)
 
 

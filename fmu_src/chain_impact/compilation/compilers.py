@@ -13,6 +13,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Collection, Iterable
+from enum import Enum
 from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -56,19 +57,30 @@ runpy.run_module("chain_impact.compilation.lower", run_name="__main__", alter_sy
 # of its own, which takes a minute. Functions that Windows lacks are in zig's compiler-rt and in
 # c_interface/common/windows.c.
 WINDOWS_PARTS = ("convert", "heap", "math", "private", "stdio", "string")
-GENERAL = 0
-"""The number that stands in place of a number of links for the kernel that can run every scene: with any
-number of links and all rare features, such as moving walls, points of links, a slider, or signals. Runs with
-a kernel without the rare features take less time."""
 _SIZES = tuple(f"chain_{name}" for name in (*COUNTS, *FEATURES))
 """The names of the LLVM functions that return the counts and flags at the start of a record, in the record's
 order."""
 _RARE_SIZES = _SIZES[COUNTS.index("channel_count") :]
 """The last names in _SIZES: those of the functions that return counts and flags of rare features. In kernels
-for a number of links, or for any number (None), these functions return 0."""
-KernelScope = int | tuple[int, ...] | None
-"""The scenes that a kernel can run: a number of links, or None for any number, without rare features; GENERAL
-for all scenes; a tuple of all counts and flags at the start of a record for the scenes with exactly these."""
+for a number of links, or for ``AnyLinks.PLAIN``, these functions return 0."""
+
+
+class AnyLinks(Enum):
+    """The scenes of a kernel for any number of links; each value is a part of the kernel's file name.
+
+    Rare features are, for example, moving walls, points of links, a slider, or signals. Runs with a kernel
+    without them take less time.
+    """
+
+    PLAIN = "any"
+    """Scenes without rare features."""
+    GENERAL = "general"
+    """All scenes."""
+
+
+KernelScope = int | tuple[int, ...] | AnyLinks
+"""The scenes that a kernel can run: those with a number of links and without rare features, those with all
+counts and flags of a tuple, in the order at the start of a record, or those of ``AnyLinks``."""
 # C code of a function that does nothing; the first braces stand for the name of the function
 STUB_CODE = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
@@ -134,9 +146,8 @@ def add_prelude(module: str, scope: KernelScope, registers: str = REGISTERS) -> 
     if isinstance(scope, tuple):
         fixed = dict(zip(_SIZES, scope, strict=True))
     else:
-        fixed = dict.fromkeys(() if scope == GENERAL else _RARE_SIZES, 0) | (
-            {"chain_link_count": scope} if scope else {}
-        )
+        fixed = dict.fromkeys(() if scope is AnyLinks.GENERAL else _RARE_SIZES, 0)
+        fixed |= {"chain_link_count": scope} if isinstance(scope, int) else {}
     prelude = "".join(
         FIXED_COUNT_CODE.format(name=name, number=fixed[name])
         if name in fixed

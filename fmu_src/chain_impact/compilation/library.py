@@ -32,8 +32,7 @@ def kernel_library(
     """Return the path of a kernel for the scenes ``scope``: prebuilt, from the cache, or newly compiled.
 
     Args:
-        scope: a number of links; None for any number; compilers.GENERAL for a scene with rare features; or
-            all counts and flags of a scene. The kernel may also run other scenes.
+        scope: the scenes that the kernel must be able to run; it may also run other scenes.
         platform: a key of ``system.PLATFORMS``; "" if there is no kernel for this machine.
         law_file: the file of the user's law in the kernel; "" for none.
         derivatives: whether the kernel carries derivatives.

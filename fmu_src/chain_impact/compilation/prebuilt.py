@@ -15,7 +15,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from chain_impact.compilation import browser, cache, compilers
-from chain_impact.compilation.compilers import DERIVATIVES, GENERAL, KERNEL, KernelScope
+from chain_impact.compilation.compilers import DERIVATIVES, KERNEL, AnyLinks, KernelScope
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import COMPILERS, PACKAGE, fingerprint
 from chain_impact.extras import how_to_install
@@ -34,10 +34,9 @@ RELEASE = "CHAIN_IMPACT_RELEASE"
 # longer.
 LARGEST_EXACT = 10
 
-# The scenes of the kernels without derivatives in a wheel for release: None, any number of links; GENERAL,
-# any number of links and all rare features; and each number of links from 1 to LARGEST_EXACT. In other
-# wheels, and for kernels with derivatives, there are only None and GENERAL.
-WHEEL_SCOPES: tuple[int | None, ...] = (None, GENERAL, *range(1, LARGEST_EXACT + 1))
+# The scenes of the kernels without derivatives in a wheel for release. In other wheels, and for kernels with
+# derivatives, there are only those of ``AnyLinks``.
+WHEEL_SCOPES: tuple[int | AnyLinks, ...] = (*AnyLinks, *range(1, LARGEST_EXACT + 1))
 # Kind of library → parts of the kernel that are compiled and linked for it.
 LIBRARY_PARTS = {KERNEL: (KERNEL,), DERIVATIVES: (KERNEL, DERIVATIVES)}
 
@@ -67,21 +66,21 @@ def exact_scope(scope: KernelScope, library_kind: str = KERNEL) -> KernelScope:
     """Return the scenes for which to compile the kernel that runs the scenes ``scope``.
 
     If ``scope`` is a number of links, the result is this number while a wheel for release is built that gets
-    a kernel for this number, else None, for any number of links. If ``scope`` is GENERAL, None, or a tuple
-    of all counts and flags of a scene, the result is ``scope``. ``library_kind`` is KERNEL or DERIVATIVES.
+    a kernel for this number, else ``AnyLinks.PLAIN``. For any other ``scope``, the result is ``scope``.
+    ``library_kind`` is KERNEL or DERIVATIVES.
     """
-    return (
-        scope if isinstance(scope, tuple) or scope in wheel_scopes(library_kind, is_release_build()) else None
-    )
+    if isinstance(scope, tuple) or scope in wheel_scopes(library_kind, is_release_build()):
+        return scope
+    return AnyLinks.PLAIN
 
 
-def wheel_scopes(library_kind: str, release: bool) -> tuple[int | None, ...]:
+def wheel_scopes(library_kind: str, release: bool) -> tuple[int | AnyLinks, ...]:
     """Return the entries of WHEEL_SCOPES for which a wheel has kernels of a ``library_kind``.
 
     ``library_kind`` is KERNEL or DERIVATIVES; ``release`` says whether the wheel is for release.
     """
     # with derivatives, a kernel for one number of links would be only 5 % faster, so no wheel has one
-    return WHEEL_SCOPES if release and library_kind == KERNEL else (None, GENERAL)
+    return WHEEL_SCOPES if release and library_kind == KERNEL else tuple(AnyLinks)
 
 
 def library_name(scope: KernelScope, platform: str, law: str = "", library_kind: str = KERNEL) -> str:
@@ -93,7 +92,7 @@ def library_name(scope: KernelScope, platform: str, law: str = "", library_kind:
     if isinstance(scope, tuple):
         size = "_".join(map(str, scope))
     else:
-        size = {None: "any", GENERAL: "general"}.get(scope, str(scope))
+        size = scope.value if isinstance(scope, AnyLinks) else str(scope)
     return "-".join(filter(None, (library_kind, size, law, platform))) + suffix
 
 
@@ -107,7 +106,7 @@ def best_kernel(scope: KernelScope, platform: str, library_kind: str) -> Path | 
 
     For a number of links, this is the kernel for any number if there is no prebuilt kernel for this number.
     """
-    scopes = (scope,) if scope == GENERAL or isinstance(scope, tuple) else (scope, None)
+    scopes = (scope, AnyLinks.PLAIN) if isinstance(scope, int) else (scope,)
     return next(
         filter(None, (find(library_name(each, platform, library_kind=library_kind)) for each in scopes)), None
     )

@@ -19,7 +19,7 @@ _kernels: dict[tuple[KernelScope, bool, str | None], ctypes.CDLL] = {}
 """Loaded kernels without a user's law: (scope, with derivatives, ``CHAIN_IMPACT_CACHE`` or None) → kernel."""
 
 
-def kernel_for(scene: Scene, *, derivatives: bool, scope: KernelScope = None) -> ctypes.CDLL:
+def kernel_for(scene: Scene, *, derivatives: bool, scope: KernelScope | None = None) -> ctypes.CDLL:
     """Return the kernel for a scene, and keep it for later calls if the scene has no user's law.
 
     Args:

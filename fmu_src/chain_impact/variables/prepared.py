@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.compilation.compilers import GENERAL
+from chain_impact.compilation.compilers import AnyLinks, KernelScope
 from chain_impact.kernel.record.counts import Counts
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.scene.facts import SceneFacts
@@ -204,8 +204,8 @@ class PreparedScene:
         }
 
     @shared_by_structure
-    def kernel_scope(self) -> int:
-        """The number of links for which the scene's kernel is compiled, or GENERAL for any number."""
+    def kernel_scope(self) -> KernelScope:
+        """The scenes that a kernel for this scene can run."""
         return kernel_scope(self.scene)
 
     @shared_by_structure
@@ -281,15 +281,15 @@ def field_at(outputs: Any, path: DataPath) -> Any:
     return outputs
 
 
-def kernel_scope(scene: Scene) -> int:
-    """Return the argument ``scope`` of ``kernel_library`` for a scene: the number of links, or ``GENERAL``.
+def kernel_scope(scene: Scene) -> KernelScope:
+    """Return the argument ``scope`` of ``kernel_library`` for a scene: the number of links, or all scenes.
 
-    It is ``GENERAL`` if inputs move the base or walls, signals drive inputs, or the fact "has_bodies" holds
-    (scene/facts.py): other kernels have no code for these.
+    It is ``AnyLinks.GENERAL`` if inputs move the base or walls, signals drive inputs, or the fact
+    "has_bodies" holds (scene/facts.py): other kernels have no code for these.
     """
     facts = SceneFacts(scene)
     is_general = scene.signals or facts["has_bodies"] or facts["has_motions"]
-    return GENERAL if is_general else len(scene.chain.links)
+    return AnyLinks.GENERAL if is_general else len(scene.chain.links)
 
 
 def as_prepared(source: Scene | PreparedScene) -> PreparedScene:
