@@ -8,7 +8,7 @@ from pathlib import Path
 
 from chain_impact.compilation.compilers import INTERFACE
 from chain_impact.compilation.signatures import declarations
-from chain_impact.fmu.table import HEAD_FORMATS, MAGIC, TABLE_ROLES, TABLE_TYPES, VARIABLE_FORMATS
+from chain_impact.fmu.model_bin import HEAD_FORMATS, MAGIC, TABLE_ROLES, TABLE_TYPES, VARIABLE_FORMATS
 from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.record.counts import COUNTS, FEATURES, LARGEST_COUNT
 from chain_impact.kernel.status import ONSET_DUE, PAUSED
@@ -23,9 +23,9 @@ def header() -> str:
     parts = [
         "/* What Python shares with C. packaging/c_header.py writes this file. */",
         "#ifndef shared_h\n#define shared_h\n\n#include <stdint.h>",
-        "/* fmu/table.py: values of Variable.type and Variable.role; an enumeration is an integer */\n"
+        "/* fmu/model_bin.py: values of Variable.type and Variable.role; an enumeration is an integer */\n"
         + f"{_indices(TABLE_TYPES)}\n{_indices(TABLE_ROLES)}",
-        f'/* fmu/table.py: the structures of the file model.bin */\n#define TABLE_MAGIC "{MAGIC.decode()}"',
+        f'/* fmu/model_bin.py: the structures of the file */\n#define TABLE_MAGIC "{MAGIC.decode()}"',
         _structure("Variable", VARIABLE_FORMATS),
         _structure("Table", HEAD_FORMATS),
         "/* kernel/record/counts.py: the counts and flags at the start of a record, then the number of "

@@ -3,7 +3,7 @@
 The tests of FMI 2.0 cover all common features.
 """
 
-# Tests: fmu/model_description.py, fmu/table.py
+# Tests: fmu/model_description.py, fmu/model_bin.py
 
 from collections import Counter
 from ctypes import byref, c_bool, c_double, c_size_t, c_uint32, c_void_p

@@ -1,6 +1,6 @@
 """Random sequences of calls to the C interface, with sanitizers; fuzzer.c is seeded and bounded."""
 
-# Tests: fmu/table.py
+# Tests: fmu/model_bin.py
 
 import re
 import shutil

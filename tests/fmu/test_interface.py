@@ -5,7 +5,7 @@ include calls that common importers do not make, such as null pointers. test_int
 and steps, and test_fuzzer.py makes random calls.
 """
 
-# Tests: compilation/signatures.py, fmu/table.py
+# Tests: compilation/signatures.py, fmu/model_bin.py
 
 import ctypes
 import math

@@ -1,6 +1,6 @@
 """States, steps and resets of FMUs against the FMI standard 2.0.5, as in test_interface.py."""
 
-# Tests: fmu/table.py
+# Tests: fmu/model_bin.py
 
 import ctypes
 import math

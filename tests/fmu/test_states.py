@@ -1,6 +1,6 @@
 """States of an FMU: saved, restored, and refused if damaged or foreign."""
 
-# Tests: fmu/table.py
+# Tests: fmu/model_bin.py
 
 import pytest
 

@@ -81,7 +81,7 @@ KERNEL_WORDS = {
 }
 """A word that has a meaning of its own in the kernel → the names outside of it that may contain the word: the
 verb to place, and the words of a text. A *word* of the record is 8 bytes: see MEMORY."""
-MEMORY = ("simulation/", "variables/", "fmu/table.py", "studies/animate.py")
+MEMORY = ("simulation/", "variables/", "fmu/model_bin.py", "studies/animate.py")
 """Files and folders that read the record's words of memory."""
 
 

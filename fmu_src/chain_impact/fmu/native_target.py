@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 
+from chain_impact.fmu.model_bin import files_with_description
 from chain_impact.fmu.model_description import array_variables, model_description
-from chain_impact.fmu.table import files_with_description
 from chain_impact.fmu.versions import FMI_2
 from chain_impact.scene.fast_values import LARGEST_NUMBER
 from chain_impact.system import PLATFORMS

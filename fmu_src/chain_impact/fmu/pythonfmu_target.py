@@ -7,8 +7,8 @@ from importlib.metadata import distribution, version
 from pathlib import Path
 
 from chain_impact.files import packaged_path
+from chain_impact.fmu.model_bin import files_with_description
 from chain_impact.fmu.model_description import model_description
-from chain_impact.fmu.table import files_with_description
 from chain_impact.fmu.versions import FMI_2
 from chain_impact.system import PLATFORMS
 from chain_impact.variables.prepared import PreparedScene

@@ -1,7 +1,7 @@
 /* An instance of the native FMU, and the table with the data of its scene: common to FMI 2.0 and 3.0.
 
    The interface is the same for every scene. It reads the data of a scene from resources/model.bin, which
-   chain_impact/fmu/table.py writes: the word of the record for each value reference, when a variable may be set and
+   chain_impact/fmu/model_bin.py writes: the word of the record for each value reference, when a variable may be set and
    in which range, the texts, and the record with the start values. All numbers are little-endian. shared.h has the
    structures of this file and the functions of the kernel. */
 #ifndef instance_h

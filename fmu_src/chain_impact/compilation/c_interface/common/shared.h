@@ -5,11 +5,11 @@
 
 #include <stdint.h>
 
-/* fmu/table.py: values of Variable.type and Variable.role; an enumeration is an integer */
+/* fmu/model_bin.py: values of Variable.type and Variable.role; an enumeration is an integer */
 enum { REAL, INTEGER };
 enum { FIXED, TUNABLE, INPUT, OUTPUT, INDEPENDENT };
 
-/* fmu/table.py: the structures of the file model.bin */
+/* fmu/model_bin.py: the structures of the file */
 #define TABLE_MAGIC "chaintab"
 
 typedef struct {
