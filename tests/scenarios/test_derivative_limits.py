@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chain_impact import Chain, simulate
+from chain_impact import Chain, load_scene, simulate
 from chain_impact.simulation.derivative_limits import NO_LESS, REASONS, REASONS_OF_FRICTION
 from chain_impact.simulation.derivatives import DifferentiatedRun
+from tests.helpers.campaigns.random_derivatives import compare
 from tests.helpers.scenes.derivative_scenes import (
     Case,
     differences,
@@ -71,6 +72,16 @@ def test_simultaneous_rigid_impacts_have_no_derivative():
     assert np.isnan(answer.slopes[1]).all()
     assert len(answer.limits) == 1
     assert "impact" in answer.limits[0]
+
+
+@pytest.mark.parametrize("name", ["falling_arm", "rocking_block"])
+def test_slow_impacts_that_are_certain_do_not_end_derivatives(name):
+    """Rigid bounces accumulate twice before rest; and a corner stands on the floor at the start."""
+    mass = ["link[1].mass"]
+    assert simulate(name, sensitivities=mass).sensitivity_limits == ()
+    found = compare(load_scene(name), {}, mass)
+    assert found.compared > 3000
+    assert found.wrong[:3] == []
 
 
 # --- where a mode is open -----------------------------------------------------------------------------------

@@ -123,6 +123,29 @@ def test_at_rest_the_floor_carries_the_weight_and_nothing_creeps(stiffness):
         assert np.ptp(height, axis=0).max() < 1e-6 * np.abs(height).max()
 
 
+@pytest.mark.parametrize("law", ["hertz", "tsuji", "zhang_sharf"])
+def test_a_rod_that_starts_at_rest_on_a_very_stiff_floor(law):
+    """Each end carries m g/2 and sinks into the floor from the height 0, with the rest penetration δ.
+
+    Without damping it oscillates for ever. By its energy, ½ v² = g x − (2/5) (2 K/m) x^(5/2) at the
+    penetration x, so the speed is largest at x = δ: √(6/5 g δ), 1.3e-4 m/s. A law with damping stops it.
+    """
+    flat, stiffness = {"position": [0.0, 0.0], "angles": [0.0]}, 1e14
+    contact = {"model": law, "stiffness": stiffness}
+    links = [{"length": 0.5, "mass": 1.0}]
+    scene = build(
+        "Flat", links, flat, {"y_min": 0.0}, contact, gravity=GRAVITY, stop_time=0.1, tolerance=1e-8
+    )
+    speeds = np.abs(simulate(scene)["point[1].vy"])
+    largest = np.sqrt(1.2 * GRAVITY * (0.5 * GRAVITY / stiffness) ** (2 / 3))
+    assert largest == pytest.approx(1.26e-4, rel=1e-2)
+    if law == "hertz":
+        assert 0.97 * largest < speeds.max() <= largest
+    else:
+        assert speeds.max() < largest
+        assert speeds[-1] < 1e-12
+
+
 @pytest.fixture(params=[RIGID, "zhang_sharf"])
 def resting(request):
     """Return the default chain at rest after 10 s with a tip force as input, and an observing function."""

@@ -9,13 +9,14 @@ reason.
 import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.constraints.geometry import clearance_and_rate
+from chain_impact.kernel.constraints.geometry import clearance_acceleration, clearance_and_rate
 from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.forces.candidate_laws import USER_LAW
 from chain_impact.kernel.forces.force_formula import uncut_force
 from chain_impact.kernel.forces.friction import joint_number
 from chain_impact.kernel.record.constants import ONSET
-from chain_impact.kernel.tangent.duals import DIRECTIONS, slope, value
+from chain_impact.kernel.tangent.duals import DIRECTIONS, has_slope, replace_slope, slope, value
+from chain_impact.kernel.tangent.event_times import delay_of_crossing
 
 # values of ``trust.reason``
 TRUSTED = 0  # the derivatives are valid
@@ -33,6 +34,14 @@ JOINT = -1  # value of ``trust.wall`` if the reason is dry friction in a joint o
 # [1] The derivatives end at a choice, unless its effect is negligible, if the quantity that decides is at
 # most OPEN_DISTANCE times the tolerance away from the choice's bound, relative to a scale.
 OPEN_DISTANCE = 100.0
+# The largest ``trust.neglected``, the sum of the neglected derivatives of positions in a run, each
+# relative to the largest derivative of a position; the derivatives end before the sum exceeds this number.
+# With a larger sum, a fit to a position at rest would be wrong by more than some percent.
+MOST_NEGLECTED = 1e-2
+# A point that arrives at the speed v with the acceleration a has fallen back from a rebound
+# (``falls_back``) if the rebound was between v/a and LONGEST_FALL v/a before, and no other contact has begun
+# in the last OTHERS_AGE v/a.
+LONGEST_FALL, OTHERS_AGE = 3.0, 60.0
 # A force jumps at the penetration's rate 0 if its values at the rates ±NEAR_REST v₀, with the latched speed
 # v₀, differ by more than RELATIVE_JUMP, relative to the force.
 NEAR_REST, RELATIVE_JUMP = 1e-9, 1e-6
@@ -56,12 +65,83 @@ def check_onsets(t):
     # ``first`` is negative if no contact has begun, and also if the rates of the clearances are not finite
     if first < 0 or t.trust.reason != TRUSTED:
         return
-    if least_speed <= math.sqrt(value(t.solver.tolerance)) * fastest_speed(t):
+    is_slow = least_speed <= math.sqrt(value(t.solver.tolerance)) * fastest_speed(t)
+    if is_slow and not has_derivatives(t, first, least_speed):
         mark_untrusted(t, GRAZING, first, value(t.step.end))
     elif not t.law.impulsive[first] and near_least_speed(t, first, least_speed):
         mark_untrusted(t, AT_LEAST_SPEED, first, value(t.step.end))
     elif onsets > 1:
         mark_untrusted(t, SIMULTANEOUS_ONSETS, first, value(t.step.end))
+
+
+def has_derivatives(t, c, speed):
+    """Return whether derivatives go on after candidate c has reached its wall at a small ``speed`` [m/s].
+
+    They go on if the point is at rest there and is pressed against the wall, for nearby parameters, too, as
+    at the start of a chain that stands on a floor. At a rigid wall they also go on if the point falls back
+    after a rebound (``falls_back``), or if the derivatives of the change of the speed are negligible.
+    """
+    clearance, clearance_rate = clearance_and_rate(t, c)
+    acceleration = value(clearance_acceleration(t, c))
+    is_at_rest = speed <= 0.0 and not has_slope(clearance) and not has_slope(clearance_rate)
+    if (is_at_rest and acceleration < 0.0) or (t.law.impulsive[c] and falls_back(t, c, speed)):
+        return True
+    if not t.law.impulsive[c]:
+        return False
+    change = clearance_rate + acceleration * delay_of_crossing(t, c, ONSET)
+    change *= 1.0 + t.law.restitution[c]
+    for k in range(DIRECTIONS):
+        # other speeds change by about the same, and a parameter's relative change may change them as much
+        if largest_slope(t.scratch.position, k) > 0.0:
+            change = replace_slope(change, k, abs(slope(change, k)) + speed / t.trust.size[k])
+    return is_negligible(t, change)
+
+
+def falls_back(t, c, speed):
+    """Return whether the point of candidate c falls back at the ``speed`` [m/s] of its last rebound.
+
+    A point that rebounds at a speed v, with an acceleration a toward the wall, arrives again after the time
+    2 v/a, also for nearby parameters. If another contact has begun shortly before the rebound, or after it,
+    the result is false, because the order of the two onsets may differ for nearby parameters.
+    """
+    acceleration, contacts, end = -value(clearance_acceleration(t, c)), t.contacts, value(t.step.end)
+    for other in range(t.candidate_count):
+        age = end - value(contacts.onset[other])
+        if other != c and contacts.impact_number[other] > 0 and acceleration * age < OTHERS_AGE * speed:
+            return False
+    fall = acceleration * (end - value(contacts.onset[c]))
+    return contacts.impact_number[c] > 0 and speed < fall < LONGEST_FALL * speed
+
+
+def is_negligible(t, speed):
+    """Return whether the derivatives of ``speed`` [m/s], a dual number, may be neglected.
+
+    The speed times the settling time is a change of a position. The share of this change is the largest ratio
+    of the change's derivative to the largest derivative of any position by the same parameter. The result is
+    true if ``trust.neglected`` plus the share is at most MOST_NEGLECTED. In this case the share is added to
+    ``trust.neglected``; and if the share is not 0, the derivatives of impulses count as unknown
+    (``mark_split``).
+    """
+    time, largest_part = settling_time(t), 0.0
+    for k in range(DIRECTIONS):
+        change = time * abs(slope(speed, k))
+        if change != 0.0:
+            largest_of_all = largest_slope(t.scratch.position, k)
+            if not change <= MOST_NEGLECTED * largest_of_all:
+                return False
+            largest_part = max(largest_part, change / largest_of_all)
+    if t.trust.neglected + largest_part > MOST_NEGLECTED:
+        return False
+    if largest_part > 0.0:
+        t.trust.neglected += largest_part
+        mark_split(t)
+    return True
+
+
+def settling_time(t):
+    """Return a time [s] in which a chain settles: √(L/(g + L/(1 s)²)), with longest link L and gravity g."""
+    longest_link = value(t.chain.longest_link)
+    return math.sqrt(longest_link / (value(t.chain.gravity_magnitude) + longest_link))
 
 
 def near_least_speed(t, c, speed):
@@ -172,11 +252,11 @@ def begin_trust(t):
 
 
 def mark_split(t):
-    """Record that the derivatives of friction impulses are not known from now on.
+    """Record that the derivatives of impulses of friction and of rigid walls are not known from now on.
 
-    The impulse by which friction stops an element is not known if derivatives of the element's speed are
-    neglected (``is_negligible``), if other elements stop at the same time, or if the acceleration may be an
-    error of the solver (``check_changes``).
+    The impulse by which friction or a rigid wall stops a point is not known if derivatives of the point's
+    speed are neglected (``is_negligible``), if friction stops other elements at the same time, or if the
+    acceleration may be an error of the solver (``check_changes``).
     """
     t.trust.split = 1
 
