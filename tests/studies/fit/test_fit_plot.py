@@ -14,7 +14,7 @@ from matplotlib.collections import PathCollection
 from chain_impact import fit, load_scene, simulate
 from chain_impact.pictures.drawing.style import PEAK_COLOUR
 from chain_impact.studies.fit.estimates import LawEstimates
-from chain_impact.studies.fit.plot import MOST_DOTS, running_means
+from chain_impact.studies.fit.plot import MEAN, MOST_DOTS, running_means
 from chain_impact.studies.fit.report import heading, least_certain_of, sigma_of
 from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, scene
 from tests.pictures.pictures import contrast
@@ -87,7 +87,9 @@ def test_the_headline_has_what_was_found(found):
     assert float(rms) == pytest.approx(np.sqrt(np.mean((found.residuals / found.sigma) ** 2)), rel=1e-2)
     pairs = found.correlation[~np.eye(len(FREE), dtype=bool)]
     assert abs(float(most.replace("−", "-"))) == pytest.approx(np.abs(pairs).max(), abs=0.01)
-    assert told.replace("\n", " ").count("grey lines: impacts of the model") == 1
+    legends = [axes.get_legend() for axes in page.axes[::2] if axes.get_legend()]
+    keys = [text.get_text() for legend in legends for text in legend.get_texts()]
+    assert keys.count("mean of Δ") == told.count("grey lines: impacts") == 1
 
 
 def test_a_picture_with_an_estimated_sigma_does_not_tell_its_size():
@@ -177,13 +179,19 @@ def test_the_first_panel_of_a_narrow_page_explains_the_curve_and_the_dots(found,
     legends = [panel.get_legend() for panel in page.axes[::2]]
     told = [[text.get_text() for text in legend.get_texts()] if legend else [] for legend in legends]
     first, second, onsets = told
-    assert [text.partition(" ")[0] for text in first] == ["model", "measured"]
+    assert [text.partition(" ")[0] for text in first] == ["model", "measured", "mean"]
     assert not second, "the same curve and dots"
     assert {"model", "measured"} <= {*onsets}, "a dash and bars are other marks"
     curve, points = page.axes[0].get_lines()
     assert points.get_zorder() > curve.get_zorder()
     assert contrast(points.get_color(), page.get_facecolor()) > 7.0
     assert contrast(points.get_color(), curve.get_color()) > 3.0
+    (means,) = [line for line in page.axes[1].lines if line.get_label() == MEAN]
+    assert means.get_color() not in (points.get_color(), curve.get_color())
+
+
+def test_three_panels_and_parameters_have_room_in_a_column_of_a_journal(found):
+    assert found.plot(size=(84 / 25.4, None)).get_figheight() * 25.4 <= 185.0
 
 
 def test_the_picture_of_a_fit_is_written_to_a_file(found, tmp_path):
@@ -224,8 +232,9 @@ def test_sigma_has_a_unit_and_tells_that_it_is_estimated(found):
     given, guessed = (fit(scene(), columns, FREE[2:], sigma=s) for s in (dict.fromkeys(TIP, 1e-3), None))
     for each, how in ((given, "given"), (guessed, "estimated")):
         page = each.plot()
-        heading = page.axes[1].get_title().replace("\n", " ")
-        assert heading == f"Δ = model − data, σ = {sigma_of(each, TIP[0])}"
+        assert f"{page.axes[1].get_title(loc='left')[:-1]} {how}" == f"Δ [σ = {sigma_of(each, TIP[0])}"
+        told = " ".join(text.get_text() for text in page.texts).replace("\n", " ")
+        assert told.count(f"Δ = model − data, σ {how}") == 1
         assert re.fullmatch(rf"[\d.]+ [µm]m {how}", sigma_of(each, TIP[0]))
 
 

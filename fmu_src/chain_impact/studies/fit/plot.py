@@ -23,12 +23,12 @@ from matplotlib.ticker import MaxNLocator
 from chain_impact.pictures.bars import Bars, bars_size, draw_bars
 from chain_impact.pictures.curve_texts import axis_unit
 from chain_impact.pictures.drawing.figures import draw_figure, settle
-from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.drawing.style import (
     BLACK,
+    BLUE,
     GREY,
     IMPACT_LINE,
     INK,
@@ -61,6 +61,7 @@ from chain_impact.studies.fit.report import (
     least_certain_of,
     misfit,
     sigma_of,
+    sigma_text,
 )
 from chain_impact.text import count_text, number_text
 
@@ -84,6 +85,8 @@ SUPPORT_LIMIT = 10.0  # the ΔAIC from which on the data hardly support a law (B
 MEAN_PARTS = 20  # each point of the running mean of residuals is the mean of 1/MEAN_PARTS of the values
 LEAST_FOR_MEAN = 100  # the least number of values for a running mean
 MEAN = "_running mean"  # the label of the line of a running mean in matplotlib
+MEAN_COLOUR = BLUE  # the colour of the running mean of a single data set
+TITLE_PAD = 1.0  # [points] the distance of the title of residuals from their axes
 # bars, and the grey band of usual residuals, extend from −USUAL_RESIDUAL to USUAL_RESIDUAL standard
 # deviations
 USUAL_RESIDUAL = 2.0
@@ -134,6 +137,7 @@ def draw_fit(figure: Figure, fit: Estimates) -> None:
         values = figure.add_subplot(cells[0])
         has_lines |= _panel(values, figure.add_subplot(cells[1], sharex=values), fit, name, results)
     residuals = figure.axes[1::2]
+    _add_key_of_means(figure)
     for k, axes in enumerate(residuals):
         # a panel below with the same times has their numbers and name
         neighbours = residuals[k + columns : k + columns + 1]
@@ -145,16 +149,15 @@ def draw_fit(figure: Figure, fit: Estimates) -> None:
     warning = f"errors are too small: neighbouring residuals of {poor} are correlated"
     notes = [strongest_correlation(fit)]
     if not fit.estimated:  # with an estimated σ, both are about 1 for any model
-        notes.insert(0, f"rms residual {number_text(misfit(fit, fit), 3)} σ")
-        notes.append(f"χ² per degree of freedom {number_text(fit.reduced_chi_squared, 3)}")
+        quality = f"reduced χ² {number_text(fit.reduced_chi_squared, 3)}"
+        notes = [f"rms residual {number_text(misfit(fit, fit), 3)} σ", quality, *notes]
     if len(names) < len(fit.columns):
         notes.append(f"{len(names)} of {len(fit.columns)} columns")
     marks = "bars and bands" if {*names} & {*MEASURED_OF_IMPACT} else "bands"
     notes.append(f"±: standard error; {marks}: ± {USUAL_RESIDUAL:g} σ")
-    if any(line.get_label() == MEAN for axes in figure.axes for line in axes.lines):
-        notes.append("line through Δ: its running mean")
+    notes.append(f"Δ = model − data{f', σ {origin}' if (origin := _origin(fit)) else ''}")
     if has_lines:
-        notes.append("grey lines: impacts of the model")
+        notes.append("grey lines: impacts")
     size, least_certain = heading(fit, ": ").partition(": ")[2], least_certain_of(fit)
     texts = estimate_texts(fit, omitted_label=least_certain)
     title = f"{fit.scene.name}: {estimate_text(fit, least_certain)}"
@@ -166,6 +169,11 @@ def draw_fit(figure: Figure, fit: Estimates) -> None:
     write_headline(figure, title, SEPARATOR.join(filter(None, [*texts, *notes, size])), *lines)
     figure.align_ylabels()
     settle(figure)
+
+
+def _origin(fit: Estimates) -> str:
+    """Return "given" or "estimated", if this is the origin of the σ of all columns; else ""."""
+    return {0: "given", len(fit.columns): "estimated"}.get(len(fit.estimated), "")
 
 
 def _widths(names: Sequence[str]) -> list[int]:
@@ -248,7 +256,9 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
     reach = float(np.nanmax(np.abs(fit.residuals / fit.sigma)[fit.columns[name]], initial=USUAL_RESIDUAL))
     residuals.set(ylim=(-1.15 * reach, 1.15 * reach))
     residuals.axhspan(-USUAL_RESIDUAL, USUAL_RESIDUAL, color=PALE_GREY, zorder=0, linewidth=0)
-    name_above(residuals, f"Δ = model − data, σ = {sigma_of(fit, name)}")
+    # the text below the headline tells a common origin
+    sigma = sigma_text(fit, name) if _origin(fit) else sigma_of(fit, name)
+    residuals.set_title(f"Δ [σ = {sigma}]", loc="left", fontsize="small", pad=TITLE_PAD)
     for colour, part in zip(_colours(len(parts)), parts, strict=True):
         dots_label = f"data set {part.data_set + 1}" if has_several else "measured"
         mark_style: dict[str, Any] = {"linestyle": "", "marker": "o", "color": colour, "zorder": DATA_ABOVE}
@@ -269,10 +279,11 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
         residuals.plot(part.positions, ratios, ".", color=colour, markersize=3)
         if not over_impacts and len(ratios) >= LEAST_FOR_MEAN:
             mean_line = running_means(part.positions, ratios)
-            residuals.plot(*mean_line, color=colour if has_several else MODEL, linewidth=1.4, label=MEAN)
+            residuals.plot(
+                *mean_line, color=colour if has_several else MEAN_COLOUR, linewidth=1.2, label=MEAN
+            )
     values.set_ylabel(f"{name}{bracketed_unit(unit)}")
-    values.tick_params(labelbottom=False)
-    residuals.set_ylabel("Δ [σ]")
+    values.tick_params(bottom=False, labelbottom=False)
     last = max((float(np.nanmax(part.positions, initial=0.0)) for part in parts), default=0.0)
     residuals.set_xlabel("number of the impact" if over_impacts else name_time(residuals, last))
     if over_impacts:
@@ -286,6 +297,16 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
             handles = [Line2D([], [], color=MODEL, linewidth=1.8, label="model"), *handles]
         legend_above(values, handles)
     return has_lines
+
+
+def _add_key_of_means(figure: Figure) -> None:
+    """Add an entry for running means to the first legend, if there are running means."""
+    means = [line for axes in figure.axes for line in axes.lines if line.get_label() == MEAN]
+    panels = [axes for axes in figure.axes[::2] if axes.get_legend()]
+    if panels and means:
+        look: dict[str, Any] = {"color": means[0].get_color(), "linewidth": means[0].get_linewidth()}
+        key = Line2D([], [], label="mean of Δ", **look)
+        legend_above(panels[0], [*panels[0].get_legend_handles_labels()[0], key])
 
 
 def running_means(times: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -158,9 +158,13 @@ def sigma_of(fit: Estimates, name: str) -> str:
 
     For example "0.935 mm estimated"; if σ differs between the values, its least and its largest value.
     """
+    return f"{sigma_text(fit, name)} {'estimated' if name in fit.estimated else 'given'}"
+
+
+def sigma_text(fit: Estimates, name: str) -> str:
+    """Return the standard deviation σ of a measured column with its unit, or its least and largest value."""
     sigma = fit.sigma[fit.columns[name]]
-    origin = "estimated" if name in fit.estimated else "given"
-    return f"{values_text([*dict.fromkeys((sigma.min(), sigma.max()))], fit.unit(name))} {origin}"
+    return values_text([*dict.fromkeys((sigma.min(), sigma.max()))], fit.unit(name))
 
 
 def values_text(values: Sequence[float], unit: str) -> str:
