@@ -241,7 +241,8 @@ def interpolate_prescribed_motions(d, time):
     Each cubic starts at the present position and velocity of its channel, and ends on the motion that the
     given values describe. A motion that a signal drives has no cubic. Nothing is done if the polynomials are
     given, if ``time`` is the communication point or before it, or if the cubics until ``time`` are already
-    set. ``given.pending`` becomes CONTINUES or, if an acceleration jumps, REINITIALIZE.
+    set. If any channel moves before or after the communication point, ``given.pending`` becomes CONTINUES; or
+    REINITIALIZE if an acceleration jumps, or if this is already its value.
 
     Returns:
         WALL_JUMPS if the given position of a wall jumps (see UNEXPLAINED_PART); else OK.

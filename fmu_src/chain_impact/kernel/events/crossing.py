@@ -239,8 +239,8 @@ def locate_crossing(d, a, b):
     simultaneous_time = SIMULTANEOUS_TIME + 4e-16 * abs(d.step.end)
     for k in range(d.search.suspect_count):
         c = d.search.suspect_index[k]
-        # The candidate `located` stays marked, because round-off alone may put the φ of a slow point above
-        # the limit.
+        # The last ``candidate`` whose φ was located stays marked, because round-off alone may put the φ of a
+        # slow point above the limit.
         if c != candidate and d.search.phi_end[c] > simultaneous_time * abs(d.search.phi_end_rate[c]):
             mark_contact_event(d, c, NO_EVENT)
     return first

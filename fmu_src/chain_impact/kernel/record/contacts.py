@@ -96,7 +96,8 @@ def contacts_dtype(candidate_count: int) -> np.dtype:
         # indices of the candidates with active contacts; only the first ``active_count`` entries are used
         ("active_index", bounded_integer(0, candidate_count - 1), (candidate_count,)),
         ("active", bounded_integer(0, 1), (candidate_count,)),  # 1: the candidate is in contact; 0: it is not
-        # the event of a candidate at `step.end`, which the next step applies: a mark of events/marks.py
+        # the event of a candidate at `step.end`, which the next step applies: a value of record/constants.py,
+        # from NO_EVENT to NEIGHBOUR
         ("event", bounded_integer(0, NEIGHBOUR), (candidate_count,)),
         ("onset", REAL, (candidate_count,)),  # s, onset of the candidate's latest contact
         ("impact_speed", REAL, (candidate_count,)),  # m/s, approach speed along the normal at the onset, ≥ 0

@@ -38,7 +38,8 @@ def friction_element_dtype(friction_element_count: int) -> np.dtype:
         ("stuck_index", bounded_integer(0, friction_element_count - 1), elements),
         # 0: sticks; ±1: slides along ±t; 2: no friction
         ("mode", bounded_integer(-1, NO_FRICTION), elements),
-        # the event of an element at `step.end`, which the next step applies: a mark of events/marks.py
+        # the event of an element at `step.end`, which the next step applies: the end of its mode, as in
+        # ``mark_mode_change``; 0: none
         ("event", INTEGER, elements),
         ("mode_before", INTEGER, elements),  # mode before the last choice of modes; 2 for a new contact
         ("chosen_mode", INTEGER, elements),  # in a tangent instance: the mode of an element in the primal run

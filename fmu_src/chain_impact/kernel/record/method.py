@@ -1,6 +1,6 @@
 """Which of the two methods of integration a step has, and which integration variable.
 
-Modules ask these functions, and do not compare the codes of the methods; only ode/methods.py chooses a code.
+Modules ask these functions about a step; ode/methods.py chooses the method of the next step.
 """
 
 from chain_impact.kernel.function_marks import inlined

@@ -170,8 +170,9 @@ CONVERGED_SLOPES = 0.01
 # the iteration has failed.
 LARGEST_FALL_FACTOR, STALLED_ITERATIONS, SLOPE_ROUND_OFF = 0.7, 10, 1e-6
 MOST_SLOPE_ITERATIONS = 400  # largest number of iterations: if each leaves 0.95 of the error, 1e-9 remains
-# Derivatives below LEAST_SLOPE × ``speed_by_friction`` may be round-off: a correction is then relative to
-# this product.
+# Derivatives may be round-off if they are below LEAST_SLOPE times the result of ``speed_by_friction``, the
+# derivative of a speed that friction at its limits could cause: a correction is then relative to this
+# product.
 LEAST_SLOPE = 1e-3
 # Derivatives may be round-off if the state changes by less than LEAST_STATE_CHANGE, relative to its error
 # scale, when the parameter changes by its size: a correction is then relative to LEAST_STATE_CHANGE. An
