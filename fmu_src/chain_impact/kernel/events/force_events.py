@@ -78,13 +78,20 @@ def turn_of_inputs(d):
     return (d.step.end - d.step.start) * d.search.input_rate
 
 
-def turn_sample_count(d):
-    """Return the number of samples in the search of a step with a turn of inputs above TURN_OF_STAGES."""
+def inputs_turn_fast(d):
+    """Return whether an input turns so fast in the last step that events may lie between its stages."""
+    return turn_of_inputs(d) > TURN_OF_STAGES
+
+
+def sample_count(d):
+    """Return the number of samples in the search of the last step: SAMPLES, or more if inputs turn fast."""
+    if not inputs_turn_fast(d):
+        return SAMPLES
     return 1 + int(SAMPLES_PER_RADIAN * min(MOST_SAMPLED_TURN, turn_of_inputs(d)))
 
 
 def make_search(
-    value, is_suspect, mark, members=ONE_MEMBER, samples=lambda _d: SAMPLES, resolution=SIMULTANEOUS_TIME
+    value, is_suspect, mark, members=ONE_MEMBER, samples=sample_count, resolution=SIMULTANEOUS_TIME
 ):
     """Return a search of the last step for one kind of event.
 
@@ -120,20 +127,6 @@ def make_search(
         drop_events(d)
         mark(d, event_member, first)
         return first
-
-    return find
-
-
-def choose_search(slow, fast):
-    """Return a search that chooses one of two searches.
-
-    Args:
-        slow: the search that is chosen for a step in which inputs turn by at most TURN_OF_STAGES.
-        fast: the search that is chosen for any other step.
-    """
-
-    def find(d, earliest):
-        return fast(d, earliest) if turn_of_inputs(d) > TURN_OF_STAGES else slow(d, earliest)
 
     return find
 
@@ -187,7 +180,9 @@ find_relatch = make_search(
     CONTACT_MEMBERS,
     samples=lambda _d: FEW_SAMPLES,
 )
-find_kink = make_search(side_of_kink_at, has_crossed, mark_kinks, CONTACT_MEMBERS, resolution=0.0)
+find_kink = make_search(
+    side_of_kink_at, has_crossed, mark_kinks, CONTACT_MEMBERS, samples=lambda _d: SAMPLES, resolution=0.0
+)
 
 
 # ---- release by rigid walls -------------------------------------------------------------------------------
@@ -261,27 +256,34 @@ def mark_pulling(d, _c, theta):
 
 
 def may_release(d, c):
-    """Return whether to search a step, in which inputs turn fast, for the release of a point.
+    """Return whether to search the last step for the release of a point.
 
-    In such a step (turn above TURN_OF_STAGES) a wall may pull between the stages, where ``check_pull`` does
-    not look. So the result is true for such a step, unless ``check_pull`` has just rejected it.
+    This is so if a wall has pulled in a stage (``check_pull``), or if inputs turn fast, so that a wall may
+    pull between the stages. A step that ``check_pull`` has just rejected is not searched.
     """
-    return check_pull(d, c) or is_accepted(d)
+    return check_pull(d, c) or (inputs_turn_fast(d) and is_accepted(d))
 
 
-find_release = choose_search(
-    make_search(least_force, check_pull, mark_pulling),
-    make_search(least_force, may_release, mark_pulling, samples=turn_sample_count),
-)
+find_release = make_search(least_force, may_release, mark_pulling)
 
 
 # ---- limits of drives -------------------------------------------------------------------------------------
 
 
-def is_past_limit(d, _c):
-    """Return whether a stage or the end of the last step shows the end of a drive's mode."""
+def may_pass_limit(d, _c):
+    """Return whether the mode of a drive may have ended in the last step.
+
+    This is so if a stage or the end of the step shows an end, or if the margins may have been negative
+    between the stages, because inputs turn fast: inputs that are polynomials in time in a chain with limits of
+    drives, or a fast signal in a drive with a limit.
+    """
     if not d.chain.has_drive_limits:
         return False
+    if inputs_turn_fast(d):
+        if d.signal_count == 0 or d.inputs.piece.degree != 0:
+            return True
+        if (d.step.end - d.step.start) * rate_in_limited_drives(d) > TURN_OF_STAGES:
+            return True
     ensure_inputs(d, d.step.state_end)
     return min(d.drive.mode_margin, mode_margin(d, d.step.state_end)) < 0.0
 
@@ -293,24 +295,9 @@ def drive_margin(d, _c, theta):
     return mode_margin(d, d.scratch.state)
 
 
-def may_pass_limit(d, c):
-    """Return whether to search a step, in which inputs turn fast, for the end of a drive's mode.
-
-    The result is true if any drive has a limit and the inputs are polynomials in time; else, if a stage or
-    the end of the step shows such an end, or if a fast signal acts in a drive with a limit.
-    """
-    if d.signal_count > 0 and d.inputs.piece.degree == 0:
-        turn = (d.step.end - d.step.start) * rate_in_limited_drives(d)
-        return is_past_limit(d, c) or (d.chain.has_drive_limits != 0 and turn > TURN_OF_STAGES)
-    return d.chain.has_drive_limits != 0
-
-
 def mark_drive_limit(d, _c, _theta):
     """Mark that the mode of a drive ends."""
     mark_saturation(d, 1)
 
 
-find_saturation = choose_search(
-    make_search(drive_margin, is_past_limit, mark_drive_limit),
-    make_search(drive_margin, may_pass_limit, mark_drive_limit, samples=turn_sample_count),
-)
+find_saturation = make_search(drive_margin, may_pass_limit, mark_drive_limit)

@@ -9,7 +9,7 @@ from chain_impact.kernel.constraints.geometry import tangential_rate
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.events.crossing import locate_at_fraction
-from chain_impact.kernel.events.force_events import choose_search, make_search, turn_sample_count
+from chain_impact.kernel.events.force_events import inputs_turn_fast, make_search
 from chain_impact.kernel.events.marks import mark_mode_change
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.record.constants import SLIDING_ENDS, STICKING_ENDS, STICKS
@@ -24,8 +24,12 @@ FRICTION_ELEMENT_MEMBERS = (lambda d: d.friction.active_count, lambda d, k: d.fr
 
 
 def mode_may_end(d, e):
-    """Return whether the margin of e's mode was below −``element_error`` at a stage of the last step."""
-    return d.friction_element.margin[e] < -element_error(d, e)
+    """Return whether e's mode may have ended in the last step.
+
+    This is so if the margin of the mode was below −``element_error`` at a stage, or if inputs turn fast, so
+    that the margin may have been below between the stages.
+    """
+    return inputs_turn_fast(d) or d.friction_element.margin[e] < -element_error(d, e)
 
 
 def mark_changes(d, element, theta):
@@ -111,14 +115,4 @@ def margin_is_halved(d):
     return is_halved
 
 
-def may_always_change(_d, _e):
-    """Return True: in a step in which inputs turn fast, any mode may end between the stages."""
-    return True
-
-
-find_mode_change = choose_search(
-    make_search(element_margin, mode_may_end, mark_changes, FRICTION_ELEMENT_MEMBERS),
-    make_search(
-        element_margin, may_always_change, mark_changes, FRICTION_ELEMENT_MEMBERS, samples=turn_sample_count
-    ),
-)
+find_mode_change = make_search(element_margin, mode_may_end, mark_changes, FRICTION_ELEMENT_MEMBERS)
