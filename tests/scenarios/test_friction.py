@@ -296,6 +296,54 @@ def test_dissipated_energy_falls_by_no_more_than_the_tolerance(law):
     assert np.diff(dissipated).min() > -1e-6 * dissipated[-1]
 
 
+@pytest.mark.parametrize(
+    ("length", "contact", "start", "tolerance"),
+    [
+        (0.24637, (27141.17, 0.70887), (-1.36541, -0.26136, -2.87512), 1e-8),
+        (0.35607, (225305.55, 0.79326), (-0.05057, -0.22258, -0.60933), 1e-10),
+    ],
+    ids=["1e-8", "1e-10"],
+)
+def test_dissipated_energy_does_not_fall_within_a_step_while_a_point_sticks(
+    length, contact, start, tolerance
+):
+    """Friction dissipates nothing there, so only errors of the dense output could change the energy."""
+    speed, angle, turn = start
+    rod = skidding(
+        "hertz",
+        chain={"base": "free", "links": [{"length": length, "mass": 1.0}]},
+        contact={"model": "hertz"} | dict(zip(("stiffness", "friction"), contact, strict=True)),
+        initial={
+            "position": [0.0, 0.8],
+            "velocity": [speed, 0.0],
+            "angles": [angle],
+            "angular_velocities": [turn],
+        },
+    )
+    result = simulate(rod, tolerance=tolerance, output_step=5e-4)
+    for output in ("energy.dissipated", "energy.friction"):
+        energy = result[output]
+        assert energy[-1] > 0.5
+        fall = (np.maximum.accumulate(energy) - energy).max()
+        assert fall < tolerance * (energy[-1] + result["energy.kinetic"].max()), output
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10], ids=str)
+def test_a_short_phase_of_sticking_between_two_stages_is_found(tolerance):
+    """Without it, friction would act in the direction of motion, and dissipated energy would fall."""
+    links = [{"length": 0.4519, "mass": 0.4503}, {"length": 0.3923, "mass": 1.903}]
+    start = {"position": [0.0, 0.7], "velocity": [1.572, -1.375]}
+    start |= {"angles": [-2.381, 1.092], "angular_velocities": [2.758, -2.224]}
+    contact = {"model": "hertz", "stiffness": 1.774e4, "friction": 0.1323}
+    scene = skidding("hertz", contact=contact, chain={"base": "free", "links": links}, initial=start)
+    result = simulate(scene, stop_time=0.2, tolerance=tolerance, output_step=1e-4)
+    sticks = result.stick_slip[1]
+    assert sticks["mode"] == 0
+    assert [sticks["start"], sticks["end"]] == pytest.approx([0.16577126, 0.16607923], abs=tolerance + 1e-8)
+    dissipated = result["energy.dissipated"]
+    assert np.diff(dissipated).min() > -tolerance * dissipated[-1]
+
+
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 def test_the_impulse_of_friction_is_mu_times_that_of_a_very_stiff_floor(method):
     """An undamped rod trembles on the floor; during slip, vx + µ (vy + g t) stays constant."""

@@ -26,7 +26,12 @@ from chain_impact.kernel.events.contact_log import list_latest
 from chain_impact.kernel.forces.active_contacts import set_true_forces
 from chain_impact.kernel.forces.friction import drive_of_element
 from chain_impact.kernel.forces.holding import project_state
-from chain_impact.kernel.ode.dense_output import fraction_at_time, interpolate_state, quadrature_within
+from chain_impact.kernel.ode.dense_output import (
+    dissipated_energy,
+    fraction_at_time,
+    interpolate_state,
+    quadrature_within,
+)
 from chain_impact.kernel.ode.folds import correct_near_fold
 from chain_impact.kernel.record.constants import STICKS
 from chain_impact.kernel.record.state import (
@@ -133,6 +138,7 @@ def fill_state(d, theta):
     """
     n, out, y = d.link_count, d.output, d.scratch.state
     interpolate_state(d.step, theta, y)
+    y[dissipated_at(n)] = dissipated_energy(d.step, theta, dissipated_at(n))
     locate_points(d, y)
     if d.channel_count > 0 and any_constraint(d):
         # The dense output satisfies constraints and prescribed motions only up to its error, so the state y

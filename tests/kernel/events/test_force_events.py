@@ -60,6 +60,16 @@ def test_the_first_passage_is_where_a_function_falls_below_zero(place, end, shap
     assert len(asked) <= (18 if shape != "step" else 5 + 20 + halvings)
 
 
+@pytest.mark.parametrize("middle", [0.4, 0.51, 0.6])
+def test_a_short_fall_between_two_samples_is_found(middle):
+    """Samples are at 1/4, 1/2, 3/4 and 1."""
+
+    def parabola(_d, _c, theta):
+        return (theta - middle) ** 2 - 1e-6
+
+    assert make_passage_search(parabola, four, 0.0)(STEP, 0, 1.0) == pytest.approx(middle - 1e-3, abs=1e-14)
+
+
 def test_the_first_negative_sample_is_found():
     def found(place, *others):
         below = (place, *others)

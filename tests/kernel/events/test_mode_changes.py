@@ -188,7 +188,9 @@ def test_only_what_a_stage_has_shown_is_searched(rubbing, changes, found):
     at, asked, find = changes
     at.update(dict.fromkeys(elements, 0.1))
     for e in elements:
-        d.friction_element.margin[e] = -0.9 * mode_changes.element_error(d, e)
+        speed = mode_changes.sliding_speed(d, e)
+        error = -0.9 * mode_changes.element_error(d, e)
+        d.friction_element.margin[e] = 0.9 * speed if speed > 0.0 else error
     d.contacts.event[3] = ONSET
     assert find(d, found) == found
     assert asked == []

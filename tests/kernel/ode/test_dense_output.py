@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.mathematics import root_search
 from chain_impact.kernel.ode import dense_output, sundman_rate
 from chain_impact.kernel.record.constants import DENSE_COEFFICIENTS
@@ -36,6 +37,20 @@ def test_a_state_is_that_of_the_polynomial(d, theta):
     dense_output.interpolate_state(d.step, theta, y)
     assert y == pytest.approx(right, abs=1e-14)
     assert dense_output.interpolate_component(d.step, theta, 3) == y[3]
+
+
+@pytest.mark.parametrize(("end", "lowest", "highest"), [(0.3, 0.0, 0.3), (-0.2, -0.2, 0.0)])
+def test_the_dissipated_energy_lies_between_those_of_both_ends(d, monkeypatch, end, lowest, highest):
+    """A user's law may supply energy, so the energy is then that of the polynomial."""
+    d.step.state[3], d.step.state_end[3] = 0.0, end
+    d.step.dense[:, 3] = [end, 4.0, -8.0, 0.0, 0.0, 0.0, 0.0]
+    polynomial = [dense_output.interpolate_component(d.step, theta, 3) for theta in TIMES]
+    assert min(polynomial) < lowest
+    assert max(polynomial) > highest
+    found = [dense_output.dissipated_energy(d.step, theta, 3) for theta in TIMES]
+    np.testing.assert_array_equal(found, np.clip(polynomial, lowest, highest))
+    monkeypatch.setattr(user_law, "is_present", lambda: True)
+    assert [dense_output.dissipated_energy(d.step, theta, 3) for theta in TIMES] == polynomial
 
 
 def test_the_bounds_of_the_basis_are_sharp():

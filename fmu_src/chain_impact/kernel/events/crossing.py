@@ -45,7 +45,9 @@ def make_passage_search(function, samples, resolution):
     Args:
         function: function of (d, c, θ), for candidate or element c at the fraction θ of the last step.
         samples: function of d that returns the number of equidistant samples, of which ``end`` is the last.
-            The search misses a fall below zero from which ``function`` returns before the next sample.
+            A sample below both its neighbours is followed by a sample at the vertex of the parabola through
+            the three. So the search misses only falls that are shorter than the distance of two samples, and
+            far from a parabola.
         resolution: accuracy of the location, in the step's integration variable [s].
 
     Returns:
@@ -54,20 +56,26 @@ def make_passage_search(function, samples, resolution):
     """
 
     def passage(d, c, end):
-        low, count = 0.0, samples(d)
-        for sample in range(1, count + 1):
+        count, low, at_low, at_before = samples(d), 0.0, math.nan, math.nan
+        for sample in range(count + 1):
             high = end * sample / count
             value = function(d, c, high)
-            if value < 0.0:
-                return root(d, c, low, high, value)
-            low = high
+            if value < 0.0 < sample:
+                return root(d, c, low, high, at_low, value)
+            if at_low < at_before and at_low < value:
+                shift = 0.5 * (at_before - value) / (at_before - 2.0 * at_low + value)
+                vertex = low + shift * (high - low)
+                at_vertex = function(d, c, vertex)
+                if at_vertex < 0.0:
+                    return root(d, c, end * (sample - 2) / count, vertex, at_before, at_vertex)
+            low, at_low, at_before = high, value, at_low
         return -1.0
 
-    def root(d, c, low, high, at_high):
+    def root(d, c, low, high, at_low, at_high):
         # the rule of false position in the Illinois form (Dowell & Jarratt 1971, BIT 11:168)
-        at_low, last, width = function(d, c, low), 0, max(FINEST_RESOLUTION, resolution / d.step.size)
         if at_low < 0.0:
             return low
+        last, width = 0, max(FINEST_RESOLUTION, resolution / d.step.size)
         for tries in range(MOST_GUESSES):
             if high - low <= width:
                 break

@@ -273,9 +273,9 @@ find_release = make_search(least_force, may_release, mark_pulling)
 def may_pass_limit(d, _c):
     """Return whether the mode of a drive may have ended in the last step.
 
-    This is so if a stage or the end of the step shows an end, or if the margins may have been negative
-    between the stages, because inputs turn fast: inputs that are polynomials in time in a chain with limits of
-    drives, or a fast signal in a drive with a limit.
+    This is so if a stage or the end of the step shows an end, or if the margin of a drive with a limit may
+    have been negative between the stages, because inputs turn fast. If these are the scene's signals, only a
+    fast signal that acts in a drive with a limit counts.
     """
     if not d.chain.has_drive_limits:
         return False

@@ -19,6 +19,10 @@ REST_SPEED = 1e-12
 # A friction force that exceeds its limit by up to FRICTION_EXCESS is round-off, relative to a sum: the limit,
 # plus the mean mass of a link times the sum of gravity and the longest link per s².
 FRICTION_EXCESS = 1e-10
+# A speed that is a parabola in time, and positive at all stages of a step, can be negative between two stages
+# only if the least speed at a stage is below DIP_PART times that at the end. With a smaller number, such
+# falls would be missed where stages are half a step apart.
+DIP_PART = 0.5
 
 FRICTION_ELEMENT_MEMBERS = (lambda d: d.friction.active_count, lambda d, k: d.friction_element.index[k])
 
@@ -26,10 +30,23 @@ FRICTION_ELEMENT_MEMBERS = (lambda d: d.friction.active_count, lambda d, k: d.fr
 def mode_may_end(d, e):
     """Return whether e's mode may have ended in the last step.
 
-    This is so if the margin of the mode was below −``element_error`` at a stage, or if inputs turn fast, so
-    that the margin may have been below between the stages.
+    This is so in three cases: the margin of the mode was below −``element_error`` at a stage; e slides, and
+    its least speed at a stage is so small that the speed may have been negative between two stages
+    (DIP_PART); or inputs turn so fast that the margin may have been negative between the stages. The points
+    must be located at the end of the searched part of the step.
     """
-    return inputs_turn_fast(d) or d.friction_element.margin[e] < -element_error(d, e)
+    least = d.friction_element.margin[e]
+    slides = d.friction_element.mode[e] != STICKS
+    return (
+        inputs_turn_fast(d)
+        or least < -element_error(d, e)
+        or (slides and least < DIP_PART * sliding_speed(d, e))
+    )
+
+
+def sliding_speed(d, e):
+    """Return the speed [m/s] of element e in the direction in which e slides, at the located points."""
+    return d.friction_element.mode[e] * tangential_rate(d, e)
 
 
 def mark_changes(d, element, theta):
@@ -92,7 +109,7 @@ def element_margin(d, e, theta):
     """
     locate_at_fraction(d, theta)
     if d.friction_element.mode[e] != STICKS:
-        return d.friction_element.mode[e] * tangential_rate(d, e) + element_error(d, e)
+        return sliding_speed(d, e) + element_error(d, e)
     project_state(d, d.scratch.state)
     rate_from_state(d, d.scratch.state, d.scratch.rate)
     count_evaluations(d, 1)

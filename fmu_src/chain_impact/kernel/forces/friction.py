@@ -25,6 +25,8 @@ Sci. 10:161; for modes that are fixed within a step, Pfeiffer & Glocker 1996, Mu
 Unilateral Contacts.
 """
 
+import math
+
 from chain_impact.kernel.chain.drives import drive_count, first_joint, lever_of_drive
 from chain_impact.kernel.constraints.geometry import (
     add_along_row,
@@ -275,6 +277,6 @@ def move_missed_anchors(d):
 
 
 def clear_friction_margins(d):
-    """Set the margins of elements with friction to 0 before a step; a stage may then store a negative one."""
+    """Set the margins of elements with friction to ∞ before a step, whose stages store the least margins."""
     for i in range(d.friction.active_count):
-        d.friction_element.margin[d.friction_element.index[i]] = 0.0
+        d.friction_element.margin[d.friction_element.index[i]] = math.inf

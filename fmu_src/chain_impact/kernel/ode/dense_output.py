@@ -15,6 +15,7 @@ that does not request quadratures, none is integrated.
 import numpy as np
 
 from chain_impact.kernel.constraints.geometry import is_at_wall
+from chain_impact.kernel.forces import user_law
 from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.mathematics.root_search import MOST_GUESSES, next_guess
 from chain_impact.kernel.ode.sundman_rate import regularized_time_rate
@@ -47,6 +48,26 @@ def change_up_to(step, theta, j):
     high = step.dense[4, j] + remaining * (step.dense[5, j] + theta * step.dense[6, j])
     low = step.dense[2, j] + remaining * (step.dense[3, j] + theta * high)
     return theta * (step.dense[0, j] + remaining * (step.dense[1, j] + theta * low))
+
+
+def dissipated_energy(step, theta, j):
+    """Return the dissipated energy [J] at the fraction θ of the last step, whose index in the state is ``j``.
+
+    Errors of the dense output must not let this energy fall, for example where an element sticks and nothing
+    is dissipated. So the result lies between the energies at both ends of the step, unless there is a user's
+    law, whose force may supply energy.
+    """
+    energy = interpolate_component(step, theta, j)
+    return energy if user_law.is_present() else limit_energy(energy, step.state[j], step.state_end[j])
+
+
+@has_dual_rule
+def limit_energy(energy, start, end):
+    """Return the number between ``start`` and ``end``, in any order, that is nearest to ``energy``.
+
+    In a tangent instance the result is ``energy``: the derivatives of ``end`` are those at another time.
+    """
+    return max(min(start, end), min(max(start, end), energy))
 
 
 @has_dual_rule
@@ -268,10 +289,13 @@ def quadrature_within(d, theta, k):
 
     Errors of the dense output must not let the impulse of a wall or stop fall. So such an impulse is limited:
     from above by each later sample in the step and the impulse at the end of the step, from below by the last
-    sample up to θ and the impulse at the start.
+    sample up to θ and the impulse at the start. The energy of dry friction lies between its values at both
+    ends of the step.
     """
     quadrature, below, above = d.quadrature, d.quadrature.state_end[k], d.quadrature.state_end[k]
     value = interpolate_component(quadrature, theta, k)
+    if quadrature.index[k] == d.candidate_count + d.friction_element_count:
+        return limit_energy(value, quadrature.state[k], above)
     if quadrature.index[k] >= d.candidate_count:
         return value
     for i in range(IMPULSE_SAMPLES):

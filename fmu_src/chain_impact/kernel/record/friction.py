@@ -54,8 +54,8 @@ def friction_element_dtype(friction_element_count: int) -> np.dtype:
         # N, largest force of static friction at the last evaluation of ẏ; constant for the slider and for a
         # joint, whose moment is divided by the lever arm
         ("friction_limit", REAL, elements),
-        # least margin of an element to the end of its mode in the stages of the tried step; 0 if no margin is
-        # negative. If the element slides, the margin is its speed in the direction of sliding [m/s]; if it
+        # least margin of an element to the end of its mode in the stages of the tried step, ∞ before the
+        # first stage. If the element slides, the margin is its speed in the direction of sliding [m/s]; if it
         # sticks, its limit minus the size of the friction force [N]
         ("margin", REAL, elements),
     )

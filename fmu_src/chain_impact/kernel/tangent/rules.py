@@ -1,8 +1,8 @@
 """Functions with their own rules of differentiation, where dual numbers would give wrong derivatives or none.
 
 Each replacement in DUAL_RULES has the name of the function that it replaces, and is called in place of that
-function if an argument carries derivatives. The value of a result is the same up to round-off, except that
-the results of ``has_effect``, ``iterated_enough``, ``may_exceed`` and ``contact_added_mass`` differ.
+function if an argument carries derivatives. The value of a result is the same up to round-off, except for
+``contact_added_mass``, ``has_effect``, ``iterated_enough``, ``limit_energy`` and ``may_exceed``.
 """
 
 import math
@@ -134,6 +134,11 @@ def shift_start(t, delay):
         evaluate_start(t)
 
 
+def limit_energy(energy, _start, _end):
+    """Return ``energy``, because a limit has the derivatives of the energy at another time."""
+    return energy
+
+
 def fraction_at_time(t, time):
     """Return the fraction of the last step at a ``time`` [s], with derivatives.
 
@@ -261,6 +266,7 @@ DUAL_RULES = {
     saturation.choose_saturation: choose_saturation,
     dense_output.fraction_at_time: fraction_at_time,
     dense_output.event_fraction: event_fraction,
+    dense_output.limit_energy: limit_energy,
     transmitted_forces.time_of_peak: time_of_peak,
     segments.shift_start: shift_start,
     angles.unit_vector: unit_vector,
