@@ -304,9 +304,7 @@ def test_dissipated_energy_falls_by_no_more_than_the_tolerance(law):
     ],
     ids=["1e-8", "1e-10"],
 )
-def test_dissipated_energy_does_not_fall_within_a_step_while_a_point_sticks(
-    length, contact, start, tolerance
-):
+def test_dissipated_energy_does_not_fall_while_a_point_sticks(length, contact, start, tolerance):
     """Friction dissipates nothing there, so only errors of the dense output could change the energy."""
     speed, angle, turn = start
     rod = skidding(

@@ -36,7 +36,6 @@ from chain_impact.kernel.ode.folds import correct_near_fold
 from chain_impact.kernel.record.constants import STICKS
 from chain_impact.kernel.record.state import (
     FIRST_ANGLE,
-    dissipated_at,
     omega_at,
     relative_to_previous,
     supplied_at,
@@ -138,7 +137,6 @@ def fill_state(d, theta):
     """
     n, out, y = d.link_count, d.output, d.scratch.state
     interpolate_state(d.step, theta, y)
-    y[dissipated_at(n)] = dissipated_energy(d.step, theta, dissipated_at(n))
     locate_points(d, y)
     if d.channel_count > 0 and any_constraint(d):
         # The dense output satisfies constraints and prescribed motions only up to its error, so the state y
@@ -164,7 +162,7 @@ def fill_state(d, theta):
         out.signal[j, 0], out.signal[j, 1], out.signal[j, 2] = value, rate, curvature
     out.kinetic, out.potential = mechanical_energy(d, y)
     out.elastic = stored_energy(d, y)
-    out.dissipated = y[dissipated_at(n)]
+    out.dissipated = dissipated_energy(d, y)
     out.supplied = y[supplied_at(n)]
     out.total = out.kinetic + out.potential + out.elastic
 

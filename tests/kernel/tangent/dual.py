@@ -147,6 +147,6 @@ def followed(instance: DifferentiatedInstance, times: Any) -> tuple[np.ndarray, 
     times = np.array(times, float)
     words = instance.prepared_scene.output_words[list(instance.prepared_scene.output_index.values())]
     rows = instance.rows(len(times), words)
-    assert rows.fill(instance, times, 0) == len(times)
+    assert rows.write(instance, times, 0) == len(times)
     values, slopes = np.split(rows.numbers, [len(words)], axis=1)
     return values, slopes.reshape(len(times), len(words), -1)

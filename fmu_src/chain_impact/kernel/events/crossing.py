@@ -45,14 +45,12 @@ def make_passage_search(function, samples, resolution):
     Args:
         function: function of (d, c, θ), for candidate or element c at the fraction θ of the last step.
         samples: function of d that returns the number of equidistant samples, of which ``end`` is the last.
-            A sample below both its neighbours is followed by a sample at the vertex of the parabola through
-            the three. So the search misses only falls that are shorter than the distance of two samples, and
-            far from a parabola.
+            If a sample is lower than both its neighbours, the vertex of the parabola through the three is a
+            further sample. The search misses falls below zero between samples that this does not show.
         resolution: accuracy of the location, in the step's integration variable [s].
 
     Returns:
-        A function of (d, c, end). It returns the first θ ≤ ``end`` at which ``function`` falls below zero, or
-        −1 if ``function`` is below zero at no sample.
+        A function of (d, c, end): the first θ ≤ ``end`` at which ``function`` falls below zero, −1 for none.
     """
 
     def passage(d, c, end):

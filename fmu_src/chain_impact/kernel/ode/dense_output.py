@@ -21,10 +21,15 @@ from chain_impact.kernel.mathematics.root_search import MOST_GUESSES, next_guess
 from chain_impact.kernel.ode.sundman_rate import regularized_time_rate
 from chain_impact.kernel.record.constants import DENSE_COEFFICIENTS
 from chain_impact.kernel.record.method import is_regularized
-from chain_impact.kernel.record.state import sundman_u_at, time_at
+from chain_impact.kernel.record.state import dissipated_at, sundman_u_at, time_at
 
 # the exponents p and q of the interpolant y₀ + Σ F_m θᵖ (1−θ)^q, in the order of its coefficients F₀ to F₆
 BASIS_POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))
+# The largest distance of a dissipated energy from the range of its values at both ends of a step, relative to
+# the tolerance and to the scale of this energy (step_control.py). With a smaller number the energy balance of
+# a chain at rest would change by more than round-off; with a larger number the energy could fall by more than
+# the tolerance.
+ENERGY_SLACK = 0.1
 FRACTION_RESOLUTION = 1e-15  # accuracy of the fraction θ at which a regularized step reaches a time
 
 
@@ -50,24 +55,26 @@ def change_up_to(step, theta, j):
     return theta * (step.dense[0, j] + remaining * (step.dense[1, j] + theta * low))
 
 
-def dissipated_energy(step, theta, j):
-    """Return the dissipated energy [J] at the fraction θ of the last step, whose index in the state is ``j``.
+def dissipated_energy(d, y):
+    """Return the dissipated energy [J] in y, a state within the last step, limited by ``limit_energy``.
 
-    Errors of the dense output must not let this energy fall, for example where an element sticks and nothing
-    is dissipated. So the result lies between the energies at both ends of the step, unless there is a user's
-    law, whose force may supply energy.
+    With a user's law, which may supply energy, the energy is not limited.
     """
-    energy = interpolate_component(step, theta, j)
-    return energy if user_law.is_present() else limit_energy(energy, step.state[j], step.state_end[j])
+    j = dissipated_at(d.link_count)
+    return y[j] if user_law.is_present() else limit_energy(d, y[j], d.step.state[j], d.step.state_end[j])
 
 
 @has_dual_rule
-def limit_energy(energy, start, end):
-    """Return the number between ``start`` and ``end``, in any order, that is nearest to ``energy``.
+def limit_energy(d, energy, start, end):
+    """Return ``energy`` [J], moved to the range of its values ``start`` and ``end`` at both ends of the step.
 
-    In a tangent instance the result is ``energy``: the derivatives of ``end`` are those at another time.
+    An energy that is dissipated may not fall, but errors of the dense output could make it fall, for example
+    where an element sticks and nothing is dissipated. Up to ENERGY_SLACK outside the range, the energy is not
+    moved, because such errors balance those of the kinetic energy. In a tangent instance the result is
+    ``energy``: a limit has the derivatives of the energy at another time.
     """
-    return max(min(start, end), min(max(start, end), energy))
+    slack = ENERGY_SLACK * d.solver.tolerance * (d.chain.energy_scale + abs(end))
+    return max(min(start, end) - slack, min(max(start, end) + slack, energy))
 
 
 @has_dual_rule
@@ -289,13 +296,13 @@ def quadrature_within(d, theta, k):
 
     Errors of the dense output must not let the impulse of a wall or stop fall. So such an impulse is limited:
     from above by each later sample in the step and the impulse at the end of the step, from below by the last
-    sample up to θ and the impulse at the start. The energy of dry friction lies between its values at both
-    ends of the step.
+    sample up to θ and the impulse at the start. The energy of dry friction is limited by its values at
+    both ends (``limit_energy``).
     """
     quadrature, below, above = d.quadrature, d.quadrature.state_end[k], d.quadrature.state_end[k]
     value = interpolate_component(quadrature, theta, k)
     if quadrature.index[k] == d.candidate_count + d.friction_element_count:
-        return limit_energy(value, quadrature.state[k], above)
+        return limit_energy(d, value, quadrature.state[k], above)
     if quadrature.index[k] >= d.candidate_count:
         return value
     for i in range(IMPULSE_SAMPLES):

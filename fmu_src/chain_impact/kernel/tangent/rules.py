@@ -134,7 +134,7 @@ def shift_start(t, delay):
         evaluate_start(t)
 
 
-def limit_energy(energy, _start, _end):
+def limit_energy(_t, energy, _start, _end):
     """Return ``energy``, because a limit has the derivatives of the energy at another time."""
     return energy
 
