@@ -32,7 +32,8 @@ VARIABLE_FORMATS = {
     "length": "q",  # number of words from `word` on: 1, or more for an array
     # indices in TABLE_TYPES and TABLE_ROLES
     **dict.fromkeys(("type", "role"), "i"),
-    **dict.fromkeys(("name", "allowed"), "i"),  # offsets in bytes of two texts, from `texts_at`
+    # where the texts of the name and of the allowed values begin: bytes after `texts_at` of HEAD_FORMATS
+    **dict.fromkeys(("name", "allowed"), "i"),
 }
 """Field of the C structure ``Variable`` → its format in Python's module struct.
 

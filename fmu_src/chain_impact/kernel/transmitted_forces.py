@@ -303,8 +303,9 @@ def search_peaks(d, time, peak_at_end):
             raise_largest(d, i, right, sampled_at)
             if m >= 2 and rises_between(left, top, right, transmitted.largest_square[i]):
                 middle, reach = first + (end - first) * (m - 1) / intervals, (end - first) / intervals
-                # the function ``largest_square`` raises the field of the same name, and the time, at each of
-                # its samples; the summit of the last parabola adds about round-off
+                # The function ``largest_square`` stores the largest of its samples in the field of the same
+                # name, with its time. Its result, the summit of a parabola, exceeds this sample by about
+                # round-off, so the time stays.
                 largest = largest_square(d, i, middle, reach, end)
                 transmitted.largest_square[i] = max(transmitted.largest_square[i], largest)
 

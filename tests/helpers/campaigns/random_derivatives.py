@@ -36,7 +36,9 @@ WRONG = 1e-2  # largest error of a derivative that errors of a run explain, over
 # least size to which an error is relative, over the largest derivative of a column, and over value over
 # parameter; smaller derivatives are errors of the runs
 LEAST = 1e-3
-ROUND_OFF = 1e-13  # the largest value of an output, in the output's unit, that may be round-off
+# the largest round-off of the difference of an output between two runs, in the output's unit; divided by the
+# difference of the parameter, it is an allowed error of a derivative
+ROUND_OFF = 1e-13
 # factor on the error that a run reports: it is relative to the largest derivative of a position, and the
 # error of rates may be larger
 OPEN = 10.0

@@ -292,7 +292,7 @@ def clatter(scene: Scene, impacts: int) -> list[tuple[int, float, float]]:
     return found
 
 
-# --- two accumulations of impacts ----------------------------------------------------------------------
+# --- an arm with two accumulations of impacts ----------------------------------------------------------
 
 
 def falling_arm(tolerance: float) -> Problem:

@@ -112,7 +112,11 @@ def find_event(d):
 
 
 def find_event_without_crossing(d):
-    """Return θ of the earliest event in a step without crossings; −1 for none, or if the step is rejected."""
+    """Return θ of the earliest event in a step in which no clearance falls through zero, or −1.
+
+    The events are those of force_events.py and mode_changes.py. If the step is rejected, the
+    result is −1, too.
+    """
     if any_point_held(d):
         ensure_dense(d, SOLVER_READER)  # `update_held_extremes` needs the dense output as well
         return find_force_event(d, -1.0)

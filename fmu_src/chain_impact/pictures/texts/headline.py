@@ -102,9 +102,10 @@ def impact_count_text(recording: Recording) -> str:
 def energy_texts(recording: Recording) -> list[str]:
     """Return words for the energies that the run lost and got: "2.98 J dissipated", "10.5 J taken by drives".
 
-    A dissipated energy that is round-off (NO_LOSS) or not known is left out. The energy that drives and
-    inputs supply or take is left out if it is round-off, not known, or at most LITTLE_SUPPLIED × the
-    dissipated one. Of a supplied energy that oscillates (MANY_TURNS), the range is told.
+    All energies are those at the end of the run. What is not known or round-off (NO_LOSS) is left out. Of a
+    supplied energy that oscillates (MANY_TURNS), the range is told, however small the energy at the end is.
+    Any other energy that drives and inputs supply or take is left out if it is at most LITTLE_SUPPLIED × the
+    dissipated one.
     """
     lost_energy, supplied = (
         float(recording.energies.get(name, np.zeros(1))[-1]) for name in ("dissipated", "supplied")

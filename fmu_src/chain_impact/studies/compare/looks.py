@@ -127,7 +127,11 @@ def are_loops_equal(loop: np.ndarray | None, twin: np.ndarray | None) -> bool:
 
 
 def _is_covered(comparison: LawRuns, law: str, other_law: str) -> bool:
-    """Return whether both lines of a law coincide with those of another law, and the e′ look equal."""
+    """Return whether the lines of a law cover those of another law, and the e′ with two decimals are equal.
+
+    The lines are the loop of force over penetration, and the energy over time. A law without a loop or
+    without a result is not covered.
+    """
     run, other_run = comparison[law], comparison[other_law]
     loops = [loop for loop in (run.loop, other_run.loop) if loop is not None and loop.size]
     if len(loops) < 2 or run.result is None or other_run.result is None:  # noqa: PLR2004

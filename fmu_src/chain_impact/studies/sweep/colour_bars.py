@@ -37,12 +37,11 @@ END_ROOM = 0.1  # the least distance of a number from that at an end of a bar, r
 LEVEL_BAR_ROOM = 0.2  # the same for a bar along x
 END_DIGITS = 3  # the number of digits at an end of a bar
 SLIM_BAR = 40.0  # the length of a bar for several maps, relative to the bar's width
-# lengths in inches
-# a bar stands beside its map if the figure has this width for each column of maps, else above it
+# [inch] a bar stands beside its map if the figure has this width for each column of maps, else above it
 WIDE_COLUMN = 3.2
-MAP_BAR_HEIGHT = 0.08  # the height of a bar above a map
-NUMBERS_WIDTH = 0.75  # the width for numbers and names beside the maps
-DIGIT = 0.07  # about the width of a digit in a number at a bar
+MAP_BAR_HEIGHT = 0.08  # [inch] the height of a bar above a map
+NUMBERS_WIDTH = 0.75  # [inch] the width for numbers and names beside the maps
+DIGIT = 0.07  # [inch] about the width of a digit in a number at a bar
 
 
 def colours_of(

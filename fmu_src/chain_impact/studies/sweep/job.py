@@ -183,13 +183,13 @@ class Runner:
         self._kernel = kernel_for(job.scene, derivatives=bool(parameters), scope=scope)
         layout, self._job, self._dtype = self._instance.dtype, job, job.dtype
         self._columns, self._joint_peaks = job.columns, job.joint_peaks
-        # lists of impacts, and integrals over time such as the impulse at a wall, take time: if no column
-        # needs the lists, only integrals that a column needs are computed
         read_parts = {
             part
             for column in (*self._columns.values(), *self._joint_peaks.values())
             for part in column.record_path
         }
+        # Lists of impacts, and integrals over time such as the impulse at a wall, take time. If no column
+        # needs the lists, none is written, and integrals are computed only if a column needs one of them.
         if "latest" not in read_parts:
             self._instance["latest"]["requested_count"] = 0
             self._instance["quadrature"]["computed"] = bool(

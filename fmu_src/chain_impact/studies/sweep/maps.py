@@ -81,7 +81,7 @@ def draw_maps(
         axes.set_xscale("log" if scales[0].logarithmic else "linear")
         axes.set_yscale("log" if scales[1].logarithmic else "linear")
         for axis, scale in zip((axes.xaxis, axes.yaxis), scales, strict=True):
-            if scale.names:  # a new scale would remove them
+            if scale.names:  # the names are set after the scale, which would remove them
                 axis.set_ticks(range(len(scale.names)), scale.names)
         if scales[0].names:
             axes.tick_params(axis="x", rotation=90)
