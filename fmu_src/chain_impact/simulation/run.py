@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.deprecated import OlderName
 from chain_impact.progress import Progress
 from chain_impact.recording.impacts import sorted_impacts
 from chain_impact.recording.sensitivity import Sensitivities
@@ -134,6 +135,7 @@ class RepeatableSceneRun:
 
     prepared_scene: PreparedScene
     schedule: InputSchedule
+    prepared = OlderName("prepared_scene")
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
         """Return the outputs that change continuously at increasing ``times`` [s], shape (S,).
