@@ -261,8 +261,10 @@ def test_an_fmu_for_scheduled_execution_is_not_run(fmi3, tmp_path):
     change = edited(
         (r"<CoSimulation modelIdentifier=(\S+)[^>]*>", r"<ScheduledExecution modelIdentifier=\1/>")
     )
-    found = validate_and_run(spoiled(fmi3["rod_drop"], tmp_path / "x.fmu", change))
-    assert [note for note in found.notes if note.startswith("not run: ")]
+    path = spoiled(fmi3["rod_drop"], tmp_path / "x.fmu", change)
+    (note,) = validate_and_run(path).notes
+    assert note.startswith("not run: ")
+    assert validate_fmu(path, run=True) == [*validate_fmu(path), note]
 
 
 # --- binaries that crash, that do not come back, and that do not restore their state -----------------------

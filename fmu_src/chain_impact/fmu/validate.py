@@ -32,10 +32,12 @@ class Validation:
     Attributes:
         findings: the faults.
         notes: sentences on checks that passed, and on checks that could not be made.
+        has_run: whether the binary was run.
     """
 
     findings: Sequence[Finding]
     notes: Sequence[str]
+    has_run: bool = False
 
 
 def validate_fmu(path: str | os.PathLike[str], *, run: bool = False) -> list[str]:
@@ -43,16 +45,17 @@ def validate_fmu(path: str | os.PathLike[str], *, run: bool = False) -> list[str
 
     Args:
         path: an FMU of any tool, for co-simulation or model exchange, of FMI 2.0 or 3.0.
-        run: whether the FMU's binary is also run, as ``chain-impact validate`` does.
+        run: whether the FMU's binary is also run, as ``chain-impact validate`` does. For an FMU that has only
+            scheduled execution, the last sentence says that it is not run.
 
     Raises:
         OSError: when the file cannot be read.
     """
     try:
-        findings = validate_and_run(path).findings if run else description_findings(Path(path))
+        result = validate_and_run(path) if run else Validation(description_findings(Path(path)), [])
     except zipfile.BadZipFile as error:
         return [f"not an FMU: {error}"]
-    return [str(finding) for finding in findings]
+    return [*map(str, result.findings), *([] if result.has_run else result.notes)]
 
 
 def validate_and_run(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Validation:
@@ -82,7 +85,7 @@ def validate_and_run(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> 
     if missing_text:
         return Validation([*findings, missing_text], [])
     test_result = _try_binary(path, binary, timeout, references=not findings)
-    return Validation([*findings, *test_result.findings], test_result.notes)
+    return Validation([*findings, *test_result.findings], test_result.notes, has_run=True)
 
 
 def _try_binary(path: Path, binary: str, timeout: float, *, references: bool) -> Validation:
