@@ -186,3 +186,16 @@ def test_a_name_that_is_no_text_is_refused():
     kept = prepared.indices_named(["energy.*", "point[1].x"])
     assert PreparedScene(prepared.scene).indices_named(name for name in [*kept.continuous]) is kept
     assert "point[1].x" in kept.continuous
+
+
+def test_another_thread_may_clear_the_kept_indices_at_any_time(monkeypatch):
+    class ClearedAtOnce(dict):
+        def __setitem__(self, names, indices):
+            self.clear()
+
+    prepared = PreparedScene(load_scene("rod_drop"))
+    monkeypatch.setattr(prepared, "_indices_by_names", ClearedAtOnce())
+    assert [*prepared.indices_named(["point[1].x", "energy.kinetic"]).continuous] == [
+        "point[1].x",
+        "energy.kinetic",
+    ]

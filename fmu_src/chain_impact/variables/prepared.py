@@ -235,10 +235,11 @@ class PreparedScene:
         full_names = tuple(output.name for output in outputs)
         if len(kept_indices) >= KEPT_SELECTIONS:
             kept_indices.clear()
-        if full_names not in kept_indices:
-            kept_indices[full_names] = indices_of(outputs, self.output_indices)
-        kept_indices[names] = kept_indices[full_names]
-        return kept_indices[names]
+        indices = kept_indices.get(full_names)
+        if indices is None:
+            indices = indices_of(outputs, self.output_indices)
+        kept_indices[names] = kept_indices[full_names] = indices
+        return indices  # not what is kept, which another thread may have cleared
 
     @shared_by_structure
     def _indices_by_names(self) -> dict[str | tuple[str, ...], OutputIndices]:
