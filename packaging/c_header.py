@@ -25,7 +25,8 @@ def header() -> str:
         "#ifndef shared_h\n#define shared_h\n\n#include <stdint.h>",
         "/* fmu/model_bin.py: values of Variable.type and Variable.role; an enumeration is an integer */\n"
         + f"{_indices(TABLE_TYPES)}\n{_indices(TABLE_ROLES)}",
-        f'/* fmu/model_bin.py: the structures of the file */\n#define TABLE_MAGIC "{MAGIC.decode()}"',
+        "/* fmu/model_bin.py: the structures of resources/model.bin in an FMU */\n"
+        + f'#define TABLE_MAGIC "{MAGIC.decode()}"',
         _structure("Variable", VARIABLE_FORMATS),
         _structure("Table", HEAD_FORMATS),
         "/* kernel/record/counts.py: the counts and flags at the start of a record, then the number of "

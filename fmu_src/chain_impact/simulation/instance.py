@@ -141,7 +141,7 @@ class Instance:
         finished_rows, impacts, last = 0, [], len(schedule.times)
         ends = np.append(schedule.first_row[1:], last) if schedule.paths else None
         while finished_rows < last and self.status == OK:
-            # no call of ``rows.fill`` goes beyond a piece of the inputs, because each piece has other inputs
+            # no call of ``rows.write`` goes beyond a piece of the inputs, because each piece has other inputs
             end_row = last if ends is None else ends[np.searchsorted(ends, finished_rows, side="right")]
             end = min(finished_rows + rows.chunk, end_row)
             schedule.set(self.record, finished_rows)

@@ -8,7 +8,7 @@ import pytest
 from chain_impact import CONTACT_LAWS
 from chain_impact.kernel import status
 from chain_impact.kernel.advance import latch_active_contacts
-from chain_impact.kernel.forces import candidate_laws as own_law, laws, user_law
+from chain_impact.kernel.forces import candidate_laws, laws, user_law
 from chain_impact.kernel.forces.candidate_laws import USER_LAW, start_laws, update_laws
 from chain_impact.kernel.forces.force_formula import elastic_energy, law_force, set_damping
 from chain_impact.kernel.initialize import initialize
@@ -131,7 +131,7 @@ def test_given_values_are_checked_and_those_refused_change_no_law(given, changes
     before = laws_of(d)
     for name, value in changes.items():
         d.given[name] = value
-    assert own_law.check_law(d, c) == own_law.check_laws(d) == update_laws(d) == refused
+    assert candidate_laws.check_law(d, c) == candidate_laws.check_laws(d) == update_laws(d) == refused
     assert laws_of(d) == before or refused == OK
     # the same check at the start, where given values become effective
     assert initialize(d, 0.0) == d.statistics.status == refused
@@ -147,7 +147,7 @@ def test_given_values_are_checked_and_those_refused_change_no_law(given, changes
 def test_coefficients_of_friction_are_checked(given, sliding, static, refused):
     d, (c, *_) = given
     d.given.friction, d.given.static_friction = sliding, static
-    assert own_law.check_law(d, c) == own_law.check_laws(d) == refused
+    assert candidate_laws.check_law(d, c) == candidate_laws.check_laws(d) == refused
 
 
 SPEED, MASS = 1.5, 2.0  # m/s and kg, of the contacts that last
@@ -218,7 +218,7 @@ def test_a_wall_that_becomes_rigid_derives_no_expected_penetration(lasting):
 def test_walls_and_stops_may_have_their_own_stiffness(given):
     """A depth of round-off is harmless; a rigid wall has no depth."""
     d, (first, *_) = given
-    kinds, harmless = list(given[1]), own_law.HARMLESS_DEPTH * SIZE
+    kinds, harmless = list(given[1]), candidate_laws.HARMLESS_DEPTH * SIZE
     d.given.law = NUMBER["hertz"]
     for of_stops in (0, NUMBER["lee_wang"]):
         d.stops.law = of_stops
@@ -230,7 +230,7 @@ def test_walls_and_stops_may_have_their_own_stiffness(given):
     assert d.law.minimum_impact_speed[kinds] == pytest.approx([1e-3, 1e-3, 1e-3, 2e-3 * SIZE], rel=1e-13)
     assert d.law.harmless_depth[kinds] == pytest.approx([harmless] * 4, rel=1e-13)
     d.law.impulsive[first] = 1
-    own_law.set_law_parameters(d, first)
+    candidate_laws.set_law_parameters(d, first)
     assert d.law.harmless_depth[first] == 0.0
 
 
@@ -259,9 +259,9 @@ def test_laws_are_in_use_as_long_as_what_is_given_is_the_same(given, name):
     d, _ = given
     d.walls.restitution[:], d.given.friction, d.given.static_friction = -1.0, 0.1, 0.3
     assert start_laws(d) == OK
-    assert own_law.are_laws_in_use(d)
+    assert candidate_laws.are_laws_in_use(d)
     d.given[name] += 1 if name == "law" else 0.25
-    assert not own_law.are_laws_in_use(d)
+    assert not candidate_laws.are_laws_in_use(d)
 
 
 @pytest.mark.parametrize("number", [law.number for law in CONTACT_LAWS.values() if law.allows_exponent(1.5)])
@@ -408,20 +408,20 @@ def test_a_wall_may_give_its_own_friction_and_a_stop_has_none(given, of_all, of_
     wall = d.candidate.wall[kinds[1]]
     d.walls.friction[wall], d.walls.static_friction[wall] = of_wall
     for c, pair in ((kinds[0], (of_all[0], max(of_all))), (kinds[1], right), (kinds[3], (0.0, 0.0))):
-        own_law.derive_damping(d, c)
-        own_law.set_law_parameters(d, c)
+        candidate_laws.derive_damping(d, c)
+        candidate_laws.set_law_parameters(d, c)
         assert (d.law.friction[c], d.law.static_friction[c]) == pair
         d.contact_settings.any_friction = 0
-        own_law.set_law_flags(d, c)
+        candidate_laws.set_law_flags(d, c)
         assert d.contact_settings.any_friction == (pair[1] > 0.0)
 
 
 @FRICTION
 def test_a_wall_with_friction_of_its_own_has_a_law_of_its_own(given, name):
     d, (c, *_) = given
-    assert own_law.law_origin(d, c) == own_law.COMMON_LAW
+    assert candidate_laws.law_origin(d, c) == candidate_laws.COMMON_LAW
     d.walls[name][d.candidate.wall[c]] = 0.0
-    assert own_law.law_origin(d, c) == d.candidate.wall[c]
+    assert candidate_laws.law_origin(d, c) == d.candidate.wall[c]
 
 
 @FRICTION
@@ -429,8 +429,8 @@ def test_rigid_walls_have_no_friction_but_stops_beside_them_may_be_rigid(given, 
     d, (c, *_, stop) = given
     rigid = NUMBER["newton_impact"]
     d.given[name], d.given.law, d.stops.law = 0.3, rigid, NUMBER["flores"]
-    assert own_law.check_law(d, c) == own_law.check_laws(d) == status.FRICTION_WITH_RIGID_WALLS
+    assert candidate_laws.check_law(d, c) == candidate_laws.check_laws(d) == status.FRICTION_WITH_RIGID_WALLS
     d.given.law, d.stops.law = NUMBER["flores"], rigid
-    assert own_law.check_law(d, stop) == own_law.check_laws(d) == OK
+    assert candidate_laws.check_law(d, stop) == candidate_laws.check_laws(d) == OK
     d.given[name], d.given.law = 0.0, rigid
-    assert own_law.check_laws(d) == OK
+    assert candidate_laws.check_laws(d) == OK

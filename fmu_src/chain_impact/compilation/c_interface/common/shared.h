@@ -9,7 +9,7 @@
 enum { REAL, INTEGER };
 enum { FIXED, TUNABLE, INPUT, OUTPUT, INDEPENDENT };
 
-/* fmu/model_bin.py: the structures of the file */
+/* fmu/model_bin.py: the structures of resources/model.bin in an FMU */
 #define TABLE_MAGIC "chaintab"
 
 typedef struct {

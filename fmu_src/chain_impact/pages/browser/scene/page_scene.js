@@ -71,7 +71,7 @@ function parametersOf(rows, others, values, { sceneNumbers }, byName) {
   });
 }
 
-/** Return words for each part of a scene that can be the reason for a fault, in the order of `parts_in_words` in candidates.py. */
+/** Return words for each part of a scene that can be the reason for a fault, in the order of `part_texts` in candidates.py. */
 function partsInWords({ file, pairs, stops, sliderStops, wallNames }, pointNames) {
   return [
     ...pairs.map(([point, wall]) => `${pointText(pointNames, point)} at the wall ${wallNames[wall]}`),
