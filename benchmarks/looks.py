@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
-from itertools import pairwise
+from collections.abc import Container, Iterable, Iterator, Sequence
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -17,11 +17,13 @@ from chain_impact.pictures.drawing.style import BLACK, BLUE, GREEN, PURPLE, VERM
 OURS, LIGHT_BLUE = VERMILLION, "#56b4e9"
 STYLE = style.STYLE | {"axes.grid": True, "axes.titlesize": "medium"}
 WIDTH = 190.0 / 25.4  # [inch] of a chart: that of a printed page, so that its text has the size of pictures
-# Names at curves: OFFSET: distance from a point [points]; CLEAR: enough distance from other curves [inch];
+# Names at curves: OFFSETS: distances from a point [points]; CLEAR: enough distance from other curves [inch];
 # SAMPLES of a piece of a curve; DARKENED: brightness of a name, in its colour; SIDES: right, above
 # OVERLAP: the least distance from a curve, which has markers [points]
-OFFSET, CLEAR, SAMPLES, DARKENED, OVERLAP = 4.5, 0.2, 30, 0.8, 3.0
+OFFSETS, CLEAR, SAMPLES, DARKENED, OVERLAP = (4.5, 8.0, 12.0, 16.0), 0.2, 30, 0.8, 3.0
 SIDES = ((0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1), (1, 0), (-1, 0))
+Place = tuple[Any, np.ndarray, np.ndarray, Bbox]
+"""The place of a name: its axes, a point of its curve [pixels], shift [points] and rectangle [pixels]."""
 LOOKS = {
     "chain-impact": (OURS, "o", "-"),
     "chain-impact, FMU": (OURS, "s", "--"),
@@ -48,29 +50,60 @@ def strong(ours: bool, colour: Any, marker: str, line: str = "-") -> dict[str, A
 def name_curves(figure: Any, panels: Sequence[Any]) -> None:
     """Write the name of each labelled curve once, beside a point of the curve in one of the panels.
 
-    The name is nearer to its curve than to others, by CLEAR or as much as possible; of equal places it has
-    the first. Other texts must be there before, and the layout of the figure must not change after that.
+    Curves without a free place for their name (``free_places``) have a key below the panels. Other texts
+    must be there before, and the layout of the figure must not change after that.
     """
+    lines = {line.get_label(): line for axes in panels for line in axes.lines}
+    wanted = {label for label in lines if not label.startswith("_")}
     figure.draw_without_rendering()
+    while unnamed := sorted(wanted - free_places(panels, wanted).keys()):
+        add_keys(figure, [lines[label] for label in unnamed])
+        wanted -= {*unnamed}
+        figure.draw_without_rendering()  # the keys need room, which moves the curves
+    places = free_places(panels, wanted)
     figure.set_layout_engine("none")
+    look: dict[str, Any] = {"xycoords": "figure pixels", "textcoords": "offset points"}
+    look |= {"ha": "center", "va": "center", "fontsize": "small", "in_layout": False}
+    for label, (axes, point, shift, _) in places.items():
+        colour = tuple(DARKENED * np.array(to_rgb(lines[label].get_color())))
+        axes.annotate(label, point, shift, color=colour, **look)
+
+
+def add_keys(figure: Any, lines: Sequence[Any]) -> None:
+    """Add keys of curves to the legend below the panels, or make this legend."""
+    keys = [*lines]
+    if figure.legends:
+        (legend,) = figure.legends
+        keys += [key for key in legend.legend_handles if key is not None]
+        legend.remove()
+    figure.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+
+
+def free_places(panels: Sequence[Any], wanted: Container[str]) -> dict[str, Place]:
+    """Return a place beside its curve for the name of each curve that has a free one.
+
+    A free place overlaps no text and no curve, and is nearer to its own curve than to others, by CLEAR or as
+    much as possible at the least of the OFFSETS with a free place. Of equal places the first one is taken.
+    """
     panel_curves = [[(line, samples(line)) for line in axes.lines] for axes in panels]
     taken = [text.get_window_extent() for axes in panels for text in axes.texts]
     panel_counts = Counter(line.get_label() for curves in panel_curves for line, _ in curves)
+    found: dict[str, Place] = {}
     for label in sorted(panel_counts, key=lambda name: (panel_counts[name], -len(name))):
-        places = [
-            (min(CLEAR * figure.dpi, clearance(box, line, curves, taken)), axes, line, point, shift)
-            for axes, curves in zip(panels, panel_curves, strict=True)
-            for line, points in curves
-            if line.get_label() == label and not label.startswith("_")
-            for point, shift, box in places_beside(axes, line, points)
-        ]
-        if places:
-            _, axes, line, point, shift = max(places, key=lambda place: place[0])
-            colour = tuple(DARKENED * np.array(to_rgb(line.get_color())))
-            look: dict[str, Any] = {"xycoords": "figure pixels", "textcoords": "offset points"}
-            look |= {"ha": "center", "va": "center", "fontsize": "small", "in_layout": False}
-            text = axes.annotate(label, point, shift, color=colour, **look)
-            taken.append(text.get_window_extent())
+        for offset in OFFSETS if label in wanted else ():
+            places = [
+                (min(CLEAR * axes.figure.dpi, clearance(place[3], line, curves, taken)), place)
+                for axes, curves in zip(panels, panel_curves, strict=True)
+                for line, points in curves
+                if line.get_label() == label
+                for place in places_beside(axes, line, points, offset)
+            ]
+            margin, place = max(places, key=lambda entry: entry[0], default=(0.0, None))
+            if place is not None and margin > 0.0:
+                found[label] = place
+                taken.append(place[3])
+                break
+    return found
 
 
 def samples(line: Any) -> np.ndarray:
@@ -102,14 +135,13 @@ def clearance(
     return distances[False] - distances[True]
 
 
-def places_beside(axes: Any, line: Any, points: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, Bbox]]:
-    """Yield places of a name beside its curve: point [pixels], shift [points], rectangle [pixels]."""
+def places_beside(axes: Any, line: Any, points: np.ndarray, offset: float) -> Iterator[Place]:
+    """Yield places of a name at a distance ``offset`` [points] from points of its curve."""
     probe = axes.text(0.0, 0.0, line.get_label(), fontsize="small", in_layout=False)
     size, pixel = probe.get_window_extent().size, axes.figure.dpi / 72.0
     probe.remove()
-    for point in points[:: SAMPLES // 6]:
-        for side in np.array(SIDES):
-            shift = side * (OFFSET * pixel + 0.5 * size)
-            box = Bbox([point + shift - 0.5 * size, point + shift + 0.5 * size])
-            if (box.min >= axes.bbox.min).all() and (box.max <= axes.bbox.max).all():
-                yield point, shift / pixel, box
+    for point, side in product(points[:: SAMPLES // 6], np.array(SIDES)):
+        shift = side * (offset * pixel + 0.5 * size)
+        box = Bbox([point + shift - 0.5 * size, point + shift + 0.5 * size])
+        if (box.min >= axes.bbox.min).all() and (box.max <= axes.bbox.max).all():
+            yield axes, point, shift / pixel, box

@@ -329,11 +329,11 @@ def draw(figure: Any, record: Any) -> None:
     ours, others = ([m for m in done if (m in OURS) == own] for own in (True, False))
     equal = [m for m in others if done[m] == cells]
     rest = [done[m] for m in others if done[m] < cells]
-    as_well = f", as do {' and '.join(equal)}" if equal else ""
+    of_others = f", as do {' and '.join(equal)}" if equal else ""
+    of_others += f"; others complete {min(rest)} to {max(rest)}" if rest else ""
     write_headline(
         figure,
-        f"chain-impact completes {min(done[m] for m in ours)} of {cells} runs{as_well}; "
-        f"others complete {min(rest)} to {max(rest)}",
+        f"chain-impact completes {min(done[m] for m in ours)} of {cells} runs{of_others}",
         f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  "
         f"in each title: completed runs, of {cells}",
     )

@@ -105,8 +105,8 @@ def headline(equal: list[dict[str, Any]]) -> tuple[str, str]:
     chosen = PEER if PEER in found else order[-1]
     parts = [f"{name} {_between(found[name])}" for name in order if name != chosen]
     title = f"chain-impact is {_between(found[chosen])} times as fast as {chosen} "
-    text = f"at equal error; as fast as others: {', '.join(parts)}" if parts else ""
-    return f"{title}at tolerance {decade(TOLD_AT)}", text
+    text = f"times as fast as others: {', '.join(parts)}" if parts else ""
+    return f"{title}at equal error (our tolerance {decade(TOLD_AT)})", text
 
 
 def _between(factors: list[float]) -> str:

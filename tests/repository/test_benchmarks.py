@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from scipy.io import savemat
 
@@ -143,9 +144,10 @@ def test_the_title_of_the_speeds_has_one_contender_at_one_tolerance(charts):
     ]
     factors = {name: [row[name] for row in times if name in row] for name in module.LOOKS}
     assert [low, high] == pytest.approx([min(factors[module.PEER]), max(factors[module.PEER])], rel=0.05)
-    assert title.endswith("at tolerance 1e-8")
+    assert title.endswith("at equal error (our tolerance 1e-8)")
     told = " ".join(text.get_text() for text in page.texts)
     others = {name for name in factors if factors[name]} - {module.PEER, *("chain-impact", "kernel alone")}
+    assert "times as fast as others: " in told
     assert all(f"{name} {min(factors[name]):.2g}" in told for name in others if "FMU" not in name)
 
 
@@ -163,22 +165,48 @@ def test_the_title_of_the_map_names_the_methods_that_complete_all_runs(charts):
     assert "over budget (2 s)" in [text.get_text() for text in page.legends[0].get_texts()]
 
 
+def test_the_title_of_the_map_names_no_others_if_all_methods_complete_all_runs(charts):
+    record = stored("stability")
+    results, settings = record["results"], record["settings"]
+    cells = len(settings["stiffnesses"]) * len(settings["restitutions"])
+    results["tally"] = {method: {"completed": cells} for method in results["tally"]}
+    assert "others" not in message(charts("stability"), record)[0]
+
+
+def test_a_curve_without_a_free_place_has_a_key_below_the_panels(charts):
+    page = Figure(layout="constrained")
+    axes = page.subplots()
+    for k in range(100):
+        axes.plot([0.0, 1.0], [k, k], label="crowded" if k == 50 else "_other")
+    page.legend(handles=[Line2D([], [], label="key")], loc="outside lower center")
+    charts("looks").name_curves(page, [axes])
+    assert not axes.texts
+    (legend,) = page.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["crowded", "key"]
+    assert legend.get_window_extent().y1 < axes.get_tightbbox().y0
+
+
 @pytest.mark.parametrize("name", ["work_precision", "friction", "rest"])
 def test_each_curve_has_its_name_once_beside_it(charts, name):
     _, page = message(charts(name), stored(name))
     panels = [axes for axes in page.axes if axes.lines]
     curves = {line.get_label(): line for axes in panels for line in axes.lines}
     names = [text for axes in panels for text in axes.texts if text.get_text() in curves]
-    assert sorted(text.get_text() for text in names) == sorted(
-        label for label in curves if not label.startswith("_")
-    )
+    told = [text.get_text() for legend in page.legends for text in legend.get_texts()]
+    told = [text.get_text() for text in names] + [text for text in told if text in curves]
+    assert sorted(told) == sorted(label for label in curves if not label.startswith("_"))
     for text in names:
         box, colour = text.get_window_extent(), curves[text.get_text()].get_color()
         ratio = np.array(to_rgb(text.get_color())) / np.maximum(to_rgb(colour), 1e-9)
         assert ratio[np.array(to_rgb(colour)) > 0.0] == pytest.approx(charts("looks").DARKENED)
-        points = [line.get_transform().transform(line.get_xydata()) for line in text.axes.lines]
-        points = np.concatenate(points)
-        assert not ((box.min < points) & (points < box.max)).all(axis=1).any(), text.get_text()
+        distances = {True: [], False: []}
+        for line in (line for line in text.axes.lines if len(line.get_xydata())):
+            places = line.get_transform().transform(line.get_xydata())
+            ways = np.linspace(0.0, len(places) - 1.0, 100 * len(places))
+            points = np.stack([np.interp(ways, np.arange(len(places)), part) for part in places.T], axis=1)
+            gaps = np.hypot(*np.maximum(np.maximum(box.min - points, points - box.max), 0.0).T)
+            distances[line.get_label() == text.get_text()].append(np.nanmin(gaps, initial=np.inf))
+        assert 0.0 < min(distances[True]) < min(distances[False], default=np.inf), text.get_text()
         assert sum(box.overlaps(other.get_window_extent()) for other in names if other.axes is text.axes) == 1
 
 
