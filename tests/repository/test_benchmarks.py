@@ -165,7 +165,7 @@ def test_the_title_of_the_map_names_the_methods_that_complete_all_runs(charts):
     assert "over budget (2 s)" in [text.get_text() for text in page.legends[0].get_texts()]
 
 
-def test_the_title_of_the_map_names_no_others_if_all_methods_complete_all_runs(charts):
+def test_the_title_of_the_map_names_no_others_if_all_complete_all_runs(charts):
     record = stored("stability")
     results, settings = record["results"], record["settings"]
     cells = len(settings["stiffnesses"]) * len(settings["restitutions"])

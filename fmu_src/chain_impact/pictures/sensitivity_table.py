@@ -42,8 +42,8 @@ SIGNED_STOPS = (
 )
 SIGNED_COLOURS = LinearSegmentedColormap.from_list("signed", SIGNED_STOPS).with_extremes(bad=OUTSIDE_COLOUR)
 NO_COLOURS = ListedColormap(["none"]).with_extremes(bad=OUTSIDE_COLOUR)
-# [%] |changes| below LEAST_CHANGE are written as 0; the colours end at a power of ten up to MOST_CHANGE,
-# beyond which a change is no prediction
+# [%] |changes| below LEAST_CHANGE are written as 0; the colours end at a power of ten up to MOST_CHANGE, and
+# larger changes have the colour of this end
 LEAST_CHANGE, MOST_CHANGE = 0.01, 10.0
 # the strength of a colour is linear up to the end of the colours divided by LOG_RANGE, and logarithmic from
 # there on; LINEAR_PART: the length of the linear part, relative to that of a decade

@@ -73,13 +73,15 @@ class SceneRecording(Recording):
         straight parts between rows. ``chain-impact simulate`` with ``--plot`` or ``--show`` simulates once
         more, with more rows, if there are fewer than 1000 rows.
 
-        Fonts and colours follow matplotlib's settings and style sheets.
+        Fonts follow matplotlib's settings and style sheets. In a dark style the picture is dark.
 
         Args:
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned, for a notebook; ``figure.axes`` have the names of panels as labels.
             kind: the name of a single panel, in place of ``panels``.
-            size: width and height [inches]; with the height None, the contents determine the height.
+            size: width and height [inches]; with the height None, the contents determine the height. A slim
+                motion stands beside the other panels, a broad one above them; a ball on a straight line is
+                drawn over time.
             panels: some of ``motion``, ``impact`` (the force of the hardest impact over its time),
                 ``energy``, ``impacts`` and ``friction``; by default those for which the result has data, but
                 for a single impact only one of ``impact`` and ``impacts``.
@@ -282,7 +284,8 @@ class SceneRecording(Recording):
         """Draw the changes of outputs, and of the peak forces of impacts, if each parameter grows by 1 %.
 
         The changes are of first order: the derivative times 1 % of the parameter, or times 0.01 of the
-        parameter's unit if its value is zero.
+        parameter's unit if its value is zero. An exponent is drawn only if the run's ``sensitivities`` name
+        it in full, because it changes the unit of the stiffness.
 
         Args:
             path: as for ``plot``.

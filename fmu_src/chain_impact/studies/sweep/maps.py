@@ -229,9 +229,9 @@ def _write_values(
     for row, column in np.argwhere(~np.ma.getmaskarray(shown_values)).tolist():
         cell_middle = (scales[0].middles[column], scales[1].middles[row])
         text_offset, va = (-4.0, "top") if [column, row] == marked_cell else (0.0, "center")
-        used_pixels = "black" if colour_fractions[row, column] > LIGHT_COLOUR else "white"
+        text_colour = "black" if colour_fractions[row, column] > LIGHT_COLOUR else "white"
         text = number_text(shown_values[row, column], digits)
-        look: dict[str, Any] = {"va": va, "ha": "center", "color": used_pixels, "fontsize": "x-small"}
+        look: dict[str, Any] = {"va": va, "ha": "center", "color": text_colour, "fontsize": "x-small"}
         look["gid"] = COLOURED_GROUND
         axes.annotate(text, cell_middle, (0.0, text_offset), textcoords="offset points", **look)
 
