@@ -60,7 +60,7 @@ def missing(d: Any) -> str:
     active = touch["active_index"][: touch["active_count"]]
     drawn = (d["law"]["approach_only"] & (d["law"]["friction"] > 0.0))[active]
     reasons = {
-        "points held by rigid walls": touch["active_count"] > touch["compliant_count"],
+        "points held by rigid walls": touch["active_count"] > touch["force_law_count"],
         "what sticks by dry friction": d["friction"]["stuck_count"] > 0,
         "dry friction of laws that damp on approach only": drawn.any(),
         "rotors of drives": d["chain"]["has_armatures"],

@@ -75,7 +75,7 @@ def groups() -> dict[str, list[ContactLaw]]:
     """Return formulas → the laws with these; laws with the same formulas share a curve."""
     found: dict[str, list[ContactLaw]] = {}
     for law in CONTACT_LAWS.values():
-        if not law.impulsive:
+        if not law.rigid:
             found.setdefault(f"{law.force} {law.formula}", []).append(law)
     return found
 

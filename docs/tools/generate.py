@@ -57,8 +57,8 @@ def filled(page: str) -> str:
 def contact_laws() -> str:
     """Return tables of all contact laws: the Hunt–Crossley family, the other forces, rigid walls."""
     family = [law for law in CONTACT_LAWS.values() if law.in_family]
-    rigid = [law for law in CONTACT_LAWS.values() if law.impulsive]
-    others = [law for law in CONTACT_LAWS.values() if not (law.in_family or law.impulsive)]
+    rigid = [law for law in CONTACT_LAWS.values() if law.rigid]
+    others = [law for law in CONTACT_LAWS.values() if not (law.in_family or law.rigid)]
     return "\n\n".join(
         [
             "### The Hunt–Crossley family",

@@ -132,12 +132,12 @@ def test_the_rate_after_events_is_worked_out_where_they_change_it(monkeypatch, c
 
 
 @pytest.mark.parametrize(
-    ("rigid", "compliant", "events", "right"),
+    ("rigid", "touching", "events", "right"),
     [(1, 0, 1, True), (0, 0, 1, False), (1, 1, 1, False), (1, 0, 0, False)],
 )
-def test_a_step_after_a_rigid_impact_is_as_in_flight(monkeypatch, rigid, compliant, events, right):
+def test_a_step_after_a_rigid_impact_is_as_in_flight(monkeypatch, rigid, touching, events, right):
     d = at_end_of_a_step()
-    if compliant:
+    if touching:
         mark_touching(d, [0])
     d.contact_settings.any_rigid, d.step.method = rigid, EXPLICIT
     monkeypatch.setattr(loop, "apply_pending_events", lambda _: (events, True))
@@ -228,7 +228,7 @@ def test_points_held_by_rigid_walls_are_found_again_after_a_change(held, changed
     y = locate_touching_state(np.random.default_rng(3), d, [0] * held, 0.0)
     y[d.link_count + 2 :] = 0.0  # at rest
     d.step.state_end[:], d.step.start, d.step.end = y, 0.4, 0.5
-    d.law.impulsive[0] = not changed
+    d.law.rigid[0] = not changed
     normal = np.array(normal_row(d, 0)[1:])
     d.chain.gravity[:] = (9.81 if pulled else -9.81) * normal
     handlers.recompute_active_set(d)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.constraints.impulses import UNSOLVED
+from chain_impact.kernel.constraints.impulses import OUTCOME_FORCES_NOT_FOUND
 from chain_impact.kernel.initialize import (
     ALLOWED_OVERLAP,
     check_parameters,
@@ -89,7 +89,7 @@ def test_joints_resist_that_have_a_damper_or_a_spring(dampers, springs, base):
 
 IMPACTS = ("onset", "impact_speed", "end", "separation_speed", "peak_force", "max_penetration", "impulse")
 CLEARED = {
-    "contacts": ("active", "active_index", "impact_number", "active_count", "compliant_count"),
+    "contacts": ("active", "active_index", "impact_number", "active_count", "force_law_count"),
     "impact": ("count", "last_wall", "last_speed"),
     "statistics": ("steps", "rejected_steps", "rhs_evaluations", "implicit_steps"),
     "budget": ("event_count", "cost_at_window", "cost_at_communication_step", "other_cost"),
@@ -203,7 +203,7 @@ def test_a_parameter_out_of_its_range_is_refused(record, field, value):
 def test_a_start_without_a_clearance_or_without_forces_is_refused():
     _, d = prepared()
     assert initialize(d, 0.0) == OK
-    d.constraints.outcome = UNSOLVED
+    d.constraints.outcome = OUTCOME_FORCES_NOT_FOUND
     assert check_start(d) == FORCES_NOT_FOUND
     d.candidate.offset[0] = math.nan
     assert check_start(d) == STARTS_INSIDE_WALL

@@ -219,7 +219,7 @@ def test_a_step_that_is_not_accurate_is_not_searched(monkeypatch):
     assert landing.noted == [("try", 1.0)]
 
 
-UNFOUND = [(SOLVED, False), (MOVING, True), (impulses.UNSOLVED, True)]
+UNFOUND = [(SOLVED, False), (MOVING, True), (impulses.OUTCOME_FORCES_NOT_FOUND, True)]
 
 
 @pytest.mark.parametrize(("unsolved", "refused"), UNFOUND)

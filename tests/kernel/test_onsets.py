@@ -76,7 +76,7 @@ def dropped(height=0.0, speed=-1.0, **contact):
     return scene_from_dict(scene | {"contact": contact}, "flat")
 
 
-@pytest.mark.parametrize("contact", [{}, {"model": "newton_impact"}], ids=["compliant", "rigid"])
+@pytest.mark.parametrize("contact", [{}, {"model": "newton_impact"}], ids=["force law", "rigid"])
 def test_an_onset_at_the_very_start_is_one(contact):
     stopping = Stopping(dropped(**contact))
     assert stopping.to_onset(0.5) == ONSET_DUE
@@ -116,7 +116,7 @@ def test_the_restitution_set_at_an_onset_is_that_of_its_impact():
 
 
 def test_a_law_set_at_an_onset_is_that_of_its_impact():
-    """The first impact has a rigid wall, and the second a compliant wall under which the contact lasts."""
+    """The first impact has a rigid wall, and the second a wall with a force law, under which it lasts."""
     stopping = Stopping(dropped(0.1, 0.0))
     lasting = []
     for law in (CONTACT_LAWS[name].number for name in ("newton_impact", "hunt_crossley")):

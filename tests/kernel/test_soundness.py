@@ -60,7 +60,7 @@ def test_without_candidates_no_contact_is_regularized():
 
 
 def test_each_candidate_has_a_law_once_a_run_has_started(d):
-    d.contacts.active_count = d.contacts.compliant_count = 0
+    d.contacts.active_count = d.contacts.force_law_count = 0
     d.law.number[3] = 0
     assert is_sound(d) == 0
     d.statistics.status = UNKNOWN_LAW  # a start that failed
@@ -82,7 +82,7 @@ BOUNDS = {
     ("latest", "requested_count"): (0, LATEST_COUNT),
     ("contact_log", "count"): (0, None),
     ("contacts", "active_count"): (0, 16),
-    ("contacts", "compliant_count"): (0, 0),
+    ("contacts", "force_law_count"): (0, 0),
     ("contacts", "active_index"): (0, 15),
     ("contacts", "active"): (0, 1),
     ("contacts", "event"): (0, NEIGHBOUR),
@@ -96,7 +96,7 @@ BOUNDS = {
 # lower and upper bounds for a chain of 4 links with 20 candidates and 24 elements: 2 contacts and 3 joints
 # have friction, and 2 of them stick
 OF_FRICTION = {
-    ("friction", "is_present"): (0, 1),
+    ("friction", "may_act"): (0, 1),
     ("friction", "active_count"): (2, 24),
     ("friction", "contact_count"): (2, 5),
     ("friction", "stuck_count"): (1, 5),
@@ -151,7 +151,7 @@ def test_each_index_has_its_least_and_its_most(record, field):
 def test_no_more_contacts_have_a_force_than_there_are():
     _, d = chain(np.random.default_rng(0), 3)
     mark_touching(d, [1, 4, 7])
-    assert_fits(d, "contacts", "compliant_count", None, ((0, True), (3, True), (4, False), (-1, False)))
+    assert_fits(d, "contacts", "force_law_count", None, ((0, True), (3, True), (4, False), (-1, False)))
 
 
 def test_a_law_may_be_missing_only_before_a_start_without_contacts():
@@ -213,7 +213,7 @@ def test_the_loops_over_a_signal_have_their_bounds(field):
 def test_a_record_without_room_for_friction_has_none():
     _, d = chain(np.random.default_rng(0), 3)
     assert d.friction_element_count == 0
-    for field in ("is_present", "active_count", "contact_count", "stuck_count", "stuck_joints"):
+    for field in ("may_act", "active_count", "contact_count", "stuck_count", "stuck_joints"):
         assert_fits(d, "friction", field, None, ((1, False), (0, True)))
 
 
@@ -221,7 +221,7 @@ def test_a_users_law_is_one_more(monkeypatch):
     _, d = chain(np.random.default_rng(0), 1)
     d.law.number[0] = LAW_COUNT + 1
     assert not is_record_sound(d)
-    monkeypatch.setattr(entry, "is_present", lambda: 1)
+    monkeypatch.setattr(entry, "has_user_law", lambda: 1)
     assert is_record_sound(d)
 
 

@@ -378,7 +378,7 @@ def test_a_contact_begins_with_a_simultaneous_rigid_impact(rigid, omegas, law):
 
 
 def test_a_held_joint_does_not_shorten_steps_after_an_impact():
-    """An arm rests on its rigid stop, while its tip bounces on a compliant floor."""
+    """An arm rests on its rigid stop, while its tip bounces on a floor with a force law."""
     links = [{"length": 0.5, "mass": 5.0, "joint_min": -0.1}, {"length": 0.3, "mass": 0.2}]
     scene = arm(
         links,

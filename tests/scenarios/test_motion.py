@@ -131,7 +131,7 @@ def test_a_chain_at_rest_on_an_accelerating_floor_does_not_creep(model):
 
     result = simulate(resting(model), inputs={"wall.y_min.displacement": height})
     gap = (result["point[0].y"] - height(result.time))[100:]
-    # a compliant wall deforms where it accelerates: δ = (m (g + a)/2K)^(2/3)
+    # a wall with a force law deforms where it accelerates: δ = (m (g + a)/2K)^(2/3)
     acceleration = 0.5 * 1e-4 * np.cos(0.01 * result.time[100:])
     depth = 0.0 if model == "newton_impact" else (0.5 * (G + acceleration) / 1e6) ** (2 / 3)
     assert np.abs(gap + depth).max() < (1e-12 if model == "newton_impact" else 1e-11)

@@ -39,7 +39,7 @@ HOOK_SIGNATURES: dict[FunctionType, Any] = {
 }
 # function of the kernel → numba's type of the C function that replaces it in a library
 EXTERNAL: dict[Any, types.Type] = {
-    user_law.is_present: types.ExternalFunction(LAW_PRESENT, int64()),
+    user_law.has_user_law: types.ExternalFunction(LAW_PRESENT, int64()),
     user_law.force: types.ExternalFunction(LAW_FORCE, float64(*[float64] * len(user_law.LAW_ARGUMENTS))),
     **{hook: types.ExternalFunction(hook.__name__, kind) for hook, kind in HOOK_SIGNATURES.items()},
 }

@@ -17,13 +17,13 @@ from chain_impact.kernel.chain.inputs import (
     limit_to_input_piece,
     withdraw_request,
 )
-from chain_impact.kernel.constraints.impulses import SOLVED, UNSOLVED, clear_outcome
+from chain_impact.kernel.constraints.impulses import OUTCOME_FORCES_NOT_FOUND, SOLVED, clear_outcome
 from chain_impact.kernel.cost import (
     UNLIMITED,
     begin_communication_step,
-    check_cost,
-    check_events,
+    check_and_renew_cost_window,
     cost_so_far,
+    count_events,
     count_rejected_step,
     count_step,
     is_cost_exceeded,
@@ -229,7 +229,7 @@ def apply_pending_inputs(d):
 
 def latch_active_contacts(d):
     """Latch damping and expected penetration again, for contacts with a force law: laws may have changed."""
-    for k in range(d.contacts.compliant_count):
+    for k in range(d.contacts.force_law_count):
         latch_penetration_and_damping(d, d.contacts.active_index[k])
 
 
@@ -246,7 +246,7 @@ def take_accepted_step(d):
     if d.signal_count > 0 and status == OK:
         status = check_segments(d)
     if status == OK:
-        status = check_solved(d, check_events(d, begin_step(d)))
+        status = check_solved(d, count_events(d, begin_step(d)))
     if status == OK:
         status = shrink_until_accepted(d)
     if status == OK:
@@ -256,12 +256,12 @@ def take_accepted_step(d):
         end_where_wall_meets_base(d)
     if status == OK and d.signal_count > 0:
         end_at_segment(d)
-    return status if status != OK else check_cost(d)
+    return status if status != OK else check_and_renew_cost_window(d)
 
 
 def check_solved(d, status):
     """Return ``status`` or, if it is OK but forces or modes at an event were not found, FORCES_NOT_FOUND."""
-    return FORCES_NOT_FOUND if status == OK and d.constraints.outcome == UNSOLVED else status
+    return FORCES_NOT_FOUND if status == OK and d.constraints.outcome == OUTCOME_FORCES_NOT_FOUND else status
 
 
 def shrink_until_accepted(d):
@@ -354,7 +354,7 @@ def begin_step(d):
         step_control.limit_next_size(
             d, step_control.size_in_flight(d, d.step.state_end, d.scratch.rate_start)
         )
-    has_landed = events > 0 and d.contact_settings.any_rigid and d.contacts.compliant_count == 0
+    has_landed = events > 0 and d.contact_settings.any_rigid and d.contacts.force_law_count == 0
     if has_landed and not is_implicit(d):
         step_control.limit_next_size(
             d, step_control.size_in_flight(d, d.step.state_end, d.scratch.rate_start)

@@ -94,7 +94,7 @@ def allow_any_length(d):
     d.budget.cost_at_communication_step = UNLIMITED
 
 
-def check_cost(d):
+def check_and_renew_cost_window(d):
     """Return TOO_MUCH_WORK, STEP_TOO_LONG or OK, and begin a new window of cost when one has passed.
 
     TOO_MUCH_WORK: the present window costs more than `solver.work_limit` allows. STEP_TOO_LONG: the present
@@ -111,7 +111,7 @@ def check_cost(d):
     return OK
 
 
-def check_events(d, events):
+def count_events(d, events):
     """Add the number ``events`` to the count of events in the present EVENT_WINDOW; return a status.
 
     The status is EVENT_STORM if the count exceeds MOST_EVENTS × n, else OK. The comment on MOST_EVENTS
@@ -123,6 +123,6 @@ def check_events(d, events):
         budget.event_count = 0
     budget.event_count += events
     elements = d.candidate_count + (
-        d.link_count + d.slides if d.friction.is_present or d.chain.has_drive_limits else 0
+        d.link_count + d.slides if d.friction.may_act or d.chain.has_drive_limits else 0
     )
     return OK if budget.event_count <= MOST_EVENTS * elements else EVENT_STORM

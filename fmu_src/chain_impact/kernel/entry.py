@@ -20,7 +20,7 @@ from chain_impact.kernel.cost import (
 from chain_impact.kernel.events.contact_log import mark_collected, update_to_communication_point
 from chain_impact.kernel.events.friction_modes import clear_changes
 from chain_impact.kernel.forces.laws import LAW_COUNT
-from chain_impact.kernel.forces.user_law import is_present
+from chain_impact.kernel.forces.user_law import has_user_law
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe, observe_state, refill_outputs_but_integrals
 from chain_impact.kernel.ode.last_step import return_to_stored_state, store_output_state
@@ -54,8 +54,8 @@ def are_indices_sound(d):
 
 def are_relations_sound(d):
     """Return whether indices and counts whose bounds depend on other numbers are within these bounds."""
-    laws = LAW_COUNT + is_present()
-    fits = d.contact_log.count >= 0 and is_within(d.contacts.compliant_count, 0, d.contacts.active_count)
+    laws = LAW_COUNT + has_user_law()
+    fits = d.contact_log.count >= 0 and is_within(d.contacts.force_law_count, 0, d.contacts.active_count)
     fits = fits and is_within(d.chain.base_moves, 0, d.channel_count // 2)
     for c in range(d.candidate_count):
         fits = fits and is_candidate_sound(d, c)
@@ -90,9 +90,7 @@ def are_friction_counts_sound(d):
     with friction; the count of sticking joints and slider is at most that of all sticking elements.
     """
     friction = d.friction
-    fits = (
-        is_within(friction.is_present, 0, min(1, d.friction_element_count)) and d.friction_changes.count >= 0
-    )
+    fits = is_within(friction.may_act, 0, min(1, d.friction_element_count)) and d.friction_changes.count >= 0
     fits = fits and is_within(friction.contact_count, 0, min(friction.active_count, d.candidate_count))
     fits = fits and is_within(friction.stuck_count, 0, friction.active_count)
     return fits and is_within(friction.stuck_joints, 0, friction.stuck_count)

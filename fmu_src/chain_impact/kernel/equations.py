@@ -31,8 +31,12 @@ from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.constraints.impulses import any_constraint, clear_outcome
 from chain_impact.kernel.forces.active_contacts import set_forces_of_step, set_true_forces
 from chain_impact.kernel.forces.force_formula import clear_crossings, elastic_energy
-from chain_impact.kernel.forces.friction import clear_friction_margins, static_power
-from chain_impact.kernel.forces.holding import add_constraint_forces, clear_least_forces, power_of_motion
+from chain_impact.kernel.forces.friction import add_power_of_sticking, clear_friction_margins
+from chain_impact.kernel.forces.holding import (
+    add_constraint_forces,
+    clear_least_forces,
+    power_of_prescribed_motions,
+)
 from chain_impact.kernel.function_marks import inlined
 from chain_impact.kernel.record.state import (
     coordinate_count,
@@ -66,7 +70,7 @@ def stored_energy(d, y):
     The points must be located.
     """
     energy = spring_energy(d, y) if d.chain.has_springs else 0.0
-    for k in range(d.contacts.compliant_count):
+    for k in range(d.contacts.force_law_count):
         c = d.contacts.active_index[k]
         clearance, _ = clearance_and_rate(d, c)
         if clearance < 0.0:
@@ -151,9 +155,9 @@ def add_constraints(d, y, rate):
     """
     if any_constraint(d):
         add_constraint_forces(d, y, rate)
-        rate[dissipated_at(d.link_count)] += static_power(d)
+        rate[dissipated_at(d.link_count)] += add_power_of_sticking(d)
     if d.channel_count > 0:
-        rate[supplied_at(d.link_count)] += power_of_motion(d, y, rate)
+        rate[supplied_at(d.link_count)] += power_of_prescribed_motions(d, y, rate)
 
 
 def free_rate_from_inputs(d, y, rate):

@@ -21,7 +21,7 @@ from chain_impact.kernel.constraints.geometry import (
     is_at_joint_stop,
     set_candidate_rows,
 )
-from chain_impact.kernel.constraints.impulses import UNSOLVED, clear_outcome
+from chain_impact.kernel.constraints.impulses import OUTCOME_FORCES_NOT_FOUND, clear_outcome
 from chain_impact.kernel.cost import begin_windows
 from chain_impact.kernel.equations import mechanical_energy, rate_from_state, stored_energy
 from chain_impact.kernel.events.base_at_wall import check_base_at_walls
@@ -315,4 +315,4 @@ def check_start(d):
             return refuse_part(d, CANDIDATE_PART, c, STARTS_INSIDE_WALL)
     if d.channel_count > 0 and check_base_at_walls(d) != OK:
         return BASE_BEYOND_WALL
-    return FORCES_NOT_FOUND if d.constraints.outcome == UNSOLVED else OK
+    return FORCES_NOT_FOUND if d.constraints.outcome == OUTCOME_FORCES_NOT_FOUND else OK

@@ -6,7 +6,7 @@ after the next step or ``event_update``.
 """
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.chain.drives import drive_component, lever_of_drive
+from chain_impact.kernel.chain.drives import drive_component, length_per_coordinate
 from chain_impact.kernel.chain.inputs import ensure_inputs
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.signals import signal_at
@@ -175,7 +175,7 @@ def fill_forces(d):
     for k in range(d.contacts.active_count):
         c = d.contacts.active_index[k]
         clearance, clearance_rate = clearance_and_rate(d, c)
-        if d.law.impulsive[c]:
+        if d.law.rigid[c]:
             out.force[c] = max(0.0, d.constraints.impulse[k])
         elif clearance < 0.0:
             out.force[c] = d.contacts.force[c]
@@ -194,7 +194,7 @@ def fill_friction(d):
         sticks = 1.0 if mode == STICKS else 0.0
         if e >= d.candidate_count:
             k = drive_of_element(d, e)
-            out.drive_friction[k] = lever_of_drive(d, k) * d.friction_element.force[e]
+            out.drive_friction[k] = length_per_coordinate(d, k) * d.friction_element.force[e]
             out.drive_sticking[k] = sticks
         else:
             out.sticking[e] = sticks

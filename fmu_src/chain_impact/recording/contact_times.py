@@ -36,7 +36,7 @@ def contact_ends(recording: Recording) -> np.ndarray:
 
 def has_impulses(law: str) -> bool:
     """Return whether a contact law, by its id, acts by impulses; False for a user's law or an unknown law."""
-    return law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive
+    return law in CONTACT_LAWS and CONTACT_LAWS[law].rigid
 
 
 def law_at(recording: Recording, *, is_stop: bool) -> str:

@@ -17,7 +17,7 @@ from itertools import combinations
 
 import numpy as np
 
-from chain_impact.kernel.events.impacts import LEAST_REBOUND_SPEED
+from chain_impact.kernel.events.rigid_impacts import LEAST_REBOUND_SPEED
 from chain_impact.kernel.status import ONSET_DUE
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import Instance

@@ -200,7 +200,7 @@ def contact(draw: Draw, count: int, base: str) -> dict[str, Any]:
         "radius": draw.power(1e-3, 0.03) * draw.chance(0.3),
         "points": [k for k in movable if draw.chance(0.3)],
     }
-    if draw.chance(0.5) and not law.impulsive:
+    if draw.chance(0.5) and not law.rigid:
         found["friction"] = draw.real(0.05, 1.2)
         found["static_friction"] = found["friction"] * draw.one((0.0, draw.real(1.0, 1.4)))
     return found
@@ -283,7 +283,7 @@ def wrong_motion(run: Result) -> list[str]:
             of = f"contact[{point}].{name}."
             push, depth = run[f"{of}force"][row], run[f"{of}penetration"][row]
             gap = place.gap[0, c].real - model.value(f"wall.{name}.displacement")[0].real
-            rigid = CONTACT_LAWS[scene.contact.model].impulsive
+            rigid = CONTACT_LAWS[scene.contact.model].rigid
             if gap < -max(DEEP, 30.0 * scene.solver.tolerance) and not (rigid or depth > 0.0):
                 found.append(f"behind: {of} is {-gap:.1e} beyond, without contact, at {run.time[row]:g} s")
             if depth > 0.0 and abs(depth + gap) > DEEP:

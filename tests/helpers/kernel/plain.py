@@ -122,20 +122,20 @@ initialized.is_shared = True
 
 def make_rigid(d: Plain, rigid: Any = 1) -> None:
     """Set whether contacts are rigid (1) or have a force (0), with one value for all or one for each."""
-    d.law.impulsive[:] = rigid
-    d.contact_settings.any_rigid, d.contact_settings.any_force = (
-        int(d.law.impulsive.any()),
-        int(not d.law.impulsive.all()),
+    d.law.rigid[:] = rigid
+    d.contact_settings.any_rigid, d.contact_settings.any_force_law = (
+        int(d.law.rigid.any()),
+        int(not d.law.rigid.all()),
     )
     pack(d)
 
 
 def pack(d: Plain) -> None:
     """Pack the active contacts as the solver does, those with a force first, and reset the quadratures."""
-    packed = sorted(np.flatnonzero(d.contacts.active), key=lambda c: d.law.impulsive[c])
+    packed = sorted(np.flatnonzero(d.contacts.active), key=lambda c: d.law.rigid[c])
     d.contacts.active_index[: len(packed)] = packed
     d.contacts.active_count = len(packed)
-    d.contacts.compliant_count = sum(not d.law.impulsive[c] for c in packed)
+    d.contacts.force_law_count = sum(not d.law.rigid[c] for c in packed)
     d.contacts.joint_stop_count = sum(is_at_joint_stop(d, c) for c in packed)
-    d.constraints.in_active_set[: d.contacts.compliant_count] = 0
+    d.constraints.in_active_set[: d.contacts.force_law_count] = 0
     reset_quadratures(d)

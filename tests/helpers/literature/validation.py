@@ -162,7 +162,7 @@ def elastic_ball(tolerance: float) -> Problem:
     return problem(model, result, figures)
 
 
-# --- one compliant contact -----------------------------------------------------------------------------
+# --- one contact with a force law ----------------------------------------------------------------
 
 RESTITUTIONS = (0.2, 0.4, 0.6, 0.8)
 OXIDE = {"length": 0.0025, "young": 3.8e11, "poisson": 0.23, "density": 4000.0, "speed": 3.9}

@@ -16,7 +16,7 @@ from chain_impact.kernel.chain.mass_matrix_solver import HELD, clear_impedance, 
 from chain_impact.kernel.constraints.constraint_response import solve_in_space
 from chain_impact.kernel.constraints.geometry import add_joint_impedances, clear_used_forces
 from chain_impact.kernel.equations import mechanical_energy, rate_from_state
-from chain_impact.kernel.forces.active_contacts import begin_force_contact, list_active_contacts
+from chain_impact.kernel.forces.active_contacts import begin_force_law_contact, list_active_contacts
 from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.kernel.plain import initialized
 
@@ -147,7 +147,7 @@ def test_accelerations_by_forces_at_sites_agree_with_lagrange(moving):
     d.candidate.offset[:] = 0.3  # the floor is above some points
     locate_points(d, y)
     for c in range(d.candidate_count):
-        begin_force_contact(d, c)
+        begin_force_law_contact(d, c)
     list_active_contacts(d)
     rate = np.zeros_like(y)
     rate_from_state(d, y, rate)

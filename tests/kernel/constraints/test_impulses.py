@@ -130,9 +130,9 @@ def test_points_that_cannot_be_held_are_told_by_what_is_left():
         impulses.clear_outcome(d)
         impulses.note_moving(d, tolerated)
         assert d.constraints.outcome == noted
-    impulses.note_unsolved(d)
+    impulses.note_forces_not_found(d)
     impulses.note_moving(d, 0.5)
-    assert d.constraints.outcome == impulses.UNSOLVED
+    assert d.constraints.outcome == impulses.OUTCOME_FORCES_NOT_FOUND
 
 
 @pytest.mark.parametrize("part", [0.5, 1.0, 2.0])

@@ -222,12 +222,12 @@ def test_contacts_are_followed_to_the_communication_point_at_no_cost(monkeypatch
 
 
 @pytest.mark.parametrize("kept", [0, 4])
-@pytest.mark.parametrize("impulsive", [0, 1])
-def test_the_state_of_contacts_is_noted_at_the_communication_point(impulsive, kept):
+@pytest.mark.parametrize("rigid", [0, 1])
+def test_the_state_of_contacts_is_noted_at_the_communication_point(rigid, kept):
     for until in (0.1, 0.6):
         d, motion = pressed(TURNING)
         d.latest.requested_count = kept
-        make_rigid(d, impulsive)
+        make_rigid(d, rigid)
         d.latest.end[0] = -1.0
         d.contacts.impact_number[1] = d.impact.count = 5
         d.step.communication_point = d.step.start + until
@@ -236,7 +236,7 @@ def test_the_state_of_contacts_is_noted_at_the_communication_point(impulsive, ke
         accelerate_points(d, y, motion.at(until, 1))
         d.output.force[1] = contact_force(d, 1, *clearance_and_rate(d, 1))
         d.output.impulse[1], d.quadrature.impulse_at_onset[1] = 7.5, 3.0
-        d.contacts.peak_force[1] = 0.1 * (1 - impulsive) + 50.0 * impulsive
+        d.contacts.peak_force[1] = 0.1 * (1 - rigid) + 50.0 * rigid
         contact_log.list_latest(d)
         latest = d.latest
         if kept == 0:
@@ -246,9 +246,9 @@ def test_the_state_of_contacts_is_noted_at_the_communication_point(impulsive, ke
         assert latest.end[0] == d.step.communication_point
         assert latest.impulse[0] == 4.5
         assert latest.separation_speed[0] == pytest.approx(y[d.link_count + 3], rel=1e-12)
-        force = 50.0 if impulsive else forces(d, t, TURNING).max()
+        force = 50.0 if rigid else forces(d, t, TURNING).max()
         assert latest.peak_force[0] == pytest.approx(force, rel=1e-6)
-        deepest = 0.0 if impulsive else depth(t, TURNING).max()
+        deepest = 0.0 if rigid else depth(t, TURNING).max()
         assert latest.max_penetration[0] == pytest.approx(deepest, rel=1e-6)
         there(d, points_of(d, y))
 
@@ -276,10 +276,10 @@ def test_the_peak_of_a_holding_force_is_found_by_parabolas_through_samples(size)
 
 
 @pytest.mark.parametrize("rate", [0.4, -0.4])
-@pytest.mark.parametrize("impulsive", [0, 1])
-def test_a_contact_that_ends_is_a_row_of_the_log(impulsive, rate):
+@pytest.mark.parametrize("rigid", [0, 1])
+def test_a_contact_that_ends_is_a_row_of_the_log(rigid, rate):
     d, _ = pressed([0.0, rate, 0.0])
-    make_rigid(d, impulsive)
+    make_rigid(d, rigid)
     size = len(d.contact_log.point)
     for count in (0, 5, size + 2):  # the oldest are lost
         d.contact_log.count = count
@@ -288,7 +288,7 @@ def test_a_contact_that_ends_is_a_row_of_the_log(impulsive, rate):
             d.contacts[name][1] = value + count
         d.quadrature.integral[1], d.quadrature.impulse_at_onset[1] = 8.0, 6.5
         d.contacts.active[1] = 1
-        contact_log.end_contact(d, 1, impulsive)
+        contact_log.end_contact(d, 1, rigid)
         assert not d.contacts.active[1]
         log, row = d.contact_log, count % size
         assert log.impact_number[row] == d.contacts.impact_number[1]
@@ -297,7 +297,7 @@ def test_a_contact_that_ends_is_a_row_of_the_log(impulsive, rate):
         assert log.onset[row] == 1.5 + count
         assert log.end[row] == d.step.end
         assert log.impact_speed[row] == 0.7 + count
-        leaves = max(0.0, rate) if impulsive else rate
+        leaves = max(0.0, rate) if rigid else rate
         assert log.separation_speed[row] == pytest.approx(leaves, rel=1e-12)
         assert log.peak_force[row] == 9.0 + count
         assert log.max_penetration[row] == 0.3 + count

@@ -110,7 +110,7 @@ def test_the_search_follows_free_candidates_but_no_held_ones(held):
     for c in (near, resting):
         wall_at(d, c, motion.at(0.0), 0.4)
     if held:
-        d.law.impulsive[resting] = 1
+        d.law.rigid[resting] = 1
         mark_touching(d, [resting])
     assert not event_exclusion.excludes_events(d)
     suspects = d.search.suspect_index[: d.search.suspect_count].tolist()
@@ -259,16 +259,16 @@ def test_a_contact_is_nearly_fast_at_three_quarters_of_the_relatch_speed(speed, 
     d.scratch.velocity.x[point] = -3.0 * end * d.candidate.normal_x[0]
     d.scratch.velocity.y[point] = -3.0 * end * d.candidate.normal_y[0]
     expected = max(speed, end) > event_exclusion.NEARLY_FAST * event_exclusion.RELATCH_RATIO
-    assert event_exclusion.is_nearly_fast(d, 0) == expected
+    assert event_exclusion.may_relatch(d, 0) == expected
     d.contacts.kink_crossed[0] = 0
     assert event_exclusion.force_stays_smooth(d, 0) == (not expected)
     d.contacts.kink_crossed[0] = 1
     assert not event_exclusion.force_stays_smooth(d, 0)
 
 
-@pytest.mark.parametrize("impulsive", [0, 1])
+@pytest.mark.parametrize("rigid", [0, 1])
 @pytest.mark.parametrize("regularized", [-1, 2])
-def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regularized, impulsive):
+def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regularized, rigid):
     """φ′ = p φ̇ with p = u/(1 + u²); the regularized contact uses u and u′.
 
     A held point cannot touch again.
@@ -279,7 +279,7 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
     y[sundman_u_at(2)] = u
     locate_points(d, y)
     d.step.regularized_candidate = regularized
-    make_rigid(d, impulsive)
+    make_rigid(d, rigid)
     d.contacts.expected_penetration[:] = 0.3
     mark_touching(d, [2, 4])
     pace = 1.0 if regularized < 0 else u / (1.0 + u * u)
@@ -291,7 +291,7 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
         gap, rate = clearance_and_rate(d, c)
         sign = -1.0 if c in (2, 4) else 1.0
         expected = sign * gap, sign * pace * rate
-        if c in (2, 4) and impulsive:
+        if c in (2, 4) and rigid:
             expected = math.inf, 0.0
         if c == regularized:
             expected = found

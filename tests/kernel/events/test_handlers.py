@@ -277,9 +277,9 @@ def test_a_force_bends_where_it_ends_or_has_its_kink_in_time(whose, regularized,
     ("hits", "touching", "flies"), [(True, [], True), (True, [0], False), (False, [0], False)]
 )
 def test_after_an_impact_on_rigid_walls_alone_a_flight_begins(hits, touching, flies):
-    """With a compliant contact in force, its events decide instead, as without rigid walls."""
+    """With a contact with a force law, its events decide instead, as without rigid walls."""
     d = arrived(touching=touching)
-    d.law.impulsive[C], d.contacts.event[C], d.step.method = 1, ONSET if hits else NO_EVENT, IMPLICIT
+    d.law.rigid[C], d.contacts.event[C], d.step.method = 1, ONSET if hits else NO_EVENT, IMPLICIT
     assert apply_events(d) == hits
     assert begins_explicit(d) == flies
     assert d.step.method == (EXPLICIT if flies else IMPLICIT)

@@ -91,7 +91,7 @@ def test_slopes_at_the_points_are_those_of_the_law(law):
 @pytest.mark.parametrize("law", ["zhang_sharf", "jankowski", "newton_impact"])
 @pytest.mark.parametrize("speed", [2.0, 1e-4, 0.0, -0.5])
 def test_a_contact_begins_with_what_the_impact_is(law, speed):
-    """v₀ has a lower bound. Of a compliant law the depth is that of an elastic impact.
+    """v₀ has a lower bound. Of a force law the depth is that of an elastic impact.
 
     K δⁿ⁺¹/(n+1) = ½ m v₀². Of the rigid law it is the length of the longest link.
     """
@@ -177,12 +177,12 @@ def test_contacts_with_a_force_are_listed_first_and_no_impulse_holds_them(touchi
     _, d = chain(np.random.default_rng(0), 3)
     mark_touching(d, touching)
     make_rigid(d, np.isin(np.arange(d.candidate_count), list(rigid)))
-    d.contacts.active_count = d.contacts.compliant_count = 5
+    d.contacts.active_count = d.contacts.force_law_count = 5
     d.contacts.active_index[:], listings = 11, int(d.contacts.contact_set)
     active_contacts.list_active_contacts(d)
     forces = [c for c in touching if c not in rigid]
     held = [c for c in touching if c in rigid]
-    assert d.contacts.compliant_count == len(forces)
+    assert d.contacts.force_law_count == len(forces)
     assert d.contacts.active_index[: d.contacts.active_count].tolist() == forces + held
     impulses.activate_all(d)
     assert not d.constraints.in_active_set[: len(forces)].any()

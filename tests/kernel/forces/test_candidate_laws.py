@@ -30,7 +30,7 @@ def restitution_for(law, e=0.7):
 
 def laws_of(d):
     """Return all that is known of the laws, for a comparison."""
-    return d.law.tobytes(), d.contact_settings.any_force, d.contact_settings.any_rigid
+    return d.law.tobytes(), d.contact_settings.any_force_law, d.contact_settings.any_rigid
 
 
 @pytest.fixture
@@ -68,8 +68,8 @@ def test_a_law_gets_the_numbers_of_the_registry(law):
     assert (own.rate_exponent == p).all()
     assert (own.approach_only == law.approach_only).all()
     assert (own.damping_factor == law.damping_factor(restitution_for(law))).all()
-    assert (own.impulsive == law.impulsive).all()
-    assert (d.contact_settings.any_rigid, d.contact_settings.any_force) == (law.impulsive, not law.impulsive)
+    assert (own.rigid == law.rigid).all()
+    assert (d.contact_settings.any_rigid, d.contact_settings.any_force_law) == (law.rigid, not law.rigid)
 
 
 @pytest.mark.parametrize(
@@ -94,16 +94,16 @@ def test_a_law_with_infinite_damping_at_restitution_0_refuses_it(law):
 
 
 def test_a_users_law_has_no_factor(given, monkeypatch):
-    monkeypatch.setattr(user_law, "is_present", lambda: 1)
+    monkeypatch.setattr(user_law, "has_user_law", lambda: 1)
     d, (c, *_) = given
     d.given.law, d.law.damping_factor[:] = USER_LAW, 5.0
-    d.law.approach_only[:] = d.law.impulsive[:] = 1
+    d.law.approach_only[:] = d.law.rigid[:] = 1
     assert start_laws(d) == OK
     for name, value in (
         ("damping_factor", 0.0),
         ("rate_exponent", 1.5),
         ("approach_only", 0),
-        ("impulsive", 0),
+        ("rigid", 0),
     ):
         assert d.law[name][c] == value
     d.given.law = USER_LAW + 1
@@ -208,7 +208,7 @@ def test_a_wall_that_becomes_rigid_derives_no_expected_penetration(lasting):
     lasting.contacts.expected_penetration[:] = 5.0
     make_rigid(lasting)
     change_law(lasting, "newton_impact", 0.5)
-    assert lasting.law.impulsive.all()
+    assert lasting.law.rigid.all()
     assert (lasting.contacts.expected_penetration == 5.0).all()
 
 
@@ -229,7 +229,7 @@ def test_walls_and_stops_may_have_their_own_stiffness(given):
     assert d.law.exponent[kinds].tolist() == [1.5, 1.5, 1.5, 1.0]
     assert d.law.minimum_impact_speed[kinds] == pytest.approx([1e-3, 1e-3, 1e-3, 2e-3 * SIZE], rel=1e-13)
     assert d.law.harmless_depth[kinds] == pytest.approx([harmless] * 4, rel=1e-13)
-    d.law.impulsive[first] = 1
+    d.law.rigid[first] = 1
     candidate_laws.set_law_parameters(d, first)
     assert d.law.harmless_depth[first] == 0.0
 
@@ -275,8 +275,8 @@ def test_candidates_of_one_origin_have_the_same_law_in_all_parts(number):
 
 @pytest.mark.parametrize("law", CONTACT_LAWS.values(), ids=lambda law: law.id)
 def test_the_table_of_laws_says_which_walls_are_rigid(law):
-    assert laws.is_impulsive(law.number) == law.impulsive
-    assert not laws.is_impulsive(laws.LAW_COUNT + 1)  # a user's law
+    assert laws.is_rigid(law.number) == law.rigid
+    assert not laws.is_rigid(laws.LAW_COUNT + 1)  # a user's law
 
 
 @pytest.mark.parametrize("value", [math.nan, 0.0, -1.0])
@@ -310,14 +310,14 @@ def test_stops_have_a_law_of_their_own(law):
     assert d.law.number[c] == law.number
     assert d.law.number[0] == d.given.law != law.number or law.id == "zhang_sharf"
     assert d.law.minimum_impact_speed[c] == pytest.approx(0.02 * d.chain.longest_link, rel=1e-14)
-    assert d.law.impulsive[c] == law.impulsive
+    assert d.law.rigid[c] == law.rigid
     assert d.law.restitution[c] == restitution_for(law)
 
 
 @pytest.mark.parametrize("angle", [1e-3, 0.2])
 @pytest.mark.parametrize("rate", [1.3, -0.4])
 @pytest.mark.parametrize(
-    "law", [law for law in CONTACT_LAWS.values() if not law.impulsive], ids=lambda law: law.id
+    "law", [law for law in CONTACT_LAWS.values() if not law.rigid], ids=lambda law: law.id
 )
 def test_the_law_of_a_stop_is_that_of_an_angle(law, rate, angle):
     """M = K φⁿ + d φᵖ φ̇, with d from K, v₀ in rad/s and the inertia; here F = M/s at δ = s φ."""
@@ -338,7 +338,7 @@ def test_the_law_of_a_stop_is_that_of_an_angle(law, rate, angle):
 
 def test_a_users_law_of_a_stop_takes_and_returns_what_belongs_to_angles(monkeypatch):
     told = []
-    monkeypatch.setattr(user_law, "is_present", lambda: 1)
+    monkeypatch.setattr(user_law, "has_user_law", lambda: 1)
     monkeypatch.setattr(user_law, "force", lambda *arguments: told.append(arguments) or 12.0)
     _, d = stopped_chain(2)
     size, d.stops.law = d.chain.longest_link, USER_LAW
@@ -362,8 +362,8 @@ def test_a_contact_with_a_force_cannot_become_rigid():
     assert laws_of(d) == before
     d.stops.law = kept
     assert update_laws(d) == OK
-    assert (d.law.impulsive == (d.candidate.stop == 0)).all()
-    assert (d.contact_settings.any_rigid, d.contact_settings.any_force) == (1, 1)
+    assert (d.law.rigid == (d.candidate.stop == 0)).all()
+    assert (d.contact_settings.any_rigid, d.contact_settings.any_force_law) == (1, 1)
     mark_touching(d, [0])
     assert update_laws(d) == OK
 

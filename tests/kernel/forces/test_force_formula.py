@@ -24,7 +24,7 @@ from tests.helpers.scenes.problems import ball, of_law, struck_ball
 from tests.helpers.tools.differences import slope
 from tests.kernel.forces.free_impact import MASS, SPEED, STIFFNESS, scaled_impact
 
-FORCES = [law for law in CONTACT_LAWS.values() if not law.impulsive]
+FORCES = [law for law in CONTACT_LAWS.values() if not law.rigid]
 LAWS = pytest.mark.parametrize("law", FORCES, ids=lambda law: law.id)
 FACTOR = functools.cache(laws.damping_factor)  # the factor of Kuwabara and Kono needs a numerical integration
 OTHERS = pytest.mark.parametrize("law", [law for law in FORCES if not law.in_family], ids=lambda law: law.id)
@@ -266,7 +266,7 @@ def own(monkeypatch):
     """Return a contact under this law."""
     d = contact_of()
     d.law.number[0] = candidate_laws.USER_LAW
-    monkeypatch.setattr(user_law, "is_present", lambda: 1)
+    monkeypatch.setattr(user_law, "has_user_law", lambda: 1)
     monkeypatch.setattr(user_law, "force", own_force)
     return d
 

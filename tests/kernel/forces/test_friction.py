@@ -36,7 +36,7 @@ def test_contacts_are_listed_before_joints(base, contacts, joints):
     found, own = elements_of(d), d.friction
     assert found[: own.contact_count] == [int(c) for c in d.contacts.active_index[:contacts]]
     assert [friction.drive_of_element(d, e) for e in found[contacts:]] == ([1, 2, 3] if joints else [])
-    assert own.is_present
+    assert own.may_act
     assert not geometry.has_sticking(d)
     d.friction_element.mode[found[-1]] = STICKS
     friction.list_sticking(d)
@@ -58,7 +58,7 @@ def test_only_a_law_with_friction_rubs():
     assert not friction.may_have_friction(d, c)
     d.contact_settings.any_friction = 0
     friction.set_friction_used(d)
-    assert not d.friction.is_present
+    assert not d.friction.may_act
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -142,7 +142,7 @@ def test_margins_are_the_least_of_a_step():
     d.constraints.impulse[d.contacts.active_count] = 5.0 * MU_S + 100.0
     friction.store_static_forces(d)
     assert d.friction_element.margin[c] == pytest.approx(-100.0, rel=1e-12)
-    assert friction.static_power(d) == pytest.approx(-d.friction_element.force[c] * speed, rel=1e-14)
+    assert friction.add_power_of_sticking(d) == pytest.approx(-d.friction_element.force[c] * speed, rel=1e-14)
 
 
 def test_an_anchor_moves_only_where_it_cannot_be_held():
@@ -169,8 +169,8 @@ def test_a_contact_that_begins_has_a_mode_and_is_listed(room):
     d.law.friction[:] = d.law.static_friction[:] = MU
     d.contact_settings.any_friction = 1
     friction.set_friction_used(d)
-    assert (d.friction_element_count > 0, d.friction.is_present) == (room, room)
-    active_contacts.begin_force_contact(d, 1)
+    assert (d.friction_element_count > 0, d.friction.may_act) == (room, room)
+    active_contacts.begin_force_law_contact(d, 1)
     active_contacts.list_active_contacts(d)
     assert d.contacts.active_count == 1
     assert elements_of(d) == [1] * room

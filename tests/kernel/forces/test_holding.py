@@ -18,11 +18,11 @@ from tests.kernel.rubbing import rubbing_chain
 
 
 def test_rigid_walls_hold_what_touches_and_press_it_to_rest():
-    for impulsive, touching in ((0, 0), (0, 2), (1, 0), (1, 2)):
+    for rigid, touching in ((0, 0), (0, 2), (1, 0), (1, 2)):
         d, *_ = problem()
         mark_touching(d, CANDIDATES[:touching])
-        make_rigid(d, impulsive)
-        assert bool(impulses.any_point_held(d)) == (impulsive == 1 and touching > 0)
+        make_rigid(d, rigid)
+        assert bool(impulses.any_point_held(d)) == (rigid == 1 and touching > 0)
     d.constraints.in_active_set[:] = d.constraints.target_motion[:] = 7
     impulses.activate_all(d)
     assert d.constraints.in_active_set[:3].tolist() == [1, 1, 7]

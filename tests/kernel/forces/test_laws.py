@@ -19,7 +19,7 @@ from tests.helpers.models.reference import exact_damping_factor, realised_restit
 from tests.helpers.scenes.problems import ball
 from tests.kernel.forces.factors import FACTORS
 
-WITH_FORCE = [law for law in CONTACT_LAWS.values() if not law.impulsive]
+WITH_FORCE = [law for law in CONTACT_LAWS.values() if not law.rigid]
 LAWS = pytest.mark.parametrize("law", WITH_FORCE, ids=[law.id for law in WITH_FORCE])
 FAMILY = [law for law in WITH_FORCE if law.in_family]
 OTHERS = [law for law in WITH_FORCE if not law.in_family]
@@ -52,7 +52,7 @@ def realised(law, e):
 
 def test_the_enumeration_of_the_fmu_keeps_its_numbers():
     """A law's number is part of the FMU's interface: new laws go to the end."""
-    assert {law.id for law in CONTACT_LAWS.values() if not law.impulsive} == FACTORS.keys()
+    assert {law.id for law in CONTACT_LAWS.values() if not law.rigid} == FACTORS.keys()
     assert [law.number for law in CONTACT_LAWS.values()] == list(range(1, LAW_COUNT + 1))
 
 

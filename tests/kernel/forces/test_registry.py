@@ -29,7 +29,7 @@ def test_a_law_is_registered_under_the_name_of_its_function(options, monkeypatch
 
     register = register_law("Title", "2001, Source", "2e", (0.25, 0.75), "D", **options)
     assert register(one) is one
-    register_law("Other", "Others 2002, Source", "e", (0.0, 1.0), "E", impulsive=True)(other)
+    register_law("Other", "Others 2002, Source", "e", (0.0, 1.0), "E", rigid=True)(other)
     assert list(registered) == ["one", "other"]
     law = registered["one"]
     assert (law.id, law.number, law.title, law.formula) == ("one", 1, "Title", "2e")
@@ -38,9 +38,10 @@ def test_a_law_is_registered_under_the_name_of_its_function(options, monkeypatch
     assert (law.accurate_from, law.accurate_to, law.damping_factor) == (0.25, 0.75, one)
     assert law.allows_zero == ("allows_zero" not in options)
     assert (law.exponent, law.rate_exponent) == (options.get("exponent"), options.get("rate_exponent"))
-    assert (law.mass_power, law.approach_only, law.impulsive) == (0.0, False, False)
+    assert (law.mass_power, law.approach_only, law.rigid) == (0.0, False, False)
     assert registered["other"].number == 2
-    assert registered["other"].impulsive
+    assert registered["other"].rigid
+    assert registered["other"].impulsive  # the older name
 
 
 def test_the_force_of_a_law_is_told_with_its_exponents():
@@ -58,5 +59,5 @@ def test_the_force_of_a_law_is_told_with_its_exponents():
 
 
 def test_a_kernel_has_no_law_of_the_users_until_one_is_linked_in():
-    assert user_law.is_present() == 0
+    assert user_law.has_user_law() == 0
     assert user_law.force(*[1.0] * len(user_law.LAW_ARGUMENTS)) == 0.0

@@ -53,7 +53,7 @@ def test_the_dissipated_energy_lies_between_those_of_both_ends(d, monkeypatch, e
     assert max(polynomial) > highest + slack
     found = [dense_output.dissipated_energy(d, y) for y in states]
     assert found == pytest.approx(np.clip(polynomial, lowest - slack, highest + slack), abs=1e-15)
-    monkeypatch.setattr(user_law, "is_present", lambda: True)
+    monkeypatch.setattr(user_law, "has_user_law", lambda: True)
     assert [dense_output.dissipated_energy(d, y) for y in states] == polynomial
 
 

@@ -25,7 +25,7 @@ def record(start, weight=1e14):
         + [(name, float) for name in SCALARS]
         + [("iterations", int)]
     )
-    counts = [("contacts", "active_count"), ("contacts", "compliant_count"), ("friction", "stuck_count")]
+    counts = [("contacts", "active_count"), ("contacts", "force_law_count"), ("friction", "stuck_count")]
     parts = {part: [(name, int) for of, name in counts if of == part] for part, _ in counts}
     block = np.zeros(1, [("implicit", implicit), *parts.items()])
     d = Plain(block[0])

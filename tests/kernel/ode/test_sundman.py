@@ -177,7 +177,7 @@ def test_an_only_contact_has_its_own_variable():
     assert sundman.find_lone_contact(d) == IN_TIME
     make_rigid(d, np.arange(d.candidate_count) != c)
     mark_touching(d, [c, d.candidate.point.tolist().index(0)])
-    assert (d.contacts.compliant_count, d.contacts.active_count) == (1, 2)
+    assert (d.contacts.force_law_count, d.contacts.active_count) == (1, 2)
     assert sundman.find_lone_contact(d) == IN_TIME
     make_rigid(d, 0)
     assert sundman.find_lone_contact(d) == IN_TIME

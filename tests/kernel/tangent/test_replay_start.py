@@ -137,7 +137,7 @@ def test_the_factor_of_a_law_has_its_own_derivatives(both, law):
     factor = own.damping_factor[0]
     assert factor.value == d.law.damping_factor[0]
     np.testing.assert_allclose(factor.slope, right * own.restitution[0].slope, rtol=1e-7, atol=1e-9)
-    assert (own.impulsive[0], own.approach_only[0]) == (entry.impulsive, entry.approach_only)
+    assert (own.rigid[0], own.approach_only[0]) == (entry.rigid, entry.approach_only)
     if entry.rate_exponent is None:
         assert own.rate_exponent[0] is own.exponent[0]
     else:
@@ -207,7 +207,7 @@ def test_a_replay_starts_as_the_instance_does(twins):
 
 @pytest.mark.parametrize("law", ["hunt_crossley", "newton_impact"])
 def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law, monkeypatch):
-    """Lasting compliant contacts use the new law; contacts at rigid walls stay as they are."""
+    """Lasting contacts with a force law use the new law; contacts at rigid walls stay as they are."""
     d, t = twins
     assert initialize(d, 0.0) == OK
     replay.start_tangent(d, t)

@@ -104,11 +104,11 @@ def instance(events=(), speeds=(3.0, 4.0)):
     """Return two points with these speeds along x and y [m/s], and four candidates with these events."""
     events = (*events, *[NO_EVENT] * (4 - len(events)))
     t = SimpleNamespace(link_count=1, candidate_count=4)
-    t.contacts = SimpleNamespace(event=list(events), active_index=[2], compliant_count=1)
+    t.contacts = SimpleNamespace(event=list(events), active_index=[2], force_law_count=1)
     t.contacts.latched_speed, t.contacts.penetration_rate = [dual(0.5)] * 4, [dual(0.3)] * 4
     t.contacts.onset, t.contacts.impact_number = [dual(0.0)] * 4, [0] * 4
     t.candidate = SimpleNamespace(point=[4, 5, 6, 7], wall=[0, 1, 2, 3])
-    t.law = SimpleNamespace(impulsive=[0] * 4, number=[trust.USER_LAW] * 4)
+    t.law = SimpleNamespace(rigid=[0] * 4, number=[trust.USER_LAW] * 4)
     t.law.minimum_impact_speed = [dual(LEAST)] * 4
     t.law.restitution = [Dual(0.5, [0.0, 0.0])] * 4
     t.law.static_friction = [Dual(0.0, np.zeros(DIRECTIONS))] * 4
@@ -151,7 +151,7 @@ def test_an_onset_is_judged_by_its_speed(monkeypatch, rate, rigid, reason):
         t = instance([NO_EVENT, ONSET], speeds)
         for vector in (t.scratch.velocity.x, t.scratch.velocity.y):
             vector[:] = vector[:: int(np.sign(speeds[0]))].copy()
-        t.law.impulsive[1] = rigid
+        t.law.rigid[1] = rigid
         approaching(monkeypatch, 0.0, rate, 0.0, 0.0)
         assert trust.fastest_speed(t) == pytest.approx(5.0)
         trust.check_onsets(t)
@@ -180,7 +180,7 @@ SLOW, FALL = 1e-3, 10.0  # a slow arrival [m/s], and the acceleration toward the
 def arrives(monkeypatch, ages, *, acceleration=-FALL, negligible=False, rigid=1, slopes=(-1, 1), speed=SLOW):
     """Return whether candidate 1 may arrive slowly; contacts of candidates have these ages, in flights."""
     t = instance([NO_EVENT, ONSET])
-    t.law.impulsive[1] = rigid
+    t.law.rigid[1] = rigid
     for c, age in ages.items():
         t.contacts.impact_number[c], t.contacts.onset[c] = 1 + c, dual(TIME - age * 2.0 * SLOW / FALL)
     asked = []
@@ -235,7 +235,7 @@ def test_the_force_of_a_users_law_may_jump_where_a_point_turns(monkeypatch, rate
         t.contacts.penetration_rate[2] = dual(rates[0])
         t.law.number[2] = number
         t.scratch.located_at_end = at_end
-        monkeypatch.setattr(trust.user_law, "is_present", lambda present=present: present)
+        monkeypatch.setattr(trust.user_law, "has_user_law", lambda present=present: present)
         assert asked == []
         trust.check_turns(t)
         if not (present and number == trust.USER_LAW):

@@ -39,7 +39,7 @@ def test_no_law_is_named_whose_contact_does_not_end():
     scene = with_values(default_scene(), {("simulation", "stop_time"): 0.4995})
     comparison = compare(scene)
     assert advice(comparison).endswith(": newton_impact")  # an impulse is over
-    forces = tuple(run for run in comparison.runs if not CONTACT_LAWS[run.law].impulsive)
+    forces = tuple(run for run in comparison.runs if not CONTACT_LAWS[run.law].rigid)
     assert advice(replace(comparison, runs=forces)).endswith(": none of these laws")
 
 

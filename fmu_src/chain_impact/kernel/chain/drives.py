@@ -86,18 +86,18 @@ def coordinate_sum_of_drive(d, y, i):
     return abs(y[FIRST_ANGLE + i]) + (abs(y[FIRST_ANGLE + i - 1]) if i > 0 else 0.0)
 
 
-def lever_of_drive(d, i):
-    """Return the lever arm [m] at which a force stands for the torque of joint i: the longest link.
+def length_per_coordinate(d, i):
+    """Return the factor that makes the coordinate of drive i a length: the longest link [m] for a joint.
 
-    For the slider, whose drive has a force, the result is 1.
+    The factor is 1 for the slider, whose coordinate is a length. A torque over the factor is a force.
     """
     return 1.0 if is_slider(d, i) else d.chain.longest_link
 
 
-def moment_factor(d, i):
-    """Return the factor that makes the force of drive i comparable with moments.
+def moment_per_force(d, i):
+    """Return the factor that makes the force of drive i a moment: the longest link [m] for the slider.
 
-    The factor is the longest link [m] for the slider, and 1 for a joint, whose force is a moment.
+    The factor is 1 for a joint, whose drive has a moment.
     """
     return d.chain.longest_link if is_slider(d, i) else 1.0
 
@@ -286,7 +286,7 @@ def mode_margin(d, y):
             margin = limit - abs(unlimited) if mode == 0 else float(mode) * unlimited - limit
             _, stiffness = slopes_below_limit(d, i)
             margin += DRIVE_EXCESS * limit + SPRING_ROUND_OFF * stiffness * coordinate_sum
-            least_margin = min(least_margin, margin * moment_factor(d, i))
+            least_margin = min(least_margin, margin * moment_per_force(d, i))
     return least_margin
 
 

@@ -7,7 +7,7 @@ The problem, with impulses p and motions u, is p ≥ 0, u ≥ target, p·(u − 
 from chain_impact.kernel.constraints.impulses import (
     SIGN_TOLERANCE,
     add_to_active_set,
-    note_unsolved,
+    note_forces_not_found,
     remove_from_active_set,
     solve_equality,
 )
@@ -30,7 +30,7 @@ def solve_lcp(d, scale):
     problem is recorded as unsolved; if the cost exceeds its limit, the search just ends. ``d.constraints``
     has the problem and gets the results, and ``scale`` is the scale of round-off, as in ``solve_equality``.
     """
-    constraints, first = d.constraints, d.contacts.compliant_count
+    constraints, first = d.constraints, d.contacts.force_law_count
     count = d.contacts.active_count - first
     fewest, stalls_left = count + 1, MAX_STALLED_PIVOTS
     for _ in range(EXTRA_PIVOTS + 4 * count):
@@ -48,7 +48,7 @@ def solve_lcp(d, scale):
                     add_to_active_set(d, k, constraints.target_motion[k])
                 if stalls_left < 0:
                     break
-    note_unsolved(d)
+    note_forces_not_found(d)
 
 
 def count_stalls(violation_count, fewest, stalls_left):
@@ -67,9 +67,9 @@ def count_violations(d, scale):
     ``scale`` is the largest motion of any point, to which the round-off of motions is relative.
     """
     constraints, largest, violation_count = d.constraints, 0.0, 0
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         largest = max(largest, abs(constraints.impulse[k]))
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         if constraints.in_active_set[k]:
             constraints.is_violated[k] = constraints.impulse[k] < -SIGN_TOLERANCE * largest
         else:

@@ -75,7 +75,7 @@ def find_limited_forces(d):
 def largest_residual_inside(d):
     """Return the largest |residual| [m/s²] of the constraints whose forces are inside their limits."""
     limited, largest = d.limited_forces, 0.0
-    for k in range(d.contacts.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.force_law_count, constraint_count(d)):
         if limited.inside_limits[k]:
             largest = max(largest, abs(limited.residual[k]))
     return largest
@@ -88,7 +88,7 @@ def largest_unforced_acceleration(d):
     Contacts with a force law do not count.
     """
     scale = 0.0
-    for k in range(d.contacts.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.force_law_count, constraint_count(d)):
         scale = max(scale, abs(d.constraints.unforced_motion[k]))
     return scale
 
@@ -146,7 +146,7 @@ def minimize_within_limits(d, scale):
     for _ in range(EXTRA_PIVOTS + 4 * end):
         solve_inside(d)
         constraint, part = first_at_limit(d)
-        for k in range(d.contacts.compliant_count, end):
+        for k in range(d.contacts.force_law_count, end):
             if limited.inside_limits[k]:
                 limited.force[k] += part * (limited.unlimited_force[k] - limited.force[k])
         if constraint >= 0:
@@ -167,7 +167,7 @@ def first_at_limit(d):
         reaches the limit, or 1.
     """
     limited, first, part = d.limited_forces, -1, 1.0
-    for k in range(d.contacts.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.force_law_count, constraint_count(d)):
         limit = clip_force(d, k, limited.unlimited_force[k])
         if limited.inside_limits[k] and limit != limited.unlimited_force[k]:
             reached = (limit - limited.force[k]) / (limited.unlimited_force[k] - limited.force[k])
@@ -182,9 +182,9 @@ def constraint_to_release(d, scale):
     The result is −1 if no clipped ``unlimited_force`` is farther from the limit than round-off.
     """
     limited, released, largest_force, largest_distance = d.limited_forces, -1, 0.0, 0.0
-    for k in range(d.contacts.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.force_law_count, constraint_count(d)):
         largest_force = max(largest_force, abs(limited.force[k]))
-    for k in range(d.contacts.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.force_law_count, constraint_count(d)):
         inward = abs(clip_force(d, k, limited.unlimited_force[k]) - limited.force[k])
         round_off = SIGN_TOLERANCE * largest_force + SOLVED_RESIDUAL * scale * d.constraints.impedance[k]
         if not limited.inside_limits[k] and inward > max(round_off, largest_distance):
@@ -200,14 +200,14 @@ def solve_inside(d):
     """
     limited, motion = d.limited_forces, d.scratch.place_change
     for k in range(constraint_count(d)):
-        moves = k < d.contacts.compliant_count
+        moves = k < d.contacts.force_law_count
         limited.impedance[k] = 0.0 if moves or not limited.inside_limits[k] else d.constraints.impedance[k]
         limited.correction[k] = limited.impedance[k] * limited.residual[k]
         if not moves and not limited.inside_limits[k]:
             limited.correction[k] = limited.force[k] - limited.force_before[k]
     factorize_contacts(d, HELD, limited.impedance)
     solve_contacts(d, HELD, limited.correction, limited.change)
-    for k in range(d.contacts.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.force_law_count, constraint_count(d)):
         residual = limited.residual[k] - dot(constraint_row(d, k), motion)
         limited.unlimited_force[k] = limited.force_before[k] + d.constraints.impedance[k] * residual
     count_other_cost(d, 1)
@@ -217,7 +217,7 @@ def update_residuals(d):
     """Begin the next iteration: set p (``force_before``) to the present forces, and find their residuals."""
     limited = d.limited_forces
     solve_contacts(d, FREE, limited.force, limited.change)
-    for k in range(d.contacts.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.force_law_count, constraint_count(d)):
         limited.force_before[k] = limited.force[k]
         reached = d.constraints.unforced_motion[k] + dot(constraint_row(d, k), d.scratch.place_change)
         limited.residual[k] = d.constraints.target_motion[k] - reached

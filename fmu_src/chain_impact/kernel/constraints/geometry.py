@@ -27,7 +27,7 @@ from chain_impact.kernel.chain.drives import (
     coordinate_sum_of_drive,
     is_slider,
     joints_resist,
-    lever_of_drive,
+    length_per_coordinate,
 )
 from chain_impact.kernel.chain.kinematics import clear_joints, clear_vectors, largest_component, set_polar
 from chain_impact.kernel.chain.prescribed_motion import fastest_wall
@@ -374,7 +374,7 @@ def link_of(d, c):
 
 def lever_of_candidate(d, c):
     """Return the clearance [m] per angle [rad] of a joint's stop, its lever arm; 1 for other candidates."""
-    return lever_of_drive(d, d.candidate.point[c] - 1) if is_at_joint_stop(d, c) else 1.0
+    return length_per_coordinate(d, d.candidate.point[c] - 1) if is_at_joint_stop(d, c) else 1.0
 
 
 def faces_base(d, c):

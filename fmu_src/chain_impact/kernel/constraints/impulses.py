@@ -86,8 +86,9 @@ SIGN_TOLERANCE = 1e-12
 # friction. With a smaller impedance, the element's residual would fall too slowly.
 LEAST_STICKING_IMPEDANCE = 1e-2
 # Values of d.constraints.outcome. SOLVED: constraint forces have been found. MOVING: a held point still
-# accelerates. UNSOLVED: no forces, or no modes, satisfy all conditions. SQUEEZED: a held point is too deep.
-SOLVED, MOVING, UNSOLVED, SQUEEZED = 0, 1, 2, 3
+# accelerates. OUTCOME_FORCES_NOT_FOUND: no forces, or no modes, satisfy all conditions. OUTCOME_NO_ROOM: a
+# held point is too deep. A run that ends for such a reason has the status of the same name (status.py).
+SOLVED, MOVING, OUTCOME_FORCES_NOT_FOUND, OUTCOME_NO_ROOM = 0, 1, 2, 3
 
 
 def set_impedance(d, amount):
@@ -120,7 +121,7 @@ def scale_sticking_impedances(d):
 
 def set_single_solution_impedances(d):
     """Set impedances: at sticking elements one solution has about the effect of STICKING_ITERATIONS."""
-    for k in range(d.contacts.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.force_law_count, constraint_count(d)):
         times = SINGLE_SOLUTION_FACTOR if k >= d.contacts.active_count else 1.0
         d.constraints.impedance[k] = times * holding_impedance(d)
     if has_sticking(d):
@@ -338,28 +339,28 @@ def clear_outcome(d):
     d.constraints.outcome = SOLVED
 
 
-def note_unsolved(d):
+def note_forces_not_found(d):
     """Record that forces or modes are not found: a tried step is rejected; at an event, the run ends."""
-    d.constraints.outcome = UNSOLVED
+    d.constraints.outcome = OUTCOME_FORCES_NOT_FOUND
 
 
 def note_moving(d, tolerated):
     """Replace the outcome SOLVED by MOVING if a held point's residual exceeds ``tolerated`` [m/s²]."""
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         if d.constraints.outcome == SOLVED and abs(d.constraints.residual[k]) > tolerated:
             d.constraints.outcome = MOVING
 
 
-def note_squeezed(d, tolerated):
-    """Record SQUEEZED if a held point lies deeper in its rigid wall than ``tolerated`` [m]."""
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+def note_no_room(d, tolerated):
+    """Record OUTCOME_NO_ROOM if a held point lies deeper in its rigid wall than ``tolerated`` [m]."""
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         if d.constraints.target_motion[k] - d.constraints.reached_motion[k] > tolerated:
-            d.constraints.outcome = SQUEEZED
+            d.constraints.outcome = OUTCOME_NO_ROOM
 
 
 def any_point_held(d):
     """Return whether a rigid wall holds any point."""
-    return d.contacts.active_count > d.contacts.compliant_count
+    return d.contacts.active_count > d.contacts.force_law_count
 
 
 def any_constraint(d):
@@ -369,9 +370,9 @@ def any_constraint(d):
 
 def activate_all(d):
     """Let the active set be the contacts without a force law and the sticking elements, with target 0."""
-    for k in range(d.contacts.compliant_count):
+    for k in range(d.contacts.force_law_count):
         remove_from_active_set(d, k)
-    for k in range(d.contacts.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.force_law_count, constraint_count(d)):
         add_to_active_set(d, k, 0.0)
 
 

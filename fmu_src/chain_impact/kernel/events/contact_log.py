@@ -59,7 +59,7 @@ def update_extremes(d):
     contacts = d.contacts
     if any_point_held(d):
         update_held_extremes(d)
-    for k in range(contacts.compliant_count):
+    for k in range(contacts.force_law_count):
         # the search for another contact's peaks may have located the points at a time before the end of the
         # step
         ensure_points(d)
@@ -121,7 +121,7 @@ def update_held_extremes(d):
         interpolate_state(step, theta, d.scratch.state)
         rate_from_state(d, d.scratch.state, d.scratch.rate)
         correct_near_fold(d, theta, d.scratch.state, d.scratch.rate)
-        for k in range(d.contacts.compliant_count, d.contacts.active_count):
+        for k in range(d.contacts.force_law_count, d.contacts.active_count):
             c = d.contacts.active_index[k]
             left, top, right = samples[0, k], samples[1, k], d.constraints.impulse[k]
             peak, second_difference = right, left - 2.0 * top + right
@@ -183,7 +183,7 @@ def list_latest(d):
         c = d.contacts.active_index[k]
         _, clearance_rate = clearance_and_rate(d, c)
         peak_force, max_penetration = max(d.contacts.peak_force[c], d.output.force[c]), 0.0
-        if not d.law.impulsive[c]:
+        if not d.law.rigid[c]:
             peak_force, max_penetration, points_moved = find_peaks(
                 d, c, rate_of_force(d, c), time, OUTPUT_READER
             )

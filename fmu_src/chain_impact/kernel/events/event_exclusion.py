@@ -87,7 +87,7 @@ def excludes_events(d):
         # evaluated for all candidates. The second condition is true for every contact: contacts with a force
         # are tested below, and held points have no crossings.
         is_excluded = is_excluded & (stays_positive(d, c, clearance_error) | (d.contacts.active[c] != 0))
-    for k in range(d.contacts.compliant_count):
+    for k in range(d.contacts.force_law_count):
         # ``error`` lacks the `allowed_position_error` of ``clearance_error``: errors of a penetration are far
         # smaller than those of a position
         c = d.contacts.active_index[k]
@@ -118,7 +118,7 @@ def suspect_candidates_near(d, clearance_error, penetration_error):
     search, count = d.search, 0
     for c in range(d.candidate_count):
         if d.contacts.active[c]:
-            is_suspect = not d.law.impulsive[c] and not stays_in_contact(d, c, penetration_error)
+            is_suspect = not d.law.rigid[c] and not stays_in_contact(d, c, penetration_error)
         else:
             is_suspect = not stays_positive(d, c, clearance_error)
         if is_suspect:
@@ -177,7 +177,7 @@ def remains_far(d):
             d, step.regularized_candidate
         )
     else:
-        is_far = d.contacts.compliant_count == 0
+        is_far = d.contacts.force_law_count == 0
     if is_far:
         remember_clearances(d, DISTANCE_KNOWN)
     return is_far
@@ -186,12 +186,12 @@ def remains_far(d):
 def force_stays_smooth(d, c):
     """Return whether contact c surely keeps its latched speed v₀ and crosses no kink in the last step.
 
-    This is an estimate (``is_nearly_fast``). If the result is false, the step must be searched.
+    This is an estimate (``may_relatch``). If the result is false, the step must be searched.
     """
-    return not (d.contacts.kink_crossed[c] or is_nearly_fast(d, c))
+    return not (d.contacts.kink_crossed[c] or may_relatch(d, c))
 
 
-def is_nearly_fast(d, c):
+def may_relatch(d, c):
     """Return whether the penetration of contact c grows so fast that v₀ may be latched anew in the last step.
 
     The rate at the start of the step and the rate at the located points count.
@@ -250,7 +250,7 @@ def measure_all_candidates(d, y):
         d.search.phi_end_curvature[c] = p * p * clearance_acceleration(d, c) + rate_change * clearance_rate
         least_clearance = min(least_clearance, math.inf if d.contacts.active[c] else d.search.phi_end[c])
     d.search.safe_distance = least_clearance
-    for k in range(d.contacts.compliant_count):
+    for k in range(d.contacts.force_law_count):
         c = d.contacts.active_index[k]
         if c == d.step.regularized_candidate:
             d.search.phi_end_curvature[c] = root_curvature(d, d.search.phi_end[c], d.search.phi_end_rate[c])
@@ -297,7 +297,7 @@ def set_clearance(d, c, u, slope):
     if c == d.step.regularized_candidate:
         d.search.phi_end[c], d.search.phi_end_rate[c] = u, slope
         return
-    if d.contacts.active[c] and d.law.impulsive[c]:
+    if d.contacts.active[c] and d.law.rigid[c]:
         # φ of a held candidate must not fall to zero in the search, because its point is already at the
         # wall; an event RELEASE (record/constants.py) ends it
         d.search.phi_end[c], d.search.phi_end_rate[c] = math.inf, 0.0

@@ -36,7 +36,7 @@ from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state
 from chain_impact.kernel.events.crossing import SIMULTANEOUS_TIME, locate_at_fraction, make_passage_search
-from chain_impact.kernel.events.event_exclusion import RELATCH_RATIO, is_nearly_fast
+from chain_impact.kernel.events.event_exclusion import RELATCH_RATIO, may_relatch
 from chain_impact.kernel.events.marks import drop_events, mark_contact_event, mark_saturation
 from chain_impact.kernel.forces.active_contacts import kink_height
 from chain_impact.kernel.forces.force_formula import note_crossing
@@ -69,7 +69,7 @@ PULL_ROUND_OFF = 1e-11
 LEAST_REJECTED_STEP = 1e-9
 
 
-CONTACT_MEMBERS = (lambda d: d.contacts.compliant_count, lambda d, k: d.contacts.active_index[k])
+CONTACT_MEMBERS = (lambda d: d.contacts.force_law_count, lambda d, k: d.contacts.active_index[k])
 ONE_MEMBER = (lambda _d: 1, lambda _d, _k: 0)
 
 
@@ -142,7 +142,7 @@ def mark_kinks(d, c, theta):
     mark_contact_event(d, c, KINK)
     # contacts of a symmetric chain reach their kinks at one time, up to round-off: all are marked
     locate_at_fraction(d, min(1.0, theta + SIMULTANEOUS_TIME / d.step.size))
-    for k in range(d.contacts.compliant_count):
+    for k in range(d.contacts.force_law_count):
         if side_of_kink(d, d.contacts.active_index[k]) < 0.0:
             mark_contact_event(d, d.contacts.active_index[k], KINK)
     locate_at_fraction(d, theta)
@@ -175,7 +175,7 @@ def relatch_margin(d, c, theta):
 
 find_relatch = make_search(
     relatch_margin,
-    is_nearly_fast,
+    may_relatch,
     lambda d, c, _theta: mark_contact_event(d, c, RELATCH),
     CONTACT_MEMBERS,
     samples=lambda _d: FEW_SAMPLES,
@@ -195,7 +195,7 @@ def check_pull(d, _c):
     step is longer than LEAST_REJECTED_STEP, the function rejects the step and returns False.
     """
     least_force = 0.0
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         least_force = min(least_force, d.constraints.least_force[d.contacts.active_index[k]])
     if not least_force < -pull_limit(d):
         return False
@@ -250,7 +250,7 @@ def least_force(d, _c, theta):
 def mark_pulling(d, _c, theta):
     """Mark with RELEASE the held contacts that pull by ``pull_limit`` or more at θ of the last step."""
     least_force(d, 0, theta)
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         if d.constraints.impulse[k] + pull_limit(d) <= 0.0:
             mark_contact_event(d, d.contacts.active_index[k], RELEASE)
 

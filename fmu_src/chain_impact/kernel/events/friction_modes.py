@@ -98,7 +98,7 @@ def restart_friction_modes(d, speeds_may_jump):
         speeds_may_jump: whether speeds may have jumped, as for ``choose_friction_modes``.
     """
     set_friction_used(d)
-    if d.friction.is_present or d.friction.active_count > 0:
+    if d.friction.may_act or d.friction.active_count > 0:
         locate_points(d, d.step.state_end)
         choose_friction_modes(d, speeds_may_jump)
         reset_step(d, d.step.end, d.step.state_end)

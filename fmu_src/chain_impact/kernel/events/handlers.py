@@ -3,9 +3,9 @@
 The events ONSET and CONTACT_ENDS are zeros of a clearance or a penetration. The search for such zeros uses
 bounds (crossing.py). All other events of contacts, friction and drives are found by samples of a step,
 because locating them late does little harm; force_events.py lists them. The points must be located when a
-handler applies an event. ``handle_impact`` handles all simultaneous events at rigid walls together
-(impacts.py). If a point arrives at a rigid wall, a contact with a force law that begins at the same time
-begins after the impulses.
+handler applies an event. ``handle_rigid_impacts`` handles all simultaneous events at rigid walls together
+(rigid_impacts.py). If a point arrives at a rigid wall, a contact with a force law that begins at the same
+time begins after the impulses.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -16,16 +16,16 @@ from chain_impact.kernel.equations import rate_from_points
 from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.event_exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.friction_modes import choose_friction_modes, restart_friction_modes
-from chain_impact.kernel.events.impacts import (
+from chain_impact.kernel.events.marks import count_mode_changes, mark_contact_event
+from chain_impact.kernel.events.rigid_impacts import (
     end_changed_contacts,
-    handle_impact,
+    handle_rigid_impacts,
     has_rigid_onset,
     update_active_set,
 )
-from chain_impact.kernel.events.marks import count_mode_changes, mark_contact_event
 from chain_impact.kernel.events.saturation import choose_saturation
 from chain_impact.kernel.forces.active_contacts import (
-    begin_force_contact,
+    begin_force_law_contact,
     clear_applied_forces,
     cross_kink,
     expect_peaks,
@@ -78,7 +78,7 @@ def apply_event(d, c, kind):
     ``kind`` is the kind of event: ONSET, CONTACT_ENDS, RELATCH or KINK; with NO_EVENT nothing happens.
     """
     if kind == ONSET:
-        begin_force_contact(d, c)
+        begin_force_law_contact(d, c)
     elif kind == CONTACT_ENDS:
         end_if_point_left(d, c)
     elif kind == RELATCH:
@@ -109,30 +109,30 @@ def apply_events(d):
         # because the stored forces may belong to another time, at which outputs were computed.
         rate_from_points(d, d.step.state_end, d.scratch.rate)
         count_evaluations(d, 1)
-    had_forces = contacts.compliant_count > 0
+    had_forces = contacts.force_law_count > 0
     if not had_forces:
         step_control.store_flight_size(d)
     for c in range(d.candidate_count):
         kind = contacts.event[c]
-        if d.law.impulsive[c]:
+        if d.law.rigid[c]:
             rigid = rigid or kind != NO_EVENT
             continue
         if rigid_impact and kind == ONSET:
-            # ``handle_impact`` begins this contact after the impulses, because the impulses change the impact
-            # speed
+            # ``handle_rigid_impacts`` begins this contact after the impulses, because the impulses change the
+            # impact speed
             continue
         may_have_jumped = apply_event(d, c, kind) or may_have_jumped
         keeps_size = keeps_size or kind in (RELATCH, KINK)
         onset = c if kind == ONSET else onset
         mark_contact_event(d, c, NO_EVENT)
     if rigid:
-        begun = handle_impact(d)
+        begun = handle_rigid_impacts(d)
         onset = begun if begun >= 0 else onset
     list_active_contacts(d)
     choose_saturation(d)
-    if d.friction.is_present:
+    if d.friction.may_act:
         choose_friction_modes(d, False)
-    if rigid and contacts.compliant_count == 0:
+    if rigid and contacts.force_law_count == 0:
         if had_forces:
             # the proposed size suits the contact with a force that has just ended, but not the flight after
             # the contact
@@ -140,7 +140,7 @@ def apply_events(d):
         begin_flight(d)
     else:
         choose_next_size(d, onset, keeps_size)
-    has_modes = d.friction.is_present != 0 or d.chain.has_drive_limits != 0
+    has_modes = d.friction.may_act != 0 or d.chain.has_drive_limits != 0
     if has_modes:
         expect_peaks(d)
     return may_have_jumped or rigid or has_modes

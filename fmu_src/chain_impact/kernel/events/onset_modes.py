@@ -37,7 +37,7 @@ def decide_onsets(d):
         return
     list_sticking(d)
     clear_used_forces(d, d.scratch.applied_force)
-    for k in range(d.contacts.compliant_count):
+    for k in range(d.contacts.force_law_count):
         c = d.contacts.active_index[k]
         if begins_now(d, c):
             add_along_row(normal_row(d, c), d.scratch.applied_force, force_after_onset(d, c))

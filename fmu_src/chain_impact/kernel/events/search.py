@@ -133,7 +133,7 @@ def find_force_event(d, theta):
         theta = find_release(d, theta)
         if not is_accepted(d):
             return -1.0
-        if d.contacts.compliant_count > 0:
+        if d.contacts.force_law_count > 0:
             locate_at_fraction(d, theta if theta >= 0.0 else 1.0)
     theta = find_kink(d, find_relatch(d, theta))
     return find_saturation(d, find_mode_change(d, theta))

@@ -103,7 +103,7 @@ def make_force_setter(add_force):
     def set_forces(d):
         clear_applied_forces(d)
         dissipated = 0.0
-        for k in range(d.contacts.compliant_count):
+        for k in range(d.contacts.force_law_count):
             c = d.contacts.active_index[k]
             clearance, clearance_rate = clearance_and_rate(d, c)
             dissipated += add_force(d, c, clearance, clearance_rate)
@@ -167,7 +167,7 @@ def latch_onset(d, c):
     d.quadrature.impulse_at_onset[c] = d.quadrature.integral[c]
 
 
-def begin_force_contact(d, c):
+def begin_force_law_contact(d, c):
     """Begin the contact of candidate c, which has a force law, at the located points.
 
     The function latches the values of the onset, and sets the side of the kink and, if the contact has
@@ -175,7 +175,7 @@ def begin_force_contact(d, c):
     """
     latch_onset(d, c)
     set_kink_side(d, c)
-    if d.friction.is_present and may_have_friction(d, c):
+    if d.friction.may_act and may_have_friction(d, c):
         begin_friction(d, c)
 
 
@@ -185,7 +185,7 @@ def latch_penetration_and_damping(d, c):
     Both follow from the law and from the contact's latched speed and effective mass.
     """
     set_expected_penetration(d, c)
-    if not d.law.impulsive[c]:
+    if not d.law.rigid[c]:
         set_damping(d, c)
 
 
@@ -223,7 +223,7 @@ def expect_peaks(d):
 
     The search is needed after changes of modes, laws or inputs, because the forces may rise then.
     """
-    for k in range(d.contacts.compliant_count):
+    for k in range(d.contacts.force_law_count):
         d.contacts.force_rate[d.contacts.active_index[k]] = 1.0
 
 
@@ -265,7 +265,7 @@ def set_kink_side(d, c):
 
 def set_kink_sides(d):
     """Set ``contacts.beyond_kink`` of all active contacts with a force law, for the located points."""
-    for k in range(d.contacts.compliant_count):
+    for k in range(d.contacts.force_law_count):
         set_kink_side(d, d.contacts.active_index[k])
 
 
@@ -278,25 +278,25 @@ def list_active_contacts(d):
     contacts = d.contacts
     contacts.active_count = 0
     contacts.contact_set += 1
-    if d.contact_settings.any_force:
+    if d.contact_settings.any_force_law:
         list_contacts_of_kind(d, 0)
-    contacts.compliant_count = contacts.active_count
+    contacts.force_law_count = contacts.active_count
     if d.contact_settings.any_rigid:
         list_contacts_of_kind(d, 1)
     contacts.joint_stop_count = 0
     for k in range(contacts.active_count if d.chain.has_joint_stops else 0):
         contacts.joint_stop_count += is_at_joint_stop(d, contacts.active_index[k])
-    if d.friction.is_present:
+    if d.friction.may_act:
         list_friction(d)
 
 
-def list_contacts_of_kind(d, impulsive):
+def list_contacts_of_kind(d, rigid):
     """Append the active contacts of one kind to the list ``contacts.active_index``.
 
-    ``impulsive`` is 1 for the contacts at rigid walls, 0 for the contacts with force laws.
+    ``rigid`` is 1 for the contacts at rigid walls, 0 for the contacts with force laws.
     """
     contacts = d.contacts
     for c in range(d.candidate_count):
-        if contacts.active[c] and d.law.impulsive[c] == impulsive:
+        if contacts.active[c] and d.law.rigid[c] == rigid:
             contacts.active_index[contacts.active_count] = c
             contacts.active_count += 1

@@ -24,7 +24,7 @@ from chain_impact.kernel.forces.laws import (
     RATE_EXPONENTS,
     REQUIRED_EXPONENTS,
     damping_factor,
-    is_impulsive,
+    is_rigid,
 )
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.record.operations import copy_row
@@ -85,7 +85,7 @@ def update_laws(d):
     status = check_laws(d)
     if status != OK:
         return status
-    d.contact_settings.any_force, d.contact_settings.any_rigid, d.contact_settings.any_friction = 0, 0, 0
+    d.contact_settings.any_force_law, d.contact_settings.any_rigid, d.contact_settings.any_friction = 0, 0, 0
     d.stops.restitution = given_or_derived(d.given.stop_restitution, d.given.restitution)
     for c in range(d.candidate_count):
         first = d.law.same_as[c]
@@ -107,9 +107,9 @@ def check_laws(d):
         status = check_law(d, c) if d.law.same_as[c] == c else OK
         if status != OK:
             return refuse_part(d, CANDIDATE_PART, c, status)
-    for k in range(d.contacts.compliant_count):
+    for k in range(d.contacts.force_law_count):
         c = d.contacts.active_index[k]
-        if is_impulsive(given_law_number(d, c)):
+        if is_rigid(given_law_number(d, c)):
             return refuse_part(d, CANDIDATE_PART, c, RIGID_WHILE_TOUCHING)
     return OK
 
@@ -133,10 +133,10 @@ def set_law_flags(d, c):
     """Set the flags in ``contact_settings`` for c's law: a force or a rigid wall, and dry friction."""
     if d.law.static_friction[c] > 0.0:
         d.contact_settings.any_friction = 1
-    if d.law.impulsive[c]:
+    if d.law.rigid[c]:
         d.contact_settings.any_rigid = 1
     else:
-        d.contact_settings.any_force = 1
+        d.contact_settings.any_force_law = 1
 
 
 def given_law_number(d, c):
@@ -197,12 +197,12 @@ def law_exponent(d, c):
 def check_law(d, c):
     """Check candidate c's given law, and whether the given parameters suit the law; return a status."""
     number, restitution = given_law_number(d, c), given_restitution(d, c)
-    if not 1 <= number <= LAW_COUNT + user_law.is_present():
+    if not 1 <= number <= LAW_COUNT + user_law.has_user_law():
         return UNKNOWN_LAW
     status = check_law_values(d, c)
     if status != OK:
         return status
-    if is_impulsive(number) and max(given_friction(d, c)) > 0.0:
+    if is_rigid(number) and max(given_friction(d, c)) > 0.0:
         return FRICTION_WITH_RIGID_WALLS
     if number == USER_LAW:
         return OK
@@ -239,7 +239,7 @@ def derive_damping(d, c):
     if is_damping_derived(d, c):
         return
     law, number = d.law, given_law_number(d, c)
-    law.impulsive[c] = is_impulsive(number)
+    law.rigid[c] = is_rigid(number)
     law.rate_exponent[c], law.approach_only[c], law.damping_factor[c] = law_exponent(d, c), 0, 0.0
     if number <= LAW_COUNT:
         if RATE_EXPONENTS[number - 1] != ANY_EXPONENT:
@@ -256,7 +256,7 @@ def set_law_parameters(d, c):
     law = d.law
     law.number[c], law.exponent[c] = given_law_number(d, c), law_exponent(d, c)
     law.stiffness[c], law.restitution[c] = given_stiffness(d, c), given_restitution(d, c)
-    law.harmless_depth[c] = 0.0 if law.impulsive[c] else HARMLESS_DEPTH * d.chain.longest_link
+    law.harmless_depth[c] = 0.0 if law.rigid[c] else HARMLESS_DEPTH * d.chain.longest_link
     law.minimum_impact_speed[c] = d.contact_settings.minimum_impact_speed
     law.friction[c], static = given_friction(d, c)
     law.static_friction[c] = max(law.friction[c], static)

@@ -39,7 +39,12 @@ class ContactLaw:
     mass_power: float = 0.0
     # whether the damping acts only while the penetration grows
     approach_only: bool = False
-    impulsive: bool = False  # whether walls are rigid and act by impulses, see kernel/events/impacts.py
+    rigid: bool = False  # whether walls are rigid and act by impulses, see kernel/events/rigid_impacts.py
+
+    @property
+    def impulsive(self) -> bool:
+        """Whether walls are rigid: another name of ``rigid``, for scripts that use it."""
+        return self.rigid
 
     @property
     def restitution_range(self) -> str:
@@ -49,12 +54,12 @@ class ContactLaw:
     @property
     def in_family(self) -> bool:
         """Whether the law belongs to the Hunt–Crossley family, with the force K δⁿ (1 + λ δ̇/v₀)."""
-        return self.rate_exponent is None and not self.impulsive
+        return self.rate_exponent is None and not self.rigid
 
     @property
     def force(self) -> str:
         """The formula of the force as text, without the cut at 0; "impulses" for a rigid wall."""
-        if self.impulsive:
+        if self.rigid:
             return "impulses"
         if self.rate_exponent is None:
             return FAMILY_FORCE
@@ -66,12 +71,12 @@ class ContactLaw:
     def damping(self) -> str:
         """The damping d in terms of the law's factor f (λ in the family), as text; "–" for a rigid wall."""
         power = self.mass_power
-        return "–" if self.impulsive else DAMPING_FACTORS.get(power, f"f K^{1.0 - power:g} m^{power:g}")
+        return "–" if self.rigid else DAMPING_FACTORS.get(power, f"f K^{1.0 - power:g} m^{power:g}")
 
     @property
     def continuous(self) -> bool:
         """Whether the law has a force that begins at 0 at the onset, without a jump."""
-        return self.rate_exponent != 0.0 and not self.impulsive
+        return self.rate_exponent != 0.0 and not self.rigid
 
     def allows_exponent(self, exponent: float) -> bool:
         """Return whether the law is defined for an exponent n."""

@@ -87,7 +87,7 @@ def set_expected_penetration(d, c):
     A rigid wall has no penetration; for a candidate at a rigid wall the length of the longest link is set.
     """
     contacts = d.contacts
-    if d.law.impulsive[c]:
+    if d.law.rigid[c]:
         contacts.expected_penetration[c] = d.chain.longest_link
     else:
         contacts.expected_penetration[c] = elastic_penetration(
@@ -227,7 +227,7 @@ def uncut_force(d, c, penetration, rate, moves_outward):
     """
     spring = power_of_penetration(penetration, d.law.exponent[c])
     elastic = d.law.stiffness[c] * spring
-    if d.law.number[c] == USER_LAW and user_law.is_present():
+    if d.law.number[c] == USER_LAW and user_law.has_user_law():
         return user_contact_force(d, c, penetration, rate), elastic
     return elastic + damping_slope(d, c, penetration, moves_outward, spring) * rate, elastic
 
@@ -288,7 +288,7 @@ def law_slopes(d, c, penetration, rate):
     """
     if is_cut_off(d, c):
         return 0.0, 0.0
-    if d.law.number[c] == USER_LAW and user_law.is_present():
+    if d.law.number[c] == USER_LAW and user_law.has_user_law():
         return user_slopes(d, c, penetration, rate)
     exponent = d.law.exponent[c]
     is_beyond_kink = d.contacts.beyond_kink[c] != 0

@@ -27,7 +27,7 @@ Unilateral Contacts.
 
 import math
 
-from chain_impact.kernel.chain.drives import drive_count, first_joint, lever_of_drive
+from chain_impact.kernel.chain.drives import drive_count, first_joint, length_per_coordinate
 from chain_impact.kernel.constraints.geometry import (
     add_along_row,
     largest_coordinate,
@@ -73,12 +73,12 @@ def joint_number(d, e):
 
 
 def set_friction_used(d):
-    """Set ``friction.is_present`` to 1 if any wall, joint or slider has dry friction, else 0.
+    """Set ``friction.may_act`` to 1 if any wall, joint or slider has dry friction, else 0.
 
-    If the record has no elements (room for friction), ``friction.is_present`` is 0.
+    If the record has no elements (room for friction), ``friction.may_act`` is 0.
     """
     has_friction = max(d.contact_settings.any_friction, d.chain.has_drive_friction)
-    d.friction.is_present = has_friction if d.friction_element_count > 0 else 0
+    d.friction.may_act = has_friction if d.friction_element_count > 0 else 0
 
 
 def clear_friction(d):
@@ -114,7 +114,7 @@ def list_friction(d):
     """
     friction = d.friction
     friction.active_count = 0
-    for k in range(d.contacts.compliant_count):
+    for k in range(d.contacts.force_law_count):
         if may_have_friction(d, d.contacts.active_index[k]):
             d.friction_element.index[friction.active_count] = d.contacts.active_index[k]
             friction.active_count += 1
@@ -123,7 +123,7 @@ def list_friction(d):
         if d.drive.friction[i] > 0.0:
             e = d.candidate_count + i
             d.friction_element.index[friction.active_count] = e
-            d.friction_element.friction_limit[e] = d.drive.friction[i] / lever_of_drive(d, i)
+            d.friction_element.friction_limit[e] = d.drive.friction[i] / length_per_coordinate(d, i)
             friction.active_count += 1
     list_sticking(d)
 
@@ -239,7 +239,7 @@ def store_static_forces(d):
         )
 
 
-def static_power(d):
+def add_power_of_sticking(d):
     """Return the power [W] that the forces of sticking elements dissipate, and add it to ``friction.power``.
 
     A sticking element moves only because a step has an error; a projection moves the element back

@@ -39,7 +39,7 @@ from chain_impact.kernel.constraints.impulses import (
     clear_impulses,
     factorize_free,
     note_moving,
-    note_squeezed,
+    note_no_room,
     solve_equality,
 )
 from chain_impact.kernel.forces.active_contacts import store_force
@@ -56,7 +56,7 @@ from chain_impact.kernel.record.state import (
 # The largest depth in a rigid wall at which a projection may leave a point, relative to the longest link. If
 # a point stays deeper in a scene with moving walls or a moving base, the walls leave no room for the chain,
 # and the step is rejected.
-SQUEEZED_DEPTH = 1e-6
+NO_ROOM_DEPTH = 1e-6
 # A point leaves a rigid wall only if the point's speed suffices for at least this height, relative to the
 # longest link. A lower height could not be distinguished from round-off, nor could the next onset be located.
 LEAST_RISE = 1e-14
@@ -110,7 +110,7 @@ def set_unforced_to_motion_by_forces(d):
 
 def clear_least_forces(d):
     """Set the least forces of contacts at rigid walls to 0, before the stages of a step find lower forces."""
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         d.constraints.least_force[d.contacts.active_index[k]] = 0.0
 
 
@@ -151,7 +151,7 @@ def add_constraint_forces(d, y, rate):
     if solve_equality(d, scale) > d.solver.tolerance * scale:
         note_moving(d, d.solver.tolerance * scale)
     add_change(d, rate, velocity_at(d.link_count))
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         c = d.contacts.active_index[k]
         constraints.least_force[c] = min(constraints.least_force[c], constraints.impulse[k])
     store_constraint_forces(d)
@@ -159,7 +159,7 @@ def add_constraint_forces(d, y, rate):
 
 def store_constraint_forces(d):
     """Store ``d.constraints.impulse`` as the forces [N] of held contacts and sticking elements."""
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         store_force(d, d.contacts.active_index[k], d.constraints.impulse[k])
     if has_sticking(d):
         store_static_forces(d)
@@ -180,11 +180,11 @@ def project_state(d, y):
 
     The kinetic energy that the projection removes counts as dissipated energy. The work of moving walls,
     belts and base during the projection counts as supplied energy. At the end the points are located in the
-    projected state. If motions are prescribed and a point stays too deep in its wall (SQUEEZED_DEPTH),
-    ``note_squeezed`` records this.
+    projected state. If motions are prescribed and a point stays too deep in its wall (NO_ROOM_DEPTH),
+    ``note_no_room`` records this.
     """
     constraints, energy_index = d.constraints, dissipated_at(d.link_count)
-    for k in range(d.contacts.compliant_count if has_sticking(d) else 0):
+    for k in range(d.contacts.force_law_count if has_sticking(d) else 0):
         constraints.added_mass[k] = contact_added_mass(d)
     # first the positions, then the speeds; a loop, because compiled code would contain two copies otherwise
     for of_speeds in range(2):
@@ -196,7 +196,7 @@ def project_state(d, y):
             set_unforced_to_positions(d)
             solve_positions(d)
             if d.channel_count > 0:
-                note_squeezed(d, SQUEEZED_DEPTH * d.chain.longest_link)
+                note_no_room(d, NO_ROOM_DEPTH * d.chain.longest_link)
         add_change(d, y, of_speeds * velocity_at(d.link_count))
         locate_points_now(d, y)
     if d.channel_count > 0:
@@ -207,7 +207,7 @@ def project_state(d, y):
         y[energy_index] -= (
             0.5 * constraints.impulse[k] * (constraints.unforced_motion[k] + constraints.reached_motion[k])
         )
-    for k in range(d.contacts.compliant_count):
+    for k in range(d.contacts.force_law_count):
         # the added mass m of a contact acts with the impulse −m (u⁺ − u⁻), which also changes the energy
         squares = (
             constraints.reached_motion[k] * constraints.reached_motion[k]
@@ -217,7 +217,7 @@ def project_state(d, y):
         constraints.added_mass[k] = 0.0
 
 
-def power_of_motion(d, y, rate):
+def power_of_prescribed_motions(d, y, rate):
     """Return the power [W] that moving walls, belts and base supply, for a state y and its rate ẏ.
 
     The power is the sum of force times speed over walls, belts and base. The force on the base follows from
@@ -263,7 +263,7 @@ def work_of_impulses(d):
         if e < d.candidate_count and is_at_wall(d, e):
             _, nx, ny = constraint_row(d, k)
             impulse = constraints.impulse[k]
-            if k < d.contacts.compliant_count:
+            if k < d.contacts.force_law_count:
                 impulse -= constraints.added_mass[k] * (
                     constraints.reached_motion[k] - constraints.unforced_motion[k]
                 )
@@ -317,13 +317,13 @@ def solve_positions(d):
     largest_residual = 0.0
     largest_change = 0.0
     remaining_residual = 0.0
-    for k in range(d.contacts.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.force_law_count, constraint_count(d)):
         largest_residual = max(
             largest_residual, abs(constraints.target_motion[k] - constraints.unforced_motion[k])
         )
     factorize_free(d)
     solve_equality(d, position_scale)
-    for k in range(d.contacts.compliant_count, constraint_count(d)):
+    for k in range(d.contacts.force_law_count, constraint_count(d)):
         remaining_residual = max(
             remaining_residual, abs(constraints.target_motion[k] - constraints.reached_motion[k])
         )
@@ -359,7 +359,7 @@ def solve_stopping_impulses(d):
 def least_impulse(d):
     """Return the least of 0 and the held points' last solved impulses [N·s] or constraint forces [N]."""
     least_value = 0.0
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         least_value = min(least_value, d.constraints.impulse[k])
     return least_value
 

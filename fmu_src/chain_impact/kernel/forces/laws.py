@@ -11,7 +11,7 @@ There are three kinds of laws:
   λ(1 + e′) = ln[(1+λ)/(1−λe′)], so e′ = [1 + W₀(−(1+λ)e^{−(1+λ)})]/λ with Lambert's W.
 - The other laws with a force have p ≠ n, and each of them holds for one exponent n. Their damping is
   d = f K^(1−s) m^s, with an exponent s of the law and the effective mass m of the chain at the contact [kg].
-- The law of rigid walls has impulses instead of a force, so it has no d (events/impacts.py).
+- The law of rigid walls has impulses instead of a force, so it has no d (events/rigid_impacts.py).
 
 The relations are derived in docs/contact_laws.md. The number of a law is its position in this file, counted
 from 1. The FMU uses these numbers, so a new law goes to the end.
@@ -264,14 +264,14 @@ def kuwabara_kono(e):
     "none: v⁺ = −e v⁻",
     (0.0, 1.0),
     "C",
-    impulsive=True,
+    rigid=True,
 )
 def newton_impact(e):
     """Rigid walls, the limit of all the others: impulses of no duration in place of a force."""
     return 0.0 * e
 
 
-__all__ = ["CONTACT_LAWS", "LAW_COUNT", "damping_factor", "is_impulsive"]
+__all__ = ["CONTACT_LAWS", "LAW_COUNT", "damping_factor", "is_rigid"]
 
 _LAWS = tuple(CONTACT_LAWS.values())
 LAW_COUNT = len(_LAWS)
@@ -284,7 +284,7 @@ RATE_EXPONENTS = tuple(ANY_EXPONENT if law.rate_exponent is None else law.rate_e
 LEAST_RESTITUTIONS = tuple(0.0 if law.allows_zero else 1e-300 for law in _LAWS)
 MASS_POWERS = tuple(law.mass_power for law in _LAWS)
 APPROACH_ONLY = tuple(int(law.approach_only) for law in _LAWS)
-IS_IMPULSIVE = tuple(int(law.impulsive) for law in _LAWS)
+IS_RIGID = tuple(int(law.rigid) for law in _LAWS)
 
 
 def damping_factor(law, restitution):
@@ -292,9 +292,9 @@ def damping_factor(law, restitution):
     return _factor(law - 1, restitution)
 
 
-def is_impulsive(law):
+def is_rigid(law):
     """Return whether the law with the number ``law`` has impulses instead of a force.
 
     A user's law has a force.
     """
-    return law <= LAW_COUNT and IS_IMPULSIVE[law - 1] != 0
+    return law <= LAW_COUNT and IS_RIGID[law - 1] != 0

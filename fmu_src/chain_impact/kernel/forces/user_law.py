@@ -20,7 +20,7 @@ At a stop in a joint the arguments belong to an angle: rad, rad/s, kg·m², N·m
 """
 
 
-def is_present():
+def has_user_law():
     """Return 0: there is no user's law. In a kernel with a law, another function replaces this one."""
     return 0
 

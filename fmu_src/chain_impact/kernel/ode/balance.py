@@ -43,7 +43,7 @@ from chain_impact.kernel.chain.drives import (
     armature_of_drive,
     coordinate_sum_of_drive,
     drive_count,
-    moment_factor,
+    moment_per_force,
     spring_tension,
 )
 from chain_impact.kernel.chain.inputs import apply_inputs
@@ -365,9 +365,9 @@ def energy_scales(d, y):
     if d.chain.has_springs:
         for i in range(drive_count(d)):
             force = abs(spring_tension(d, y, i))
-            scale += force * moment_factor(d, i)
+            scale += force * moment_per_force(d, i)
             summed += force * (coordinate_sum_of_drive(d, y, i) + abs(d.inputs.target[i]))
-    for k in range(d.contacts.compliant_count):
+    for k in range(d.contacts.force_law_count):
         c = d.contacts.active_index[k]
         clearance, _ = clearance_and_rate(d, c)
         force = elastic_force(d, c, max(0.0, -clearance))

@@ -61,7 +61,7 @@ def dissipated_energy(d, y):
     With a user's law, which may supply energy, the energy is not limited.
     """
     j = dissipated_at(d.link_count)
-    return y[j] if user_law.is_present() else limit_energy(d, y[j], d.step.state[j], d.step.state_end[j])
+    return y[j] if user_law.has_user_law() else limit_energy(d, y[j], d.step.state[j], d.step.state_end[j])
 
 
 @has_dual_rule
@@ -272,7 +272,7 @@ def correct_falling_impulses(d):
             quadrature.state_end[k] = quadrature.state[k]
             # stops are left out: stops of different joints have the same wall number, though each is a wall
             # of its own
-            if k >= d.contacts.compliant_count and is_at_wall(d, c):
+            if k >= d.contacts.force_law_count and is_at_wall(d, c):
                 reduce_largest_impulse(d, d.candidate.wall[c], fall)
 
 
@@ -283,7 +283,7 @@ def reduce_largest_impulse(d, wall, amount):
     in `candidate.wall`. If no impulse on these points is positive, nothing changes.
     """
     quadrature, largest_impulse, index = d.quadrature, 0.0, -1
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         impulse = quadrature.state_end[k] - quadrature.state[k]
         if d.candidate.wall[quadrature.index[k]] == wall and impulse > largest_impulse:
             largest_impulse, index = impulse, k
@@ -375,5 +375,5 @@ def reset_quadratures(d):
 
 def add_impulses_of_impact(d):
     """Add the impulses of rigid walls and rigid stops in the present impact to the quadratures' totals."""
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         d.quadrature.integral[d.contacts.active_index[k]] += max(0.0, d.constraints.impulse[k])

@@ -210,7 +210,7 @@ def size_toward_end(d, h):
     Near the predicted end of a contact with a force law, the step either passes this end, and may then be up
     to LARGEST_STRETCH times as long as h, or covers at most half of the way to this end (``size_up_to_end``).
     """
-    if d.contacts.compliant_count == 0:
+    if d.contacts.force_law_count == 0:
         return h
     if not is_regularized(d):
         return size_toward_ends(d, h)
@@ -233,7 +233,7 @@ def size_toward_ends(d, h):
     """
     accelerate_points(d, d.step.state_end, d.scratch.rate_start)
     time_left = math.inf
-    for k in range(d.contacts.compliant_count):
+    for k in range(d.contacts.force_law_count):
         c = d.contacts.active_index[k]
         clearance, clearance_rate = clearance_and_rate(d, c)
         if clearance < 0.0 < clearance_rate:

@@ -68,7 +68,7 @@ from chain_impact.kernel.equations import free_rate_from_forces
 from chain_impact.kernel.forces.active_contacts import apply_contact, clear_applied_forces, set_forces_of_step
 from chain_impact.kernel.forces.force_formula import law_slopes
 from chain_impact.kernel.forces.friction import apply_friction
-from chain_impact.kernel.forces.holding import add_constraint_forces, power_of_motion
+from chain_impact.kernel.forces.holding import add_constraint_forces, power_of_prescribed_motions
 from chain_impact.kernel.ode.dense_output import set_quadrature_rates
 from chain_impact.kernel.record.state import coordinate_count, sundman_u_at, supplied_at, velocity_at
 
@@ -84,7 +84,7 @@ def clearance_at(d, k):
 
 def clearance_count(d):
     """Return the number of contacts whose clearances are in z: the active ones with a force law."""
-    return d.contacts.compliant_count
+    return d.contacts.force_law_count
 
 
 def rate_at(d, k):
@@ -155,7 +155,7 @@ def extended_rate(d, z, elapsed, rate):
     if any_constraint(d):
         add_constraint_forces(d, z, rate)
     if d.channel_count > 0:
-        rate[supplied_at(d.link_count)] += power_of_motion(d, z, rate)
+        rate[supplied_at(d.link_count)] += power_of_prescribed_motions(d, z, rate)
     set_quadrature_rates(d, 1.0, rate[quadrature_at(d, 0) :])
     accelerate_points(d, z, rate)
     clearance_rates(d, z, rate)

@@ -77,7 +77,9 @@ def choose_method(d):
     """
     step = d.step
     touching = d.contacts.active_count > 0
-    if d.contact_settings.any_rigid and not (d.contact_settings.any_force or d.chain.has_springs_or_dampers):
+    if d.contact_settings.any_rigid and not (
+        d.contact_settings.any_force_law or d.chain.has_springs_or_dampers
+    ):
         begin_explicit(d)  # rigid walls are constraints, which are not stiff
     elif d.solver.method != AUTOMATIC_METHOD:
         step.method = prescribed_method(d.solver.method)
@@ -136,9 +138,9 @@ def limit_to_stable(d):
 
 def are_contacts_sustained(d):
     """Return whether contacts with a force law are active and all of them sustained (SUSTAINED_AFTER)."""
-    if d.contacts.compliant_count == 0:
+    if d.contacts.force_law_count == 0:
         return False
-    for k in range(d.contacts.compliant_count):
+    for k in range(d.contacts.force_law_count):
         c = d.contacts.active_index[k]
         scale = d.contacts.expected_penetration[c] / d.contacts.latched_speed[c]
         if d.step.end - d.contacts.onset[c] < SUSTAINED_AFTER * scale:
@@ -231,7 +233,7 @@ def fastest_contact(d):
     onset. The points must be located.
     """
     largest_rate = 0.0
-    for k in range(d.contacts.compliant_count):
+    for k in range(d.contacts.force_law_count):
         c = d.contacts.active_index[k]
         stiffness, damping = contact_slopes(d, c)
         mass = d.contacts.effective_mass[c]

@@ -14,10 +14,10 @@ shorter if it must resolve a fast motion (collocation.py).
 
 import math
 
-from chain_impact.kernel.chain.drives import drive_component, drive_count, drive_slopes, moment_factor
+from chain_impact.kernel.chain.drives import drive_component, drive_count, drive_slopes, moment_per_force
 from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.constraints.geometry import clearance_and_rate, dot, largest_coordinate, normal_row
-from chain_impact.kernel.constraints.impulses import SQUEEZED, any_constraint
+from chain_impact.kernel.constraints.impulses import OUTCOME_NO_ROOM, any_constraint
 from chain_impact.kernel.forces.force_formula import damping_over_elastic
 from chain_impact.kernel.function_marks import inlined
 from chain_impact.kernel.mathematics.powers import power
@@ -279,7 +279,7 @@ def clear_faded(d, y):
 
 def no_step_status(d):
     """Return the status with which a run ends because the next try of a step would be too short."""
-    if d.constraints.outcome == SQUEEZED:
+    if d.constraints.outcome == OUTCOME_NO_ROOM:
         return NO_ROOM
     return NOT_FINITE if d.trial.outcome == INFINITE else STEP_TOO_SMALL
 
@@ -342,7 +342,7 @@ def force_errors(d):
     first, second = 0.0, 0.0
     for i in range(drive_count(d)):
         c, k = drive_slopes(d, i)
-        factor = moment_factor(d, i)
+        factor = moment_per_force(d, i)
         first = max(first, force_error(d, d.scratch.y_error[0], i, c, k) * factor)
         second = max(second, force_error(d, d.scratch.y_error[1], i, c, k) * factor)
     usual_moment = d.chain.energy_scale * (1.0 + d.chain.gravity_magnitude / d.chain.longest_link)

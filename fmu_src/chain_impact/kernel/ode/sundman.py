@@ -126,7 +126,7 @@ def find_lone_contact(d):
     suit the others. An implicit step always runs in time. The points must be located at the start of the
     step.
     """
-    if is_implicit(d) or not d.contacts.active_count == d.contacts.compliant_count == 1:
+    if is_implicit(d) or not d.contacts.active_count == d.contacts.force_law_count == 1:
         return NO_CONTACT, 1.0
     c = d.contacts.active_index[0]
     clearance, clearance_rate = clearance_and_rate(d, c)

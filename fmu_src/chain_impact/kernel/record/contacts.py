@@ -59,7 +59,7 @@ def law_dtype(candidate_count: int) -> np.dtype:
         ("damping_factor", REAL),
         ("rate_exponent", REAL),  # exponent p of the penetration δ in the damping force d δᵖ δ̇
         ("approach_only", INTEGER),  # 1: the law damps only while δ grows; 0: in both directions
-        ("impulsive", INTEGER),  # 1: the wall or stop is rigid, and acts by impulses; 0: it has a force law
+        ("rigid", INTEGER),  # 1: the wall or stop is rigid, and acts by impulses; 0: it has a force law
         # m, depth in the wall up to which a point counts as not touching; 0 at a rigid wall
         ("harmless_depth", REAL),
     )
@@ -91,7 +91,7 @@ def contacts_dtype(candidate_count: int) -> np.dtype:
         ("contact_set", INTEGER),
         ("active_count", bounded_integer(0, candidate_count)),
         # number of active contacts with a force law; these come first in ``active_index``
-        ("compliant_count", INTEGER),
+        ("force_law_count", INTEGER),
         ("joint_stop_count", INTEGER),  # number of active stops in joints
         # indices of the candidates with active contacts; only the first ``active_count`` entries are used
         ("active_index", bounded_integer(0, candidate_count - 1), (candidate_count,)),
@@ -205,7 +205,7 @@ def constraints_dtype(link_count: int, candidate_count: int, friction_element_co
         # depending on the problem
         ("change", REAL, (coordinate_count(link_count),)),
         # SOLVED, or the reason why the search for constraint forces has failed in the tried step or at the
-        # events before it: UNSOLVED, MOVING or SQUEEZED of constraints/impulses.py
+        # events before it: OUTCOME_FORCES_NOT_FOUND, MOVING or OUTCOME_NO_ROOM of constraints/impulses.py
         ("outcome", INTEGER),
         # 1: the last problem was near a fold: a rigid wall held a point, and the first iteration left more
         # than FOLD_RESIDUAL (constraints/impulses.py) of the residual

@@ -13,7 +13,7 @@ CHANGES_OF_EACH = 4
 def friction_dtype(friction_element_count: int) -> np.dtype:
     """Return the layout of the data of all dry friction; `friction_element` has each element's data."""
     return layout(
-        ("is_present", INTEGER),  # 1: some wall, joint or the slider has dry friction
+        ("may_act", INTEGER),  # 1: some wall, joint or the slider has dry friction
         # number of elements with friction at present: active contacts, joints and the slider, in this order
         ("active_count", bounded_integer(0, friction_element_count)),
         ("contact_count", INTEGER),  # number of active contacts among these elements

@@ -105,7 +105,7 @@ def contact_settings_dtype() -> np.dtype:
         # raised to this speed
         ("minimum_impact_speed", POSITIVE),
         # ---- derived at initialization
-        ("any_force", INTEGER),  # 1: some candidate has a law with a force
+        ("any_force_law", INTEGER),  # 1: some candidate has a law with a force
         ("any_rigid", INTEGER),  # 1: some candidate has a law with impulses instead of a force
         ("any_friction", INTEGER),  # 1: some candidate has dry friction
     )

@@ -36,12 +36,12 @@ def forget_peaks(t, delay):
                 set_joint_square(
                     t, c, replace_slopes_by_nan(t.contacts.joint_square[c], delay), t.contacts.joint[c]
                 )
-    if t.contacts.compliant_count > 0:
+    if t.contacts.force_law_count > 0:
         locate_points(t, t.step.state_end)
     for k in range(t.contacts.active_count):
         c = t.contacts.active_index[k]
         peak = t.contacts.peak_force[c]
-        if k >= t.contacts.compliant_count:
+        if k >= t.contacts.force_law_count:
             at_end = value(t.constraints.sampled_force[1, k])
         else:
             # The force of a force law does not jump where the two steps meet, because position and velocity

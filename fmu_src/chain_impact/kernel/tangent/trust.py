@@ -68,7 +68,7 @@ def check_onsets(t):
     is_slow = least_speed <= math.sqrt(value(t.solver.tolerance)) * fastest_speed(t)
     if is_slow and not has_derivatives(t, first, least_speed):
         mark_untrusted(t, GRAZING, first, value(t.step.end))
-    elif not t.law.impulsive[first] and near_least_speed(t, first, least_speed):
+    elif not t.law.rigid[first] and near_least_speed(t, first, least_speed):
         mark_untrusted(t, AT_LEAST_SPEED, first, value(t.step.end))
     elif onsets > 1:
         mark_untrusted(t, SIMULTANEOUS_ONSETS, first, value(t.step.end))
@@ -84,9 +84,9 @@ def has_derivatives(t, c, speed):
     clearance, clearance_rate = clearance_and_rate(t, c)
     acceleration = value(clearance_acceleration(t, c))
     is_at_rest = speed <= 0.0 and not has_slope(clearance) and not has_slope(clearance_rate)
-    if (is_at_rest and acceleration < 0.0) or (t.law.impulsive[c] and falls_back(t, c, speed)):
+    if (is_at_rest and acceleration < 0.0) or (t.law.rigid[c] and falls_back(t, c, speed)):
         return True
-    if not t.law.impulsive[c]:
+    if not t.law.rigid[c]:
         return False
     change = clearance_rate + acceleration * delay_of_crossing(t, c, ONSET)
     change *= 1.0 + t.law.restitution[c]
@@ -201,11 +201,11 @@ def check_turns(t):
     A penetration turns where its rate changes sign. The function tests the active contacts with force laws;
     the derivatives end at the start of the step.
     """
-    if not user_law.is_present() or t.trust.reason != TRUSTED:
+    if not user_law.has_user_law() or t.trust.reason != TRUSTED:
         return
     if not t.scratch.located_at_end:
         locate_points(t, t.step.state_end)
-    for k in range(t.contacts.compliant_count):
+    for k in range(t.contacts.force_law_count):
         c = t.contacts.active_index[k]
         clearance, clearance_rate = clearance_and_rate(t, c)
         has_turned = value(t.contacts.penetration_rate[c]) * value(clearance_rate) > 0.0

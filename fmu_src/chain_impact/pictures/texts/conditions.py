@@ -74,7 +74,7 @@ def contact_texts(recording: Recording) -> list[str]:
     if "contact.restitution" in values:
         if uses_restitution(law):
             parts.append(f"restitution e = {values['contact.restitution']:g}")
-        # an impulsive law uses no stiffness
+        # a rigid wall has no stiffness
         if not has_impulses(law):
             unit = raise_exponents(stiffness_unit("N/m", values["contact.exponent"]))
             parts.append(f"stiffness K = {number_text(values['contact.stiffness'])} {unit}")

@@ -222,7 +222,7 @@ def impact_values(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.
     at walls and at stops of a slider. The quantity is "peak force", "peak moment", IMPULSE or HIT_IMPULSE. A
     value that is unknown, or that of an impact that does not belong to ``is_stop``, is 0.
 
-    All values are impulses under an impulsive law, and if any of these impacts has an impulse but no known
+    All values are impulses at rigid walls, and if any of these impacts has an impulse but no known
     force, as in a recording without the law. The impulse of a contact that lasts to the end of the run counts
     as 0, because this impulse also contains the shocks of other impacts. But if no contact with an impulse
     ends before, the values are hit impulses (``impulses_of_hits``).
@@ -230,10 +230,10 @@ def impact_values(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.
     impacts = recording.impacts
     is_own = recording.is_at_joint_stop == is_stop
     forces, impulses = (np.nan_to_num(impacts[name]) * is_own for name in ("peak_force", "impulse"))
-    # under an impulsive law, a rod that lies on a rigid wall after its bounces has a force, too, but this
-    # force says nothing on the bounces
-    is_impulsive = has_impulses(law_at(recording, is_stop=is_stop))
-    if is_impulsive or ((forces == 0.0) & (impulses > 0.0)).any():
+    # a rod that lies on a rigid wall after its bounces has a force, too, but this force says nothing on the
+    # bounces
+    is_rigid = has_impulses(law_at(recording, is_stop=is_stop))
+    if is_rigid or ((forces == 0.0) & (impulses > 0.0)).any():
         totals = impulses * ~lasts(impacts)
         name, values = (
             (IMPULSE, totals) if totals.any() else (HIT_IMPULSE, impulses_of_hits(recording) * is_own)

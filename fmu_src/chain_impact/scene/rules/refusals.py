@@ -159,7 +159,7 @@ REFUSALS = (
         "law",
     ),
     *(
-        RefusalRule("rigid_friction", key, f"law.impulsive and {key} > 0", of="law", in_kernel=True)
+        RefusalRule("rigid_friction", key, f"law.rigid and {key} > 0", of="law", in_kernel=True)
         for key in ("friction", "static_friction")
     ),
     *(
@@ -192,7 +192,7 @@ the list; ``movable``: the points that can move; ``walls``: the number of entrie
 wall's name for each pair of a point and a wall that can touch (the kernel's record has room for as many
 entries of ``walls`` as there are such pairs); ``reserved``: the names that no entry of ``walls`` may have.
 """
-LAW_FACTS = ("id", "allows_zero", "exponent", "impulsive")
+LAW_FACTS = ("id", "allows_zero", "exponent", "rigid")
 """The properties of a contact law that rules may name."""
 SIGNAL_REFUSALS = (
     RefusalRule(

@@ -25,7 +25,7 @@ def law_text(law: ContactLaw) -> str:
 
 def law_group(law: ContactLaw) -> str:
     """Return the group of a law, one of LAW_GROUPS."""
-    if law.impulsive:
+    if law.rigid:
         return RIGID_LAWS
     if law.formula == "0":
         return ELASTIC_LAWS

@@ -290,7 +290,7 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
     """
     impact = impact.copy()
     law = CONTACT_LAWS.get(contact_at(result.scene, impact).model)
-    if law and law.impulsive and impact["end"] != impact["onset"]:
+    if law and law.rigid and impact["end"] != impact["onset"]:
         # An impulse ends at its onset. If the rigid wall holds the point afterwards, the recorded end is
         # later, or NaN if the wall holds the point to the end of the run; only the impulse counts here.
         impact["end"] = impact["onset"]

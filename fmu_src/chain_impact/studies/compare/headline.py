@@ -42,8 +42,8 @@ def laws_with_e(comparison: LawRuns) -> list[LawRun]:
 
     The law without losses ignores e, and a law of impulses has no force.
     """
-    impulsive = {law for law, contact_law in CONTACT_LAWS.items() if contact_law.impulsive}
-    runs = [run for run in comparison.runs if run.law not in {LOSSLESS_LAW, *impulsive}]
+    rigid = {law for law, contact_law in CONTACT_LAWS.items() if contact_law.rigid}
+    runs = [run for run in comparison.runs if run.law not in {LOSSLESS_LAW, *rigid}]
     return runs or list(comparison.runs)
 
 

@@ -134,7 +134,7 @@ def advice(comparison: LawRuns) -> str:
             + (_law_names(near_laws) or "none of these laws")
             + _choice_text(comparison, near_laws)
         )
-    sure = [law for law in near_laws if law in CONTACT_LAWS and CONTACT_LAWS[law].impulsive]
+    sure = [law for law in near_laws if law in CONTACT_LAWS and CONTACT_LAWS[law].rigid]
     unsure_laws = [law for law in near_laws if law not in sure]
     parts = [f"{', '.join(sure)}, as in any scene"] * bool(sure)
     parts += [f"{_law_names(unsure_laws)}, in this scene, not in any"] * bool(unsure_laws)

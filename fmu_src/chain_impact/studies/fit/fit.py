@@ -182,7 +182,7 @@ def _check_rigid(problem: Problem, is_usable: np.ndarray) -> None:
     """Refuse a column of FORCE_QUANTITIES if none of it can be fitted (``is_usable``) and walls are rigid."""
     scene = problem.scenes[0]
     law = CONTACT_LAWS.get(scene.contact.model)
-    if not (law and law.impulsive):
+    if not (law and law.rigid):
         return
     for group, name in enumerate(problem.names):
         if name in FORCE_QUANTITIES and not is_usable[problem.group == group].any():

@@ -70,7 +70,7 @@ class Job:
         joints, pair_paths = stop_pairs(self.scene), dict[str, list[DataPath]]()
         for c, pair in enumerate(candidates_of(self.scene)):
             name = "stop.peak_moment" if pair in joints else "peak_force"
-            pair_paths.setdefault(name, [("law", c, "impulsive")]).append(("contacts", "impact_number", c))
+            pair_paths.setdefault(name, [("law", c, "rigid")]).append(("contacts", "impact_number", c))
         return pair_paths
 
     @property

@@ -124,7 +124,7 @@ export function withControls(sentence, changes) {
  */
 export function idleLaw(changes, key, ofStops) {
   const law = lawOf(changes, ofStops);
-  const fact = { stiffness: "impulsive", restitution: "lossless" }[key];
+  const fact = { stiffness: "rigid", restitution: "lossless" }[key];
   return SHARED.laws[law]?.[fact] ? law : "";
 }
 

@@ -11,7 +11,7 @@ from chain_impact.kernel.chain.kinematics import largest_component, locate_point
 from chain_impact.kernel.constraints.geometry import clearance_and_rate, largest_coordinate
 from chain_impact.kernel.constraints.impulses import SIGN_TOLERANCE
 from chain_impact.kernel.equations import mechanical_energy
-from chain_impact.kernel.events import impacts
+from chain_impact.kernel.events import rigid_impacts
 from chain_impact.kernel.events.handlers import apply_events
 from chain_impact.kernel.forces.active_contacts import latch_onset
 from chain_impact.kernel.forces.holding import LEAST_RISE
@@ -87,7 +87,7 @@ def test_an_impact_is_moreaus(seed, count, base):
     before, there = jacobian @ y[6:12], kinetic(d, y)
     p = complementary_impulses(w, before, -E * before)
     d.scratch.position.x[:], d.scratch.velocity.x[:] = 9.0, 9.0  # located elsewhere
-    impacts.handle_impact(d)
+    rigid_impacts.handle_rigid_impacts(d)
     after = d.step.state_end
     np.testing.assert_allclose(after[6:12], y[6:12] + response @ p, rtol=0, atol=1e-9)
     np.testing.assert_allclose(after[:6], y[:6], rtol=0, atol=1e-12)
@@ -117,13 +117,13 @@ def test_a_slow_arrival_comes_to_rest_and_is_held_while_the_wall_pushes(seed):
     y[6:12] = response @ np.linalg.solve(w, np.full(3, -0.5 * SLOWEST))
     d.step.state_end[:] = y
     d.chain.gravity[:] = -3.0 * d.chain.gravity if seed % 2 else d.chain.gravity
-    impacts.handle_impact(d)
+    rigid_impacts.handle_rigid_impacts(d)
     after = d.step.state_end
     # 0 ≤ p ⟂ u⁺ ≥ 0: a point leaves if no push can stop the point
     speeds = np.full(3, -0.5 * SLOWEST)
     reached = speeds + w @ complementary_impulses(w, speeds, np.zeros(3))
     np.testing.assert_allclose(jacobian @ after[6:12], reached, rtol=0, atol=1e-12)
-    stay = np.flatnonzero(reached < impacts.LEAST_REBOUND_SPEED * SLOWEST)
+    stay = np.flatnonzero(reached < rigid_impacts.LEAST_REBOUND_SPEED * SLOWEST)
     accelerations = -response.T @ potential_slopes(d, after)
     locate_points(d, after)
     force = complementary_impulses(w[np.ix_(stay, stay)], accelerations[stay], np.zeros(len(stay)))
@@ -132,19 +132,19 @@ def test_a_slow_arrival_comes_to_rest_and_is_held_while_the_wall_pushes(seed):
     assert d.contact_log.count == 3 - len(held)
     for k in stay:
         gap, _ = clearance_and_rate(d, candidates[k])
-        apart = 0.0 if candidates[k] in held else impacts.RELEASE_CLEARANCE * d.chain.longest_link
+        apart = 0.0 if candidates[k] in held else rigid_impacts.RELEASE_CLEARANCE * d.chain.longest_link
         assert gap == pytest.approx(apart, abs=3e-14)
     assert not d.contacts.event.any()
 
 
 def test_points_that_all_but_touch_are_neighbours():
     d = touching(0, (1,)).d
-    limit = impacts.NEAR_WALL_CLEARANCE * impacts.release_clearance(d, 2, largest_coordinate(d))
+    limit = rigid_impacts.NEAR_WALL_CLEARANCE * rigid_impacts.release_clearance(d, 2, largest_coordinate(d))
     for c, part_of in ((2, 0.5), (5, 0.99), (9, 1.5), (13, -3.0)):
         move_wall_to_depth(d, c, -part_of * limit)
     d.contacts.active[1] = d.contacts.active[13] = 1
     d.contacts.event[:] = NO_EVENT
-    impacts.join_near_contacts(d)
+    rigid_impacts.join_near_contacts(d)
     assert np.flatnonzero(d.contacts.active).tolist() == [1, 2, 5, 13]
     assert np.flatnonzero(d.contacts.event == NEIGHBOUR).tolist() == [2, 5]
 
@@ -159,7 +159,7 @@ def test_fast_arrivals_rebound_and_slow_arrivals_rest(restitution):
     y[6:12] = response @ np.linalg.solve(w, speeds)
     locate_points(d, y)
     d.law.restitution[:] = restitution
-    lost, moved = impacts.find_impulses(d, 1.0)
+    lost, moved = rigid_impacts.find_impulses(d, 1.0)
     own = d.constraints
     np.testing.assert_allclose(own.unforced_motion[:4], speeds, rtol=1e-8)
     np.testing.assert_allclose(own.target_motion[:4], [restitution, restitution, 0.0, 0.0], rtol=1e-8)
@@ -179,9 +179,9 @@ def test_rebounds_too_slow_to_leave_are_none(times, aims):
     speed = -2.0 * SLOWEST
     y[6:12] = response @ np.linalg.solve(w, [speed])
     locate_points(d, y)
-    rebound = times * impacts.LEAST_REBOUND_SPEED * SLOWEST
+    rebound = times * rigid_impacts.LEAST_REBOUND_SPEED * SLOWEST
     d.law.restitution[:] = rebound / -speed
-    impacts.find_impulses(d, 1.0)
+    rigid_impacts.find_impulses(d, 1.0)
     assert d.constraints.target_motion[0] == pytest.approx(aims * rebound, rel=1e-9)
 
 
@@ -192,10 +192,10 @@ def test_impulses_fall_short_by_more_than_round_off(short):
     d.constraints.reached_motion[:4] = (
         0.5,
         0.9,
-        0.5 - short * impacts.IMPACT_ROUND_OFF * largest_component(d, d.scratch.velocity),
+        0.5 - short * rigid_impacts.IMPACT_ROUND_OFF * largest_component(d, d.scratch.velocity),
         0.5,
     )
-    assert impacts.lacks_rebound(d) == (short > 1.0)
+    assert rigid_impacts.lacks_rebound(d) == (short > 1.0)
 
 
 @pytest.mark.parametrize("speed", [-0.7, 0.3])
@@ -216,7 +216,7 @@ def test_a_neighbour_takes_part_in_an_impact_and_brings_no_energy(speed):
         if p[1] > 1e-9 and speed > 0.0:
             gains += 1
             p = complementary_impulses(w, speeds, np.zeros(2))
-        impacts.handle_impact(d)
+        rigid_impacts.handle_rigid_impacts(d)
         np.testing.assert_allclose(d.quadrature.integral[[first, second]], p, rtol=1e-7, atol=1e-9)
         after = kinetic(d, d.step.state_end)
         assert d.step.state_end[12] - lost == pytest.approx(there - after, abs=1e-9 * there)
@@ -227,7 +227,7 @@ def test_a_neighbour_takes_part_in_an_impact_and_brings_no_energy(speed):
 
 
 def test_errors_of_held_contacts_are_corrected_without_an_impulse():
-    for act in (apply_events, impacts.update_active_set):
+    for act in (apply_events, rigid_impacts.update_active_set):
         d, y, jacobian, response, w, candidates = touching(2, (1, 6), kinds=NO_EVENT)
         # choose errors whose correction needs pushing forces and pushing impulses
         y[6:12] = response @ np.linalg.solve(w, w @ np.array([-1e-9, -2e-9]))
@@ -242,7 +242,7 @@ def test_errors_of_held_contacts_are_corrected_without_an_impulse():
 
 def test_with_nothing_that_touches_the_loads_are_those_of_a_flight():
     d = touching(2, (), arrive=False).d
-    impacts.handle_impact(d)
+    rigid_impacts.handle_rigid_impacts(d)
     assert not vectors(d.scratch.applied_force).any()
 
 
@@ -253,7 +253,7 @@ def test_contacts_that_cannot_be_stopped_by_a_push_are_over():
     d.step.state_end[:] = y
     assert (np.linalg.solve(w, -(w @ p)) < 0.0).any()
     expected = complementary_impulses(w, w @ p, np.zeros(2))
-    impacts.update_active_set(d)
+    rigid_impacts.update_active_set(d)
     np.testing.assert_allclose(d.quadrature.integral[[first, second]], expected, rtol=0, atol=1e-9)
     over = (w @ (p + expected)) > 1e-9
     assert over.any()
@@ -276,7 +276,7 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
         locate_points(d, d.step.state_end)
         d.constraints.impulse[0] = 1.0
         d.constraints.reached_motion[0] = times * slow
-        impacts.end_rebounding_contacts(d)
+        rigid_impacts.end_rebounding_contacts(d)
         assert (d.contacts.active_count == 1) == stays
         assert d.contact_log.count == (0 if stays else 1)
 
@@ -287,7 +287,7 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
 def test_a_neighbour_without_an_impulse_was_not_met(event, impulse, met):
     d = touching(1, (1,), kinds=NO_EVENT).d
     d.contacts.event[1], d.constraints.impulse[0], d.constraints.reached_motion[0] = event, impulse, 0.0
-    impacts.end_rebounding_contacts(d)
+    rigid_impacts.end_rebounding_contacts(d)
     assert d.contacts.active[1] == d.contacts.active_count == met
     assert d.contact_log.count == 0
 
@@ -300,8 +300,8 @@ def test_contacts_end_where_they_stand_for_another_law():
     for c in (1, 6, 11):
         rates.append(max(0.0, clearance_and_rate(d, c)[1]))
     d.scratch.velocity.x[:] = 99.0
-    d.law.impulsive[:] = 0
-    impacts.end_changed_contacts(d)
+    d.law.rigid[:] = 0
+    rigid_impacts.end_changed_contacts(d)
     assert d.contacts.active_count == 0
     assert not d.contacts.active.any()
     np.testing.assert_array_equal(d.contact_log.separation_speed[:3], rates)
@@ -313,7 +313,7 @@ def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
     scale = largest_component(d, d.scratch.velocity)
     d.constraints.in_active_set[:4] = 0, 0, 1, 0
     d.constraints.reached_motion[:4] = 0.5 * SIGN_TOLERANCE * scale, 2.0 * SIGN_TOLERANCE * scale, 1.0, 0.0
-    impacts.end_unstopped_contacts(d)
+    rigid_impacts.end_unstopped_contacts(d)
     assert d.contacts.active_index[: d.contacts.active_count].tolist() == [1, 11, 16]
     assert d.contact_log.point[0] == d.candidate.point[6]
 
@@ -321,18 +321,18 @@ def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
 def test_released_points_leave_the_wall_and_held_points_stay():
     d = touching(1, POINTS[:3], kinds=NO_EVENT).d
     d.constraints.in_active_set[:3] = 1, 0, 1
-    impacts.release_contacts(d)
+    rigid_impacts.release_contacts(d)
     locate_points(d, d.step.state_end)
     gaps = [clearance_and_rate(d, c)[0] for c in POINTS[:3]]
     np.testing.assert_allclose(
-        gaps, [0.0, impacts.RELEASE_CLEARANCE * d.chain.longest_link, 0.0], rtol=0, atol=3e-14
+        gaps, [0.0, rigid_impacts.RELEASE_CLEARANCE * d.chain.longest_link, 0.0], rtol=0, atol=3e-14
     )
     assert d.contacts.active[POINTS].tolist() == [1, 0, 1, 0]
     # nothing moves when all points are held
     before = d.step.state_end.copy()
     d.constraints.in_active_set[:3] = 1
     mark_touching(d, POINTS[:1])
-    impacts.release_contacts(d)
+    rigid_impacts.release_contacts(d)
     np.testing.assert_array_equal(d.step.state_end, before)
 
 
@@ -344,21 +344,21 @@ def test_a_released_point_all_but_touches_at_any_distance(away):
     move_wall_to_depth(d, 1, 0.0)
     d.step.state_end[:] = y
     d.constraints.in_active_set[:1] = 0
-    impacts.release_contacts(d)
+    rigid_impacts.release_contacts(d)
     locate_points(d, d.step.state_end)
     gap, _ = clearance_and_rate(d, 1)
     farthest = max(np.abs(vectors(d.scratch.position)).max(), d.chain.longest_link)
     right = max(1e-13 * d.chain.longest_link, 1e-14 * farthest)
     assert gap == pytest.approx(right, abs=3e-16 * farthest)
     d.contacts.event[:] = NO_EVENT
-    impacts.join_near_contacts(d)
+    rigid_impacts.join_near_contacts(d)
     assert d.contacts.event[1] == NEIGHBOUR
     # the energy of a fall over this gap is too little to leave
     d.contacts.event[1] = ONSET
     weight = d.chain.mass.sum() * d.chain.gravity_magnitude
     d.contacts.effective_mass[1], d.contacts.impact_speed[1] = 1.0, math.sqrt(2.0 * weight * gap)
     d.law.minimum_impact_speed[:] = 0.0
-    assert impacts.is_gentle(d)
+    assert rigid_impacts.is_gentle(d)
 
 
 def test_the_gap_of_a_joints_stop_does_not_grow_with_the_distance():
@@ -367,14 +367,16 @@ def test_the_gap_of_a_joints_stop_does_not_grow_with_the_distance():
     y[2:5] = 0.0, 1.1, 0.0
     c = stops_of(d)[0]
     locate_points(d, y)
-    near = impacts.release_clearance(d, c, largest_coordinate(d))
+    near = rigid_impacts.release_clearance(d, c, largest_coordinate(d))
     y[:2] += 1e6
     locate_points(d, y)
-    assert impacts.release_clearance(d, c, largest_coordinate(d)) == near == 1e-13 * d.chain.longest_link
-    assert impacts.release_clearance(d, 0, largest_coordinate(d)) >= 1e-8
+    assert (
+        rigid_impacts.release_clearance(d, c, largest_coordinate(d)) == near == 1e-13 * d.chain.longest_link
+    )
+    assert rigid_impacts.release_clearance(d, 0, largest_coordinate(d)) >= 1e-8
     # an angle of many turns has a larger round-off
     y[3:5] += 1e4
-    assert impacts.release_clearance(d, c, largest_coordinate(d)) > 5e-11 * d.chain.longest_link
+    assert rigid_impacts.release_clearance(d, c, largest_coordinate(d)) > 5e-11 * d.chain.longest_link
 
 
 def test_a_release_is_a_first_guess_of_who_is_let_go():
@@ -386,7 +388,7 @@ def test_a_release_is_a_first_guess_of_who_is_let_go():
         y[6:12] = 0.0
         d.step.state_end[:] = y
         d.contacts.event[candidates] = event
-        impacts.update_active_set(d)
+        rigid_impacts.update_active_set(d)
         results.append(d.contacts.active.tolist())
         assert not d.contacts.event.any()
     assert results[0] == results[1]
@@ -401,8 +403,8 @@ def test_an_impact_updates_rates_and_kink_sides_of_force_contacts(monkeypatch):
     d.step.state_end[:] = y
     d.scratch.velocity.x[:] = 1e9  # velocities of an earlier state
     d.contacts.penetration_rate[:], d.contacts.force_rate[:] = 77.0, -5.0
-    monkeypatch.setattr(impacts, "set_kink_side", lambda _, c: sides.append(int(c)))
-    impacts.set_rates_after_impulses(d)
+    monkeypatch.setattr(rigid_impacts, "set_kink_side", lambda _, c: sides.append(int(c)))
+    rigid_impacts.set_rates_after_impulses(d)
     assert sides == [0, 9]
     for c in touched:
         if c in sides:
@@ -421,7 +423,7 @@ def test_a_force_contact_begins_if_its_point_moves_inward():
         before = jacobian @ y[6:12]
         p = complementary_impulses(w[:1, :1], before[:1], -E * before[:1])
         inward = bool((before + w[:, 0] * p[0])[1] < 0.0)
-        assert impacts.handle_impact(d) == (soft if inward else -1)
+        assert rigid_impacts.handle_rigid_impacts(d) == (soft if inward else -1)
         assert d.contacts.active[[rigid, soft]].tolist() == [0, inward]
         assert d.impact.count == 1 + inward
         found.add(inward)

@@ -49,7 +49,7 @@ from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.friction_modes import choose_friction_modes
 from chain_impact.kernel.events.marks import drop_contact_events, mark_contact_event
 from chain_impact.kernel.forces.active_contacts import (
-    begin_force_contact,
+    begin_force_law_contact,
     clear_applied_forces,
     deactivate_candidate,
     join_impact,
@@ -92,7 +92,7 @@ RELEASE_CLEARANCE, RELEASE_OF_COORDINATES = 1e-13, 1e-14
 NEAR_WALL_CLEARANCE = 10.0
 
 
-def handle_impact(d):
+def handle_rigid_impacts(d):
     """Apply the events at rigid walls for the located points: first the impulses, then the new active set.
 
     Onsets of contacts with a force law that are still marked in ``contacts.event`` are applied after the
@@ -106,7 +106,7 @@ def handle_impact(d):
     project_state(d, d.step.state_end)
     has_hit = False
     for c in range(d.candidate_count):
-        if contacts.event[c] == ONSET and d.law.impulsive[c]:
+        if contacts.event[c] == ONSET and d.law.rigid[c]:
             latch_onset(d, c)
             has_hit = True
     if has_hit:
@@ -118,11 +118,11 @@ def handle_impact(d):
             suspend_sticking(d)
         apply_impulses(d)
         end_rebounding_contacts(d)
-        if d.friction.is_present:
+        if d.friction.may_act:
             stop_held_points(d, impact_is_gentle)
         set_rates_after_impulses(d)
         onset = begin_late_contacts(d)
-        if d.friction.is_present:
+        if d.friction.may_act:
             choose_friction_modes(d, True)
     update_active_set(d)
     clear_applied_forces(d)
@@ -132,7 +132,7 @@ def handle_impact(d):
 def has_rigid_onset(d):
     """Return whether an onset is marked at a rigid wall or a rigid stop."""
     for c in range(d.candidate_count):
-        if d.contacts.event[c] == ONSET and d.law.impulsive[c]:
+        if d.contacts.event[c] == ONSET and d.law.rigid[c]:
             return True
     return False
 
@@ -146,8 +146,8 @@ def begin_late_contacts(d):
     onset, round_off = -1, SIGN_TOLERANCE * largest_velocity(d)
     for c in range(d.candidate_count):
         _, clearance_rate = clearance_and_rate(d, c)
-        if d.contacts.event[c] == ONSET and not d.law.impulsive[c] and clearance_rate < -round_off:
-            begin_force_contact(d, c)
+        if d.contacts.event[c] == ONSET and not d.law.rigid[c] and clearance_rate < -round_off:
+            begin_force_law_contact(d, c)
             onset = c
     list_active_contacts(d)
     return onset
@@ -156,7 +156,7 @@ def begin_late_contacts(d):
 def set_rates_after_impulses(d):
     """Set rates of contacts with a force law, and on which side of the kink they are, after the impulses."""
     locate_points_now(d, d.step.state_end)
-    for k in range(d.contacts.compliant_count):
+    for k in range(d.contacts.force_law_count):
         c = d.contacts.active_index[k]
         _, clearance_rate = clearance_and_rate(d, c)
         # The force may have jumped to its peak, and its true rate may be negative, which would hide this peak
@@ -174,7 +174,7 @@ def join_near_contacts(d):
     for c in range(d.candidate_count):
         clearance, _ = clearance_and_rate(d, c)
         if (
-            d.law.impulsive[c]
+            d.law.rigid[c]
             and not contacts.active[c]
             and clearance < NEAR_WALL_CLEARANCE * release_clearance(d, c, position_scale)
         ):
@@ -214,7 +214,7 @@ def find_impulses(d, fraction):
     constraints, loss, exchange = d.constraints, 0.0, 0.0
     activate_all(d)
     set_unforced_to_speeds(d)
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         c = d.contacts.active_index[k]
         least_speed = d.law.minimum_impact_speed[c]
         arrives = -constraints.unforced_motion[k] >= least_speed and d.contacts.event[c] in (ONSET, NEIGHBOUR)
@@ -242,7 +242,7 @@ def lacks_rebound(d):
     This happens to a wedged point, to which no impulses can give the demanded speed.
     """
     is_slow, scale = False, largest_velocity(d)
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         is_slow = (
             is_slow
             or d.constraints.reached_motion[k] < d.constraints.target_motion[k] - IMPACT_ROUND_OFF * scale
@@ -261,7 +261,7 @@ def end_rebounding_contacts(d):
     # A point with the speed u rises to u²/(2 a) against a, the largest component of the accelerations of all
     # places. This height must exceed LEAST_RISE times the longest link.
     limit = math.sqrt(2.0 * largest_acceleration * LEAST_RISE * d.chain.longest_link)
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         c = d.contacts.active_index[k]
         if d.contacts.event[c] == NEIGHBOUR and d.constraints.impulse[k] <= 0.0:
             deactivate_candidate(d, c)  # this point is near its wall, but takes no part in the impact
@@ -283,7 +283,7 @@ def is_gentle(d):
     force = mean_mass(d) * d.link_count * (d.chain.gravity_magnitude + d.chain.longest_link)
     are_slow, energy, distance, position_scale = True, 0.0, 0.0, largest_coordinate(d)
     for c in range(d.candidate_count):
-        if d.contacts.event[c] == ONSET and d.law.impulsive[c]:
+        if d.contacts.event[c] == ONSET and d.law.rigid[c]:
             speed = d.contacts.impact_speed[c]
             are_slow = are_slow and speed <= LEAST_REBOUND_SPEED * d.law.minimum_impact_speed[c]
             energy += 0.5 * d.contacts.effective_mass[c] * speed * speed
@@ -304,9 +304,9 @@ def stop_held_points(d, impact_is_gentle):
 def end_changed_contacts(d):
     """End each held contact whose wall or stop has changed to a force law, so that new contacts can begin."""
     locate_points(d, d.step.state_end)
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         c = d.contacts.active_index[k]
-        if not d.law.impulsive[c]:
+        if not d.law.rigid[c]:
             end_contact(d, c, True)
     list_active_contacts(d)
 
@@ -328,7 +328,7 @@ def update_active_set(d):
         copy_factors(d, joints_add_terms(d))
         scale = set_unforced_to_accelerations(d, state, rate)
         activate_all(d)
-        for k in range(contacts.compliant_count, contacts.active_count):
+        for k in range(contacts.force_law_count, contacts.active_count):
             if contacts.event[contacts.active_index[k]] == RELEASE:
                 remove_from_active_set(d, k)
         solve_lcp(d, scale)
@@ -342,7 +342,7 @@ def update_active_set(d):
 def end_unstopped_contacts(d):
     """End the held contacts whose points the projection did not stop: only a pull could stop such a point."""
     scale = largest_velocity(d)
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         if not d.constraints.in_active_set[k] and d.constraints.reached_motion[k] > SIGN_TOLERANCE * scale:
             end_contact(d, d.contacts.active_index[k], True)
     list_active_contacts(d)
@@ -366,7 +366,7 @@ def release_contacts(d):
     """
     any_released, position_scale = False, largest_coordinate(d)
     set_unforced_to_positions(d)
-    for k in range(d.contacts.compliant_count, d.contacts.active_count):
+    for k in range(d.contacts.force_law_count, d.contacts.active_count):
         c, is_released = d.contacts.active_index[k], not d.constraints.in_active_set[k]
         add_to_active_set(d, k, release_clearance(d, c, position_scale) if is_released else 0.0)
         if is_released:
@@ -377,7 +377,7 @@ def release_contacts(d):
         suspend_sticking(d)
         solve_positions(d)
         add_change(d, d.step.state_end, 0)
-        if d.friction.is_present:
+        if d.friction.may_act:
             locate_points(d, d.step.state_end)
             list_sticking(d)
             for i in range(d.friction.stuck_count):
