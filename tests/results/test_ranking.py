@@ -12,9 +12,9 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
 from chain_impact import SceneError, UnknownNameError, load_scene, simulate
-from chain_impact.pictures.bars import PALE_BARS, Bars, draw_bar_figure, shared_ends
+from chain_impact.pictures.bars import CUT_BARS, CUT_MARKS, PALE_BARS, Bars, draw_bar_figure, shared_ends
 from chain_impact.pictures.drawing.row_names import ROW_PITCH
-from chain_impact.pictures.drawing.style import LEFT_MARGIN
+from chain_impact.pictures.drawing.style import INCREASE, INK, LEFT_MARGIN
 from chain_impact.results.effects import split_by_step
 from chain_impact.results.ranking import ranking_of
 from chain_impact.scene.texts.plain_names import plain_name
@@ -219,18 +219,18 @@ def test_the_axis_of_refuted_effects_has_the_scale_of_the_runs(result):
 
 
 def test_a_long_bar_of_another_block_leaves_room_for_the_ranking():
-    """The second block is cut off at twice the reach of the first, with an arrow and without a diamond."""
+    """The second block is cut off at twice the reach of the first, with arrows of a bar and of a run."""
     first = Bars(["a", "b"], [1.0, -0.5], ["1", "2"], "N", marks=[1.1, None])
     second = Bars(["c", "d"], [9.0, 0.2], ["3", "4"], "N", marks=[8.0, 0.3])
     assert shared_ends([first, second]) == [(-0.5, 2.2)] * 2
     page = Figure(layout="constrained")
     draw_bar_figure(page, title="t", conditions="x", blocks=[first, second])
-    shown = {
-        line.get_marker(): line.get_ydata()[0] for line in page.axes[1].lines if len(line.get_ydata()) == 1
-    }
-    assert shown == {">": 0, "D": 1}
+    marks = [line for line in page.axes[1].lines if len(line.get_ydata()) == 1]
+    shown = [(mark.get_marker(), mark.get_ydata()[0], mark.get_markerfacecolor()) for mark in marks]
+    assert shown == [(">", 0, INCREASE), (">", 0, "none"), ("D", 1, INK)]
     told = " ".join(text.get_text() for text in page.texts).replace("\n", " ")
-    assert "a bar with an arrow is longer than the axis" in told
+    assert all(note in told for note in (CUT_BARS, CUT_MARKS))
+    assert Bars(["c"], [1.0], ["3"], "N", marks=[8.0]).cut_notes((-0.5, 2.2)) == {CUT_MARKS}
 
 
 def test_bars_of_runs_are_in_the_order_of_the_runs_if_all_runs_differ(result):

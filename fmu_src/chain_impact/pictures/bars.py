@@ -55,7 +55,9 @@ BAR_THICKNESS = 0.66  # the thickness of a bar, relative to the distance between
 CUT_RATIO = 4.0
 ROOM_BESIDE = 1.5  # see ``axis_ends``; a number > 1, so that arrows of cut bars are visible beside the marks
 CUT_BARS = "a bar with an arrow is longer than the axis"
-# blocks share an axis up to MOST_SHARED times the reach of the first block; longer bars are cut off
+CUT_MARKS = "a hollow arrow: a change in a run beyond the axis"
+# blocks share an axis up to MOST_SHARED times the reach of the first block; longer bars are cut off,
+# and arrows replace diamonds beyond the axis
 MOST_SHARED = 2.0
 ARROW_HEAD = 6.0  # [points] the size of the arrow at the end of a bar that is cut off
 
@@ -72,7 +74,8 @@ class Bars:
         heading: a text above the column of ``texts``.
         title: a text above the block.
         colours: the colour of each bar; without colours, the colour of a bar shows the sign of its value.
-        marks: for each bar None or a second value, at which a diamond stands; a NaN has no diamond.
+        marks: for each bar None or a second value, at which a diamond stands, or a hollow arrow if the value
+            is beyond the axis; a NaN has neither.
         hollow: for each bar whether it is hollow, because its second value refutes the first one.
         dots: whether a dot stands in place of each bar, for an axis that is not linear; without ``marks``.
     """
@@ -98,10 +101,15 @@ class Bars:
         """The ends of the axis without margins (``axis_ends``)."""
         return axis_ends(self.values, self.marks, self.hollow)
 
-    def are_cut(self, ends: tuple[float, float]) -> bool:
-        """Whether a bar extends beyond the ``ends`` of an axis."""
-        low, high = ends
-        return any(not low <= value <= high for value in self.values if math.isfinite(value))
+    def cut_notes(self, ends: tuple[float, float]) -> set[str]:
+        """Return the notes, of CUT_BARS and CUT_MARKS, on bars and marks beyond the ``ends`` of an axis."""
+        pairs = ((CUT_BARS, self.values), (CUT_MARKS, self.marks))
+        return {note for note, values in pairs if any(is_beyond(value, ends) for value in values)}
+
+
+def is_beyond(value: float | None, ends: tuple[float, float]) -> bool:
+    """Return whether a value, unless it is None or not finite, is beyond the ends of an axis."""
+    return value is not None and math.isfinite(value) and not ends[0] <= value <= ends[1]
 
 
 def shared_ends(blocks: Sequence[Bars]) -> list[tuple[float, float]]:
@@ -157,12 +165,11 @@ def draw_bar_figure(
         warning: a text in PEAK_COLOUR between title and conditions; "" for none.
     """
     ends = shared_ends(blocks)
-    if any(map(Bars.are_cut, blocks, ends)):
-        warning, conditions = (
-            (f"{warning}; {CUT_BARS}", conditions)
-            if warning
-            else ("", "; ".join(filter(None, (conditions, CUT_BARS))))
-        )
+    notes = sorted({note for block, axis in zip(blocks, ends, strict=True) for note in block.cut_notes(axis)})
+    if warning:
+        warning = "; ".join([warning, *notes])
+    else:
+        conditions = "; ".join(filter(None, (conditions, *notes)))
     write_headline(
         figure, title, conditions.replace("; ", SEPARATOR), *([(warning, PEAK_COLOUR)] if warning else [])
     )
@@ -223,10 +230,12 @@ def draw_bars(
         fills = [fill if fill == "none" else to_rgba(fill, opacity) for fill in fills]
         axes.barh(rows, block.values, BAR_THICKNESS, color=fills, edgecolor=colours)
         for row, (value, colour) in enumerate(zip(block.values, colours, strict=True)):
-            if not ends[0] <= value <= ends[1]:
+            if is_beyond(value, ends):
                 _draw_arrow(axes, row, colour, to_right=value > 0.0)
         for row, mark in enumerate(block.marks):
-            if mark is not None and ends[0] <= mark <= ends[1]:
+            if mark is not None and is_beyond(mark, ends):
+                _draw_arrow(axes, row, INK, to_right=mark > 0.0, is_hollow=True)
+            elif mark is not None:
                 axes.plot([mark], [row], **DIAMOND)
     offset_style: dict[str, Any] = {"textcoords": "offset points", "fontsize": "small"}
     for row, text in zip(rows, block.texts, strict=True):
@@ -261,12 +270,13 @@ def _raise_titles(grid: Iterable[Axes], titles: Iterable[Text]) -> None:
             start_left(axes, title)
 
 
-def _draw_arrow(axes: Axes, row: int, colour: str, *, to_right: bool) -> None:
-    """Draw an arrow inside the right or the left edge of axes, in the row of a bar that is cut off."""
+def _draw_arrow(axes: Axes, row: int, colour: str, *, to_right: bool, is_hollow: bool = False) -> None:
+    """Draw an arrow inside the right or the left edge of axes, in the row of a value beyond this edge."""
     figure = axes.get_figure(root=True)
     assert figure is not None
     side = 1.0 if to_right else -1.0
     inward = ScaledTranslation(-0.5 * side * ARROW_HEAD / 72.0, 0.0, figure.dpi_scale_trans)
     look: dict[str, Any] = {"color": colour, "markersize": ARROW_HEAD, "markeredgewidth": 0.0}
+    look |= {"markerfacecolor": "none", "markeredgewidth": 1.0, "zorder": 4.0} if is_hollow else {}
     transform = axes.get_yaxis_transform() + inward
     axes.plot([float(to_right)], [row], ">" if to_right else "<", transform=transform, **look)
