@@ -12,7 +12,8 @@ import pytest
 from matplotlib.collections import PathCollection
 
 from chain_impact import fit, load_scene, simulate
-from chain_impact.pictures.drawing.style import PEAK_COLOUR
+from chain_impact.pictures.drawing.figures import text_boxes
+from chain_impact.pictures.drawing.style import INK, PALETTE, PEAK_COLOUR, metadata_of
 from chain_impact.studies.fit.estimates import LawEstimates
 from chain_impact.studies.fit.plot import MEAN, MOST_DOTS, running_means
 from chain_impact.studies.fit.report import heading, least_certain_of, sigma_of
@@ -232,10 +233,24 @@ def test_sigma_has_a_unit_and_tells_that_it_is_estimated(found):
     given, guessed = (fit(scene(), columns, FREE[2:], sigma=s) for s in (dict.fromkeys(TIP, 1e-3), None))
     for each, how in ((given, "given"), (guessed, "estimated")):
         page = each.plot()
-        assert f"{page.axes[1].get_title(loc='left')[:-1]} {how}" == f"Δ [σ = {sigma_of(each, TIP[0])}"
+        assert f"{page.axes[1].get_title()[:-1]} {how}" == f"Δ [σ = {sigma_of(each, TIP[0])}"
         told = " ".join(text.get_text() for text in page.texts).replace("\n", " ")
         assert told.count(f"Δ = model − data, σ {how}") == 1
         assert re.fullmatch(rf"[\d.]+ [µm]m {how}", sigma_of(each, TIP[0]))
+        assert page.axes[1].get_title() in metadata_of(page)["Description"]
+        assert page.axes[1].title.get_window_extent().bounds in [box.bounds for box in text_boxes(page)]
+
+
+@pytest.mark.parametrize(("count", "told"), [(2, False), (len(PALETTE) + 1, True)])
+def test_means_of_several_data_sets_have_a_key_or_a_note(count, told):
+    data = {name: motion(0.7)[0][name] for name in ("time", TIP[0])}
+    page = fit(scene(), [data] * count, FREE[:1], sigma={TIP[0]: NOISE}).plot()
+    assert ("lines in panels of Δ: mean of Δ" in page.texts[1].get_text().replace("\n", " ")) == told
+    legend = page.axes[0].get_legend()
+    assert (legend is None) == told
+    if legend:
+        assert legend.get_texts()[-1].get_text() == "mean of Δ"
+        assert legend.legend_handles[-1].get_color() == INK
 
 
 def test_correlated_residuals_are_told_in_the_picture(found):

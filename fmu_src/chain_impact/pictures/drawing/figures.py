@@ -20,7 +20,7 @@ from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 
-from chain_impact.pictures.drawing.headings import has_heading, height_with_heading
+from chain_impact.pictures.drawing.headings import MAY_BE_LOW, has_heading, height_with_heading
 from chain_impact.pictures.drawing.legends import fit_legends
 from chain_impact.pictures.drawing.line_breaks import COMMA, break_lines
 from chain_impact.pictures.drawing.row_names import lacking_for_rows
@@ -239,9 +239,9 @@ def lacking_height(draw_contents: DrawContents, figure: Figure, mean: float = 0.
     there is no room for axes at all, or the axes are high enough, but texts are cut off or overlap.
 
     Axes are high enough if each with a label along y of its own or shared (``framed_panels``), or with a
-    heading (``headings.name_above``), has at least LEAST_AXES_HEIGHT, and if the mean height of these axes,
-    with their headings, is at least ``mean`` [inches]. If ``mean`` is not 0, rows must have room, too
-    (``lacking_for_rows``).
+    heading (``headings.name_above``) that is not MAY_BE_LOW, has at least LEAST_AXES_HEIGHT, and if the mean
+    height of these axes, with their headings, is at least ``mean`` [inches]. If ``mean`` is not 0, rows must
+    have room, too (``lacking_for_rows``).
     """
     with warnings.catch_warnings(), suppress(UserWarning):
         warnings.filterwarnings("error", "constrained_layout not applied")
@@ -253,6 +253,7 @@ def lacking_height(draw_contents: DrawContents, figure: Figure, mean: float = 0.
             axes for axes in figure.axes if axes.get_ylabel() or has_heading(axes) or axes in framed
         ]
         named_axes = [axes for axes in named_axes if axes.get_gid() != FRAME]
+        named_axes = [axes for axes in named_axes if axes.title.get_gid() != MAY_BE_LOW]
         sides = np.array([height_with_heading(axes) / figure.dpi for axes in named_axes])
         lacking = (
             len(sides) * max(LEAST_AXES_HEIGHT - sides.min(), mean - sides.mean()) if len(sides) else 0.0

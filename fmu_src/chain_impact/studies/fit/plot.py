@@ -23,6 +23,7 @@ from matplotlib.ticker import MaxNLocator
 from chain_impact.pictures.bars import Bars, bars_size, draw_bars
 from chain_impact.pictures.curve_texts import axis_unit
 from chain_impact.pictures.drawing.figures import draw_figure, settle
+from chain_impact.pictures.drawing.headings import MAY_BE_LOW, name_above
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
@@ -85,6 +86,7 @@ SUPPORT_LIMIT = 10.0  # the ΔAIC from which on the data hardly support a law (B
 MEAN_PARTS = 20  # each point of the running mean of residuals is the mean of 1/MEAN_PARTS of the values
 LEAST_FOR_MEAN = 100  # the least number of values for a running mean
 MEAN = "_running mean"  # the label of the line of a running mean in matplotlib
+MEAN_TEXT = "mean of Δ"  # the text of the key of running means
 MEAN_COLOUR = BLUE  # the colour of the running mean of a single data set
 TITLE_PAD = 1.0  # [points] the distance of the title of residuals from their axes
 # bars, and the grey band of usual residuals, extend from −USUAL_RESIDUAL to USUAL_RESIDUAL standard
@@ -137,7 +139,7 @@ def draw_fit(figure: Figure, fit: Estimates) -> None:
         values = figure.add_subplot(cells[0])
         has_lines |= _panel(values, figure.add_subplot(cells[1], sharex=values), fit, name, results)
     residuals = figure.axes[1::2]
-    _add_key_of_means(figure)
+    lacks_key = not _add_key_of_means(figure, has_several=len(fit.data) > 1)
     for k, axes in enumerate(residuals):
         # a panel below with the same times has their numbers and name
         neighbours = residuals[k + columns : k + columns + 1]
@@ -158,6 +160,8 @@ def draw_fit(figure: Figure, fit: Estimates) -> None:
     notes.append(f"Δ = model − data{f', σ {origin}' if (origin := _origin(fit)) else ''}")
     if has_lines:
         notes.append("grey lines: impacts")
+    if lacks_key:
+        notes.append(f"lines in panels of Δ: {MEAN_TEXT}")
     size, least_certain = heading(fit, ": ").partition(": ")[2], least_certain_of(fit)
     texts = estimate_texts(fit, omitted_label=least_certain)
     title = f"{fit.scene.name}: {estimate_text(fit, least_certain)}"
@@ -258,7 +262,7 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
     residuals.axhspan(-USUAL_RESIDUAL, USUAL_RESIDUAL, color=PALE_GREY, zorder=0, linewidth=0)
     # the text below the headline tells a common origin
     sigma = sigma_text(fit, name) if _origin(fit) else sigma_of(fit, name)
-    residuals.set_title(f"Δ [σ = {sigma}]", loc="left", fontsize="small", pad=TITLE_PAD)
+    name_above(residuals, f"Δ [σ = {sigma}]", fontsize="small", pad=TITLE_PAD, gid=MAY_BE_LOW)
     for colour, part in zip(_colours(len(parts)), parts, strict=True):
         dots_label = f"data set {part.data_set + 1}" if has_several else "measured"
         mark_style: dict[str, Any] = {"linestyle": "", "marker": "o", "color": colour, "zorder": DATA_ABOVE}
@@ -299,14 +303,25 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
     return has_lines
 
 
-def _add_key_of_means(figure: Figure) -> None:
-    """Add an entry for running means to the first legend, if there are running means."""
-    means = [line for axes in figure.axes for line in axes.lines if line.get_label() == MEAN]
-    panels = [axes for axes in figure.axes[::2] if axes.get_legend()]
-    if panels and means:
-        look: dict[str, Any] = {"color": means[0].get_color(), "linewidth": means[0].get_linewidth()}
-        key = Line2D([], [], label="mean of Δ", **look)
-        legend_above(panels[0], [*panels[0].get_legend_handles_labels()[0], key])
+def _add_key_of_means(figure: Figure, *, has_several: bool) -> bool:
+    """Add an entry for running means to the first legend above them; return False if there is no legend.
+
+    Without running means the result is True. ``has_several``: whether there are several data sets, whose
+    running means have different colours, so that the entry has the colour of text.
+    """
+    panels = [
+        (values, line)
+        for values, residuals in zip(figure.axes[::2], figure.axes[1::2], strict=True)
+        for line in residuals.lines
+        if line.get_label() == MEAN
+    ]
+    for values, mean in panels:
+        if values.get_legend():
+            look: dict[str, Any] = {"color": INK if has_several else mean.get_color()}
+            key = Line2D([], [], label=MEAN_TEXT, linewidth=mean.get_linewidth(), **look)
+            legend_above(values, [*values.get_legend_handles_labels()[0], key])
+            return True
+    return not panels
 
 
 def running_means(times: np.ndarray, values: np.ndarray) -> np.ndarray:
