@@ -24,7 +24,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.drawing.style import BLUE, GREY, INK, write_headline
 from chain_impact.scene.scene import Scene, with_values
 from chain_impact.simulation.simulate import simulate
-from chain_impact.studies.law_exchange import law_values
+from chain_impact.studies.changed_law import law_values
 from chain_impact.text import number_text
 
 PROBLEM = PROBLEMS["steel"]

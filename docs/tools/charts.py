@@ -22,7 +22,7 @@ from chain_impact.pictures.drawing.style import DPI, GREY, STYLE, write_headline
 from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.scene import load_scene, scene_from_dict
 from chain_impact.simulation.simulate import simulate
-from chain_impact.studies.law_exchange import EXACT_LAW
+from chain_impact.studies.changed_law import EXACT_LAW
 from docs.tools import DOCS
 
 PICTURE = DOCS / "images" / "restitution.png"

@@ -8,7 +8,7 @@ from tests.helpers.scenes.bodies import body, cart
 from tests.helpers.scenes.derived_scenes import finger
 from tests.helpers.scenes.friction import thrown
 from tests.helpers.scenes.friction_derivative_scenes import dry_joints
-from tests.helpers.scenes.stops import knee
+from tests.helpers.scenes.stops import knee_scene
 from tests.helpers.tools.shared import make_once
 
 KINDS = {
@@ -38,7 +38,7 @@ SCENES = {
     "dry_derivatives": lambda: dry_joints(4).scene.with_values(
         {"outputs.sensitivities": [f"link[{i}].joint_friction" for i in (1, 3)]}
     ),
-    "knee": knee,
+    "knee": knee_scene,
     "thrown": thrown,
     "finger": finger,
     "servo": lambda: load_scene("pinned_arm").with_values(SERVO | {"outputs.loads": True}),

@@ -13,7 +13,7 @@ import pytest
 from chain_impact import CONTACT_LAWS, load_scene, simulate
 from tests.fmu.clean import calling3
 from tests.fmu.interface3 import ALLOWED, ERROR, OK, PHASES, Component, Library, calls, each_call
-from tests.helpers.scenes.stops import knee
+from tests.helpers.scenes.stops import knee_scene
 
 RIGID = CONTACT_LAWS["newton_impact"].number
 
@@ -164,7 +164,7 @@ def stopping(fmu, size, stop):
 )
 def test_every_impact_is_an_event_and_nothing_else_changes(fmi3, run3, model, size):
     events = run3(stopping, fmi3[model], size, 2.0)
-    impacts = simulate(knee() if model == "knee" else load_scene(model)).impacts
+    impacts = simulate(knee_scene() if model == "knee" else load_scene(model)).impacts
     assert events == [list(item) for item in sorted(Counter(impacts["onset"].tolist()).items())]
     assert len(events) > 10 or set(impacts["wall"]) == {1, 4}
 

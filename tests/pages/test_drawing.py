@@ -13,7 +13,7 @@ from chain_impact import load_scene
 from chain_impact.results.animation import write_animation
 from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.friction import SLOPE, pendulum, sled
-from tests.helpers.scenes.stops import knee
+from tests.helpers.scenes.stops import knee_scene
 from tests.pages.in_pages import (
     DESK,
     LIGHT_CHAIN,
@@ -170,7 +170,7 @@ def test_a_full_dot_shows_a_joint_that_sticks(show_recording):
 
 
 def test_a_joint_with_stops_has_an_arc_and_impacts_in_angles(show_recording):
-    page = show_recording(record_slowly(knee()))
+    page = show_recording(record_slowly(knee_scene()))
     assert page.locator("polyline.range").count() == 1
     assert page.locator("polyline.range-mark").count() == 2
     assert page.locator(".stop-dot").count() == 0, "in flight"

@@ -16,7 +16,7 @@ from chain_impact.scene.candidates import part_texts
 from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
 from tests.helpers.scenes.law_texts import SINH
-from tests.helpers.scenes.stops import knee
+from tests.helpers.scenes.stops import knee_scene
 from tests.pages.in_pages import bits, packed_module, page_contents
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
@@ -93,7 +93,7 @@ def test_a_table_drives_the_page_to_the_bits_of_simulate(kernel, tmp_path):
 @pytest.mark.parametrize("stop_time", [0.406, 1.69])
 def test_a_contact_that_lasts_at_the_end_is_that_of_simulate(kernel, stop_time):
     """Contacts at a stop and at a wall last at the end."""
-    scene = knee(**{"simulation.stop_time": stop_time})
+    scene = knee_scene(**{"simulation.stop_time": stop_time})
     result = simulate(scene)
     assert np.isnan(result.impacts["end"][-1])
     assert_same_bits(kernel(scene), result)
@@ -196,7 +196,7 @@ def motions(worker):
         load_scene(name)
         for name in ("four_link_box", "pinned_arm", "kneed_leg", "ramp", "sliding_rod", "bouncing_ball")
     ]
-    + [knee(), load_scene("pinned_arm").with_values({"name": "Loads", "outputs.loads": True})],
+    + [knee_scene(), load_scene("pinned_arm").with_values({"name": "Loads", "outputs.loads": True})],
     ids=lambda scene: scene.name,
 )
 def test_the_page_shows_what_an_animation_shows(motions, scene):

@@ -18,7 +18,7 @@ from chain_impact.pages.assembly import FRAGMENTS, PAGE, STYLES, module_files, p
 from chain_impact.pages.recorded import data, page
 from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.friction import pendulum, sled
-from tests.helpers.scenes.stops import knee
+from tests.helpers.scenes.stops import knee_scene
 from tests.helpers.tools.page_data import data_of
 
 # file → version of its package in npm
@@ -112,7 +112,7 @@ def test_forces_in_joints():
 
 
 def test_the_page_has_the_ranges_and_tells_stops_from_walls():
-    packed = data(simulate(knee()))
+    packed = data(simulate(knee_scene()))
     assert packed["stops"] == [{"joint": 2, "arc": (0.0, 2.0), "marks": [0.0, 2.0]}]
     assert {impact["wall"]: impact["atStop"] for impact in packed["impacts"]} == {
         "joint_min": True,

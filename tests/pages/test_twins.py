@@ -43,7 +43,7 @@ from chain_impact.scene.texts.similar_names import proposed_name
 from chain_impact.scene.texts.unit_text import stiffness_unit, unit_text
 from tests.helpers.campaigns import random_scenes
 from tests.helpers.scenes.friction import sled
-from tests.helpers.scenes.stops import knee
+from tests.helpers.scenes.stops import knee_scene
 from tests.pages.in_pages import page_contents
 from tests.pages.javascript import function_of
 
@@ -257,7 +257,7 @@ def test_the_centre_of_a_ball(script, model):
 @pytest.mark.full("more cases", but=8)
 @pytest.mark.parametrize("source", ["knee", "sled", *model_names()])
 def test_the_quantities_that_are_drawn(script, source):
-    scene = {"knee": knee, "sled": sled}.get(source, partial(load_scene, source))()
+    scene = {"knee": knee_scene, "sled": sled}.get(source, partial(load_scene, source))()
     scene = scene.with_values({"outputs.loads": True, "simulation.stop_time": 1e-3})
     known = drawn_entries(simulate(scene).columns)
     assert known.keys() == set(GROUPS)

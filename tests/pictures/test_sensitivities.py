@@ -40,7 +40,7 @@ from chain_impact.pictures.sensitivity_table import (
 )
 from chain_impact.scene.texts.plain_names import plain_name
 from tests.helpers.scenes.problems import flat_rod
-from tests.helpers.scenes.stops import knee, struck_rod
+from tests.helpers.scenes.stops import knee_scene, struck_rod
 from tests.pictures.pictures import contrast
 
 FEW = ("contact.restitution", "initial.angle[2]")
@@ -267,7 +267,7 @@ def test_a_result_draws_itself(tmp_path):
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize(
     ("scene", "words"),
-    [(knee(), "peak force or moment"), (struck_rod("zhang_sharf", 0.3), "peak moment")],
+    [(knee_scene(), "peak force or moment"), (struck_rod("zhang_sharf", 0.3), "peak moment")],
     ids=["walls and stops", "stops only"],
 )
 def test_a_table_with_stops_has_moments(scene, words):

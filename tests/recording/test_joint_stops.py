@@ -26,16 +26,16 @@ from chain_impact.recording.joint_stops import (
     stop_mark,
 )
 from chain_impact.results.result import Result
-from tests.helpers.scenes.stops import UP, knee
+from tests.helpers.scenes.stops import UP, knee_scene
 
 
 @functools.cache
 def swung(up=False):
-    return simulate(knee(**UP) if up else knee())
+    return simulate(knee_scene(**UP) if up else knee_scene())
 
 
 def test_ranges_are_those_of_the_scene():
-    scene = knee(**{"link[1].joint_max": 3.0})
+    scene = knee_scene(**{"link[1].joint_max": 3.0})
     expected = {1: JointRange(-math.inf, 3.0, 0.5), 2: JointRange(0.0, 2.0, 0.5)}
     assert ranges_of(scene.values) == expected
     values = {f"link[{i}].length": 0.5 for i in (1, 2)} | {"link[1].joint_max": 3.0}

@@ -20,7 +20,7 @@ from chain_impact.results.ranking import ranking_of
 from chain_impact.scene.texts.plain_names import plain_name
 from chain_impact.scene.texts.unit_text import stiffness_unit
 from chain_impact.text import signed_text
-from tests.helpers.scenes.stops import knee
+from tests.helpers.scenes.stops import knee_scene
 from tests.helpers.tools.differences import slope
 
 NAMES = ("contact.*", "link[2].mass", "link[2].joint_rest_angle", "initial.*", "joint[1].torque")
@@ -353,7 +353,7 @@ def test_a_heading_ends_within_a_narrow_picture(result):
 
 
 def test_at_stops_the_moment_is_ranked():
-    result = simulate(knee(), stop_time=0.8, sensitivities="stop.*")
+    result = simulate(knee_scene(), stop_time=0.8, sensitivities="stop.*")
     found = result.ranking("stop.peak_moment")
     assert (found.unit, found.value) == ("N.m", result.impacts["peak_force"][result.is_at_joint_stop].max())
     with pytest.raises(SceneError, match="max_penetration is 0: nothing presses against a wall"):

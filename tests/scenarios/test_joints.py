@@ -16,7 +16,7 @@ from tests.helpers.models.reference import balance, momenta
 from tests.helpers.models.textbook import Textbook
 from tests.helpers.scenes.joint_drives import INERTIA, ROD
 from tests.helpers.scenes.problems import build, stiff_joint
-from tests.helpers.scenes.stops import arm, knee, together
+from tests.helpers.scenes.stops import arm, knee_scene, simultaneous_impacts
 
 FLIGHT = 0.25  # s, in the scene of stiff joints, before its first impact
 RTOL = {"DOP853": 1e-12, "Radau": 1e-10}
@@ -268,7 +268,7 @@ def test_losses_follow_the_tolerance(bend, most, tolerance, method):
 
 def test_a_contact_that_lasts_at_the_end_is_told_by_moment_and_angle():
     """The row has the onset, speed, inertia and present peaks, like the row of a finished contact."""
-    whole, scene = simulate(knee()).impacts[0], knee()
+    whole, scene = simulate(knee_scene()).impacts[0], knee_scene()
     result = simulate(scene, stop_time=0.5 * (whole["onset"] + whole["end"]))
     (lasting,) = result.impacts
     assert scene.wall_names[lasting["wall"]] == "joint_min"
@@ -364,7 +364,7 @@ def after_impact(scene, rigid):
 def test_a_contact_begins_with_a_simultaneous_rigid_impact(rigid, omegas, law):
     """Without approach after the rigid impact, no contact begins and no impact is listed."""
     laws = ("newton_impact", law) if rigid == "floor" else (law, "newton_impact")
-    scene = together(*laws, omegas)
+    scene = simultaneous_impacts(*laws, omegas)
     knee, tip = after_impact(scene, rigid)
     left = knee if rigid == "floor" else tip
     first, second = ("y_min", "joint_min") if rigid == "floor" else ("joint_min", "y_min")

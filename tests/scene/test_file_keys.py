@@ -8,7 +8,7 @@ from chain_impact import SceneError, load_scene, simulate, sweep
 from chain_impact.scene.scene import parse_scene
 from chain_impact.scene.texts.names import fmu_name
 from chain_impact.studies.fit.parameters import parameters_of
-from tests.helpers.scenes.stops import knee
+from tests.helpers.scenes.stops import knee_scene
 
 BOTH = {
     "contact.wall.x_max.restitution": "wall.x_max.restitution",
@@ -22,7 +22,7 @@ BOTH = {
 
 def walled():
     """Return a scene with stops, and a wall of a material of its own."""
-    return knee().with_values({"wall.x_max.restitution": 0.4})
+    return knee_scene().with_values({"wall.x_max.restitution": 0.4})
 
 
 @pytest.mark.parametrize("key", BOTH)

@@ -12,7 +12,7 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import differentiable_named
 from tests.helpers.scenes.derivative_scenes import AT_STOPS, sprung_chain, struck_twice
 from tests.helpers.scenes.problems import ball
-from tests.helpers.scenes.stops import knee
+from tests.helpers.scenes.stops import knee_scene
 from tests.helpers.tools.differences import slope
 
 CASE = struck_twice("hunt_crossley")
@@ -68,7 +68,7 @@ def test_derivatives_by_no_parameter_are_refused():
 def test_a_contact_that_lasts_at_a_stop_is_differentiated_as_an_angle():
     """Values known since the onset have the same derivatives as after the end of the contact."""
     names = ["link[1].length", "link[2].mass", "initial.angular_velocity[1]"]
-    run, values = DifferentiatedRun(knee(), names, ["energy.total"]), np.array([0.5, 1.0, 0.0])
+    run, values = DifferentiatedRun(knee_scene(), names, ["energy.total"]), np.array([0.5, 1.0, 0.0])
     whole = run.run(values, np.array([0.5]))
     middle = 0.5 * (whole.impacts["onset"][0] + whole.impacts["end"][0])
     lasting = run.run(values, np.array([middle]))

@@ -5,7 +5,7 @@
 import pytest
 
 from chain_impact import simulate
-from tests.helpers.scenes.stops import knee, together
+from tests.helpers.scenes.stops import knee_scene, simultaneous_impacts
 
 GRAZES = {"stops.model": "hertz", "stop.minimum_impact_speed": 1e-9, "solver.tolerance": 1e-3}
 
@@ -13,7 +13,7 @@ GRAZES = {"stops.model": "hertz", "stop.minimum_impact_speed": 1e-9, "solver.tol
 def straight(spin, bend, **values):
     """Return an arm without gravity, almost straight, that spins while its knee moves into its lower stop."""
     still = {"gravity.x": 0.0, "gravity.y": 0.0, "initial.angle[1]": -1.0, "initial.angle[2]": -1.0 + 1e-4}
-    return knee(
+    return knee_scene(
         **still, **{"initial.angular_velocity[1]": spin, "initial.angular_velocity[2]": spin - bend}, **values
     )
 
@@ -26,7 +26,10 @@ def straight(spin, bend, **values):
             "is stop.minimum_impact_speed, which",
         ),
         (straight(1.0, 1e-4, **GRAZES), "reaches the stop so slowly that"),
-        (together("zhang_sharf", "zhang_sharf", [-2.0, -2.5]), "several contacts begin at one moment, and"),
+        (
+            simultaneous_impacts("zhang_sharf", "zhang_sharf", [-2.0, -2.5]),
+            "several contacts begin at one moment, and",
+        ),
     ],
     ids=["floor", "grazing", "together"],
 )

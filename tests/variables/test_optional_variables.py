@@ -17,7 +17,7 @@ from chain_impact.scene.rules.key_rules import key_fields, simple_default
 from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.variables.prepared import PreparedScene
 from tests.helpers.scenes.friction import pendulum, sled
-from tests.helpers.scenes.stops import knee
+from tests.helpers.scenes.stops import knee_scene
 from tests.helpers.scenes.variable_scenes import MATERIALS, SCENES, STOPS, names, variables
 
 # --- stops and materials -------------------------------------------------------------------------------
@@ -77,14 +77,14 @@ def test_stops_and_materials_have_derivatives_but_for_the_least_speed():
 
 def test_walls_that_no_point_can_touch_have_no_number():
     walls = [{"name": f"slope_{w}", "point": (0.0, -2.0 - w), "angle": 0.1} for w in range(6)]
-    alone = with_values(knee(), {("walls",): walls, ("contact", "points"): (), ("contact", "wall"): {}})
+    alone = with_values(knee_scene(), {("walls",): walls, ("contact", "points"): (), ("contact", "wall"): {}})
     assert alone.wall_names == (*WALLS, "joint_min", "joint_max")
     assert candidates_of(alone) == [(2, 4), (2, 5)]
     assert not any(variable.name.startswith("wall.") for variable in PreparedScene(alone).variables)
     chain = Chain(alone)
     chain.step(0.5)
     chain.restore(chain.save())
-    touched = with_values(knee(), {("walls",): walls})
+    touched = with_values(knee_scene(), {("walls",): walls})
     assert touched.wall_names.index("joint_min") == 10
 
 

@@ -355,45 +355,45 @@ class _Conversion:
             self._tell("joint", joint.name, text, effect)
         effect = SceneAspect.MOTION if "joint_targets" in joint.inputs else SceneAspect.LATER_MOTION
         for name in joint.drives:
-            text = f"actuator {name} drives it: nothing drives a free base"
-            self._tell("joint", joint.name, text, effect)
+            self._tell("joint", joint.name, f"actuator {name} drives it: nothing drives a free base", effect)
 
     def _base(self, anchor: np.ndarray, gravity: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the keys of the base for [chain], which are ``slider`` or none, and for [initial].
 
         ``anchor`` is the place of joint 1 with the joints at zero [m], ``gravity`` the scene's [m/s²].
         """
-        ways = [self.motion_plane.project(slide.axis) for slide in self.sliders]
+        slide_directions = [self.motion_plane.project(slide.axis) for slide in self.sliders]
         if self.chosen.base == "slider":
-            (way,), joint = ways, self.sliders[0].joint
+            (slide_direction,), joint = slide_directions, self.sliders[0].joint
             slider_position = self._start_within_stops(joint, joint.low, joint.start, joint.high, "m")
-            start = {"position": (anchor + way * slider_position).tolist(), "slider_velocity": joint.speed}
-            return {"slider": self._slider(joint, way, slider_position, gravity)}, start
+            position = anchor + slide_direction * slider_position
+            start = {"position": position.tolist(), "slider_velocity": joint.speed}
+            return {"slider": self._slider(joint, slide_direction, slider_position, gravity)}, start
         position, velocity = anchor.copy(), np.zeros(2)
-        for slide, way in zip(self.sliders, ways, strict=True):
+        for slide, slide_direction in zip(self.sliders, slide_directions, strict=True):
             self._tell_unheld(slide.joint)
-            position = position + way * slide.joint.start
-            velocity = velocity + way * slide.joint.speed
-        return {}, {
-            "position": position.tolist(),
-            **({"velocity": velocity.tolist()} if self.sliders else {}),
-        }
+            position = position + slide_direction * slide.joint.start
+            velocity = velocity + slide_direction * slide.joint.speed
+        start = {"position": position.tolist()}
+        return {}, start | ({"velocity": velocity.tolist()} if self.sliders else {})
 
-    def _slider(self, joint: Joint, way: np.ndarray, start: float, gravity: list[float]) -> dict[str, Any]:
+    def _slider(
+        self, joint: Joint, slide_direction: np.ndarray, start: float, gravity: list[float]
+    ) -> dict[str, Any]:
         """Return the table of a slider, whose position in the scene counts from the position at the start.
 
-        ``way`` is the unit vector along the slide in the scene's axes, ``start`` the joint's position at the
-        start [m], and ``gravity`` the gravity of the scene [m/s²].
+        ``slide_direction`` is the unit vector along the slide in the scene's axes, ``start`` the joint's
+        position at the start [m], and ``gravity`` the gravity of the scene [m/s²].
         """
         if joint.armature:
             amount = f"{joint.armature:.6g} kg"
             text = f"its armature, {amount}, is part of the mass of the carriage, which has weight"
-            gravity_part = abs(float(np.dot(gravity, way))) > ZERO_LENGTH
+            gravity_part = abs(float(np.dot(gravity, slide_direction))) > ZERO_LENGTH
             effect = SceneAspect.MOTION if gravity_part else SceneAspect.NONE
             self._tell("joint", joint.name, text, effect, differs=True)
         values = scene_values(joint, joint.rest - start, joint.low - start, joint.high - start)
         return {
-            "angle": math.atan2(way[1], way[0]) + 0.0,  # 0.0 is added, because a file would show −0
+            "angle": math.atan2(slide_direction[1], slide_direction[0]) + 0.0,  # a file would show −0
             "mass": joint.armature + sum(self.robot.bodies[b].mass for b in self.carriage),
             **{name: value for key, value in values.items() if (name := JOINT_KEYS[key].slider)},
         }

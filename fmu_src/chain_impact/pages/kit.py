@@ -164,7 +164,8 @@ def _key(kind: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
     if isinstance(default, Derived):
         # a default that follows from other values has no number here: the page or the kernel derives it
         or_key = {"orKey": default.or_key} if default.or_key else {}
-        return value | or_key | ({} if default.with_stops is None else {"ofStops": default.with_stops})
+        of_stops = {} if default.value_if_stops is None else {"ofStops": default.value_if_stops}
+        return value | or_key | of_stops
     meaning = {"isNeeded": True, "meaning": metadata["description"]}
     return value | (meaning if default is MISSING else {"default": default})
 

@@ -22,7 +22,12 @@ from chain_impact.scene.scene import Scene, SceneSource, fixed_hint, scene_of
 from chain_impact.scene.texts.angles import or_degrees, radians_of
 from chain_impact.scene.texts.names import input_key
 from chain_impact.scene.warning import warn
-from chain_impact.simulation.chain_access import Access, Selection, access_to, with_present_values
+from chain_impact.simulation.chain_access import (
+    Selection,
+    VariableInRecord,
+    variable_in_record,
+    with_present_values,
+)
 from chain_impact.simulation.chain_rows import ChainRows
 from chain_impact.simulation.chain_states import DAMAGED, ChainState, state_from
 from chain_impact.simulation.errors import SimulationError, fault_text
@@ -70,7 +75,9 @@ class Chain:
         self._integers = self._reals.view(np.int64)
         self._start = self._reals.copy()
         dtype = self._instance.record.dtype
-        self._accesses = {v.name: access_to(v, prepared_scene.table_row(v)) for v in prepared_scene.variables}
+        self._variables = {
+            v.name: variable_in_record(v, prepared_scene.table_row(v)) for v in prepared_scene.variables
+        }
         self._signal_of = prepared_scene.signals_by_input
         self._time_word = word_index(dtype, ("step", "communication_point"))
         self._pending_word = word_index(dtype, ("given", "pending"))
@@ -93,7 +100,7 @@ class Chain:
     @property
     def names(self) -> tuple[str, ...]:
         """The names of all variables: parameters, inputs, outputs."""
-        return tuple(self._accesses)
+        return tuple(self._variables)
 
     @property
     def impacts(self) -> np.ndarray:
@@ -133,7 +140,7 @@ class Chain:
         if self._rows is None:
             raise SceneError(f"{self.scene.name}: result() needs rows: create Chain(…, record=True)")
         self._begin_rows(self._rows)
-        prepared_scene = with_present_values(self._prepared_scene, self._accesses, self._start, self._reals)
+        prepared_scene = with_present_values(self._prepared_scene, self._variables, self._start, self._reals)
         statistics = self._instance.statistics
         return self._rows.result(prepared_scene, self.impacts, self.stick_slip, statistics)
 
@@ -226,10 +233,10 @@ class Chain:
         """
         given_values = {values: value} if isinstance(values, str) else values
         checked = [self._checked_value(name, value) for name, value in given_values.items()]
-        for access, number in checked:
-            memory = self._integers if access.is_integer else self._reals
-            if memory[access.row.set_word] != number:
-                memory[access.row.word] = memory[access.row.set_word] = number
+        for variable, number in checked:
+            memory = self._integers if variable.is_integer else self._reals
+            if memory[variable.row.set_word] != number:
+                memory[variable.row.word] = memory[variable.row.set_word] = number
                 self._observed = False
                 if self._has_stepped:
                     self._integers[self._pending_word] = REINITIALIZE
@@ -322,24 +329,24 @@ class Chain:
         selected_names = [
             match
             for name in names
-            for match in names_matching(self.scene.name, name, self._accesses, "not a variable", self._hint)
+            for match in names_matching(self.scene.name, name, self._variables, "not a variable", self._hint)
         ]
-        selection = self._selections[key] = Selection.from_accesses(
-            [self._accesses[name] for name in selected_names]
+        selection = self._selections[key] = Selection.from_variables(
+            [self._variables[name] for name in selected_names]
         )
         return selection
 
-    def _checked_value(self, name: str, value: Any) -> tuple[Access, float]:
-        """Return the access to a variable, and its new value as a number in SI units, after checks.
+    def _checked_value(self, name: str, value: Any) -> tuple[VariableInRecord, float]:
+        """Return a variable in the record, and its new value as a number in SI units, after checks.
 
         Refused are an unknown name, a variable that cannot be set now, and a value that is not allowed.
         """
-        access = self._accesses.get(name)
-        if access is None:
-            raise UnknownNameError(self.scene.name, name, self._accesses, "not a variable", self._hint(name))
-        if access.row.role == "output" or (access.row.role == "fixed" and self._has_stepped):
+        variable = self._variables.get(name)
+        if variable is None:
+            raise UnknownNameError(self.scene.name, name, self._variables, "not a variable", self._hint(name))
+        if variable.row.role == "output" or (variable.row.role == "fixed" and self._has_stepped):
             fault = "is a fixed parameter and cannot be set after the first step"
-            if access.row.role == "output":
+            if variable.row.role == "output":
                 signal_name = self._signal_of.get(name)
                 fault = (
                     f"cannot be set: signals.{signal_name} drives it"
@@ -348,17 +355,17 @@ class Chain:
                 )
             raise SceneError(f"{self.scene.name}: {name} {fault}")
         try:
-            number = access.choices.index(value) + 1 if value in access.choices else value
-            number = radians_of(number, access.unit)
-            is_in_range = access.row.low <= number <= access.row.high and (
-                not access.is_integer or number == int(number)
+            number = variable.choices.index(value) + 1 if value in variable.choices else value
+            number = radians_of(number, variable.unit)
+            is_in_range = variable.row.low <= number <= variable.row.high and (
+                not variable.is_integer or number == int(number)
             )
         except (TypeError, ValueError):
             is_in_range = False
         if not is_in_range or isinstance(value, bool):
-            allowed_text = f"{access.row.allowed}{or_degrees(access.unit)}"
+            allowed_text = f"{variable.row.allowed}{or_degrees(variable.unit)}"
             raise SceneError(f"{self.scene.name}: {name} = {value_text(value)} must be {allowed_text}")
-        return access, number
+        return variable, number
 
     def _hint(self, name: str) -> str | None:
         """Return a hint for a name that is no variable of the chain; None if no hint is known.

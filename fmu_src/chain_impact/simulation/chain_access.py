@@ -1,4 +1,4 @@
-"""Access of a ``Chain`` to its variables in the record."""
+"""The variables of a ``Chain`` in the record."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.variable import TableRow, Variable
 
 
-class Access(NamedTuple):
-    """Access to a variable: its row of the FMU's table, the names of its choices, and its unit.
+class VariableInRecord(NamedTuple):
+    """A variable in the record: its row of the FMU's table, the names of its choices, and its unit.
 
     ``is_integer`` says whether the value is stored as an integer, as are whole numbers, choices and truth
     values.
@@ -48,24 +48,27 @@ class Selection:
     observed: bool
 
     @classmethod
-    def from_accesses(cls, accesses: Sequence[Access]) -> Self:
-        """Return the selection of the variables with these ``accesses``."""
-        rows = [access.row for access in accesses]
+    def from_variables(cls, variables: Sequence[VariableInRecord]) -> Self:
+        """Return the selection of these variables."""
+        rows = [variable.row for variable in variables]
         return cls(
             words=np.array([row.word for row in rows], int),
-            integer_positions=np.flatnonzero([access.is_integer for access in accesses]),
+            integer_positions=np.flatnonzero([variable.is_integer for variable in variables]),
             observed=any(row.role == "output" or row.word != row.set_word for row in rows),
         )
 
 
-def access_to(variable: Variable, row: TableRow) -> Access:
-    """Return the access to a variable with this row of the FMU's table."""
+def variable_in_record(variable: Variable, row: TableRow) -> VariableInRecord:
+    """Return a variable, with this row of the FMU's table."""
     choices = tuple(item.name for item in variable.items)
-    return Access(row, variable.type != "real", choices, variable.unit)
+    return VariableInRecord(row, variable.type != "real", choices, variable.unit)
 
 
 def with_present_values(
-    prepared_scene: PreparedScene, accesses: Mapping[str, Access], start: np.ndarray, words: np.ndarray
+    prepared_scene: PreparedScene,
+    variables: Mapping[str, VariableInRecord],
+    start: np.ndarray,
+    words: np.ndarray,
 ) -> PreparedScene:
     """Return ``prepared_scene`` with the present values of the parameters that differ between two records.
 
@@ -73,7 +76,7 @@ def with_present_values(
     """
     values = {}
     for name in prepared_scene.parameter_paths:
-        value = accesses[name].value(words)
-        if value != accesses[name].value(start):
+        value = variables[name].value(words)
+        if value != variables[name].value(start):
             values[name] = value
     return PreparedScene(prepared_scene.scene.with_values(values)) if values else prepared_scene

@@ -10,7 +10,7 @@ from chain_impact.scene.scene import Scene, scene_from_dict
 LENGTH, MASS, SPEED, STIFFNESS = 0.4, 1.3, 2.0, 2e4
 
 
-def knee(**values: object) -> Scene:
+def knee_scene(**values: object) -> Scene:
     """Return a pinned arm that swings down; its knee hits its lower stop first. ``values``: parameters."""
     link = {"length": 0.5, "mass": 1.0}
     scene = scene_from_dict(
@@ -51,7 +51,7 @@ def struck_rod(model: str, e: float, **stops: Any) -> Scene:
     return arm([link], [0.0], 1.5, gravity=[0.0, 0.0], initial=motion, stops=law)
 
 
-def together(walls: str, stops: str, omegas: list[float]) -> Scene:
+def simultaneous_impacts(walls: str, stops: str, omegas: list[float]) -> Scene:
     """Return two links that at time 0 hit a floor with their tip and the stop of their knee."""
     angles = [0.0, -0.5]
     law = {"restitution": 0.5, "stiffness": 1e5, "exponent": 1.0}

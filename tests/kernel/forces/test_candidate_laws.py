@@ -34,7 +34,7 @@ def laws_of(d):
 
 
 @pytest.fixture
-def given():
+def record_and_candidates():
     """Return a record with two walls of their own material, and stops, and a candidate of each kind."""
     _, d = stopped_chain(2)
     d.chain.longest_link = SIZE
@@ -93,9 +93,9 @@ def test_a_law_with_infinite_damping_at_restitution_0_refuses_it(law):
     assert start_laws(d) == (OK if law.allows_zero else status.RESTITUTION_NOT_ALLOWED)
 
 
-def test_a_users_law_has_no_factor(given, monkeypatch):
+def test_a_users_law_has_no_factor(record_and_candidates, monkeypatch):
     monkeypatch.setattr(user_law, "has_user_law", lambda: 1)
-    d, (c, *_) = given
+    d, (c, *_) = record_and_candidates
     d.given.law, d.law.damping_factor[:] = USER_LAW, 5.0
     d.law.approach_only[:] = d.law.rigid[:] = 1
     assert start_laws(d) == OK
@@ -124,8 +124,8 @@ def test_a_users_law_has_no_factor(given, monkeypatch):
         ({"restitution": 0.0, "law": NUMBER["newton_impact"]}, OK),
     ],
 )
-def test_given_values_are_checked_and_those_refused_change_no_law(given, changes, refused):
-    d, (c, *_) = given
+def test_given_values_are_checked_and_those_refused_change_no_law(record_and_candidates, changes, refused):
+    d, (c, *_) = record_and_candidates
     d.walls.restitution[:] = -1.0
     assert start_laws(d) == OK
     before = laws_of(d)
@@ -144,8 +144,8 @@ def test_given_values_are_checked_and_those_refused_change_no_law(given, changes
         *((math.nan, 0.0, RANGE), (math.inf, 0.0, RANGE), (0.3, math.inf, RANGE)),
     ],
 )
-def test_coefficients_of_friction_are_checked(given, sliding, static, refused):
-    d, (c, *_) = given
+def test_coefficients_of_friction_are_checked(record_and_candidates, sliding, static, refused):
+    d, (c, *_) = record_and_candidates
     d.given.friction, d.given.static_friction = sliding, static
     assert candidate_laws.check_law(d, c) == candidate_laws.check_laws(d) == refused
 
@@ -155,7 +155,7 @@ LASTING = [2, 5]
 
 
 @pytest.fixture
-def lasting():
+def touching_record():
     """Return a record of a chain with two contacts that last, whose damping is not derived yet."""
     _, d = chain(np.random.default_rng(4), 3)
     mark_touching(d, LASTING)
@@ -174,51 +174,53 @@ def change_law(d, law, restitution):
 
 @pytest.mark.parametrize("restitution", [0.5, 0.25])
 @pytest.mark.parametrize("law", ["ye", "flores"])
-def test_contacts_that_last_take_a_changed_law_and_restitution(lasting, law, restitution):
-    change_law(lasting, law, restitution)
-    assert (lasting.law.damping_factor == CONTACT_LAWS[law].damping_factor(restitution)).all()
-    damping = lasting.law.damping_factor[2] * lasting.law.stiffness[2] / SPEED
-    assert lasting.contacts.damping[LASTING] == pytest.approx([damping] * 2, rel=1e-12)
-    assert np.count_nonzero(lasting.contacts.damping) == len(LASTING)
+def test_contacts_that_last_take_a_changed_law_and_restitution(touching_record, law, restitution):
+    change_law(touching_record, law, restitution)
+    assert (touching_record.law.damping_factor == CONTACT_LAWS[law].damping_factor(restitution)).all()
+    damping = touching_record.law.damping_factor[2] * touching_record.law.stiffness[2] / SPEED
+    assert touching_record.contacts.damping[LASTING] == pytest.approx([damping] * 2, rel=1e-12)
+    assert np.count_nonzero(touching_record.contacts.damping) == len(LASTING)
 
 
-def test_the_expected_penetration_of_a_contact_that_lasts_holds_its_energy(lasting):
-    change_law(lasting, "flores", 0.25)
-    energy = elastic_energy(lasting, 5, lasting.contacts.expected_penetration[5])
+def test_the_expected_penetration_of_a_contact_that_lasts_holds_its_energy(touching_record):
+    change_law(touching_record, "flores", 0.25)
+    energy = elastic_energy(touching_record, 5, touching_record.contacts.expected_penetration[5])
     assert energy == pytest.approx(0.5 * MASS * SPEED**2, rel=1e-12)
-    assert np.count_nonzero(lasting.contacts.expected_penetration) == len(LASTING)
+    assert np.count_nonzero(touching_record.contacts.expected_penetration) == len(LASTING)
 
 
-def test_a_factor_is_kept_for_the_same_law_restitution_and_exponent(lasting):
+def test_a_factor_is_kept_for_the_same_law_restitution_and_exponent(touching_record):
     """The next run keeps the factor, too; the damping follows the stiffness."""
-    lasting.law.damping_factor[0] = 77.0
-    lasting.given.stiffness *= 2.0
-    change_law(lasting, "ye", 0.5)
-    assert (lasting.law.damping_factor == 77.0).all()
-    assert lasting.contacts.damping[2] == pytest.approx(77.0 * lasting.given.stiffness / SPEED, rel=1e-12)
-    assert start_laws(lasting) == OK
-    assert (lasting.law.damping_factor == 77.0).all()
-    lasting.contact_settings.exponent = 2.0
-    assert start_laws(lasting) == OK
-    assert (lasting.law.damping_factor == CONTACT_LAWS["ye"].damping_factor(0.5)).all()
-    assert (lasting.law.rate_exponent == 2.0).all()
+    touching_record.law.damping_factor[0] = 77.0
+    touching_record.given.stiffness *= 2.0
+    change_law(touching_record, "ye", 0.5)
+    assert (touching_record.law.damping_factor == 77.0).all()
+    assert touching_record.contacts.damping[2] == pytest.approx(
+        77.0 * touching_record.given.stiffness / SPEED, rel=1e-12
+    )
+    assert start_laws(touching_record) == OK
+    assert (touching_record.law.damping_factor == 77.0).all()
+    touching_record.contact_settings.exponent = 2.0
+    assert start_laws(touching_record) == OK
+    assert (touching_record.law.damping_factor == CONTACT_LAWS["ye"].damping_factor(0.5)).all()
+    assert (touching_record.law.rate_exponent == 2.0).all()
 
 
-def test_a_wall_that_becomes_rigid_derives_no_expected_penetration(lasting):
-    lasting.contacts.expected_penetration[:] = 5.0
-    make_rigid(lasting)
-    change_law(lasting, "newton_impact", 0.5)
-    assert lasting.law.rigid.all()
-    assert (lasting.contacts.expected_penetration == 5.0).all()
+def test_a_wall_that_becomes_rigid_derives_no_expected_penetration(touching_record):
+    touching_record.contacts.expected_penetration[:] = 5.0
+    make_rigid(touching_record)
+    change_law(touching_record, "newton_impact", 0.5)
+    assert touching_record.law.rigid.all()
+    assert (touching_record.contacts.expected_penetration == 5.0).all()
 
 
 # --- walls and stops of their own --------------------------------------------------------------------------
 
 
-def test_walls_and_stops_may_have_their_own_stiffness(given):
+def test_walls_and_stops_may_have_their_own_stiffness(record_and_candidates):
     """A depth of round-off is harmless; a rigid wall has no depth."""
-    d, (first, *_) = given
-    kinds, harmless = list(given[1]), candidate_laws.HARMLESS_DEPTH * SIZE
+    d, (first, *_) = record_and_candidates
+    kinds, harmless = list(record_and_candidates[1]), candidate_laws.HARMLESS_DEPTH * SIZE
     d.given.law = NUMBER["hertz"]
     for of_stops in (0, NUMBER["lee_wang"]):
         d.stops.law = of_stops
@@ -255,8 +257,8 @@ def test_candidates_of_one_origin_have_one_law():
     "name",
     ["law", "stiffness", "restitution", "friction", "static_friction", "stop_stiffness", "stop_restitution"],
 )
-def test_laws_are_in_use_as_long_as_what_is_given_is_the_same(given, name):
-    d, _ = given
+def test_laws_are_in_use_as_long_as_what_is_given_is_the_same(record_and_candidates, name):
+    d, _ = record_and_candidates
     d.walls.restitution[:], d.given.friction, d.given.static_friction = -1.0, 0.1, 0.3
     assert start_laws(d) == OK
     assert candidate_laws.are_laws_in_use(d)
@@ -379,8 +381,10 @@ def test_a_contact_with_a_force_cannot_become_rigid():
         ((0.0, 0.2), (0.3, -1.0), None),  # a wall's own friction does not inherit the scene's static friction
     ],
 )
-def test_a_static_friction_below_that_of_sliding_is_refused_with_its_wall(given, of_all, of_wall, refused):
-    d, kinds = given
+def test_a_static_friction_below_that_of_sliding_is_refused_with_its_wall(
+    record_and_candidates, of_all, of_wall, refused
+):
+    d, kinds = record_and_candidates
     d.given.friction, d.given.static_friction = of_all
     d.walls.restitution[:] = -1.0
     wall = d.candidate.wall[kinds[1]]
@@ -402,8 +406,8 @@ def test_a_static_friction_below_that_of_sliding_is_refused_with_its_wall(given,
         ((0.0, 0.0), (0.7, -1.0), (0.7, 0.7)),
     ],
 )
-def test_a_wall_may_give_its_own_friction_and_a_stop_has_none(given, of_all, of_wall, right):
-    d, kinds = given
+def test_a_wall_may_give_its_own_friction_and_a_stop_has_none(record_and_candidates, of_all, of_wall, right):
+    d, kinds = record_and_candidates
     d.given.friction, d.given.static_friction = of_all
     wall = d.candidate.wall[kinds[1]]
     d.walls.friction[wall], d.walls.static_friction[wall] = of_wall
@@ -417,16 +421,16 @@ def test_a_wall_may_give_its_own_friction_and_a_stop_has_none(given, of_all, of_
 
 
 @FRICTION
-def test_a_wall_with_friction_of_its_own_has_a_law_of_its_own(given, name):
-    d, (c, *_) = given
+def test_a_wall_with_friction_of_its_own_has_a_law_of_its_own(record_and_candidates, name):
+    d, (c, *_) = record_and_candidates
     assert candidate_laws.law_origin(d, c) == candidate_laws.COMMON_LAW
     d.walls[name][d.candidate.wall[c]] = 0.0
     assert candidate_laws.law_origin(d, c) == d.candidate.wall[c]
 
 
 @FRICTION
-def test_rigid_walls_have_no_friction_but_stops_beside_them_may_be_rigid(given, name):
-    d, (c, *_, stop) = given
+def test_rigid_walls_have_no_friction_but_stops_beside_them_may_be_rigid(record_and_candidates, name):
+    d, (c, *_, stop) = record_and_candidates
     rigid = NUMBER["newton_impact"]
     d.given[name], d.given.law, d.stops.law = 0.3, rigid, NUMBER["flores"]
     assert candidate_laws.check_law(d, c) == candidate_laws.check_laws(d) == status.FRICTION_WITH_RIGID_WALLS

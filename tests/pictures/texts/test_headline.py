@@ -20,7 +20,7 @@ from chain_impact.pictures.texts.headline import (
     peaks,
 )
 from chain_impact.scene.scene import with_values
-from tests.helpers.scenes.stops import knee
+from tests.helpers.scenes.stops import knee_scene
 from tests.pictures.pictures import MODELS, impact_row, recorded, swing
 
 
@@ -110,7 +110,7 @@ def test_a_narrow_picture_has_the_peak_as_its_headline(panel, colour):
 
 
 def test_a_moment_at_a_stop_and_an_impulse_have_words_of_their_own():
-    moment, *others = peaks(simulate(knee(), 1.0))
+    moment, *others = peaks(simulate(knee_scene(), 1.0))
     assert not others
     assert moment.name == "peak moment"
     assert moment.value.endswith("N·m")
@@ -227,7 +227,7 @@ STOPS = [(None, "stops e = 0.5"), ("flores", "stops law flores, e = 0.5"), ("her
 
 @pytest.mark.parametrize(("own", "told"), STOPS)
 def test_stops_have_their_restitution_and_a_law_of_their_own(own, told):
-    scene = knee(**({"stops.model": own} if own else {}))
+    scene = knee_scene(**({"stops.model": own} if own else {}))
     assert told in conditions(simulate(scene, 0.5)).split(SEPARATOR)
 
 

@@ -2,7 +2,7 @@
 
 from chain_impact import Scene, load_scene, model_names
 from tests.helpers.scenes.friction import pendulum, sled
-from tests.helpers.scenes.stops import knee
+from tests.helpers.scenes.stops import knee_scene
 from tests.helpers.tools.reprs import is_short
 
 
@@ -30,7 +30,7 @@ def test_a_long_chain_has_a_short_repr():
 
 
 def test_stops_and_materials_are_in_the_repr():
-    text = repr(knee(**{"link[1].joint_max": 3.0, "wall.x_max.stiffness": 1e6}))
+    text = repr(knee_scene(**{"link[1].joint_max": 3.0, "wall.x_max.stiffness": 1e6}))
     assert "at x_max e = 0.25, K = 1e+06" in text
     line = next(line for line in text.splitlines() if line.startswith("  stops"))
     assert line.split(maxsplit=1)[1] == (

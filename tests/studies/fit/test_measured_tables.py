@@ -10,7 +10,7 @@ from chain_impact.studies.fit.measured_tables import read_measurements
 from chain_impact.studies.fit.measurements import MEASURED_OF_IMPACT
 from chain_impact.studies.fit.sigma import standard_deviation
 from tests.helpers.scenes.bodies import body, cart
-from tests.helpers.scenes.stops import knee
+from tests.helpers.scenes.stops import knee_scene
 from tests.helpers.tools.refusal import refusal
 
 SCENE = load_scene("four_link_box")
@@ -224,7 +224,7 @@ def test_refusals_of_an_impact(column, cell, allowed):
 
 
 def test_impacts_at_stops_are_named_by_joint_and_stop():
-    scene = knee()
+    scene = knee_scene()
     table = {"point": [2, 2], "wall": ["joint_min", "x_max"], "onset": [0.4, 1.7]}
     found = read_measurements(table, scene, {}, None)
     assert [row.wall for row in found.impacts] == [4, 1]

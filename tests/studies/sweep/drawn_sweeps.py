@@ -8,16 +8,18 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.layout import usual_size
 from chain_impact.studies.sweep.plot import draw_sweep, headline_and_conditions
-from chain_impact.studies.sweep.quantities import results_of
+from chain_impact.studies.sweep.quantities import shown_quantities_of
 
 SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
 TEN = [law for law in CONTACT_LAWS if law not in ("kelvin_voigt", "newton_impact", "ye")][:10]
 
 
 def sweep_page(found):
-    results = results_of(found)
-    page = Figure(figsize=usual_size(found.design, len(results.drawn_quantities)), layout="constrained")
-    draw_sweep(page, found, results, partial(headline_and_conditions, found, results))
+    shown_quantities = shown_quantities_of(found)
+    page = Figure(
+        figsize=usual_size(found.design, len(shown_quantities.drawn_quantities)), layout="constrained"
+    )
+    draw_sweep(page, found, shown_quantities, partial(headline_and_conditions, found, shown_quantities))
     page.draw_without_rendering()
     return page
 

@@ -10,7 +10,7 @@ import pytest
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.studies.sweep.curve_marks import MARK_SIZE, broken_line, joined_pairs, jumps_between
 from chain_impact.studies.sweep.curves import COLOURS, course_text
-from chain_impact.studies.sweep.quantities import COUNT, QUANTITIES, results_of
+from chain_impact.studies.sweep.quantities import COUNT, QUANTITIES, shown_quantities_of
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.text import number_text
 from tests.pictures.pictures import contrast, lab_colour
@@ -22,7 +22,7 @@ LAWS = ("flores", "hunt_crossley")
 def test_lines_are_the_columns():
     found = sweep(SCENE, {"contact.restitution": "0.8,0.4,0.0", "contact.model": "flores,hertz"})
     page = sweep_page(found)
-    quantities = results_of(found).all_quantities
+    quantities = shown_quantities_of(found).all_quantities
     assert [label.partition(",")[0] for label in labels_of(page)] == [each.label for each in quantities]
     for axes, quantity in zip(page.axes, quantities, strict=True):
         assert [line.get_marker() for line in axes.lines[:2]] == ["o", "s"]  # in all panels

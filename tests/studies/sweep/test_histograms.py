@@ -12,7 +12,7 @@ from matplotlib.colors import to_rgb
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.studies.sweep.effects import effects_on
 from chain_impact.studies.sweep.histograms import edges_of, rank_correlation
-from chain_impact.studies.sweep.quantities import results_of
+from chain_impact.studies.sweep.quantities import shown_quantities_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.pictures.pictures import contrast
 from tests.studies.sweep.drawn_sweeps import SCENE, sweep_page
@@ -72,7 +72,7 @@ def test_the_text_tells_a_course_that_falls_and_rises():
     """At equal stiffness the force is least at a middle restitution; a correlation of ranks is about 0."""
     vary, name = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e6:1e9:log"}, "contact.restitution"
     runs = sweep(SCENE, vary, samples=40)
-    (peak, *_), variations = results_of(runs).drawn_quantities, runs.design.variations
+    (peak, *_), variations = shown_quantities_of(runs).drawn_quantities, runs.design.variations
     found = effects_on(runs, peak, variations)
     assert abs(rank_correlation(runs["contact.restitution"], runs["peak_force"])) < 0.3
     assert found.is_factor
@@ -98,7 +98,7 @@ def test_the_text_tells_a_course_that_falls_and_rises():
 def test_too_few_runs_have_no_fit():
     vary = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e6:1e9:log"}
     runs = sweep(SCENE, vary, samples=5)
-    assert effects_on(runs, results_of(runs).drawn_quantities[0], runs.design.variations) is None
+    assert effects_on(runs, shown_quantities_of(runs).drawn_quantities[0], runs.design.variations) is None
     assert "others equal" not in sweep_page(runs).texts[1].get_text()
 
 

@@ -9,7 +9,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep import message, plot
-from chain_impact.studies.sweep.quantities import results_of
+from chain_impact.studies.sweep.quantities import shown_quantities_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.pictures.pictures import WIDTHS, check_texts
 from tests.studies.sweep.drawn_sweeps import SCENE, TEN, labels_of, sweep_page
@@ -55,7 +55,7 @@ def test_a_page_of_any_width_has_all_panels(kind, width):
     assert page.get_figwidth() == width / 25.4
     told = [(axes.get_ylabel(), axes.get_xlabel(), axes.get_title()) for axes in page.axes]
     labels = {label.replace("\n", " ").partition(", ")[0] for texts in told for label in texts}
-    assert {quantity.label for quantity in results_of(found).all_quantities} <= labels
+    assert {quantity.label for quantity in shown_quantities_of(found).all_quantities} <= labels
     if kind in {"two choices", "number and all choices"}:
         numbers = {text.get_text() for axes in page.axes for text in axes.get_yticklabels()}
         assert {"two choices": {"auto", "explicit"}}.get(kind, {*CONTACT_LAWS}) <= numbers

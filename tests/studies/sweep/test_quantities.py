@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep.quantities import QUANTITIES, results_of
+from chain_impact.studies.sweep.quantities import QUANTITIES, shown_quantities_of
 from chain_impact.studies.sweep.sweep import sweep
-from tests.helpers.scenes.stops import knee
+from tests.helpers.scenes.stops import knee_scene
 from tests.studies.sweep.drawn_sweeps import SCENE, labels_of, sweep_page
 
 
 @pytest.mark.full("takes long")
 def test_a_scene_with_stops_has_panels_for_them():
     outputs = ["point[2].x", "point[2].y", "joint[2].stop_moment", "impact.last_time"]
-    found = sweep(knee(), {"stop.restitution": "0.2,0.5,0.8"}, outputs=outputs)
+    found = sweep(knee_scene(), {"stop.restitution": "0.2,0.5,0.8"}, outputs=outputs)
     page, changing = sweep_page(found), [name for name in outputs if np.ptp(found[name]) > 0.0]
     labels = labels_of(page)
     # joint forces are unknown without loads
@@ -21,7 +21,7 @@ def test_a_scene_with_stops_has_panels_for_them():
         labels[:6]
         == [
             quantity.label
-            for quantity in results_of(found).all_quantities
+            for quantity in shown_quantities_of(found).all_quantities
             if quantity.column != "joint_force"
         ][:6]
     )
@@ -48,7 +48,7 @@ def test_rigid_walls_have_no_panel_for_a_force():
 
 def test_stops_of_a_slider_have_panels_for_their_forces():
     scene = load_scene("cart_pole").with_values({"outputs.loads": True, "simulation.stop_time": 1.0})
-    quantities = results_of(sweep(scene, {"slider.max": "0.2,0.3"})).all_quantities
+    quantities = shown_quantities_of(sweep(scene, {"slider.max": "0.2,0.3"})).all_quantities
     assert {"peak_force", "joint_force"} <= {quantity.column for quantity in quantities}
 
 
@@ -81,7 +81,7 @@ def test_results_that_never_change_still_have_a_picture():
 def test_forces_of_a_sweep_have_one_unit():
     scene = load_scene("carried_arm").with_values({"simulation.stop_time": 0.6})
     found = sweep(scene, {"contact.restitution": "0.1,0.9"}, outputs=["joint[1].force.y", "point[2].y"])
-    units = {quantity.column: quantity.unit for quantity in results_of(found).all_quantities}
+    units = {quantity.column: quantity.unit for quantity in shown_quantities_of(found).all_quantities}
     forces = {unit for name, unit in units.items() if "force" in name}
     assert forces <= {"N", "kN"}
     assert len(forces) == 1

@@ -19,7 +19,7 @@ from chain_impact.studies.sweep.job import has_own_kernel, job_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.helpers.campaigns import random_scenes
 from tests.helpers.scenes.problems import own_law
-from tests.helpers.scenes.stops import knee
+from tests.helpers.scenes.stops import knee_scene
 from tests.tiers import needs_compilers
 
 FORCES = ("peak_force", "max_penetration")
@@ -173,7 +173,7 @@ def test_runs_of_random_scenes_are_those_of_simulate(seed):
 
 def test_contacts_at_stops_have_columns_of_their_own():
     """Also test a contact that lasts at the end."""
-    scene = knee()
+    scene = knee_scene()
     result = simulate(scene)
     assert {is_scene_joint_stop(scene, wall) for wall in result.impacts["wall"]} == {False, True}
     first = next(row for row in result.impacts if is_scene_joint_stop(scene, row["wall"]))
@@ -198,7 +198,7 @@ def test_a_scene_with_loads_has_the_largest_force_in_a_joint(tmp_path):
 
 
 def test_peaks_of_rigid_stops_and_of_a_run_that_cannot_start():
-    scene = knee(**{"simulation.stop_time": 0.5})
+    scene = knee_scene(**{"simulation.stop_time": 0.5})
     vary = {"stop.restitution": [0.5, 0.0], "initial.angle[2]": [0.9, -2.0]}
     found = sweep(scene, vary)
     statuses = [check(scene, row, found.varied) for row in found.table]

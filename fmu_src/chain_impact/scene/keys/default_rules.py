@@ -54,7 +54,7 @@ def as_in_contact(key: str) -> Derived:
     )
 
 
-def with_stops(value: float) -> Derived:
+def default_if_stops(value: float) -> Derived:
     """Return the rule for a default of [stops] that is the number ``value``.
 
     The default is None in a scene in which no joint has a stop.
@@ -63,7 +63,7 @@ def with_stops(value: float) -> Derived:
         f"{value:g}",
         lambda tables: value if tables["chain"].stops else None,
         constant=True,
-        with_stops=value,
+        value_if_stops=value,
     )
 
 

@@ -15,7 +15,7 @@ from chain_impact.scene.keys.default_rules import (
     ZERO_RULE,
     ZEROS,
     as_in_contact,
-    with_stops,
+    default_if_stops,
 )
 from chain_impact.scene.rules.key_rules import IDENTIFIER, scene_key
 from chain_impact.scene.texts.names import INPUTS_OF
@@ -124,7 +124,7 @@ class Stops:
         extended_by="contact.law_file",
     )
     stiffness: float | None = scene_key(
-        "N.m/rad^exponent", "stiffness of the stops", with_stops(1e5), above=0.0
+        "N.m/rad^exponent", "stiffness of the stops", default_if_stops(1e5), above=0.0
     )
     exponent: float | None = scene_key(
         "1", "exponent of penetration at the stops", as_in_contact("exponent"), minimum=1.0, maximum=3.0
@@ -135,7 +135,7 @@ class Stops:
     minimum_impact_speed: float | None = scene_key(
         "rad/s",
         "a slower impact at a stop is damped as one at this speed; at a rigid stop it does not rebound",
-        with_stops(1e-3),
+        default_if_stops(1e-3),
         above=0.0,
     )
 

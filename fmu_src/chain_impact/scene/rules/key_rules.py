@@ -69,7 +69,8 @@ class Derived:
             that some scenes have no such value.
         of_box: the rule that replaces this one for a link that is a box; None if this rule holds for it.
         or_key: the key of the same table that can be given in place of this key; "" if there is none.
-        with_stops: the default in each scene in which a joint has a stop; None for a rule of another kind.
+        value_if_stops: the default in each scene in which a joint has a stop; None for a rule of another
+            kind.
         off: the default of a value that describes a part, such as dry friction, which the scene has only if
             the file gives the value, even as 0; None for a rule of another kind. For the rules of
             rule_language.py, a value that the file does not give is missing.
@@ -82,7 +83,7 @@ class Derived:
     constant: bool = False
     of_box: Derived | None = None
     or_key: str = ""
-    with_stops: float | None = None
+    value_if_stops: float | None = None
     off: float | None = None
 
 

@@ -24,9 +24,7 @@ from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.simulate import simulate
-from chain_impact.studies.compare.runs import LawRun, LawRuns, ReachedRestitutions, first_of
-from chain_impact.studies.compare.text import report
-from chain_impact.studies.law_exchange import (
+from chain_impact.studies.changed_law import (
     EXACT_LAW,
     LOSSLESS_LAW,
     OVERLAPS,
@@ -37,6 +35,8 @@ from chain_impact.studies.law_exchange import (
     law_values,
     stiffened,
 )
+from chain_impact.studies.compare.runs import LawRun, LawRuns, ReachedRestitutions, first_of
+from chain_impact.studies.compare.text import report
 from chain_impact.text import PrintedResult, TextTable
 
 if TYPE_CHECKING:

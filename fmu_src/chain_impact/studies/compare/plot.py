@@ -34,11 +34,11 @@ from chain_impact.pictures.over_time.energies import offset_text, shown_energies
 from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.pictures.over_time.time_axis import name_time
 from chain_impact.scene.texts.unit_text import stiffness_unit
+from chain_impact.studies.changed_law import LOSSLESS_LAW, compared_impact
 from chain_impact.studies.compare.grey_loops import HAIRLINE, draw_grey_loops
 from chain_impact.studies.compare.headline import headline, laws_with_e, peaks
 from chain_impact.studies.compare.looks import REFERENCE_LAYER, Looks, are_loops_equal, brief_names, looks_of
 from chain_impact.studies.compare.runs import LawRuns, with_jump
-from chain_impact.studies.law_exchange import LOSSLESS_LAW, compared_impact
 from chain_impact.text import count_text, number_text, prefixed_unit
 from chain_impact.variables.impact_units import unit_at
 

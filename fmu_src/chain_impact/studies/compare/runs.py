@@ -14,7 +14,7 @@ from chain_impact.recording.joint_stops import is_scene_joint_stop
 from chain_impact.results.result import Result
 from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.scene import Scene
-from chain_impact.studies.law_exchange import contact_at, first_number
+from chain_impact.studies.changed_law import contact_at, first_number
 
 # An impact is free if its restitution without losses differs from 1, and its restitution with the exact law
 # from e, by at most FREE_TOLERANCE. If a realised restitution exceeds 1 by more than this, other forces drive

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.studies.changed_law import EXACT_LAW, compared_impact
 from chain_impact.studies.compare.runs import LawRun, LawRuns
-from chain_impact.studies.law_exchange import EXACT_LAW, compared_impact
 from chain_impact.text import TextTable, prefixed_unit
 from chain_impact.variables.impact_units import unit_at
 

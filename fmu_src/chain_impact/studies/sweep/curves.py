@@ -34,7 +34,7 @@ from chain_impact.studies.sweep.maps import (
     label_of,
     own_value,
 )
-from chain_impact.studies.sweep.quantities import EQUAL_RESULTS, Quantity, results_of
+from chain_impact.studies.sweep.quantities import EQUAL_RESULTS, Quantity, shown_quantities_of
 from chain_impact.studies.sweep.runs import SweepRuns
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.text import number_text
@@ -188,7 +188,7 @@ def lines_of(
     if choice is None:
         return {(): rows}
     names = [*dict.fromkeys(choice.shown_values(choice.values))]
-    results = np.array([quantity.values_in(runs) for quantity in results_of(runs).all_quantities])
+    results = np.array([quantity.values_in(runs) for quantity in shown_quantities_of(runs).all_quantities])
     lines: list[tuple[list[str], np.ndarray]] = []
     for name, text in zip(names, names if choice.choices else distinct_texts(names), strict=True):
         choice_rows = rows[runs[choice.name][rows] == name]

@@ -21,7 +21,7 @@ from chain_impact.studies.sweep.layout import (
     varying_in,
 )
 from chain_impact.studies.sweep.maps import NO_IMPACT, unit_of
-from chain_impact.studies.sweep.quantities import Quantity, Results, printed_number
+from chain_impact.studies.sweep.quantities import Quantity, ShownQuantities, printed_number
 from chain_impact.studies.sweep.runs import SweepRuns
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.text import names_text, number_text
@@ -40,7 +40,9 @@ HALF = 0.5
 SMALL_EFFECT, NO_EFFECT = 0.01, 1e-6
 
 
-def headline_parts(runs: SweepRuns, results: Results, mark: str, *, is_small: bool = False) -> list[str]:
+def headline_parts(
+    runs: SweepRuns, shown_quantities: ShownQuantities, mark: str, *, is_small: bool = False
+) -> list[str]:
     """Return the parts of the headline, of which the last are runs without impact, and failed runs.
 
     The first parts are results with their course, and varied parameters that hardly matter (``idle_text``).
@@ -51,10 +53,10 @@ def headline_parts(runs: SweepRuns, results: Results, mark: str, *, is_small: bo
     """
     loads = [
         load
-        for load in results.all_quantities
+        for load in shown_quantities.all_quantities
         if load.in_headline and np.nan_to_num(load.values_or_nan(runs)).any()
     ]
-    quantities, parts = loads or results.drawn_quantities[:1], list[str]()
+    quantities, parts = loads or shown_quantities.drawn_quantities[:1], list[str]()
     for quantity in quantities[:1] if is_small else quantities:
         values = quantity.values_or_nan(runs)
         if np.isfinite(values).any():

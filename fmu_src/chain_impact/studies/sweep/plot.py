@@ -59,10 +59,10 @@ from chain_impact.studies.sweep.quantities import (
     LEADING_HYPHEN,
     LOADS,
     Quantity,
-    Results,
+    ShownQuantities,
     constant_quantities_text,
     printed_number,
-    results_of,
+    shown_quantities_of,
 )
 from chain_impact.studies.sweep.runs import SweepRuns
 from chain_impact.studies.sweep.variation import Variation
@@ -118,30 +118,35 @@ def plot_sweep(
         OSError: when the file cannot be written.
     """
     check_picture(runs.design.variations, runs.design.samples, len(runs), runs.scene.name)
-    results = results_of(runs, panels)
+    shown_quantities = shown_quantities_of(runs, panels)
     if has_map_series(varying_in(runs.design), picture_form(runs.design)):
-        if panels and (count := len(results.drawn_quantities)) > 1:
+        if panels and (count := len(shown_quantities.drawn_quantities)) > 1:
             raise SceneError(f"{runs.scene.name}: {count} panels must be 1 if {MOST_VARIED} parameters vary")
-        results = Results(results.drawn_quantities[:1], results.drawn_quantities[:1])
+        shown_quantities = ShownQuantities(
+            shown_quantities.drawn_quantities[:1], shown_quantities.drawn_quantities[:1]
+        )
     usual_figure_size = usual_size(
-        runs.design, len(results.drawn_quantities), figure_size(size)[0] if size else None
+        runs.design, len(shown_quantities.drawn_quantities), figure_size(size)[0] if size else None
     )
     # a picture is drawn anew for each height that is tried, with the same texts
-    texts = cache(partial(headline_and_conditions, runs, results))
+    texts = cache(partial(headline_and_conditions, runs, shown_quantities))
     return draw_figure(
-        partial(draw_sweep, runs=runs, results=results, texts=texts), path, size, usual_figure_size
+        partial(draw_sweep, runs=runs, shown_quantities=shown_quantities, texts=texts),
+        path,
+        size,
+        usual_figure_size,
     )
 
 
 @drawing_style()
 def draw_sweep(
-    figure: Figure, runs: SweepRuns, results: Results, texts: Callable[..., tuple[str, str]]
+    figure: Figure, runs: SweepRuns, shown_quantities: ShownQuantities, texts: Callable[..., tuple[str, str]]
 ) -> None:
-    """Draw the headline and, for each of ``results.drawn_quantities``, ``panels_of_each`` panels.
+    """Draw the headline and, for each of ``shown_quantities.drawn_quantities``, ``panels_of_each`` panels.
 
     ``texts``: a function that returns the result of ``headline_and_conditions``.
     """
-    quantities, kind = results.drawn_quantities, picture_form(runs.design)
+    quantities, kind = shown_quantities.drawn_quantities, picture_form(runs.design)
     variations = varying_in(runs.design)
     write_headline(figure, *texts(is_small=is_narrow(figure)))
     # the parameter ``first_variation`` gets the horizontal axis
@@ -165,16 +170,18 @@ def draw_sweep(
     place_names(figure)
 
 
-def headline_and_conditions(runs: SweepRuns, results: Results, *, is_small: bool) -> tuple[str, str]:
+def headline_and_conditions(
+    runs: SweepRuns, shown_quantities: ShownQuantities, *, is_small: bool
+) -> tuple[str, str]:
     """Return the headline, which is short if ``is_small``, and the text with the conditions."""
     kind, variations = picture_form(runs.design), varying_in(runs.design)
-    parts = [conditions(runs, variations), constant_quantities_text(runs, results)]
+    parts = [conditions(runs, variations), constant_quantities_text(runs, shown_quantities)]
     if kind == CURVES:
-        parts.append(gaps_text(runs, results.drawn_quantities, *sorted_parameters(variations, kind)))
+        parts.append(gaps_text(runs, shown_quantities.drawn_quantities, *sorted_parameters(variations, kind)))
     if kind == HISTOGRAMS:
-        parts.insert(0, influence_text(runs, results.drawn_quantities, variations))
+        parts.insert(0, influence_text(runs, shown_quantities.drawn_quantities, variations))
     mark = "×: " if kind == CURVES else ""
-    headline = ", ".join(headline_parts(runs, results, mark, is_small=is_small))
+    headline = ", ".join(headline_parts(runs, shown_quantities, mark, is_small=is_small))
     return headline, "; ".join(filter(None, parts)).replace("; ", SEPARATOR)
 
 

@@ -147,15 +147,15 @@ SHARED_UNITS = ("N", "N·m", "J")
 An additional output in any other unit gets no prefix.
 """
 LOADS = (*(name for name, peak in PEAKS.items() if peak.is_load), JOINT_FORCE)
-"""The columns with forces and moments; of samples, ``results_of`` prefers these to other quantities."""
+"""The columns with forces and moments; of samples, ``shown_quantities_of`` prefers them to others."""
 
 
 @dataclass(frozen=True)
-class Results:
+class ShownQuantities:
     """The quantities that the picture of a sweep tells.
 
     Attributes:
-        all_quantities: all quantities that the picture tells; see ``results_of``.
+        all_quantities: all quantities that the picture tells; see ``shown_quantities_of``.
         drawn_quantities: the quantities in ``all_quantities`` that have a panel. All other quantities in
             ``all_quantities`` are the same in all runs, and are told in words.
     """
@@ -169,7 +169,7 @@ class Results:
         return [quantity for quantity in self.all_quantities if quantity not in self.drawn_quantities]
 
 
-def results_of(runs: SweepRuns, panels: Sequence[str] = ()) -> Results:
+def shown_quantities_of(runs: SweepRuns, panels: Sequence[str] = ()) -> ShownQuantities:
     """Return the quantities that the picture of a sweep tells in words or panels, and those in panels.
 
     If ``panels`` names columns, the picture tells and draws these columns. Without ``panels``, the picture
@@ -191,7 +191,7 @@ def results_of(runs: SweepRuns, panels: Sequence[str] = ()) -> Results:
         all_quantities = _with_prefixes(
             runs, [main.get(name) or _final_quantity(name, prepared_scene) for name in chosen_columns]
         )
-        return Results(all_quantities, all_quantities)
+        return ShownQuantities(all_quantities, all_quantities)
     scene = runs.scene
     absent_columns = (
         set()
@@ -201,9 +201,9 @@ def results_of(runs: SweepRuns, panels: Sequence[str] = ()) -> Results:
     # rigid walls give runs without a force
     without_force = {name: np.isnan(runs[name])[~runs.failed] for name in runs.names if name in LOADS}
     absent_columns |= {name for name, rows in without_force.items() if rows.all()}
-    shown_quantities = [quantity for name, quantity in main.items() if name in {*runs.names} - absent_columns]
+    main_quantities = [quantity for name, quantity in main.items() if name in {*runs.names} - absent_columns]
     additional = [_final_quantity(name, prepared_scene) for name in runs.outputs if name not in main]
-    all_quantities = _with_prefixes(runs, shown_quantities + additional[:MOST_ASKED])
+    all_quantities = _with_prefixes(runs, main_quantities + additional[:MOST_ASKED])
     partly = {name for name, rows in without_force.items() if rows.any()}
     drawn_quantities = [
         drawn_quantity
@@ -212,8 +212,8 @@ def results_of(runs: SweepRuns, panels: Sequence[str] = ()) -> Results:
     ] or all_quantities
     loads = [quantity for quantity in drawn_quantities if quantity.column in LOADS]
     if runs.design.samples is not None and loads:
-        return Results(loads, loads)
-    return Results(all_quantities, drawn_quantities)
+        return ShownQuantities(loads, loads)
+    return ShownQuantities(all_quantities, drawn_quantities)
 
 
 def columns_named(
@@ -253,14 +253,14 @@ def outputs_for(job: Job, panels: Sequence[str]) -> list[str]:
     ]
 
 
-def constant_quantities_text(runs: SweepRuns, results: Results) -> str:
+def constant_quantities_text(runs: SweepRuns, shown_quantities: ShownQuantities) -> str:
     """Return words for the quantities that are the same in all runs that did not fail; "" without any.
 
     An example is "the same in all runs: impacts 14".
     """
     parts = [
         with_unit(f"{quantity.name} {np.nanmax(quantity.values_in(runs)):.4g}", quantity.unit)
-        for quantity in results.same
+        for quantity in shown_quantities.same
     ]
     return f"the same in all runs: {', '.join(parts)}" if parts else ""
 

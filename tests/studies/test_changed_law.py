@@ -6,20 +6,20 @@ import pytest
 
 from chain_impact import compare, simulate
 from chain_impact.scene.errors import SceneError
+from chain_impact.studies.changed_law import contact_at, contact_with_law, keeps_exponents, law_values
 from chain_impact.studies.compare.compare import OVERLAPS
 from chain_impact.studies.compare.headline import headline
 from chain_impact.studies.compare.looks import looks_of
 from chain_impact.studies.compare.plot import conditions
 from chain_impact.studies.compare.text import advice, heading, law_table, legend
-from chain_impact.studies.law_exchange import contact_at, contact_with_law, keeps_exponents, law_values
-from tests.helpers.scenes.stops import UP, knee
+from tests.helpers.scenes.stops import UP, knee_scene
 
 K = "stiffness"
 
 
 @functools.cache
 def impacts(up=False):
-    return simulate(knee(**UP) if up else knee()).impacts
+    return simulate(knee_scene(**UP) if up else knee_scene()).impacts
 
 
 def depth(stiffness, n, energy):
@@ -27,7 +27,7 @@ def depth(stiffness, n, energy):
 
 
 def test_a_law_with_another_exponent_is_as_deep_at_walls_and_stops():
-    scene = knee(**{"wall.x_max.stiffness": 1e6, "stop.exponent": 2.0})
+    scene = knee_scene(**{"wall.x_max.stiffness": 1e6, "stop.exponent": 2.0})
     first = impacts()[0]
     energy = 0.5 * first["effective_mass"] * first["impact_speed"] ** 2
     changes = law_values(scene, "kelvin_voigt", first)
@@ -40,15 +40,15 @@ def test_a_law_with_another_exponent_is_as_deep_at_walls_and_stops():
 
 
 def test_stops_with_a_law_of_their_own_keep_it():
-    scene = knee(**{"stops.model": "flores"})
+    scene = knee_scene(**{"stops.model": "flores"})
     changes = law_values(scene, "kelvin_voigt", impacts()[0])
     assert scene.with_values(changes).stops == scene.stops
-    assert keeps_exponents("kelvin_voigt", knee(**{"contact.exponent": 1.0, "stop.exponent": 1.0}))
-    assert not keeps_exponents("kelvin_voigt", knee(**{"contact.exponent": 1.0, "stop.exponent": 1.5}))
+    assert keeps_exponents("kelvin_voigt", knee_scene(**{"contact.exponent": 1.0, "stop.exponent": 1.0}))
+    assert not keeps_exponents("kelvin_voigt", knee_scene(**{"contact.exponent": 1.0, "stop.exponent": 1.5}))
 
 
 def test_the_contact_of_an_impact_is_that_of_its_wall_or_of_the_stops():
-    scene = knee()
+    scene = knee_scene()
     at_stop, at_wall = impacts()[0], next(hit for hit in impacts() if hit["wall"] == 1)
     stop = contact_at(scene, at_stop)
     assert (stop.stiffness, stop.exponent, stop.restitution) == (1e4, 1.5, 0.5)
@@ -60,7 +60,7 @@ def test_the_contact_of_an_impact_is_that_of_its_wall_or_of_the_stops():
 
 @pytest.mark.parametrize("up", [False, True])
 def test_laws_are_compared_at_a_stop(up):
-    scene = knee(**UP) if up else knee()
+    scene = knee_scene(**UP) if up else knee_scene()
     found = compare(scene, laws=["flores", "zhang_sharf", "newton_impact"])
     assert found.is_at_stop
     assert found.contact.restitution == 0.5
@@ -77,7 +77,7 @@ def test_laws_are_compared_at_a_stop(up):
 @pytest.mark.parametrize("kept", ["flores", "newton_impact"])
 def test_laws_are_compared_at_a_wall_where_stops_keep_their_law(kept):
     """The first impact is at a stop and equal under all laws, so it does not distinguish them."""
-    found = compare(knee(**{"stops.model": kept}), laws=["flores", "zhang_sharf", "kelvin_voigt"])
+    found = compare(knee_scene(**{"stops.model": kept}), laws=["flores", "zhang_sharf", "kelvin_voigt"])
     result = found["zhang_sharf"].result
     assert result.scene.wall_names[result.impacts["wall"][0]] == "joint_min"
     at_wall = result.impacts[result.impacts["wall"] == 1][0]
@@ -104,7 +104,7 @@ def test_a_contact_that_holds_while_the_compared_impact_begins_is_told():
     pressed = {"link[2].joint_stiffness": 50.0, "link[2].joint_rest_angle": -1.0}
     straight = {"initial.angle[1]": -1.0, "initial.angle[2]": -1.0}
     turning = {"initial.angular_velocity[1]": 4.0, "initial.angular_velocity[2]": 4.0}
-    scene = knee(
+    scene = knee_scene(
         **{"stops.model": "newton_impact", "stop.restitution": 0.0}, **pressed, **straight, **turning
     )
     found = compare(scene, laws=["zhang_sharf"])
@@ -122,6 +122,6 @@ def test_a_contact_that_holds_while_the_compared_impact_begins_is_told():
     ],
 )
 def test_impacts_at_stops_that_keep_their_law_are_not_compared(changes, reason):
-    scene = knee(**{"stops.model": "flores"}, **changes)
+    scene = knee_scene(**{"stops.model": "flores"}, **changes)
     with pytest.raises(SceneError, match=f"the stops keep stops.model = flores, and {reason}"):
         compare(scene, laws=["zhang_sharf"])
