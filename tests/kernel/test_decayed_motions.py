@@ -1,6 +1,6 @@
 """Decayed motions: quotients, powers and roots of tiny, even denormal numbers stay finite."""
 
-# Tests: kernel/events/crossing.py, kernel/events/search.py
+# Tests: kernel/events/passage.py, kernel/events/search.py
 
 from types import SimpleNamespace
 
@@ -9,7 +9,7 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.constraints import impulses
-from chain_impact.kernel.events import crossing, marks, search
+from chain_impact.kernel.events import marks, passage, search
 from chain_impact.kernel.forces import force_formula, holding
 from chain_impact.kernel.forces.friction import list_sticking, set_element_anchor
 from chain_impact.kernel.ode import collocation, explicit, last_step, maximum, step_control, sundman_rate
@@ -113,7 +113,7 @@ def test_an_onset_of_a_faded_rate_is_late_by_a_number(size, slope):
 @small
 def test_a_passage_of_faded_values_is_located(size):
     """The values halve until they vanish; then the bracket is bisected."""
-    find = crossing.make_passage_search(
+    find = passage.make_passage_search(
         lambda _d, _c, theta: np.float64(size) * (0.3 - theta), lambda _d: 4, 1e-12
     )
     d = SimpleNamespace(step=SimpleNamespace(size=1.0))

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from chain_impact import Chain, load_scene, simulate
+from chain_impact.scene.scene import scene_from_dict
 from chain_impact.simulation.derivative_limits import NO_LESS, REASONS, REASONS_OF_FRICTION
 from chain_impact.simulation.derivatives import DifferentiatedRun
 from tests.helpers.campaigns.random_derivatives import compare
@@ -82,6 +83,36 @@ def test_slow_impacts_that_are_certain_do_not_end_derivatives(name):
     found = compare(load_scene(name), {}, mass)
     assert found.compared > 3000
     assert found.wrong[:3] == []
+
+
+STANDS = {
+    "name": "Stands",
+    "chain": {
+        "base": "free",
+        "links": [{"length": 0.5, "mass": 1.0}, {"length": 0.4, "mass": 0.7, "joint_friction": 0.2}],
+    },
+    "box": {"y_min": 0.0},
+    "contact": {"model": "newton_impact", "restitution": 0.5},
+    "initial": {"position": [0.0, 0.0], "angles": [1.2, 0.6]},
+    "simulation": {"stop_time": 0.1},
+    "solver": {"tolerance": 1e-10},
+}
+HANGS = {
+    "name": "Hangs",
+    "chain": {"base": "pinned", "links": [{"length": 0.5, "mass": 1.0}]},
+    "box": {"x_max": 0.0},
+    "contact": {"model": "newton_impact", "restitution": 0.5},
+    "initial": {"angles": [-0.5 * math.pi]},
+    "simulation": {"stop_time": 0.5},
+}
+
+
+@pytest.mark.parametrize(("scene", "parameter"), [(STANDS, "initial.y"), (HANGS, "gravity.x")])
+def test_a_parameter_that_moves_a_resting_point_off_its_wall_has_no_derivative(scene, parameter):
+    """A point that rests at a rigid wall stays at rest on one side of the parameter's value only."""
+    result = simulate(scene_from_dict(scene, scene["name"]), sensitivities=[parameter])
+    assert len(result.sensitivity_limits) == 1
+    assert np.isnan(result.sensitivity("link[1].angle", parameter)[-1])
 
 
 # --- where a mode is open -----------------------------------------------------------------------------------

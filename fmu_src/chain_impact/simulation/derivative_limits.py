@@ -61,7 +61,7 @@ makes accelerations of the chain jump."""
 
 LEFT_OPEN = (
     "derivatives may be off by {share:.2g} of the largest, as the tolerance leaves open when sliding and "
-    "sticking end, or whether slow points arrive, while the chain comes to rest"
+    "sticking end while the chain comes to rest"
 )
 """The sentence for derivatives with an error, because the tolerance leaves open when sliding or sticking
-ends, or whether a slow point arrives at a rigid wall."""
+ends."""

@@ -9,9 +9,10 @@ import pytest
 from chain_impact import CONTACT_LAWS, simulate
 from chain_impact.kernel.advance import advance
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.events import crossing, force_events
-from chain_impact.kernel.events.crossing import locate_at_fraction, make_passage_search
+from chain_impact.kernel.events import force_events, passage
+from chain_impact.kernel.events.crossing import locate_at_fraction
 from chain_impact.kernel.events.event_exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.passage import make_passage_search
 from chain_impact.kernel.forces.active_contacts import kink_height
 from chain_impact.kernel.forces.force_formula import elastic_force
 from chain_impact.kernel.initialize import initialize
@@ -54,13 +55,13 @@ def test_the_first_passage_is_where_a_function_falls_below_zero(place, end, shap
         return place - theta if shape == "linear" else place**3 - theta**3
 
     found = make_passage_search(function, four, resolution)(STEP, 7, end)
-    assert found == pytest.approx(place, abs=max(2.0 * crossing.FINEST_RESOLUTION, resolution / 10.0))
+    assert found == pytest.approx(place, abs=max(2.0 * passage.FINEST_RESOLUTION, resolution / 10.0))
     assert max(asked) <= end
     # four samples and the start of a bracket; then the fast method, or bisection where the method fails
     assert len(asked) <= (18 if shape != "step" else 5 + 20 + halvings)
 
 
-@pytest.mark.parametrize("middle", [0.4, 0.51, 0.6])
+@pytest.mark.parametrize("middle", [0.01, 0.1, 0.4, 0.51, 0.6, 0.9, 0.99])
 def test_a_short_fall_between_two_samples_is_found(middle):
     """Samples are at 1/4, 1/2, 3/4 and 1."""
 
@@ -68,6 +69,14 @@ def test_a_short_fall_between_two_samples_is_found(middle):
         return (theta - middle) ** 2 - 1e-6
 
     assert make_passage_search(parabola, four, 0.0)(STEP, 0, 1.0) == pytest.approx(middle - 1e-3, abs=1e-14)
+
+
+def test_fast_inputs_get_more_samples():
+    step, counts = SimpleNamespace(start=1.0, end=3.0), []
+    for turn in (0.0, 0.49, 0.51, 0.9, 2.0, 1e5):
+        d = SimpleNamespace(step=step, search=SimpleNamespace(input_rate=0.5 * turn))
+        counts.append(force_events.sample_count(d))
+    assert counts == [8, 8, 8, 8, 17, 80001]
 
 
 def test_the_first_negative_sample_is_found():

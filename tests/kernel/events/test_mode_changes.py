@@ -198,6 +198,19 @@ def test_only_what_a_stage_has_shown_is_searched(rubbing, changes, found):
     assert not d.friction_element.event.any()
 
 
+def test_an_element_that_has_slowed_is_searched(rubbing, monkeypatch):
+    """The least speed at a stage is compared with that at both ends of the step."""
+    d, elements = rubbing
+    e = next(e for e in elements if d.friction_element.mode[e] != STICKS)
+    located = [1.0]
+    monkeypatch.setattr(mode_changes, "locate_at_fraction", lambda _d, theta: located.append(theta))
+    monkeypatch.setattr(mode_changes, "sliding_speed", lambda _d, _e: 1.0 if located[-1] == 0.0 else 0.05)
+    for least, may_end in ((0.04, True), (0.49, True), (0.51, False)):
+        d.friction_element.margin[e] = least
+        assert mode_changes.mode_may_end(d, e, 0.8) == may_end
+    assert located == [1.0, *(3 * [0.0, 0.8])]
+
+
 @pytest.mark.parametrize(
     "case",  # θ of a contact event, of element changes, of the end; the marked elements
     [

@@ -131,8 +131,8 @@ def settling(monkeypatch, t, largest):
     """Set a chain of 2 m under 6 m/s², which settles in 0.5 s, with these largest place derivatives."""
     t.chain.longest_link, t.chain.gravity_magnitude, t.trust.neglected = dual(2.0), dual(6.0), 0.0
     t.scratch.position = "position"
-    monkeypatch.setattr(trust, "DIRECTIONS", 2)
-    monkeypatch.setattr(trust, "largest_slope", lambda _t, k: largest[k])
+    monkeypatch.setattr(friction, "DIRECTIONS", 2)
+    monkeypatch.setattr(friction, "largest_slope", lambda _t, k: largest[k])
 
 
 def test_a_speed_is_negligible_as_long_as_all_that_was_left_open_is(monkeypatch, t):
@@ -142,16 +142,16 @@ def test_a_speed_is_negligible_as_long_as_all_that_was_left_open_is(monkeypatch,
     """
     settling(monkeypatch, t, (1.0, 0.1))
     small = dual(0.0, 8e-3, 8e-5)
-    assert trust.is_negligible(t, small)
+    assert friction.is_negligible(t, small)
     assert t.trust.neglected == pytest.approx(4e-3)
-    assert trust.is_negligible(t, small)
-    assert not trust.is_negligible(t, small)
+    assert friction.is_negligible(t, small)
+    assert not friction.is_negligible(t, small)
     assert t.trust.neglected == pytest.approx(8e-3)
     t.trust.neglected = 0.0
-    assert not trust.is_negligible(t, dual(0.0, 1e-3, 4e-3))
+    assert not friction.is_negligible(t, dual(0.0, 1e-3, 4e-3))
     settling(monkeypatch, t, (1.0, 0.0))
-    assert not trust.is_negligible(t, dual(0.0, 0.0, 1e-9))
-    assert trust.is_negligible(t, dual(0.0, 0.0, 0.0))
+    assert not friction.is_negligible(t, dual(0.0, 0.0, 1e-9))
+    assert friction.is_negligible(t, dual(0.0, 0.0, 0.0))
     assert t.trust.neglected == 0.0
 
 

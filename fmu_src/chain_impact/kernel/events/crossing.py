@@ -36,63 +36,6 @@ from chain_impact.kernel.record.constants import (
 from chain_impact.kernel.record.method import is_regularized, was_implicit
 from chain_impact.kernel.record.state import omega_at, sundman_u_at, velocity_at
 
-FINEST_RESOLUTION = 1e-15  # the finest resolution of ``make_passage_search``, as a fraction of a step
-
-
-def make_passage_search(function, samples, resolution):
-    """Return a function that searches a step for the first θ at which ``function`` falls below zero.
-
-    Args:
-        function: function of (d, c, θ), for candidate or element c at the fraction θ of the last step.
-        samples: function of d that returns the number of equidistant samples, of which ``end`` is the last.
-            If a sample is lower than both its neighbours, the vertex of the parabola through the three is a
-            further sample. The search misses falls below zero between samples that this does not show.
-        resolution: accuracy of the location, in the step's integration variable [s].
-
-    Returns:
-        A function of (d, c, end): the first θ ≤ ``end`` at which ``function`` falls below zero, −1 for none.
-    """
-
-    def passage(d, c, end):
-        count, low, at_low, at_before = samples(d), 0.0, math.nan, math.nan
-        for sample in range(count + 1):
-            high = end * sample / count
-            value = function(d, c, high)
-            if value < 0.0 < sample:
-                return root(d, c, low, high, at_low, value)
-            if at_low < at_before and at_low < value:
-                shift = 0.5 * (at_before - value) / (at_before - 2.0 * at_low + value)
-                vertex = low + shift * (high - low)
-                at_vertex = function(d, c, vertex)
-                if at_vertex < 0.0:
-                    return root(d, c, end * (sample - 2) / count, vertex, at_before, at_vertex)
-            low, at_low, at_before = high, value, at_low
-        return -1.0
-
-    def root(d, c, low, high, at_low, at_high):
-        # the rule of false position in the Illinois form (Dowell & Jarratt 1971, BIT 11:168)
-        if at_low < 0.0:
-            return low
-        last, width = 0, max(FINEST_RESOLUTION, resolution / d.step.size)
-        for tries in range(MOST_GUESSES):
-            if high - low <= width:
-                break
-            theta = next_guess(low, high, high - at_high * (high - low) / (at_high - at_low), tries)
-            value = function(d, c, theta)
-            if value == 0.0:
-                return theta
-            if value < 0.0:
-                high, at_high = theta, value
-                at_low *= 0.5 if last > 0 else 1.0
-                last = 1
-            else:
-                low, at_low = theta, value
-                at_high *= 0.5 if last < 0 else 1.0
-                last = -1
-        return high
-
-    return passage
-
 
 def locate_at_fraction(d, theta):
     """Set ``scratch.state`` to the state at θ of the last step, 0 ≤ θ ≤ 1, and locate the points there."""

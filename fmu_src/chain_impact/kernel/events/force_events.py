@@ -11,8 +11,9 @@ mode_changes.py has the searches for the ends of sliding and sticking, this modu
 
 δ is the penetration, v₀ the latched speed in the law, s = ±1 the direction of sliding, t·v the tangential
 speed relative to the belt, F_n the normal force, F_t the friction force, and µ_s the coefficient of static
-friction. The stages and ends of a step show which events must be searched for; if inputs turn fast, RELEASE
-and changes of friction modes always are. An event that is found late causes only a small error of energy.
+friction. The stages and ends of a step show which events must be searched for; if inputs turn fast, changes
+of friction modes, RELEASE and limits of drives are searched for in any case. An event that is found late
+causes only a small error of energy.
 
 KINK: the force of a contact has a kink where it is cut off at 0 or, for a law that damps on approach only, at
 δ̇ = 0. A step across a kink would lose its order. So a step uses the force of one side of the kink, continued
@@ -35,9 +36,10 @@ from chain_impact.kernel.chain.signals import rate_in_limited_drives
 from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.equations import rate_from_state
-from chain_impact.kernel.events.crossing import SIMULTANEOUS_TIME, locate_at_fraction, make_passage_search
+from chain_impact.kernel.events.crossing import SIMULTANEOUS_TIME, locate_at_fraction
 from chain_impact.kernel.events.event_exclusion import RELATCH_RATIO, may_relatch
 from chain_impact.kernel.events.marks import drop_events, mark_contact_event, mark_saturation
+from chain_impact.kernel.events.passage import make_passage_search
 from chain_impact.kernel.forces.active_contacts import kink_height
 from chain_impact.kernel.forces.force_formula import note_crossing
 from chain_impact.kernel.forces.holding import least_impulse, project_state
@@ -51,12 +53,11 @@ from chain_impact.kernel.record.constants import (
 )
 from chain_impact.kernel.record.state import omega_at, velocity_at
 
-# SAMPLES: the number of samples in the searched part of a step in which a stage or an end shows an event. The
-# search for RELATCH takes FEW_SAMPLES: if it misses an event, the latched speed only stays too low.
+# SAMPLES: the least number of samples in the searched part of a step. The search for RELATCH takes
+# FEW_SAMPLES: if it misses an event, the latched speed only stays too low.
 SAMPLES, FEW_SAMPLES = 8, 4
-# The turn [rad] of an input is its angular frequency times the duration of the step. Up to TURN_OF_STAGES the
-# stages show all events, although they are up to a quarter of the step apart; with a larger turn, events may
-# lie between them.
+# The turn [rad] of an input is its angular frequency times the duration of the step. With a turn above
+# TURN_OF_STAGES, events that inputs cause may lie between the stages, which are up to 0.31 of the step apart.
 TURN_OF_STAGES = 0.5
 # number of samples per radian in a step with a turn above TURN_OF_STAGES
 SAMPLES_PER_RADIAN = 8.0
@@ -85,9 +86,7 @@ def inputs_turn_fast(d):
 
 def sample_count(d):
     """Return the number of samples in the search of the last step: SAMPLES, or more if inputs turn fast."""
-    if not inputs_turn_fast(d):
-        return SAMPLES
-    return 1 + int(SAMPLES_PER_RADIAN * min(MOST_SAMPLED_TURN, turn_of_inputs(d)))
+    return max(SAMPLES, 1 + int(SAMPLES_PER_RADIAN * min(MOST_SAMPLED_TURN, turn_of_inputs(d))))
 
 
 def make_search(
@@ -97,7 +96,8 @@ def make_search(
 
     Args:
         value: function of (d, c, θ) that falls below zero at the event; c is a candidate or an element.
-        is_suspect: function of (d, c): whether stages and located points show that c may have an event.
+        is_suspect: function of (d, c, θ): whether stages, and the points, which are located at θ, show that c
+            may have an event up to the fraction θ of the step.
         mark: function of (d, c, θ) that marks the event of c at θ, and other events at the same time.
         members: two functions: of d, the number of searched c; of (d, k), the k-th c. ONE_MEMBER: c = 0.
         samples: function of d that returns the number of samples of the step.
@@ -117,7 +117,7 @@ def make_search(
         first, event_member = earliest if earliest >= 0.0 else 1.0, -1
         for k in range(count(d)):
             c = member(d, k)
-            if is_suspect(d, c):
+            if is_suspect(d, c, first):
                 theta = passage(d, c, first)
                 if theta >= 0.0:
                     first, event_member = theta, c
@@ -154,7 +154,7 @@ def side_of_kink(d, c):
     return -height if d.contacts.beyond_kink[c] else height
 
 
-def has_crossed(d, c):
+def has_crossed(d, c, _end):
     """Return whether a stage of the last step, or the located points, show that c has crossed its kink."""
     note_crossing(d, c, kink_height(d, c))
     return d.contacts.kink_crossed[c] != 0
@@ -175,7 +175,7 @@ def relatch_margin(d, c, theta):
 
 find_relatch = make_search(
     relatch_margin,
-    may_relatch,
+    lambda d, c, _end: may_relatch(d, c),
     lambda d, c, _theta: mark_contact_event(d, c, RELATCH),
     CONTACT_MEMBERS,
     samples=lambda _d: FEW_SAMPLES,
@@ -255,7 +255,7 @@ def mark_pulling(d, _c, theta):
             mark_contact_event(d, d.contacts.active_index[k], RELEASE)
 
 
-def may_release(d, c):
+def may_release(d, c, _end):
     """Return whether to search the last step for the release of a point.
 
     This is so if a wall has pulled in a stage (``check_pull``), or if inputs turn fast, so that a wall may
@@ -270,7 +270,7 @@ find_release = make_search(least_force, may_release, mark_pulling)
 # ---- limits of drives -------------------------------------------------------------------------------------
 
 
-def may_pass_limit(d, _c):
+def may_pass_limit(d, _c, _end):
     """Return whether the mode of a drive may have ended in the last step.
 
     This is so if a stage or the end of the step shows an end, or if the margin of a drive with a limit may

@@ -19,29 +19,33 @@ REST_SPEED = 1e-12
 # A friction force that exceeds its limit by up to FRICTION_EXCESS is round-off, relative to a sum: the limit,
 # plus the mean mass of a link times the sum of gravity and the longest link per s².
 FRICTION_EXCESS = 1e-10
-# A speed that is a parabola in time, and positive at all stages of a step, can be negative between two stages
-# only if the least speed at a stage is below DIP_PART times that at the end. With a smaller number, such
-# falls would be missed where stages are half a step apart.
+# A sliding speed that is positive at all stages may be negative between two of them if its least value at a
+# stage is below DIP_PART times that at one of the ends. With a smaller number, falls of a speed that is about
+# a parabola in time would be missed; with a larger number, steps would be searched in vain.
 DIP_PART = 0.5
 
 FRICTION_ELEMENT_MEMBERS = (lambda d: d.friction.active_count, lambda d, k: d.friction_element.index[k])
 
 
-def mode_may_end(d, e):
-    """Return whether e's mode may have ended in the last step.
+def mode_may_end(d, e, end):
+    """Return whether e's mode may have ended in the last step up to its fraction ``end``.
 
     This is so in three cases: the margin of the mode was below −``element_error`` at a stage; e slides, and
     its least speed at a stage is so small that the speed may have been negative between two stages
     (DIP_PART); or inputs turn so fast that the margin may have been negative between the stages. The points
-    must be located at the end of the searched part of the step.
+    must be located at ``end``, and are located there afterwards.
     """
     least = d.friction_element.margin[e]
-    slides = d.friction_element.mode[e] != STICKS
-    return (
-        inputs_turn_fast(d)
-        or least < -element_error(d, e)
-        or (slides and least < DIP_PART * sliding_speed(d, e))
-    )
+    if inputs_turn_fast(d) or least < -element_error(d, e):
+        return True
+    if d.friction_element.mode[e] == STICKS:
+        return False
+    if least < DIP_PART * sliding_speed(d, e):
+        return True
+    locate_at_fraction(d, 0.0)
+    has_slowed = least < DIP_PART * sliding_speed(d, e)
+    locate_at_fraction(d, end)
+    return has_slowed
 
 
 def sliding_speed(d, e):

@@ -25,10 +25,10 @@ from chain_impact.kernel.record.state import dissipated_at, sundman_u_at, time_a
 
 # the exponents p and q of the interpolant y₀ + Σ F_m θᵖ (1−θ)^q, in the order of its coefficients F₀ to F₆
 BASIS_POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))
-# The largest distance of a dissipated energy from the range of its values at both ends of a step, relative to
-# the tolerance and to the scale of this energy (step_control.py). With a smaller number the energy balance of
-# a chain at rest would change by more than round-off; with a larger number the energy could fall by more than
-# the tolerance.
+# The largest distance of an output of dissipated energy from the range of its values at both ends of a step,
+# relative to the tolerance and to the sum of `chain.energy_scale` and this energy. With a smaller number the
+# energy balance of a chain at rest would change by more than round-off; with a larger number the energy could
+# fall within a step by more than the tolerance.
 ENERGY_SLACK = 0.1
 FRACTION_RESOLUTION = 1e-15  # accuracy of the fraction θ at which a regularized step reaches a time
 
@@ -70,8 +70,9 @@ def limit_energy(d, energy, start, end):
 
     An energy that is dissipated may not fall, but errors of the dense output could make it fall, for example
     where an element sticks and nothing is dissipated. Up to ENERGY_SLACK outside the range, the energy is not
-    moved, because such errors balance those of the kinetic energy. In a tangent instance the result is
-    ``energy``: a limit has the derivatives of the energy at another time.
+    moved, because such errors balance those of the kinetic energy. For the same reason only outputs are
+    limited, not the state at which a step is cut. In a tangent instance the result is ``energy``: a limit has
+    the derivatives of the energy at another time.
     """
     slack = ENERGY_SLACK * d.solver.tolerance * (d.chain.energy_scale + abs(end))
     return max(min(start, end) - slack, min(max(start, end) + slack, energy))

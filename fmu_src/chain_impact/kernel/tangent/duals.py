@@ -44,9 +44,9 @@ TRUST = np.dtype(
         # meaning if ``point`` is −1
         ("wall", np.int64),
         # a sum over the changes of positions whose derivatives are neglected: changes by a speed that
-        # friction or a rigid wall stops soon. Each change adds its share (``is_negligible`` in trust.py)
+        # friction stops soon. Each change adds its share (``is_negligible`` in tangent/friction.py)
         ("neglected", np.float64),
-        # 1: the derivatives of impulses of friction and of rigid walls are not known (``mark_split``)
+        # 1: the derivatives of friction impulses are not known (``mark_split``)
         ("split", np.int64),
         # 1: the motion has no derivative in this direction (rises.py, and ``check_coefficient`` in trust.py)
         ("missing", np.int64, (DIRECTIONS,)),

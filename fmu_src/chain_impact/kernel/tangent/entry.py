@@ -16,7 +16,7 @@ from chain_impact.kernel.ode.last_step import (
     store_output_state,
 )
 from chain_impact.kernel.status import OK
-from chain_impact.kernel.tangent.duals import DIRECTIONS, as_words, replace_slope, tangent_instance
+from chain_impact.kernel.tangent.duals import DIRECTIONS, as_words, tangent_instance
 from chain_impact.kernel.tangent.replay import replay, restart_tangent, start_tangent
 from chain_impact.kernel.tangent.step_ends import move_end
 from chain_impact.kernel.tangent.trust import copy_reason, is_trusted
@@ -44,8 +44,7 @@ def observe_tangent(d, t):
     """Set the derivatives of the outputs at the communication point; NaN if they cannot be trusted.
 
     The derivatives are also NaN after a fault of the run, and in the directions of ``forget_missing``. After
-    ``mark_split`` only the derivatives of the outputs of friction, of transmitted forces and, in a scene with
-    rigid walls, of normal impulses are NaN.
+    ``mark_split`` only the derivatives of the outputs of friction and of transmitted forces are NaN.
     """
     set_communication_point_in_step(t, d.step.communication_point)
     fill_outputs(t)
@@ -54,8 +53,6 @@ def observe_tangent(d, t):
     elif t.trust.split:
         forget_slopes(as_words(t.output.friction))
         forget_slopes(as_words(t.output.transmitted))
-        if t.contact_settings.any_rigid:
-            forget_normal_impulses(t)
     forget_missing(t)
 
 
@@ -75,13 +72,6 @@ def forget_missing(t):
         if t.trust.missing[k]:
             for j in range(1 + k, len(words), 1 + DIRECTIONS):
                 words[j] = math.nan
-
-
-def forget_normal_impulses(t):
-    """Set the derivatives of the outputs of normal impulses to NaN."""
-    for c in range(t.candidate_count):
-        for k in range(DIRECTIONS):
-            t.output.impulse[c] = replace_slope(t.output.impulse[c], k, math.nan)
 
 
 def forget_slopes(words):

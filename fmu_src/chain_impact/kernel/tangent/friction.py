@@ -49,12 +49,10 @@ from chain_impact.kernel.tangent.trust import (
     TRUSTED,
     check_coefficient,
     fastest_speed,
-    is_negligible,
     largest_displacement,
     largest_slope,
     mark_split,
     mark_untrusted,
-    settling_time,
 )
 
 # Two events are simultaneous also for nearby parameters if, at the time of one event for these parameters,
@@ -65,6 +63,10 @@ SAME_TIME_SLOPE = 1e-5
 # itself is at most NEARLY_SLIPPING_RATIO times the excess, and the element is marked STOPPED, the located
 # time is wrong, and the derivatives end there.
 NEARLY_SLIPPING_RATIO = 1000.0
+# The largest ``trust.neglected``, the sum of the neglected derivatives of positions in a run, each
+# relative to the largest derivative of a position; the derivatives end before the sum exceeds this number.
+# With a larger sum, a fit to a position at rest would be wrong by more than some percent.
+MOST_NEGLECTED = 1e-2
 # a third value of ``friction_element.decided_by_forces``, beside 0 and 1: the element has stuck since an
 # onset at zero speed, and sticking has also set the derivatives of its speed to zero
 STOPPED = 2
@@ -146,6 +148,37 @@ def delay_of_sliding(t, e):
                 end_derivatives(t, SLOW_CHANGE, e)
         rate = -math.inf
     return delay_of_margin(t, e, rate)
+
+
+def is_negligible(t, speed):
+    """Return whether the derivatives of ``speed`` [m/s], a dual number of the value 0, may be neglected.
+
+    The speed times the settling time is a change of a position. The share of this change is the largest ratio
+    of the change's derivative to the largest derivative of any position by the same parameter. The result is
+    true if ``trust.neglected`` plus the share is at most MOST_NEGLECTED. In this case the share is added to
+    ``trust.neglected``; and if the share is not 0, the derivatives of friction impulses count as unknown
+    (``mark_split``).
+    """
+    time, largest_part = settling_time(t), 0.0
+    for k in range(DIRECTIONS):
+        change = time * abs(slope(speed, k))
+        if change != 0.0:
+            largest_of_all = largest_slope(t.scratch.position, k)
+            if not change <= MOST_NEGLECTED * largest_of_all:
+                return False
+            largest_part = max(largest_part, change / largest_of_all)
+    if t.trust.neglected + largest_part > MOST_NEGLECTED:
+        return False
+    if largest_part > 0.0:
+        t.trust.neglected += largest_part
+        mark_split(t)
+    return True
+
+
+def settling_time(t):
+    """Return a time [s] in which a chain settles: √(L/(g + L/(1 s)²)), with longest link L and gravity g."""
+    longest_link = value(t.chain.longest_link)
+    return math.sqrt(longest_link / (value(t.chain.gravity_magnitude) + longest_link))
 
 
 def friction_drops(t, e):

@@ -15,8 +15,7 @@ from chain_impact.kernel.forces.candidate_laws import USER_LAW
 from chain_impact.kernel.forces.force_formula import uncut_force
 from chain_impact.kernel.forces.friction import joint_number
 from chain_impact.kernel.record.constants import ONSET
-from chain_impact.kernel.tangent.duals import DIRECTIONS, has_slope, replace_slope, slope, value
-from chain_impact.kernel.tangent.event_times import delay_of_crossing
+from chain_impact.kernel.tangent.duals import DIRECTIONS, has_slope, slope, value
 
 # values of ``trust.reason``
 TRUSTED = 0  # the derivatives are valid
@@ -34,10 +33,6 @@ JOINT = -1  # value of ``trust.wall`` if the reason is dry friction in a joint o
 # [1] The derivatives end at a choice, unless its effect is negligible, if the quantity that decides is at
 # most OPEN_DISTANCE times the tolerance away from the choice's bound, relative to a scale.
 OPEN_DISTANCE = 100.0
-# The largest ``trust.neglected``, the sum of the neglected derivatives of positions in a run, each
-# relative to the largest derivative of a position; the derivatives end before the sum exceeds this number.
-# With a larger sum, a fit to a position at rest would be wrong by more than some percent.
-MOST_NEGLECTED = 1e-2
 # A point that arrives at the speed v with the acceleration a has fallen back from a rebound
 # (``falls_back``) if the rebound was between v/a and LONGEST_FALL v/a before, and no other contact has begun
 # in the last OTHERS_AGE v/a.
@@ -65,7 +60,9 @@ def check_onsets(t):
     # ``first`` is negative if no contact has begun, and also if the rates of the clearances are not finite
     if first < 0 or t.trust.reason != TRUSTED:
         return
-    is_slow = least_speed <= math.sqrt(value(t.solver.tolerance)) * fastest_speed(t)
+    # where all points are at rest, the scale of speeds is that of an error of the solver
+    error = value(t.solver.tolerance) * math.sqrt(value(t.chain.longest_link) * acceleration_scale(t))
+    is_slow = least_speed <= math.sqrt(value(t.solver.tolerance)) * fastest_speed(t) + error
     if is_slow and not has_derivatives(t, first, least_speed):
         mark_untrusted(t, GRAZING, first, value(t.step.end))
     elif not t.law.rigid[first] and near_least_speed(t, first, least_speed):
@@ -77,24 +74,21 @@ def check_onsets(t):
 def has_derivatives(t, c, speed):
     """Return whether derivatives go on after candidate c has reached its wall at a small ``speed`` [m/s].
 
-    They go on if the point is at rest there and is pressed against the wall, for nearby parameters, too, as
-    at the start of a chain that stands on a floor. At a rigid wall they also go on if the point falls back
-    after a rebound (``falls_back``), or if the derivatives of the change of the speed are negligible.
+    They go on in two cases. First, the point is at rest and pressed against the wall, and no parameter moves
+    it off the wall, as at the start of a chain that stands on a floor. Second, the point falls back to a
+    rigid wall after a rebound (``falls_back``).
     """
+    if speed > 0.0:
+        return t.law.rigid[c] != 0 and falls_back(t, c, speed)
     clearance, clearance_rate = clearance_and_rate(t, c)
-    acceleration = value(clearance_acceleration(t, c))
-    is_at_rest = speed <= 0.0 and not has_slope(clearance) and not has_slope(clearance_rate)
-    if (is_at_rest and acceleration < 0.0) or (t.law.rigid[c] and falls_back(t, c, speed)):
-        return True
-    if not t.law.rigid[c]:
-        return False
-    change = clearance_rate + acceleration * delay_of_crossing(t, c, ONSET)
-    change *= 1.0 + t.law.restitution[c]
-    for k in range(DIRECTIONS):
-        # other speeds change by about the same, and a parameter's relative change may change them as much
-        if largest_slope(t.scratch.position, k) > 0.0:
-            change = replace_slope(change, k, abs(slope(change, k)) + speed / t.trust.size[k])
-    return is_negligible(t, change)
+    least_acceleration = OPEN_DISTANCE * value(t.solver.tolerance) * acceleration_scale(t)
+    is_pressed = value(clearance_acceleration(t, c)) < -least_acceleration
+    return is_pressed and not has_slope(clearance) and not has_slope(clearance_rate)
+
+
+def acceleration_scale(t):
+    """Return a scale of accelerations [m/s²]: gravity plus one longest link per s²."""
+    return value(t.chain.gravity_magnitude) + value(t.chain.longest_link)
 
 
 def falls_back(t, c, speed):
@@ -111,37 +105,6 @@ def falls_back(t, c, speed):
             return False
     fall = acceleration * (end - value(contacts.onset[c]))
     return contacts.impact_number[c] > 0 and speed < fall < LONGEST_FALL * speed
-
-
-def is_negligible(t, speed):
-    """Return whether the derivatives of ``speed`` [m/s], a dual number, may be neglected.
-
-    The speed times the settling time is a change of a position. The share of this change is the largest ratio
-    of the change's derivative to the largest derivative of any position by the same parameter. The result is
-    true if ``trust.neglected`` plus the share is at most MOST_NEGLECTED. In this case the share is added to
-    ``trust.neglected``; and if the share is not 0, the derivatives of impulses count as unknown
-    (``mark_split``).
-    """
-    time, largest_part = settling_time(t), 0.0
-    for k in range(DIRECTIONS):
-        change = time * abs(slope(speed, k))
-        if change != 0.0:
-            largest_of_all = largest_slope(t.scratch.position, k)
-            if not change <= MOST_NEGLECTED * largest_of_all:
-                return False
-            largest_part = max(largest_part, change / largest_of_all)
-    if t.trust.neglected + largest_part > MOST_NEGLECTED:
-        return False
-    if largest_part > 0.0:
-        t.trust.neglected += largest_part
-        mark_split(t)
-    return True
-
-
-def settling_time(t):
-    """Return a time [s] in which a chain settles: √(L/(g + L/(1 s)²)), with longest link L and gravity g."""
-    longest_link = value(t.chain.longest_link)
-    return math.sqrt(longest_link / (value(t.chain.gravity_magnitude) + longest_link))
 
 
 def near_least_speed(t, c, speed):
@@ -252,10 +215,10 @@ def begin_trust(t):
 
 
 def mark_split(t):
-    """Record that the derivatives of impulses of friction and of rigid walls are not known from now on.
+    """Record that the derivatives of friction impulses are not known from now on.
 
-    The impulse by which friction or a rigid wall stops a point is not known if derivatives of the point's
-    speed are neglected (``is_negligible``), if friction stops other elements at the same time, or if the
+    The impulse by which friction stops an element is not known if derivatives of the element's speed are
+    neglected (``is_negligible`` in friction.py), if other elements stop at the same time, or if the
     acceleration may be an error of the solver (``check_changes``).
     """
     t.trust.split = 1

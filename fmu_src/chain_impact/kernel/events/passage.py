@@ -1,0 +1,71 @@
+"""The first time in a step at which a function of the motion falls below zero, by samples."""
+
+import math
+
+from chain_impact.kernel.mathematics.root_search import MOST_GUESSES, next_guess
+
+# A parabola through three samples shows a possible fall below zero if it is, at its vertex, below VERTEX_PART
+# times the larger of the outer samples. With a smaller number, falls far from a parabola would be missed.
+VERTEX_PART = 0.1
+FINEST_RESOLUTION = 1e-15  # the finest resolution of ``make_passage_search``, as a fraction of a step
+
+
+def make_passage_search(function, samples, resolution):
+    """Return a function that searches a step for the first θ at which ``function`` falls below zero.
+
+    Args:
+        function: function of (d, c, θ), for candidate or element c at the fraction θ of the last step.
+        samples: function of d that returns the number of equidistant samples, of which ``end`` is the last.
+            If the parabola through three samples is low enough at its vertex (VERTEX_PART), the vertex is a
+            further sample. The search misses falls below zero between samples that this does not show.
+        resolution: accuracy of the location, in the step's integration variable [s].
+
+    Returns:
+        A function of (d, c, end). It returns the first θ ≤ ``end`` at which ``function`` falls below zero, or
+        −1 if ``function`` is below zero at no sample.
+    """
+
+    def passage(d, c, end):
+        count, low, at_low, at_before = samples(d), 0.0, math.nan, math.nan
+        for sample in range(count + 1):
+            high = end * sample / count
+            value = function(d, c, high)
+            if value < 0.0 < sample:
+                return root(d, c, low, high, at_low, value)
+            # the vertex of the parabola through three samples, from the second, in distances of samples
+            curvature = at_before - 2.0 * at_low + value
+            shift = 0.5 * (at_before - value) / curvature if curvature > 0.0 else 1.0
+            depth = 0.5 * curvature * shift * shift
+            if abs(shift) < 1.0 and at_low - depth < VERTEX_PART * max(at_before, value):
+                vertex = low + shift * (high - low)
+                at_vertex = function(d, c, vertex)
+                if at_vertex < 0.0 and shift > 0.0:
+                    return root(d, c, low, vertex, at_low, at_vertex)
+                if at_vertex < 0.0:
+                    return root(d, c, end * (sample - 2) / count, vertex, at_before, at_vertex)
+            low, at_low, at_before = high, value, at_low
+        return -1.0
+
+    def root(d, c, low, high, at_low, at_high):
+        # the rule of false position in the Illinois form (Dowell & Jarratt 1971, BIT 11:168)
+        if at_low < 0.0:
+            return low
+        last, width = 0, max(FINEST_RESOLUTION, resolution / d.step.size)
+        for tries in range(MOST_GUESSES):
+            if high - low <= width:
+                break
+            theta = next_guess(low, high, high - at_high * (high - low) / (at_high - at_low), tries)
+            value = function(d, c, theta)
+            if value == 0.0:
+                return theta
+            if value < 0.0:
+                high, at_high = theta, value
+                at_low *= 0.5 if last > 0 else 1.0
+                last = 1
+            else:
+                low, at_low = theta, value
+                at_high *= 0.5 if last < 0 else 1.0
+                last = -1
+        return high
+
+    return passage
