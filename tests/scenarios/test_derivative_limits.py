@@ -108,7 +108,7 @@ HANGS = {
 
 
 @pytest.mark.parametrize(("scene", "parameter"), [(STANDS, "initial.y"), (HANGS, "gravity.x")])
-def test_a_parameter_that_moves_a_resting_point_off_its_wall_has_no_derivative(scene, parameter):
+def test_a_point_that_may_leave_its_wall_at_rest_has_no_derivative(scene, parameter):
     """A point that rests at a rigid wall stays at rest on one side of the parameter's value only."""
     result = simulate(scene_from_dict(scene, scene["name"]), sensitivities=[parameter])
     assert len(result.sensitivity_limits) == 1
