@@ -68,7 +68,9 @@ def test_a_short_fall_between_two_samples_is_found(middle):
     def parabola(_d, _c, theta):
         return (theta - middle) ** 2 - 1e-6
 
-    assert make_passage_search(parabola, four, 0.0)(STEP, 0, 1.0) == pytest.approx(middle - 1e-3, abs=1e-14)
+    assert make_passage_search(parabola, four, 0.0, finds_dips=True)(STEP, 0, 1.0) == pytest.approx(
+        middle - 1e-3, abs=1e-14
+    )
 
 
 def test_fast_inputs_get_more_samples():

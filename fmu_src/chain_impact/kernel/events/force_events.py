@@ -90,7 +90,14 @@ def sample_count(d):
 
 
 def make_search(
-    value, is_suspect, mark, members=ONE_MEMBER, samples=sample_count, resolution=SIMULTANEOUS_TIME
+    value,
+    is_suspect,
+    mark,
+    members=ONE_MEMBER,
+    *,
+    samples=sample_count,
+    resolution=SIMULTANEOUS_TIME,
+    finds_dips=False,
 ):
     """Return a search of the last step for one kind of event.
 
@@ -102,6 +109,7 @@ def make_search(
         members: two functions: of d, the number of searched c; of (d, k), the k-th c. ONE_MEMBER: c = 0.
         samples: function of d that returns the number of samples of the step.
         resolution: accuracy of the location of the event, as in ``make_passage_search``.
+        finds_dips: whether short falls between two samples are searched for, as in ``make_passage_search``.
 
     Returns:
         A function of (d, earliest). ``earliest`` is the θ of the earliest event found so far, −1 for none.
@@ -111,7 +119,7 @@ def make_search(
         result or, for −1, at the end of the step.
     """
     count, member = members
-    passage = make_passage_search(value, samples, resolution)
+    passage = make_passage_search(value, samples, resolution, finds_dips)
 
     def find(d, earliest):
         first, event_member = earliest if earliest >= 0.0 else 1.0, -1
@@ -300,4 +308,4 @@ def mark_drive_limit(d, _c, _theta):
     mark_saturation(d, 1)
 
 
-find_saturation = make_search(drive_margin, may_pass_limit, mark_drive_limit)
+find_saturation = make_search(drive_margin, may_pass_limit, mark_drive_limit, finds_dips=True)

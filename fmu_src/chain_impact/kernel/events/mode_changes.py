@@ -40,12 +40,11 @@ def mode_may_end(d, e, end):
         return True
     if d.friction_element.mode[e] == STICKS:
         return False
-    if least < DIP_PART * sliding_speed(d, e):
-        return True
+    speed = sliding_speed(d, e)
     locate_at_fraction(d, 0.0)
-    has_slowed = least < DIP_PART * sliding_speed(d, e)
+    speed = max(speed, sliding_speed(d, e))
     locate_at_fraction(d, end)
-    return has_slowed
+    return least < DIP_PART * speed
 
 
 def sliding_speed(d, e):
@@ -136,4 +135,6 @@ def margin_is_halved(d):
     return is_halved
 
 
-find_mode_change = make_search(element_margin, mode_may_end, mark_changes, FRICTION_ELEMENT_MEMBERS)
+find_mode_change = make_search(
+    element_margin, mode_may_end, mark_changes, FRICTION_ELEMENT_MEMBERS, finds_dips=True
+)

@@ -10,15 +10,15 @@ VERTEX_PART = 0.1
 FINEST_RESOLUTION = 1e-15  # the finest resolution of ``make_passage_search``, as a fraction of a step
 
 
-def make_passage_search(function, samples, resolution):
+def make_passage_search(function, samples, resolution, finds_dips=False):
     """Return a function that searches a step for the first θ at which ``function`` falls below zero.
 
     Args:
         function: function of (d, c, θ), for candidate or element c at the fraction θ of the last step.
         samples: function of d that returns the number of equidistant samples, of which ``end`` is the last.
-            If the parabola through three samples is low enough at its vertex (VERTEX_PART), the vertex is a
-            further sample. The search misses falls below zero between samples that this does not show.
         resolution: accuracy of the location, in the step's integration variable [s].
+        finds_dips: whether the vertex of the parabola through three samples is a further sample if the
+            parabola is low enough there (VERTEX_PART). Otherwise falls between two samples are missed.
 
     Returns:
         A function of (d, c, end). It returns the first θ ≤ ``end`` at which ``function`` falls below zero, or
@@ -30,19 +30,19 @@ def make_passage_search(function, samples, resolution):
         for sample in range(count + 1):
             high = end * sample / count
             value = function(d, c, high)
-            if value < 0.0 < sample:
-                return root(d, c, low, high, at_low, value)
-            # the vertex of the parabola through three samples, from the second, in distances of samples
-            curvature = at_before - 2.0 * at_low + value
-            shift = 0.5 * (at_before - value) / curvature if curvature > 0.0 else 1.0
-            depth = 0.5 * curvature * shift * shift
-            if abs(shift) < 1.0 and at_low - depth < VERTEX_PART * max(at_before, value):
-                vertex = low + shift * (high - low)
-                at_vertex = function(d, c, vertex)
-                if at_vertex < 0.0 and shift > 0.0:
-                    return root(d, c, low, vertex, at_low, at_vertex)
-                if at_vertex < 0.0:
-                    return root(d, c, end * (sample - 2) / count, vertex, at_before, at_vertex)
+            start, at_start, stop, at_stop = low, at_low, high, value
+            # the parabola through the last three samples has the vertex low − ½ slope/curvature (high − low),
+            # and there the value at_low − slope²/(8 curvature)
+            slope, curvature = value - at_before, at_before - 2.0 * at_low + value
+            excess = at_low - VERTEX_PART * max(at_before, value)
+            has_vertex = value >= 0.0 and abs(slope) < 2.0 * curvature
+            if finds_dips and has_vertex and 8.0 * curvature * excess < slope * slope:
+                if slope >= 0.0:
+                    start, at_start = end * (sample - 2) / count, at_before
+                stop = low - 0.5 * slope / curvature * (high - low)
+                at_stop = function(d, c, stop)
+            if at_stop < 0.0 < sample:
+                return root(d, c, start, stop, at_start, at_stop)
             low, at_low, at_before = high, value, at_low
         return -1.0
 
