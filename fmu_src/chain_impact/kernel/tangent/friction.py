@@ -47,6 +47,7 @@ from chain_impact.kernel.tangent.trust import (
     SLIDES_FROM_REST,
     SLOW_CHANGE,
     TRUSTED,
+    acceleration_scale,
     check_coefficient,
     fastest_speed,
     largest_displacement,
@@ -177,8 +178,7 @@ def is_negligible(t, speed):
 
 def settling_time(t):
     """Return a time [s] in which a chain settles: √(L/(g + L/(1 s)²)), with longest link L and gravity g."""
-    longest_link = value(t.chain.longest_link)
-    return math.sqrt(longest_link / (value(t.chain.gravity_magnitude) + longest_link))
+    return math.sqrt(value(t.chain.longest_link) / acceleration_scale(t))
 
 
 def friction_drops(t, e):
