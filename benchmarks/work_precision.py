@@ -27,7 +27,7 @@ from benchmarks.problems import PROBLEMS
 from benchmarks.race import ROUNDS, judge, race, seconds_at
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import INK, write_headline
-from chain_impact.studies.sweep.colour_bars import number_few_decades
+from chain_impact.pictures.sweep.colour_bars import number_few_decades
 from chain_impact.text import number_text
 
 NAMES = ("four", "ten", "thirty")

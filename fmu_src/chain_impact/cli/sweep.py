@@ -85,11 +85,11 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Simulate the runs, write the files that the options name, and print the result; return 0."""
+    from chain_impact.recording.sweep.variation import variations_of
     from chain_impact.studies.sweep.interrupted import is_complete, partial_path
     from chain_impact.studies.sweep.job import job_of
     from chain_impact.studies.sweep.sweep import sweep
     from chain_impact.studies.sweep.table import is_folder
-    from chain_impact.studies.sweep.variation import variations_of
     from chain_impact.variables.prepared import PreparedScene
 
     table = Path(options.table)
@@ -101,13 +101,14 @@ def run(options: argparse.Namespace) -> int:
     if panels and not options.plot:
         raise UsageError("--panels: they are panels of a picture: give --plot FILE too")
     if options.plot:
-        from chain_impact.studies.sweep.plot import check_picture
-        from chain_impact.studies.sweep.quantities import outputs_for
+        from chain_impact.pictures.sweep.plot import check_picture
+        from chain_impact.pictures.sweep.quantities import outputs_for
 
         varied_parameters = variations_of(prepared_scene := PreparedScene(scene), vary)
         runs = options.samples or math.prod(len(variation.values) for variation in varied_parameters)
         check_picture(varied_parameters, options.samples, runs, scene.name)
-        wanted_columns += outputs_for(job_of(prepared_scene, varied_parameters, wanted_columns), panels)
+        standard_columns = job_of(prepared_scene, varied_parameters, wanted_columns).dtype.names or ()
+        wanted_columns += outputs_for(prepared_scene, standard_columns, panels)
     try:
         with progress("sweeping") as advance:
             result = sweep(

@@ -10,17 +10,10 @@ import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.forces.lossless_contact import lossless_penetration
-from chain_impact.recording.joint_stops import is_scene_joint_stop
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.scene import Scene, with_values
 
-EXACT_LAW = "zhang_sharf"
-"""The exact law: it gives a free impact the prescribed restitution, unless the impact is slower than
-``minimum_impact_speed``. This law is the reference of a comparison if it is compared at the scene's exponent,
-and its run has an impact to compare."""
-LOSSLESS_LAW = "hertz"
-"""The law without losses: the realised restitution of a free impact (``LawRuns.is_free``) is about 1."""
 OVERLAPS = "another contact began before the first ended"
 Changes = dict[tuple[str | int, ...], Any]
 
@@ -51,28 +44,6 @@ def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
                 yield ("contact", "wall", name), contact.exponent, material.stiffness
     if stops.model is None and stops.exponent is not None and stops.stiffness is not None:
         yield ("stops",), stops.exponent, stops.stiffness
-
-
-def first_number(scene: Scene, impacts: np.ndarray) -> int | None:
-    """Return the index in ``Result.impacts`` of the first impact that obeys ``contact.model``.
-
-    Impacts at stops of joints with their own law (``stops.model``) do not obey ``contact.model``. Returns
-    None if no impact obeys it.
-    """
-    has_other_law = scene.stops.model is not None
-    return next(
-        (
-            k
-            for k, row in enumerate(impacts)
-            if not (has_other_law and is_scene_joint_stop(scene, row["wall"]))
-        ),
-        None,
-    )
-
-
-def compared_impact(scene: Scene) -> str:
-    """Return the words for the impact by which laws are compared, the first that obeys ``contact.model``."""
-    return "first impact" if scene.stops.model is None else "first impact at a wall"
 
 
 def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
@@ -112,26 +83,6 @@ def stiffened(scene: Scene, factor: float) -> Scene:
     """Return the scene with each stiffness that ``contact.model`` uses multiplied by ``factor``."""
     changes: Changes = {(*path, "stiffness"): factor * stiffness for path, _, stiffness in _tables(scene)}
     return with_values(scene, changes)
-
-
-def contact_at(scene: Scene, impact: np.void) -> Contact:
-    """Return ``scene.contact`` with the stiffness and the restitution of the wall that an impact hits.
-
-    At a stop of a joint, the law and all its values are those of the stops. ``impact`` is a row of
-    ``Result.impacts``.
-    """
-    contact, stops = scene.contact, scene.stops
-    if is_scene_joint_stop(scene, impact["wall"]):
-        keys = ("stiffness", "exponent", "restitution", "minimum_impact_speed")
-        values = {name: getattr(stops, name) for name in keys}
-        return replace(contact, **values, model=stops.model or contact.model, wall={})
-    material = contact.wall.get(scene.wall_names[impact["wall"]])
-    given_values = {
-        name: value
-        for name in ("stiffness", "restitution")
-        if material and (value := getattr(material, name)) is not None
-    }
-    return replace(contact, **given_values, wall={})
 
 
 def contact_with_law(contact: Contact, law: str, impact: np.void) -> Contact:

@@ -1,6 +1,6 @@
 """A run of a sweep is bit-equal to `simulate()`."""
 
-# Tests: studies/sweep/runs.py
+# Tests: recording/sweep/runs.py
 
 import numpy as np
 import pytest

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from chain_impact.extras import MissingExtraError
+from chain_impact.recording.sweep.runs import CHUNK
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene, with_values
-from chain_impact.studies.sweep.computation import CHUNK
 from chain_impact.studies.sweep.sweep import sweep
 from tests.tiers import needs_interop
 

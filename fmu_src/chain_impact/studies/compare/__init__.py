@@ -1,1 +1,1 @@
-"""One scene with several contact laws: the comparison of the laws, its text and its picture."""
+"""One scene with several contact laws: the comparison of the laws and its text."""

@@ -16,8 +16,10 @@ from chain_impact.extras import require
 from chain_impact.files import written_atomically
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.progress import Progress, no_progress
+from chain_impact.recording.compared_impact import EXACT_LAW, LOSSLESS_LAW, contact_at, first_number
 from chain_impact.recording.impact_course import course_of
 from chain_impact.recording.impacts import common_count
+from chain_impact.recording.law_runs import LawRuns, ReachedRestitutions, first_of
 from chain_impact.results.result import Result
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.errors import SceneError, UnknownNameError
@@ -25,17 +27,13 @@ from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.changed_law import (
-    EXACT_LAW,
-    LOSSLESS_LAW,
     OVERLAPS,
-    contact_at,
     contact_with_law,
-    first_number,
     keeps_exponents,
     law_values,
     stiffened,
 )
-from chain_impact.studies.compare.runs import LawRun, LawRuns, ReachedRestitutions, first_of
+from chain_impact.studies.compare.runs import LawRun
 from chain_impact.studies.compare.text import report
 from chain_impact.text import PrintedResult, TextTable
 
@@ -54,7 +52,7 @@ impact reaches at K times each factor.
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Comparison(PrintedResult, LawRuns):
+class Comparison(PrintedResult, LawRuns[LawRun]):
     """The results of one scene with each of several contact laws.
 
     The text of a comparison is a table with a line for each law, and advice on the law to use.
@@ -104,7 +102,7 @@ class Comparison(PrintedResult, LawRuns):
             ValueError: when the picture is too small, or axes are given together with a file or a size.
             OSError: when the file cannot be written.
         """
-        from chain_impact.studies.compare.plot import plot_comparison
+        from chain_impact.pictures.compare.plot import plot_comparison
 
         return plot_comparison(self, path, size, ax)
 
@@ -182,7 +180,7 @@ def compare(
     for law in at_home:
         run(law, None)
     preferred = dict.fromkeys([EXACT_LAW, scene.contact.model, *at_home])
-    firsts = {law: first_of(law_runs[law].result) for law in preferred if law in law_runs}
+    firsts = {law: first_of(scene, law_runs[law].result) for law in preferred if law in law_runs}
     reference = next((law for law, first in firsts.items() if first is not None), None)
     if reference is None:
         reason = _why_none(scene, [run.note for run in law_runs.values()])

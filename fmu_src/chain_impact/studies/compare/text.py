@@ -8,8 +8,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.studies.changed_law import EXACT_LAW, compared_impact
-from chain_impact.studies.compare.runs import LawRun, LawRuns
+from chain_impact.recording.compared_impact import EXACT_LAW, compared_impact
+from chain_impact.recording.law_runs import LawRuns
+from chain_impact.studies.compare.runs import LawRun
 from chain_impact.text import TextTable, prefixed_unit
 from chain_impact.variables.impact_units import unit_at
 
@@ -21,7 +22,7 @@ NAMED_LAWS = 3
 DASH = "–"
 
 
-def report(comparison: LawRuns) -> Iterator[str | TextTable]:
+def report(comparison: LawRuns[LawRun]) -> Iterator[str | TextTable]:
     """Yield the whole text of a comparison: lines and a table."""
     yield heading(comparison)
     yield law_table(comparison)
@@ -29,7 +30,7 @@ def report(comparison: LawRuns) -> Iterator[str | TextTable]:
     yield advice(comparison)
 
 
-def heading(comparison: LawRuns) -> str:
+def heading(comparison: LawRuns[LawRun]) -> str:
     """Return the first line of the text: the scene, the values of its contact, and the first impact."""
     scene, impact = comparison.scene, comparison.first_impact
     contact = comparison.contact
@@ -41,7 +42,7 @@ def heading(comparison: LawRuns) -> str:
     )
 
 
-def law_table(comparison: LawRuns) -> TextTable:
+def law_table(comparison: LawRuns[LawRun]) -> TextTable:
     """Return a table with a row for each law; its last column, which has no name, has the notes.
 
     A unit in the head has a prefix that suits the largest value of the column.
@@ -99,7 +100,7 @@ def format_number(value: float, form: str) -> str:
     return DASH if math.isnan(value) else format(value, form)
 
 
-def legend(comparison: LawRuns) -> str:
+def legend(comparison: LawRuns[LawRun]) -> str:
     """Return sentences on the meaning of the columns and, if stops have their own law, on this law."""
     scene = comparison.scene
     stop_sentence = f" The stops keep {scene.stops.model} under every law." if scene.stops.model else ""
@@ -112,7 +113,7 @@ def legend(comparison: LawRuns) -> str:
     )
 
 
-def advice(comparison: LawRuns) -> str:
+def advice(comparison: LawRuns[LawRun]) -> str:
     """Return a sentence with the laws that realise the prescribed restitution in the first impact.
 
     If the impact is free and several laws realise the restitution, the sentence advises one of these laws. If
@@ -146,7 +147,7 @@ def _law_names(laws: Sequence[str]) -> str:
     return ", ".join(laws) if len(laws) <= NAMED_LAWS else f"{len(laws)} laws, see e′"
 
 
-def _choice_text(comparison: LawRuns, near_laws: Sequence[str]) -> str:
+def _choice_text(comparison: LawRuns[LawRun], near_laws: Sequence[str]) -> str:
     """Return words that advise one of the laws in ``near_laws``; "" if these are fewer than two.
 
     ``near_laws`` has the laws that realise the prescribed restitution.
@@ -160,7 +161,7 @@ def _choice_text(comparison: LawRuns, near_laws: Sequence[str]) -> str:
     return f"; take {best}, which is the nearest here"
 
 
-def _reach_sentence(comparison: LawRuns) -> str:
+def _reach_sentence(comparison: LawRuns[LawRun]) -> str:
     """Return a sentence with the restitutions that the first impact, which is not free, can reach.
 
     The sentence has the restitutions without losses and with EXACT_LAW, at each stiffness in ``reached``.

@@ -7,9 +7,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from chain_impact.progress import Progress
+from chain_impact.recording.compared_impact import first_number
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import Scene
-from chain_impact.studies.changed_law import first_number, law_values, needed_exponent
+from chain_impact.studies.changed_law import law_values, needed_exponent
 from chain_impact.studies.fit.result import Fit, LawFit
 
 # the number of decimals to which Akaike's criterion is rounded before laws are sorted by it; of laws with

@@ -13,44 +13,15 @@ from uuid import uuid4
 import numpy as np
 
 from chain_impact.extras import require
-from chain_impact.kernel.status import STATUS_NAME
-from chain_impact.studies.sweep.design import Design
-from chain_impact.studies.sweep.job import STATUS, Job, Runner
+from chain_impact.recording.sweep.design import Design
+from chain_impact.recording.sweep.runs import CHUNK, Columns, columns_of
+from chain_impact.studies.sweep.job import Job, Runner
 
 Span = tuple[int, int]
 """A span of runs as a pair (first, end): the runs first … end − 1."""
 Outcome = np.ndarray | str
 """The result of a batch: its rows or, for a sweep into a folder, the name of the file with the rows."""
-Columns = dict[str, np.ndarray]
 PARQUET = ".parquet"
-CHUNK = 2**14  # the largest number of runs whose rows are computed and written, or read, together
-STATUS_WORD = "status"  # name of the column with a word for the status of each run, such as ok
-_STATUS_TEXTS = np.array([STATUS_NAME[code] for code in sorted(STATUS_NAME)])
-
-
-def columns_of(design: Design, rows: np.ndarray, first: int, names: Iterable[str] = ()) -> Columns:
-    """Return columns of a sweep's table for R successive runs: name → values, shape (R,).
-
-    Args:
-        design: the varied values of each run of the sweep.
-        rows: the results of these runs, shape (R,), with the type ``Job.dtype``.
-        first: the number, from 0, of the first of these runs.
-        names: the names of the columns; by default all columns: varied parameters, results, status.
-    """
-    indices_by_name = {variation.name: k for k, variation in enumerate(design.variations)}
-    columns: Columns = {}
-    values = None
-    for name in names or (*indices_by_name, *(rows.dtype.names or ()), STATUS_WORD):
-        if name == STATUS_WORD:
-            columns[name] = _STATUS_TEXTS[rows[STATUS]]
-        elif name not in indices_by_name:
-            columns[name] = rows[name]
-        else:
-            values = design.values(first, first + len(rows)) if values is None else values
-            columns[name] = design.variations[indices_by_name[name]].shown_values(
-                values[:, indices_by_name[name]]
-            )
-    return columns
 
 
 def write_parquet(path: Path, chunks: Iterable[Columns]) -> None:

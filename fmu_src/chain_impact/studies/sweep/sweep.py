@@ -11,12 +11,7 @@ import numpy as np
 
 from chain_impact.compilation.prebuilt import missing_compilers
 from chain_impact.progress import Progress, log, no_progress
-from chain_impact.scene.scene import SceneSource, scene_of
-from chain_impact.studies.sweep.batches import missing_spans, run_in_threads
-from chain_impact.studies.sweep.cluster import run_on_cluster
-from chain_impact.studies.sweep.computation import Computation, Span, columns_of
-from chain_impact.studies.sweep.dataset import locked_dataset, sweep_identity
-from chain_impact.studies.sweep.design import (
+from chain_impact.recording.sweep.design import (
     Design,
     Sampling,
     check_table_size,
@@ -24,6 +19,13 @@ from chain_impact.studies.sweep.design import (
     grid_design,
     sampled_design,
 )
+from chain_impact.recording.sweep.runs import columns_of
+from chain_impact.recording.sweep.variation import Values, variations_of
+from chain_impact.scene.scene import SceneSource, scene_of
+from chain_impact.studies.sweep.batches import missing_spans, run_in_threads
+from chain_impact.studies.sweep.cluster import run_on_cluster
+from chain_impact.studies.sweep.computation import Computation, Span
+from chain_impact.studies.sweep.dataset import locked_dataset, sweep_identity
 from chain_impact.studies.sweep.interrupted import (
     is_complete,
     partial_path,
@@ -32,7 +34,6 @@ from chain_impact.studies.sweep.interrupted import (
 )
 from chain_impact.studies.sweep.job import has_own_kernel, job_of
 from chain_impact.studies.sweep.table import Sweep, is_folder, table_path, write_table
-from chain_impact.studies.sweep.variation import Values, variations_of
 from chain_impact.system import cores
 from chain_impact.variables.prepared import PreparedScene
 

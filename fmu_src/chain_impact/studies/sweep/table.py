@@ -17,10 +17,9 @@ import numpy as np
 from chain_impact.extras import require
 from chain_impact.files import written_atomically
 from chain_impact.kernel.status import STATUS_NAME
+from chain_impact.recording.sweep.runs import STATUS, Columns, SweepRuns
 from chain_impact.scene.errors import SceneError
-from chain_impact.studies.sweep.computation import PARQUET, Columns, write_parquet
-from chain_impact.studies.sweep.job import STATUS
-from chain_impact.studies.sweep.runs import SweepRuns
+from chain_impact.studies.sweep.computation import PARQUET, write_parquet
 from chain_impact.text import TextTable, as_html, count_text
 
 if TYPE_CHECKING:
@@ -132,7 +131,7 @@ class Sweep(SweepRuns):
             ValueError: when the size is not possible, or has no room for the panels.
             OSError: when the file cannot be written.
         """
-        from chain_impact.studies.sweep.plot import plot_sweep
+        from chain_impact.pictures.sweep.plot import plot_sweep
 
         return plot_sweep(self, path, size, [panels] if isinstance(panels, str) else panels)
 

@@ -9,11 +9,10 @@ from functools import partial
 
 import numpy as np
 
+from chain_impact.recording.sweep.runs import END_COLUMN, SweepRuns
 from chain_impact.scene.errors import SceneError, names_matching
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.texts.unit_text import bracketed_unit, unit_text, with_unit
-from chain_impact.studies.sweep.job import END_COLUMN, Job
-from chain_impact.studies.sweep.runs import SweepRuns
 from chain_impact.text import names_text, number_text, prefixed_unit, span_text
 from chain_impact.variables.impact_units import unit_at
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
@@ -40,7 +39,7 @@ class Quantity:
     Attributes:
         column: the name of the column.
         name: the words for the quantity.
-        unit: the unit in the picture; in QUANTITIES the unit of the column, without a prefix.
+        unit: the unit in the picture; in MAIN_QUANTITIES the unit of the column, without a prefix.
         in_headline: whether the headline has the smallest and the largest value.
         factor: the value in the picture divided by the value in the column.
     """
@@ -135,7 +134,7 @@ def printed_number(value: float) -> str:
 
 
 COUNT = "impact.count"
-QUANTITIES = (
+MAIN_QUANTITIES = (
     *(Quantity(name, peak.name, peak.unit, in_headline=peak.is_load) for name, peak in PEAKS.items()),
     Quantity(JOINT_FORCE, "largest force in a joint", unit_at(JOINT_FORCE, stop=False)),
     Quantity(COUNT, "impacts"),
@@ -173,17 +172,17 @@ def shown_quantities_of(runs: SweepRuns, panels: Sequence[str] = ()) -> ShownQua
     """Return the quantities that the picture of a sweep tells in words or panels, and those in panels.
 
     If ``panels`` names columns, the picture tells and draws these columns. Without ``panels``, the picture
-    tells the main results (QUANTITIES) and the first MOST_ASKED additional outputs, except quantities that
-    the scene cannot have, such as a force at walls without walls, and forces that rigid walls leave unknown
-    in all runs. Of the quantities that are told, the picture draws those that differ between the runs, and
-    forces that are unknown in some runs; if there are none, all. Of samples, the picture tells and draws only
-    the forces and moments (``LOADS``) among the quantities that it would draw otherwise, if there are any.
+    tells MAIN_QUANTITIES and the first MOST_ASKED additional outputs, except quantities that the scene cannot
+    have, such as a force at walls without walls, and forces that rigid walls leave unknown in all runs. Of
+    the quantities that are told, the picture draws those that differ between the runs, and forces that are
+    unknown in some runs; if there are none, all. Of samples, the picture tells and draws only the forces and
+    moments (``LOADS``) among the quantities that it would draw otherwise, if there are any.
 
     Raises:
         UnknownNameError: when there is no column for a panel.
         SceneError: when there are too many panels.
     """
-    main = {quantity.column: quantity for quantity in QUANTITIES}
+    main = {quantity.column: quantity for quantity in MAIN_QUANTITIES}
     prepared_scene = PreparedScene(runs.scene)
     if panels:
         fields = list(runs.rows.dtype.names or ())
@@ -239,18 +238,20 @@ def columns_named(
     return chosen_columns
 
 
-def outputs_for(job: Job, panels: Sequence[str]) -> list[str]:
-    """Return the outputs that a pattern in ``panels`` matches and that the table of a job lacks.
+def outputs_for(
+    prepared_scene: PreparedScene, standard_columns: Sequence[str], panels: Sequence[str]
+) -> list[str]:
+    """Return the outputs that a pattern in ``panels`` matches and that are not in ``standard_columns``.
+
+    ``standard_columns`` are the columns of results in the table of the sweep.
 
     Raises:
         UnknownNameError: when an entry of ``panels`` matches neither a column nor an output.
         SceneError: when there are too many panels.
     """
-    standard = job.dtype.names or ()
-    available_columns = [*dict.fromkeys((*standard, *job.prepared_scene.outputs_by_name))]
-    return [
-        name for name in columns_named(job.prepared_scene, panels, available_columns) if name not in standard
-    ]
+    available_columns = [*dict.fromkeys((*standard_columns, *prepared_scene.outputs_by_name))]
+    matching_columns = columns_named(prepared_scene, panels, available_columns)
+    return [name for name in matching_columns if name not in standard_columns]
 
 
 def constant_quantities_text(runs: SweepRuns, shown_quantities: ShownQuantities) -> str:
@@ -281,7 +282,9 @@ def _with_prefixes(runs: SweepRuns, quantities: Sequence[Quantity]) -> list[Quan
     An additional output whose unit is not in SHARED_UNITS gets no prefix. All other quantities with equal
     units get the same prefix, which suits the largest |value| of these quantities in all runs.
     """
-    has_shared_unit = [quantity in QUANTITIES or quantity.unit in SHARED_UNITS for quantity in quantities]
+    has_shared_unit = [
+        quantity in MAIN_QUANTITIES or quantity.unit in SHARED_UNITS for quantity in quantities
+    ]
     families = [
         quantity.unit if shares else "" for quantity, shares in zip(quantities, has_shared_unit, strict=True)
     ]

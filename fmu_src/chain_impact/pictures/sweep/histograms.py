@@ -16,11 +16,10 @@ from chain_impact.map_colours import WIDE_COLOURS, value_ratio
 from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.legends import legend_above, legend_at_foot
 from chain_impact.pictures.drawing.style import BLUE, COUNT_STEPS, INK, give_ticks
-from chain_impact.scene.texts.unit_text import with_unit
-from chain_impact.studies.sweep.colour_bars import WIDE_RANGE, number_few_decades
-from chain_impact.studies.sweep.curves import RING, mark_at_foot
-from chain_impact.studies.sweep.effects import DEGREES, TRENDING, effects_on
-from chain_impact.studies.sweep.maps import (
+from chain_impact.pictures.sweep.colour_bars import WIDE_RANGE, number_few_decades
+from chain_impact.pictures.sweep.curves import RING, mark_at_foot
+from chain_impact.pictures.sweep.effects import DEGREES, TRENDING, effects_on
+from chain_impact.pictures.sweep.maps import (
     NO_IMPACT,
     NO_VALUE_TEXT,
     SCENE_LINE,
@@ -28,9 +27,10 @@ from chain_impact.studies.sweep.maps import (
     label_of,
     own_value,
 )
-from chain_impact.studies.sweep.quantities import LOADS, Quantity
-from chain_impact.studies.sweep.runs import SweepRuns
-from chain_impact.studies.sweep.variation import Variation
+from chain_impact.pictures.sweep.quantities import LOADS, Quantity
+from chain_impact.recording.sweep.runs import SweepRuns
+from chain_impact.recording.sweep.variation import Variation
+from chain_impact.scene.texts.unit_text import with_unit
 from chain_impact.text import count_text
 
 QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}
@@ -44,7 +44,7 @@ MOST_SCATTERS = 3  # the largest number of parameters over which each quantity o
 GOLDEN, DOTS_PART = 0.618034, 0.5
 # BOX_WIDTH: that of the box of a choice, relative to the distance of two choices; BOX_LINE: [points]
 BOX_WIDTH, BOX_LINE = 0.6, 0.9
-BOX_TEXT, SPREAD = "middle half and median", "; sideways: spread only"
+BOX_TEXT, SPREAD_NOTE = "middle half and median", "; sideways: spread only"
 FEWEST_PAIRS = 3  # the correlation of fewer than FEWEST_PAIRS pairs of values counts as 0
 # the largest number of bars; narrower bars would show mainly random differences
 MOST_BINS = 60
@@ -218,7 +218,7 @@ def _scatter(
         axes.set_xscale("log" if is_logarithmic(variation) else "linear")
     axes.plot(parameter_values, shown_values, ".", color=BLUE, markersize=4.0, rasterized=True)
     mark_at_foot(axes, np.asarray(parameter_values)[quantity.is_without_touch(runs)], RING)
-    axes.set_xlabel(label_of(runs, variation) + (SPREAD if variation.choices else ""))
+    axes.set_xlabel(label_of(runs, variation) + (SPREAD_NOTE if variation.choices else ""))
     finite_values = shown_values[np.isfinite(shown_values)]
     if finite_values.size and value_ratio(finite_values) >= WIDE_COLOURS and not quantity.is_count:
         axes.set_yscale("log")

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from chain_impact.pictures.sweep.quantities import MAIN_QUANTITIES, shown_quantities_of
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep.quantities import QUANTITIES, shown_quantities_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.helpers.scenes.stops import knee_scene
-from tests.studies.sweep.drawn_sweeps import SCENE, labels_of, sweep_page
+from tests.pictures.sweep.drawn_sweeps import SCENE, labels_of, sweep_page
 
 
 @pytest.mark.full("takes long")
@@ -91,7 +91,7 @@ def test_forces_of_a_sweep_have_one_unit():
 
 @pytest.mark.parametrize(("values", "told"), [([1.0, 1.05, 0.99], ", varies by 5.7 %"), ([1.0, 1.2], "")])
 def test_values_that_hardly_differ_do_not_fill_the_axis(values, told):
-    values, quantity = np.array(values), QUANTITIES[-1]
+    values, quantity = np.array(values), MAIN_QUANTITIES[-1]
     assert quantity.label_for(values) == f"energy dissipated [J]{told}"
     ends = quantity.ends_for(values)
     assert (ends is not None) == bool(told)

@@ -14,6 +14,9 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from chain_impact.pictures.compare.grey_loops import HAIRLINE, draw_grey_loops
+from chain_impact.pictures.compare.headline import headline, laws_with_e, peaks
+from chain_impact.pictures.compare.looks import REFERENCE_LAYER, Looks, are_loops_equal, brief_names, looks_of
 from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, dash_lines, draw_band
 from chain_impact.pictures.drawing.end_labels import EndLabel, spread, write_end_labels
 from chain_impact.pictures.drawing.figures import check_alone, draw_figure, settle
@@ -33,12 +36,9 @@ from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.over_time.energies import offset_text, shown_energies
 from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.pictures.over_time.time_axis import name_time
+from chain_impact.recording.compared_impact import LOSSLESS_LAW, compared_impact
+from chain_impact.recording.law_runs import LawRecording, LawRuns, with_jump
 from chain_impact.scene.texts.unit_text import stiffness_unit
-from chain_impact.studies.changed_law import LOSSLESS_LAW, compared_impact
-from chain_impact.studies.compare.grey_loops import HAIRLINE, draw_grey_loops
-from chain_impact.studies.compare.headline import headline, laws_with_e, peaks
-from chain_impact.studies.compare.looks import REFERENCE_LAYER, Looks, are_loops_equal, brief_names, looks_of
-from chain_impact.studies.compare.runs import LawRuns, with_jump
 from chain_impact.text import count_text, number_text, prefixed_unit
 from chain_impact.variables.impact_units import unit_at
 
@@ -53,7 +53,7 @@ SETTLED, TRAIL_SHARE = 0.02, 0.15
 
 
 def plot_comparison(
-    comparison: LawRuns,
+    comparison: LawRuns[LawRecording],
     path: str | os.PathLike[str] | None = None,
     size: Size | None = None,
     ax: Any = None,
@@ -71,7 +71,7 @@ def plot_comparison(
 
 
 @drawing_style()
-def draw_comparison(figure: Figure, comparison: LawRuns) -> None:
+def draw_comparison(figure: Figure, comparison: LawRuns[LawRecording]) -> None:
     """Draw the two panels of the picture on an empty figure."""
     is_small = is_narrow(figure)
     looks = looks_of(comparison, is_small=is_small)
@@ -87,7 +87,7 @@ def draw_comparison(figure: Figure, comparison: LawRuns) -> None:
     spread(energy, names)
 
 
-def name_ends(axes: Axes, comparison: LawRuns, looks: Looks) -> list[EndLabel]:
+def name_ends(axes: Axes, comparison: LawRuns[LawRecording], looks: Looks) -> list[EndLabel]:
     """Write the laws with a colour, and those of impulses, at the right ends of their lines of energy.
 
     The result has the written texts, for ``spread``.
@@ -98,12 +98,12 @@ def name_ends(axes: Axes, comparison: LawRuns, looks: Looks) -> list[EndLabel]:
     for law, look in looks.items():
         result = comparison[law].result
         if result is not None and look["color"] != GREY:
-            value = float(np.interp(end, result.time, offset + result.energy["total"]))
+            value = float(np.interp(end, result.time, offset + result.energies["total"]))
             lines.append((brief_names(look["label"]), value, look["color"]))
     return write_end_labels(axes, lines)
 
 
-def conditions(comparison: LawRuns, looks: Looks) -> str:
+def conditions(comparison: LawRuns[LawRecording], looks: Looks) -> str:
     """Return the text below the headline.
 
     The text has these parts: effective mass and speed of the first impact; the reason if the e′ do not
@@ -146,7 +146,7 @@ def conditions(comparison: LawRuns, looks: Looks) -> str:
     )
 
 
-def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
+def draw_loops(axes: Axes, comparison: LawRuns[LawRecording], looks: Looks) -> None:
     """Draw force over penetration in the first impact; an impulse is a vertical line at penetration 0.
 
     The loops of the laws of ``laws_in_band`` are drawn by ``draw_grey_loops``. A law whose ``LawRun.loop`` is
@@ -171,7 +171,7 @@ def draw_loops(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     give_ticks(axes)
 
 
-def laws_in_band(comparison: LawRuns, looks: Looks) -> list[str]:
+def laws_in_band(comparison: LawRuns[LawRecording], looks: Looks) -> list[str]:
     """Return the laws in ``looks`` that are grey and whose runs have a result.
 
     If at most MOST_GREY laws are so, the result is empty.
@@ -182,7 +182,7 @@ def laws_in_band(comparison: LawRuns, looks: Looks) -> list[str]:
     return grey if len(grey) > MOST_GREY else []
 
 
-def band_label(comparison: LawRuns, band: Sequence[str], *, is_small: bool = False) -> str:
+def band_label(comparison: LawRuns[LawRecording], band: Sequence[str], *, is_small: bool = False) -> str:
     """Return the label of the grey band: the number of its laws, and the laws with the extreme e′.
 
     If the e′ do not describe the contact alone (``has_restitution``), the label has only the number.
@@ -205,7 +205,7 @@ def band_label(comparison: LawRuns, band: Sequence[str], *, is_small: bool = Fal
     return f"{count} others: {extremes}" if is_small else f"{count_text(count, 'other law')}: {extremes}"
 
 
-def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
+def draw_energy(axes: Axes, comparison: LawRuns[LawRecording], looks: Looks) -> None:
     """Draw the total energy over time; the laws of ``laws_in_band`` share one grey band.
 
     The line of a law has a cross in the colour of the line at ``LawRun.divergence_time``, the onset of the
@@ -219,13 +219,13 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     results = [result for law in band if (result := comparison[law].result) is not None]
     if results:
         time = max((result.time for result in results), key=len)
-        totals = [(result.time, offset + result.energy["total"]) for result in results]
+        totals = [(result.time, offset + result.energies["total"]) for result in results]
         curves = [np.interp(time, *total, right=np.nan) for total in totals]
         figure = axes.get_figure(root=True)
         is_small = figure is not None and is_narrow(figure)
         draw_band(axes, time, curves, band_label(comparison, band, is_small=is_small))
     courses = {
-        law: np.array([result.time, offset + result.energy["total"]])
+        law: np.array([result.time, offset + result.energies["total"]])
         for law in looks
         if (result := comparison[law].result) is not None and law not in band
     }
@@ -246,7 +246,7 @@ def draw_energy(axes: Axes, comparison: LawRuns, looks: Looks) -> None:
     give_ticks(axes)
 
 
-def shown_span(comparison: LawRuns) -> tuple[float, float]:
+def shown_span(comparison: LawRuns[LawRecording]) -> tuple[float, float]:
     """Return start and end of the axis of time of the energies [s].
 
     The axis starts shortly before the first impact, because all curves are equal before it, and ends shortly
@@ -256,7 +256,7 @@ def shown_span(comparison: LawRuns) -> tuple[float, float]:
     spans = [shown_time(result) for result in results]
     start, end = min(span.start for span in spans), max(span.end for span in spans)
     first = min((result.impacts["onset"][0] for result in results if len(result.impacts)), default=start)
-    totals = {run.law: run.result.energy["total"] for run in comparison.runs if run.result is not None}
+    totals = {run.law: run.result.energies["total"] for run in comparison.runs if run.result is not None}
     least_change = SETTLED * float(np.ptp(np.concatenate([*totals.values()])))
     moving_ends = [
         float(result.time[np.flatnonzero(np.abs(total - total[-1]) > least_change)].max(initial=start))

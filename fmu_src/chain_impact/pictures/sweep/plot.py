@@ -26,11 +26,9 @@ from chain_impact.pictures.drawing.style import (
     raise_exponents,
     write_headline,
 )
-from chain_impact.scene.errors import SceneError
-from chain_impact.scene.texts.unit_text import unit_text
-from chain_impact.studies.sweep.curves import COLOURS, FOOT, distinct_texts, draw_curves, gaps_text
-from chain_impact.studies.sweep.histograms import draw_samples, drawn_parameters, influence_text
-from chain_impact.studies.sweep.layout import (
+from chain_impact.pictures.sweep.curves import FOOT, LINE_COLOURS, distinct_texts, draw_curves, gaps_text
+from chain_impact.pictures.sweep.histograms import draw_samples, drawn_parameters, influence_text
+from chain_impact.pictures.sweep.layout import (
     CURVES,
     DOTS,
     HISTOGRAMS,
@@ -45,8 +43,8 @@ from chain_impact.studies.sweep.layout import (
     usual_size,
     varying_in,
 )
-from chain_impact.studies.sweep.map_marks import place_names
-from chain_impact.studies.sweep.maps import (
+from chain_impact.pictures.sweep.map_marks import place_names
+from chain_impact.pictures.sweep.maps import (
     NO_IMPACT,
     draw_maps,
     nearest_map,
@@ -54,8 +52,8 @@ from chain_impact.studies.sweep.maps import (
     own_value,
     unit_of,
 )
-from chain_impact.studies.sweep.message import headline_parts
-from chain_impact.studies.sweep.quantities import (
+from chain_impact.pictures.sweep.message import headline_parts
+from chain_impact.pictures.sweep.quantities import (
     LEADING_HYPHEN,
     LOADS,
     Quantity,
@@ -64,8 +62,10 @@ from chain_impact.studies.sweep.quantities import (
     printed_number,
     shown_quantities_of,
 )
-from chain_impact.studies.sweep.runs import SweepRuns
-from chain_impact.studies.sweep.variation import Variation
+from chain_impact.recording.sweep.runs import SweepRuns
+from chain_impact.recording.sweep.variation import Variation
+from chain_impact.scene.errors import SceneError
+from chain_impact.scene.texts.unit_text import unit_text
 from chain_impact.text import count_text
 
 MOST_MAPS = 9  # the largest number of maps if three parameters vary
@@ -291,7 +291,7 @@ def _draw_dots(panels: list[Axes], runs: SweepRuns, quantities: list[Quantity], 
         shown_values, is_missed = quantity.values_or_nan(runs), quantity.is_without_touch(runs)
         finite_values = shown_values[np.isfinite(shown_values)]
         axes.grid(axis="y", color="0.92")
-        axes.plot(shown_values, rows, "o", color=COLOURS[0], markersize=4.0)
+        axes.plot(shown_values, rows, "o", color=LINE_COLOURS[0], markersize=4.0)
         missing_word = "impulse" if quantity.column in LOADS else "unknown"
         for row in rows[~np.isfinite(shown_values)]:
             word = "failed" if runs.failed[row] else NO_IMPACT if is_missed[row] else missing_word

@@ -1,6 +1,6 @@
 """The lines and marks of curves of a sweep: where lines break, and how marks at one place are all visible."""
 
-# Tests: studies/sweep/curves.py
+# Tests: pictures/sweep/curves.py
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from chain_impact.pictures.drawing.row_names import POINTS_IN_INCH
-from chain_impact.studies.sweep.quantities import COUNT, LOADS, Quantity
-from chain_impact.studies.sweep.runs import SweepRuns
+from chain_impact.pictures.sweep.quantities import COUNT, LOADS, Quantity
+from chain_impact.recording.sweep.runs import SweepRuns
 from chain_impact.variables.peaks import PEAKS
 
 MARK_SIZE, MARK_EDGE = 3.0, 0.9  # [points] the size of a mark, and the width of the edge of a ring

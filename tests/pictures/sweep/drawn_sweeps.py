@@ -5,10 +5,10 @@ from functools import partial
 from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.pictures.sweep.layout import usual_size
+from chain_impact.pictures.sweep.plot import draw_sweep, headline_and_conditions
+from chain_impact.pictures.sweep.quantities import shown_quantities_of
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep.layout import usual_size
-from chain_impact.studies.sweep.plot import draw_sweep, headline_and_conditions
-from chain_impact.studies.sweep.quantities import shown_quantities_of
 
 SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
 TEN = [law for law in CONTACT_LAWS if law not in ("kelvin_voigt", "newton_impact", "ye")][:10]

@@ -1,6 +1,6 @@
 """Curves of a sweep: their values, axes, colours and names."""
 
-# Tests: studies/sweep/curve_marks.py
+# Tests: pictures/sweep/curve_marks.py
 
 import itertools
 
@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.studies.sweep.curve_marks import MARK_SIZE, broken_line, joined_pairs, jumps_between
-from chain_impact.studies.sweep.curves import COLOURS, course_text
-from chain_impact.studies.sweep.quantities import COUNT, QUANTITIES, shown_quantities_of
+from chain_impact.pictures.sweep.curve_marks import MARK_SIZE, broken_line, joined_pairs, jumps_between
+from chain_impact.pictures.sweep.curves import LINE_COLOURS, course_text
+from chain_impact.pictures.sweep.quantities import COUNT, MAIN_QUANTITIES, shown_quantities_of
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.text import number_text
 from tests.pictures.pictures import contrast, lab_colour
-from tests.studies.sweep.drawn_sweeps import SCENE, TEN, labels_of, sweep_page
+from tests.pictures.sweep.drawn_sweeps import SCENE, TEN, labels_of, sweep_page
 
 LAWS = ("flores", "hunt_crossley")
 
@@ -69,7 +69,7 @@ def test_few_joined_points_are_no_lines_but_smooth_peaks_are():
     rows = np.zeros(8, [("impact.count", int), ("peak_force", float), ("max_penetration", float)])
     rows["impact.count"], rows["peak_force"], rows["max_penetration"] = counts, kink, smooth
     runs = type("Rows", (), {"failed": np.zeros(8, bool), "__getitem__": lambda _, name: rows[name]})()
-    force, count = (quantity for quantity in QUANTITIES if quantity.column in ("peak_force", COUNT))
+    force, count = (quantity for quantity in MAIN_QUANTITIES if quantity.column in ("peak_force", COUNT))
     (joined,) = joined_pairs(runs, force, [np.arange(8)])
     assert joined.tolist() == [True] * 3 + [False] + [True] * 3
     assert not joined_pairs(runs, count, [np.arange(8)])[0].any(), "one pair of seven would be a feature"
@@ -119,14 +119,14 @@ def test_a_law_of_which_every_run_failed_is_named_so():
 
 
 def test_the_colours_differ_and_can_be_seen_on_white():
-    assert all(contrast("white", colour) >= 3.0 for colour in COLOURS)
-    for one, other in itertools.combinations(COLOURS, 2):
+    assert all(contrast("white", colour) >= 3.0 for colour in LINE_COLOURS)
+    for one, other in itertools.combinations(LINE_COLOURS, 2):
         assert np.linalg.norm(lab_colour(one) - lab_colour(other)) > 25.0
 
 
 @pytest.mark.full("takes long")
 def test_ten_laws_have_ten_looks_and_more_laws_a_map():
-    assert len(set(COLOURS)) == len(COLOURS) == 10
+    assert len(set(LINE_COLOURS)) == len(LINE_COLOURS) == 10
     found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": TEN})
     lines = [line for line in sweep_page(found).axes[0].lines if line.get_label()[:1] != "_"]
     assert len({(line.get_color(), line.get_linestyle()) for line in lines}) == len(lines) == 10

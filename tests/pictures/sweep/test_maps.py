@@ -1,6 +1,6 @@
 """Maps of a sweep: their cells, axes, colours, lines and marks."""
 
-# Tests: studies/sweep/contours.py, studies/sweep/map_marks.py, studies/sweep/colour_bars.py
+# Tests: pictures/sweep/contours.py, pictures/sweep/map_marks.py, pictures/sweep/colour_bars.py
 # Tests: pictures/drawing/shared_names.py
 
 import itertools
@@ -11,14 +11,14 @@ import pytest
 from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.drawing.shared_names import framed_panels
+from chain_impact.pictures.sweep.colour_bars import FAILED_COLOUR, colours_of, cut_values_text
+from chain_impact.pictures.sweep.contours import LEAST_ROOM, has_jumps
+from chain_impact.pictures.sweep.quantities import COUNT, MAIN_QUANTITIES, Quantity
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep.colour_bars import FAILED_COLOUR, colours_of, cut_values_text
-from chain_impact.studies.sweep.contours import LEAST_ROOM, has_jumps
-from chain_impact.studies.sweep.quantities import COUNT, QUANTITIES, Quantity
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.text import number_text
-from tests.studies.sweep.drawn_sweeps import SCENE, sweep_page
+from tests.pictures.sweep.drawn_sweeps import SCENE, sweep_page
 
 
 def test_maps_are_the_columns_with_ordered_axes():
@@ -177,12 +177,12 @@ def test_runs_without_an_impact_are_hatched_and_not_in_the_scale():
 
 @pytest.mark.parametrize(("count", "kind"), [(5, "LogNorm"), (40, "LogNorm")])
 def test_more_values_do_not_change_the_scale(count, kind):
-    norm, *_ = colours_of(QUANTITIES[-1], np.append(1.0, np.linspace(9.0, 11.0, count)))
+    norm, *_ = colours_of(MAIN_QUANTITIES[-1], np.append(1.0, np.linspace(9.0, 11.0, count)))
     assert type(norm).__name__ == kind
 
 
 def test_a_picture_has_at_most_nine_maps(tmp_path, monkeypatch):
-    monkeypatch.setattr("chain_impact.studies.sweep.plot.MOST_MAPS", 1)
+    monkeypatch.setattr("chain_impact.pictures.sweep.plot.MOST_MAPS", 1)
     vary = {"contact.restitution": "0.5,0.6", "contact.stiffness": "1e7,1e8", "initial.vx": "1,2,3"}
     with pytest.raises(SceneError, match=r"each has 2 values or more: .* one must have <= 1$"):
         sweep(SCENE, vary).plot(tmp_path / "out.png")

@@ -1,18 +1,18 @@
 """The picture of a sweep: every kind fits its page, and what cannot be drawn is refused."""
 
-# Tests: studies/sweep/layout.py, studies/sweep/message.py
+# Tests: pictures/sweep/layout.py, pictures/sweep/message.py
 
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.pictures.sweep import message, plot
+from chain_impact.pictures.sweep.quantities import shown_quantities_of
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene
-from chain_impact.studies.sweep import message, plot
-from chain_impact.studies.sweep.quantities import shown_quantities_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.pictures.pictures import WIDTHS, check_texts
-from tests.studies.sweep.drawn_sweeps import SCENE, TEN, labels_of, sweep_page
+from tests.pictures.sweep.drawn_sweeps import SCENE, TEN, labels_of, sweep_page
 
 KINDS = {
     "one number": ({"contact.restitution": "0.0:0.8:9"}, {}),
@@ -137,7 +137,7 @@ def test_too_many_parameters_are_refused(tmp_path):
 
 
 def test_too_many_runs_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("chain_impact.studies.sweep.plot.MOST_DRAWN", 3)
+    monkeypatch.setattr("chain_impact.pictures.sweep.plot.MOST_DRAWN", 3)
     found = sweep(SCENE, {"contact.restitution": [0.3, 0.4, 0.5, 0.6]})
     with pytest.raises(SceneError, match="4 runs must be <= 3 for a picture: draw parts of the table"):
         found.plot(tmp_path / "sweep.png")

@@ -18,19 +18,19 @@ from chain_impact.pictures.drawing.dark_ground import COLOURED_GROUND
 from chain_impact.pictures.drawing.legends import legend_at_foot
 from chain_impact.pictures.drawing.shared_names import name_around
 from chain_impact.pictures.drawing.style import INK, is_narrow, raise_exponents
-from chain_impact.scene.texts.unit_text import bracketed_unit, scene_unit
-from chain_impact.studies.sweep.colour_bars import (
+from chain_impact.pictures.sweep.colour_bars import (
     FAILED_COLOUR,
     add_bar,
     are_beyond,
     colours_of,
     cut_values_text,
 )
-from chain_impact.studies.sweep.contours import Scale, draw_contours, has_jumps
-from chain_impact.studies.sweep.map_marks import HATCHED_STYLE, SCENE_MARK, hatch, mark_scene
-from chain_impact.studies.sweep.quantities import Quantity, printed_number
-from chain_impact.studies.sweep.runs import SweepRuns
-from chain_impact.studies.sweep.variation import Variation
+from chain_impact.pictures.sweep.contours import Scale, draw_contours, has_jumps
+from chain_impact.pictures.sweep.map_marks import HATCHED_STYLE, SCENE_MARK, hatch, mark_scene
+from chain_impact.pictures.sweep.quantities import Quantity, printed_number
+from chain_impact.recording.sweep.runs import SweepRuns
+from chain_impact.recording.sweep.variation import Variation
+from chain_impact.scene.texts.unit_text import bracketed_unit, scene_unit
 from chain_impact.text import number_text
 
 # The axis of a parameter is logarithmic if the smallest value is > 0, and the largest value is at least

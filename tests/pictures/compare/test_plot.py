@@ -1,7 +1,7 @@
 """The picture of a comparison."""
 
-# Tests: pictures/drawing/law_looks.py, studies/compare/looks.py, studies/compare/grey_loops.py
-# Tests: studies/compare/headline.py
+# Tests: pictures/drawing/law_looks.py, pictures/compare/looks.py, pictures/compare/grey_loops.py
+# Tests: pictures/compare/headline.py
 
 import re
 
@@ -13,15 +13,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from chain_impact import CONTACT_LAWS, compare, load_scene
-from chain_impact.pictures.drawing.distinct_curves import draw_band
-from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
-from chain_impact.pictures.drawing.style import GREY, INK
-from chain_impact.pictures.over_time.energies import energy_curves
-from chain_impact.scene.scene import with_values
-from chain_impact.studies.compare.grey_loops import draw_grey_loops
-from chain_impact.studies.compare.headline import headline
-from chain_impact.studies.compare.looks import COLOURED_LAWS, brief_names, looks_of, named_laws
-from chain_impact.studies.compare.plot import (
+from chain_impact.pictures.compare.grey_loops import draw_grey_loops
+from chain_impact.pictures.compare.headline import headline
+from chain_impact.pictures.compare.looks import COLOURED_LAWS, brief_names, looks_of, named_laws
+from chain_impact.pictures.compare.plot import (
     SIZE,
     conditions,
     draw_comparison,
@@ -29,6 +24,11 @@ from chain_impact.studies.compare.plot import (
     plot_comparison,
     shown_span,
 )
+from chain_impact.pictures.drawing.distinct_curves import draw_band
+from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
+from chain_impact.pictures.drawing.style import GREY, INK
+from chain_impact.pictures.over_time.energies import energy_curves
+from chain_impact.scene.scene import with_values
 from tests.helpers.scenes.problems import default_scene, driven
 
 

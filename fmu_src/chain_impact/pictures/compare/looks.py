@@ -16,15 +16,15 @@ import numpy as np
 from chain_impact.pictures.drawing.distinct_curves import SAME_CURVE, coincide
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS, law_look
 from chain_impact.pictures.drawing.style import GREY
-from chain_impact.studies.changed_law import LOSSLESS_LAW
-from chain_impact.studies.compare.runs import LawRuns, has_jump
+from chain_impact.recording.compared_impact import LOSSLESS_LAW
+from chain_impact.recording.law_runs import LawRecording, LawRuns, has_jump
 
 # matplotlib's zorder for the line of the reference law; lines with a larger zorder are drawn over it
 REFERENCE_LAYER = 3
 # the reason for the colour of a law whose force jumps to a value above 0 at the onset
 JUMP_NOTE_OF_LAW = "force jumps at the onset"
 IMPULSE_ENDING = " (impulse)"  # the end of the label of a law of impulses, if the law has no colour
-IMPULSE: dict[str, Any] = {**LAW_LOOKS["newton_impact"], "linewidth": 1.2, "zorder": 3.5}
+IMPULSE_LOOK: dict[str, Any] = {**LAW_LOOKS["newton_impact"], "linewidth": 1.2, "zorder": 3.5}
 """The look of the line of a law of impulses that has no colour."""
 LEAST_DEVIATION = 0.005  # the least difference of two restitutions that is visible in their two decimals
 COLOURED_LAWS = 6  # largest number of laws with a colour
@@ -34,7 +34,7 @@ USED_LAWS = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "
 Looks = dict[str, dict[str, Any]]
 
 
-def named_laws(comparison: LawRuns) -> dict[str, str]:
+def named_laws(comparison: LawRuns[LawRecording]) -> dict[str, str]:
     """Return the laws that get a colour, at most COLOURED_LAWS: law → reason, "" for a law in USED_LAWS.
 
     A law with several reasons has them all, with commas between them. The reasons are: "reference"; "of the
@@ -71,7 +71,7 @@ def _add_reason(reasons: dict[str, str], law: str, reason: str) -> None:
     reasons[law] = f"{reasons[law]}, {reason}" if law in reasons else reason
 
 
-def looks_of(comparison: LawRuns, *, is_small: bool = False) -> Looks:
+def looks_of(comparison: LawRuns[LawRecording], *, is_small: bool = False) -> Looks:
     """Return the looks of the lines: law → keywords of matplotlib's ``plot``, with colour and label.
 
     Laws with equal loops share one line, under the first of these laws; its label names all of them, the
@@ -111,7 +111,7 @@ def looks_of(comparison: LawRuns, *, is_small: bool = False) -> Looks:
             named_law = next(law for law in laws if law in chosen_reasons)
             look = law_look(named_law) | {"linewidth": 1.7, "zorder": 4}
         elif (loop := comparison[first].loop) is not None and not loop.size:
-            label, look = f"{first}{IMPULSE_ENDING}", IMPULSE
+            label, look = f"{first}{IMPULSE_ENDING}", IMPULSE_LOOK
         else:
             look = {"color": GREY, "linewidth": 0.9, "zorder": 2}
         looks[first] = {"label": label, **look}
@@ -126,7 +126,7 @@ def are_loops_equal(loop: np.ndarray | None, twin: np.ndarray | None) -> bool:
     return loop is not None and twin is not None and loop.size > 0 and np.array_equal(loop, twin)
 
 
-def _is_covered(comparison: LawRuns, law: str, other_law: str) -> bool:
+def _is_covered(comparison: LawRuns[LawRecording], law: str, other_law: str) -> bool:
     """Return whether the lines of a law cover those of another law, and the e′ with two decimals are equal.
 
     The lines are the loop of force over penetration, and the energy over time. A law without a loop or
@@ -136,8 +136,11 @@ def _is_covered(comparison: LawRuns, law: str, other_law: str) -> bool:
     loops = [loop for loop in (run.loop, other_run.loop) if loop is not None and loop.size]
     if len(loops) < 2 or run.result is None or other_run.result is None:  # noqa: PLR2004
         return False
-    time, total, other_total = run.result.time, run.result.energy["total"], other_run.result.energy["total"]
-    gap = np.abs(np.interp(time, other_run.result.time, other_total) - total).max()
+    total, other_total = (
+        run.result.energies["total"],
+        other_run.result.energies["total"],
+    )
+    gap = np.abs(np.interp(run.result.time, other_run.result.time, other_total) - total).max()
     is_equal = f"{run.restitution:.2f}" == f"{other_run.restitution:.2f}"
     return is_equal and bool(gap <= SAME_CURVE * np.ptp([0.0, *total, *other_total])) and coincide(*loops)
 

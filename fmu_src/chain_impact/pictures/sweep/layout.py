@@ -2,10 +2,10 @@
 
 Without samples, one varied number gives a line in each panel, and one choice gives dots. Two numbers give a
 map or, if a number has at most MOST_SPLIT values, a line for each value of this number. A number and a
-choice, such as the contact law, give a line for each choice or, if the choices are more than COLOURS, a map
-with a row for each choice. Two choices give a map. Three parameters give maps of one result, one for each
-value of the parameter with the fewest values. Samples of one number are points; samples of a choice or of
-several parameters give a histogram of each result, and dots of the result over ``drawn_parameters``.
+choice, such as the contact law, give a line for each choice or, if there are more choices than LINE_COLOURS,
+a map with a row for each choice. Two choices give a map. Three parameters give maps of one result, one for
+each value of the parameter with the fewest values. Samples of one number are points; samples of a choice or
+of several parameters give a histogram of each result, and dots of the result over ``drawn_parameters``.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from chain_impact.pictures.drawing.style import TWO_COLUMN_WIDTH
-from chain_impact.studies.sweep.colour_bars import NUMBERS_WIDTH
-from chain_impact.studies.sweep.curves import COLOURS
-from chain_impact.studies.sweep.design import Design
-from chain_impact.studies.sweep.histograms import MOST_SCATTERS
-from chain_impact.studies.sweep.variation import Variation
+from chain_impact.pictures.sweep.colour_bars import NUMBERS_WIDTH
+from chain_impact.pictures.sweep.curves import LINE_COLOURS
+from chain_impact.pictures.sweep.histograms import MOST_SCATTERS
+from chain_impact.recording.sweep.design import Design
+from chain_impact.recording.sweep.variation import Variation
 
 # [inch] CHOICES_WIDTH: the width for the names of a parameter's choices, left of panels with dots;
 # DOTS_WIDTH: the least width of a panel with dots
@@ -63,7 +63,7 @@ def picture_form(design: Design) -> str:
         return MAPS
     if not choices:
         return CURVES if min(map(count_of, variations)) <= MOST_SPLIT else MAPS
-    return CURVES if len(choices) == 1 and count_of(choices[0]) <= len(COLOURS) else MAPS
+    return CURVES if len(choices) == 1 and count_of(choices[0]) <= len(LINE_COLOURS) else MAPS
 
 
 def panels_of_each(design: Design) -> int:

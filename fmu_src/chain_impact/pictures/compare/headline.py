@@ -7,14 +7,14 @@ from collections.abc import Sequence
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.drawing.style import load_unit
+from chain_impact.recording.compared_impact import LOSSLESS_LAW, compared_impact
+from chain_impact.recording.law_runs import LawRecording, LawRuns
 from chain_impact.scene.texts.unit_text import with_unit
-from chain_impact.studies.changed_law import LOSSLESS_LAW, compared_impact
-from chain_impact.studies.compare.runs import LawRun, LawRuns
 from chain_impact.text import count_text, span_text
 from chain_impact.variables.impact_units import unit_at
 
 
-def headline(comparison: LawRuns, *, is_small: bool = False) -> str:
+def headline(comparison: LawRuns[LawRecording], *, is_small: bool = False) -> str:
     """Return the headline: ranges of realised restitutions e′ and peak forces in the first impact.
 
     The ranges are those of the laws with a force that depends on e (``laws_with_e``). If the e′ do not
@@ -37,7 +37,7 @@ def headline(comparison: LawRuns, *, is_small: bool = False) -> str:
     return f"{name}: {ranges} for e = {e:g}{impact_text}"
 
 
-def laws_with_e(comparison: LawRuns) -> list[LawRun]:
+def laws_with_e(comparison: LawRuns[LawRecording]) -> list[LawRecording]:
     """Return the runs of laws with a force that depends on e; all runs if there are none.
 
     The law without losses ignores e, and a law of impulses has no force.
@@ -47,14 +47,14 @@ def laws_with_e(comparison: LawRuns) -> list[LawRun]:
     return runs or list(comparison.runs)
 
 
-def law_count_text(law_runs: Sequence[LawRun], count: int) -> str:
+def law_count_text(law_runs: Sequence[LawRecording], count: int) -> str:
     """Return words for a ``count`` of the laws of ``law_runs``: "16 laws with losses", if all have losses."""
     return count_text(count, "law") + (
         " with losses" if all(run.law != LOSSLESS_LAW for run in law_runs) else ""
     )
 
 
-def peaks(comparison: LawRuns, runs: Sequence[LawRun]) -> str:
+def peaks(comparison: LawRuns[LawRecording], runs: Sequence[LawRecording]) -> str:
     """Return words for the range of the peak forces or moments of ``runs`` that are above 0, or ""."""
     peak_forces = [run.peak_force for run in runs if run.peak_force > 0.0]
     unit = unit_at("peak_force", stop=comparison.is_at_stop)

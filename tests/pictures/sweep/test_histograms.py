@@ -1,6 +1,6 @@
 """Histograms of samples, the dots beside them, and the correlation of ranks."""
 
-# Tests: studies/sweep/effects.py
+# Tests: pictures/sweep/effects.py
 
 import re
 
@@ -10,12 +10,12 @@ import pytest
 from matplotlib.colors import to_rgb
 
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.studies.sweep.effects import effects_on
-from chain_impact.studies.sweep.histograms import edges_of, rank_correlation
-from chain_impact.studies.sweep.quantities import shown_quantities_of
+from chain_impact.pictures.sweep.effects import effects_on
+from chain_impact.pictures.sweep.histograms import edges_of, rank_correlation
+from chain_impact.pictures.sweep.quantities import shown_quantities_of
 from chain_impact.studies.sweep.sweep import sweep
 from tests.pictures.pictures import contrast
-from tests.studies.sweep.drawn_sweeps import SCENE, sweep_page
+from tests.pictures.sweep.drawn_sweeps import SCENE, sweep_page
 
 
 def test_samples_of_several_parameters_are_histograms():

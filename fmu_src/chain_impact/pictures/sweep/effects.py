@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
+from chain_impact.pictures.sweep.maps import is_logarithmic
+from chain_impact.pictures.sweep.quantities import LEADING_HYPHEN, Quantity
+from chain_impact.recording.sweep.runs import SweepRuns
+from chain_impact.recording.sweep.variation import Variation
 from chain_impact.scene.texts.unit_text import with_unit
-from chain_impact.studies.sweep.maps import is_logarithmic
-from chain_impact.studies.sweep.quantities import LEADING_HYPHEN, Quantity
-from chain_impact.studies.sweep.runs import SweepRuns
-from chain_impact.studies.sweep.variation import Variation
 from chain_impact.text import signed_text
 
 DEGREES = {3: "cubic", 2: "quadratic", 1: "linear"}

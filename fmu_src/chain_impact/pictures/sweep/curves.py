@@ -16,8 +16,8 @@ from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.law_looks import law_look
 from chain_impact.pictures.drawing.legends import legend_at_head
 from chain_impact.pictures.drawing.style import BLACK, COUNT_STEPS, PALETTE, give_ticks
-from chain_impact.studies.sweep.colour_bars import WIDE_RANGE, number_few_decades
-from chain_impact.studies.sweep.curve_marks import (
+from chain_impact.pictures.sweep.colour_bars import WIDE_RANGE, number_few_decades
+from chain_impact.pictures.sweep.curve_marks import (
     MARK_SIZE,
     broken_line,
     is_largest_value,
@@ -26,7 +26,7 @@ from chain_impact.studies.sweep.curve_marks import (
     pair_count,
     ring_hidden_marks,
 )
-from chain_impact.studies.sweep.maps import (
+from chain_impact.pictures.sweep.maps import (
     NO_IMPACT,
     NO_VALUE_TEXT,
     SCENE_LINE,
@@ -34,12 +34,12 @@ from chain_impact.studies.sweep.maps import (
     label_of,
     own_value,
 )
-from chain_impact.studies.sweep.quantities import EQUAL_RESULTS, Quantity, shown_quantities_of
-from chain_impact.studies.sweep.runs import SweepRuns
-from chain_impact.studies.sweep.variation import Variation
+from chain_impact.pictures.sweep.quantities import EQUAL_RESULTS, Quantity, shown_quantities_of
+from chain_impact.recording.sweep.runs import SweepRuns
+from chain_impact.recording.sweep.variation import Variation
 from chain_impact.text import number_text
 
-COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
+LINE_COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
 RING: dict[str, Any] = CROSS | {"marker": "o", "markerfacecolor": "none"}
 """The marks at the foot of a panel, with matplotlib's names: of a failed run, of a run without impact."""
@@ -165,14 +165,14 @@ def mark_at_foot(axes: Axes, values: np.ndarray, mark: dict[str, Any]) -> None:
 
 
 def looks_of(lines: Iterable[tuple[str, ...]], choice: Variation | None) -> list[dict[str, Any]]:
-    """Return looks in the order of the lines: of their laws if ``choice`` is the contact law, else COLOURS.
+    """Return looks in the order of the lines: those of laws if ``choice`` is the contact law.
 
-    ``lines``: the names of the choices or numbers of each line; a line has the look of the first law. COLOURS
-    may be more than the lines.
+    Other lines have LINE_COLOURS, which may be more than the lines. ``lines``: the names of the choices or
+    numbers of each line; a line has the look of the first law.
     """
     if choice is not None and choice.name == "contact.model":
         return [law_look(names[0]) for names in lines]
-    return [{"color": colour} for colour in COLOURS]
+    return [{"color": colour} for colour in LINE_COLOURS]
 
 
 def lines_of(

@@ -1,6 +1,6 @@
 """Marks in a map of a sweep: the scene's own values, and cells of runs without an impact; their names."""
 
-# Tests: studies/sweep/maps.py
+# Tests: pictures/sweep/maps.py
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from matplotlib.text import Annotation
 from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.drawing.dark_ground import COLOURED_GROUND
-from chain_impact.studies.sweep.contours import Scale
+from chain_impact.pictures.sweep.contours import Scale
 
 SCENE_MARK: dict[str, Any] = {"marker": "P", "markersize": 7.0, "color": "white", "markeredgecolor": "black"}
 SCENE_MARK |= {"markeredgewidth": 0.9, "linestyle": "", "clip_on": False, "zorder": 5.0, "label": "_"}
@@ -26,7 +26,7 @@ SCENE_MARK |= {"markeredgewidth": 0.9, "linestyle": "", "clip_on": False, "zorde
 HATCHED_STYLE: dict[str, Any] = {"facecolor": "white", "edgecolor": "0.6", "hatch": "////", "linewidth": 0.0}
 """The look of the cells of runs in which nothing touches that the map's quantity could measure."""
 NARROW_MAP = 25.0 / 25.4  # [inch] in narrower maps, the value of a contour stands in one map only
-SCENE = "scene"  # the name of the mark
+SCENE_NAME = "scene"  # the name of the mark
 # the places of the name from which ``place_names`` chooses, the first free one: its distance from the mark
 # [points] to the right and up, and how it is aligned
 NAME_POSITIONS = [
@@ -48,7 +48,7 @@ def mark_scene(axes: Axes, own_values: Sequence[float | None], *, is_named: bool
         look: dict[str, Any] = {"color": "white", "fontsize": "small", "gid": COLOURED_GROUND}
         look["path_effects"] = [Stroke(linewidth=1.8, foreground="black"), Normal()]
         axes.annotate(
-            SCENE, np.array(own_values, float).tolist(), (0.0, 0.0), textcoords="offset points", **look
+            SCENE_NAME, np.array(own_values, float).tolist(), (0.0, 0.0), textcoords="offset points", **look
         )
 
 
@@ -71,7 +71,7 @@ def place_names(figure: Figure) -> None:
         if parts:
             _remove_crowded_values(axes, lines, numbered_texts)
         for name in axes.texts:
-            if isinstance(name, Annotation) and name.get_text() == SCENE:
+            if isinstance(name, Annotation) and name.get_text() == SCENE_NAME:
                 values = [
                     text.get_window_extent() for text in axes.texts if text is not name and text.get_visible()
                 ]

@@ -7,23 +7,22 @@ from collections.abc import Sequence
 import numpy as np
 
 from chain_impact.pictures.drawing.style import raise_exponents
-from chain_impact.scene.texts.plain_names import plain_name
-from chain_impact.scene.texts.unit_text import unit_text, with_unit
-from chain_impact.studies.sweep.computation import STATUS_WORD
-from chain_impact.studies.sweep.curves import course_text
-from chain_impact.studies.sweep.effects import TRENDING, effects_on
-from chain_impact.studies.sweep.histograms import rank_correlation
-from chain_impact.studies.sweep.layout import (
+from chain_impact.pictures.sweep.curves import course_text
+from chain_impact.pictures.sweep.effects import TRENDING, effects_on
+from chain_impact.pictures.sweep.histograms import rank_correlation
+from chain_impact.pictures.sweep.layout import (
     DOTS,
     has_map_series,
     picture_form,
     sorted_parameters,
     varying_in,
 )
-from chain_impact.studies.sweep.maps import NO_IMPACT, unit_of
-from chain_impact.studies.sweep.quantities import Quantity, ShownQuantities, printed_number
-from chain_impact.studies.sweep.runs import SweepRuns
-from chain_impact.studies.sweep.variation import Variation
+from chain_impact.pictures.sweep.maps import NO_IMPACT, unit_of
+from chain_impact.pictures.sweep.quantities import Quantity, ShownQuantities, printed_number
+from chain_impact.recording.sweep.runs import STATUS_WORD, SweepRuns
+from chain_impact.recording.sweep.variation import Variation
+from chain_impact.scene.texts.plain_names import plain_name
+from chain_impact.scene.texts.unit_text import unit_text, with_unit
 from chain_impact.text import names_text, number_text
 
 MOST_REASONS = 2  # the largest number of reasons of failed runs that the headline lists

@@ -1,6 +1,6 @@
 """The colours of the maps of a sweep, and the bar that explains these colours."""
 
-# Tests: studies/sweep/maps.py
+# Tests: pictures/sweep/maps.py
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from chain_impact.map_colours import WIDE_COLOURS, colour_ends, count_bins, valu
 from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.shared_names import grid_of
 from chain_impact.pictures.drawing.style import TICK_STEPS, is_narrow
-from chain_impact.studies.sweep.quantities import Quantity
+from chain_impact.pictures.sweep.quantities import Quantity
 from chain_impact.text import number_text
 
 # the colours of a map: the name of matplotlib's colour map, which the maps of pages have, too; the grey of

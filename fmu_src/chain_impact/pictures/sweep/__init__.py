@@ -1,0 +1,1 @@
+"""Pictures of sweeps: curves, dots, maps and histograms of results over varied parameters."""

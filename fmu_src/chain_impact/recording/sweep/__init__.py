@@ -1,0 +1,1 @@
+"""The varied values and the table of the runs of a sweep."""
