@@ -33,12 +33,27 @@ def test_inputs_act_as_in_simulate():
         assert close.columns[name][-1] == even.columns[name][-1]
 
 
-def test_a_function_is_held_between_communication_points():
-    scene = load_scene("pinned_arm").with_values({"simulation.step_size": 0.01})
-    inputs = {"joint[1].torque": lambda t: 5.0 * np.sin(10.0 * t)}
-    close, even = record_slowly(scene, inputs=inputs), simulate(scene, inputs=inputs)
+def torque(time):
+    return 5.0 * np.sin(20.0 * time)
+
+
+# interpolation → torque at times t, for the communication points p
+TORQUES = {
+    "follow": lambda t, _: torque(t),
+    "hold": lambda t, p: torque(p[np.maximum(np.searchsorted(p, t) - 1, 0)]),
+    "linear": lambda t, p: np.interp(t, p, torque(p)),
+}
+
+
+@pytest.mark.parametrize("interpolation", TORQUES)
+def test_a_function_acts_between_dense_rows_as_in_simulate(interpolation):
+    scene = load_scene("pinned_arm").with_values({"simulation.step_size": 0.05})
+    options = {"inputs": {"joint[1].torque": torque}, "interpolation": interpolation}
+    close, even = record_slowly(scene, **options), simulate(scene, **options)
     assert are_equal(close.impacts, even.impacts)
     assert close.columns["energy.total"][-1] == even.columns["energy.total"][-1]
+    expected_torques = TORQUES[interpolation](close.time, even.time)
+    np.testing.assert_allclose(close["joint[1].torque"], expected_torques, atol=1e-6)
 
 
 @pytest.mark.parametrize("model", ["ramp", "rocking_block"])

@@ -9,6 +9,7 @@ from typing import Any, Protocol, Self, runtime_checkable
 
 import numpy as np
 
+from chain_impact.progress import Progress
 from chain_impact.recording.joint_stops import is_scene_joint_stop
 from chain_impact.recording.pacing import impact_ends
 from chain_impact.scene.candidates import point_wall_pairs
@@ -32,8 +33,10 @@ class RepeatableRun(Protocol):
     def prepared_scene(self) -> PreparedScene:
         """The scene of the run, prepared."""
 
-    def __call__(self, times: np.ndarray) -> np.ndarray:
+    def __call__(self, times: np.ndarray, progress: Progress = ...) -> np.ndarray:
         """Return the outputs at increasing times [s], shape (S,).
+
+        The function ``progress`` is called with the finished fraction, 0 to 1.
 
         The result is a structured array with one row for each time, or fewer rows if the run ends early.
         """

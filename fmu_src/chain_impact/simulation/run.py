@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.deprecated import OlderName
-from chain_impact.progress import Progress
+from chain_impact.progress import Progress, no_progress
 from chain_impact.recording.impacts import sorted_impacts
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES, phases_of
@@ -137,11 +137,11 @@ class RepeatableSceneRun:
     schedule: InputSchedule
     prepared = OlderName("prepared_scene")
 
-    def __call__(self, times: np.ndarray) -> np.ndarray:
+    def __call__(self, times: np.ndarray, progress: Progress = no_progress) -> np.ndarray:
         """Return the outputs that change continuously at increasing ``times`` [s], shape (S,).
 
         The result is a structured array of shape (S,). It is shorter if the solver cannot continue, and empty
-        if the run cannot start.
+        if the run cannot start. The function ``progress`` is called with the finished fraction, 0 to 1.
         """
         schedule = self.schedule.with_times(times)
         try:
@@ -149,7 +149,7 @@ class RepeatableSceneRun:
         except SimulationError:
             return np.zeros(0, self.prepared_scene.output_layout)
         rows = WordRows(len(schedule.times), self.prepared_scene.output_words)
-        finished_rows, _ = instance.run(schedule, rows)
+        finished_rows, _ = instance.run(schedule, rows, progress)
         outputs: np.ndarray = structured_rows(
             rows.numbers[:finished_rows], self.prepared_scene.output_layout
         )[schedule.is_requested[:finished_rows]]

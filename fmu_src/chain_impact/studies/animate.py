@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +24,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.results.animation import FILM_SIZE, write_animation
 from chain_impact.results.result import Result
 from chain_impact.scene.scene import SceneSource, scene_of
-from chain_impact.simulation.inputs import GivenInputs, Interpolation, input_schedule
-from chain_impact.simulation.instance import Instance
-from chain_impact.simulation.output_rows import WordRows, structured_rows
+from chain_impact.simulation.inputs import GivenInputs, Interpolation
 from chain_impact.simulation.simulate import simulate
 
 MOST_FILM_ROWS = 40_000
@@ -83,7 +82,8 @@ def record_slowly(
 ) -> Result:
     """Return the result of a scene, with dense rows near each impact, as slow motion needs them.
 
-    The scene is simulated twice, the first time to find the impacts. The rows do not change the solution.
+    The scene is simulated twice, the first time to find the impacts. The rows do not change the solution:
+    inputs act as in ``simulate``, with the communication step of the scene.
 
     Args:
         scene: a scene, or an argument of ``load_scene``.
@@ -115,22 +115,14 @@ def record_slowly(
         onsets[is_long] + touch_durations[is_long] * np.geomspace(EARLIEST_SHARE, 1.0, EARLY_TIMES)[:, None]
     )
     contact_times = np.append(contact_times, early_times.ravel()[:MOST_FILM_ROWS])
-    schedule = input_schedule(
-        result.prepared_scene,
-        {} if inputs is None else inputs,
-        interpolation,
-        np.union1d(shown_times, contact_times.clip(0.0, stop)),
-    )
-    instance = Instance(result.prepared_scene, schedule, parameters=())
-    rows = WordRows(len(schedule.times), result.prepared_scene.output_words)
-    share, _ = instance.run(schedule, rows, lambda part: show(0.5 + part / 2))
-    return Result(
-        result.prepared_scene,
-        schedule.times[:share],
-        structured_rows(rows.numbers[:share], result.prepared_scene.output_layout),
-        result.impacts,
-        statistics=instance.statistics,
-        stick_slip=result.stick_slip,
-        rerun=result.rerun,
-        input_values=schedule.values(np.arange(share)),
+    times = np.union1d(shown_times, contact_times.clip(0.0, stop))
+    assert result.rerun is not None  # simulate() always gives it
+    outputs = result.rerun(times, lambda share: show(0.5 + share / 2))
+    return replace(
+        result,
+        time=times,
+        outputs=outputs,
+        stepwise={},
+        sensitivities=None,
+        input_values=result.rerun.inputs(times),
     )
