@@ -17,6 +17,7 @@ from chain_impact.results.result import Result
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.errors import SimulationError
+from chain_impact.simulation.held_motions import holds_motions, run_with_rows_between, shortened
 from chain_impact.simulation.inputs import InputSchedule
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import StepwiseColumns, WordRows, structured_rows
@@ -143,16 +144,20 @@ class RepeatableSceneRun:
         The result is a structured array of shape (S,). It is shorter if the solver cannot continue, and empty
         if the run cannot start. The function ``progress`` is called with the finished fraction, 0 to 1.
         """
-        schedule = self.schedule.with_times(times)
+        is_held = holds_motions(self.schedule)
+        schedule = shortened(self.schedule, times[-1]) if is_held else self.schedule.with_times(times)
         try:
             instance = Instance(self.prepared_scene, schedule, ())
         except SimulationError:
             return np.zeros(0, self.prepared_scene.output_layout)
-        rows = WordRows(len(schedule.times), self.prepared_scene.output_words)
-        finished_rows, _ = instance.run(schedule, rows, progress)
-        outputs: np.ndarray = structured_rows(
-            rows.numbers[:finished_rows], self.prepared_scene.output_layout
-        )[schedule.is_requested[:finished_rows]]
+        words, layout = self.prepared_scene.output_words, self.prepared_scene.output_layout
+        rows = WordRows(len(times) if is_held else len(schedule.times), words)
+        if is_held:
+            finished_rows = run_with_rows_between(instance, schedule, times, rows, progress)
+        else:
+            finished_rows, _ = instance.run(schedule, rows, progress)
+        asked_rows = slice(None) if is_held else schedule.is_requested[:finished_rows]
+        outputs: np.ndarray = structured_rows(rows.numbers[:finished_rows], layout)[asked_rows]
         return outputs
 
     def inputs(self, times: np.ndarray) -> dict[str, np.ndarray]:
