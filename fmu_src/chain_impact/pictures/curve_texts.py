@@ -41,6 +41,21 @@ def quantity_text(names: Sequence[str], unit: str) -> str:
     return part.replace("_", " ").replace(".", " ") or QUANTITIES.get(unit) or vector_of(names)
 
 
+def brief_names(names: Sequence[str]) -> dict[str, str]:
+    """Return the texts of a legend for the outputs of a panel: output → its name without the quantity.
+
+    The label of the axis tells the quantity (``quantity_text``). So the text is "link[1]" for
+    link[1].angular_velocity if all outputs are angular velocities, and "kinetic" for energy.kinetic if all
+    are energies. An output without a number in brackets, and one among outputs of several quantities, keeps
+    its name.
+    """
+    if len(names) > 1 and all(name.startswith("energy.") for name in names):
+        return {name: name.removeprefix("energy.") for name in names}
+    part = shared_part(names)
+    is_brief = bool(part) and all("[" in name for name in names)
+    return {name: name.removesuffix(f".{part}") if is_brief else name for name in names}
+
+
 def values_at_onset(curves: Curves, names: Sequence[str]) -> dict[str, float]:
     """Return output → value at the onset for a panel that shows changes since the onset; else {}.
 
@@ -56,11 +71,14 @@ def values_at_onset(curves: Curves, names: Sequence[str]) -> dict[str, float]:
     return {name: float(np.interp(curves.onset, curves.time, curves.values[name])) for name in names}
 
 
-def number_at(value: float, unit: str) -> str:
-    """Return a value with its unit for a legend: "−1.86 m"; a value below SMALLEST_VALUE counts as 0."""
-    return f"{value if abs(value) >= SMALLEST_VALUE else 0.0:.3g} {unit_text(unit)}".replace(
-        "-", "−"
-    ).rstrip()
+def change_text(start: float, unit: str) -> str:
+    """Return the end of the label of a curve that shows the change from the value ``start``: " − 1.86 m".
+
+    The result is " + 1.86 m" for −1.86 m, and "" for a value that counts as 0 (SMALLEST_VALUE).
+    """
+    if abs(start) < SMALLEST_VALUE:
+        return ""
+    return f" {'−' if start > 0.0 else '+'} {abs(start):.3g} {unit_text(unit)}".rstrip()
 
 
 def vector_of(names: Sequence[str]) -> str:

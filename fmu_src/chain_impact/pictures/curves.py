@@ -24,7 +24,13 @@ from chain_impact.pictures.curve_peaks import (
     largest_row,
     largest_vectors,
 )
-from chain_impact.pictures.curve_texts import axis_unit, number_at, quantity_text, values_at_onset
+from chain_impact.pictures.curve_texts import (
+    axis_unit,
+    brief_names,
+    change_text,
+    quantity_text,
+    values_at_onset,
+)
 from chain_impact.pictures.drawing.distinct_curves import dash_lines, plot_curves
 from chain_impact.pictures.drawing.figures import PANEL_HEIGHT, settle
 from chain_impact.pictures.drawing.labels import Label, place_labels
@@ -238,9 +244,7 @@ def draw_all(
     """
     figure = grid[0].get_figure(root=True)
     names_beside = has_room_beside and figure is not None and not is_narrow(figure)
-    start, factor = 0.0, 1.0
-    if curves.onset is not None:
-        start, factor = curves.onset, 1e3
+    start, factor = (0.0, 1.0) if curves.onset is None else (curves.onset, 1e3)
     time, time_span = factor * (curves.time - start), shown_time(recording)
     ends = time[[0, -1]]
     if curves.onset is None:
@@ -253,10 +257,11 @@ def draw_all(
         axes.set_xlim(*ends)
         mark_impacts(axes, recording, start, factor, is_thinned=True)
         if curves.number:
-            end_label = mark_end(axes, recording, curves.number, factor)
-            keys += end_label if axes is grid[0] else []
+            end_key = mark_end(axes, recording, curves.number, factor)
+            keys += end_key if axes is grid[0] else []
         stored_unit = curves.units[names[0]]
-        starts = values_at_onset(curves, names)
+        starts, brief = values_at_onset(curves, names), brief_names(names)
+        changes = {name: change_text(starts[name], stored_unit) if starts else "" for name in names}
         curves_in_panel = [curves.values[name] - starts.get(name, 0.0) for name in names]
         scale, unit = axis_unit(stored_unit, curves_in_panel, is_close=curves.onset is not None)
         looks = zip(names, looks_of(names, body_indices), strict=True)
@@ -269,7 +274,7 @@ def draw_all(
                 }
                 | look_of_energy(name)
                 | {
-                    "label": f"{name} from {number_at(starts[name], stored_unit)}" if starts else name,
+                    "label": f"{name}{changes[name]}",
                 },
             )
             for values, (name, look) in zip(curves_in_panel, looks, strict=True)
@@ -302,8 +307,8 @@ def draw_all(
             give_ticks(axes)
         else:
             axes.set(ylim=ZERO_ENDS, yticks=[0.0])
-        handles = axes.get_legend_handles_labels()[0]
-        legend_above(axes, [*handles, *(keys if axes is grid[0] else [])])
+        handles = [*axes.get_legend_handles_labels()[0], *(keys if axes is grid[0] else [])]
+        legend_above(axes, handles, {f"{name}{end}": f"{brief[name]}{end}" for name, end in changes.items()})
     return labels
 
 
@@ -344,12 +349,12 @@ def drawn_in(curves: Curves, names: Sequence[str]) -> list[str]:
 def mark_end(axes: Axes, recording: Recording, number: int, factor: float) -> list[Any]:
     """Draw a dotted line at the end of impact ``number``, from 1; return the entry of a legend for it.
 
-    If the end is not known, or beyond the axis, there is no line, and the result is empty. ``factor`` is the
-    factor from seconds after the onset to the unit of the axis.
+    If the end is not known, beyond the axis, or at the onset, as that of an impulse, there is no line, and
+    the result is empty. ``factor`` is the factor from seconds after the onset to the unit of the axis.
     """
     onset, end = (recording.impacts[name][number - 1] for name in ("onset", "end"))
     position = factor * (end - onset)
-    if not position <= axes.get_xlim()[1]:
+    if not 0.0 < position <= axes.get_xlim()[1]:
         return []
     look: dict[str, Any] = {"color": faint_colour(axes, END_LINE), "linewidth": 0.8, "linestyle": ":"}
     axes.axvline(position, **look, zorder=0)

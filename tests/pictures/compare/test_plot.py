@@ -71,8 +71,22 @@ def test_the_legend_of_a_narrow_page_is_complete(comparison):
     page = comparison.plot(size=(84 / 25.4, None))
     page.draw_without_rendering()
     (legend,) = page.legends
-    box = legend.get_window_extent()
+    box, foot = legend.get_window_extent(), " ".join(text.get_text() for text in page.texts)
     assert page.bbox.x0 <= box.x0 <= box.x1 <= page.bbox.x1
+    assert len(legend.get_texts()) == COLOURED_LAWS + 1
+    assert all(
+        text in foot.replace("\n", " ") for text in ("; ×: first impact that differs", "grey: 11 others")
+    )
+
+
+@pytest.mark.parametrize(
+    "model", ["four_link_box", pytest.param("hopper", marks=pytest.mark.full("more cases"))]
+)
+def test_title_and_legend_of_a_narrow_page_are_low(model):
+    page = compare(model).plot(size=(84 / 25.4, None))
+    page.draw_without_rendering()
+    heads = [item.get_window_extent().height for item in (page._suptitle, *page.legends)]
+    assert sum(heads) <= 0.17 * page.bbox.height
 
 
 @pytest.mark.full("takes long")
@@ -213,9 +227,9 @@ def test_the_range_of_peak_forces_is_told(comparison):
     forces = [1e-3 * run.peak_force for run in runs if run.peak_force > 0.0]
     hertz = 1e-3 * comparison["hertz"].peak_force
     assert f"hertz, without e: peak force {hertz:.1f} kN" in conditions(comparison, looks_of(comparison))
-    for small in (False, True):
-        told = headline(comparison, is_small=small)
-        assert f"peak force {min(forces):.1f} to {max(forces):.1f} kN" in told
+    expected = f"peak force {min(forces):.1f} to {max(forces):.1f} kN"
+    assert expected in headline(comparison)
+    assert expected in conditions(comparison, looks_of(comparison), is_small=True)
 
 
 def test_the_energy_has_the_zero_of_the_picture_of_the_motion():

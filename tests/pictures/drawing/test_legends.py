@@ -3,6 +3,7 @@
 import itertools
 
 import numpy as np
+import pytest
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -54,6 +55,20 @@ def test_a_legend_in_two_rows_is_read_row_by_row():
         places = {text.get_text(): text.get_window_extent() for text in texts}
         assert sorted(names, key=lambda name: (-round(places[name].y0), places[name].x0)) == names
         assert 1 < len({round(box.x0) for box in places.values()}) < len(names)
+
+
+def test_entries_in_rows_are_aligned_in_columns():
+    page = Figure((3.6, 2.0), layout="constrained")
+    axes = page.subplots()
+    legend_above(
+        axes, [Patch(label=name) for name in ("kinetic", "potential", "elastic", "total", "dissipated")]
+    )
+    for _ in range(2):
+        fit_legends(page)
+        page.draw_without_rendering()
+        boxes = [text.get_window_extent() for text in axes.get_legend().get_texts()]
+        assert [boxes[k].x0 for k in (3, 4)] == pytest.approx([boxes[k].x0 for k in (0, 1)])
+        assert boxes[3].y1 < boxes[0].y0
 
 
 def test_a_long_entry_leaves_no_gap_in_a_legend():

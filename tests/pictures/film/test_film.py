@@ -1,6 +1,6 @@
 """Films: their content as their viewers see them."""
 
-# Tests: pictures/film/charts.py, pictures/film/file_formats.py, pictures/film/film_layout.py
+# Tests: pictures/film/file_formats.py, pictures/film/film_layout.py
 # Tests: pictures/film/impact_rings.py, pictures/film/scale_bar.py, pictures/film/writing.py
 
 import itertools

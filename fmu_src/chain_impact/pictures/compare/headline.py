@@ -21,20 +21,42 @@ def headline(comparison: LawRuns[LawRecording], *, is_small: bool = False) -> st
     describe the contact alone (``has_restitution``), the headline has only the peak forces. A law under which
     the impact does not end has no e′; if no law has an e′, the headline tells only that the impact does not
     end.
-    ``is_small``: whether the headline is for a narrow figure, and must be short.
+    ``is_small``: whether the headline is for a narrow figure, and must be short: it then has one range, and
+    ``rest_of_headline`` has the rest.
     """
     runs, e, name = laws_with_e(comparison), comparison.contact.restitution, comparison.scene.name
     restitutions = [run.restitution for run in runs if math.isfinite(run.restitution)]
     if not comparison.has_restitution:
-        ran = sum(math.isfinite(run.peak_force) for run in runs)
-        impact_text = "" if is_small else f" in the {compared_impact(comparison.scene)}"
-        return f"{name}: {peaks(comparison, runs)}{impact_text}, {law_count_text(runs, ran)}"
+        if is_small:
+            return f"{name}: {peaks(comparison, runs)}"
+        impact_text = f" in the {compared_impact(comparison.scene)}"
+        return f"{name}: {peaks(comparison, runs)}{impact_text}, {law_count_text(runs, _peak_count(runs))}"
     if not restitutions:
         return f"{name}: the first impact does not end under any law"
     ends = dict.fromkeys((f"{min(restitutions):.2f}", f"{max(restitutions):.2f}"))
-    ranges = ", ".join(filter(None, (f"restitution {' to '.join(ends)}", peaks(comparison, runs))))
-    impact_text = "" if is_small else f" in the first impact, {law_count_text(runs, len(restitutions))}"
+    restitution_text = f"restitution {' to '.join(ends)}"
+    if is_small:
+        return f"{name}: {restitution_text}"
+    ranges = ", ".join(filter(None, (restitution_text, peaks(comparison, runs))))
+    impact_text = f" in the first impact, {law_count_text(runs, len(restitutions))}"
     return f"{name}: {ranges} for e = {e:g}{impact_text}"
+
+
+def rest_of_headline(comparison: LawRuns[LawRecording]) -> str:
+    """Return what the short ``headline`` lacks: "peak force 1.2 to 1.5 kN for e = 0.7" or the number of laws.
+
+    The result is "" if no law has an e′ or a peak force.
+    """
+    runs, e = laws_with_e(comparison), comparison.contact.restitution
+    if not comparison.has_restitution:
+        return law_count_text(runs, _peak_count(runs))
+    is_told = any(math.isfinite(run.restitution) for run in runs)
+    return f"{top} for e = {e:g}" if is_told and (top := peaks(comparison, runs)) else ""
+
+
+def _peak_count(runs: Sequence[LawRecording]) -> int:
+    """Return the number of runs with a known peak force."""
+    return sum(math.isfinite(run.peak_force) for run in runs)
 
 
 def laws_with_e(comparison: LawRuns[LawRecording]) -> list[LawRecording]:

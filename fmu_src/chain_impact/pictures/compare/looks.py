@@ -77,10 +77,10 @@ def looks_of(comparison: LawRuns[LawRecording], *, is_small: bool = False) -> Lo
     Laws with equal loops share one line, under the first of these laws; its label names all of them, the
     scene's law first. So do laws without a colour whose lines the line of a law with a colour covers. A label
     has the reasons of ``named_laws`` for the first of these laws that has any and, if the e′ describe the
-    contact alone, e′ of the first impact. With ``is_small`` only the labels of the reference and of
-    LOSSLESS_LAW have reasons, and only that of the reference has the sign e′. The label of a law that acts by
-    impulses and has no colour is only the law's id with IMPULSE_ENDING. The laws are in the order of their
-    e′, the largest first.
+    contact alone, e′ of the first impact. With ``is_small`` a label with e′ has no reason, of the others only
+    those of the reference and of LOSSLESS_LAW have one, and only the label of the reference has the sign e′.
+    The label of a law that acts by impulses and has no colour is only the law's id with IMPULSE_ENDING. The
+    laws are in the order of their e′, the largest first.
     """
     chosen_reasons = named_laws(comparison)
     twins: dict[str, list[str]] = {}
@@ -98,10 +98,10 @@ def looks_of(comparison: LawRuns[LawRecording], *, is_small: bool = False) -> Lo
         reasons = [chosen_reasons[law] for law in laws if law in chosen_reasons]
         first_reason = next(filter(None, reasons), "")
         is_brief = is_small and comparison.reference not in laws
-        if is_brief and LOSSLESS_LAW not in laws:
-            first_reason = ""
         restitution = comparison[first].restitution
         is_told = comparison.has_restitution and math.isfinite(restitution)
+        if is_small and (is_told or (is_brief and LOSSLESS_LAW not in laws)):
+            first_reason = ""
         restitution_text = f"{'' if is_brief else 'e′ = '}{restitution:.2f}" if is_told else ""
         reason_text = ", ".join(filter(None, (first_reason, restitution_text)))
         label = ", ".join(laws) + (f" ({reason_text})" if reason_text else "")

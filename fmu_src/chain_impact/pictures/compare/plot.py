@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import PathCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from chain_impact.pictures.compare.grey_loops import HAIRLINE, draw_grey_loops
-from chain_impact.pictures.compare.headline import headline, laws_with_e, peaks
+from chain_impact.pictures.compare.headline import headline, laws_with_e, peaks, rest_of_headline
 from chain_impact.pictures.compare.looks import REFERENCE_LAYER, Looks, are_loops_equal, brief_names, looks_of
 from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, dash_lines, draw_band
 from chain_impact.pictures.drawing.end_labels import EndLabel, spread, write_end_labels
@@ -30,6 +30,7 @@ from chain_impact.pictures.drawing.style import (
     give_ticks,
     is_narrow,
     raise_exponents,
+    write_foot,
     write_headline,
 )
 from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
@@ -75,14 +76,17 @@ def draw_comparison(figure: Figure, comparison: LawRuns[LawRecording]) -> None:
     """Draw the two panels of the picture on an empty figure."""
     is_small = is_narrow(figure)
     looks = looks_of(comparison, is_small=is_small)
-    write_headline(figure, headline(comparison, is_small=is_small), conditions(comparison, looks))
+    write_headline(
+        figure, headline(comparison, is_small=is_small), conditions(comparison, looks, is_small=is_small)
+    )
     panels: dict[str, Any] = {"nrows": 2, "height_ratios": LOOPS_ABOVE} if is_small else {"ncols": 2}
     loops, energy = figure.subplots(**panels)
     draw_loops(loops, comparison, looks)
     draw_energy(energy, comparison, looks)
     names = name_ends(energy, comparison, looks) if figure.get_figwidth() >= LEAST_NAMED else []
     dash_laws(loops, energy)
-    legend_at_head(figure, legend_handles(looks, energy, loops))
+    handles = legend_handles(looks, energy, loops)
+    legend_at_head(figure, move_to_foot(figure, handles) if is_small else handles)
     settle(figure)
     spread(energy, names)
 
@@ -103,14 +107,15 @@ def name_ends(axes: Axes, comparison: LawRuns[LawRecording], looks: Looks) -> li
     return write_end_labels(axes, lines)
 
 
-def conditions(comparison: LawRuns[LawRecording], looks: Looks) -> str:
+def conditions(comparison: LawRuns[LawRecording], looks: Looks, *, is_small: bool = False) -> str:
     """Return the text below the headline.
 
     The text has these parts: effective mass and speed of the first impact; the reason if the e′ do not
     describe the contact alone (``no_restitution``); a remark if the impact is not free; the e′ without
     losses, if e′ is known, the contact is not ``pressed_again``, and e′ is not 1.00 or the impact not free;
     stiffness and tolerance; the peak force of the law without e; the number of grey lines, unless the grey
-    lines are drawn as a band; the end of the runs, if the panel of energy does not show it.
+    lines are drawn as a band; the end of the runs, if the panel of energy does not show it. If ``is_small``,
+    for a narrow figure, ``rest_of_headline`` comes first.
     """
     contact, impact = comparison.contact, comparison.first_impact
     names = ("effective_mass", "impact_speed", "peak_force", "max_penetration")
@@ -141,9 +146,8 @@ def conditions(comparison: LawRuns[LawRecording], looks: Looks) -> str:
         if lossless_laws and (top := peaks(comparison, lossless_laws))
         else ""
     )
-    return SEPARATOR.join(
-        filter(None, (hit, comparison.no_restitution, limits, stiffness, tolerance, without_e, *other_texts))
-    )
+    texts = (hit, comparison.no_restitution, limits, stiffness, tolerance, without_e, *other_texts)
+    return SEPARATOR.join(filter(None, (rest_of_headline(comparison) if is_small else "", *texts)))
 
 
 def draw_loops(axes: Axes, comparison: LawRuns[LawRecording], looks: Looks) -> None:
@@ -289,6 +293,19 @@ def dash_laws(*panels: Axes) -> None:
                 if line.get_zorder() > REFERENCE_LAYER and line.get_color() not in (GREY, INK)
             ],
         )
+
+
+def move_to_foot(figure: Figure, handles: Sequence[Any]) -> list[Any]:
+    """Explain the entries of a legend that are no lines of laws at the foot of a figure, if there is room.
+
+    These entries are the crosses and the grey band. The result has the entries that the legend then needs.
+    """
+    laws = [handle for handle in handles if isinstance(handle, Line2D) and handle.get_color() != GREY]
+    other_handles = [handle for handle in handles if handle not in laws]
+    marks = [
+        f"{'×' if isinstance(key, PathCollection) else 'grey'}: {key.get_label()}" for key in other_handles
+    ]
+    return laws if marks and write_foot(figure, "; ".join(marks)) else list(handles)
 
 
 def legend_handles(looks: Looks, *panels: Axes) -> list[Any]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -45,16 +46,19 @@ LEGEND_ABOVE: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0
 LEGEND_BESIDE: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
 # the space between two entries in a row of a legend, and between two rows, relative to the font size
 ENTRY_GAP, ROW_GAP = 0.8, 0.2
+MOST_GAP = 6.0  # the largest space that a legend in columns leaves at an entry, relative to the font size
 LOOKS = ("color", "facecolor", "linestyle", "marker")  # by which two entries with one label differ
 KEY = "key"  # the matplotlib identifier (gid) of artists whose entries come last in a legend above axes
 MARK = "above"  # the matplotlib identifier (gid) of a legend above its axes, by which the legend is found
 
 
-def legend_above(axes: Axes, handles: Sequence[Any] | None = None) -> None:
+def legend_above(
+    axes: Axes, handles: Sequence[Any] | None = None, texts: Mapping[str, str] = MappingProxyType({})
+) -> None:
     """Put a legend with one row above axes; ``fit_legends`` later breaks the row into rows that fit.
 
     ``handles`` are the artists that get an entry; by default all artists of the axes with a label. Without
-    such artists there is no legend.
+    such artists there is no legend. ``texts``: label → text of its entry, where it is not the label.
     """
     if handles is None:
         handles, _ = axes.get_legend_handles_labels()
@@ -62,7 +66,11 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None) -> None:
     ordered_handles = sorted(
         handles, key=lambda handle: isinstance(handle, Artist) and handle.get_gid() == KEY
     )
-    _add_legend(axes, [(handle, str(handle.get_label())) for handle in ordered_handles])
+    labels = [str(handle.get_label()) for handle in ordered_handles]
+    _add_legend(
+        axes,
+        [(handle, texts.get(label, label)) for handle, label in zip(ordered_handles, labels, strict=True)],
+    )
 
 
 def legend_beside(axes: Axes, handles: Sequence[Any]) -> Any:
@@ -107,7 +115,7 @@ def _legend_of_figure(figure: Figure, handles: Sequence[Any], **options: Any) ->
     handle_width = legend.get_window_extent().width - max(text.get_window_extent().width for text in texts)
     for text in texts:
         break_lines(text, room - handle_width)
-    _packed_rows(legend, room)
+    pack_rows(legend, room)
     return float(legend.get_window_extent().height / figure.bbox.height)
 
 
@@ -136,7 +144,7 @@ def fit_legends(figure: Figure, wanted_axes: Sequence[Axes] | None = None) -> bo
             known_legends |= entries
         earlier_size = legend.get_window_extent().size
         axes.apply_aspect()
-        _packed_rows(legend, axes.get_window_extent().width)
+        pack_rows(legend, axes.get_window_extent().width)
         is_changed |= not np.allclose(legend.get_window_extent().size, earlier_size)
     return is_changed
 
@@ -157,33 +165,64 @@ def _add_legend(axes: Axes, entries: Sequence[tuple[Any, str]]) -> None:
         axes.legend(handles, labels, ncols=len(entries), **LOOK, **LEGEND_ABOVE).set_gid(MARK)
 
 
-def _packed_rows(legend: Any, room: float) -> None:
-    """Arrange the entries of a legend in rows of similar lengths that fit into ``room``, a width [pixels].
+def pack_rows(legend: Any, room: float) -> None:
+    """Arrange the entries of a legend in as few rows as fit into ``room``, a width [pixels].
 
-    The entries of different rows are not aligned in columns, because one long entry would leave gaps in all
-    rows.
+    The entries are aligned in columns (``_columns``), unless this needs more rows, or a long entry would
+    leave gaps (MOST_GAP). Then the rows have similar lengths.
     """
     whole_box = legend.get_children()[0].get_children()[-1]
-    figure, entries = legend.get_figure(root=True), _entries(whole_box)
+    figure, order = legend.get_figure(root=True), {text: k for k, text in enumerate(legend.get_texts())}
+    entries = sorted(_entries(whole_box), key=lambda entry: order[_text_of(entry)])
     for entry, handle in zip(entries, legend.legend_handles, strict=True):
         if isinstance(handle, Line2D) and handle.get_linestyle() == handle.get_marker() == "None":
             # the entry is a heading of the next entries
             entry.get_children()[0].width = entry.sep = 0.0
     em = legend.get_texts()[0].get_fontsize()
-    widths, space = [entry.get_window_extent().width for entry in entries], ENTRY_GAP * em * figure.dpi / 72.0
+    boxes = [entry.get_window_extent() for entry in entries]
+    widths, space = [box.width for box in boxes], ENTRY_GAP * em * figure.dpi / 72.0
     room -= legend.get_window_extent().width - whole_box.get_window_extent().width
     rows = _rows(widths, space, room)
-    low, high = max(widths), room
-    for _ in range(HALVINGS if len(rows) > 1 else 0):
-        middle = 0.5 * (low + high)
-        tried_rows = _rows(widths, space, middle)
-        rows, low, high = (tried_rows, low, middle) if len(tried_rows) == len(rows) else (rows, middle, high)
-    lines: list[Any] = [
-        HPacker(sep=ENTRY_GAP * em, align="baseline", children=[entries[k] for k in row]) for row in rows
-    ]
-    block = VPacker(sep=ROW_GAP * em, children=lines)
+    # lines of text of different heights would not be aligned
+    is_even = np.ptp([box.height for box in boxes]) < 1.0
+    most_gap = MOST_GAP * em * figure.dpi / 72.0
+    columns = _columns(widths, space, room, len(rows), most_gap) if is_even and len(rows) > 1 else 0
+    if columns:
+        packed: list[Any] = [VPacker(sep=ROW_GAP * em, children=entries[k::columns]) for k in range(columns)]
+        block: Any = HPacker(sep=ENTRY_GAP * em, align="top", children=packed)
+    else:
+        low, high = max(widths), room
+        for _ in range(HALVINGS if len(rows) > 1 else 0):
+            middle = 0.5 * (low + high)
+            tried_rows = _rows(widths, space, middle)
+            rows, low, high = (
+                (tried_rows, low, middle) if len(tried_rows) == len(rows) else (rows, middle, high)
+            )
+        lines: list[Any] = [
+            HPacker(sep=ENTRY_GAP * em, align="baseline", children=[entries[k] for k in row]) for row in rows
+        ]
+        block = VPacker(sep=ROW_GAP * em, children=lines)
     block.set_figure(figure)
     whole_box.get_children()[:] = [block]
+
+
+def _text_of(entry: Any) -> Any:
+    """Return the text of an entry of a legend, from the box with its handle and its text."""
+    return entry.get_children()[1].get_children()[0]
+
+
+def _columns(widths: Sequence[float], space: float, room: float, most_rows: int, most_gap: float) -> int:
+    """Return the least number of columns in which entries have at most ``most_rows`` rows and fit; 0 if none.
+
+    The entries are in the columns one after the other, row by row. No entry may leave more than ``most_gap``
+    [pixels] free before the next column. ``widths``, ``space`` and ``room`` are as in ``_rows``.
+    """
+    for count in range(-(-len(widths) // most_rows), len(widths)):
+        columns = [widths[k::count] for k in range(count)]
+        largest_gap = max((max(column) - min(column) for column in columns[:-1]), default=0.0)
+        if sum(map(max, columns)) + space * (count - 1) <= room and largest_gap <= most_gap:
+            return count
+    return 0
 
 
 def _entries(box: Any) -> list[Any]:

@@ -9,11 +9,13 @@ from collections.abc import Callable, Sequence
 
 from matplotlib.text import Text
 
-# pattern of a space at which a line may end: a space that is not beside =, ≤ or ±, not after +, not beside
-# the "to" between two numbers, and not before a unit or a mark in brackets
+# pattern of a space at which a line may end: a space after a comma, a colon or a semicolon, or a space that
+# is not beside =, ≤ or ±, not after +, not beside the "to" between two numbers, and not before a number, e′,
+# a unit or a mark in brackets
 BREAKABLE_SPACE = re.compile(
+    r"(?<=[,:;]) |"
     r"(?<![=≤±+])(?<!\d to) "
-    r"(?![=≤±]|\((?:\+|dashed|outside)|to \d|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)"
+    r"(?![=≤±\d−]|e′|\((?:\+|\d|dashed|outside)|to \d|[kMGmµn]?(?:N|J|m|rad|s)\b|kg\b|%)"
 )
 SEPARATOR = "\u00a0\u00a0·\u00a0 "  # the text between two conditions of a run; lines end here if possible
 COMMA = ", "  # the text between two parts of a headline

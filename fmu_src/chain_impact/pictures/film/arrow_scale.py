@@ -12,14 +12,19 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import FancyArrowPatch
+from matplotlib.text import Text
 from matplotlib.ticker import EngFormatter
 from matplotlib.transforms import Bbox
 
-from chain_impact.pictures.drawing.style import force_text
-from chain_impact.pictures.film.scale_bar import ruler_parts
+from chain_impact.pictures.drawing.style import LOAD, force_text
+from chain_impact.pictures.film.scale_bar import NUMBER_SIZE, ruler_parts
 from chain_impact.recording.view import DECADES, LONGEST_ARROW
 
+FORCE = "#d9480f"  # the colour of wall forces in a film
+TITLE_MIDDLE = 0.94  # the middle of the height of a film's title, relative to the height of the figure
 SHORTEST_ARROW = 0.02  # the length of the shortest arrow, relative to the smaller side of the view
 # FIRST_MARK: the least distance of a mark from the left end of the ruler; MARK_GAP: the least distance of two
 # marks; both relative to the length of the ruler
@@ -39,6 +44,23 @@ def arrow_between(axes: Axes, foot: np.ndarray, head: np.ndarray, colour: str) -
     style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11.0 * size, "shrinkA": 0, "shrinkB": 0}
     (x, y), (head_x, head_y) = foot.tolist(), head.tolist()
     return FancyArrowPatch((x, y), (head_x, head_y), color=colour, linewidth=2.2 * size, **style)
+
+
+def draw_key(figure: Figure, title: Text, right: float) -> None:
+    """Draw the legend of the arrows beside the title of a film, in one column if the title is long.
+
+    ``right`` is the right end of the legend, relative to the width of the figure.
+    """
+    arrow: dict[str, Any] = {"marker": ">", "linewidth": 2.2, "markersize": 5}
+    kinds = {"wall forces": FORCE, "joint forces": LOAD}
+    handles = [Line2D([], [], color=colour, label=name, **arrow) for name, colour in kinds.items()]
+    look: dict[str, Any] = {"loc": "center right", "bbox_to_anchor": (right, TITLE_MIDDLE)}
+    look |= {"borderaxespad": 0.0, "fontsize": NUMBER_SIZE, "handlelength": 1.4, "labelspacing": 0.2}
+    key = figure.legend(handles=handles, ncols=2, columnspacing=1.0, **look)
+    box = title.get_window_extent()
+    if key.get_window_extent().x0 < box.x1 + box.height:
+        key.remove()
+        figure.legend(handles=handles, **look)
 
 
 class ArrowScale:

@@ -8,6 +8,7 @@ of an impact is visible.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,7 +23,9 @@ from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.pictures.drawing.dark_ground import TEXT_OUTLINE
 from chain_impact.pictures.drawing.distinct_curves import plot_curves
+from chain_impact.pictures.drawing.legends import pack_rows
 from chain_impact.pictures.drawing.style import INK, LOAD, PEAK_COLOUR, force_text, give_ticks, load_unit
+from chain_impact.pictures.film.arrow_scale import FORCE
 from chain_impact.pictures.film.scale_bar import NUMBER_SIZE
 from chain_impact.pictures.motion.motion import colour_of_time
 from chain_impact.pictures.over_time.energies import energy_curves
@@ -31,7 +34,6 @@ from chain_impact.pictures.texts.headline import HIT_IMPULSE, IMPULSE, impact_va
 from chain_impact.recording.interactions import SLIDER_STOP, WALL
 from chain_impact.recording.recording import Recording
 
-FORCE = "#d9480f"  # the colour of wall forces in a film
 # The room for the charts: left, bottom, width and height, relative to the size of the figure.
 CHARTS = (0.69, 0.12, 0.29, 0.6)
 # lengths relative to the axis of time
@@ -43,6 +45,8 @@ STRIP, STRIP_TOP_MARGIN = 0.13, 0.075
 # the opacity, from 0 to 1, of the veil over the time that the film has not yet shown: on white and on a dark
 # ground
 VEIL, DARK_VEIL = 0.75, 0.55
+LEFT_ROOM = 0.06  # the room for numbers and label left of the charts, relative to the width of the figure
+LEGEND_END = 0.99  # the right end of the legend of the energies, relative to the width of the figure
 FORCE_HEADROOM = 1.25  # the upper end of the axis of forces, relative to the largest force
 # COLOURED_PARTS: the number of parts, each with one colour, of the bar along the axis of time;
 # COLOURED_WIDTH: [points] the width of this bar
@@ -88,12 +92,28 @@ def draw_charts(
         mark_impacts(axes, recording)
         axes.set_xlim(*recording.time[[0, -1]])
         is_stretched = stretch(axes, times)
+    _clear_left(panels, left - LEFT_ROOM)
     texts = [_name_peak(panels[1], peak)] if has_strip else []
     colour_time(panels[-1], recording)
     panels[-1].set_xlabel("time [s], stretched in slow motion" if is_stretched else "time [s]")
     # at the ends of the axis the cursor would be clipped
     look: dict[str, Any] = {"color": INK, "linewidth": 1.0, "animated": True, "clip_on": False}
     return [axes.axvline(times[0], **look) for axes in panels], texts
+
+
+def _clear_left(panels: Sequence[Axes], edge: float) -> None:
+    """Move the left ends of charts to the right until no number or label is left of ``edge``.
+
+    ``edge`` is relative to the width of the figure. Without room, the chain would cover a label.
+    """
+    figure = panels[0].get_figure(root=True)
+    assert figure is not None
+    boxes = [axes.yaxis.get_tightbbox() for axes in panels]
+    first = min(box.x0 for box in boxes if box is not None)
+    if (lacking := edge - first / figure.bbox.width) > 0.0:
+        for axes in panels:
+            x0, y0, width, height = axes.get_position().bounds
+            axes.set_position((x0 + lacking, y0, width - lacking, height))
 
 
 def colour_time(axes: Axes, recording: Recording) -> None:
@@ -227,14 +247,24 @@ def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]
 
 
 def _name_peak(axes: Axes, peak: ChartPeak) -> Text:
-    """Write the value of a peak beside its position, on the side with more room, and return the text."""
+    """Write the value of a peak beside its position, on the side with more room, and return the text.
+
+    Where a curve or a line would cross the text, the text is above the position, and the axis reaches higher.
+    """
     text, position, colour = peak
     is_left = axes.transAxes.inverted().transform(axes.transData.transform(position))[0] > 0.5  # noqa: PLR2004
     look: dict[str, Any] = {"color": colour, "fontsize": NUMBER_SIZE, "va": "center"}
     look |= {"ha": "right" if is_left else "left", "textcoords": "offset points"}
-    # the curve and the lines at impacts must not cut the text; the cursor is above it
+    # lines at impacts must not cut the text; the cursor is above the text
     look |= {"animated": True, "path_effects": [withStroke(linewidth=TEXT_OUTLINE, foreground="white")]}
-    return axes.annotate(text, position, (-4.0 if is_left else 4.0, 0.0), **look)
+    label = axes.annotate(text, position, (-4.0 if is_left else 4.0, 0.0), **look)
+    box = label.get_window_extent()
+    paths = [line.get_transform().transform_path(line.get_path()) for line in axes.lines]
+    if any(path.intersects_bbox(box, filled=False) for path in paths):
+        height = axes.get_window_extent().height
+        axes.set_ylim(0.0, position[1] * height / (height - 1.2 * box.height))
+        label.set(va="bottom", position=(label.xyann[0], 1.0))
+    return label
 
 
 def _draw_energies(axes: Axes, recording: Recording, top: float) -> None:
@@ -243,10 +273,8 @@ def _draw_energies(axes: Axes, recording: Recording, top: float) -> None:
     axes.set_ylabel("energy [J]", fontsize=NUMBER_SIZE)
     position: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0)}
     short: dict[str, Any] = {"handlelength": 0.8, "handletextpad": 0.4}
-    for columns in (3, 2):
-        key = axes.legend(**position, ncols=columns, fontsize=NUMBER_SIZE, columnspacing=0.6, **short)
-        if key.get_window_extent().x1 <= axes.figure.bbox.x1:
-            break
+    key = axes.legend(**position, fontsize=NUMBER_SIZE, **short)
+    pack_rows(key, LEGEND_END * axes.figure.bbox.x1 - axes.get_window_extent().x0)
     # for a legend of many rows, the axes become lower, so that the legend does not touch the film's caption
     box = axes.get_position()
     height_above = (key.get_window_extent().y1 - top) / axes.figure.bbox.height

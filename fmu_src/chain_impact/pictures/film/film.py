@@ -28,9 +28,9 @@ from chain_impact.pictures.drawing.style import (
     force_text,
 )
 from chain_impact.pictures.film.arrow_numbers import Number, without_equals, write_numbers
-from chain_impact.pictures.film.arrow_scale import ArrowScale, arrow_between
+from chain_impact.pictures.film.arrow_scale import FORCE, TITLE_MIDDLE, ArrowScale, arrow_between, draw_key
 from chain_impact.pictures.film.caption import Caption
-from chain_impact.pictures.film.charts import FORCE, add_veil, draw_charts, largest_forces, largest_wall_force
+from chain_impact.pictures.film.charts import add_veil, draw_charts, largest_forces, largest_wall_force
 from chain_impact.pictures.film.film_layout import SIZE_WITH_CHARTS, layout_for
 from chain_impact.pictures.film.impact_rings import ImpactRings
 from chain_impact.pictures.film.scale_bar import NUMBER_SIZE, draw_scale_bar
@@ -106,7 +106,9 @@ class Film:
         framing = film_view(positions_of(recording), recording.walls, radius, pinned=recording.pinned)
         layout = layout_for(figure, framing[0], is_wide=is_wide, has_charts=self.tells_energies)
         self.scene, sizes = figure.add_axes(layout.scene), (13, 15) if is_wide else (10, 10)
-        figure.text(layout.scene[0], 0.94, recording.name, fontsize=sizes[0], fontweight="bold", va="center")
+        title = figure.text(
+            layout.scene[0], TITLE_MIDDLE, recording.name, fontsize=sizes[0], fontweight="bold", va="center"
+        )
         artist_style: dict[str, Any] = {"animated": True, "va": "center"}
         self.clock = figure.text(*layout.clock, "", fontsize=sizes[1], fontweight="bold", **artist_style)
         self.rate = figure.text(*layout.rate, "", fontsize=10, **artist_style)
@@ -142,7 +144,7 @@ class Film:
         if peak > 0.0:
             self.scale.draw(self.scene, SCALE, MUTED)
         if self.joint_forces:
-            self._draw_key(figure, 0.99 if not is_wide else layout.scene[0] + layout.scene[2])
+            draw_key(figure, title, 0.99 if not is_wide else layout.scene[0] + layout.scene[2])
         self._suit(figure)
 
     def _add_bodies(self, radius: float) -> None:
@@ -167,20 +169,6 @@ class Film:
     def _frame_values(self, vectors: np.ndarray) -> np.ndarray:
         """Return vectors at the times of the frames, shape (F, 2), interpolated between rows, (T, 2)."""
         return np.stack([np.interp(self.times, self.recording.time, part) for part in vectors.T], axis=-1)
-
-    def _draw_key(self, figure: Figure, right: float) -> None:
-        """Draw the legend of the arrows; its right end is at the part ``right`` of the figure's width."""
-        arrow: dict[str, Any] = {"marker": ">", "linewidth": 2.2, "markersize": 5}
-        kinds = {"wall forces": FORCE, "joint forces": LOAD}
-        position: dict[str, Any] = {
-            "loc": "center right",
-            "bbox_to_anchor": (right, 0.94),
-            "borderaxespad": 0.0,
-        }
-        handles = [Line2D([], [], color=colour, label=name, **arrow) for name, colour in kinds.items()]
-        figure.legend(
-            handles=handles, ncols=2, fontsize=NUMBER_SIZE, handlelength=1.4, columnspacing=1.0, **position
-        )
 
     def _draw_ground(self, view: np.ndarray, anchor: np.ndarray) -> None:
         pinned = self.recording.pinned
