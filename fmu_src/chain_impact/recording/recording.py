@@ -24,6 +24,7 @@ from chain_impact.recording.interactions import (
 )
 from chain_impact.recording.joint_stops import JointRange, is_joint_stop
 from chain_impact.recording.older_names import OlderNames
+from chain_impact.recording.recorded_attributes import RecordedAttributes
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES
 from chain_impact.recording.tables import save_columns, save_impacts
@@ -35,48 +36,15 @@ from chain_impact.text import count_text
 from chain_impact.variables.hints import output_hint
 
 
-class Recording(OlderNames):
+class Recording(RecordedAttributes, OlderNames):
     """A simulation over time, of a scene or of an FMU: a ``Result``, or stored data.
 
     The call ``Recording(name, time, columns, …)`` makes a recording that stores its arguments: the attributes
-    below, in this order or by name. Attributes that are left out are empty.
-
-    Attributes:
-        name: the name of the scene, of the FMU or of the file.
-        time: the times of the rows, which are communication points, shape (T,) [s].
-        columns: name of a variable of the FMU → its values, shape (T,).
-        impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``; for an FMU, the impacts in
-            its outputs.
-        walls: name of a wall → its free side, without the displacement that inputs may give.
-        wall_names: the names of walls and stops; ``impacts`` and ``stick_slip`` have indices into this list.
-        parameters: name of a parameter of the FMU → its value at the start; for an enumeration, the name of
-            the choice. Empty if the values are unknown.
-        sensitivities: the derivatives that were asked for, or None.
-        stops: joint → its range, for the joints with stops.
-        point_names: number of a point → its name, for points with names.
-        stop_law: the contact law of the stops if the scene gives `stops.model`; "" if the scene gives none,
-            or if the law is unknown, as for an FMU.
-        stick_slip: the phases of dry friction, see ``STICK_SLIP_DTYPE``; for an FMU, their times are accurate
-            to a communication step.
-        inputs: the names of the inputs that have no column.
+    of ``RecordedAttributes``, in this order or by name. Attributes that are left out are empty.
     """
 
     __eq__ = have_equal_fields
     __hash__ = None  # type: ignore[assignment]
-
-    name: str
-    time: np.ndarray
-    columns: Mapping[str, np.ndarray]
-    impacts: np.ndarray
-    walls: Mapping[str, HalfPlane]
-    wall_names: tuple[str, ...]
-    parameters: Mapping[str, Any]
-    sensitivities: Sensitivities | None
-    stops: Mapping[int, JointRange]
-    point_names: Mapping[int, str]
-    stop_law: str
-    stick_slip: np.ndarray
-    inputs: tuple[str, ...] = ()
 
     def __new__(cls, *_arguments: Any, **_named: Any) -> Self:
         """Return a new recording: a ``StoredRecording`` if the class ``Recording`` itself is called."""
@@ -382,11 +350,12 @@ class Recording(OlderNames):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class StoredRecording(Recording):
-    """A recording that stores the attributes of ``Recording``, as for an FMU or a file."""
+    """A recording that stores the attributes of ``RecordedAttributes``, as for an FMU or a file."""
 
-    name: str
-    time: np.ndarray
-    columns: Mapping[str, np.ndarray]
+    # a required attribute has ``field()``, because a dataclass takes an inherited attribute for a default
+    name: str = field()
+    time: np.ndarray = field()
+    columns: Mapping[str, np.ndarray] = field()
     impacts: np.ndarray = field(default_factory=lambda: NO_IMPACTS)
     walls: Mapping[str, HalfPlane] = field(default_factory=dict)
     wall_names: tuple[str, ...] = ()

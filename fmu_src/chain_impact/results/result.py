@@ -1,9 +1,5 @@
 """The result of a simulation."""
 
-# The type checker mypy refuses a property that overrides an attribute, because an attribute can also be
-# written. Attributes of a recording are only read, so this error is switched off:
-# mypy: disable-error-code="override"
-
 from __future__ import annotations
 
 import warnings
@@ -74,9 +70,10 @@ class Result(PrintedResult, SceneRecording):
     """
 
     prepared_scene: PreparedScene
-    time: np.ndarray
-    outputs: np.ndarray
-    impacts: np.ndarray
+    # ``field()``: a dataclass would take the inherited attribute for a default
+    time: np.ndarray = field()
+    outputs: np.ndarray = field()
+    impacts: np.ndarray = field()
     _: KW_ONLY
     statistics: dict[str, int]
     sensitivities: Sensitivities | None = None
