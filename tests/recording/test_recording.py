@@ -1,5 +1,7 @@
 """Recordings: conversion of columns to numbers and back, and files of both."""
 
+# Tests: recording/recorded_attributes.py
+
 import csv
 
 import numpy as np
