@@ -95,6 +95,16 @@ class PictureChoice:
     curves: Sequence[str] = ()
     impact: int | None = None
 
+    @classmethod
+    def chosen_in(cls, options: argparse.Namespace) -> PictureChoice:
+        """Return the choice that the options of ``_add_derivatives`` and ``_add_picture`` make."""
+        return cls(names_in(*options.sensitivity), options.rank, names_in(*options.curves), options.around)
+
+    @property
+    def is_motion(self) -> bool:
+        """Whether the picture has the motion, energies and impacts."""
+        return not (self.curves or self.sensitivities)
+
     def check(self, *, is_drawn: bool) -> None:
         """Refuse options that do not fit together.
 
@@ -111,6 +121,41 @@ class PictureChoice:
             raise UsageError(
                 f"--around {self.impact}: only curves are drawn around an impact; give --curves NAMES too"
             )
+
+    def draw(self, canvas: Canvas, recording: Recording, source: Source) -> None:
+        """Draw curves, derivatives or the motion of ``recording``, a run of ``source``.
+
+        Print a hint if the largest peak of curves looks like a line.
+
+        Raises:
+            SceneError: when there is no output of a name in ``curves``.
+            UsageError: when the curves cannot be made or drawn for another reason, such as too many units,
+                too many outputs of a unit, or too little room.
+        """
+        from chain_impact.pictures import curves_picture, narrow_peak, overview_picture, sensitivities_picture
+
+        if self.is_motion:
+            canvas.draw(overview_picture(recording, size=canvas.size))
+            return
+        if not self.curves:
+            canvas.draw(sensitivities_picture(recording))
+            return
+        curves = self._curves_in(recording, source)
+        try:
+            canvas.draw(curves_picture(recording, curves))
+        except ValueError as error:
+            raise UsageError(str(error)) from None
+        if number := narrow_peak(recording, curves):
+            say(f"hint     the largest peak looks like a line; --around {number} shows impact {number}")
+
+    def _curves_in(self, recording: Recording, source: Source) -> Curves:
+        """Return the curves of a recording of ``source``; raise errors as ``draw`` does."""
+        try:
+            if isinstance(recording, Result):
+                return recording.curves(self.curves, self.impact)
+            return curves_of(recording, self.curves, source.units(), around=self.impact)
+        except ValueError as error:
+            raise error if isinstance(error, RefusalError) else UsageError(str(error)) from None
 
 
 MOTION_PICTURE = PictureChoice()
@@ -208,9 +253,7 @@ def run(options: argparse.Namespace) -> int:
     simulate_and_tell(
         Source(options.source, options.set, inputs_of(options)),
         Canvas(options.plot, options.size, window),
-        PictureChoice(
-            names_in(*options.sensitivity), options.rank, names_in(*options.curves), options.around
-        ),
+        PictureChoice.chosen_in(options),
         csv=options.csv,
         columns=names_in(*options.columns),
         impacts=options.impacts,
@@ -286,11 +329,9 @@ def simulate_and_tell(
         say(f"impacts  {impacts}")
     if ranking:
         canvas.draw(ranking)
-    elif choice.curves:
-        draw_curves(canvas, recording, curves_in(recording, source, choice))
     elif canvas:
-        shown_recording = recording if sensitivities or fault else source.with_enough_rows(recording)
-        draw(canvas, shown_recording, has_derivatives=bool(sensitivities))
+        has_whole_motion = choice.is_motion and not fault
+        choice.draw(canvas, source.with_enough_rows(recording) if has_whole_motion else recording, source)
     show(with_screen_tables(ranking.parts()) if ranking else summary(recording))
     if tighter_source:
         say(f"check    {difference_text(tighter_source.differences(recording))}")
@@ -298,46 +339,6 @@ def simulate_and_tell(
         show(sensitivity_tables(recording))
     if fault:
         raise fault
-
-
-def draw(canvas: Canvas, recording: Recording, *, has_derivatives: bool) -> None:
-    """Draw the derivatives of a recording or, if ``has_derivatives`` is false, motion, energies, impacts."""
-    from chain_impact.pictures import overview_picture, sensitivities_picture
-
-    if has_derivatives:
-        canvas.draw(sensitivities_picture(recording))
-    else:
-        canvas.draw(overview_picture(recording, size=canvas.size))
-
-
-def curves_in(recording: Recording, source: Source, choice: PictureChoice) -> Curves:
-    """Return the curves of the outputs ``choice.curves`` in a recording of ``source``.
-
-    Raises:
-        SceneError: when there is no such output.
-        UsageError: when the curves cannot be made for another reason.
-    """
-    try:
-        if isinstance(recording, Result):
-            return recording.curves(choice.curves, choice.impact)
-        return curves_of(recording, choice.curves, source.units(), around=choice.impact)
-    except ValueError as error:
-        raise error if isinstance(error, RefusalError) else UsageError(str(error)) from None
-
-
-def draw_curves(canvas: Canvas, recording: Recording, curves: Curves) -> None:
-    """Draw curves, and print a hint if the largest peak looks like a line.
-
-    Too many units, too many outputs of a unit, or too little room raise a UsageError.
-    """
-    from chain_impact.pictures import curves_picture, narrow_peak
-
-    try:
-        canvas.draw(curves_picture(recording, curves))
-    except ValueError as error:
-        raise UsageError(str(error)) from None
-    if number := narrow_peak(recording, curves):
-        say(f"hint     the largest peak looks like a line; --around {number} shows impact {number}")
 
 
 def difference_text(differences: Differences) -> str:
