@@ -255,9 +255,9 @@ def row(
     return tuple(kinds)
 
 
-def input_row(text: str, *, field: str) -> tuple[VariableKind, ...]:
-    """Return the kinds of a row of inputs, which get name and unit from ``names`` of ``record_block``."""
-    return row("", "", text, field=field)
+def input_row(name: str, text: str, *, field: str) -> tuple[VariableKind, ...]:
+    """Return the kinds of a row of inputs, which get their unit from ``units`` of ``record_block``."""
+    return row(name, "", text, field=field)
 
 
 def record_block(
@@ -265,7 +265,7 @@ def record_block(
     owner_kind: str,
     prefix: str,
     *rows: tuple[VariableKind, ...],
-    names: Mapping[str, str] = MappingProxyType({}),
+    units: Mapping[str, str] = MappingProxyType({}),
     array: bool = False,
     **extras: Any,
 ) -> Block:
@@ -277,15 +277,13 @@ def record_block(
         prefix: the first part of the names.
         rows: the rows. {at}, the index of the owner, is appended to the path of a field that has neither {at}
             nor {next}, unless ``owner_kind`` is "one" or "slider".
-        names: whole name → unit of inputs: kind k has the k-th name that begins with ``prefix``.
+        units: whole name → unit, for each row of inputs.
         array: whether the values of all owners form an array with the name <owner_kind>.<name in the row>.
         extras: attributes that all kinds have, and further arguments of ``block``.
     """
     kinds = [kind for kinds_of_row in rows for kind in kinds_of_row]
-    if names:
-        head = f"{prefix}."
-        units = {name.removeprefix(head): unit for name, unit in names.items() if name.startswith(head)}
-        kinds = [replace(kinds[k], name=name, unit=unit) for k, (name, unit) in enumerate(units.items())]
+    if units:
+        kinds = [replace(kind, unit=units[f"{prefix}.{kind.name}"]) for kind in kinds]
     has_no_index = owner_kind in ("one", "slider")
     for k, kind in enumerate(kinds):
         steps = (part, *kind.record_path)
