@@ -41,8 +41,8 @@ def how_to_install(extra_name: str) -> str:
     origin = json.loads(distribution("chain-impact").read_text("direct_url.json") or "{}")
     url = origin.get("url", "")
     if url.startswith("file:"):
-        wanted_package = f"{url2pathname(urlsplit(url).path)}[{extra_name}]"
+        package_text = f"{url2pathname(urlsplit(url).path)}[{extra_name}]"
     else:
         prefix = f"{origin['vcs_info']['vcs']}+" if "vcs_info" in origin else ""
-        wanted_package = f"chain-impact[{extra_name}]" + (f" @ {prefix}{url}" if url else "")
-    return f"{quoted_word(sys.executable)} -m pip install {quoted_word(wanted_package)}"
+        package_text = f"chain-impact[{extra_name}]" + (f" @ {prefix}{url}" if url else "")
+    return f"{quoted_word(sys.executable)} -m pip install {quoted_word(package_text)}"

@@ -121,10 +121,10 @@ HOST = _host(SYSTEM, _machine(), struct.calcsize("P"))
 
 def no_kernel_sentence() -> str:
     """Return the sentence, with a remedy, for a platform on which kernels do not exist."""
-    platforms = "Linux (x86-64, ARM), Windows (x86-64) and macOS, with a Python of 64 bits"
+    platforms_text = "Linux (x86-64, ARM), Windows (x86-64) and macOS, with a Python of 64 bits"
     return (
-        f"chain-impact runs on {platforms}, not on {platform.platform()} ({sysconfig.get_platform()}): use "
-        "such a machine, or a container or a virtual machine for one of them"
+        f"chain-impact runs on {platforms_text}, not on {platform.platform()} ({sysconfig.get_platform()}): "
+        "use such a machine, or a container or a virtual machine for one of them"
     )
 
 

@@ -100,8 +100,8 @@ def _platforms(text: str) -> tuple[str, ...]:
     names = tuple(text.split(","))
     for name in names:
         if name not in PLATFORMS and text != "all":
-            known_platforms = ", ".join(PLATFORMS)
+            platforms_text = ", ".join(PLATFORMS)
             raise argparse.ArgumentTypeError(
-                f"{name!r} is not a platform; must be of {known_platforms}, or all"
+                f"{name!r} is not a platform; must be of {platforms_text}, or all"
             )
     return names

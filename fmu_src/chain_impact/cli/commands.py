@@ -157,10 +157,10 @@ class Parser(argparse.ArgumentParser):
         # names are compared without dashes, because dashes would make all short names similar
         long_names = [name[2:] for name in self._option_string_actions if name.startswith("--")]
         near_option = nearest_name(option.strip("-"), long_names)
-        verbs = ", ".join(self.verbs_by_option.get(option, ()))
+        verbs_text = ", ".join(self.verbs_by_option.get(option, ()))
         hint = (
-            f"; it belongs to {verbs}"
-            if verbs
+            f"; it belongs to {verbs_text}"
+            if verbs_text
             else f"; the nearest is --{near_option}"
             if near_option
             else ""
@@ -185,20 +185,20 @@ class Parser(argparse.ArgumentParser):
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the whole command line, with VERBS."""
-    purpose = "Simulate planar chains that hit walls, study their impacts, and make FMUs of them."
-    main_parser = Parser(prog="chain-impact", description=purpose)
+    purpose_text = "Simulate planar chains that hit walls, study their impacts, and make FMUs of them."
+    main_parser = Parser(prog="chain-impact", description=purpose_text)
     main_parser.set_defaults(run=None, only_prints=False, valued=())
     main_parser.add_argument("--version", action="version", version=f"chain-impact {version('chain-impact')}")
     verbs = main_parser.add_subparsers(metavar="COMMAND")
     for verb in VERBS:
         verb.add(verbs)
     for command in verbs.choices.values():
-        quiet_help = argparse.SUPPRESS if command.get_default("only_prints") else "print nothing but errors"
+        quiet_text = argparse.SUPPRESS if command.get_default("only_prints") else "print nothing but errors"
         free_actions = (
             action for action in command._actions if action.nargs is None and action.choices is None
         )
         command.set_defaults(valued=[name for action in free_actions for name in action.option_strings])
-        command.add_argument("-q", "--quiet", action="store_true", help=quiet_help)
+        command.add_argument("-q", "--quiet", action="store_true", help=quiet_text)
     verbs_of_options: dict[str, list[str]] = {}
     for name, command in verbs.choices.items():
         command.verbs_by_option = verbs_of_options

@@ -95,8 +95,8 @@ def _as_set(value: object) -> object:
     """Return a value of a scene in a form whose text ``--set`` accepts."""
     if isinstance(value, bool):
         return str(value).lower()
-    if isinstance(value, float) and "e" in (short := f"{value:g}") and float(short) == value:
-        return short
+    if isinstance(value, float) and "e" in (short_text := f"{value:g}") and float(short_text) == value:
+        return short_text
     return list(value) if isinstance(value, tuple) else value
 
 

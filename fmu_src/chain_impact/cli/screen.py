@@ -104,11 +104,11 @@ def variable_lines(variables: Iterable[Any], width: int) -> Iterator[str]:
     widths = [max(map(len, column)) for column in list(zip(*rows, strict=True))[:-1]]
     for *cells, description in rows:
         meaning, *codes = CODES.split(description)
-        start = "  ".join(f"{cell:{room}}" for cell, room in zip(cells, widths, strict=True))
-        if len(start) + 2 + len(meaning) <= width:
-            yield f"{start}  {meaning}".rstrip()
+        cells_text = "  ".join(f"{cell:{room}}" for cell, room in zip(cells, widths, strict=True))
+        if len(cells_text) + 2 + len(meaning) <= width:
+            yield f"{cells_text}  {meaning}".rstrip()
         else:
-            yield start.rstrip()
+            yield cells_text.rstrip()
             yield from indented_lines(meaning, width, 4)
         for code in codes:
             yield from indented_lines(code, width, 6, hanging=3)
@@ -163,12 +163,12 @@ def meanings(recording: Recording) -> Iterator[str]:
     hit = {recording.wall_names[row["wall"]] for row in hits}
     if hit:
         last, has_points = recording.link_count, max(row["point"] for row in hits) > recording.link_count
-        ends = "0 is the first end of the chain, 1 the end of its first link, and so on"
+        ends_text = "0 is the first end of the chain, 1 the end of its first link, and so on"
         if last == 1:
-            ends = "0 is the first end of the link, 1 its other end"
+            ends_text = "0 is the first end of the link, 1 its other end"
         elif has_points:
-            ends += f" to {last}"
-        yield f"point    {ends}" + (f"; {site_numbers(recording)}" if has_points else "")
+            ends_text += f" to {last}"
+        yield f"point    {ends_text}" + (f"; {site_numbers(recording)}" if has_points else "")
     sides = [f"{wall} is the {side}" for wall, side in SIDES.items() if wall in hit]
     for name, wall in recording.walls.items():
         if name in hit and name not in SIDES:
@@ -234,8 +234,8 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
     ]
     head = ("#", "onset, ms", *(f"{word}, %" for word in CHANGE_COLUMNS.values()))
     for k, parameter in enumerate(sensitivities.parameters):
-        change = f"{parameter} + {sensitivities.step_text(parameter)}"
-        yield headline(f"Change of the impacts for {change}")
+        change_text = f"{parameter} + {sensitivities.step_text(parameter)}"
+        yield headline(f"Change of the impacts for {change_text}")
         table = table_of(head, head[1:])
         for row in range(len(sensitivities.impacts)):
             cells = (column[row, k] for column in columns)

@@ -275,13 +275,13 @@ def open_window() -> Figure:
     from matplotlib import pyplot
 
     try:
-        page = pyplot.figure(figsize=(12, 6.5), layout="constrained")
+        figure = pyplot.figure(figsize=(12, 6.5), layout="constrained")
     # the environment variable MPLBACKEND names a backend of matplotlib that is not installed
     except ImportError as error:
         raise RunError(f"--show: {error}") from None
-    if page.canvas.required_interactive_framework is None:
+    if figure.canvas.required_interactive_framework is None:
         raise RunError("--show: there is no display, or no window toolkit for matplotlib; use --plot FILE")
-    return page
+    return figure
 
 
 def simulate_and_tell(
@@ -343,9 +343,14 @@ def simulate_and_tell(
 
 def difference_text(differences: Differences) -> str:
     """Return the text that ``--check`` prints: the largest differences of points [m] and onsets [s]."""
-    points = f"points by at most {differences.position:.1e} m ({differences.point} at {differences.time:g} s)"
-    onsets = f"onsets by at most {differences.onset:.1e} s ({count_text(differences.impacts, 'impact')}) and "
-    parted = (
+    points_text = (
+        f"points by at most {differences.position:.1e} m ({differences.point} at {differences.time:g} s)"
+    )
+    onsets_text = (
+        f"onsets by at most {differences.onset:.1e} s ({count_text(differences.impacts, 'impact')}) and "
+    )
+    parted_text = (
         f"; from {differences.end:.6f} s on, the two runs have other impacts" if differences.parted else ""
     )
-    return f"a tenth of the tolerance moves {onsets if differences.impacts else ''}{points}{parted}"
+    moved_text = f"{onsets_text if differences.impacts else ''}{points_text}"
+    return f"a tenth of the tolerance moves {moved_text}{parted_text}"

@@ -90,10 +90,10 @@ def library_name(scope: KernelScope, platform: str, law: str = "", library_kind:
     """
     suffix = PLATFORMS[platform].suffix
     if isinstance(scope, tuple):
-        size = "_".join(map(str, scope))
+        size_text = "_".join(map(str, scope))
     else:
-        size = scope.value if isinstance(scope, AnyLinks) else str(scope)
-    return "-".join(filter(None, (library_kind, size, law, platform))) + suffix
+        size_text = scope.value if isinstance(scope, AnyLinks) else str(scope)
+    return "-".join(filter(None, (library_kind, size_text, law, platform))) + suffix
 
 
 def find(name: str) -> Path | None:

@@ -108,7 +108,7 @@ class _Merger:
         found_data: Mapping[str, Any],
         choices: ConversionChoices,
     ) -> None:
-        self.scene, self.written_result, self.found = scene, written_data, found_data
+        self.scene, self.written_data, self.found_data = scene, written_data, found_data
         self.changed: list[str] = []
         self.lost: list[str] = []
         self.missing: list[str] = []
@@ -126,15 +126,15 @@ class _Merger:
         """Return the data of the merged scene, and fill ``changed``, ``lost`` and ``missing``."""
         own_data = scene_to_dict(self.scene)
         data: dict[str, Any] = self._merge_value(
-            "", *map(_mergeable_data, (own_data, self.written_result, self.found))
+            "", *map(_mergeable_data, (own_data, self.written_data, self.found_data))
         )
-        if self.found["chain"]["base"] != "slider":
+        if self.found_data["chain"]["base"] != "slider":
             data["chain"].pop("slider", None)
         data["walls"] = list(data["walls"].values())
         data["contact"] = self._contact(own_data["contact"])
-        data["chain"]["links"], contact_links = self._links(own_data["chain"]["links"])
-        if contact_links is not None:
-            data["contact"]["points"] = contact_links
+        data["chain"]["links"], contact_points = self._links(own_data["chain"]["links"])
+        if contact_points is not None:
+            data["contact"]["points"] = contact_points
         if self.turned and data.pop("signals", None):
             self.lost.append("signals")
         if not self.alike and data["outputs"].pop("sensitivities", None):
@@ -215,7 +215,7 @@ class _Merger:
         A coefficient that the file's elements change is written to the wall's table in ``contact.wall``. The
         table of a wall that the file lacks is left out.
         """
-        written_frictions, found_frictions = _frictions(self.written_result), _frictions(self.found)
+        written_frictions, found_frictions = _frictions(self.written_data), _frictions(self.found_data)
         removed_names = written_frictions.keys() - found_frictions.keys()
         walls = {
             name: dict(table) for name, table in own_data.get("wall", {}).items() if name not in removed_names
@@ -235,7 +235,7 @@ class _Merger:
         The second result is None if the file's elements have the same lengths and points as those written for
         the scene: then ``contact.points`` of the scene holds. ``own_links`` are the scene's tables of links.
         """
-        written_links, found_links = (data["chain"]["links"] for data in (self.written_result, self.found))
+        written_links, found_links = (data["chain"]["links"] for data in (self.written_data, self.found_data))
         points = [link.get("points", []) for link in found_links]
         if self.alike:
             links_without_points = [
@@ -246,25 +246,25 @@ class _Merger:
             same = [
                 _are_equal(
                     [written_link["length"], written_link.get("points", [])],
-                    [found_link["length"], point_pairs],
+                    [found_link["length"], point_tables],
                 )
-                for written_link, found_link, point_pairs in zip(
+                for written_link, found_link, point_tables in zip(
                     written_links, found_links, points, strict=True
                 )
             ]
         else:
             self.changed.append("chain.links")
             links, same = [_without_keys(link, BODY) for link in found_links], [False] * len(found_links)
-        contact_links = set[int]()
+        contact_points = set[int]()
         for i, (link, tables) in enumerate(zip(links, points, strict=True)):
             own_points, ends = self._points(i, tables, link["length"])
-            contact_links |= ends
+            contact_points |= ends
             if same[i]:
                 link |= {key: own_links[i][key] for key in BODY if key in own_links[i]}
             elif own_points or self.alike:
                 link |= {"points": own_points}
                 self.changed.append(f"link[{i + 1}].points")
-        return links, None if all(same) else sorted(contact_links)
+        return links, None if all(same) else sorted(contact_points)
 
     def _points(
         self, i: int, tables: Sequence[dict[str, Any]], length: float
@@ -282,7 +282,7 @@ class _Merger:
         first = len(self.scene.chain.links) + 1
         points_before = {
             self.numbers.get(table.get("name", ""), -1): table
-            for link in self.written_result["chain"]["links"]
+            for link in self.written_data["chain"]["links"]
             for table in link.get("points", [])
         }
         for table in tables:

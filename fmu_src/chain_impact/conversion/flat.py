@@ -88,10 +88,10 @@ def _chosen_axes(axis: np.ndarray, directions: str, source: str) -> tuple[np.nda
         raise SceneError(allowed_text, argument="plane", value=directions)
     x, y = (axes[name] for name in names)
     if abs(np.dot(x, y)) > PARALLEL_ANGLE or max(abs(np.dot(x, axis)), abs(np.dot(y, axis))) > PARALLEL_ANGLE:
-        turning = " ".join(f"{part:.4g}" for part in _without_round_off(axis))
+        axis_text = " ".join(f"{part:.4g}" for part in _without_round_off(axis))
         raise SceneError(
             ": x and y must be at right angles to each other and to the axes of the joints, which point "
-            f"along ({turning})",
+            f"along ({axis_text})",
             source=source,
             argument="plane",
             value=directions,

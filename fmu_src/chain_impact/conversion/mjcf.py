@@ -81,8 +81,8 @@ def _start(mujoco: Any, model: Any, keyframe: str | None, source: str) -> tuple[
     names = [model.key(k).name or f"{k}" for k in range(model.nkey)]
     wanted_name = (names[0] if names else NO_KEYFRAME) if keyframe is None else keyframe
     if wanted_name != NO_KEYFRAME and wanted_name not in names:
-        keyframe_list = f"keyframes: {', '.join([*names, NO_KEYFRAME])}"
-        raise UnknownNameError(source, wanted_name, names, "not a keyframe", otherwise=keyframe_list)
+        keyframes_text = f"keyframes: {', '.join([*names, NO_KEYFRAME])}"
+        raise UnknownNameError(source, wanted_name, names, "not a keyframe", otherwise=keyframes_text)
     data = mujoco.MjData(model)
     if wanted_name in names:
         mujoco.mj_resetDataKeyframe(model, data, names.index(wanted_name))
@@ -233,8 +233,8 @@ class _Reader:
         kinds = {"sensor": model.nsensor, "camera": model.ncam, "light": model.nlight, "skin": model.nskin}
         counts = Counter({kind: count for kind, count in kinds.items() if count})
         if counts:
-            element_counts = ", ".join(count_text(count, kind) for kind, count in counts.items())
-            yield Difference(kind=element_counts, text="not in the scene", effect=SceneAspect.NONE)
+            counts_text = ", ".join(count_text(count, kind) for kind, count in counts.items())
+            yield Difference(kind=counts_text, text="not in the scene", effect=SceneAspect.NONE)
 
     def _axes(self, quaternion: np.ndarray) -> np.ndarray:
         """Return the rotation matrix of a quaternion, shape (3, 3)."""

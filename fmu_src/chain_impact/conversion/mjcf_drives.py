@@ -328,8 +328,8 @@ class ActuatorReader:
         """
         unit = "m" if joint.kind == "slide" else "rad"
         if joint.stiffness > 0.0:
-            way = f"{limit / stiffness:.3g} {unit}"
-            text = f"the limit of its drives also limits its spring and damper, from {way} on"
+            way_text = f"{limit / stiffness:.3g} {unit}"
+            text = f"the limit of its drives also limits its spring and damper, from {way_text} on"
             self._tell_joint(joint, text, SceneAspect.LATER_MOTION)
         elif joint.damping > 0.0:
             speed = limit / damping

@@ -148,5 +148,5 @@ def _compile_without(spec: Any, massless_parts: list[tuple[Any, str]]) -> Any:
     except ValueError as error:
         if not massless_parts or "mass" not in str(error):
             raise
-        meshes = ", ".join(dict.fromkeys(mesh for _, mesh in massless_parts))
-        raise ValueError(f"a body has no mass but that of absent meshes: {meshes}") from None
+        meshes_text = ", ".join(dict.fromkeys(mesh for _, mesh in massless_parts))
+        raise ValueError(f"a body has no mass but that of absent meshes: {meshes_text}") from None

@@ -223,8 +223,8 @@ def _differences(scene: Scene) -> Iterator[str]:
 def _left_out(scene: Scene) -> Iterator[str]:
     """Yield a line for each feature of the scene that MuJoCo does not have."""
     if scene.half_planes and _radii(scene):
-        law = f"contact.model = {scene.contact.model}, stiffness, exponent and restitution"
-        yield f"{law}: MuJoCo has a soft contact of its own, solref and solimp"
+        law_text = f"contact.model = {scene.contact.model}, stiffness, exponent and restitution"
+        yield f"{law_text}: MuJoCo has a soft contact of its own, solref and solimp"
         walls = scene.contact.wall.values()
         if any([scene.contact.static_friction, *(wall.static_friction for wall in walls)]):
             yield "static_friction: MuJoCo has one coefficient"

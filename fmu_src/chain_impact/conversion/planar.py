@@ -229,8 +229,8 @@ class _Conversion:
                 ends.setdefault(name, self._relative_to_hinge(hinge, b, point))
         tip = self.choices.tip
         if tip is not None and tip not in ends:
-            names = f"its frames: {', '.join(ends)}"
-            raise UnknownNameError(self.source, tip, ends, "not a frame of the last link", otherwise=names)
+            text, frames_text = "not a frame of the last link", f"its frames: {', '.join(ends)}"
+            raise UnknownNameError(self.source, tip, ends, text, otherwise=frames_text)
         reach = {name: float(np.linalg.norm(position)) for name, position in ends.items()}
         name = max(ends, key=reach.__getitem__) if tip is None else tip
         if tip is not None or reach[name] > ZERO_LENGTH:
@@ -251,8 +251,8 @@ class _Conversion:
             outer = self.hinges[i + 1].joint.name
             raise NoChainError(f"{self.source}: joints {name} and {outer} have the same axis", [name, outer])
         bodies = [self.robot.bodies[b] for b in self.parts[i]]
-        massless = "" if any(body.mass for body in bodies) else f"; {bodies[0].name} has no mass in the file"
-        reason = f"its centre of mass and its frames are on the axis of joint {name}{massless}"
+        mass_text = f"; {bodies[0].name} has no mass in the file" * (not any(body.mass for body in bodies))
+        reason = f"its centre of mass and its frames are on the axis of joint {name}{mass_text}"
         raise NoChainError(f"{self.source}: the last link has no length: {reason}", [name])
 
     def _relative_to_hinge(self, hinge: MovingJoint, b: int, point: np.ndarray) -> np.ndarray:
@@ -337,20 +337,20 @@ class _Conversion:
 
     def _start_within_stops(self, joint: Joint, low: float, start: float, high: float, unit: str) -> float:
         """Return ``start`` [rad or m], or the stop beyond which ``start`` lies; this change is reported."""
-        stop = min(max(start, low), high)
-        if stop != start:
-            distance_text = f"{abs(start - stop):.6g} {unit}"
+        nearest_start = min(max(start, low), high)
+        if nearest_start != start:
+            distance_text = f"{abs(start - nearest_start):.6g} {unit}"
             text = f"starts at its stop; in the file it starts {distance_text} beyond this stop"
             self._tell("joint", joint.name, text, SceneAspect.MOTION)
-        return stop
+        return nearest_start
 
     def _tell_unheld(self, joint: Joint) -> None:
         """Report values and drives of a joint that moves a free base, because the scene lacks the joint."""
         values = {key.replace("_", " "): getattr(joint, key) for key in JOINT_KEYS if key != "rest"}
         extras = {key: value for key, value in values.items() if value and math.isfinite(value)}
         if extras:
-            value_list = ", ".join(f"{key} {value:.6g}" for key, value in extras.items())
-            text = f"{value_list}: the base of the scene is free, and has none of these"
+            values_text = ", ".join(f"{key} {value:.6g}" for key, value in extras.items())
+            text = f"{values_text}: the base of the scene is free, and has none of these"
             effect = SceneAspect.LATER_MOTION if extras.keys() <= LATER_VALUES else SceneAspect.MOTION
             self._tell("joint", joint.name, text, effect)
         effect = SceneAspect.MOTION if "joint_targets" in joint.inputs else SceneAspect.LATER_MOTION
@@ -386,10 +386,10 @@ class _Conversion:
         position at the start [m], and ``gravity`` the gravity of the scene [m/s²].
         """
         if joint.armature:
-            amount = f"{joint.armature:.6g} kg"
-            text = f"its armature, {amount}, is part of the mass of the carriage, which has weight"
-            gravity_part = abs(float(np.dot(gravity, slide_direction))) > ZERO_LENGTH
-            effect = SceneAspect.MOTION if gravity_part else SceneAspect.NONE
+            amount_text = f"{joint.armature:.6g} kg"
+            text = f"its armature, {amount_text}, is part of the mass of the carriage, which has weight"
+            has_weight_along = abs(float(np.dot(gravity, slide_direction))) > ZERO_LENGTH
+            effect = SceneAspect.MOTION if has_weight_along else SceneAspect.NONE
             self._tell("joint", joint.name, text, effect, differs=True)
         values = scene_values(joint, joint.rest - start, joint.low - start, joint.high - start)
         return {

@@ -40,8 +40,8 @@ def chain_of(
         names = _propose_joints(robot, choices, source, check)
         if names is None:
             raise
-        proposal = f"choose joints {','.join(names)}: these make a chain, and the others are held"
-        raise NoChainError(f"{error}; {proposal}", proposed=names) from None
+        proposal_text = f"choose joints {','.join(names)}: these make a chain, and the others are held"
+        raise NoChainError(f"{error}; {proposal_text}", proposed=names) from None
     check(result)
     return result
 

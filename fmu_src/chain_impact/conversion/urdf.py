@@ -153,9 +153,11 @@ def xml_of(path: Path) -> Element:
             names = sorted(
                 {*re.findall(r"</?([\w.-]+):", text), *re.findall(r"\s([\w.-]+):[\w.-]+\s*=", text)}
             )
-            declarations = " ".join(f'xmlns:{name}="{name}"' for name in names if f"xmlns:{name}" not in text)
+            declarations_text = " ".join(
+                f'xmlns:{name}="{name}"' for name in names if f"xmlns:{name}" not in text
+            )
             return ElementTree.fromstring(
-                re.sub(r"<([A-Za-z][\w.-]*)", rf"<\1 {declarations}", text, count=1)
+                re.sub(r"<([A-Za-z][\w.-]*)", rf"<\1 {declarations_text}", text, count=1)
             )
         except ElementTree.ParseError as error:
             raise SceneError(f"{path}: is no XML: {error}") from None
@@ -283,8 +285,8 @@ def _odd_inertias(bodies: list[Body]) -> Iterator[Difference]:
     for b, body in enumerate(bodies):
         low, middle, high = np.linalg.eigvalsh(body.inertia)
         if low + middle < high * (1.0 - INERTIA_ROUND_OFF) or low < -INERTIA_ROUND_OFF * high:
-            moments = f"{low:.4g}, {middle:.4g} and {high:.4g} kg·m²"
-            text = f"no rigid body can have the moments of inertia {moments}"
+            moments_text = f"{low:.4g}, {middle:.4g} and {high:.4g} kg·m²"
+            text = f"no rigid body can have the moments of inertia {moments_text}"
             part_numbers = frozenset([b, -1])
             yield Difference(
                 kind="link",

@@ -88,8 +88,10 @@ def other_elements(root: Element) -> Iterator[Difference]:
             continue
         if part.tag not in ("link", "joint"):
             name = part.get("name") or part.get("reference") or ""
-            children = ", ".join(dict.fromkeys(child.tag for child in part if isinstance(child.tag, str)))
-            text = f"is not in the scene{f': {children}' if children else ''}"
+            children_text = ", ".join(
+                dict.fromkeys(child.tag for child in part if isinstance(child.tag, str))
+            )
+            text = f"is not in the scene{f': {children_text}' if children_text else ''}"
             yield Difference(kind=f"element {part.tag}", name=name, text=text, effect=SceneAspect.NONE)
             continue
         yield from _attributes(part, f"robot/{part.tag}", part)

@@ -275,11 +275,9 @@ class WallConversion:
                 if shape.touches is touches and not (self._is_point(shape) or _has_unknown_outline(shape))
             )
             if counts:
-                shape_counts = ", ".join(count_text(count, kind) for kind, count in counts.items())
+                counts_text = ", ".join(count_text(count, kind) for kind, count in counts.items())
                 effect = SceneAspect.CONTACT if touches and contact_links else SceneAspect.NONE
-                self.differences.append(
-                    Difference(kind="shapes", name=shape_counts, text=text, effect=effect)
-                )
+                self.differences.append(Difference(kind="shapes", name=counts_text, text=text, effect=effect))
         for i in range(len(self.parts)):
             self._tell_unknown(i, "points" if balls[i] else "two ends")
         for i in sorted(contact_links):

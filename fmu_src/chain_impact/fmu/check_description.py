@@ -168,12 +168,12 @@ def _type_faults(root: Element, variables: Sequence[DescribedVariable]) -> Itera
         for unit in root.iterfind("UnitDefinitions/Unit")
     }
     for definition in types_of(root):
-        path_of_type = f"TypeDefinitions/{definition.name}"
+        type_path = f"TypeDefinitions/{definition.name}"
         for attribute, text in limit_findings(definition):
-            yield Finding(text, attribute=f"{path_of_type}/{attribute}")
-        yield from _unit_faults(definition, units, path_of_type)
+            yield Finding(text, attribute=f"{type_path}/{attribute}")
+        yield from _unit_faults(definition, units, type_path)
         if definition.name in names:
-            yield Finding("a variable has the same name", attribute=path_of_type)
+            yield Finding("a variable has the same name", attribute=type_path)
 
 
 def _name_faults(convention: str, variables: Sequence[DescribedVariable]) -> Iterator[Finding]:
@@ -212,16 +212,16 @@ def _experiment_faults(root: Element) -> Iterator[Finding]:
     node, attribute = root.find("DefaultExperiment"), "DefaultExperiment"
     given_values = {"startTime": "0"} | (dict(node.items()) if node is not None else {})
     try:
-        start, stop, step, tolerance = (
+        start_time, stop_time, step, tolerance = (
             float(given_values.get(key, "nan")) for key in ("startTime", "stopTime", "stepSize", "tolerance")
         )
     except ValueError:  # fmpy's check by the XML schema reports an attribute that is not a number
         return
-    if stop < start:
+    if stop_time < start_time:
         yield Finding(
-            f"stopTime = {stop:.9g} must not be before startTime = {start:.9g}", attribute=attribute
+            f"stopTime = {stop_time:.9g} must not be before startTime = {start_time:.9g}", attribute=attribute
         )
-    if step <= 0.0 or step > stop - start > 0.0:
+    if step <= 0.0 or step > stop_time - start_time > 0.0:
         yield Finding(f"stepSize = {step:.9g} must be > 0 and fit into the experiment", attribute=attribute)
     if tolerance < 0.0:
         yield Finding(f"tolerance = {tolerance:.9g} must not be negative", attribute=attribute)

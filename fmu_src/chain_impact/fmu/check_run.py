@@ -109,8 +109,10 @@ class CheckRun:
         except Exception as error:  # fmpy's errors have no common class
             reason = SILENT_REASON if missing_text else str(error).replace(self.folder + os.sep, "")
             reasons = self.reasons()[reason_count:] or [reason]
-            result = f"gives {missing_text}" if missing_text else "fails"
-            raise CallError(f"{name} {result}: {' '.join(reasons[0].split())[:LONGEST_MESSAGE]}") from None
+            result_text = f"gives {missing_text}" if missing_text else "fails"
+            raise CallError(
+                f"{name} {result_text}: {' '.join(reasons[0].split())[:LONGEST_MESSAGE]}"
+            ) from None
 
     def step_size(self) -> float:
         """Return a communication step [s] that the FMU should accept.
@@ -178,10 +180,10 @@ class CheckRun:
                         for i in range(len(start_values))
                         if not _is_close(expected_values[i], start_values[i])
                     )
-                    entry = f"[{first}]" if len(start_values) > 1 else ""
+                    index_text = f"[{first}]" if len(start_values) > 1 else ""
                     self.report_finding(
-                        f"start{entry} = {_text(expected_values[first])}, and the FMU itself starts with "
-                        f"{_text(start_values[first])}",
+                        f"start{index_text} = {_text(expected_values[first])}, and the FMU itself starts "
+                        f"with {_text(start_values[first])}",
                         variable,
                         "start",
                     )

@@ -57,8 +57,8 @@ class ModelStructure:
 
     def missing_variable_faults(self) -> Iterator[Finding]:
         """Yield a fault for each reference to a variable that does not exist."""
-        count = f"an index from 1 to {len(self.by_reference)}"
-        reference_text = count if self.is_fmi_2 else "the value reference of a variable"
+        index_text = f"an index from 1 to {len(self.by_reference)}"
+        reference_text = index_text if self.is_fmi_2 else "the value reference of a variable"
         for variable in self.variables:
             targets = [("Dimension", "valueReference", size) for size in _sizes(variable)]
             if "derivative" in variable.attributes:
@@ -98,12 +98,10 @@ class ModelStructure:
         yield from self._completeness_faults(
             DERIVATIVE_LIST, (), rates, "variables with the attribute derivative"
         )
-        required_unknowns = (
+        required_text = (
             "each output, state and derivative that is calculated at the start, each calculatedParameter"
         )
-        yield from self._completeness_faults(
-            INITIAL_LIST, start - clocked, start | clocked, required_unknowns
-        )
+        yield from self._completeness_faults(INITIAL_LIST, start - clocked, start | clocked, required_text)
         for name, nodes in self.lists.items():
             path = f"ModelStructure/{name}"
             yield from repeated_findings((node.attrib[self.key] for node in nodes), self.key, path)

@@ -234,8 +234,10 @@ def _aliases(variables: Sequence[DescribedVariable]) -> list[Finding]:
         if all(kind in ("parameter", "input", "independent") for kind in causality):
             reason = "both are set from outside"
         elif unit[0] != unit[1]:
-            units = " and ".join(name or "none" for name in unit)
-            reason = f"their units differ, {units}: variables of an alias set have one unit (FMI 2.0, 2.2.7)"
+            units_text = " and ".join(name or "none" for name in unit)
+            reason = (
+                f"their units differ, {units_text}: variables of an alias set have one unit (FMI 2.0, 2.2.7)"
+            )
         elif (variability[0] == "constant") != (variability[1] == "constant"):
             reason = "one is constant, and one is not"
         elif None not in start and variability[0] != "constant":

@@ -91,12 +91,12 @@ def page(prepared_scene: PreparedScene, fmi: int) -> str:
         for v in variables
         for number, item in enumerate(v.items, 1)
     ]
-    walls = "walls with dry friction" if scene.has_contact_friction else "frictionless walls"
+    walls_text = "walls with dry friction" if scene.has_contact_friction else "frictionless walls"
     codes = [(str(n), text) for n, text in STATUS_TEXT.items()]
     parts = [
         f"<h1>{escape(scene.name)}</h1><p>{escape(scene.description)}</p>",
         authorship(scene),
-        *(paragraph.format(version=f"{fmi}.0", walls=walls) for paragraph in INTRODUCTION),
+        *(paragraph.format(version=f"{fmi}.0", walls=walls_text) for paragraph in INTRODUCTION),
         *([MOTIONS] if scene.inputs.base_motion or scene.moving_walls else []),
         *([EVENTS] if fmi == FMI_3 else []),
         f"<h2>Points, angles and signs</h2>{drawing(scene)}<p>{SIGNS}</p>",
@@ -108,9 +108,9 @@ def page(prepared_scene: PreparedScene, fmi: int) -> str:
         folded_table("Status of the solver", ("code", "meaning"), codes),
         '<p><a href="licenses/license.txt">License of the solver</a></p>',
     ]
-    head = f"<meta charset='utf-8'><title>{escape(scene.name)}</title><style>{STYLE}</style>"
+    head_text = f"<meta charset='utf-8'><title>{escape(scene.name)}</title><style>{STYLE}</style>"
     return (
-        f"<!DOCTYPE html>\n<html lang='en'><head>{head}</head><body>\n"
+        f"<!DOCTYPE html>\n<html lang='en'><head>{head_text}</head><body>\n"
         + "\n".join(parts)
         + "\n</body></html>\n"
     )

@@ -67,8 +67,8 @@ def input_rows_for(
         SceneError: when the table cannot drive the FMU.
         OSError: when the file cannot be read.
     """
-    stop, step = experiment
-    times, columns = samples_of(read_table(file), stop)
+    stop_time, step = experiment
+    times, columns = samples_of(read_table(file), stop_time)
     warn(str(file), gap_hints(times))
     variables = description.modelVariables
     input_names, output_names = (
@@ -91,8 +91,8 @@ def input_rows_for(
         ),
     )
     start_values = {f"base.{axis}": parameters.get(f"initial.{axis}", 0.0) for axis in AXES}
-    points = np.arange(math.ceil(stop / step) + 1) * step
-    points = np.union1d(points, times[(times > 0.0) & (times < stop)])
+    points = np.arange(math.ceil(stop_time / step) + 1) * step
+    points = np.union1d(points, times[(times > 0.0) & (times < stop_time)])
     left_rows, right_rows = np.zeros(
         (2, len(points)), [(TIME, float), *((name, float) for name in input_names)]
     )
@@ -105,7 +105,7 @@ def input_rows_for(
     }
     jumps = np.zeros(len(points), bool)
     for name, members in given_members.items():
-        knot_times, powers = _polynomials(signal, members, members.index(name), stop)
+        knot_times, powers = _polynomials(signal, members, members.index(name), stop_time)
         begin = start_values.get(name, 0.0) if name not in columns else 0.0
         for rows, side in ((left_rows, "left"), (right_rows, "right")):
             rows[name] = begin + values_of(knot_times, powers, points, side)
@@ -122,14 +122,14 @@ def input_rows_for(
 
 
 def _polynomials(
-    signal: Signal, members: Sequence[str], k: int, stop: float
+    signal: Signal, members: Sequence[str], k: int, stop_time: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return member ``k`` of a family of inputs as polynomials of time: start times [s] and coefficients.
 
     Each row of the coefficients belongs to one polynomial, in ascending powers of the time since its start.
-    ``signal`` is the table, ``stop`` the end of the run [s]. ``members`` are the names of a quantity and of
-    the derivatives after it (``determined_quantities``). If the table does not have member ``k``, the result
-    is computed from a member that the table has.
+    ``signal`` is the table, ``stop_time`` the end of the run [s]. ``members`` are the names of a quantity and
+    of the derivatives after it (``determined_quantities``). If the table does not have member ``k``, the
+    result is computed from a member that the table has.
     """
     given_orders = [j for j, member in enumerate(members) if member in signal.input]
     source = max((j for j in given_orders if j <= k), default=given_orders[0])
@@ -139,7 +139,7 @@ def _polynomials(
         except SceneError as error:
             error.source = str(signal.file)
             raise
-    knot_times, powers, _ = table_of(signal, members[source], max(source - k, 0), stop)
+    knot_times, powers, _ = table_of(signal, members[source], max(source - k, 0), stop_time)
     for _ in range(k - source):
         powers = powers[:, 1:] * np.arange(1.0, powers.shape[1])
     return knot_times, powers

@@ -165,9 +165,11 @@ def _dependencies(numbered_outputs: Sequence[tuple[int, Variable]]) -> list[tupl
     is its index in FMI 2.0, and its value reference in FMI 3.0. The dependencies hold after the start. For
     the start none are given: FMI then assumes that an output may depend on all known values.
     """
-    inputs = " ".join(str(number) for number, variable in numbered_outputs if variable.causality == "input")
+    inputs_text = " ".join(
+        str(number) for number, variable in numbered_outputs if variable.causality == "input"
+    )
     return [
-        (str(number), inputs if variable.feedthrough else "")
+        (str(number), inputs_text if variable.feedthrough else "")
         for number, variable in numbered_outputs
         if variable.causality == "output"
     ]

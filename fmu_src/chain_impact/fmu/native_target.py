@@ -25,11 +25,13 @@ def native_files(prepared_scene: PreparedScene, kernels: Mapping[str, Path], fmi
         fmi: the version of FMI, 2 or 3.
     """
     # the version is read here, not at import, because the package has no version while its wheel is built
-    tool, further_rows = f"chain-impact {version('chain-impact')}", list[tuple[TableRow, int]]()
+    tool_name, further_rows = f"chain-impact {version('chain-impact')}", list[tuple[TableRow, int]]()
     if fmi == FMI_2:
-        description = model_description(prepared_scene, tool, fmi, canNotUseMemoryManagementFunctions="false")
+        description = model_description(
+            prepared_scene, tool_name, fmi, canNotUseMemoryManagementFunctions="false"
+        )
     else:
-        description = model_description(prepared_scene, tool, fmi)
+        description = model_description(prepared_scene, tool_name, fmi)
         kernels = {PLATFORMS[platform].fmi3: library for platform, library in kernels.items()}
         time_index = word_index(prepared_scene.start.dtype, ("step", "communication_point"))
         time = TableRow(

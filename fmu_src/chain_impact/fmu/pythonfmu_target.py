@@ -35,12 +35,12 @@ def pythonfmu_files(prepared_scene: PreparedScene, kernels: Mapping[str, Path]) 
         prepared_scene: the scene that the FMU simulates.
         kernels: platform → library of the kernel.
     """
-    tool = f"chain-impact {version('chain-impact')} with PythonFMU {version('pythonfmu')}"
+    tool_name = f"chain-impact {version('chain-impact')} with PythonFMU {version('pythonfmu')}"
     sources = {"script": SCRIPT.encode(), "slave": slave_source()}
     files = sources | _pythonfmu_files(prepared_scene.scene.name, kernels)
     for platform, library in sorted(kernels.items()):
         files[f"resources/kernel-{platform}{library.suffix}"] = library.read_bytes()
-    description = model_description(prepared_scene, tool, FMI_2)
+    description = model_description(prepared_scene, tool_name, FMI_2)
     files = files_with_description(files, prepared_scene, description, FMI_2)
     # The names of script and slave contain a part of the GUID, because a process may load several FMUs, and
     # Python imports only one module of a name.

@@ -118,16 +118,16 @@ def reference(prepared_scene: PreparedScene) -> Reference:
     Raises:
         SimulationError: when the chain cannot start, or cannot take the first step.
     """
-    stop, shortest = prepared_scene.scene.simulation.stop_time, prepared_scene.scene.simulation.step_size
+    stop_time, shortest = prepared_scene.scene.simulation.stop_time, prepared_scene.scene.simulation.step_size
     while True:
-        step = shortest * max(1, round(stop / shortest / REFERENCE_ROWS))
-        count = max(1, math.floor(stop / step * (1 + STEP_ROUND_OFF)))
+        step = shortest * max(1, round(stop_time / shortest / REFERENCE_ROWS))
+        count = max(1, math.floor(stop_time / step * (1 + STEP_ROUND_OFF)))
         solution = _reference_results(
-            prepared_scene, np.minimum(np.arange(count + 1) * min(step, stop), stop)
+            prepared_scene, np.minimum(np.arange(count + 1) * min(step, stop_time), stop_time)
         )
         if np.isfinite(solution.values[:, 0]).sum() > REFERENCE_ROWS / SHORTENING or step == shortest:
             return solution
-        stop /= SHORTENING
+        stop_time /= SHORTENING
 
 
 def _reference_results(prepared_scene: PreparedScene, times: np.ndarray) -> Reference:

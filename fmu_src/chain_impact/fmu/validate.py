@@ -107,9 +107,9 @@ def _try_binary(path: Path, binary: str, timeout: float, *, references: bool) ->
             )
             try:
                 code = process.wait(timeout)
-                end = _end(code, errors.read_text(encoding="utf-8", errors="replace"))
+                end_text = _end(code, errors.read_text(encoding="utf-8", errors="replace"))
             except subprocess.TimeoutExpired:
-                end = f"did not return within {timeout:.9g} s"
+                end_text = f"did not return within {timeout:.9g} s"
             finally:
                 process.kill()
                 process.wait()
@@ -123,7 +123,7 @@ def _try_binary(path: Path, binary: str, timeout: float, *, references: bool) ->
     findings = list(dict.fromkeys(Finding(**line["finding"]) for line in lines if "finding" in line))
     calls = [line["call"] for line in lines if "call" in line]
     if END_MARK not in calls:
-        findings.append(Finding(f"{calls[-1] if calls else 'the test run'} {end}", binary))
+        findings.append(Finding(f"{calls[-1] if calls else 'the test run'} {end_text}", binary))
     return Validation(findings, [line["passed"] for line in lines if "passed" in line])
 
 

@@ -42,12 +42,12 @@ def assemble_page(template: str, title: str, styles: Iterable[str], modules: str
         modules: the program of the page, from ``program``.
         parts: name → text for the other parts of the template.
     """
-    scripts = "\n".join(f"<script>\n{SOURCE_MAP.sub('', text_of(name))}</script>" for name in LIBRARIES)
+    scripts_text = "\n".join(f"<script>\n{SOURCE_MAP.sub('', text_of(name))}</script>" for name in LIBRARIES)
     parts |= {
         "title": html.escape(title, quote=False),
         "style": STRIPPED_FROM_STYLES.sub(r"\1", "\n".join(styles)),
     }
-    parts |= {"libraries": scripts, "program": modules}
+    parts |= {"libraries": scripts_text, "program": modules}
     parts |= {name: text_of(f"player/{name}.html") for name in FRAGMENTS}
     # all parts are filled in at once, because a part may itself contain ``{{ name }}``, which is not to be
     # replaced

@@ -20,5 +20,5 @@ class InlinePage:
 
     def _repr_html_(self) -> str:
         """Return the page inside a frame."""
-        look = f'width="100%" height="{HEIGHT}" style="border:0"'
-        return f'<iframe {look} srcdoc="{escape(self.html)}"></iframe>'
+        look_text = f'width="100%" height="{HEIGHT}" style="border:0"'
+        return f'<iframe {look_text} srcdoc="{escape(self.html)}"></iframe>'

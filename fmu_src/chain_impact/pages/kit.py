@@ -133,22 +133,22 @@ def _keys(table: Any) -> dict[str, Any]:
     return {entry.name: _key(entry.type, entry.metadata) for entry in key_fields(table)}
 
 
-def _key(kind: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
+def _key(value_type: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
     """Return the data by which the page checks a key of a scene file, from its type and its metadata.
 
     The key stands for a table, a list of tables, tables by name, a list of values, or a value; ``kind`` in
     the result tells which.
     """
-    inner_type = entry_type(kind := without_none(kind))
+    inner_type = entry_type(value_type := without_none(value_type))
     if is_dataclass(inner_type):
         kinds = {tuple: "tables", Mapping: "named"}
         return {
-            "kind": kinds.get(get_origin(kind), "table"),
+            "kind": kinds.get(get_origin(value_type), "table"),
             "keys": _keys(inner_type),
             **({"entries": metadata["entries"], "isNeeded": True} if metadata.get("entries") else {}),
             "meaning": metadata.get("description", ""),
         }
-    item, *other_types = get_args(kind) or (kind,)
+    item, *other_types = get_args(value_type) or (value_type,)
     value = _value(item, metadata)
     if other_types:
         length = "links" if metadata["per_link"] else None if ... in other_types else 1 + len(other_types)
@@ -170,7 +170,7 @@ def _key(kind: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
     return value | (meaning if default is MISSING else {"default": default})
 
 
-def _value(kind: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
+def _value(value_type: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
     """Return the data by which the page checks and labels a value, such as limits, choices and unit."""
     limits = {
         name: metadata[name]
@@ -185,7 +185,11 @@ def _value(kind: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
     return (
         limits
         | pattern
-        | {"kind": kind.__name__, "unit": metadata["unit"], "allowed": allowed_text(kind, metadata)}
+        | {
+            "kind": value_type.__name__,
+            "unit": metadata["unit"],
+            "allowed": allowed_text(value_type, metadata),
+        }
     )
 
 

@@ -51,8 +51,8 @@ def thin_rows(recording: Recording, impact_time: float) -> Recording:
     time, impacts = recording.time, recording.impacts
     if len(time) <= MOST_PAGE_ROWS:
         return recording
-    start, stop, usual_rate = float(time[0]), float(time[-1]), frame_rate(recording)
-    frames, _ = frame_times(start, stop, slow_spans(recording), impact_time, usual_rate=usual_rate)
+    start, end_time, usual_rate = float(time[0]), float(time[-1]), frame_rate(recording)
+    frames, _ = frame_times(start, end_time, slow_spans(recording), impact_time, usual_rate=usual_rate)
     shown_times = np.concatenate([frames, impacts["onset"], impacts["end"]])
     later_rows = np.searchsorted(time, shown_times[np.isfinite(shown_times)])
     even = np.linspace(0, len(time) - 1, MOST_PAGE_ROWS).astype(int)

@@ -35,30 +35,30 @@ def looks_of(names: Sequence[str], body_indices: dict[str, int]) -> list[int]:
     indices_by_number: dict[str, int] = {}
     if len({body.partition("[")[0] for body in bodies_once}) == 1:
         indices_by_number = {
-            body.partition("[")[2]: number for body, number in body_indices.items() if "[" in body
+            body.partition("[")[2]: index for body, index in body_indices.items() if "[" in body
         }
     present_indices = [
         body_indices.get(body, indices_by_number.get(body.partition("[")[2], -1)) for body in bodies_once
     ]
-    earlier = [number for number in present_indices if number >= 0]
-    free_indices = (number for number in range(2 * len(names)) if number not in earlier)
-    numbers = {
+    earlier = [index for index in present_indices if index >= 0]
+    free_indices = (index for index in range(2 * len(names)) if index not in earlier)
+    new_indices = {
         body: k if k >= 0 else next(free_indices)
         for body, k in zip(bodies_once, present_indices, strict=True)
     }
     looks, look_counts = [], Counter[str]()
-    used_colours = {*body_indices.values(), *numbers.values()}
+    used_colours = {*body_indices.values(), *new_indices.values()}
     free_colours = (number for number in range(len(PALETTE)) if number not in used_colours)
     for body, owner in zip(bodies, owners, strict=True):
-        look = body_indices.get(owner, numbers[body] + len(PALETTE) * look_counts[body])
+        look = body_indices.get(owner, new_indices[body] + len(PALETTE) * look_counts[body])
         if look_counts[body] and owner not in body_indices:
-            look = numbers[owner] = next(free_colours, look)
+            look = new_indices[owner] = next(free_colours, look)
         looks.append(look)
         look_counts[body] += 1
     is_unclear = len({*owners}) < len(owners) or len({*looks}) < len(looks)
     if is_unclear or max(present_indices) >= len(PALETTE) or max(looks) >= len(PALETTE) * len(DASHES):
         return list(range(len(names)))
-    body_indices |= numbers
+    body_indices |= new_indices
     return looks
 
 

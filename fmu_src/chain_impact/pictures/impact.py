@@ -51,9 +51,9 @@ def draw_impact(figure: Figure, recording: Recording, number: int, course: Impac
     text; force over penetration is at the right or, in a narrow figure, at the foot.
     """
     impact = recording.impacts[number - 1]
-    stop = recording.is_joint_stop(impact["wall"])
+    is_at_stop = recording.is_joint_stop(impact["wall"])
     title = f"{recording.name}: {hit_text(recording, impact)}, impact {number}"
-    write_headline(figure, title, conditions(impact, course, stop))
+    write_headline(figure, title, conditions(impact, course, is_at_stop))
     if not is_narrow(figure):
         grid = figure.add_gridspec(3, 2)
         loop = figure.add_subplot(grid[:, 1], label="loop")
@@ -64,7 +64,7 @@ def draw_impact(figure: Figure, recording: Recording, number: int, course: Impac
     time_factor, time_unit = prefixed_unit(shown_time, "s")
     time_panels: list[Axes] = []
     peak_labels: list[tuple[Axes, Label]] = []
-    for row, (name, values, unit, colour) in enumerate(quantities(course, stop)):
+    for row, (name, values, unit, colour) in enumerate(quantities(course, is_at_stop)):
         axes = figure.add_subplot(grid[row, 0], sharex=time_panels[0] if time_panels else None, label=name)
         time_panels.append(axes)
         factor, shown_unit = load_unit(np.abs(values).max(initial=0.0), unit)
@@ -88,7 +88,7 @@ def draw_impact(figure: Figure, recording: Recording, number: int, course: Impac
             1.0, 1.02, f"{duration_text(impact, course)} →", transform=time_panels[0].transAxes, **text_style
         )
     time_panels[-1].set_xlabel(f"time after the onset at {impact['onset']:.6f} s [{time_unit}]")
-    draw_loop(loop, impact, course, at_stop=stop)
+    draw_loop(loop, impact, course, at_stop=is_at_stop)
     give_ticks(*time_panels, loop)
     figure.align_ylabels(time_panels)
     legend = loop.get_legend()

@@ -96,9 +96,9 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
         raise SceneError(f"{path}: not a table of numbers: {error}") from None
     missing_names = [name for name in NEEDED_COLUMNS if name not in names]
     if missing_names:
-        likely = likely_time(names) if missing_names[0] == "time" else ""
+        likely_hint = likely_time(names) if missing_names[0] == "time" else ""
         raise SceneError(
-            f"{path}: the column {missing_names[0]} is missing{likely or '; `simulate --csv` writes it'}"
+            f"{path}: the column {missing_names[0]} is missing{likely_hint or '; `simulate --csv` writes it'}"
         )
     if rows.shape[0] <= 1 or rows.shape[1] != len(names):
         raise SceneError(

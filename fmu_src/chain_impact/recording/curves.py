@@ -185,13 +185,13 @@ def window(recording: Recording, impact_number: int | None) -> tuple[float | Non
         requirement = f"must be {impact_numbers(count)}"
         raise RefusalError(requirement, source=recording.name, argument="around", value=repr(impact_number))
     impact = recording.impacts[impact_number - 1]
-    onset, run = float(impact["onset"]), end - start
-    duration = LASTING_SHARE * run if lasts(impact) else float(impact["end"]) - onset
+    onset, run_duration = float(impact["onset"]), end - start
+    duration = LASTING_SHARE * run_duration if lasts(impact) else float(impact["end"]) - onset
     pulse = float(impact_ends(recording.impacts[[impact_number - 1]], end)[0]) - onset
     if 0.0 < LEAST_PULSES * pulse < duration:
         duration = pulse
     if not duration > 0.0:
-        duration = IMPULSE_SHOWN * run
+        duration = IMPULSE_SHOWN * run_duration
     return (
         onset,
         max(start, onset - CLOSE_BEFORE * duration),

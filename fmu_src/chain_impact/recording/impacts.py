@@ -174,13 +174,13 @@ def impacts_of(record: Mapping[str, Any] | np.ndarray | Any, walls: Sequence[str
 
 def cut_sentence(count: int) -> str:
     """Return the warning for ``count`` contacts that newer impacts have pushed out of an FMU's list."""
-    what_is_cut = (
+    cut_text = (
         "contact is known in part only: it was"
         if count == 1
         else "contacts are known in part only: they were"
     )
     return (
-        f"{count} {what_is_cut} still going on when newer impacts filled the FMU's list, so peak force, "
+        f"{count} {cut_text} still going on when newer impacts filled the FMU's list, so peak force, "
         "penetration and impulse are NaN; give the scene a larger outputs.impacts"
     )
 

@@ -51,8 +51,8 @@ TENS = 9.95  # a factor that is at least this is written without decimals
 Span = tuple[float, float]
 
 
-def impact_ends(impacts: np.ndarray, stop: float) -> np.ndarray:
-    """Return the times at which impacts end for a film, shape (I,) [s], at the latest at ``stop`` [s].
+def impact_ends(impacts: np.ndarray, end_time: float) -> np.ndarray:
+    """Return the times at which impacts end for a film, shape (I,) [s], at the latest at ``end_time`` [s].
 
     For a film, a contact ends at the latest a time LONGEST_IMPACT δ/v after its onset, also if it lasts to
     the end of the run; δ is the largest penetration, v the impact speed. An impact takes 2.9 δ/v with Hertz's
@@ -60,7 +60,7 @@ def impact_ends(impacts: np.ndarray, stop: float) -> np.ndarray:
     """
     speeds = np.maximum(impacts["impact_speed"], LEAST_SPEED)
     longest_durations = LONGEST_IMPACT * np.nan_to_num(impacts["max_penetration"]) / speeds
-    return np.asarray(np.fmin(impacts["end"], np.minimum(impacts["onset"] + longest_durations, stop)))
+    return np.asarray(np.fmin(impacts["end"], np.minimum(impacts["onset"] + longest_durations, end_time)))
 
 
 def slow_spans(recording: Recording) -> list[Span]:
@@ -97,15 +97,15 @@ def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndar
 
 def fastest_sine(recording: Recording) -> float:
     """Return the largest frequency [Hz] of the sines that drive inputs during the run; 0 without a sine."""
-    stop, highest_frequency = float(recording.time[-1]), 0.0
+    end, highest_frequency = float(recording.time[-1]), 0.0
     for (owner, _, _), signal in grouped_by_owner(recording.parameters).items():
         if owner == "signal" and "frequency" in signal:
             begin, value = float(signal.get("start", 0.0)), float(signal["frequency"])
-            if begin >= stop or float(signal.get("amplitude", 1.0)) == 0.0:
+            if begin >= end or float(signal.get("amplitude", 1.0)) == 0.0:
                 continue
             # f + ḟ s is the frequency at the time s after the signal's start: |f + ḟ s| is largest at s = 0
             # or at the end
-            change = float(signal.get("frequency_rate", 0.0)) * (stop - begin)
+            change = float(signal.get("frequency_rate", 0.0)) * (end - begin)
             highest_frequency = max(highest_frequency, abs(value), abs(value + change))
     return highest_frequency
 
@@ -117,7 +117,7 @@ def frame_rate(recording: Recording) -> float:
 
 def frame_times(
     start: float,
-    stop: float,
+    end_time: float,
     spans: Sequence[Span],
     impact_time: float = IMPACT_TIME,
     most_frames: int = MOST_FRAMES,
@@ -130,7 +130,7 @@ def frame_times(
 
     Args:
         start: the start of the simulation [s].
-        stop: the end of the simulation [s].
+        end_time: the end of the simulation [s].
         spans: onset and end of each impact that is shown in slow motion [s].
         impact_time: the time [s] that each of these impacts takes on the screen; 0 if no impact is shown in
             slow motion.
@@ -140,15 +140,15 @@ def frame_times(
             ``most_frames``.
 
     Returns:
-        The times, shape (F,) [s], from ``start`` to ``stop``, and the frames per second on the screen.
+        The times, shape (F,) [s], from ``start`` to ``end_time``, and the frames per second on the screen.
     """
     spans = spans if impact_time > 0.0 else []
     shown_spans = [(a, min(b, a + LONGEST_SLOW)) for a, b in spans]
-    parts = [np.linspace(start, stop, 2 + min(int((stop - start) / FLIGHT_STEP), 2 * most_frames))]
+    parts = [np.linspace(start, end_time, 2 + min(int((end_time - start) / FLIGHT_STEP), 2 * most_frames))]
     ramp_length = SPEED_RAMP * RAMP_DISTANCES
     for onset, end in ((a, max(b, a + LEAST_DURATION)) for a, b in shown_spans):
         parts += [onset - ramp_length, onset + (end - onset) * CONTACT_SHARES, end + ramp_length]
-    grid = np.unique(np.concatenate(parts).clip(start, stop))
+    grid = np.unique(np.concatenate(parts).clip(start, end_time))
     slowness = 1.0 / rate(grid, shown_spans, impact_time)
     # the time on the screen is the integral of 1/rate over the simulated time, by the trapezoidal rule
     screen = np.concatenate([[0.0], np.cumsum(np.diff(grid) * (slowness[1:] + slowness[:-1]) / 2)])
@@ -161,5 +161,5 @@ def rate_text(rate: float) -> str:
     if abs(rate - 1.0) < REAL:
         return "real time"
     times, word = (1.0 / rate, "slower") if rate < 1.0 else (rate, "faster")
-    number = f"{times:.1f}".removesuffix(".0") if times < TENS else f"{float(f'{times:.2g}'):.0f}"
-    return "real time" if number == "1" else f"{number} × {word}"
+    number_text = f"{times:.1f}".removesuffix(".0") if times < TENS else f"{float(f'{times:.2g}'):.0f}"
+    return "real time" if number_text == "1" else f"{number_text} × {word}"

@@ -222,9 +222,9 @@ class Recording(RecordedAttributes, OlderNames):
 
     def __repr__(self) -> str:
         """Return the name, the end time [s], and the numbers of impacts, rows and columns."""
-        end = f"{self.time[-1]:g}" if len(self.time) else "0"
+        end_text = f"{self.time[-1]:g}" if len(self.time) else "0"
         return (
-            f"Recording({self.name})  0 … {end} s, {count_text(self.impact_count, 'impact')}, "
+            f"Recording({self.name})  0 … {end_text} s, {count_text(self.impact_count, 'impact')}, "
             f"{count_text(len(self.time), 'row')} of {count_text(len(self.columns), 'column')}"
         )
 

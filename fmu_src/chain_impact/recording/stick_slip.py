@@ -81,8 +81,8 @@ def phase_cells(phase: np.void, walls: Sequence[str], names: Mapping[int, str]) 
 
     The mode is one of the words in MODES. The end is "" if the phase lasts to the end of the run.
     """
-    end = "" if np.isnan(phase["end"]) else f"{phase['end']:.6f}"
-    return f"{phase['start']:.6f}", end, element_label(phase, walls, names), MODES[int(phase["mode"])]
+    end_text = "" if np.isnan(phase["end"]) else f"{phase['end']:.6f}"
+    return f"{phase['start']:.6f}", end_text, element_label(phase, walls, names), MODES[int(phase["mode"])]
 
 
 def phases_from(time: np.ndarray, interactions: Iterable[Interaction], walls: Sequence[str]) -> np.ndarray:

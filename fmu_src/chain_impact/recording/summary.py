@@ -59,8 +59,8 @@ def energy_lines(energies: Mapping[str, np.ndarray]) -> Iterator[str]:
     balance = total + dissipated - supplied
     sign = "-" if supplied[-1] < 0.0 else "+"
     supplied_text = f" {sign} {abs(supplied[-1]):.6g} J supplied" if supplied.any() else ""
-    final = f"{total[-1]:.6g} J left + {dissipated[-1]:.6g} J dissipated"
-    yield f"energy   {total[0]:.6g} J at the start{supplied_text} = {final}"
+    final_text = f"{total[-1]:.6g} J left + {dissipated[-1]:.6g} J dissipated"
+    yield f"energy   {total[0]:.6g} J at the start{supplied_text} = {final_text}"
     energy_error = abs(balance - balance[0]).max()
     yield f"balance  off by at most {energy_error:.1e} J: an energy check, no bound on positions or times"
 
@@ -101,9 +101,9 @@ def passed_wall_lines(result: Recording) -> Iterator[str]:
 
 
 def _headline(result: Recording, outputs: int) -> str:
-    end = f"{result.time[-1]:g}" if len(result.time) else "0"
-    rows = f"{count_text(len(result.time), 'row')} of {count_text(outputs, 'output')}"
-    return f"{result.name}  0 … {end} s, {count_text(len(result.impacts), 'impact')}, {rows}"
+    end_text = f"{result.time[-1]:g}" if len(result.time) else "0"
+    rows_text = f"{count_text(len(result.time), 'row')} of {count_text(outputs, 'output')}"
+    return f"{result.name}  0 … {end_text} s, {count_text(len(result.impacts), 'impact')}, {rows_text}"
 
 
 def impact_heads(result: Recording) -> tuple[str, ...]:
@@ -136,9 +136,9 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
     If forces in joints are known, two more cells have the largest force in any joint, and this joint.
     """
     point = result.touching_part(impact).removeprefix("point ")
-    speed, duration_text = f"{impact['impact_speed']:.4f}", _peak_text(1e3 * impact["duration"])
+    speed_text, duration_text = f"{impact['impact_speed']:.4f}", _peak_text(1e3 * impact["duration"])
     duration_text = LASTING_TEXT if lasts(impact) else duration_text
-    values = (speed, duration_text, _peak_text(impact["peak_force"]), digits(impact["impulse"]))
+    values = (speed_text, duration_text, _peak_text(impact["peak_force"]), digits(impact["impulse"]))
     joint = (_peak_text(impact["joint_force"]), str(impact["joint"] or NO_NUMBER))
     loads = joint if result.knows_joint_forces else ()
     return (f"{impact['onset']:.6f}", point, result.wall_names[impact["wall"]], *values, *loads)
@@ -166,18 +166,18 @@ def load_lines(result: Recording) -> Iterator[str]:
     """
     peaks = [peak for peak in joint_peaks(result) if peak.kind != SAMPLED_PEAK]
     for row, (joint, force, time, kind) in enumerate(peaks[:MOST_LISTED_JOINTS]):
-        begin = f"{'' if row else 'loads':8} at most {force:.6g} N in joint[{joint}]"
+        beginning = f"{'' if row else 'loads':8} at most {force:.6g} N in joint[{joint}]"
         if kind != EXACT_PEAK:
-            yield f"{begin}, by {time:g} s"
+            yield f"{beginning}, by {time:g} s"
             continue
         onset, end = result.impacts["onset"], np.where(lasts(result.impacts), np.inf, result.impacts["end"])
         numbers = [str(n + 1) for n in ((onset <= time) & (time <= end) & (onset < end)).nonzero()[0]]
-        during = (
+        during_text = (
             f", during impact{'s' * (len(numbers) > 1)} {names_text(numbers, NAMED_IMPACTS)}"
             if numbers
             else ""
         )
-        yield f"{begin}, at {time:.6f} s{during}"
+        yield f"{beginning}, at {time:.6f} s{during_text}"
     if len(peaks) > MOST_LISTED_JOINTS:
         yield f"{'':8} less in {count_text(len(peaks) - MOST_LISTED_JOINTS, 'more joint')}"
 
@@ -201,8 +201,8 @@ def _friction_lines(result: Recording) -> Iterator[str]:
 
 def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
     """Yield two lines: how many steps and evaluations the solver needed, and the status of the run."""
-    steps = f"{counts['steps']} steps, of which {counts['implicit_steps']} implicit"
-    yield f"solver   {steps}; {counts['rhs_evaluations']} evaluations of the equations of motion"
+    steps_text = f"{counts['steps']} steps, of which {counts['implicit_steps']} implicit"
+    yield f"solver   {steps_text}; {counts['rhs_evaluations']} evaluations of the equations of motion"
     status = counts["status"]
     yield f"status   {status}: {'done' if status == OK else STATUS_TEXT[status]}"
 

@@ -87,10 +87,12 @@ def _largest_of_impacts(
     """
     values = _values_of(recording, field, at_stops=at_stops)
     if not np.nanmax(values, initial=0.0) > 0.0:
-        surface = "a stop of a joint" if at_stops else "a wall"
+        surface_text = "a stop of a joint" if at_stops else "a wall"
         hits = np.flatnonzero(np.isfinite(values)) + 1
-        impulses = f" but by impulses: rank impact[{hits[0]}].impulse" if len(hits) else ""
-        raise SceneError(f"{recording.name}: {name} is 0: nothing presses against {surface}{impulses}")
+        impulses_text = f" but by impulses: rank impact[{hits[0]}].impulse" if len(hits) else ""
+        raise SceneError(
+            f"{recording.name}: {name} is 0: nothing presses against {surface_text}{impulses_text}"
+        )
     impact_quantity = _impact_quantity(recording, sensitivities, int(np.nanargmax(values)) + 1, field)
     return impact_quantity._replace(value_in=partial(_largest_in, field=field, at_stops=at_stops))
 
@@ -118,8 +120,10 @@ def _impact_quantity(
             f"{recording.name}: impact[{number}].{field} does not exist; the run has {impact_text}"
         )
     if field not in slopes and field != DURATION:
-        fields = ", ".join((*slopes, DURATION))
-        raise SceneError(f"{recording.name}: impact[{number}].{field} has no derivatives; must be {fields}")
+        fields_text = ", ".join((*slopes, DURATION))
+        raise SceneError(
+            f"{recording.name}: impact[{number}].{field} has no derivatives; must be {fields_text}"
+        )
     impact = impacts[number - 1]
     value, slope = impact[field], slopes_of_impacts(sensitivities, field)
     units = impact_units(stop=recording.is_joint_stop(impact["wall"]))
@@ -146,7 +150,7 @@ def _joint_force(recording: Recording, sensitivities: Sensitivities) -> RankedQu
     if not names:
         prepared_scene = sensitivities.prepared_scene
         if prepared_scene.scene.outputs.loads and not any(
-            _is_joint_force(name_part.name) for name_part in prepared_scene.outputs
+            _is_joint_force(output.name) for output in prepared_scene.outputs
         ):
             raise SceneError(f"{recording.name}: joint_force: the chain has no joint")
         raise SceneError(
@@ -161,8 +165,8 @@ def _joint_force(recording: Recording, sensitivities: Sensitivities) -> RankedQu
 
 def _is_joint_force(name: str) -> bool:
     """Return whether an output is the largest force in a joint since the start."""
-    name_part = name_parts(name)
-    return name_part.owner == "joint" and name_part.quantity == "peak_force"
+    parts = name_parts(name)
+    return parts.owner == "joint" and parts.quantity == "peak_force"
 
 
 def _final_output(recording: Recording, sensitivities: Sensitivities, name: str) -> RankedQuantity:

@@ -145,14 +145,14 @@ class Ranking(PrintedResult):
 
     def verdict(self, checked: Sequence[Effect]) -> str:
         """Return a sentence: how many of the ``checked`` effects differ in their runs from first order."""
-        limit = f"{100.0 * FIRST_ORDER_ERROR:g} %"
+        limit_text = f"{100.0 * FIRST_ORDER_ERROR:g} %"
         count, total = sum(e.differs for e in checked), len(checked)
-        part = f"{total} of " if total < len(self.effects) else ""
-        runs = f"runs with the new values for {part}{count_text(len(self.effects), 'effect')}"
+        part_text = f"{total} of " if total < len(self.effects) else ""
+        runs_text = f"runs with the new values for {part_text}{count_text(len(self.effects), 'effect')}"
         if not count:
-            return f"{runs}: {'all agree' if total > 1 else 'it agrees'} within {limit}"
-        many = "all differ" if count == total > 1 else f"{count} differ{'s' * (count == 1)}"
-        return f"{runs}: {many} by more than {limit}"
+            return f"{runs_text}: {'all agree' if total > 1 else 'it agrees'} within {limit_text}"
+        differing_text = "all differ" if count == total > 1 else f"{count} differ{'s' * (count == 1)}"
+        return f"{runs_text}: {differing_text} by more than {limit_text}"
 
     def checked(self, run: Callable[[str, float], Recording | None]) -> Ranking:
         """Return this ranking, with each effect that ``plot`` draws checked by a run.
@@ -256,14 +256,14 @@ class Ranking(PrintedResult):
         largest_effect = max(alike_effects, key=lambda effect: abs(best_known(effect)))
         change = best_known(largest_effect)
         scale, unit_of_change = readable_unit(abs(change), self.unit)
-        size = f"{signed_text(100.0 * abs(change / self.value))} %" if self.value else ""
-        size = (size or with_unit(signed_text(scale * abs(change)), unit_of_change)).removeprefix("+")
-        size = f"about {size}" if change_in_run(largest_effect) is None else f"{size} in a run"
-        change_text = f"{self._quantity_text} of {value}" if self.value else self._quantity_text
+        size_text = f"{signed_text(100.0 * abs(change / self.value))} %" if self.value else ""
+        change_text = with_unit(signed_text(scale * abs(change)), unit_of_change)
+        size_text = (size_text or change_text).removeprefix("+")
+        size_text = f"about {size_text}" if change_in_run(largest_effect) is None else f"{size_text} in a run"
+        quantity_text = f"{self._quantity_text} of {value}" if self.value else self._quantity_text
         verb = "raises" if change > 0.0 else "lowers"
-        return (
-            f"{plain_name(largest_effect.parameter)} + {largest_effect.step} {verb} {change_text} by {size}"
-        )
+        step_text = f"{plain_name(largest_effect.parameter)} + {largest_effect.step}"
+        return f"{step_text} {verb} {quantity_text} by {size_text}"
 
     @property
     def _quantity_text(self) -> str:

@@ -253,11 +253,11 @@ class Result(PrintedResult, SceneRecording):
             UnknownNameError: when the result lacks the output of another field.
         """
         energy = np.zeros(len(self.time), [(name, np.float64) for name in ENERGIES])
-        known_numbers = self.prepared_scene.structure.numbers
-        is_known = known_numbers["needs_impulses"] and (self._has_all or "energy.friction" in self.names)
+        numbers = self.prepared_scene.structure.numbers
+        is_known = numbers["needs_impulses"] and (self._has_all or "energy.friction" in self.names)
         for name, kind in ENERGIES.items():
             # the scene has no such output, for example without friction or supply: this energy is 0
-            if not all(known_numbers[condition] for condition in kind.when if condition in FACTS):
+            if not all(numbers[condition] for condition in kind.when if condition in FACTS):
                 continue
             if name == "friction" and not is_known:
                 energy[name] = np.nan
@@ -277,23 +277,23 @@ class Result(PrintedResult, SceneRecording):
             with warnings.catch_warnings():
                 # the user has seen the warnings of the scene, and the other values are not the user's
                 warnings.simplefilter("ignore", SceneWarning)
-                other_result = self.rerun.changed(values)
+                other_run = self.rerun.changed(values)
         except SceneError:
             return None
-        outputs = other_result(np.array([time]))
+        outputs = other_run(np.array([time]))
         if not len(outputs):
             return None
         return replace(
             self,
-            prepared_scene=other_result.prepared_scene,
+            prepared_scene=other_run.prepared_scene,
             time=np.array([time]),
             outputs=outputs,
             impacts=NO_IMPACTS,
             sensitivities=None,
             stepwise={},
             stick_slip=NO_PHASES,
-            rerun=other_result,
-            input_values=other_result.inputs(np.array([time])),
+            rerun=other_run,
+            input_values=other_run.inputs(np.array([time])),
         )
 
     def to_dataframe(self) -> pandas.DataFrame:

@@ -205,8 +205,8 @@ class SceneRecording(Recording):
         if not 1 <= number <= len(self.impacts):
             raise ValueError(f"{self.name}: number = {number!r} must be {impact_numbers(len(self.impacts))}")
         if number not in self._courses:
-            impact, stop = self.impacts[number - 1], float(self.time[-1])
-            self._courses[number] = course_of(self.prepared_scene, self.rerun, impact, end_time=stop)
+            impact, end_time = self.impacts[number - 1], float(self.time[-1])
+            self._courses[number] = course_of(self.prepared_scene, self.rerun, impact, end_time=end_time)
         return self._courses[number]
 
     @cached_property

@@ -83,8 +83,8 @@ class SceneError(RefusalError):
     def message(self, subject: str | None = None) -> str:
         """Return the message; ``subject`` replaces the text ``self.subject`` in the message."""
         line_text = "" if self.line is None else f" (at line {self.line})"
-        other_faults = f"; {len(self.others)} more: {'; '.join(map(str, self.others))}" if self.others else ""
-        return f"{super().message(subject)}{line_text}{other_faults}"
+        others_text = f"; {len(self.others)} more: {'; '.join(map(str, self.others))}" if self.others else ""
+        return f"{super().message(subject)}{line_text}{others_text}"
 
     def __repr__(self) -> str:
         """Return the class with the whole message."""

@@ -150,7 +150,7 @@ FACTS = {
         "a drive has a largest torque or force",
     ),
     "has_motions": Fact("inputs.base_motion or moving_walls", "inputs move the base or walls"),
-    "has_bodies": Fact(
+    "has_general_bodies": Fact(
         "skewed or has_slider or sites",
         "there is a slider, an additional point of a link, or a given center_of_mass_offset",
     ),

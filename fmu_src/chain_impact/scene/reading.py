@@ -95,8 +95,10 @@ class Reader:
                 if value not in (None, MISSING):
                     self.derived.append(key_path)
             if value is MISSING:
-                meaning = "" if metadata["description"] == entry.name else f" ({metadata['description']})"
-                raise refusal(key_path, "missing", meaning=meaning)
+                meaning_text = (
+                    "" if metadata["description"] == entry.name else f" ({metadata['description']})"
+                )
+                raise refusal(key_path, "missing", meaning=meaning_text)
             # None is the value of a key that this scene does not have, such as the position of a missing wall
             read_value = None if value is None else self._value(entry.type, metadata, value, key_path, scope)
             values[entry.name] = scope[entry.name] = read_value
@@ -151,10 +153,10 @@ class Reader:
             expected_text = (
                 "" if length is None else f", expected length {length} ({metadata['description']})"
             )
-            names = " of names, or true for all" if metadata["or_true"] else ""
+            names_text = " of names, or true for all" if metadata["or_true"] else ""
             is_list_text = isinstance(value, str) and length is not None and _VALUES_TYPED.fullmatch(value)
             expected_text += f"; write [{value}]" if is_list_text and ":" not in value else ""
-            raise refusal(path, "no_list", value=value_text(value), names=names, expected=expected_text)
+            raise refusal(path, "no_list", value=value_text(value), names=names_text, expected=expected_text)
         least_count, most_count = metadata["entries"] or (0, math.inf)
         if not least_count <= len(value) <= most_count:
             raise refusal(path, "entries", count=len(value), least=least_count, most=most_count)
@@ -296,10 +298,10 @@ def meant_number(value: Any, unit: str) -> str:
     """
     if not isinstance(value, str):
         return ""
-    has_several = (
+    several_hint = (
         "; one run has one value: `sweep --vary` takes several" if _VALUES_TYPED.fullmatch(value) else ""
     )
-    return number_hint(value, [unit]) or power_hint(value) or decimal_comma(value) or has_several
+    return number_hint(value, [unit]) or power_hint(value) or decimal_comma(value) or several_hint
 
 
 def decimal_comma(value: Any) -> str:

@@ -76,6 +76,7 @@ def refuse_corner(scene: SceneContents, path: DataPath) -> None:
     links = scene.chain.links
     match path:
         case "chain", "links", int(i), "points", int(j), *_ if i < len(links) and j < links[i].corners:
-            link, remedy = f"link[{i + 1}]", "to move it alone, give points in place of the shape"
-            reason = f"is a corner of a box, which follows from {link}.length and {link}.height: {remedy}"
-            raise SceneError(f"{scene.name}: {link}.point[{j + 1}] {reason}")
+            link_name, remedy = f"link[{i + 1}]", "to move it alone, give points in place of the shape"
+            sizes_text = f"{link_name}.length and {link_name}.height"
+            reason = f"is a corner of a box, which follows from {sizes_text}: {remedy}"
+            raise SceneError(f"{scene.name}: {link_name}.point[{j + 1}] {reason}")

@@ -105,24 +105,24 @@ def with_signals(scene: AnyScene, folder: Path) -> AnyScene:
     if not scene.signals:
         return scene
     completed = {name: _with_defaults(name, signal) for name, signal in scene.signals.items()}
-    stop = scene.simulation.stop_time
+    stop_time = scene.simulation.stop_time
     completed = {
-        name: _with_samples(name, signal, folder, stop) if signal.form == "table" else signal
+        name: _with_samples(name, signal, folder, stop_time) if signal.form == "table" else signal
         for name, signal in completed.items()
     }
     return replace(scene, signals=completed)
 
 
-def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signal:
+def _with_samples(name: str, signal: Signal, folder: Path, stop_time: float) -> Signal:
     """Return the signal with the contents of its table file, and with the absolute path of this file.
 
-    Refuse a file that cannot be read, is no table of inputs, or lacks a column for an input. ``stop`` is the
-    end of the run [s].
+    Refuse a file that cannot be read, is no table of inputs, or lacks a column for an input. ``stop_time`` is
+    the end of the run [s].
     """
     path, key = (folder / (signal.file or "")).absolute(), ("signals", name, "file")
     try:
         status = path.stat()
-        times, columns = _read_samples(path, status.st_mtime_ns, status.st_size, stop)
+        times, columns = _read_samples(path, status.st_mtime_ns, status.st_size, stop_time)
     except OSError as error:
         raise error_at(key, f"cannot be read ({error.strerror})", repr(signal.file)) from None
     except SceneError as error:
@@ -141,14 +141,14 @@ def _with_samples(name: str, signal: Signal, folder: Path, stop: float) -> Signa
 
 @lru_cache(16)
 def _read_samples(
-    path: Path, _change_time: int, _size: int, stop: float
+    path: Path, _change_time: int, _size: int, stop_time: float
 ) -> tuple[Numbers, dict[str, Numbers]]:
     """Return the times [s] of a table file, and its other columns by name; the results are cached.
 
     ``_change_time`` is the time of the file's last change, ``_size`` the size of the file [byte]: with other
-    values of these, the file is read again. ``stop`` is the end of the run [s].
+    values of these, the file is read again. ``stop_time`` is the end of the run [s].
     """
-    times, columns = samples_of(read_table(path), stop)
+    times, columns = samples_of(read_table(path), stop_time)
     return tuple(times.tolist()), {name: tuple(column.tolist()) for name, column in columns.items()}
 
 

@@ -22,17 +22,17 @@ from chain_impact.scene.keys.signal_tables import FORMS, NUMBERS, SHAPES, Signal
 PERIOD_TOLERANCE = 1e-9
 
 
-def value_at_start(signal: Signal, quantity: str, stop: float) -> float:
-    """Return the value at t = 0 of the input ``quantity`` that a signal drives until ``stop`` [s]."""
+def value_at_start(signal: Signal, quantity: str, stop_time: float) -> float:
+    """Return the value at t = 0 of the input ``quantity`` that a signal drives until ``stop_time`` [s]."""
     knots = knots_of(signal, quantity)
     row, knot = np.zeros((), signal_dtype(1, knots)), np.zeros((), knot_dtype(knots))
-    write_signal({"signal": row, "knot": knot}, 0, signal, quantity, stop)
+    write_signal({"signal": row, "knot": knot}, 0, signal, quantity, stop_time)
     d = signals_view(row, knot)
     derive_signals(d, 0.0)
     return float(signal_at(d, 0, 0.0)[0])
 
 
-def write_signal(d: Any, j: int, signal: Signal, quantity: str, stop: float) -> None:
+def write_signal(d: Any, j: int, signal: Signal, quantity: str, stop_time: float) -> None:
     """Write a signal to entry j of the record's part ``signal``, and its polynomials to the part ``knot``.
 
     The caller has set two fields of the entry: ``order``, and ``first_knot``, the index in ``knot`` of its
@@ -43,7 +43,7 @@ def write_signal(d: Any, j: int, signal: Signal, quantity: str, stop: float) -> 
         j: the index of the entry.
         signal: the signal.
         quantity: the input that the entry is for.
-        stop: the end of the run [s].
+        stop_time: the end of the run [s].
     """
     fields = d["signal"]
     first, order = int(fields["first_knot"][j]), int(fields["order"][j])
@@ -56,7 +56,7 @@ def write_signal(d: Any, j: int, signal: Signal, quantity: str, stop: float) -> 
     if signal.form == "steps":
         d["knot"]["given_time"][rows], d["knot"]["given_value"][rows] = signal.times, signal.values
     if signal.form == "table":
-        times, powers, fields["gain"][j] = table_of(signal, quantity, order, stop)
+        times, powers, fields["gain"][j] = table_of(signal, quantity, order, stop_time)
         fields["period"][j] = signal.period or 0.0
         d["knot"]["time"][rows], d["knot"]["powers"][rows, : powers.shape[1]] = times, powers
 
@@ -107,7 +107,9 @@ def is_motion(name: str) -> bool:
     return name.startswith(("base.", "wall.")) and not name.endswith(".belt_speed")
 
 
-def table_of(signal: Signal, quantity: str, order: int, stop: float) -> tuple[np.ndarray, np.ndarray, float]:
+def table_of(
+    signal: Signal, quantity: str, order: int, stop_time: float
+) -> tuple[np.ndarray, np.ndarray, float]:
     """Return the piecewise polynomial of a table for one input, after ``order`` integrations over time.
 
     All integrals are 0 at t = 0.
@@ -116,7 +118,7 @@ def table_of(signal: Signal, quantity: str, order: int, stop: float) -> tuple[np
         signal: the signal with the table.
         quantity: the input.
         order: number of integrations.
-        stop: end of the run [s].
+        stop_time: end of the run [s].
 
     Returns:
         The start of each polynomial, shape (R,) [s]; the coefficients of the powers 0 to P − 1 of the time
@@ -128,7 +130,7 @@ def table_of(signal: Signal, quantity: str, order: int, stop: float) -> tuple[np
     period = signal.period
     if period and not is_closed(signal):
         sample_times, values = np.append(sample_times, sample_times[0] + period), np.append(values, values[0])
-    sample_times, powers = _interpolate_table(signal, quantity, sample_times, values, stop)
+    sample_times, powers = _interpolate_table(signal, quantity, sample_times, values, stop_time)
     if not period:
         # the input has the first value of the table before the table begins, and the last value from its end
         # on
@@ -155,7 +157,7 @@ def table_of(signal: Signal, quantity: str, order: int, stop: float) -> tuple[np
 
 
 def _interpolate_table(
-    signal: Signal, quantity: str, sample_times: np.ndarray, values: np.ndarray, stop: float
+    signal: Signal, quantity: str, sample_times: np.ndarray, values: np.ndarray, stop_time: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the interpolation of a table by R polynomials between its first and its last row, as two arrays.
 
@@ -177,7 +179,7 @@ def _interpolate_table(
 
         return sample_times, np.asarray(CubicSpline(sample_times, values, bc_type="periodic").c[::-1].T)
     if is_position(quantity):
-        return spline_of_position(sample_times, values, stop)
+        return spline_of_position(sample_times, values, stop_time)
     return starts, splines_between_jumps(sample_times, values)
 
 
@@ -195,7 +197,7 @@ def splines_between_jumps(sample_times: np.ndarray, values: np.ndarray) -> np.nd
 
 
 def spline_of_position(
-    sample_times: np.ndarray, values: np.ndarray, stop: float
+    sample_times: np.ndarray, values: np.ndarray, stop_time: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return a cubic spline through the rows of a table that moves a base or a wall.
 
@@ -206,7 +208,7 @@ def spline_of_position(
     Args:
         sample_times: the times of the rows, increasing, shape (T,) [s], T ≥ 2.
         values: the positions, shape (T,) [m].
-        stop: the end of the run [s].
+        stop_time: the end of the run [s].
 
     Returns:
         The start times of the T polynomials and the end of the last one, shape (T + 1,) [s]; and the
@@ -221,7 +223,7 @@ def spline_of_position(
     # The time t counts from the start of the interval, h is half the interval's duration.
     a, b, c, d = powers[-1] * h ** np.arange(4.0)
     last = d
-    if sample_times[-1] < stop:
+    if sample_times[-1] < stop_time:
         # The spline before the last interval must not depend on the end of the run, so a, b and c are fixed.
         # Only the coefficients of u³ in the two halves of the last interval, d and ``last``, are free. They
         # follow from the position of the last row and the velocity 0 there.

@@ -87,19 +87,21 @@ class NotSmoothError(Exception):
 class Approximator:
     """Finds the pieces that approximate M functions of time from 0 to the end of a run."""
 
-    def __init__(self, functions: Sampled, stop: float, accuracy: Any, resolution: Any = TIME_ERROR) -> None:
+    def __init__(
+        self, functions: Sampled, stop_time: float, accuracy: Any, resolution: Any = TIME_ERROR
+    ) -> None:
         """Prepare the search, and call the functions at times spread over the run.
 
         Args:
             functions: the functions to follow.
-            stop: end of the run, which begins at 0 [s].
+            stop_time: end of the run, which begins at 0 [s].
             accuracy: allowed error of a piece, relative to each function's largest absolute value; shape
                 (M,), or one number for all functions.
             resolution: round-off of a time, relative to the time, which makes the functions' values
                 inaccurate; shape (M,), or one number.
         """
-        self._shortest, self._short_piece = SHORTEST_PIECE * stop, SHORT_PIECE * stop
-        self._functions, self._times = functions, np.linspace(0.0, stop, CHECKED_TIMES + 1)
+        self._shortest, self._short_piece = SHORTEST_PIECE * stop_time, SHORT_PIECE * stop_time
+        self._functions, self._times = functions, np.linspace(0.0, stop_time, CHECKED_TIMES + 1)
         self._values = functions(self._times)
         self._scale = np.abs(self._values).max(axis=0)
         self._resolution = resolution

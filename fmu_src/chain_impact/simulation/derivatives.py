@@ -308,8 +308,8 @@ class DifferentiatedRun:
             SimulationError: when the scene cannot start.
         """
         self._prepared_scene = PreparedScene(scene_of(scene))
-        stop = self._prepared_scene.scene.simulation.stop_time
-        self._inputs = {} if inputs is None else dict(inputs_by_name(inputs, stop))
+        stop_time = self._prepared_scene.scene.simulation.stop_time
+        self._inputs = {} if inputs is None else dict(inputs_by_name(inputs, stop_time))
         self._interpolation = interpolation
         variables = differentiable_named(self._prepared_scene, parameters)
         self._paths = [variable.set_path for variable in variables]

@@ -12,28 +12,33 @@ from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.table_file import first_early, jumps_of
 
 
-def checked_signal(noun: str, signal: Any) -> Any:
+def checked_input(noun: str, given_input: Any) -> Any:
     """Return an input over time: a finite number, a function, or a pair (times [s], values) of arrays (T,).
 
     A SceneError refuses any other value; the times of a pair increase, or two are equal at a jump.
     """
-    if callable(signal):
-        return signal
-    match signal:
+    if callable(given_input):
+        return given_input
+    match given_input:
         case tuple([times, values]) | list([times, values]):
             return _samples(noun, _numbers(times), _numbers(values))
-    number = _numbers(signal)
+    number = _numbers(given_input)
     if number is None or number.shape or not np.isfinite(number):
         raise SceneError(
-            f"{noun} = {signal!r} must be a finite number, a function of the time, or a pair (times, values)"
+            f"{noun} = {given_input!r} must be a finite number, a function of the time, or a pair "
+            "(times, values)"
         )
     return float(number)
 
 
 def _samples(noun: str, times: np.ndarray | None, values: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
     if times is None or values is None or times.ndim != 1 or times.shape != values.shape or not times.size:
-        shapes = " and ".join("no numbers" if part is None else str(part.shape) for part in (times, values))
-        raise SceneError(f"{noun}: times and values must be numbers of one shape (T,), T > 0, not {shapes}")
+        shapes_text = " and ".join(
+            "no numbers" if part is None else str(part.shape) for part in (times, values)
+        )
+        raise SceneError(
+            f"{noun}: times and values must be numbers of one shape (T,), T > 0, not {shapes_text}"
+        )
     for name, part in (("times", times), ("values", values)):
         for k in np.flatnonzero(~np.isfinite(part)):
             raise SceneError(f"{noun}: {name}[{k}] = {part[k]} must be a finite number")
@@ -70,15 +75,15 @@ def _numbers(value: Any) -> np.ndarray | None:
     return array.astype(float) if array.dtype.kind in "iuf" else None
 
 
-def values_before_jumps(grid: np.ndarray, values: np.ndarray, signals: Sequence[Any]) -> np.ndarray:
+def values_before_jumps(grid: np.ndarray, values: np.ndarray, given_inputs: Sequence[Any]) -> np.ndarray:
     """Return the ``values`` just before each point of a grid [s]; change ``values`` at jumps to those after.
 
     Samples with two equal times have a jump. Column m of ``values`` belongs to ``signals[m]``.
     """
     left_values = values.copy()
-    for m, signal in enumerate(signals):
-        if isinstance(signal, tuple):
-            times, sampled = signal
+    for m, given_input in enumerate(given_inputs):
+        if isinstance(given_input, tuple):
+            times, sampled = given_input
             for k in jumps_of(times):
                 row = np.abs(grid - times[k]).argmin()
                 left_values[row, m], values[row, m] = sampled[k : k + 2]

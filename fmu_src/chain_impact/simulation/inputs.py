@@ -17,7 +17,7 @@ from chain_impact.scene.files.table_file import TIME, TableSource, gap_hints, re
 from chain_impact.scene.texts.names import INPUTS_OF, DataPath, input_key
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.approximation import TIME_ERROR, Approximator, NotSmoothError
-from chain_impact.simulation.input_values import checked_signal, finite_value, values_before_jumps
+from chain_impact.simulation.input_values import checked_input, finite_value, values_before_jumps
 from chain_impact.simulation.motions import (
     ACCURACY,
     FINELY_RESOLVED,
@@ -159,7 +159,7 @@ def input_schedule(
             first communication point is later.
 
     Raises:
-        SceneError: when a name is not an input of the scene, or a signal is invalid.
+        SceneError: when a name is not an input of the scene, or an input is invalid.
     """
     scene = prepared_scene.scene
     inputs = inputs_by_name(inputs, scene.simulation.stop_time)
@@ -168,50 +168,56 @@ def input_schedule(
         allowed_text = f"must be {', '.join(other_interpolations)} or {last}"
         raise SceneError(f"{scene.name}: interpolation = {interpolation!r} {allowed_text}")
     begins_at_zero = len(times) > 0 and times[0] == 0.0
-    run = times if begins_at_zero else np.union1d(0.0, times)
+    grid_times = times if begins_at_zero else np.union1d(0.0, times)
     if not inputs:
-        is_requested = np.ones(len(run), bool) if begins_at_zero else np.isin(run, times)
-        return InputSchedule(run, is_requested, (), NO_PIECES, FIRST_ROW, NO_FLAG, NO_FLAG)
-    signals, stop = _signals_of(prepared_scene, inputs), float(run[-1])
-    channels = channels_of(prepared_scene) if interpolation != "hold" and stop > 0.0 else []
-    sources = {name: signals.pop(name) for channel in channels for name in channel.names if name in signals}
+        is_requested = np.ones(len(grid_times), bool) if begins_at_zero else np.isin(grid_times, times)
+        return InputSchedule(grid_times, is_requested, (), NO_PIECES, FIRST_ROW, NO_FLAG, NO_FLAG)
+    given_inputs, end = _checked_inputs(prepared_scene, inputs), float(grid_times[-1])
+    channels = channels_of(prepared_scene) if interpolation != "hold" and end > 0.0 else []
+    motion_inputs = {
+        name: given_inputs.pop(name) for channel in channels for name in channel.names if name in given_inputs
+    }
     for channel in channels:
-        refuse_jumping_samples(scene.name, channel, sources)
+        refuse_jumping_samples(scene.name, channel, motion_inputs)
     functions = {
-        name: partial(finite_value, f"{scene.name}: {name}", signal)
-        for name, signal in (signals | sources).items()
+        name: partial(finite_value, f"{scene.name}: {name}", given_input)
+        for name, given_input in (given_inputs | motion_inputs).items()
     }
 
     def call(name: str, time: float) -> float:
         return functions[name](time)
 
-    motions = [motion_of(channel, sources, stop, call, interpolation=interpolation) for channel in channels]
-    pieces, tail = _pieces_of(prepared_scene, signals, motions, call, interpolation=interpolation, run=run)
+    motions = [
+        motion_of(channel, motion_inputs, end, call, interpolation=interpolation) for channel in channels
+    ]
+    pieces, motion_columns = _pieces_of(
+        prepared_scene, given_inputs, motions, call, interpolation=interpolation, grid_times=grid_times
+    )
     belts = np.array([not channel.position for channel in channels], bool)
-    refuse_jumps(scene.name, motions, belts, pieces, tail)
-    warn(scene.name, contradictions(channels, sources, pieces, tail, call))
-    warn(scene.name, still_dampers(prepared_scene, list(signals), pieces))
+    refuse_jumps(scene.name, motions, belts, pieces, motion_columns)
+    warn(scene.name, contradictions(channels, motion_inputs, pieces, motion_columns, call))
+    warn(scene.name, still_dampers(prepared_scene, list(given_inputs), pieces))
     if motions:
-        pieces = made_continuous(pieces, tail)
+        pieces = made_continuous(pieces, motion_columns)
     begin = pieces.start[1:]
-    all_times = np.union1d(run, begin)
-    belt_jumps = np.asarray(jumps(pieces, tail[belts], 1).any(axis=1))
-    bends = jumps(pieces, tail, 2).any(axis=1)
+    all_times = np.union1d(grid_times, begin)
+    belt_jumps = np.asarray(jumps(pieces, motion_columns[belts], 1).any(axis=1))
+    bends = jumps(pieces, motion_columns, 2).any(axis=1)
     paths = {variable.name: variable.record_path for variable in prepared_scene.inputs}
     return InputSchedule(
         times=all_times,
         is_requested=np.isin(all_times, times),
         paths=(
-            *(paths[name] for name in signals),
+            *(paths[name] for name in given_inputs),
             *((GIVEN_CHANNEL, PIECE, j) for j in range(len(motions))),
         ),
         pieces=pieces,
         first_row=np.append(0, np.searchsorted(all_times, begin) + 1),
         restarts=pieces.jumps | belt_jumps | bends,
         belt_jumps=belt_jumps,
-        columns={name: (m, 0) for m, name in enumerate(signals)}
+        columns={name: (m, 0) for m, name in enumerate(given_inputs)}
         | {
-            name: (len(signals) + j, order)
+            name: (len(given_inputs) + j, order)
             for j, (channel, motion) in enumerate(zip(channels, motions, strict=True))
             for name, order in channel.orders.items()
             if motion.name
@@ -219,92 +225,94 @@ def input_schedule(
     )
 
 
-def _signals_of(scene: PreparedScene, inputs: Mapping[str, Any]) -> dict[str, Any]:
+def _checked_inputs(prepared_scene: PreparedScene, inputs: Mapping[str, Any]) -> dict[str, Any]:
     """Return name → input over time: a number, a function, or a pair of arrays (times, values).
 
     Refuse unknown names, and values of other types.
     """
-    source, names = scene.scene.name, {variable.name for variable in scene.inputs}
+    source, names = prepared_scene.scene.name, {variable.name for variable in prepared_scene.inputs}
     for name in inputs:
         if name not in names:
-            raise SceneError(f"{source}: {name!r} is not an input of this scene; {_hint(scene, name)}")
-    return {name: checked_signal(f"{source}: {name}", signal) for name, signal in inputs.items()}
+            fault = f"{name!r} is not an input of this scene"
+            raise SceneError(f"{source}: {fault}; {_hint(prepared_scene, name)}")
+    return {name: checked_input(f"{source}: {name}", given_input) for name, given_input in inputs.items()}
 
 
 def _pieces_of(
     prepared_scene: PreparedScene,
-    signals: Mapping[str, Any],
+    given_inputs: Mapping[str, Any],
     motions: Sequence[ChannelMotion],
     call: Callable[[str, float], float],
     *,
     interpolation: str,
-    run: np.ndarray,
+    grid_times: np.ndarray,
 ) -> tuple[Pieces, np.ndarray]:
     """Return the polynomials of all signals and then of all motions, and the columns of the motions.
 
-    The ``motions`` are followed; of the ``signals``, functions with the interpolations ``follow`` and
+    The ``motions`` are followed; of the ``given_inputs``, functions with the interpolations ``follow`` and
     ``spline``, samples with ``spline`` only. All other signals are held, or with ``linear`` joined by lines,
-    between the communication points ``run`` and the times of samples.
+    between the communication points ``grid_times`` and the times of samples.
     """
-    scene, same = prepared_scene.scene, SAMPLE_ROUND_OFF * run[-1]
+    scene, same = prepared_scene.scene, SAMPLE_ROUND_OFF * grid_times[-1]
     splines = {
-        name: as_function(name, signal, call, sample_join="spline")
-        for name, signal in signals.items()
-        if interpolation == "spline" and isinstance(signal, tuple)
+        name: as_function(name, given_input, call, sample_join="spline")
+        for name, given_input in given_inputs.items()
+        if interpolation == "spline" and isinstance(given_input, tuple)
     }
     breaks = np.concatenate(
         [np.zeros(0), *(motion.breaks for motion in motions), *(knots for _, knots in splines.values())]
     )
-    samples = [signal[0] for signal in signals.values() if isinstance(signal, tuple)]
-    grid = run
-    if samples or len(breaks):
-        grid = _with_samples(run, np.concatenate([breaks, *samples]), same)
-    is_exact = interpolation in ("follow", "spline") and run[-1] > 0.0
-    names = [name for name, signal in signals.items() if is_exact and (callable(signal) or name in splines)]
+    samples = [given_input[0] for given_input in given_inputs.values() if isinstance(given_input, tuple)]
+    sample_times = np.concatenate([breaks, *samples])
+    grid = _with_samples(grid_times, sample_times, same) if len(sample_times) else grid_times
+    is_exact = interpolation in ("follow", "spline") and grid_times[-1] > 0.0
+    functions_or_splines = {*splines, *(name for name, value in given_inputs.items() if callable(value))}
+    names = [name for name in given_inputs if is_exact and name in functions_or_splines]
     values = [
         np.zeros(len(grid))
         if name in names
-        else _signal_values(f"{scene.name}: {name}", signal, interpolation, grid, same)
-        for name, signal in signals.items()
+        else _input_values(f"{scene.name}: {name}", given_input, interpolation, grid, same)
+        for name, given_input in given_inputs.items()
     ]
     values += [np.zeros(len(grid)) for _ in motions]
-    starts, rights = _on_grid(grid, breaks), np.stack(values, axis=1)
-    lefts = values_before_jumps(grid, rights, [*signals.values()]) if interpolation == "linear" else rights
-    pieces = joined_points(grid, rights, lines=interpolation == "linear", breaks=starts, left_limits=lefts)
-    tail = len(signals) + np.arange(len(motions))
-    columns = np.append([k for k, name in enumerate(signals) if name in names], tail).astype(int)
+    starts, rights, is_linear = _on_grid(grid, breaks), np.stack(values, axis=1), interpolation == "linear"
+    lefts = values_before_jumps(grid, rights, [*given_inputs.values()]) if is_linear else rights
+    pieces = joined_points(grid, rights, lines=is_linear, breaks=starts, left_limits=lefts)
+    motion_columns = len(given_inputs) + np.arange(len(motions))
+    function_columns = [k for k, name in enumerate(given_inputs) if name in names]
+    columns = np.append(function_columns, motion_columns).astype(int)
     if len(columns):
         functions: dict[str, Callable[[Any], Any]] = {
             name: splines[name][0] if name in splines else partial(_values_at, call, name) for name in names
         }
         functions |= {motion.name or str(m): motion.position for m, motion in enumerate(motions)}
-        is_force = columns < len(signals)
+        is_force = columns < len(given_inputs)
         accuracy = np.where(is_force, TOLERANCE_SHARE * scene.solver.tolerance, ACCURACY)
         resolutions = np.where(is_force, TIME_ERROR, FINELY_RESOLVED)
         pieces = _with_functions(scene.name, functions, columns, pieces, (accuracy, resolutions))
-        pieces = replace(pieces, moving=tail)
+        pieces = replace(pieces, moving=motion_columns)
     # ``refuse_jumps`` checks the jumps of motions, so ``Pieces.jumps`` leaves them out
-    pieces.same[tail] = np.inf
-    return pieces, tail
+    pieces.same[motion_columns] = np.inf
+    return pieces, motion_columns
 
 
-def inputs_by_name(inputs: GivenInputs, stop: float) -> Mapping[str, InputSource]:
-    """Return name → input over time; the columns of a table, for a run until ``stop`` [s], become samples."""
+def inputs_by_name(inputs: GivenInputs, stop_time: float) -> Mapping[str, InputSource]:
+    """Return name → input over time; columns of a table are samples, for a run until ``stop_time`` [s]."""
     if isinstance(inputs, Mapping) and TIME not in inputs:
         return cast("Mapping[str, InputSource]", inputs)
     table = read_table(cast("TableSource", inputs))
-    times, columns = samples_of(table, stop)
+    times, columns = samples_of(table, stop_time)
     warn(table.source, gap_hints(times))
     return {name: (times, values) for name, values in columns.items()}
 
 
-def _hint(scene: PreparedScene, name: Any) -> str:
+def _hint(prepared_scene: PreparedScene, name: Any) -> str:
     """Return a hint for a name that is not an input: which signal drives it, how to add it, or all inputs."""
-    if name in scene.signals_by_input:
-        return f"signals.{scene.signals_by_input[name]} drives it"
+    if name in prepared_scene.signals_by_input:
+        return f"signals.{prepared_scene.signals_by_input[name]} drives it"
     if isinstance(name, str) and input_key(name):
-        return request_hint(scene.scene, name)
-    return inputs_text(variable.name for variable in scene.inputs)
+        return request_hint(prepared_scene.scene, name)
+    return inputs_text(variable.name for variable in prepared_scene.inputs)
 
 
 def _values_at(call: Callable[[str, float], float], name: str, times: np.ndarray) -> np.ndarray:
@@ -372,17 +380,19 @@ def inputs_text(inputs: Iterable[str]) -> str:
     return f"it has {', '.join(shown_names)}, and {advice} make all that there can be"
 
 
-def _signal_values(noun: str, signal: Any, interpolation: str, times: np.ndarray, same: float) -> np.ndarray:
+def _input_values(
+    noun: str, given_input: Any, interpolation: str, times: np.ndarray, same: float
+) -> np.ndarray:
     """Return a signal's values at several times, shape (T,); ``linear`` joins samples, else they are held.
 
     A held sample acts from ``same`` [s] before its time on, until the next one acts; the first sample also
     before.
     """
-    if callable(signal):
-        return np.array([finite_value(noun, signal, time) for time in times.tolist()])
-    if isinstance(signal, float):
-        return np.full(len(times), signal)
-    sample_times, values = signal
+    if callable(given_input):
+        return np.array([finite_value(noun, given_input, time) for time in times.tolist()])
+    if isinstance(given_input, float):
+        return np.full(len(times), given_input)
+    sample_times, values = given_input
     if interpolation == "linear":
         return np.asarray(np.interp(times, sample_times, values))
     latest_rows = np.searchsorted(sample_times, times + same, side="right") - 1

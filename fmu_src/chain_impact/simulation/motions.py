@@ -100,8 +100,8 @@ def channels_of(prepared_scene: PreparedScene) -> list[Channel]:
 
 def motion_of(
     channel: Channel,
-    signals: Mapping[str, Any],
-    stop: float,
+    given_inputs: Mapping[str, Any],
+    stop_time: float,
     called: Callable[[str, float], float],
     *,
     interpolation: str,
@@ -112,38 +112,46 @@ def motion_of(
 
     Args:
         channel: the channel.
-        signals: name of an input → number, function, or samples (times, values).
-        stop: end of the run [s].
+        given_inputs: name of an input → number, function, or samples (times, values).
+        stop_time: end of the run [s].
         called: function of (name, time) that returns the value of a user's function.
         interpolation: ``linear`` or ``spline``: how samples are joined; else samples of a belt's speed are
             held, and all others, of a position, velocity or acceleration, are joined by a cubic spline.
     """
-    given_name = next((name for name in channel.names if name in signals), None)
+    given_name = next((name for name in channel.names if name in given_inputs), None)
     if given_name is None:
         return ChannelMotion("", lambda times: np.full_like(times, channel.start), np.zeros(0))
-    belt = not channel.position
-    sample_join = interpolation if interpolation in ("linear", "spline") else "held" if belt else "spline"
-    value, breaks = as_function(given_name, signals[given_name], called, sample_join=sample_join, stop=stop)
+    is_belt = not channel.position
+    sample_join = interpolation if interpolation in ("linear", "spline") else "held" if is_belt else "spline"
+    value, breaks = as_function(
+        given_name, given_inputs[given_name], called, sample_join=sample_join, stop_time=stop_time
+    )
     for _ in range(channel.orders[given_name]):
-        value, breaks = _integrate(value, breaks, stop)
-    if given_name == channel.position or belt:
+        value, breaks = _integrate(value, breaks, stop_time)
+    if given_name == channel.position or is_belt:
         return ChannelMotion(given_name, value, breaks)
     return ChannelMotion(given_name, lambda times: channel.start + value(times), breaks)
 
 
 def as_function(
-    name: str, signal: Any, called: Callable[[str, float], float], *, sample_join: str, stop: float = math.inf
+    name: str,
+    given_input: Any,
+    called: Callable[[str, float], float],
+    *,
+    sample_join: str,
+    stop_time: float = math.inf,
 ) -> tuple[Callable[[Any], Any], np.ndarray]:
     """Return an input over time as a function of times [s], and the times [s] at which it may not be smooth.
 
     ``sample_join`` says how samples are joined: "linear", "held" until the next sample, or by a "spline". The
-    first sample acts also before its time, the last one also after its time. ``stop``: end of the run [s].
+    first sample acts also before its time, the last one also after its time. ``stop_time`` is the end of the
+    run [s].
     """
-    if callable(signal):
+    if callable(given_input):
         return lambda times: np.array([called(name, time) for time in np.ravel(times).tolist()]), np.zeros(0)
-    if isinstance(signal, float):
-        return lambda times: np.full(np.shape(times), signal), np.zeros(0)
-    sample_times, values = signal
+    if isinstance(given_input, float):
+        return lambda times: np.full(np.shape(times), given_input), np.zeros(0)
+    sample_times, values = given_input
     if sample_join == "linear":
         return lambda times: np.interp(times, sample_times, values), sample_times
     if sample_join == "held" or sample_times[0] == sample_times[-1]:
@@ -153,7 +161,7 @@ def as_function(
     from scipy.interpolate import PPoly
 
     if is_position(name):
-        breaks, powers = spline_of_position(sample_times, values, stop)
+        breaks, powers = spline_of_position(sample_times, values, stop_time)
     else:
         breaks, powers = np.unique(sample_times), splines_between_jumps(sample_times, values)
     spline = PPoly(powers.T[::-1], breaks)
@@ -161,17 +169,19 @@ def as_function(
 
 
 def _integrate(
-    value: Callable[[Any], Any], breaks: np.ndarray, stop: float
+    value: Callable[[Any], Any], breaks: np.ndarray, stop_time: float
 ) -> tuple[Callable[[Any], Any], np.ndarray]:
     """Return the integral of a function over time from 0 on, as a function, and the times of its breaks.
 
     A break is a time at which the integral may not be smooth: the given ``breaks``, and times at which the
     function jumps or bends. The integral itself would show these only up to the square root of round-off.
     """
-    inner_breaks = np.unique(breaks[(breaks > 0.0) & (breaks < stop)])
-    grid = np.concatenate([[0.0], inner_breaks, [stop]])
+    inner_breaks = np.unique(breaks[(breaks > 0.0) & (breaks < stop_time)])
+    grid = np.concatenate([[0.0], inner_breaks, [stop_time]])
     placeholder = joined_points(grid, np.arange(len(grid))[:, np.newaxis] * 1.0, lines=False)
-    approximator = Approximator(lambda times: value(times)[:, np.newaxis], stop, ACCURACY, FINELY_RESOLVED)
+    approximator = Approximator(
+        lambda times: value(times)[:, np.newaxis], stop_time, ACCURACY, FINELY_RESOLVED
+    )
     pieces = approximator.with_held(placeholder, np.array([0]))
     powers = pieces.powers[:, :, 0] / np.arange(1.0, pieces.powers.shape[1] + 1.0)
 
@@ -241,16 +251,16 @@ def refuse_jumps(
             )
 
 
-def refuse_jumping_samples(source: str, channel: Channel, given_signals: Mapping[str, Any]) -> None:
+def refuse_jumping_samples(source: str, channel: Channel, given_inputs: Mapping[str, Any]) -> None:
     """Refuse two samples at one time for the position or the velocity of a base or wall."""
     for name in channel.names if channel.position else ():
-        signal = given_signals.get(name)
+        given_input = given_inputs.get(name)
         if (
             channel.orders[name] <= 1
-            and isinstance(signal, tuple)
-            and len(repeated_rows := jumps_of(signal[0]))
+            and isinstance(given_input, tuple)
+            and len(repeated_rows := jumps_of(given_input[0]))
         ):
-            time_text = f"two samples at t = {signal[0][repeated_rows[0]]:.9g} s make it jump"
+            time_text = f"two samples at t = {given_input[0][repeated_rows[0]]:.9g} s make it jump"
             raise SceneError(f"{source}: {name}: {time_text}, which would be an impact of unknown strength")
 
 
@@ -285,7 +295,7 @@ def made_continuous(pieces: Pieces, columns: np.ndarray) -> Pieces:
 
 def contradictions(
     channels: Sequence[Channel],
-    signals: Mapping[str, Any],
+    given_inputs: Mapping[str, Any],
     pieces: Pieces,
     columns: np.ndarray,
     called: Callable[[str, float], float],
@@ -297,7 +307,7 @@ def contradictions(
     """
     texts = []
     for channel, column in zip(channels, columns, strict=True):
-        names = [name for name in channel.names if name in signals]
+        names = [name for name in channel.names if name in given_inputs]
         if channel.position in names and channel.position.startswith("base."):
             positions = derivatives(pieces, 0)[0, :, column]
             start = positions[0]
@@ -307,14 +317,11 @@ def contradictions(
                 texts.append(start_hint(channel.position[-1], start, channel.start))
         for name in names[1:]:
             order = channel.names.index(name)
-            value, _ = as_function(name, signals[name], called, sample_join="spline")
+            value, _ = as_function(name, given_inputs[name], called, sample_join="spline")
             values = derivatives(pieces, order)[0, :, column]
             data = np.asarray(value(pieces.start))
             k = int(np.abs(data - values).argmax())
             if abs(data[k] - values[k]) > LEAST_CONTRADICTION * max(np.abs(data).max(), np.abs(values).max()):
-                moment = f"at t = {pieces.start[k]:.9g} s"
-                texts.append(
-                    f"{name} = {data[k]:.9g} contradicts {names[0]}, which gives {values[k]:.9g} {moment}, "
-                    "and is not used"
-                )
+                value_text = f"{values[k]:.9g} at t = {pieces.start[k]:.9g} s, and is not used"
+                texts.append(f"{name} = {data[k]:.9g} contradicts {names[0]}, which gives {value_text}")
     return texts

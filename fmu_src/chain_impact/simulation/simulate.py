@@ -182,10 +182,10 @@ def _inputs_of_run(
             of communication gives a row.
         columns: number of outputs and derivatives.
     """
-    name, stop = prepared_scene.scene.name, prepared_scene.scene.simulation.stop_time
-    step = stop if is_single_interval else prepared_scene.scene.simulation.step_size
-    check_result_size(name, stop, step, columns)
-    schedule = input_schedule(prepared_scene, inputs, interpolation, _row_times(stop, step))
+    name, stop_time = prepared_scene.scene.name, prepared_scene.scene.simulation.stop_time
+    step = stop_time if is_single_interval else prepared_scene.scene.simulation.step_size
+    check_result_size(name, stop_time, step, columns)
+    schedule = input_schedule(prepared_scene, inputs, interpolation, _row_times(stop_time, step))
     if schedule.paths and not _size_of_rows(len(schedule.times), columns) <= MOST_BYTES:
         raise _too_large(f"{name}: the simulation with its inputs has", len(schedule.times), columns)
     return schedule
@@ -201,21 +201,23 @@ def _warn(instance: Instance, result: Result) -> None:
         warn(scene.name, instance.contradictions)
 
 
-def check_result_size(source: str, stop: float, step: float, columns: int) -> None:
+def check_result_size(source: str, stop_time: float, step: float, columns: int) -> None:
     """Refuse a result whose outputs take more than ``MOST_BYTES``.
 
     Args:
         source: the name of the scene in an error.
-        stop: stop time [s].
+        stop_time: stop time [s].
         step: time between the rows [s].
         columns: number of outputs and derivatives, without the time.
 
     Raises:
         SceneError: when the result would be too large.
     """
-    count = stop / step + 1.0
+    count = stop_time / step + 1.0
     if not _size_of_rows(count, columns) <= MOST_BYTES:
-        asked_text = f"simulation.stop_time = {stop:g} [s] in steps of simulation.step_size = {step:g} [s]"
+        asked_text = (
+            f"simulation.stop_time = {stop_time:g} [s] in steps of simulation.step_size = {step:g} [s]"
+        )
         raise _too_large(f"{source}: {asked_text} gives", count, columns)
 
 
@@ -229,16 +231,18 @@ def _too_large(subject: str, count: float, columns: int) -> SceneError:
 
     The text ``subject`` begins the message of the error.
     """
-    rows = f"{count:.4g} rows of {columns} outputs, {_size_of_rows(count, columns) / 1e9:.4g} GB"
-    limit = f"must be at most {MOST_BYTES / 1e9:g} GB: take longer steps, an earlier end or fewer outputs"
-    return SceneError(f"{subject} {rows}; {limit}")
+    rows_text = f"{count:.4g} rows of {columns} outputs, {_size_of_rows(count, columns) / 1e9:.4g} GB"
+    requirement = (
+        f"must be at most {MOST_BYTES / 1e9:g} GB: take longer steps, an earlier end or fewer outputs"
+    )
+    return SceneError(f"{subject} {rows_text}; {requirement}")
 
 
-def _row_times(stop: float, step: float) -> np.ndarray:
+def _row_times(stop_time: float, step: float) -> np.ndarray:
     """Return the times of rows [s]: multiples of the step below the stop time, and the stop time."""
-    times = np.arange(math.ceil(stop / step * (1 - STEP_ROUND_OFF)) + 1.0)
+    times = np.arange(math.ceil(stop_time / step * (1 - STEP_ROUND_OFF)) + 1.0)
     times *= step
-    times[-1] = stop
+    times[-1] = stop_time
     return times
 
 

@@ -244,18 +244,18 @@ def _words_of(
         "sloped_walls": sloped_walls,
         "has_slider": has_slider,
     }
-    layout, kinds, words, index_list = layout_of(*counts), _tables()[table], [], []
+    layout, kinds, words, readers = layout_of(*counts), _tables()[table], [], []
     indices_of = {name: _indices(name, numbers) for name in {kind.owner_kind for kind, _ in kinds}}
     for kind, reader in kinds:
-        given_paths = (
+        given_path = (
             kind.given_path if not kind.stores_given_if or kind.stores_given_if in met_conditions else None
         )
         indices = indices_of[kind.owner_kind]
-        for path in filter(None, (kind.record_path, given_paths)):
+        for path in filter(None, (kind.record_path, given_path)):
             words += [word_index(layout, owner_path(path, index)) for index in indices]
         if indices:
-            index_list.append(reader)
-    return np.array(words, int), index_list
+            readers.append(reader)
+    return np.array(words, int), readers
 
 
 def _indices(owner_kind: str, numbers: Mapping[str, int]) -> list[dict[str, int]]:

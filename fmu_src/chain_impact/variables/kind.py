@@ -206,10 +206,12 @@ def block(
         extras: other attributes of ``VariableKind`` that all kinds have.
     """
     extras = {"owner_kind": owner_kind, "terminal": prefix if is_terminal else "", **extras}
-    start = f"{prefix}." if prefix else ""
+    prefix_text = f"{prefix}." if prefix else ""
     return Block(
         owner_kind,
-        tuple(replace(kind, name=start + kind.name, when=(*when, *kind.when), **extras) for kind in rows),
+        tuple(
+            replace(kind, name=prefix_text + kind.name, when=(*when, *kind.when), **extras) for kind in rows
+        ),
     )
 
 

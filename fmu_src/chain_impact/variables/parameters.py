@@ -35,9 +35,11 @@ from chain_impact.variables.kind import (
 
 LAWS, METHODS = "laws", "methods"
 """The names of the lists of choices (``choices_of``): contact laws, and methods of the solver."""
-HAS_FRICTION = "it is a parameter if the scene has this dry friction: give it a value in the scene file first"
-HAS_ONE = "it is a parameter if the scene file gives it: give it a value there first"
-HAS_TARGET = (
+FRICTION_HINT = (
+    "it is a parameter if the scene has this dry friction: give it a value in the scene file first"
+)
+GIVEN_HINT = "it is a parameter if the scene file gives it: give it a value there first"
+TARGET_HINT = (
     "with inputs.joint_targets it is the start value of the target angle: vary or fit the value of a "
     "constant signal of the target instead"
 )
@@ -132,7 +134,7 @@ _COEFFICIENT: dict[str, Any] = {
     "tunable": TRUE_FACT,
     "when": ("has_contact_friction",),
     "value_if_not_in_file": 0.0,
-    "hint": HAS_FRICTION,
+    "hint": FRICTION_HINT,
 }
 """The attributes that both coefficients of friction of [contact], sliding and static, have in common."""
 
@@ -153,8 +155,8 @@ PARAMETERS = (
             scene_path=("chain", "links", OWNER_AT, KEY),
             record_path=("chain", KEY, OWNER_AT),
             names=[key for key in _metadata(Link) if key not in ("points", "shape")],
-            height={"number_for_none": 0.0, "hint": HAS_ONE},
-            center_of_mass_offset={"only_if_in_file": True, "hint": HAS_ONE},
+            height={"number_for_none": 0.0, "hint": GIVEN_HINT},
+            center_of_mass_offset={"only_if_in_file": True, "hint": GIVEN_HINT},
             center_of_mass={"given_path": ("chain", "given_center_of_mass", OWNER_AT)},
             inertia={"given_path": ("chain", "given_inertia", OWNER_AT)},
             joint_damping={"record_path": ("given", "drive_damping", OWNER_AT), "tunable": "has_target"},
@@ -162,18 +164,18 @@ PARAMETERS = (
             joint_rest_angle={
                 "record_path": ("given", "target", OWNER_AT),
                 "when": ("target_is_parameter",),
-                "hint": HAS_TARGET,
+                "hint": TARGET_HINT,
             },
             joint_friction={
                 "record_path": ("drive", "friction", OWNER_AT),
                 "when": ("may_have_friction",),
-                "hint": HAS_FRICTION,
+                "hint": FRICTION_HINT,
             },
-            joint_armature={"only_if_in_file": True, "hint": HAS_ONE},
+            joint_armature={"only_if_in_file": True, "hint": GIVEN_HINT},
             joint_torque_limit={
                 "record_path": ("drive", "limit", OWNER_AT),
                 "number_for_none": math.inf,
-                "hint": HAS_ONE,
+                "hint": GIVEN_HINT,
             },
             joint_min={"record_path": ("drive", "min", OWNER_AT), "number_for_none": -math.inf},
             joint_max={"record_path": ("drive", "max", OWNER_AT), "number_for_none": math.inf},
@@ -205,19 +207,19 @@ PARAMETERS = (
             rest_position={
                 "record_path": ("given", "target", OWNER_AT),
                 "when": ("target_is_parameter",),
-                "hint": HAS_TARGET.replace("angle", "position"),
+                "hint": TARGET_HINT.replace("angle", "position"),
             },
             friction={
                 "record_path": ("drive", "friction", OWNER_AT),
                 "when": ("may_have_friction",),
-                "hint": HAS_FRICTION,
+                "hint": FRICTION_HINT,
             },
             min={"number_for_none": -math.inf},
             max={"number_for_none": math.inf},
             force_limit={
                 "record_path": ("drive", "limit", OWNER_AT),
                 "number_for_none": math.inf,
-                "hint": HAS_ONE,
+                "hint": GIVEN_HINT,
             },
         ),
         _parameter(
@@ -299,8 +301,8 @@ PARAMETERS = (
             # −1 in the record means that the value of [contact] applies to this wall; a static friction of −1
             # beside a sliding friction of the wall means that both are equal
             restitution={"number_for_none": -1.0},
-            friction={"number_for_none": -1.0, "hint": HAS_FRICTION},
-            static_friction={"number_for_none": -1.0, "hint": HAS_FRICTION},
+            friction={"number_for_none": -1.0, "hint": FRICTION_HINT},
+            static_friction={"number_for_none": -1.0, "hint": FRICTION_HINT},
         ),
         heading=WALL,
         when=("has_contacts",),

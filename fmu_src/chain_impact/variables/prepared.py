@@ -286,10 +286,10 @@ def kernel_scope(scene: Scene) -> KernelScope:
     """Return the argument ``scope`` of ``kernel_library`` for a scene: the number of links, or all scenes.
 
     It is ``AnyLinks.GENERAL`` if inputs move the base or walls, signals drive inputs, or the fact
-    "has_bodies" holds (scene/facts.py): other kernels have no code for these.
+    "has_general_bodies" holds (scene/facts.py): other kernels have no code for these.
     """
     facts = SceneFacts(scene)
-    is_general = scene.signals or facts["has_bodies"] or facts["has_motions"]
+    is_general = scene.signals or facts["has_general_bodies"] or facts["has_motions"]
     return AnyLinks.GENERAL if is_general else len(scene.chain.links)
 
 

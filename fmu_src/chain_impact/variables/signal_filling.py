@@ -25,14 +25,14 @@ def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
     """
     if not scene.signals:
         return
-    fields, stop = d["signal"], scene.simulation.stop_time
+    fields, stop_time = d["signal"], scene.simulation.stop_time
     paths = {variable.name: variable.record_path for variable in requested_inputs_of(structure)}
     first, knot = dict[str, int](), 0
     for j, signal in enumerate(structure.signals):
         fields["input"][j], fields["index"][j] = input_at(paths[signal.input])
         fields["source"][j] = first.setdefault(signal.signal, j)
         fields["order"][j], fields["first_knot"][j] = signal.order, knot
-        write_signal(d, j, scene.signals[signal.signal], signal.input, stop)
+        write_signal(d, j, scene.signals[signal.signal], signal.input, stop_time)
         knot += signal.knot_count
 
 

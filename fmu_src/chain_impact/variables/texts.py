@@ -45,15 +45,15 @@ def scene_texts(structure: Structure) -> dict[str, Any]:
         () if numbers["has_contact_friction"] else (FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING)
     )
     statuses = {code: text for code, text in STATUS_TEXT.items() if code not in absent_statuses}
-    walls = ", ".join(f"{w} {wall}" for w, wall in enumerate(names, 1))
+    walls_text = ", ".join(f"{w} {wall}" for w, wall in enumerate(names, 1))
     return {
         "points": numbers["link_count"] + numbers["site_count"],
         "walls": numbers["walls"],
         "most_status": max(statuses),
         # The number of a wall is an integer variable, not an enumeration: the items of an enumeration count
         # from 1, so there could be no number 0 for "none".
-        "wall_numbers": f"0 none, {walls}",
-        "wall_numbers_if_any": f"0 if there is none, {walls}",
+        "wall_numbers": f"0 none, {walls_text}",
+        "wall_numbers_if_any": f"0 if there is none, {walls_text}",
         "statuses": "; ".join(f"{code} {text}" for code, text in statuses.items()),
         "losses": LOSSES if numbers["has_dry_friction"] else "contacts and damping",
         **(STOP_TEXTS if numbers["stop_count"] else dict.fromkeys(STOP_TEXTS, "")),

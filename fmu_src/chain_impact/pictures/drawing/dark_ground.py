@@ -97,11 +97,13 @@ class Ground(NamedTuple):
             if grey <= LIGHTEST_LINE
             else min(FAINT_CONTRAST, 1.0 + FAINT_GROWTH * (1.0 - grey))
         )
-        least_part = least_luminance(self.ground, needed_luminance) if grey < 1.0 else 0.0
+        least_mix_luminance = least_luminance(self.ground, needed_luminance) if grey < 1.0 else 0.0
         mixed = [
             low + part * (high - low) for part in np.linspace((1.0 - grey) ** SPREAD, 1.0, GREY_MIXTURES)
         ]
-        red, green, blue = next((mix for mix in mixed if luminance(mix) >= least_part), mixed[-1]).tolist()
+        red, green, blue = next(
+            (mix for mix in mixed if luminance(mix) >= least_mix_luminance), mixed[-1]
+        ).tolist()
         return red, green, blue, alpha
 
     def suited_fill(self, colour: Any) -> Colour:

@@ -163,11 +163,11 @@ def parts_with_dashes(lines: Sequence[np.ndarray]) -> list[list[tuple[np.ndarray
         # the number of lines at each place that are below this line, and of all that are above the first one
         count_below, count_above = merged_parts[:k].sum(axis=0), merged_parts.sum(axis=0) - 1
         looks = np.where(count_below > 0, len(lines) * count_below + count_above, 0)
-        for start, stop in _runs(looks):
-            looks[start:stop] *= lengths[stop - 1] - lengths[start] >= LEAST_DASHED
+        for start, end in _runs(looks):
+            looks[start:end] *= lengths[end - 1] - lengths[start] >= LEAST_DASHED
         own_parts = []
-        for start, stop in _runs(looks):
-            first, last = lengths[start], lengths[min(stop, len(lengths) - 1)]
+        for start, end in _runs(looks):
+            first, last = lengths[start], lengths[min(end, len(lengths) - 1)]
             part_lengths = np.concatenate([[first], way[(way > first) & (way < last)], [last]])
             dashes = _dashes(int(count_below[start]) - 1, int(count_above[start])) if looks[start] else None
             own_parts.append((_points_at(line, way, part_lengths), dashes))

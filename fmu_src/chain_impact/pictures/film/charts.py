@@ -121,8 +121,8 @@ def colour_time(axes: Axes, recording: Recording) -> None:
     figure = axes.get_figure(root=True)
     assert figure is not None
     shift_below = ScaledTranslation(0.0, -0.5 * COLOURED_WIDTH / 72.0, figure.dpi_scale_trans)
-    start, stop = (float(recording.time[row]) for row in (0, -1))
-    times = np.linspace(start, stop, COLOURED_PARTS + 1)
+    start, end = (float(recording.time[row]) for row in (0, -1))
+    times = np.linspace(start, end, COLOURED_PARTS + 1)
     ends = np.stack([times, np.zeros_like(times)], axis=-1)
     bar = LineCollection(
         list(np.stack([ends[:-1], ends[1:]], axis=1)),

@@ -61,8 +61,8 @@ def write_film(
         MissingExtraError: when PyAV is not installed, for an mp4.
     """
     rate, (width, height) = RATES[path.suffix.lower()], (length // 2 * 2 for length in size)
-    start, stop = (float(recording.time[row]) for row in (0, -1))
-    times, usual_speed = frame_times(start, stop, slow_spans(recording), impact_time)
+    start, end = (float(recording.time[row]) for row in (0, -1))
+    times, usual_speed = frame_times(start, end, slow_spans(recording), impact_time)
     frames = (len(times) - 1) * rate / usual_speed  # the number of frames if ``speed`` is 1
     speed = pace(recording, speed, rate, frames / MOST_SLOWED_FRAMES if impact_time > 0.0 else 1.0)
     count = 1 + int(np.ceil(frames / speed))

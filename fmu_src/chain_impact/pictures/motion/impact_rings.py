@@ -70,9 +70,9 @@ def draw_sticking(axes: Axes, recording: Recording) -> None:
     last, points = recording.stick_slip[np.isnan(recording.stick_slip["end"])], recording.all_points[-1]
     positions = []
     for phase in last[last["mode"] == STICKS]:
-        joint = phase["wall"] == NO_WALL
-        position = points[max(phase["point"] - 1, 0) if joint else phase["point"]]
-        if not joint and recording.walls:
+        is_joint = phase["wall"] == NO_WALL
+        position = points[max(phase["point"] - 1, 0) if is_joint else phase["point"]]
+        if not is_joint and recording.walls:
             wall = recording.wall_of(phase)
             position = position - wall.clearance(*position) * np.array(wall.normal)
         positions.append(position)

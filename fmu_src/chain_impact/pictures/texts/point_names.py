@@ -40,8 +40,8 @@ def what_touches(recording: Recording, impact: np.void) -> str:
 def brief_hit(recording: Recording, impact: np.void) -> str:
     """Return words for an impact, with short names, and no number of a named point: "heel hits y_min"."""
     touching_part, point = what_touches(recording, impact), int(impact["point"])
-    at_wall = touching_part == point_label(point, recording.point_names)
-    name = recording.point_names.get(point, "") if at_wall else ""
+    is_point = touching_part == point_label(point, recording.point_names)
+    name = recording.point_names.get(point, "") if is_point else ""
     return (
         f"{shortened_name(name) or touching_part} hits {shortened_name(recording.wall_names[impact['wall']])}"
     )

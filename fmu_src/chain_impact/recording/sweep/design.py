@@ -142,13 +142,13 @@ def grid_design(variations: Sequence[Variation], source: str) -> Design:
     """
     for variation in variations:
         if variation.interval:
-            ends = ":".join(f"{end:g}" for end in variation.values)
+            ends_text = ":".join(f"{end:g}" for end in variation.values)
             raise SceneError(
-                f"is an interval without a number of values: write {ends}:9 for nine values, or ask for "
+                f"is an interval without a number of values: write {ends_text}:9 for nine values, or ask for "
                 "samples",
                 source=source,
                 name=variation.name,
-                value=ends,
+                value=ends_text,
             )
     return Design(tuple(variations))
 
@@ -184,10 +184,10 @@ def checked_integer(
     Raises:
         SceneError: when ``number`` is not whole, or out of this range.
     """
-    bound = "" if end is None else f" and < {end}"
+    bound_text = "" if end is None else f" and < {end}"
     integral = isinstance(number, Integral) and not isinstance(number, bool)
     if not integral or number < least_number or (end is not None and number >= end):
-        requirement = f"must be a whole number >= {least_number}{bound}"
+        requirement = f"must be a whole number >= {least_number}{bound_text}"
         raise SceneError(requirement, source=source, argument=name, value=str(number))
     return int(number)
 

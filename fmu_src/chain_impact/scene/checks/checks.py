@@ -126,8 +126,8 @@ def check_joint_angles(scene: SceneContents) -> None:
         joint = angles[i] - angles[i - 1]
         excess = max(low - joint, joint - high)
         if excess > ALLOWED_OVERLAP:
-            stop = f"joint_min = {low:.6g}" if joint < low else f"joint_max = {high:.6g}"
-            joint_text = f"joint {i} at {joint:.6g} rad is {excess:.6g} rad beyond its {stop} rad"
+            stop_text = f"joint_min = {low:.6g}" if joint < low else f"joint_max = {high:.6g}"
+            joint_text = f"joint {i} at {joint:.6g} rad is {excess:.6g} rad beyond its {stop_text} rad"
             raise SceneError(f"initial: {joint_text}; must be within{turns_hint(joint, low, high)}")
 
 
@@ -156,16 +156,16 @@ def hints(scene: SceneContents) -> list[str]:
     texts = angle_hints(scene)
     for i, link in enumerate(scene.chain.links, 1):
         if link.center_of_mass > link.length:
-            center_text = f"link[{i}].center_of_mass = {link.center_of_mass:g} m"
-            texts.append(f"{center_text} lies beyond the end of the link, which is {link.length:g} m long")
-    stop, step = scene.simulation.stop_time, scene.simulation.step_size
-    if step > stop:
-        longer = f"simulation.step_size = {step:g} s is longer than simulation.stop_time = {stop:g} s"
-        texts.append(f"{longer}: there are two rows only, the start and the end")
+            subject = f"link[{i}].center_of_mass = {link.center_of_mass:g} m"
+            texts.append(f"{subject} lies beyond the end of the link, which is {link.length:g} m long")
+    stop_time, step = scene.simulation.stop_time, scene.simulation.step_size
+    if step > stop_time:
+        step_text = f"simulation.step_size = {step:g} s is longer than simulation.stop_time = {stop_time:g} s"
+        texts.append(f"{step_text}: there are two rows only, the start and the end")
     for name, signal in scene.signals.items():
         if signal.samples:
-            center_text = f"signal.{name}: {signal.file}"
-            texts += [f"{center_text}: {hint}" for hint in gap_hints(signal.samples.times)]
+            subject = f"signal.{name}: {signal.file}"
+            texts += [f"{subject}: {hint}" for hint in gap_hints(signal.samples.times)]
     return [*texts, *size_hints(scene), *base_hints(scene), *start_hints(scene)]
 
 
@@ -253,8 +253,8 @@ def turning_hints(scene: SceneContents, changes: Iterable[Any]) -> list[str]:
     lone_names = [
         name for name, next_name in pairwise(names) if name in given_names and next_name not in given_names
     ]
-    stay = "is set, and the absolute angles of the links behind it stay"
-    return [f"{lone_names[0]} {stay}; initial.joint_angles turns these, too"] if lone_names else []
+    effect_text = "is set, and the absolute angles of the links behind it stay"
+    return [f"{lone_names[0]} {effect_text}; initial.joint_angles turns these, too"] if lone_names else []
 
 
 def law_hints(scene: SceneContents) -> list[str]:

@@ -131,9 +131,9 @@ def check_entry_rules(scene: SceneContents) -> None:
             facts["reached"] = reached_walls(scene)
         for path, entry, earlier_entries in entries[rule.of]:
             if is_rule_true(rule.condition, {**facts, "entry": entry, "before": earlier_entries}.get):
-                forbidden_entries = ", ".join(map(str, (*WALLS, *stops, *earlier_entries)))
+                forbidden_text = ", ".join(map(str, (*WALLS, *stops, *earlier_entries)))
                 raise refusal(
-                    path, rule.fault, value=value_text(entry), others=forbidden_entries, **template_values
+                    path, rule.fault, value=value_text(entry), others=forbidden_text, **template_values
                 )
 
 

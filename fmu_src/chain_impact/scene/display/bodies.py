@@ -195,7 +195,7 @@ class Rail:
             (self.high + self.half, base_positions.max() + free_length),
         ]
         positions = [
-            self.origin + (stop if math.isfinite(stop) else free_length) * axis for stop, free_length in ends
+            self.origin + (stop if math.isfinite(stop) else free_end) * axis for stop, free_end in ends
         ]
         ticks = [
             end + self.half * np.array([-normal, normal])

@@ -59,15 +59,15 @@ def svg(scene: SceneContents, values: Mapping[str, Any]) -> str:
             foot - half_line - reach * normal,
         ]
         parts.append(f'<polygon points="{_points_text(corners)}" fill="currentColor" fill-opacity="0.2"/>')
-    look = f'fill="none" stroke="currentColor" stroke-width="{line}"'
-    thin_style = f'stroke="currentColor" stroke-width="{THIN_WIDTH * max(width, height):.6g}"'
-    parts += [f'<polyline points="{_points_text(polyline)}" fill="none" {thin_style}/>' for polyline in lines]
-    parts += [f'<polygon points="{_points_text(body)}" fill-opacity="0.2" {thin_style}/>' for body in bodies]
-    parts.append(f'<polyline points="{_points_text(points)}" {look}/>')
+    look_text = f'fill="none" stroke="currentColor" stroke-width="{line}"'
+    thin_text = f'stroke="currentColor" stroke-width="{THIN_WIDTH * max(width, height):.6g}"'
+    parts += [f'<polyline points="{_points_text(polyline)}" fill="none" {thin_text}/>' for polyline in lines]
+    parts += [f'<polygon points="{_points_text(body)}" fill-opacity="0.2" {thin_text}/>' for body in bodies]
+    parts.append(f'<polyline points="{_points_text(points)}" {look_text}/>')
     parts += [f'<circle cx="{x:.6g}" cy="{-y:.6g}" r="{dot}"/>' for x, y in positions]
-    view = f"{low[0]:.6g} {-high[1]:.6g} {width:.6g} {height:.6g}"
+    view_text = f"{low[0]:.6g} {-high[1]:.6g} {width:.6g} {height:.6g}"
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{view}" width="{scale * width:.0f}" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{view_text}" width="{scale * width:.0f}" '
         f'height="{scale * height:.0f}" fill="currentColor" stroke-linejoin="round">{"".join(parts)}</svg>'
     )
 

@@ -26,35 +26,35 @@ def scene_as_text(scene: SceneContents) -> str:
 
 def _lines(scene: SceneContents) -> Iterator[tuple[str, str]]:
     links, contact, start, run = scene.chain.links, scene.contact, scene.initial, scene.simulation
-    count = f"{len(links)} link{'s' * (len(links) != 1)}"
+    count_text = f"{len(links)} link{'s' * (len(links) != 1)}"
     length, mass = sum(link.length for link in links), sum(link.mass for link in links)
     rubbing = friction_joints(scene)
-    dry = f"; dry friction in joints {_values_text(rubbing)}" if rubbing else ""
-    yield "chain", f"{count}, {length:g} m, {mass:g} kg; base {scene.chain.base}{dry}"
+    friction_text = f"; dry friction in joints {_values_text(rubbing)}" if rubbing else ""
+    yield "chain", f"{count_text}, {length:g} m, {mass:g} kg; base {scene.chain.base}{friction_text}"
     box = [
         f"{wall} = {coordinate:g} m" for wall in WALLS if (coordinate := getattr(scene.box, wall)) is not None
     ]
     yield "walls", ", ".join([*box, *(wall.name for wall in scene.walls)]) or "none"
-    law = f"{contact.model}, e = {contact.restitution:g}"
-    stiffness = f"K = {contact.stiffness:g} {stiffness_unit('N/m', contact.exponent)}"
+    law_text = f"{contact.model}, e = {contact.restitution:g}"
+    stiffness_text = f"K = {contact.stiffness:g} {stiffness_unit('N/m', contact.exponent)}"
     mu = _friction(contact.friction or None, contact.static_friction or None)
-    yield "contact", f"{', '.join([law, stiffness, *mu])}; points {_values_text(contact.points)}"
+    yield "contact", f"{', '.join([law_text, stiffness_text, *mu])}; points {_values_text(contact.points)}"
     materials = [line for name, material in contact.wall.items() if (line := _material(name, material))]
     if materials:
         yield "", "; ".join(materials)
     if scene.chain.stops:
         ends = scene.chain.joint_ranges.items()
         stops, law = scene.stops, scene.stops.model or contact.model
-        stiffness = f"K = {stops.stiffness:g} {stiffness_unit('N·m/rad', stops.exponent)}"
+        stiffness_text = f"K = {stops.stiffness:g} {stiffness_unit('N·m/rad', stops.exponent)}"
         ranges = [f"joint {joint} {_range(low, high)}" for joint, (low, high) in ends]
         ranges = ranges if len(ranges) <= SHOWN_ENTRIES else [*ranges[: SHOWN_ENTRIES - 2], "…", ranges[-1]]
-        yield "stops", f"{law}, e = {stops.restitution:g}, {stiffness}; {', '.join(ranges)}"
+        yield "stops", f"{law}, e = {stops.restitution:g}, {stiffness_text}; {', '.join(ranges)}"
     if scene.signals:
         signal_texts = (f"{', '.join(signal.input)} by a {signal.form}" for signal in scene.signals.values())
         yield "signals", "; ".join(signal_texts)
     yield "start", f"base at {_values_text(start.position)} m, angles {_values_text(start.angles)} rad"
-    solver = f"method {scene.solver.method}, tolerance {scene.solver.tolerance:g}"
-    yield "run", f"{run.stop_time:g} s in steps of {run.step_size:g} s; {solver}"
+    solver_text = f"method {scene.solver.method}, tolerance {scene.solver.tolerance:g}"
+    yield "run", f"{run.stop_time:g} s in steps of {run.step_size:g} s; {solver_text}"
 
 
 def _material(name: str, material: Material) -> str:

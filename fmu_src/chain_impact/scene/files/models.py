@@ -53,6 +53,8 @@ def unreadable_message(source: object, error: Exception) -> str:
         if "." in name
         else nearest_file(path.parent, name, ".toml") or proposed_name(name, model_names())
     )
-    models = f"the nearest is {near_names}" if near_names else "`chain-impact info --list models` lists them"
-    wanted_text = f"a scene file, a folder with {SCENE_FILE}, or a model; {models}"
+    models_hint = (
+        f"the nearest is {near_names}" if near_names else "`chain-impact info --list models` lists them"
+    )
+    wanted_text = f"a scene file, a folder with {SCENE_FILE}, or a model; {models_hint}"
     return f"{source}: cannot be read ({reason}); must be {wanted_text}"

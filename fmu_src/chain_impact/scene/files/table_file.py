@@ -112,8 +112,8 @@ def read_table(source: TableSource) -> Table:
         columns = {str(name): list(cells) for name, cells in source.items()}
         lengths = {name: len(cells) for name, cells in columns.items()}
         if len(set(lengths.values())) > 1:
-            counts = ", ".join(f"{name} {length}" for name, length in lengths.items())
-            raise SceneError(f"data: columns must have equally many rows, not {counts}")
+            counts_text = ", ".join(f"{name} {length}" for name, length in lengths.items())
+            raise SceneError(f"data: columns must have equally many rows, not {counts_text}")
         rows = [list(row) for row in zip(*columns.values(), strict=True)]
         return _checked_table("data", tuple(columns), rows, [f"row {k}" for k in range(len(rows))])
     path = Path(source)
@@ -142,13 +142,13 @@ def read_table(source: TableSource) -> Table:
     )
 
 
-def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+def samples_of(table: Table, stop_time: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Return the times [s] of a table of inputs, and name → values of each other column, all of shape (T,).
 
     Args:
         table: a table with the column ``time`` and without empty cells. Its times increase, but two
             successive rows may have the same time, at which the inputs jump.
-        stop: end of the run, which begins at 0 [s].
+        stop_time: end of the run, which begins at 0 [s].
 
     Raises:
         SceneError: when ``table`` is not such a table, has only the column ``time``, or lasts far longer than
@@ -166,9 +166,9 @@ def samples_of(table: Table, stop: float) -> tuple[np.ndarray, dict[str, np.ndar
             f"{times[row - 1]:g} [s], the value of the row before; only two rows may be equal, for a jump"
         )
         raise SceneError(f"{table.cell_name(row, TIME)} = {times[row]:g} must be > {order_text}")
-    if times[-1] - times[0] > TOO_LONG * stop:
-        lasts = f"lasts {times[-1] - times[0]:g} s, and the run {stop:g} s"
-        raise SceneError(f"{table.source}: {TIME} {lasts}: is it in seconds?")
+    if times[-1] - times[0] > TOO_LONG * stop_time:
+        duration_text = f"lasts {times[-1] - times[0]:g} s, and the run {stop_time:g} s"
+        raise SceneError(f"{table.source}: {TIME} {duration_text}: is it in seconds?")
     return times, columns
 
 

@@ -167,8 +167,8 @@ def allowed_text(kind: Any, metadata: Mapping[str, Any]) -> str:
     if kind is bool:
         return "true or false"
     signs = {"minimum": ">=", "above": ">", "maximum": "<="}
-    bounds = " and ".join(
+    bounds_text = " and ".join(
         f"{signs[limit]} {metadata[limit]:g}" for limit in signs if metadata[limit] is not None
     )
-    text = " ".join(filter(None, ("a whole number" if kind is int else "a finite number", bounds)))
+    text = " ".join(filter(None, ("a whole number" if kind is int else "a finite number", bounds_text)))
     return text + bracketed_unit(metadata["unit"])

@@ -329,8 +329,8 @@ def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | Non
     if has_number and not 1 <= int(re.sub("[^0-9]", "", owner)) <= links:
         return f"{owner.partition('[')[0]}s count from 1 to {links}"
     if input_key(name):
-        python = f'simulate(scene, inputs={{"{name}": 1.0}})'
-        return input_hint(name, f"by a signal of the scene, by --inputs FILE, or in Python, {python}")
+        python_code = f'simulate(scene, inputs={{"{name}": 1.0}})'
+        return input_hint(name, f"by a signal of the scene, by --inputs FILE, or in Python, {python_code}")
     if name.startswith(JOINT_ANGLES):
         return "set initial.angle[1] and so on: each is the sum of the joint angles up to it"
     start = start_hint(name)

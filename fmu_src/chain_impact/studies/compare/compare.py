@@ -204,12 +204,10 @@ def _reached_restitutions(scene: Scene, factor: float, runs: Mapping[str, LawRun
     ``runs``: law → run at this stiffness; a law in ``runs`` is not simulated again.
     """
     stiffer = scene if factor == 1.0 else stiffened(scene, factor)
-    lossless_restitution, exact_restitution = (
+    lossless_run, exact_run = (
         runs.get(law) or _run(stiffer, law, None, no_progress) for law in (LOSSLESS_LAW, EXACT_LAW)
     )
-    return ReachedRestitutions(
-        lossless_restitution.stiffness, lossless_restitution.restitution, exact_restitution.restitution
-    )
+    return ReachedRestitutions(lossless_run.stiffness, lossless_run.restitution, exact_run.restitution)
 
 
 def _why_none(scene: Scene, notes: Sequence[str]) -> str:
@@ -225,10 +223,10 @@ def _why_none(scene: Scene, notes: Sequence[str]) -> str:
         )
     if note := next(filter(None, notes), ""):
         return note
-    kept_law = (
+    beginning = (
         f"the stops keep stops.model = {model}, and there is none at a wall" if model else "there is none"
     )
-    return f"{kept_law} before {scene.simulation.stop_time:g} s"
+    return f"{beginning} before {scene.simulation.stop_time:g} s"
 
 
 def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
@@ -255,8 +253,10 @@ def _run(scene: Scene, law: str, impact: np.void | None, progress: Progress) -> 
     used_contact = (
         scene.contact if impact is None else contact_with_law(contact_at(scene, impact), law, impact)
     )
-    parameters = f"n = {used_contact.exponent:g}, K = {used_contact.stiffness:.4g} for the same elastic depth"
-    notes = [parameters] if len(changes) > 1 else []
+    parameters_text = (
+        f"n = {used_contact.exponent:g}, K = {used_contact.stiffness:.4g} for the same elastic depth"
+    )
+    notes = [parameters_text] if len(changes) > 1 else []
     result, first = None, {}
     try:
         result = simulate(with_values(scene, changes), progress=progress)

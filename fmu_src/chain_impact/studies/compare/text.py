@@ -124,9 +124,9 @@ def advice(comparison: LawRuns[LawRun]) -> str:
     """
     e = comparison.contact.restitution
     if comparison.pressed_again:
-        reach = "" if comparison.is_free else f"\n{_reach_sentence(comparison)}"
+        reach_text = "" if comparison.is_free else f"\n{_reach_sentence(comparison)}"
         cause = "other forces push on during this contact, so e′ describes them, too"
-        return f"{cause}, and does not tell which laws realise e = {e:g}{reach}"
+        return f"{cause}, and does not tell which laws realise e = {e:g}{reach_text}"
     near_laws = [run.law for run in comparison.runs if abs(run.restitution - e) <= REALISED_WITHIN * e]
     accuracy_text = f"within {100 * REALISED_WITHIN:g} % of e = {e:g} in this impact: "
     if comparison.is_free:
@@ -167,12 +167,12 @@ def _reach_sentence(comparison: LawRuns[LawRun]) -> str:
     The sentence has the restitutions without losses and with EXACT_LAW, at each stiffness in ``reached``.
     """
     e = comparison.contact.restitution
-    values = ", ".join(
+    values_text = ", ".join(
         f"{format_number(reached_pair.exact, '.2f')} at K = {reached_pair.stiffness:.4g} "
         f"({format_number(reached_pair.lossless, '.2f')} lossless)"
         for reached_pair in comparison.reached
     )
     return (
         "this impact is not free: other forces act while it lasts, less in a stiffer contact. "
-        f"With e = {e:g}, {EXACT_LAW} has e′ = {values}"
+        f"With e = {e:g}, {EXACT_LAW} has e′ = {values_text}"
     )

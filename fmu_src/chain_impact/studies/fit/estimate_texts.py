@@ -56,8 +56,8 @@ def strongest_correlation(fit: Estimates) -> str:
         return ""
     i, j = np.unravel_index(int(np.abs(pairs).argmax()), pairs.shape)
     first_name, second_name = (list(fit.values)[k] for k in (i, j))
-    value = f"{pairs[i, j]:.2f}".replace("-", "−")
-    return f"correlation {value} of {first_name} and {second_name}"
+    value_text = f"{pairs[i, j]:.2f}".replace("-", "−")
+    return f"correlation {value_text} of {first_name} and {second_name}"
 
 
 def estimate_ranges(fit: Estimates, tied: Sequence[Estimates]) -> list[str]:
@@ -68,7 +68,9 @@ def estimate_ranges(fit: Estimates, tied: Sequence[Estimates]) -> list[str]:
     value_ranges = []
     for parameter in fit.parameters[:MOST_ESTIMATES]:
         values = [tied_fit.values[parameter.label] for tied_fit in tied]
-        ends = " to ".join(dict.fromkeys(number_text(end(values), 3) for end in (min, max)))
+        ends_text = " to ".join(dict.fromkeys(number_text(end(values), 3) for end in (min, max)))
         unit = scene_unit(parameter.unit, fit.scene)
-        value_ranges.append(f"{parameter.label} {raise_exponents(with_unit(ends, unit))} under these laws")
+        value_ranges.append(
+            f"{parameter.label} {raise_exponents(with_unit(ends_text, unit))} under these laws"
+        )
     return value_ranges

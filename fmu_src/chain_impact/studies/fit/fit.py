@@ -363,8 +363,10 @@ def _left_out_remarks(problem: Problem, evaluation: Evaluation) -> list[str]:
     if missing_count:
         fault = problem.fault(evaluation)
         reason = fault or "the model has no such impact, or its contact lasts to the end"
-        columns = ", ".join(problem.names[group] for group in np.unique(problem.group[~evaluation.exists]))
-        notes.append(f"{missing_count} of {count} values were left out, of {columns}: {reason}.")
+        columns_text = ", ".join(
+            problem.names[group] for group in np.unique(problem.group[~evaluation.exists])
+        )
+        notes.append(f"{missing_count} of {count} values were left out, of {columns_text}: {reason}.")
     if blind_count:
         limits = [limit for run in evaluation.runs for limit in run.limits] or ["a derivative does not exist"]
         notes.append(

@@ -182,8 +182,8 @@ def freedom_of_columns(problem: Problem, evaluation: Evaluation, sigma: np.ndarr
     left_vectors, singular, _ = np.linalg.svd(
         evaluation.slopes[rows] / sigma[rows, None], full_matrices=False
     )
-    rank = singular > 1e-12 * max(singular.max(initial=0.0), 1e-300)
-    leverage = (left_vectors[:, rank] ** 2).sum(axis=1)
+    is_nonzero = singular > 1e-12 * max(singular.max(initial=0.0), 1e-300)
+    leverage = (left_vectors[:, is_nonzero] ** 2).sum(axis=1)
     rows_of_groups = {group: problem.group[rows] == group for group, _ in _columns_without_sigma(problem)}
     return {group: float(rows.sum() - leverage[rows].sum()) for group, rows in rows_of_groups.items()}
 
@@ -209,15 +209,15 @@ def _check(problem: Problem, evaluation: Evaluation) -> None:
     """
     for name in problem.estimated:
         group_rows = problem.group == problem.names.index(name)
-        sources = ", ".join(data_set.source for data_set in problem.data)
+        sources_text = ", ".join(data_set.source for data_set in problem.data)
         if not np.isnan(problem.sigma[group_rows]).all():
             raise SceneError(
-                f"{sources}: some values of {name} have a sigma and others none; give all or none"
+                f"{sources_text}: some values of {name} have a sigma and others none; give all or none"
             )
         if group_rows.sum() <= 1:
             raise SceneError(
-                f"{sources}: {name} has one value only, from which its sigma cannot be estimated: give it, "
-                f"for example 2% (--sigma {name}=2%), or add a column sigma({name})"
+                f"{sources_text}: {name} has one value only, from which its sigma cannot be estimated: give "
+                f"it, for example 2% (--sigma {name}=2%), or add a column sigma({name})"
             )
     if not evaluation.exists.any():
         fault = problem.fault(evaluation) or "the model has none of the measured impacts"

@@ -59,19 +59,19 @@ def read_measurements(
     """
     several_sources = cast("Sequence[TableSource]", [sources] if is_table(sources) else sources)
     tables = [read_table(source) for source in several_sources]
-    source = "+".join(table.source for table in tables)
+    source_text = "+".join(table.source for table in tables)
     measured_names = [name for table in tables for name in _value_columns(table)]
     hint = f"there are {', '.join(measured_names)}"
     patterns = measured_names if columns is None else columns
     chosen_names = {
         column
         for name in patterns
-        for column in names_matching(source, name, measured_names, "not a column", lambda _: hint)
+        for column in names_matching(source_text, name, measured_names, "not a column", lambda _: hint)
     }
     book = _Book(scene, sigma)
     for table in tables:
         book.read_table_rows(table, chosen_names)
-    return book.measurements(source)
+    return book.measurements(source_text)
 
 
 class _Book:

@@ -116,19 +116,19 @@ class Measurements:
             last = max(last, stop_time)
         return LATE_FACTOR * last if self.of_impact.any() else last
 
-    def cut_at(self, stop: float) -> Measurements:
-        """Return the measurements whose time is at most ``stop`` [s] or NaN.
+    def cut_at(self, stop_time: float) -> Measurements:
+        """Return the measurements whose time is at most ``stop_time`` [s] or NaN.
 
         Raises:
             SceneError: when no value is left.
         """
-        is_kept = ~(self.value_times > stop)
+        is_kept = ~(self.value_times > stop_time)
         if not is_kept.any():
             raise SceneError(
-                f"{self.source}: no value was measured until the stop time, {stop:g} s; the first is at "
+                f"{self.source}: no value was measured until the stop time, {stop_time:g} s; the first is at "
                 f"{self.value_times.min():g} s"
             )
-        times = self.times[: np.searchsorted(self.times, stop, side="right")]
+        times = self.times[: np.searchsorted(self.times, stop_time, side="right")]
         arrays = ("value", "sigma", "row", "column", "of_impact")
         names = tuple(compress(self.quantity, is_kept))
         return replace(

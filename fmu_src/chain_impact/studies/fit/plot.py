@@ -147,16 +147,16 @@ def draw_fit(figure: Figure, fit: Estimates) -> None:
         if neighbours and ends[0] == ends[1]:
             axes.set_xlabel("")
             axes.tick_params(labelbottom=False)
-    poor = ", ".join(alike_neighbours(fit))
-    warning = f"errors are too small: neighbouring residuals of {poor} are correlated"
+    poor_text = ", ".join(alike_neighbours(fit))
+    warning = f"errors are too small: neighbouring residuals of {poor_text} are correlated"
     notes = [strongest_correlation(fit)]
     if not fit.estimated:  # with an estimated σ, both are about 1 for any model
-        quality = f"reduced χ² {number_text(fit.reduced_chi_squared, 3)}"
-        notes = [f"rms residual {number_text(misfit(fit, fit), 3)} σ", quality, *notes]
+        quality_text = f"reduced χ² {number_text(fit.reduced_chi_squared, 3)}"
+        notes = [f"rms residual {number_text(misfit(fit, fit), 3)} σ", quality_text, *notes]
     if len(names) < len(fit.columns):
         notes.append(f"{len(names)} of {len(fit.columns)} columns")
-    marks = "bars and bands" if {*names} & {*MEASURED_OF_IMPACT} else "bands"
-    notes.append(f"±: standard error; {marks}: ± {USUAL_RESIDUAL:g} σ")
+    marks_text = "bars and bands" if {*names} & {*MEASURED_OF_IMPACT} else "bands"
+    notes.append(f"±: standard error; {marks_text}: ± {USUAL_RESIDUAL:g} σ")
     notes.append(f"Δ = model − data{f', σ {origin}' if (origin := _origin(fit)) else ''}")
     if has_lines:
         notes.append("grey lines: impacts")
@@ -167,7 +167,7 @@ def draw_fit(figure: Figure, fit: Estimates) -> None:
     title = f"{fit.scene.name}: {estimate_text(fit, least_certain)}"
     if texts and least_certain not in fit.at_bounds:
         title += f", least certain of {len(fit.values)}"
-    lines = [(warning, PEAK_COLOUR)] * bool(poor)
+    lines = [(warning, PEAK_COLOUR)] * bool(poor_text)
     if is_narrow(figure):
         lines, texts = lines + [(text, INK) for text in texts], []
     write_headline(figure, title, SEPARATOR.join(filter(None, [*texts, *notes, size])), *lines)
@@ -218,13 +218,15 @@ def draw_law_ranking(figure: Figure, fit: Estimates) -> None:
     tied = [entry.fit for entry in fit.ranking if entry.fit and fits_equally(entry, fit)]
     texts = estimate_ranges(fit, tied) if len(tied) > 1 else estimate_texts(fit)
     texts.append("blue: as good as the best law")
-    open_ended = ", ".join(entry.law for entry in fit.ranking if entry.fit and not entry.fit.converged)
-    texts += [f"did not converge: {open_ended}"] if open_ended else []
+    unfinished_text = ", ".join(entry.law for entry in fit.ranking if entry.fit and not entry.fit.converged)
+    texts += [f"did not converge: {unfinished_text}"] if unfinished_text else []
     if largest_excess > SUPPORT_LIMIT:
         texts.append(f"from {SUPPORT_LIMIT:g} on (dashed): hardly supported")
     other_count = count_of_best(fit) - 1
-    laws = f"{fit.law} and {count_text(other_count, 'other law')} fit equally well" if other_count else ""
-    write_headline(figure, heading(fit, ": ", laws), SEPARATOR.join(texts))
+    laws_text = (
+        f"{fit.law} and {count_text(other_count, 'other law')} fit equally well" if other_count else ""
+    )
+    write_headline(figure, heading(fit, ": ", laws_text), SEPARATOR.join(texts))
     axes = figure.subplots()
     draw_bars(axes, bars, (0.0, largest_excess or 1.0), is_small=is_narrow(figure))
     axes.axvline(SUPPORT_LIMIT, color=INK, linewidth=0.8, linestyle="--")
@@ -237,13 +239,17 @@ def draw_law_ranking(figure: Figure, fit: Estimates) -> None:
 def _model(fit: Estimates, k: int) -> Result:
     """Return the run of data set ``k`` with the fitted values, in CURVE_POINTS + 1 rows of equal distance."""
     data, scene = fit.data[k], fit.scenes[k]
-    stop = max(1e-9, data.end(scene.simulation.stop_time))
+    stop_time = max(1e-9, data.end(scene.simulation.stop_time))
     inputs = dict(data.inputs) | {
         parameter.name: fit.values[parameter.label]
         for parameter in fit.parameters
         if parameter.name not in scene.values and parameter.data_set in (None, k)
     }
-    rows: dict[str, Any] = {"stop_time": stop, "output_step": stop / CURVE_POINTS, "output": data.outputs}
+    rows: dict[str, Any] = {
+        "stop_time": stop_time,
+        "output_step": stop_time / CURVE_POINTS,
+        "output": data.outputs,
+    }
     return simulate(scene, inputs=inputs, interpolation=fit.interpolation, **rows)
 
 

@@ -205,8 +205,10 @@ class Problem:
             errors: standard error of each coordinate if all other parameters are fixed, shape (P,).
         """
         is_at_lower = coordinates - self.low <= self._bound_distances(self.low, errors)
-        upper = self.high - coordinates <= self._bound_distances(self.high, errors)
-        return {int(p): "lower" if is_at_lower[p] else "upper" for p in np.flatnonzero(is_at_lower | upper)}
+        is_at_upper = self.high - coordinates <= self._bound_distances(self.high, errors)
+        return {
+            int(p): "lower" if is_at_lower[p] else "upper" for p in np.flatnonzero(is_at_lower | is_at_upper)
+        }
 
     def _bound_distances(self, bounds: np.ndarray, errors: np.ndarray) -> np.ndarray:
         """Return the largest distance at which each coordinate counts as at a bound, shape (P,).

@@ -154,9 +154,11 @@ def alike_neighbours(result: Estimates) -> dict[str, float]:
 
 def not_random(result: Estimates) -> Iterator[str]:
     """Yield a remark that lists the columns in which neighbouring residuals are correlated."""
-    texts = ", ".join(f"{name} ({correlation:.2f})" for name, correlation in alike_neighbours(result).items())
-    if texts:
+    columns_text = ", ".join(
+        f"{name} ({correlation:.2f})" for name, correlation in alike_neighbours(result).items()
+    )
+    if columns_text:
         yield (
-            f"Neighbouring residuals are correlated, so they are not only noise: {texts}. The "
+            f"Neighbouring residuals are correlated, so they are not only noise: {columns_text}. The "
             "model leaves something out, and the standard errors are too small."
         )

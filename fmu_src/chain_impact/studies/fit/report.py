@@ -88,11 +88,11 @@ def heading(fit: Estimates, mark: str = "  ", laws: str = "") -> str:
     The number of data sets is left out if it is 1. ``mark`` separates the name of the scene from the text
     that follows; ``laws`` replaces the law.
     """
-    sets = f"{count_text(len(fit.data), 'data set')}, " if len(fit.data) > 1 else ""
+    sets_text = f"{count_text(len(fit.data), 'data set')}, " if len(fit.data) > 1 else ""
     law_name = laws or fit.law
     return (
-        f"{fit.scene.name}{mark}{f'{law_name}, ' if law_name else ''}{sets}{int(fit.used.sum())} values, "
-        f"{count_text(len(fit.parameters), 'free parameter')}"
+        f"{fit.scene.name}{mark}{f'{law_name}, ' if law_name else ''}{sets_text}{int(fit.used.sum())} "
+        f"values, {count_text(len(fit.parameters), 'free parameter')}"
     )
 
 

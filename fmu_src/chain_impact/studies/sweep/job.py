@@ -229,11 +229,11 @@ class Runner:
         for k, is_choice in enumerate(self._is_choice):
             if is_choice:
                 record_values[:, k] = record_values[:, k].astype(np.int64).view(np.float64)
-        stops = np.full(len(values), self._job.scene.simulation.stop_time)
+        stop_times = np.full(len(values), self._job.scene.simulation.stop_time)
         if () in self._job.varied_paths:
-            stops = np.ascontiguousarray(values[:, self._job.varied_paths.index(())], np.float64)
+            stop_times = np.ascontiguousarray(values[:, self._job.varied_paths.index(())], np.float64)
         rows = np.zeros(len(values), self._row_type)
-        finished_count, continued_count = 0, 0
+        finished_count, continuing = 0, 0
         while finished_count < len(rows):
             if not is_wanted():
                 raise CancelledError
@@ -242,16 +242,16 @@ class Runner:
                 self._varied_indices.ctypes.data,
                 len(self._varied_indices),
                 record_values[finished_count:].ctypes.data,
-                stops[finished_count:].ctypes.data,
+                stop_times[finished_count:].ctypes.data,
                 len(rows) - finished_count,
                 self._output_indices.ctypes.data,
                 len(self._output_indices),
                 rows[finished_count:].ctypes.data,
-                continued_count,
+                continuing,
             )
-            continued_count = 1
+            continuing = 1
         # after a fault, the kernel may return the end of the last step, which can lie after the stop time
-        rows["time"] = np.minimum(rows["time"], stops)
+        rows["time"] = np.minimum(rows["time"], stop_times)
         return self._table_rows(rows)
 
     def _table_rows(self, kernel_rows: np.ndarray) -> np.ndarray:

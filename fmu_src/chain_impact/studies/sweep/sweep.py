@@ -117,8 +117,8 @@ def sweep(
         spans = missing_spans(finished_spans, design.runs)
         run_count = sum(end - first for first, end in spans)
         if target and run_count < design.runs:
-            finished = f"{design.runs - run_count} of {design.runs} runs are kept in {target}"
-            log.info("%s, %s are left", finished, run_count)
+            finished_text = f"{design.runs - run_count} of {design.runs} runs are kept in {target}"
+            log.info("%s, %s are left", finished_text, run_count)
         if target and not dataset:
             stack.enter_context(_store_when_interrupted(target, head, rows, finished_spans, design))
         many = scheduler is None and run_count >= OWN_KERNEL_FROM

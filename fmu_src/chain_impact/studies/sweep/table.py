@@ -68,8 +68,8 @@ class Sweep(SweepRuns):
                 dict(zip(*(part.tolist() for part in np.unique_counts(chunk[STATUS])), strict=True))
             )
         most_first = sorted(end_counts, key=lambda code: (-end_counts[code], code))
-        ends = ", ".join(f"{end_counts[code]} {STATUS_NAME[code]}" for code in most_first)
-        return f"{self.scene.name}  {count_text(len(self), 'run')}: {ends}"
+        ends_text = ", ".join(f"{end_counts[code]} {STATUS_NAME[code]}" for code in most_first)
+        return f"{self.scene.name}  {count_text(len(self), 'run')}: {ends_text}"
 
     def _repr_html_(self) -> str:
         """Return HTML for a notebook: the text of ``repr``, and the rows of the first SHOWN_RUNS runs."""
