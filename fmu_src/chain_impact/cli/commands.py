@@ -81,8 +81,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         complain(with_option(error, typed_names))
         return 3 if isinstance(error, BuildError | RunError) else 2
     except ImportError as error:
-        damaged = not isinstance(error, MissingExtraError)
-        complain(f"a package is damaged, install it anew: {error}" if damaged else error)
+        is_damaged = not isinstance(error, MissingExtraError)
+        complain(f"a package is damaged, install it anew: {error}" if is_damaged else error)
         return 2
     except OSError as error:
         fault = f"{error.filename}: {error.strerror}" if error.filename else str(error)
@@ -145,8 +145,10 @@ class Parser(argparse.ArgumentParser):
     def _fault_of(self, argument: str) -> str:
         """Return the message on an argument that the verb does not have, with a hint if there is one."""
         if not argument.startswith("-"):
-            sets = "=" in argument and "--set" in self._option_string_actions
-            return f"{argument} is one argument too many" + (f"; write --set {argument}" if sets else "")
+            is_setting = "=" in argument and "--set" in self._option_string_actions
+            return f"{argument} is one argument too many" + (
+                f"; write --set {argument}" if is_setting else ""
+            )
         option = argument.partition("=")[0]
         files = [action for action in self._actions if action.metavar == "FILE"]
         output_options = [

@@ -58,13 +58,13 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.conversion.planar import ConversionChoices
 
     choices = ConversionChoices(names_in(*options.joints), options.plane, options.tip, options.keyframe)
-    to_mjcf = options.output.suffix.lower() == ".xml"
+    is_to_mjcf = options.output.suffix.lower() == ".xml"
     for option, chosen_names in zip(("--joints", *SINGLE_OPTIONS), choices, strict=True):
-        if chosen_names and to_mjcf:
+        if chosen_names and is_to_mjcf:
             raise UsageError(f"{option}: a scene has nothing to choose; it is for URDF and MJCF")
     check_outputs(options.output, inputs=[options.source])
     converted = convert(options.source, options.output, choices)
-    say(f"{'MJCF' if to_mjcf else 'scene':9}{options.output}")
+    say(f"{'MJCF' if is_to_mjcf else 'scene':9}{options.output}")
     for title, line in remark_lines(converted):
         say(f"{title:9}{line}")
     return 0

@@ -184,8 +184,8 @@ def _prune(present: Path) -> None:
     """
     for folder in present.parent.iterdir():
         with suppress(FileNotFoundError):  # another process may remove old folders at the same time
-            old = folder.stat().st_mtime < time.time() - UNUSED_TIME
-            if old and _OURS.fullmatch(folder.name) and folder not in (present, linker_folder()):
+            is_old = folder.stat().st_mtime < time.time() - UNUSED_TIME
+            if is_old and _OURS.fullmatch(folder.name) and folder not in (present, linker_folder()):
                 shutil.rmtree(folder, ignore_errors=True)
 
 

@@ -91,8 +91,9 @@ class _Merger:
     conversion of the elements that this package writes for the scene.
 
     Attributes:
-        alike: whether both conversions have the same kind of base and the same number of links.
-        turned: whether signals are left out: not ``alike``, or the user's choices change the start angles.
+        is_alike: whether both conversions have the same kind of base and the same number of links.
+        is_turned: whether signals are left out: not ``is_alike``, or the user's choices change the angles at
+            the start.
         numbers: name of the shape that stands for a point in MJCF → number of the point.
         changed: names of the values that come from the file's elements.
         lost: names of the tables and keys of the scene that are left out, because the file's axes or joints
@@ -113,12 +114,12 @@ class _Merger:
         self.lost: list[str] = []
         self.missing: list[str] = []
         written_chain, found_chain = written_data["chain"], found_data["chain"]
-        self.alike = written_chain["base"] == found_chain["base"] and len(written_chain["links"]) == len(
+        self.is_alike = written_chain["base"] == found_chain["base"] and len(written_chain["links"]) == len(
             found_chain["links"]
         )
         has_choices = bool(choices.joints or choices.plane or choices.tip)
         angles = (data["initial"]["angles"] for data in (written_data, found_data))
-        self.turned = not self.alike or (has_choices and not _are_equal(*angles))
+        self.is_turned = not self.is_alike or (has_choices and not _are_equal(*angles))
         count = len(scene.chain.links) + len(scene.chain.sites)
         self.numbers = {identifier(point_name(k), "geom"): k for k in range(count + 1)}
 
@@ -135,9 +136,9 @@ class _Merger:
         data["chain"]["links"], contact_points = self._links(own_data["chain"]["links"])
         if contact_points is not None:
             data["contact"]["points"] = contact_points
-        if self.turned and data.pop("signals", None):
+        if self.is_turned and data.pop("signals", None):
             self.lost.append("signals")
-        if not self.alike and data["outputs"].pop("sensitivities", None):
+        if not self.is_alike and data["outputs"].pop("sensitivities", None):
             self.lost.append("outputs.sensitivities")
         self._leave_out_inputs(data)
         return data
@@ -237,7 +238,7 @@ class _Merger:
         """
         written_links, found_links = (data["chain"]["links"] for data in (self.written_data, self.found_data))
         points = [link.get("points", []) for link in found_links]
-        if self.alike:
+        if self.is_alike:
             links_without_points = [
                 [_without_keys(link, BODY) for link in tables]
                 for tables in (own_links, written_links, found_links)
@@ -261,7 +262,7 @@ class _Merger:
             contact_points |= ends
             if same[i]:
                 link |= {key: own_links[i][key] for key in BODY if key in own_links[i]}
-            elif own_points or self.alike:
+            elif own_points or self.is_alike:
                 link |= {"points": own_points}
                 self.changed.append(f"link[{i + 1}].points")
         return links, None if all(same) else sorted(contact_points)

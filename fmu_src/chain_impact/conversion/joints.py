@@ -221,9 +221,9 @@ def _check_slides(robot: Robot, sliders: list[MovingJoint], order: list[MovingJo
         if moving_joint.body in ancestors(robot, first.body)
     ]
     cosines = [abs(float(np.dot(slide.axis, first.axis))) for slide in sliders]
-    square = len(sliders) == 2 and abs(float(np.dot(sliders[0].axis, sliders[1].axis))) < PARALLEL_ANGLE  # noqa: PLR2004
+    is_square = len(sliders) == 2 and abs(float(np.dot(sliders[0].axis, sliders[1].axis))) < PARALLEL_ANGLE  # noqa: PLR2004
     if sliders and (
-        not (square or len(sliders) == 1)
+        not (is_square or len(sliders) == 1)
         or max(cosines) > PARALLEL_ANGLE
         or any(slide not in joints_before for slide in sliders)
     ):

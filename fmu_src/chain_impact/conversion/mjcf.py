@@ -151,7 +151,7 @@ class _Reader:
         joints = range(model.body_jntadr[b], model.body_jntadr[b] + model.body_jntnum[b])
         sites = (s for s in range(model.nsite) if model.site_bodyid[s] == b)
         position, rotation = self._pose(b)
-        passive = not (self._disables("SPRING") and self._disables("DAMPER"))
+        has_passive_forces = not (self._disables("SPRING") and self._disables("DAMPER"))
         return Body(
             name=model.body(b).name or f"{b}",
             parent=int(model.body_parentid[b]) - 1,
@@ -163,7 +163,7 @@ class _Reader:
             joints=[self.joint(j) for j in joints if model.body_jntnum[b] > 0],
             frames=[(model.site(s).name or f"site {s}", np.array(model.site_pos[s])) for s in sites],
             shapes=self.contacts.shapes(b),
-            gravity_compensation=float(model.body_gravcomp[b]) if passive else 0.0,
+            gravity_compensation=float(model.body_gravcomp[b]) if has_passive_forces else 0.0,
         )
 
     def _pose(self, b: int) -> tuple[np.ndarray, np.ndarray]:
@@ -194,12 +194,14 @@ class _Reader:
             kinds(model.jnt_type[j]), "free"
         )
         name = model.joint(j).name or f"{j}"
-        zero_position, constrained = float(model.qpos0[address]), not self._disables("CONSTRAINT")
+        zero_position, has_constraints = float(model.qpos0[address]), not self._disables("CONSTRAINT")
         low, high = -math.inf, math.inf
-        if model.jnt_limited[j] and constrained and not self._disables("LIMIT"):
+        if model.jnt_limited[j] and has_constraints and not self._disables("LIMIT"):
             low, high = (float(limit) for limit in model.jnt_range[j])
             self._tell_soft(name, "limits are", "[contact]" if kind == "slide" else "[stops]")
-        friction = float(model.dof_frictionloss[dof]) * (constrained and not self._disables("FRICTIONLOSS"))
+        friction = float(model.dof_frictionloss[dof]) * (
+            has_constraints and not self._disables("FRICTIONLOSS")
+        )
         if friction:
             table_name = "[chain.slider]" if kind == "slide" else "[[chain.links]]"
             self._tell_soft(name, "dry friction is", table_name)

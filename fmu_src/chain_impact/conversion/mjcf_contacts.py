@@ -154,12 +154,12 @@ class Contacts:
         difference says that such contacts are soft in MuJoCo.
         """
         model = self.model
-        walls = False
+        has_walls = False
         for g in self.still_geoms:
             bodies = frozenset(
                 int(model.geom_bodyid[o]) - 1 for o in self.moving_geoms if self._can_touch(g, o)
             )
-            walls |= g in self.walls and bool(bodies)
+            has_walls |= g in self.walls and bool(bodies)
             if bodies and g not in self.walls:
                 kind = self.mujoco.mjtGeom(model.geom_type[g]).name.removeprefix("mjGEOM_").lower()
                 text = "does not move, and touches moving bodies: only planes become walls of a scene"
@@ -171,6 +171,6 @@ class Contacts:
                     effect=SceneAspect.CONTACT,
                     bodies=part_numbers,
                 )
-        if walls:
+        if has_walls:
             text = "is soft in MuJoCo (solref, solimp); a wall of a scene has the law in [contact]"
             yield Difference(kind="contact", text=text, effect=SceneAspect.CONTACT, differs=True)

@@ -181,12 +181,12 @@ class ActuatorReader:
         gear, gain, bias = self._gear(a), model.actuator_gainprm[a], np.array(model.actuator_biasprm[a][:3])
         if model.actuator_biastype[a] == kinds.mjtBias.mjBIAS_NONE:
             bias[:] = 0.0
-        fixed = model.actuator_gaintype[a] == kinds.mjtGain.mjGAIN_FIXED
-        fixed |= model.actuator_gaintype[a] == kinds.mjtGain.mjGAIN_AFFINE and not np.any(gain[1:3])
+        is_fixed = model.actuator_gaintype[a] == kinds.mjtGain.mjGAIN_FIXED
+        is_fixed |= model.actuator_gaintype[a] == kinds.mjtGain.mjGAIN_AFFINE and not np.any(gain[1:3])
         bias_types = (kinds.mjtBias.mjBIAS_NONE, kinds.mjtBias.mjBIAS_AFFINE)
         stiffness, damping = -gear * gear * bias[1], -gear * gear * bias[2]
         if (
-            not fixed
+            not is_fixed
             or kinds.mjtBias(model.actuator_biastype[a]) not in bias_types
             or min(stiffness, damping) < 0.0
         ):
@@ -260,13 +260,13 @@ class ActuatorReader:
         # stiffness k = Σ kᵢ and the rest angle r = (Σ kᵢ rᵢ + τ) / k, because Σ kᵢ (rᵢ − q) + τ = k (r − q).
         torque = sum(drive.torque - drive.stiffness * zero_position for drive in drives)
         rest_angle = joint.rest if stiffness == 0.0 else (joint.stiffness * joint.rest + torque) / stiffness
-        servo = any(drive.is_servo for drive in drives)
+        has_servo = any(drive.is_servo for drive in drives)
         inputs = {"joint_targets" if drive.is_servo else "joint_torques" for drive in drives}
         self.differences += self._drive_differences(joint, j, drives, stiffness, torque)
         limit = self._limit(joint, j, drives)
         if limit is not None:
             self._tell_limit(joint, limit, stiffness, damping)
-        if servo and joint.stiffness > 0.0:
+        if has_servo and joint.stiffness > 0.0:
             self._tell_joint(
                 joint,
                 "its spring and its servo become one spring, and the target moves both",
@@ -335,8 +335,8 @@ class ActuatorReader:
             speed = limit / damping
             text = f"the limit of its drives also limits its damper, from {speed:.3g} {unit}/s on"
             part = joint.damping / damping  # of the limited torque, the part of the joint's own damper
-            motion = speed < FAST_SPEED and part > NEGLIGIBLE_SIZE
-            self._tell_joint(joint, text, SceneAspect.LATER_MOTION if motion else SceneAspect.NONE)
+            is_reached = speed < FAST_SPEED and part > NEGLIGIBLE_SIZE
+            self._tell_joint(joint, text, SceneAspect.LATER_MOTION if is_reached else SceneAspect.NONE)
 
     def _limit(self, joint: Joint, j: int, drives: list[Drive]) -> float | None:
         """Return the limit of the torque of all drives of a joint together [N·m or N]; None without a limit.

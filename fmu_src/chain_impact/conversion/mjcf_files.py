@@ -125,11 +125,11 @@ def _clear_masses(mujoco: Any, spec: Any, absent_files: dict[str, str]) -> list[
     The stand-in would give the body a wrong mass. Return a pair (body, name of the mesh) for each shape that
     loses its mass by this. ``absent_files`` has the names of the meshes that have stand-ins.
     """
-    by_geometry = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
+    is_by_geometry = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     low, high = spec.compiler.inertiagrouprange
     bodies = []
     for geom in spec.geoms:
-        is_given = bool(geom.parent.explicitinertial) and not by_geometry
+        is_given = bool(geom.parent.explicitinertial) and not is_by_geometry
         has_mass = geom.mass != 0.0 and geom.density != 0.0 and low <= geom.group <= high
         if geom.meshname in absent_files and has_mass and not is_given:
             geom.mass = 0.0

@@ -110,9 +110,9 @@ def outermost_balls(balls: Sequence[Ball]) -> list[Ball]:
     if not balls:
         return []
     reach_of_balls = reach(balls)
-    first = reach_of_balls >= reach_of_balls.max(axis=1, keepdims=True) - max(ball.blur for ball in balls)
+    is_first = reach_of_balls >= reach_of_balls.max(axis=1, keepdims=True) - max(ball.blur for ball in balls)
     is_needed = np.array([ball.is_point for ball in balls])
-    for row in first[np.argsort(first.sum(axis=1), kind="stable")]:
+    for row in is_first[np.argsort(is_first.sum(axis=1), kind="stable")]:
         if not is_needed[row].any():
             is_needed[row.argmax()] = True
     return [ball for ball, need in zip(balls, is_needed, strict=True) if need]

@@ -337,11 +337,11 @@ def _limits(joint: Any) -> Iterator[Difference]:
         return
     is_hinge = KINDS[joint.type] == "hinge"
     rate, force = ("rad/s", "N·m") if is_hinge else ("m/s", "N")
-    damped = joint.dynamics is not None and bool(joint.dynamics.damping)
+    is_damped = joint.dynamics is not None and bool(joint.dynamics.damping)
     left_out: dict[str, Any] = {
         f"limit of the velocity, {limit.velocity or 0.0:.6g} {rate}: is not in the scene": limit.velocity,
         f"limit of the effort, {limit.effort or 0.0:.6g} {force}: is not in the scene, where it would limit "
-        "the damper, too": limit.effort and damped,
+        "the damper, too": limit.effort and is_damped,
         "limit of the effort 0: is taken as none": limit.effort == 0.0,
     }
     low, high = _range(joint)

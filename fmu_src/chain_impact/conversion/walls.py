@@ -183,7 +183,7 @@ class WallConversion:
         """
         if self.robot.planes and i not in contact_links:
             return []
-        fixed = i == 0 and self.joints.base == "pinned"
+        is_fixed = i == 0 and self.joints.base == "pinned"
         balls = [
             ball
             for b in self.parts[i]
@@ -193,7 +193,7 @@ class WallConversion:
         return [
             ball
             for ball in balls
-            if not fixed or np.linalg.norm(ball.position - self.positions[0]) > ZERO_LENGTH
+            if not is_fixed or np.linalg.norm(ball.position - self.positions[0]) > ZERO_LENGTH
         ]
 
     def _points_at_start(self, balls: Sequence[list[Ball]]) -> list[Points]:

@@ -83,9 +83,11 @@ def build_fmu(
     fmu, prepared_scene = directory / f"{scene.name}.fmu", PreparedScene(scene)
     with written_atomically(fmu) as path:
         log.debug("packaging the FMU")
-        native = target == "native"
+        is_native = target == "native"
         files = (
-            native_files(prepared_scene, kernels, fmi) if native else pythonfmu_files(prepared_scene, kernels)
+            native_files(prepared_scene, kernels, fmi)
+            if is_native
+            else pythonfmu_files(prepared_scene, kernels)
         )
         files |= (
             scene_data_file(prepared_scene) | documents(prepared_scene, fmi) | reference_files(prepared_scene)

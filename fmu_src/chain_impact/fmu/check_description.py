@@ -110,10 +110,10 @@ def _fmpy_faults(path: Path, *, is_known: bool) -> list[Finding]:
     except Exception as error:
         # fmpy raises Exception itself for a fault that it looks for. Another class, such as KeyError, means
         # that fmpy has failed at a fault for which it does not look.
-        plain = type(error) is Exception
-        if is_known and not plain:
+        is_plain = type(error) is Exception
+        if is_known and not is_plain:
             return []
-        problems = [str(error) if plain else f"fmpy cannot read it: {type(error).__name__}: {error}"]
+        problems = [str(error) if is_plain else f"fmpy cannot read it: {type(error).__name__}: {error}"]
     else:
         return []
     problems = [_SCHEMA_ERROR.sub(r"line \1: ", " ".join(problem.split())) for problem in problems]

@@ -150,18 +150,18 @@ class ModelStructure:
     def _dependency_faults(self, path: str, node: Element, states: Collection[str]) -> Iterator[Finding]:
         # The dependencies of event indicators are for debugging only, and FMI 3.0 (table 23) does not say on
         # which variables they may depend. So any variable is allowed, also outputs.
-        debugging = node.tag == "EventIndicator"
+        is_for_debugging = node.tag == "EventIndicator"
         depends, is_initial = _dependency_texts(node), INITIAL_LIST[:-1] in path
         yield from repeated_findings(depends, self.key, path)
         if self.is_fmi_2:
             yield from _order_faults(depends, path)
         for name in depends:
             variable = self.by_reference[name]
-            state = not states or name in states or variable.attributes.get("variability") == "discrete"
+            is_state = not states or name in states or variable.attributes.get("variability") == "discrete"
             if not (
                 variable.causality in _OUTSIDE_CAUSALITIES
-                or (variable.is_exact if is_initial else state)
-                or debugging
+                or (variable.is_exact if is_initial else is_state)
+                or is_for_debugging
             ):
                 known_text = "known at the start" if is_initial else "an input, a parameter or a state"
                 yield Finding(f"{name} is {variable.name}, which is not {known_text}", attribute=path)

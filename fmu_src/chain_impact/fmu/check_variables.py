@@ -113,8 +113,8 @@ def _variable(node: Element, types: Mapping[str, DescribedVariable], size: int |
 
     ``types`` has the declared types by name; ``size``: number of the variable's values, None if unknown.
     """
-    nested = node.tag in ("ScalarVariable", "SimpleType")
-    inner_node = next((child for child in node if nested and child.tag != "Annotations"), node)
+    is_nested = node.tag in ("ScalarVariable", "SimpleType")
+    inner_node = next((child for child in node if is_nested and child.tag != "Annotations"), node)
     declared_type = types.get(inner_node.get("declaredType", ""))
     values = [item.get("value", "") for item in inner_node.iter("Item")]
     choices = [int(value) for value in values if re.fullmatch(r"-?[0-9]+", value)]

@@ -191,8 +191,8 @@ def narrow_peak(recording: Recording, curves: Curves) -> int:
     time = curves.time[largest_row(size)]
     impacts = recording.impacts
     is_within = (impacts["onset"] <= time) & (time <= impacts["end"])
-    looks_like_line = is_within & (impacts["duration"] < SEEN_CONTACT * recording.duration)
-    return int(looks_like_line.argmax()) + 1 if looks_like_line.any() else 0
+    is_like_line = is_within & (impacts["duration"] < SEEN_CONTACT * recording.duration)
+    return int(is_like_line.argmax()) + 1 if is_like_line.any() else 0
 
 
 def long_contact_text(recording: Recording, curves: Curves) -> str:

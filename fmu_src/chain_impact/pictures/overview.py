@@ -112,7 +112,7 @@ def _settle_motion(
     entries, the foot of the figure explains what the legend lacks. ``ratio`` is the motion's width over its
     height; ``is_alone``: whether no panel is beside the motion.
     """
-    is_small, scaled_axes, explained = is_narrow(figure), None if is_flat(recording) else motion, False
+    is_small, scaled_axes, is_explained = is_narrow(figure), None if is_flat(recording) else motion, False
     is_wide_slim = not is_alone and has_legend_beside(ratio, figure.get_figwidth())
     has_own_legend = is_small or is_wide_slim
     # the positions of the legend, with its entries; the first with enough room is taken, else the last one
@@ -124,8 +124,8 @@ def _settle_motion(
     heights = []  # of the motion with each legend
     for put_legend, entries_of in tries:
         legend = put_legend(motion, entries_of(motion)) if has_own_legend else None
-        if is_small and entries_of is few_entries and not explained:
-            explained = True
+        if is_small and entries_of is few_entries and not is_explained:
+            is_explained = True
             if note := note_on_lines(motion):
                 write_foot(figure, note)
         settle(figure, scaled_axes)

@@ -113,8 +113,11 @@ def curves_of(
         )
         time, curve_values = refine_times(time, rerun.series, chosen_names)
     else:
-        rows = (time >= low) & (time <= high)
-        time, curve_values = time[rows], {name: values[rows] for name, values in recording.columns.items()}
+        is_between = (time >= low) & (time <= high)
+        time, curve_values = (
+            time[is_between],
+            {name: values[is_between] for name, values in recording.columns.items()},
+        )
     # an output that changes only at events and steps keeps the value of a row until the next row
     row = np.searchsorted(recording.time, time, side="right") - 1
     values = {

@@ -239,8 +239,8 @@ class Sensitivities:
         The result is NaN for a value that is unknown or not positive.
         """
         values = self.impacts[quantity]
-        valid = np.isfinite(values) & (values > 0.0)
-        shares: np.ndarray = self.impact_changes(quantity) / np.where(valid, values, np.nan)[:, np.newaxis]
+        is_valid = np.isfinite(values) & (values > 0.0)
+        shares: np.ndarray = self.impact_changes(quantity) / np.where(is_valid, values, np.nan)[:, np.newaxis]
         return shares
 
     @property

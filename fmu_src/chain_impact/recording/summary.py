@@ -113,8 +113,8 @@ def impact_heads(result: Recording) -> tuple[str, ...]:
     two columns of loads, the heads have several lines, so that a row fits into 80 characters.
     """
     is_at_stop = result.is_at_joint_stop
-    at_walls, at_stops = not is_at_stop.all(), bool(is_at_stop.any())
-    kinds = [COLUMN_UNITS] * at_walls + [STOP_COLUMN_UNITS] * at_stops
+    has_walls, has_stops = not is_at_stop.all(), bool(is_at_stop.any())
+    kinds = [COLUMN_UNITS] * has_walls + [STOP_COLUMN_UNITS] * has_stops
     units = [
         " or ".join(dict.fromkeys(column_units))
         for column_units in zip(*(kinds or [COLUMN_UNITS]), strict=True)

@@ -127,7 +127,7 @@ class Ranking(PrintedResult):
 
         If runs have checked any of the effects, a column has the changes in the runs.
         """
-        unit, checked = unit_text(self.unit), any(effect.simulated is not None for effect in effects)
+        unit, has_runs = unit_text(self.unit), any(effect.simulated is not None for effect in effects)
         rows = [
             (
                 effect.parameter,
@@ -135,13 +135,13 @@ class Ranking(PrintedResult):
                 f"{effect.change:+.3g}",
                 signed_text(100.0 * self.share(effect)) if self.value else "—",
                 f"{effect.derivative:.4g}",
-                *((("" if effect.simulated is None else simulated_text(effect)),) if checked else ()),
+                *((("" if effect.simulated is None else simulated_text(effect)),) if has_runs else ()),
             )
             for effect in effects
         ]
         names = ["parameter", "value", f"effect, {unit}" if unit else "effect", "in %", "derivative"]
         if rows:
-            yield TextTable((*names, *(("in a run",) if checked else ())), rows)
+            yield TextTable((*names, *(("in a run",) if has_runs else ())), rows)
 
     def verdict(self, checked: Sequence[Effect]) -> str:
         """Return a sentence: how many of the ``checked`` effects differ in their runs from first order."""

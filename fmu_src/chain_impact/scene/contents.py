@@ -114,9 +114,9 @@ class SceneContents:
         These are ``contact.points``, then the additional points of all links. A point of link 1 at a pinned
         base is left out, because walls do not act on a pinned base.
         """
-        first, pinned = len(self.chain.links) + 1, self.chain.base == "pinned"
+        first, is_pinned = len(self.chain.links) + 1, self.chain.base == "pinned"
         sites = enumerate(self.chain.sites, first)
-        moving_points = (k for k, (link, site) in sites if not (pinned and link == 0 and site.is_at_joint))
+        moving_points = (k for k, (link, site) in sites if not (is_pinned and link == 0 and site.is_at_joint))
         return *self.contact.points, *moving_points
 
     def keeps_distance(self, point: int, plane: HalfPlane) -> bool:

@@ -261,9 +261,9 @@ def _candidates(facts: SceneFacts) -> list[dict[str, Any]]:
     names, members = facts.scene.wall_names, list[dict[str, Any]]()
     stops = [STOP_CODES.get(facts.scene.stop_name(wall), AT_WALL) for wall in range(len(names))]
     for n, wall in candidates_of(facts.scene):
-        at_joint = stops[wall] != AT_WALL and n > 0
-        label = {} if at_joint else {"name": names[wall]}
-        members.append({"n": n, "wall": wall, "stop": stops[wall], "at_joint": at_joint, **label})
+        is_at_joint = stops[wall] != AT_WALL and n > 0
+        label = {} if is_at_joint else {"name": names[wall]}
+        members.append({"n": n, "wall": wall, "stop": stops[wall], "at_joint": is_at_joint, **label})
     return members
 
 

@@ -126,10 +126,10 @@ def _with_value(scene: AnyScene, path: DataPath, value: Any) -> AnyScene | None:
             return _replace_fields(scene, initial=_replace_fields(scene.initial, **changed_fields))
         case str(table), str(key) if not _matters_elsewhere(scene, path, value):
             table_before = getattr(scene, table)
-            same = getattr(table_before, key) == value
+            is_same = getattr(table_before, key) == value
             return (
                 scene
-                if same
+                if is_same
                 else _replace_fields(scene, **{table: _replace_fields(table_before, **{key: value})})
             )
     return None

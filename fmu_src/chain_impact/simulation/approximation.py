@@ -87,21 +87,19 @@ class NotSmoothError(Exception):
 class Approximator:
     """Finds the pieces that approximate M functions of time from 0 to the end of a run."""
 
-    def __init__(
-        self, functions: Sampled, stop_time: float, accuracy: Any, resolution: Any = TIME_ERROR
-    ) -> None:
+    def __init__(self, functions: Sampled, end: float, accuracy: Any, resolution: Any = TIME_ERROR) -> None:
         """Prepare the search, and call the functions at times spread over the run.
 
         Args:
             functions: the functions to follow.
-            stop_time: end of the run, which begins at 0 [s].
+            end: end of the run, which begins at 0 [s].
             accuracy: allowed error of a piece, relative to each function's largest absolute value; shape
                 (M,), or one number for all functions.
             resolution: round-off of a time, relative to the time, which makes the functions' values
                 inaccurate; shape (M,), or one number.
         """
-        self._shortest, self._short_piece = SHORTEST_PIECE * stop_time, SHORT_PIECE * stop_time
-        self._functions, self._times = functions, np.linspace(0.0, stop_time, CHECKED_TIMES + 1)
+        self._shortest, self._short_piece = SHORTEST_PIECE * end, SHORT_PIECE * end
+        self._functions, self._times = functions, np.linspace(0.0, end, CHECKED_TIMES + 1)
         self._values = functions(self._times)
         self._scale = np.abs(self._values).max(axis=0)
         self._resolution = resolution
@@ -185,10 +183,10 @@ class Approximator:
 
         One polynomial for both pieces is not tried if they are ``_are_alike``.
         """
-        meets = bool(pieces) and pieces[-1].end == piece.start
+        is_joined = bool(pieces) and pieces[-1].end == piece.start
         joined_piece = (
             self._fit_piece(pieces[-1].start, piece.end)
-            if meets and not self._are_alike(pieces[-1], piece)
+            if is_joined and not self._are_alike(pieces[-1], piece)
             else None
         )
         if joined_piece is None:
@@ -212,15 +210,15 @@ class Approximator:
             yield None
             return
         last, middle = self._last, 0.5 * (start + end)
-        # simple: the interval does not follow a piece of a degree > MOST_DEGREE; in other intervals a
-        # search for a jump or kink is not worth its calls
-        simple = last is None or last.end != start or not last.powers[MOST_DEGREE + 1 :].any()
+        # the interval is simple if it does not follow a piece of a degree > MOST_DEGREE; in others a search
+        # for a jump or kink is not worth its calls
+        is_simple = last is None or last.end != start or not last.powers[MOST_DEGREE + 1 :].any()
         is_far = last is not None and end - start > 2.0**HALVED_BEYOND * (last.end - last.start)
         _, length = math.frexp(end - start)
-        vain = not simple and self._is_vain(length)
-        if not simple and (is_far or vain) and end > self._foreseen_until:
+        is_vain = not is_simple and self._is_vain(length)
+        if not is_simple and (is_far or is_vain) and end > self._foreseen_until:
             self._foresee(start, end)
-        piece = None if is_far or vain else self._fit_piece(start, end)
+        piece = None if is_far or is_vain else self._fit_piece(start, end)
         if piece is not None:
             self._count += 1
             self._patience[length] = 1
@@ -228,10 +226,10 @@ class Approximator:
             return
         if not is_far:
             self._failed = end - start
-        if not is_far and not vain:
+        if not is_far and not is_vain:
             self._patience[length] = min(2 * self._patience.get(length, 1), RETRY_PIECES)
             self._retry_counts[length] = self._count + self._patience[length]
-        a, b = (self._break_times(start, end) if simple and not is_far else None) or (middle, middle)
+        a, b = (self._break_times(start, end) if is_simple and not is_far else None) or (middle, middle)
         for part in itertools.pairwise((start, a, b, end)):
             if part[0] < part[1]:
                 yield from self._divide(*part)

@@ -89,7 +89,7 @@ class Chain:
         self._selections: dict[str | tuple[str, ...], Selection] = {}
         self._instant = np.zeros(1)
         self._no_words = spans_of(np.zeros(0, int))
-        self._has_stepped, self._initialized, self._observed = False, True, False
+        self._has_stepped, self._is_initialized, self._is_observed = False, True, False
         self._impacts: list[np.ndarray] = []
 
     @property
@@ -174,7 +174,7 @@ class Chain:
         if self._rows is not None:
             self._begin_rows(self._rows)
             row, spans = self._rows.new_row(), self._rows.spans
-        self._has_stepped, self._observed = True, False
+        self._has_stepped, self._is_observed = True, False
         self._instant[0] = time
         while not self._instance.trajectory(self._instant, row, spans):
             # the kernel also returns when a fault occurs, when the log of contacts is full, and from time to
@@ -185,7 +185,7 @@ class Chain:
                 recording = self.result() if self._rows else None
                 raise SimulationError(status, self.time, recording, part, self.scene.name)
         self._collect()
-        self._observed = True
+        self._is_observed = True
         if self._rows is not None:
             self._rows.add(self._instance, row[0])
         if not self._has_warned and self._integers[self._contradiction_word]:
@@ -208,10 +208,10 @@ class Chain:
         """
         key = names if isinstance(names, str) else tuple(names)
         selection = self._selections.get(key) or self._select(key)
-        if selection.observed and not self._observed:
+        if selection.observed and not self._is_observed:
             self._ensure_initialized()
             self._observe()
-            self._observed = True
+            self._is_observed = True
         values = self._reals[selection.words]
         if selection.integer_positions.size:
             values[selection.integer_positions] = self._integers[selection.words[selection.integer_positions]]
@@ -237,11 +237,11 @@ class Chain:
             memory = self._integers if variable.is_integer else self._reals
             if memory[variable.row.set_word] != number:
                 memory[variable.row.word] = memory[variable.row.set_word] = number
-                self._observed = False
+                self._is_observed = False
                 if self._has_stepped:
                     self._integers[self._pending_word] = REINITIALIZE
                 else:
-                    self._initialized = False
+                    self._is_initialized = False
                     self._clear_rows()
 
     def save(self) -> bytes:
@@ -271,7 +271,7 @@ class Chain:
             raise SceneError(f"{subject}: {DAMAGED}")
         self._reals[:] = saved.words
         self._impacts, self._instance.changes = [saved.impacts], [saved.changes]
-        self._has_stepped, self._initialized, self._observed = saved.has_stepped, True, False
+        self._has_stepped, self._is_initialized, self._is_observed = saved.has_stepped, True, False
         if self._rows is not None:
             self._rows.restore(self._instance)
 
@@ -280,7 +280,7 @@ class Chain:
         self._reals[:] = self._start
         self._impacts, self._instance.changes, self._has_warned = [], [], False
         self._clear_rows()
-        self._has_stepped, self._initialized, self._observed = False, True, False
+        self._has_stepped, self._is_initialized, self._is_observed = False, True, False
 
     def __reduce__(self) -> tuple[Callable[..., Chain], tuple[Any, ...]]:
         """Pickle scene, state and rows, so that the chain can be copied or sent to another process."""
@@ -293,9 +293,9 @@ class Chain:
 
     def _ensure_initialized(self) -> None:
         """Compute the start again if ``set`` has changed a value before the first step."""
-        if not self._initialized:
+        if not self._is_initialized:
             self._instance.initialize()
-            self._initialized, self._observed = True, False
+            self._is_initialized, self._is_observed = True, False
 
     def _begin_rows(self, rows: ChainRows) -> None:
         """Add a row at the present time if there is none yet."""

@@ -162,8 +162,8 @@ class DifferentiatedInstance(Instance):
             log, slots = self._log, self._lasting_contacts % self._log_at.room
             # after a fault, the tangent instances may have another contact in this row of the log:
             # derivatives are then NaN
-            same = (log["point"][:, slots] == rows["point"]) & (log["wall"][:, slots] == rows["wall"])
-            self._keep_slopes(rows, slots, same.all(axis=0) & (self.status == OK))
+            is_same = (log["point"][:, slots] == rows["point"]) & (log["wall"][:, slots] == rows["wall"])
+            self._keep_slopes(rows, slots, is_same.all(axis=0) & (self.status == OK))
         return rows
 
     @property

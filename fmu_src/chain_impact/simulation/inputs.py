@@ -323,8 +323,8 @@ def _values_at(call: Callable[[str, float], float], name: str, times: np.ndarray
 def _on_grid(grid: np.ndarray, times: np.ndarray) -> np.ndarray:
     """Return the points of a grid [s] that are nearest to given times [s]; none if the grid has one point."""
     next_rows = np.searchsorted(grid, times).clip(1, len(grid) - 1) if len(grid) > 1 else np.zeros(0, int)
-    nearer = times[: len(next_rows)] - grid[next_rows - 1] < grid[next_rows] - times[: len(next_rows)]
-    return np.unique(grid[next_rows - nearer])
+    is_nearer = times[: len(next_rows)] - grid[next_rows - 1] < grid[next_rows] - times[: len(next_rows)]
+    return np.unique(grid[next_rows - is_nearer])
 
 
 def _with_functions(

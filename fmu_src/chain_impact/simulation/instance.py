@@ -97,8 +97,8 @@ class Instance:
     def is_sound(self, words: np.ndarray) -> bool:
         """Return whether the words of a record are a valid record for this kernel."""
         # a record with other counts would make the kernel read outside of its memory
-        same_sizes = words[:HEAD_WORDS].tobytes() == self.words[:HEAD_WORDS].tobytes()
-        return same_sizes and bool(self._kernel.is_sound(words.ctypes.data))
+        has_same_sizes = words[:HEAD_WORDS].tobytes() == self.words[:HEAD_WORDS].tobytes()
+        return has_same_sizes and bool(self._kernel.is_sound(words.ctypes.data))
 
     def advance(self, time: float) -> int:
         """Advance to a time [s], which must not be before the present time, and return the status."""

@@ -55,8 +55,8 @@ def differences(run: Recording, tighter_run: Recording) -> Differences:
     same = common_count(run.impacts, tighter_run.impacts)
     onsets = [side.impacts["onset"] for side in (run, tighter_run)]
     later_onsets = [float(times[same]) for times in onsets if len(times) > same]
-    parted = bool(later_onsets) and min(later_onsets) <= end
-    if parted:
+    is_parted = bool(later_onsets) and min(later_onsets) <= end
+    if is_parted:
         end = min(later_onsets)
     distances = np.linalg.norm(run.all_points[:rows] - tighter_run.all_points[:rows], axis=-1)
     # a row counts only if it has the same time in both runs, and this time is not after ``end``
@@ -70,5 +70,5 @@ def differences(run: Recording, tighter_run: Recording) -> Differences:
         point=point_label(int(point), run.point_names),
         time=float(run.time[row]),
         end=end,
-        parted=parted,
+        parted=is_parted,
     )

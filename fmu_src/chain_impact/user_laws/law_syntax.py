@@ -151,8 +151,8 @@ class _Names:
             case ast.Constant(value=value):
                 is_allowed = id(node) in self._texts or value is None or isinstance(value, bool | int | float)
             case ast.FunctionDef(name=name, decorator_list=decorators, returns=kind):
-                plain = not decorators and not getattr(node, "type_params", None)
-                is_allowed = plain and not name.startswith("__") and _is_annotation(kind)
+                is_plain = not decorators and not getattr(node, "type_params", None)
+                is_allowed = is_plain and not name.startswith("__") and _is_annotation(kind)
             case ast.arg(arg=name, annotation=kind):
                 is_allowed = not name.startswith("__") and _is_annotation(kind)
             case ast.AnnAssign(annotation=kind):

@@ -127,9 +127,13 @@ def indices_of(variables: Iterable[Variable], of_all: OutputIndices) -> OutputIn
     continuous_words = {name: of_all.continuous[name] for name in paths if name in of_all.continuous}
     stepwise_words = {name: of_all.stepwise[name] for name in paths if name in of_all.stepwise}
     row = np.dtype([(name, np.float64) for name in continuous_words])
-    of_state = not stepwise_words and all(field in STATE_OUTPUTS for _, field, *_ in paths.values())
+    is_of_state = not stepwise_words and all(field in STATE_OUTPUTS for _, field, *_ in paths.values())
     return OutputIndices(
-        continuous_words, stepwise_words, row, _words([*continuous_words.values()], stepwise_words), of_state
+        continuous_words,
+        stepwise_words,
+        row,
+        _words([*continuous_words.values()], stepwise_words),
+        is_of_state,
     )
 
 

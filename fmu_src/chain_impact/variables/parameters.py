@@ -35,9 +35,7 @@ from chain_impact.variables.kind import (
 
 LAWS, METHODS = "laws", "methods"
 """The names of the lists of choices (``choices_of``): contact laws, and methods of the solver."""
-FRICTION_HINT = (
-    "it is a parameter if the scene has this dry friction: give it a value in the scene file first"
-)
+DRY_HINT = "it is a parameter if the scene has this dry friction: give it a value in the scene file first"
 GIVEN_HINT = "it is a parameter if the scene file gives it: give it a value there first"
 TARGET_HINT = (
     "with inputs.joint_targets it is the start value of the target angle: vary or fit the value of a "
@@ -134,7 +132,7 @@ _COEFFICIENT: dict[str, Any] = {
     "tunable": TRUE_FACT,
     "when": ("has_contact_friction",),
     "value_if_not_in_file": 0.0,
-    "hint": FRICTION_HINT,
+    "hint": DRY_HINT,
 }
 """The attributes that both coefficients of friction of [contact], sliding and static, have in common."""
 
@@ -169,7 +167,7 @@ PARAMETERS = (
             joint_friction={
                 "record_path": ("drive", "friction", OWNER_AT),
                 "when": ("may_have_friction",),
-                "hint": FRICTION_HINT,
+                "hint": DRY_HINT,
             },
             joint_armature={"only_if_in_file": True, "hint": GIVEN_HINT},
             joint_torque_limit={
@@ -212,7 +210,7 @@ PARAMETERS = (
             friction={
                 "record_path": ("drive", "friction", OWNER_AT),
                 "when": ("may_have_friction",),
-                "hint": FRICTION_HINT,
+                "hint": DRY_HINT,
             },
             min={"number_for_none": -math.inf},
             max={"number_for_none": math.inf},
@@ -301,8 +299,8 @@ PARAMETERS = (
             # −1 in the record means that the value of [contact] applies to this wall; a static friction of −1
             # beside a sliding friction of the wall means that both are equal
             restitution={"number_for_none": -1.0},
-            friction={"number_for_none": -1.0, "hint": FRICTION_HINT},
-            static_friction={"number_for_none": -1.0, "hint": FRICTION_HINT},
+            friction={"number_for_none": -1.0, "hint": DRY_HINT},
+            static_friction={"number_for_none": -1.0, "hint": DRY_HINT},
         ),
         heading=WALL,
         when=("has_contacts",),

@@ -67,8 +67,8 @@ def _is_straightened(recording: Recording) -> np.ndarray:
     """
     impact_rows = np.searchsorted(recording.time, recording.impacts["onset"], side="right") - 1
     broken = np.zeros(len(recording.time) - 1, bool)
-    knows = f"point[{recording.points.shape[1] - 1}].vx" in recording.columns
-    for row_shift in (0,) if knows else (-1, 0, 1):
+    has_velocity = f"point[{recording.points.shape[1] - 1}].vx" in recording.columns
+    for row_shift in (0,) if has_velocity else (-1, 0, 1):
         rows = impact_rows + row_shift
         broken[rows[(rows >= 0) & (rows < len(broken))]] = True
     return broken

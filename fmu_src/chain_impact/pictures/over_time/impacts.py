@@ -114,12 +114,12 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     if lanes:
         axes.axhline(0.0, color=GREY, linewidth=STEM, zorder=0.9)
         axes.spines["bottom"].set_position(("outward", ROWS_GAP + lanes * ROW))
-    at_stops, at_walls = bool(is_at_stop.any()), not is_at_stop.all() or not len(is_at_stop)
+    has_stops, has_walls = bool(is_at_stop.any()), not is_at_stop.all() or not len(is_at_stop)
     # the names of the rows of contacts are below the axis, at its left
-    name = scaled_name(axes.yaxis, *shown_values(recording, is_stop=not at_walls))
+    name = scaled_name(axes.yaxis, *shown_values(recording, is_stop=not has_walls))
     axes.set_ylabel(name, loc="bottom" if lanes else "center")
     axes.set_ylim(0.0, HEADROOM * (tops.max(initial=0.0) or 1.0))
-    if at_stops and at_walls:
+    if has_stops and has_walls:
         functions: Any = (lambda v: v / scale, lambda v: v * scale)
         right = axes.secondary_yaxis("right", functions=functions)
         _, unit, values = shown_values(recording, is_stop=True)

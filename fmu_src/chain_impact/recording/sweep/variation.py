@@ -134,12 +134,12 @@ def _range(variable: Variable, text: str) -> Variation:
     n, the variation is an interval.
     """
     parts = text.split(":")
-    logarithmic = parts[-1].strip() == LOG
+    is_logarithmic = parts[-1].strip() == LOG
     range_error = SceneError(f"must be {FORMS}", value=text)
     if variable.items:
         raise SceneError(f"must be a list of choices, {variable.allowed}", value=text)
     try:
-        low, high, *count = parts[: len(parts) - logarithmic]
+        low, high, *count = parts[: len(parts) - is_logarithmic]
         ends = np.array([float(radians_of(end, variable.unit)) for end in (low, high)])
         numbers = [int(part) for part in count]
     except ValueError:  # a part of the range is not a number, or the second end is missing
@@ -148,12 +148,12 @@ def _range(variable: Variable, text: str) -> Variation:
         raise range_error
     if numbers and not 1 < numbers[0] <= MOST_VALUES:
         raise SceneError(f"must have 2 to {MOST_VALUES} values", value=text)
-    if logarithmic and not (ends > 0.0).all():
+    if is_logarithmic and not (ends > 0.0).all():
         raise SceneError("must have ends > 0, to be spaced by logarithm", value=text)
     if not numbers:
-        return Variation(variable, ends, interval=True, logarithmic=logarithmic)
-    space = np.geomspace if logarithmic else np.linspace
-    return Variation(variable, space(*ends, *numbers), logarithmic=logarithmic)
+        return Variation(variable, ends, interval=True, logarithmic=is_logarithmic)
+    space = np.geomspace if is_logarithmic else np.linspace
+    return Variation(variable, space(*ends, *numbers), logarithmic=is_logarithmic)
 
 
 def _number(variable: Variable, value: object) -> float:

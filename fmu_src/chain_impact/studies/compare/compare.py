@@ -244,8 +244,8 @@ def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
             hint = "`chain-impact info --list laws` lists them"
             raise UnknownNameError(scene.name, law, names, "not a contact law", otherwise=hint)
     chosen_names = [law for law in names if not laws or law in laws]
-    at_home = any(keeps_exponents(law, scene) for law in chosen_names)
-    return chosen_names if at_home else [*chosen_names, scene.contact.model]
+    is_at_home = any(keeps_exponents(law, scene) for law in chosen_names)
+    return chosen_names if is_at_home else [*chosen_names, scene.contact.model]
 
 
 def _run(scene: Scene, law: str, impact: np.void | None, progress: Progress) -> LawRun:
@@ -274,8 +274,8 @@ def _run(scene: Scene, law: str, impact: np.void | None, progress: Progress) -> 
         # A contact that lasts until the end of the run has NaN as ``end`` and ``duration``, and a comparison
         # with NaN is False. So a lasting contact before this impact counts as an overlap; if this impact
         # itself lasts, the next impact does not count.
-        overlap = later_impacts["onset"] <= impact["onset"] + first["duration"]
-        notes += [OVERLAPS] if overlap.any() or not (earlier_impacts["end"] <= impact["onset"]).all() else []
+        overlaps = later_impacts["onset"] <= impact["onset"] + first["duration"]
+        notes += [OVERLAPS] if overlaps.any() or not (earlier_impacts["end"] <= impact["onset"]).all() else []
     return LawRun(
         law, used_contact.exponent, used_contact.stiffness, **first, note="; ".join(notes), result=result
     )

@@ -309,13 +309,13 @@ def _deviance(problem: Problem, evaluation: Evaluation, rows: np.ndarray) -> flo
     """
     total = 0.0
     for group, name in enumerate(problem.names):
-        group_rows = rows & (problem.group == group)
-        residuals = evaluation.residuals[group_rows]
+        is_in_group = rows & (problem.group == group)
+        residuals = evaluation.residuals[is_in_group]
         if name in problem.estimated:
-            mean = max(float((residuals**2).mean()), np.finfo(float).tiny) if group_rows.any() else 1.0
-            total += group_rows.sum() * math.log(mean)
+            mean = max(float((residuals**2).mean()), np.finfo(float).tiny) if is_in_group.any() else 1.0
+            total += is_in_group.sum() * math.log(mean)
         else:
-            total += float(((residuals / problem.sigma[group_rows]) ** 2).sum())
+            total += float(((residuals / problem.sigma[is_in_group]) ** 2).sum())
     return float(total)
 
 

@@ -165,10 +165,10 @@ def estimate_sigma(problem: Problem, evaluation: Evaluation, sigma: np.ndarray) 
     estimated_sigma, rows = sigma.copy(), evaluation.is_usable
     freedom = freedom_of_columns(problem, evaluation, sigma)
     for group, least_sigma in _columns_without_sigma(problem):
-        group_rows = problem.group == group
+        is_in_group = problem.group == group
         if freedom[group] > NO_FREEDOM:
-            squares = (evaluation.residuals[rows & group_rows] ** 2).sum()
-            estimated_sigma[group_rows] = max(least_sigma, math.sqrt(squares / freedom[group]))
+            squares = (evaluation.residuals[rows & is_in_group] ** 2).sum()
+            estimated_sigma[is_in_group] = max(least_sigma, math.sqrt(squares / freedom[group]))
     return estimated_sigma
 
 
@@ -208,13 +208,13 @@ def _check(problem: Problem, evaluation: Evaluation) -> None:
     A column cannot be fitted if only some of its values have a σ, or if it has a single value without σ.
     """
     for name in problem.estimated:
-        group_rows = problem.group == problem.names.index(name)
+        is_in_group = problem.group == problem.names.index(name)
         sources_text = ", ".join(data_set.source for data_set in problem.data)
-        if not np.isnan(problem.sigma[group_rows]).all():
+        if not np.isnan(problem.sigma[is_in_group]).all():
             raise SceneError(
                 f"{sources_text}: some values of {name} have a sigma and others none; give all or none"
             )
-        if group_rows.sum() <= 1:
+        if is_in_group.sum() <= 1:
             raise SceneError(
                 f"{sources_text}: {name} has one value only, from which its sigma cannot be estimated: give "
                 f"it, for example 2% (--sigma {name}=2%), or add a column sigma({name})"

@@ -100,8 +100,8 @@ class Measurements:
         times = np.zeros(len(self))
         times[~self.of_impact] = self.times[self.row[~self.of_impact]]
         times[self.of_impact] = onsets[self.row[self.of_impact]]
-        ends = self.of_impact & (np.array(self.quantity) == "end")
-        times[ends] = self.value[ends]
+        is_end = self.of_impact & (np.array(self.quantity) == "end")
+        times[is_end] = self.value[is_end]
         return times
 
     def end(self, stop_time: float) -> float:

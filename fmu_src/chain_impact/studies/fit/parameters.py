@@ -140,7 +140,7 @@ def _parameter(
     data_set: int | None,
 ) -> Parameter:
     start = value_at_start(scene.values, variable.name)
-    logarithmic = variable.exclusive_minimum == 0.0
+    is_logarithmic = variable.exclusive_minimum == 0.0
     ends = [variable.exclusive_minimum if variable.minimum is None else variable.minimum, variable.maximum]
     low, high = (sign * math.inf if end is None else end for sign, end in zip((-1, 1), ends, strict=True))
     if bounds is not None:
@@ -157,7 +157,7 @@ def _parameter(
                 name=variable.name,
                 value=f"{start:g}",
             )
-    return Parameter(variable.name, variable.unit, start, low, high, logarithmic, data_set)
+    return Parameter(variable.name, variable.unit, start, low, high, is_logarithmic, data_set)
 
 
 def _ends(variable: Variable, bounds: str | tuple[float | None, float | None]) -> tuple[float, float]:

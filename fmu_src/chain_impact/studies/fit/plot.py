@@ -259,7 +259,7 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
     ``results``: the model's run of each data set. Returns whether the panel has lines at impacts.
     """
     parts = _columns(fit, name, results)
-    over_impacts, has_lines = name in MEASURED_OF_IMPACT, False
+    is_over_impacts, has_lines = name in MEASURED_OF_IMPACT, False
     has_several = len(fit.data) > 1
     values_of_data = np.concatenate([data_set.value for data_set in fit.data])
     scale, unit = axis_unit(fit.unit(name), [values_of_data[fit.columns[name]]])
@@ -273,7 +273,7 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
         dots_label = f"data set {part.data_set + 1}" if has_several else "measured"
         mark_style: dict[str, Any] = {"linestyle": "", "marker": "o", "color": colour, "zorder": DATA_ABOVE}
         mark_style |= {"markersize": FIT_DOT, "markeredgewidth": 0, "label": dots_label}
-        if over_impacts:
+        if is_over_impacts:
             mark_style |= {"yerr": scale * USUAL_RESIDUAL * fit.sigma[part.rows], "capsize": 2}
             values.errorbar(part.positions, scale * values_of_data[part.rows], **mark_style)
             model = scale * (values_of_data[part.rows] + fit.residuals[part.rows])
@@ -287,7 +287,7 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
             values.plot(part.positions, scale * values_of_data[part.rows], **mark_style)
         ratios = fit.residuals[part.rows] / fit.sigma[part.rows]
         residuals.plot(part.positions, ratios, ".", color=colour, markersize=3)
-        if not over_impacts and len(ratios) >= LEAST_FOR_MEAN:
+        if not is_over_impacts and len(ratios) >= LEAST_FOR_MEAN:
             mean_line = running_means(part.positions, ratios)
             residuals.plot(
                 *mean_line, color=colour if has_several else MEAN_COLOUR, linewidth=1.2, label=MEAN
@@ -295,15 +295,15 @@ def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: li
     values.set_ylabel(f"{name}{bracketed_unit(unit)}")
     values.tick_params(bottom=False, labelbottom=False)
     last = max((float(np.nanmax(part.positions, initial=0.0)) for part in parts), default=0.0)
-    residuals.set_xlabel("number of the impact" if over_impacts else name_time(residuals, last))
-    if over_impacts:
+    residuals.set_xlabel("number of the impact" if is_over_impacts else name_time(residuals, last))
+    if is_over_impacts:
         numbers = np.concatenate([part.positions for part in parts])
         if np.isfinite(numbers).any():  # False if the model has none of the measured impacts
             residuals.set_xlim(np.nanmin(numbers) - AXIS_MARGIN, np.nanmax(numbers) + AXIS_MARGIN)
         residuals.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     if len(parts) <= len(PALETTE):
         handles = values.get_legend_handles_labels()[0]
-        if over_impacts and not has_several:
+        if is_over_impacts and not has_several:
             handles = [Line2D([], [], color=MODEL, linewidth=1.8, label="model"), *handles]
         legend_above(values, handles)
     return has_lines
@@ -350,12 +350,12 @@ def _curve(
     The curve has the values ``model`` at the times of ``result``. Curve and lines end at ``last`` [s], the
     time of the last measurement. Returns whether there is a line at an impact.
     """
-    onsets, rows = result.impacts["onset"], result.time <= last
+    onsets, is_shown = result.impacts["onset"], result.time <= last
     onsets = onsets[onsets <= last]
     for axes in panels:
         mark_style: dict[str, Any] = {"linewidth": 0.6, "zorder": 0, "transform": axes.get_xaxis_transform()}
         axes.vlines(onsets, 0.0, 1.0, faint_colour(axes, IMPACT_LINE), **mark_style)
-    panels[0].plot(result.time[rows], model[rows], **{"linewidth": 1.8, "zorder": 4.0} | look)
+    panels[0].plot(result.time[is_shown], model[is_shown], **{"linewidth": 1.8, "zorder": 4.0} | look)
     return len(onsets) > 0
 
 

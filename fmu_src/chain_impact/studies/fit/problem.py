@@ -239,9 +239,9 @@ class Problem:
     def _sizes(self) -> np.ndarray:
         sizes = np.zeros(len(self.value))
         for group in range(len(self.names)):
-            group_rows = self.group == group
-            values = self.value[group_rows]
-            sizes[group_rows] = max(float(np.ptp(values)), float(np.abs(values).max()), EMPTY_COLUMN_SIZE)
+            is_in_group = self.group == group
+            values = self.value[is_in_group]
+            sizes[is_in_group] = max(float(np.ptp(values)), float(np.abs(values).max()), EMPTY_COLUMN_SIZE)
         return sizes
 
     def _run(self, k: int, values: np.ndarray, horizon: float) -> Differentiated:

@@ -102,8 +102,8 @@ def _text_with_values(text: str, present_data: dict[str, Any], wanted_data: dict
     ``present_data`` has the values of the text; both are dicts as ``scene_to_dict`` makes them.
     """
     document: Any = tomlkit.parse(text)
-    short = any(key in link for link in document["chain"]["links"] for key in ("count", "shape"))
-    if short and wanted_data["chain"] != present_data["chain"]:
+    is_short = any(key in link for link in document["chain"]["links"] for key in ("count", "shape"))
+    if is_short and wanted_data["chain"] != present_data["chain"]:
         # ``wanted_data`` has every link with its mass and inertia, which do not fit an entry that is a box or
         # has a `count`: so a change of [chain] replaces all entries by those of ``wanted_data``
         document["chain"]["links"] = present_data["chain"]["links"] = wanted_data["chain"]["links"]

@@ -43,11 +43,11 @@ class Information:
         size = np.sqrt(np.diag(self.matrix))
         scale = np.divide(1.0, size, out=np.zeros(len(size)), where=size > 0.0)
         values, vectors = np.linalg.eigh(self.matrix * np.outer(scale, scale))
-        sound = values > SINGULAR_RATIO**2 * max(values.max(initial=0.0), 1.0)
+        is_sound = values > SINGULAR_RATIO**2 * max(values.max(initial=0.0), 1.0)
         inverse: np.ndarray = (
-            (vectors[:, sound] / values[sound]) @ vectors[:, sound].T * np.outer(scale, scale)
+            (vectors[:, is_sound] / values[is_sound]) @ vectors[:, is_sound].T * np.outer(scale, scale)
         )
-        is_lost = (np.abs(vectors[:, ~sound]) > SINGULAR_RATIO**0.5).any(axis=1) | (size == 0.0)
+        is_lost = (np.abs(vectors[:, ~is_sound]) > SINGULAR_RATIO**0.5).any(axis=1) | (size == 0.0)
         inverse[is_lost, :] = inverse[:, is_lost] = math.nan
         inverse[np.diag_indices_from(inverse)] = np.where(is_lost, math.inf, np.diag(inverse))
         return inverse

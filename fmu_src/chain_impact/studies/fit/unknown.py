@@ -85,7 +85,7 @@ def error_text(parameter: Parameter, value: float, error: float) -> str:
         return "infinite"
     if parameter.logarithmic and error > HUGE_ERROR:
         return f"a factor of {math.exp(min(error, 700.0)):.1g}"
-    positive = parameter.low == 0.0 and not math.isfinite(parameter.high) and error < HUGE_ERROR * value
-    if parameter.logarithmic or positive:
+    is_positive = parameter.low == 0.0 and not math.isfinite(parameter.high) and error < HUGE_ERROR * value
+    if parameter.logarithmic or is_positive:
         return f"{100.0 * (error if parameter.logarithmic else error / value):.2g} %"
     return with_unit(f"{error:.2g}", parameter.unit)

@@ -280,11 +280,11 @@ class Runner:
         These are the largest values of the run, energies, other outputs of the motion, and derivatives.
         Outputs of the impacts before the fault and of the solver stay.
         """
-        failed = rows[STATUS] != OK
+        is_failed = rows[STATUS] != OK
         outputs = [
             name
             for name, variable in self._columns.items()
             if variable.record_path[0] in {"output", TANGENTS}
         ]
         for name in (*self._job.largest_columns, *outputs):
-            rows[name][failed] = np.nan
+            rows[name][is_failed] = np.nan

@@ -121,8 +121,8 @@ def sweep(
             log.info("%s, %s are left", finished_text, run_count)
         if target and not dataset:
             stack.enter_context(_store_when_interrupted(target, head, rows, finished_spans, design))
-        many = scheduler is None and run_count >= OWN_KERNEL_FROM
-        own_kernel = many and not missing_compilers() and has_own_kernel(job)
+        is_many = scheduler is None and run_count >= OWN_KERNEL_FROM
+        own_kernel = is_many and not missing_compilers() and has_own_kernel(job)
         computation = Computation(job, design, dataset.path.resolve() if dataset else None, own_kernel)
         if scheduler is None or not spans:
             batches = run_in_threads(computation, spans, threads)
