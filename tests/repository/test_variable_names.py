@@ -73,6 +73,94 @@ def test_no_function_has_the_name_of_a_usual_variable(room):
     assert functions & {*NOUNS.split()} == set()
 
 
+TEXTS = """
+advice beginning cause code fault file heading headline hint key kind label line mark name note path pattern
+prefix reason remedy requirement script sentence subject text title unit verb warning
+"""
+"""Last words of the names of texts."""
+TRUTHS = """
+is has are acts asks begins can changes damps differs displaces lacks may overlaps touches
+"""
+"""First words of the names of truths, and of arrays of truths."""
+
+
+def bindings(file):
+    """Yield (name, its value as code) of each variable and attribute of ``self`` that a file binds.
+
+    Attributes with a type in the body of a class are left out.
+    """
+
+    def pairs(target, value):
+        if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
+            for part, part_value in zip(target.elts, value.elts, strict=False):
+                yield from pairs(part, part_value)
+        elif isinstance(target, ast.Name):
+            yield target.id, value
+        elif isinstance(target, ast.Attribute) and ast.unparse(target.value) == "self":
+            yield target.attr, value
+
+    code = [*ast.walk(ast.parse(file.read_text("utf-8")))]
+    attributes = [line for node in code if isinstance(node, ast.ClassDef) for line in node.body]
+    for node in code:
+        if isinstance(node, (ast.Assign, ast.NamedExpr)) or (
+            isinstance(node, ast.AnnAssign) and node.value is not None and node not in attributes
+        ):
+            for target in getattr(node, "targets", None) or [node.target]:
+                yield from pairs(target, node.value)
+
+
+def operands(value):
+    """Yield the values of which a value is composed, or of which it is one."""
+    match value:
+        case ast.IfExp(body=first, orelse=second):
+            yield from (*operands(first), *operands(second))
+        case ast.BinOp(left=first, op=ast.Add() | ast.Mult() | ast.BitAnd() | ast.BitOr(), right=second):
+            yield from (*operands(first), *operands(second))
+        case ast.BoolOp(values=parts):
+            yield from (operand for part in parts for operand in operands(part))
+        case ast.UnaryOp(op=ast.Invert(), operand=first):
+            yield from operands(first)
+        case ast.Call(func=ast.Attribute(value=first, attr="replace" | "removeprefix" | "strip")):
+            yield from operands(first)
+        case _:
+            yield value
+
+
+def is_text(value):
+    """Return whether a value is a composed text, or words with a space."""
+    match value:
+        case ast.JoinedStr() | ast.Call(func=ast.Attribute(value=ast.Constant(value=str()), attr="join")):
+            return True
+        case ast.Constant(value=str(text)):
+            return " " in text.strip()
+    return False
+
+
+def is_truth(value):
+    """Return whether a value is a truth, or an array of truths."""
+    match value:
+        case ast.Compare() | ast.UnaryOp(op=ast.Not()) | ast.Constant(value=bool()):
+            return True
+        case ast.Call(func=ast.Name(id="bool" | "any" | "all" | "isinstance")):
+            return True
+    return False
+
+
+@pytest.mark.parametrize("room", sorted(ROOMS))
+def test_names_of_texts_and_of_truths_say_so(room):
+    """A text such as points_text is not taken for points, nor a truth such as is_joint for a joint."""
+    found = set()
+    for file in (PACKAGE / room).rglob("*.py"):
+        for name, value in bindings(file):
+            words = name.strip("_").split("_")
+            if any(map(is_text, operands(value))) and words[-1] not in TEXTS.split():
+                found.add((file.name, name))
+            if all(map(is_truth, operands(value))) and words[0] not in TRUTHS.split():
+                found.add((file.name, name))
+    # the name of a type begins with a capital
+    assert {(file, name) for file, name in found if name.islower()} == set()
+
+
 KERNEL_WORDS = {
     "trial": r"",
     "place": r"_?place(_\w+)?|PLACEHOLDERS",

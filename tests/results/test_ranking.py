@@ -224,7 +224,7 @@ def test_a_long_bar_of_another_block_leaves_room_for_the_ranking():
     second = Bars(["c", "d"], [9.0, 0.2], ["3", "4"], "N", marks=[8.0, 0.3])
     assert shared_ends([first, second]) == [(-0.5, 2.2)] * 2
     page = Figure(layout="constrained")
-    draw_bar_figure(page, title="t", conditions="x", blocks=[first, second])
+    draw_bar_figure(page, title="t", conditions_text="x", blocks=[first, second])
     marks = [line for line in page.axes[1].lines if len(line.get_ydata()) == 1]
     shown = [(mark.get_marker(), mark.get_ydata()[0], mark.get_markerfacecolor()) for mark in marks]
     assert shown == [(">", 0, INCREASE), (">", 0, "none"), ("D", 1, INK)]

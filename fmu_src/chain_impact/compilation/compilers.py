@@ -148,7 +148,7 @@ def add_prelude(module: str, scope: KernelScope, registers: str = REGISTERS) -> 
     else:
         fixed = dict.fromkeys(() if scope is AnyLinks.GENERAL else _RARE_SIZES, 0)
         fixed |= {"chain_link_count": scope} if isinstance(scope, int) else {}
-    prelude_code = "".join(
+    prelude = "".join(
         FIXED_COUNT_CODE.format(name=name, number=fixed[name])
         if name in fixed
         else READ_COUNT_CODE.format(name=name, word=word, end=LARGEST_COUNT + 1)
@@ -156,7 +156,7 @@ def add_prelude(module: str, scope: KernelScope, registers: str = REGISTERS) -> 
     )
     # a hidden function is private to a library, so a call of it is direct, not through a table of addresses
     hidden = _LEFT_OPEN.sub(r"\1 hidden ", module)
-    return _DECLARED_ABOVE.sub("", hidden) + prelude_code + registers
+    return _DECLARED_ABOVE.sub("", hidden) + prelude + registers
 
 
 def lower(module: Path, part: str, law: Path | None = None) -> None:

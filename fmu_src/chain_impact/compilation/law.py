@@ -73,8 +73,8 @@ def _checked_function(law: UserLaw) -> Callable[..., float]:
         returned = inner.nopython_signatures[0].return_type
         if not isinstance(returned, types.Float | types.Integer):
             raise LawError(f"must return a number, not {returned}")
-        call_code = f"lambda {', '.join(LAW_ARGUMENTS)}: float({law.id}({', '.join(law.arguments)}))"
-        function: Callable[..., float] = eval(call_code, space)
+        call = f"lambda {', '.join(LAW_ARGUMENTS)}: float({law.id}({', '.join(law.arguments)}))"
+        function: Callable[..., float] = eval(call, space)
         compiled_function(function).compile((float64,) * len(LAW_ARGUMENTS))
     except LawError:
         raise

@@ -153,14 +153,14 @@ def bars_size(counts: Sequence[int]) -> tuple[float, float]:
 
 @drawing_style()
 def draw_bar_figure(
-    figure: Figure, *, title: str, conditions: str, blocks: Sequence[Bars], warning: str = ""
+    figure: Figure, *, title: str, conditions_text: str, blocks: Sequence[Bars], warning: str = ""
 ) -> None:
     """Draw blocks of bars, one below the other, on an empty figure.
 
     Args:
         figure: the figure to draw on.
         title: the title of the picture.
-        conditions: the text below the title.
+        conditions_text: the text below the title.
         blocks: the blocks, each with at least one bar; without a block the picture says "no effect".
         warning: a text in PEAK_COLOUR between title and conditions; "" for none.
     """
@@ -169,9 +169,12 @@ def draw_bar_figure(
     if warning:
         warning = "; ".join([warning, *notes])
     else:
-        conditions = "; ".join(filter(None, (conditions, *notes)))
+        conditions_text = "; ".join(filter(None, (conditions_text, *notes)))
     write_headline(
-        figure, title, conditions.replace("; ", SEPARATOR), *([(warning, PEAK_COLOUR)] if warning else [])
+        figure,
+        title,
+        conditions_text.replace("; ", SEPARATOR),
+        *([(warning, PEAK_COLOUR)] if warning else []),
     )
     if any(mark is not None and math.isfinite(mark) for block in blocks for mark in block.marks):
         legend_at_head(figure, [Line2D([], [], label=RUN_LABEL, **DIAMOND)])

@@ -137,7 +137,7 @@ def draw_curve_figure(figure: Figure, recording: Recording, curves: Curves, titl
     panels = clear_panels(curves)
     if title is not None:
         impact_text = shown_impact_text(recording, curves)
-        summary = f"{recording.name}: {impact_text}" if impact_text else ""
+        summary_text = f"{recording.name}: {impact_text}" if impact_text else ""
         told_peaks = peak_of(recording, curves.number - 1) if impact_text else drawn_peaks(recording, curves)
         force = "" if told_peaks else largest_drawn(curves)
         is_one = len(panels) == 1
@@ -147,7 +147,7 @@ def draw_curve_figure(figure: Figure, recording: Recording, curves: Curves, titl
             largest_vectors(curves),
         )
         lead = (None if told_peaks else force) if is_one else ""
-        write_head(figure, recording, title or summary, *texts, told_peaks=told_peaks, lead=lead)
+        write_head(figure, recording, title or summary_text, *texts, told_peaks=told_peaks, lead=lead)
     zero_names = always_zero(curves, panels)
     notes = ["Δ: change since the onset"] * any(values_at_onset(curves, names) for names in panels)
     notes += [f"0 in the whole view: {names_text(zero_names, MOST_NAMED)}"] if zero_names else []
@@ -200,8 +200,8 @@ def long_contact_text(recording: Recording, curves: Curves) -> str:
     if not curves.number:
         return ""
     onset, end = (float(recording.impacts[name][curves.number - 1]) for name in ("onset", "end"))
-    lasting = f"for {force_text(end - onset, 's')}" if end > curves.time[-1] else ""
-    return f"impact {curves.number} stays in contact {lasting}" if lasting else ""
+    duration_text = f"for {force_text(end - onset, 's')}" if end > curves.time[-1] else ""
+    return f"impact {curves.number} stays in contact {duration_text}" if duration_text else ""
 
 
 def shown_impact_text(recording: Recording, curves: Curves) -> str:
@@ -294,10 +294,10 @@ def draw_all(
         axes.set_ylabel(f"{axis_text}{bracketed_unit(unit)}".lstrip())
         if curves.onset is None:
             shade_rests(axes, time_span)
-        of_time = f"time after the onset at {start:.6f} s [ms]"
+        time_label = f"time after the onset at {start:.6f} s [ms]"
         if curves.onset is None:
-            of_time = "; ".join(filter(None, (name_time(axes, ends[-1]), time_span.note)))
-        axes.set_xlabel(of_time)
+            time_label = "; ".join(filter(None, (name_time(axes, ends[-1]), time_span.note)))
+        axes.set_xlabel(time_label)
         axes.margins(y=0.16 if stored_unit in MARKED_UNITS else 0.08)
         if stored_unit in MARKED_UNITS and all(
             not (values[is_shown] < 0.0).any() for values in curves_in_panel

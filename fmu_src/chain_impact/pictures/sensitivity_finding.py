@@ -93,13 +93,13 @@ def finding_of(
     if parts[..., k].max() <= NO_CHANGE:
         return SensitivityFinding(f"{recording.name}: no parameter changes {', '.join(outputs)}", end_text)
     parameter = list(sensitivities.parameters)[k]
-    step = f"{plain_name(parameter)} + {sensitivities.step_text(parameter)}"
+    step_text = f"{plain_name(parameter)} + {sensitivities.step_text(parameter)}"
     if not is_known[:, k].all():
         end = factor * recording.time[is_known[:, k]].max(initial=recording.time[0])
         end_text = f"not predictable after {end:.3g} {unit}"
     change_rows = _largest_changes(recording, sensitivities, outputs, k, is_known)
     if not change_rows:
-        return SensitivityFinding(f"{recording.name}: {step}", end_text)
+        return SensitivityFinding(f"{recording.name}: {step_text}", end_text)
     checks = list[Checked]()
     for output, row in change_rows:
         change = float(sensitivities.changes(output)[row, k])
@@ -119,9 +119,11 @@ def finding_of(
         when_text += f"; {_output_text(largest_change.output)} {times[1]}: {first_order} to first order"
         when_text += f", but {run_text} in a run"
         first_order = _size_text(told_change.first_order, of_output)
-    size = f"about {first_order}" if told_change.change is None else _size_text(told_change.change, of_output)
+    size_text = (
+        f"about {first_order}" if told_change.change is None else _size_text(told_change.change, of_output)
+    )
     return SensitivityFinding(
-        f"{recording.name}: {step} {_change_text(told_change.output, size)}",
+        f"{recording.name}: {step_text} {_change_text(told_change.output, size_text)}",
         "; ".join(filter(None, [when_text, end_text])),
         None if told_change.change is None else told_change,
     )

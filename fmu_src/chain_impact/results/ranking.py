@@ -226,7 +226,7 @@ class Ranking(PrintedResult):
             figure,
             title=f"{self.source}: {self._winner(drawn_effects)}",
             warning=warning,
-            conditions="; ".join(filter(None, parts)),
+            conditions_text="; ".join(filter(None, parts)),
             blocks=[
                 pictures.Bars(**self._bars(*block_and_size))
                 for block_and_size in zip(blocks, sizes, strict=True)

@@ -168,8 +168,8 @@ def _names_of_owner(name: object, names: Collection[str]) -> str:
     owner = str(name).rpartition(".")[0]
     owner_names = find_names(f"{owner}.*", names) if owner.strip("*") else []
     parts = list(dict.fromkeys(full_name.rpartition(".")[2] for full_name in owner_names))
-    ellipsis = ", …" * (len(parts) > NAMED_PARTS)
-    return f"{owner} has {', '.join(parts[:NAMED_PARTS])}{ellipsis}" if parts else ""
+    ellipsis_text = ", …" * (len(parts) > NAMED_PARTS)
+    return f"{owner} has {', '.join(parts[:NAMED_PARTS])}{ellipsis_text}" if parts else ""
 
 
 def names_matching(

@@ -64,12 +64,10 @@ def check_syntax(tree: ast.Module, source: str) -> None:
         _check_common(node)
     refused = next(_refused(tree), None)
     if refused is not None:
-        segment_text = " ".join((ast.get_source_segment(source, refused) or type(refused).__name__).split())
-        shown_text = segment_text.encode("ascii", "backslashreplace").decode()
-        shown_text = (
-            shown_text if len(shown_text) <= LONGEST_QUOTE else f"{shown_text[: LONGEST_QUOTE - 3]}..."
-        )
-        raise LawError(f"has {shown_text} in line {_line(refused)}; {ALLOWED}")
+        segment = " ".join((ast.get_source_segment(source, refused) or type(refused).__name__).split())
+        shown = segment.encode("ascii", "backslashreplace").decode()
+        shown = shown if len(shown) <= LONGEST_QUOTE else f"{shown[: LONGEST_QUOTE - 3]}..."
+        raise LawError(f"has {shown} in line {_line(refused)}; {ALLOWED}")
 
 
 def _check_common(node: ast.AST) -> None:
@@ -137,33 +135,33 @@ class _Names:
 
     def allow(self, node: ast.AST) -> bool:
         """Return whether a node, whose type is in NODES, keeps the other rules, without its children."""
-        is_allowed = True
+        fine = True
         match node:
             case ast.Name(id=name):
                 is_name = name in self._all or name in FUNCTIONS or not hasattr(builtins, name)
-                is_allowed = is_name and not name.startswith("__")
+                fine = is_name and not name.startswith("__")
             case ast.Attribute(value=ast.Name(id=name), attr=attribute, ctx=ast.Load()):
-                is_allowed = name in self._math and attribute in MATH
+                fine = name in self._math and attribute in MATH
             case ast.Attribute():
-                is_allowed = False
+                fine = False
             case ast.Subscript(ctx=context):
-                is_allowed = isinstance(context, ast.Load)
+                fine = isinstance(context, ast.Load)
             case ast.Constant(value=value):
-                is_allowed = id(node) in self._texts or value is None or isinstance(value, bool | int | float)
+                fine = id(node) in self._texts or value is None or isinstance(value, bool | int | float)
             case ast.FunctionDef(name=name, decorator_list=decorators, returns=kind):
-                is_plain = not decorators and not getattr(node, "type_params", None)
-                is_allowed = is_plain and not name.startswith("__") and _is_annotation(kind)
+                plain = not decorators and not getattr(node, "type_params", None)
+                fine = plain and not name.startswith("__") and _is_annotation(kind)
             case ast.arg(arg=name, annotation=kind):
-                is_allowed = not name.startswith("__") and _is_annotation(kind)
+                fine = not name.startswith("__") and _is_annotation(kind)
             case ast.AnnAssign(annotation=kind):
-                is_allowed = _is_annotation(kind)
+                fine = _is_annotation(kind)
             case ast.keyword(arg=keyword):
-                is_allowed = keyword is not None
+                fine = keyword is not None
             case ast.ImportFrom(names=aliases):
-                is_allowed = all(alias.name in MATH for alias in aliases)
+                fine = all(alias.name in MATH for alias in aliases)
             case ast.alias(asname=name):
-                is_allowed = not (name or "").startswith("__")
-        return is_allowed
+                fine = not (name or "").startswith("__")
+        return fine
 
     def not_constant(self, value: ast.AST | None, *, calls: bool = True) -> Iterator[ast.AST]:
         """Yield the parts of an expression that a constant must not have.

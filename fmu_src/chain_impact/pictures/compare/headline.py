@@ -37,9 +37,9 @@ def headline(comparison: LawRuns[LawRecording], *, is_small: bool = False) -> st
     restitution_text = f"restitution {' to '.join(ends)}"
     if is_small:
         return f"{name}: {restitution_text}"
-    ranges = ", ".join(filter(None, (restitution_text, peaks(comparison, runs))))
+    ranges_text = ", ".join(filter(None, (restitution_text, peaks(comparison, runs))))
     impact_text = f" in the first impact, {law_count_text(runs, len(restitutions))}"
-    return f"{name}: {ranges} for e = {e:g}{impact_text}"
+    return f"{name}: {ranges_text} for e = {e:g}{impact_text}"
 
 
 def rest_of_headline(comparison: LawRuns[LawRecording]) -> str:

@@ -120,12 +120,12 @@ def conditions(comparison: LawRuns[LawRecording], looks: Looks, *, is_small: boo
     contact, impact = comparison.contact, comparison.first_impact
     names = ("effective_mass", "impact_speed", "peak_force", "max_penetration")
     mass, speed, force, depth = (unit_at(name, stop=comparison.is_at_stop) for name in names)
-    per = f"{force}/{depth}"
+    unit_text = f"{force}/{depth}"
     motion_text = f"{impact['effective_mass']:.3g} {mass} at {impact['impact_speed']:.3g} {speed}"
-    hit = f"{compared_impact(comparison.scene)} of {motion_text}"
-    unit = raise_exponents(stiffness_unit(per, contact.exponent))
-    stiffness = f"stiffness K = {number_text(contact.stiffness)} {unit}"
-    tolerance = f"tolerance {number_text(comparison.scene.solver.tolerance)}"
+    hit_text = f"{compared_impact(comparison.scene)} of {motion_text}"
+    unit = raise_exponents(stiffness_unit(unit_text, contact.exponent))
+    stiffness_text = f"stiffness K = {number_text(contact.stiffness)} {unit}"
+    tolerance_text = f"tolerance {number_text(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
     # whether the laws in the grey band have an entry in the legend, which tells their number
     is_told = bool(laws_in_band(comparison, looks))
@@ -135,19 +135,23 @@ def conditions(comparison: LawRuns[LawRecording], looks: Looks, *, is_small: boo
     if shown_span(comparison)[1] < last:
         other_texts.append(f"the runs end at {last:g} s")
     is_free = comparison.is_free or bool(comparison.no_restitution)
-    limits, limit = "" if is_free else "not free", comparison.reached[0].lossless
-    if math.isfinite(limit) and not comparison.pressed_again and (limits or f"{limit:.2f}" != "1.00"):
-        limits = f"{limits or 'with other forces during the impact'}: e′ = {limit:.2f} without losses"
+    limits_text, limit = "" if is_free else "not free", comparison.reached[0].lossless
+    if math.isfinite(limit) and not comparison.pressed_again and (limits_text or f"{limit:.2f}" != "1.00"):
+        limits_text = (
+            f"{limits_text or 'with other forces during the impact'}: e′ = {limit:.2f} without losses"
+        )
     lossless_laws = [
         run for run in comparison.runs if run.law == LOSSLESS_LAW and laws_with_e(comparison) != [run]
     ]
-    without_e = (
+    lossless_text = (
         f"{LOSSLESS_LAW}, without e: {top}"
         if lossless_laws and (top := peaks(comparison, lossless_laws))
         else ""
     )
-    texts = (hit, comparison.no_restitution, limits, stiffness, tolerance, without_e, *other_texts)
-    return SEPARATOR.join(filter(None, (rest_of_headline(comparison) if is_small else "", *texts)))
+    texts = (hit_text, comparison.no_restitution, limits_text, stiffness_text, tolerance_text, lossless_text)
+    return SEPARATOR.join(
+        filter(None, (rest_of_headline(comparison) if is_small else "", *texts, *other_texts))
+    )
 
 
 def draw_loops(axes: Axes, comparison: LawRuns[LawRecording], looks: Looks) -> None:
@@ -203,10 +207,14 @@ def band_label(comparison: LawRuns[LawRecording], band: Sequence[str], *, is_sma
     laws = [law for law in band if math.isfinite(comparison[law].restitution)] or list(band)
     order = sorted(laws, key=lambda law: comparison[law].restitution)
     prefix = "" if is_small else "e′ = "
-    extremes = " to ".join(
+    extremes_text = " to ".join(
         f"{law} ({prefix}{comparison[law].restitution:.2f})" for law in (order[0], order[-1])
     )
-    return f"{count} others: {extremes}" if is_small else f"{count_text(count, 'other law')}: {extremes}"
+    return (
+        f"{count} others: {extremes_text}"
+        if is_small
+        else f"{count_text(count, 'other law')}: {extremes_text}"
+    )
 
 
 def draw_energy(axes: Axes, comparison: LawRuns[LawRecording], looks: Looks) -> None:

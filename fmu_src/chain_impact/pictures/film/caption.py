@@ -88,13 +88,15 @@ class Caption:
         """Return words for impact ``number``, from 1, the longest first; ``is_next``: it has not begun."""
         recording, impacts = self.recording, self.recording.impacts
         beginning, impact = "next: " if is_next else "", impacts[number - 1]
-        count = f"{beginning}impact {number} of {len(impacts)}"
+        count_text = f"{beginning}impact {number} of {len(impacts)}"
         whole_text, brief = (
             short_names(recording, hit_text(recording, impact)),
             brief_hit(recording, impact),
         )
         hard = "" if is_next else hardness_text(recording, number - 1)
-        return [f"{text}\n{hard}" for text in (f"{count}: {whole_text}", f"{count}: {brief}", brief)]
+        return [
+            f"{text}\n{hard}" for text in (f"{count_text}: {whole_text}", f"{count_text}: {brief}", brief)
+        ]
 
     def _result(self) -> list[str]:
         """Return words for the largest value of all impacts, and for the energies, the longest first."""

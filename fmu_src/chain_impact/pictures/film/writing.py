@@ -94,11 +94,11 @@ def pace(recording: Recording, speed: float | None, rate: int, slowest_speed: fl
     if speed is None:
         speed = min(1.0, max(sine_speed, slowest_speed))
     if speed > sine_speed:
-        count = f"{rate / (speed * fastest_frequency):.2g}"
-        frames = f"only {count} frames in a period of its sine of {fastest_frequency:g} Hz"
+        count_text = f"{rate / (speed * fastest_frequency):.2g}"
+        frames_text = f"only {count_text} frames in a period of its sine of {fastest_frequency:g} Hz"
         warn(
             recording.name,
-            [f"the film has {frames}, which may look slow or still; speed = {sine_speed:.2g} shows it"],
+            [f"the film has {frames_text}, which may look slow or still; speed = {sine_speed:.2g} shows it"],
         )
     return speed
 

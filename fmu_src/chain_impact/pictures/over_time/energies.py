@@ -59,8 +59,8 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
     plot_curves(axes, time, [curve for k, curve in enumerate(curves) if k not in tiny_indices])
     if tiny_indices:
         values = [curves[k][0] for k in tiny_indices]
-        names = ", ".join(curves[k][1]["label"] for k in tiny_indices)
-        draw_band(axes, time, values, f"{names}: ≤ {np.abs(values).max():.2g} J")
+        names_text = ", ".join(curves[k][1]["label"] for k in tiny_indices)
+        draw_band(axes, time, values, f"{names_text}: ≤ {np.abs(values).max():.2g} J")
     axes.set_ylabel("energy [J]")
     tick_impacts(axes, recording)
     show_all_time(axes, recording)

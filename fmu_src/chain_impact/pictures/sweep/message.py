@@ -64,8 +64,8 @@ def headline_parts(
     parts += [idle_text(runs, quantities[0]), no_impact_text(runs, quantities[0])]
     failed = int(runs.failed.sum())
     if failed:
-        status_words = [word.replace("_", " ") for word in np.unique(runs[STATUS_WORD][runs.failed])]
-        parts.append(f"{failed} failed ({mark}{names_text(status_words, MOST_REASONS)})")
+        status_texts = [word.replace("_", " ") for word in np.unique(runs[STATUS_WORD][runs.failed])]
+        parts.append(f"{failed} failed ({mark}{names_text(status_texts, MOST_REASONS)})")
     first_part, *other_parts = list(filter(None, parts)) or ["no results"]
     return [f"{runs.scene.name}: {first_part}", *other_parts]
 

@@ -235,9 +235,11 @@ def conditions(runs: SweepRuns, variations: list[Variation]) -> str:
     is_sampled = picture_form(runs.design) == HISTOGRAMS
     mark = " (+)" if picture_form(runs.design) == MAPS else " (dashed)"
     for variation in variations:
-        ends = " to ".join(distinct_texts([*dict.fromkeys((variation.values.min(), variation.values.max()))]))
-        ends = LEADING_HYPHEN.sub("−", ends)
-        interval = f"{ends} {raise_exponents(unit_text(unit_of(runs, variation)))}".rstrip()
+        ends_text = " to ".join(
+            distinct_texts([*dict.fromkeys((variation.values.min(), variation.values.max()))])
+        )
+        ends_text = LEADING_HYPHEN.sub("−", ends_text)
+        interval = f"{ends_text} {raise_exponents(unit_text(unit_of(runs, variation)))}".rstrip()
         scene_number = number_in_scene(runs, variation)
         mark_text = (
             " (outside)"
@@ -249,7 +251,7 @@ def conditions(runs: SweepRuns, variations: list[Variation]) -> str:
         scene_text = (
             "" if scene_number is None else f", {printed_number(scene_number)} in the scene{mark_text}"
         )
-        count = f"{variation.name}: {count_text(count_of(variation), 'choice')}"
+        count_label = f"{variation.name}: {count_text(count_of(variation), 'choice')}"
         choice = str(runs.scene.values.get(variation.name, ""))
         if variation.choices:
             scene_text = (
@@ -262,7 +264,7 @@ def conditions(runs: SweepRuns, variations: list[Variation]) -> str:
                 parts.append(f"{variation.name}: {scene_text}")
             continue
         parts.append(
-            f"{count}{scene_text}" if variation.choices else f"{variation.name} {interval}{scene_text}"
+            f"{count_label}{scene_text}" if variation.choices else f"{variation.name} {interval}{scene_text}"
         )
     return "; ".join(parts)
 

@@ -123,8 +123,10 @@ class Quantity:
     def range_text(self, values: np.ndarray) -> str:
         """Return words with the smallest and the largest of ``values``: "peak force 1.2 to 3.4 kN"."""
         least_value, largest_value = float(np.nanmin(values)), float(np.nanmax(values))
-        counts = " to ".join(dict.fromkeys((f"{least_value:g}", f"{largest_value:g}")))
-        ends = counts if self.is_count else LEADING_HYPHEN.sub("−", span_text(least_value, largest_value))
+        counts_text = " to ".join(dict.fromkeys((f"{least_value:g}", f"{largest_value:g}")))
+        ends = (
+            counts_text if self.is_count else LEADING_HYPHEN.sub("−", span_text(least_value, largest_value))
+        )
         return with_unit(f"{self.name} {ends}", self.unit)
 
 

@@ -115,8 +115,8 @@ def energy_texts(recording: Recording) -> list[str]:
     course = recording.energies.get("supplied", np.zeros(1))
     low, high = float(course.min()), float(course.max())
     if high - low > least_loss and len(turning_rows(course, LARGE_TURN * (high - low))) > MANY_TURNS:
-        ends = f"{low:.2g} and {high:.2g} J".replace("-", "−")
-        return [*parts, f"supplied energy oscillates between {ends}"]
+        ends_text = f"{low:.2g} and {high:.2g} J".replace("-", "−")
+        return [*parts, f"supplied energy oscillates between {ends_text}"]
     if abs(supplied) > max(least_loss, LITTLE_SUPPLIED * lost_energy):
         parts.append(f"{abs(supplied):.3g} J {'supplied' if supplied > 0.0 else 'taken'} by drives")
     return parts
@@ -205,8 +205,8 @@ def hardness_text(recording: Recording, row: int) -> str:
 
     Without a known peak, the words have only the impact speed.
     """
-    speed = f"with {speed_text(recording, row)}"
-    return ", ".join([*(f"{peak.name} {peak.value}" for peak in peak_of(recording, row)), speed])
+    speed_note = f"with {speed_text(recording, row)}"
+    return ", ".join([*(f"{peak.name} {peak.value}" for peak in peak_of(recording, row)), speed_note])
 
 
 def speed_text(recording: Recording, row: int) -> str:
@@ -304,9 +304,9 @@ def load_text(recording: Recording, digits: int = 5) -> str:
         return ""
     factor, unit = time_unit(recording.duration)
     time_text = f"{factor * largest_name.time:.{digits}g} {unit}"
-    span = "without impulses" if acts_by_impulses(recording) else "in the run"
+    span_text = "without impulses" if acts_by_impulses(recording) else "in the run"
     return (
-        f"joint {largest_name.joint} bears up to {force_text(largest_name.force, 'N')} {span}, "
+        f"joint {largest_name.joint} bears up to {force_text(largest_name.force, 'N')} {span_text}, "
         f"{'by' if largest_name.kind == LARGEST_OF_ROWS else 'at'} {time_text}"
     )
 

@@ -54,9 +54,9 @@ def numbers_of(rows: Sequence[int]) -> tuple[str, str]:
     items, the number of the first impact in ``rows`` and how many more there are: "#5 + 14 more". The short
     text is "#5 +14" or, if it is shorter, the text itself.
     """
-    whole_list, first, more_count = number_list(row + 1 for row in rows), f"{rows[0] + 1}", len(rows) - 1
-    text = whole_list if whole_list.count(",") < MOST_IN_LABEL else f"{first} + {more_count} more"
-    short = min(f"{first} +{more_count}" if more_count else first, text, key=len)
+    whole_list, first_text, more_count = number_list(row + 1 for row in rows), f"{rows[0] + 1}", len(rows) - 1
+    text = whole_list if whole_list.count(",") < MOST_IN_LABEL else f"{first_text} + {more_count} more"
+    short = min(f"{first_text} +{more_count}" if more_count else first_text, text, key=len)
     return f"{NUMBER_SIGN}{text}", f"{NUMBER_SIGN}{short}"
 
 

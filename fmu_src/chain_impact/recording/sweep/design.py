@@ -185,8 +185,8 @@ def checked_integer(
         SceneError: when ``number`` is not whole, or out of this range.
     """
     bound_text = "" if end is None else f" and < {end}"
-    integral = isinstance(number, Integral) and not isinstance(number, bool)
-    if not integral or number < least_number or (end is not None and number >= end):
+    is_integral = isinstance(number, Integral) and not isinstance(number, bool)
+    if not is_integral or number < least_number or (end is not None and number >= end):
         requirement = f"must be a whole number >= {least_number}{bound_text}"
         raise SceneError(requirement, source=source, argument=name, value=str(number))
     return int(number)

@@ -229,8 +229,10 @@ class _Book:
             stops = dict.fromkeys(stop for _, stop in self._scene.chain.stops)
             known_names = [*self._scene.half_planes, *stops, *self._scene.slider_stops]
             if cell not in known_names:
-                cell_text, columns = table.cell_name(row, name), ", ".join(known_names) or "none"
-                raise SceneError(f"{cell_text} = {value_text(cell)} must be a wall of the scene: {columns}")
+                cell_text, walls_text = table.cell_name(row, name), ", ".join(known_names) or "none"
+                raise SceneError(
+                    f"{cell_text} = {value_text(cell)} must be a wall of the scene: {walls_text}"
+                )
             return self._scene.wall_names.index(cell)
         points = sorted({point for point, _ in candidates_of(self._scene)})
         labels = [*self._scene.point_names.values()]

@@ -117,9 +117,9 @@ def parameters_of(
             raise SceneError(f"{scene.name}: {name} is named twice among the free parameters")
     for name in bounds:
         if name not in names:
-            near_names = nearest_name(name, names) or ", ".join(names)
+            names_text = nearest_name(name, names) or ", ".join(names)
             raise SceneError(
-                f": the parameter is not free; free is {near_names}",
+                f": the parameter is not free; free is {names_text}",
                 source=scene.name,
                 argument="bounds",
                 name=name,

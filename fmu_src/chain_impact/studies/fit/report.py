@@ -174,11 +174,11 @@ def values_text(values: Sequence[float], unit: str) -> str:
 
 
 def _quality(fit: Estimates) -> str:
-    state = "converged" if fit.converged else "not converged"
+    state_text = "converged" if fit.converged else "not converged"
     ends = [f"{end:.3g}" for end in fit.horizons]
     if len(ends) > MOST_HORIZONS:
         ends[2:-2] = ["…"]
-    text = state
+    text = state_text
     if len(ends) > 1:
         text += f"; first with data until {ends[0]} s, then until {', '.join(ends[1:])} s"
     if len(fit.estimated) < len(fit.columns):
