@@ -57,9 +57,13 @@ def acts_by_impulses(recording: Recording) -> bool:
 def impacts_at_peaks(recording: Recording) -> np.ndarray:
     """Return a copy of the table of impacts in which ``onset`` is the time of the largest force, if known.
 
-    The onset stays if the largest force follows too soon to be visible (SEEN_CONTACT), if no row has almost
-    the peak force (ALMOST_PEAK), if the force is mostly constant (STEADY_SHARE), if the recording lacks the
-    force, and under a law that acts by impulses.
+    The onset stays
+
+    - if the recording lacks the force,
+    - under a law that acts by impulses,
+    - if the contact has no row, or its largest force follows too soon to be visible (SEEN_CONTACT),
+    - if no row has almost the peak force (ALMOST_PEAK), and
+    - if the force is mostly constant (STEADY_SHARE).
     """
     impacts, time, least_duration = (
         recording.impacts.copy(),

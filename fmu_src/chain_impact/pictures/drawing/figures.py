@@ -238,10 +238,12 @@ def lacking_height(draw_contents: DrawContents, figure: Figure, mean: float = 0.
     A result of at most 0 means that the figure has room. The result inf means that the lack is not known:
     there is no room for axes at all, or the axes are high enough, but texts are cut off or overlap.
 
-    Axes are high enough if each with a label along y of its own or shared (``framed_panels``), or with a
-    heading (``headings.name_above``) that is not MAY_BE_LOW, has at least LEAST_AXES_HEIGHT, and if the mean
-    height of these axes, with their headings, is at least ``mean`` [inches]. If ``mean`` is not 0, rows must
-    have room, too (``lacking_for_rows``).
+    Axes count if they have a label along y, of their own or shared (``framed_panels``), or a heading
+    (``headings.name_above``), except a FRAME, and axes whose title is MAY_BE_LOW. They are high enough if
+
+    - each has at least LEAST_AXES_HEIGHT,
+    - their mean height, with their headings, is at least ``mean`` [inches], and
+    - ``mean`` is 0, or rows have room (``lacking_for_rows``).
     """
     with warnings.catch_warnings(), suppress(UserWarning):
         warnings.filterwarnings("error", "constrained_layout not applied")

@@ -138,11 +138,13 @@ def write_head(
 ) -> None:
     """Write the headline of a recording's picture and, below it, results and conditions of the run.
 
-    The headline is ``title`` or, if ``title`` is "", the result of ``headline`` with the words ``lead``, by
-    default those of the first told impact or, without impacts, of the largest force in a joint if the panel
-    of the motion shows it. ``first`` are texts that stand before the results. The results tell the impacts of
-    ``peaks`` and the largest force in a joint (``load_text``) or, if ``told_peaks`` is given, only the
-    impacts in ``told_peaks``. ``panels``: the names of the panels of an overview.
+    The headline is ``title`` or, if ``title`` is "", the result of ``headline`` with the words ``lead``. By
+    default, these are the words of the first told impact. If they are "" and ``told_peaks`` is not given,
+    they are those of the largest force in a joint, if no impact is told and the panel of the motion shows it.
+
+    ``first`` are texts that stand before the results. The results tell the impacts of ``peaks`` and the
+    largest force in a joint (``load_text``) or, if ``told_peaks`` is given, only the impacts in
+    ``told_peaks``. ``panels``: the names of the panels of an overview.
 
     Without a ``title``, the first of the told impacts has a line of its own below the message if the figure
     is narrow or a panel marks the impact. In a narrow figure without a ``title``, the message is short, and

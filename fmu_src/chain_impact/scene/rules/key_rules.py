@@ -102,9 +102,12 @@ def key_fields(table: Any) -> tuple[Field[Any], ...]:
 def scene_key(unit: str, description: str, default: Any = MISSING, **rules: Unpack[KeyRules]) -> Any:
     """Return a dataclass field with the metadata of one key of the scene file.
 
-    The metadata are `unit` ("1" for a pure number, "" for a count or for what is no number), `description`,
-    `default` (a value, a `Derived`, or `dataclasses.MISSING` if the file must give the key), and an entry for
-    each key of `KeyRules`, None without such a rule.
+    The metadata are
+
+    - `unit`: "1" for a pure number, "" for a count or a value that is no number,
+    - `description`,
+    - `default`: a value, a `Derived`, or `dataclasses.MISSING` if the file must give the key, and
+    - an entry for each key of `KeyRules`, None without such a rule.
     """
     metadata = {"unit": unit, "description": description, "default": default}
     metadata |= dict.fromkeys(KeyRules.__annotations__) | rules

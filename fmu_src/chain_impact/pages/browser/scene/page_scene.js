@@ -84,7 +84,7 @@ function partsInWords({ file, pairs, stops, sliderStops, wallNames }, pointNames
   ];
 }
 
-/** Return the model of a scene; `command`: the words after `chain-impact simulate` in the command that repeats a run. */
+/** Return the variables and the record of a scene; `command`: the words after `chain-impact simulate` in the command that repeats a run. */
 export function pageScene(kit, file, command) {
   const structure = structureOf(file, kit);
   const { stops, wallNames, existingWalls, sceneNumbers, sites } = structure;
