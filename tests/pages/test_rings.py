@@ -3,6 +3,7 @@
 # Tests: pages/browser/drawing/rings.js
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -17,6 +18,8 @@ RINGS = function_of("drawing", "ringsAndNumbers")
 """The middles of the rings, in the order of their impacts, and of their numbers."""
 CROSSED = function_of("drawing", "crossedTexts")
 """The texts that a ring, a link or an edge of the drawing crosses."""
+CROSSED_RINGS = function_of("drawing", "crossedRings")
+"""The pairs of rings whose lines meet."""
 DISTANCES = function_of("drawing", "distancesOfNumbers")
 """The distances of the visible numbers from their points [pixels]."""
 PLACE = function_of("drawing", "placeOfLabel")
@@ -66,21 +69,37 @@ def assert_numbers_at_their_rings(page, onsets):
         go_to(page, time)
         rings, numbers = page.evaluate(RINGS)
         recent = np.flatnonzero((onsets <= time) & (onsets > time - 0.25)) + 1
-        assert len(rings) == len(recent)
+        assert len(numbers) <= len(rings) <= len(recent)
+        nearest = []
         for text, middle in numbers:
             apart = [math.dist(middle, ring) for ring in rings]
-            own = apart[list(recent).index(int(text[1:]))]
-            assert own < min(apart) + 12.0, "rings that are nearer to each other count as one"
-            seen.add(text)
+            nearest.append(apart.index(min(apart)))
+            seen |= {text}
+        assert len(nearest) == len(set(nearest))
+        last = [int(re.findall(r"\d+", text)[-1]) for text, _ in numbers]
+        assert [last[k] for k in np.argsort(nearest)] == sorted(last), "rings stand in the order of their impacts"
     assert len(seen) > 1
 
 
-def test_the_last_three_impacts_at_one_position_have_rings(script):
-    found = script.evaluate(function_of("drawing", "rings"), [0.01 * k for k in range(10)])
-    assert [number for number, _ in found] == [2, 8, 9, 10]
-    ages = [0.25**-0.5 * (0.01 * k) ** 0.5 for k in (8, 2, 1, 0)]
-    begun = [radius - 10.0 * age for (_, radius), age in zip(found, ages, strict=True)]
-    assert begun == pytest.approx([10.0, 10.0, 13.5, 17.0])
+def test_a_ring_leaves_room_to_a_later_one_or_joins_it(script):
+    """Impacts 2 and 7 are alone; the ring of 5 is 23 pixels from that of 10, which has 10 pixels of them."""
+    positions = [5, 90, 5, 5, 28, 5, 200, 5, 5, 5]
+    found = script.evaluate(function_of("drawing", "rings"), [[0.01 * k for k in range(10)], positions])
+    grown = {number: 10.0 * (1.0 + (0.04 * (10 - number)) ** 0.5) for number in (2, 7, 10)}
+    assert [ring[:2] for ring in found] == [[2, "#"], [5, "#5"], [7, "#7"], [10, "#3, 4, 6, 8–10"]]
+    assert [radius for *_, radius in found] == pytest.approx([grown[2], 10.0, grown[7], grown[10]])
+
+
+@pytest.mark.parametrize("model", ["rod_drop", "four_link_box", "arm_at_stop"])
+def test_no_ring_is_on_another_ring(show_recording, model):
+    recording = record_slowly(model)
+    page, seen, joined = show_recording(recording), 0, 0
+    for onset in recording.impacts["onset"][:12]:
+        go_to(page, onset + 5e-3)
+        assert page.evaluate(CROSSED_RINGS) == []
+        seen += page.locator(".ring").count()
+        joined += sum("," in text or "–" in text for text in page.locator(".ring-number").all_text_contents())
+    assert seen > 1 and joined > 0
 
 
 def test_a_label_avoids_the_trace_if_another_place_is_near(script):

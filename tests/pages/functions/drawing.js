@@ -1,6 +1,6 @@
 // Functions that tests of the drawing run in a page.
 import { LabelSpace } from "../../../fmu_src/chain_impact/pages/browser/drawing/label_positions.js";
-import { ringsOf } from "../../../fmu_src/chain_impact/pages/browser/drawing/rings.js";
+import { numbersText, ringsOf } from "../../../fmu_src/chain_impact/pages/browser/drawing/rings.js";
 
 export const lengths = () => [...document.querySelectorAll('.arrow-head.force')].map((head) => {
   const [tip] = head.points, { x1, y1 } = head.previousElementSibling;
@@ -40,10 +40,15 @@ export const crossedTexts = () => {
   }).map((text) => text.textContent);
 };
 
-export const rings = (onsets) => {
+export const rings = ([onsets, positions]) => {
   const impacts = onsets.map((onset, k) => ({ onset, number: k + 1 }));
-  const places = onsets.map((_, k) => ({ position: k === 1 ? [90, 5] : [5, 5], away: [0, 1] }));
-  return ringsOf(impacts, places, onsets.at(-1)).map(({ number, radius }) => [number, radius]);
+  const places = onsets.map((_, k) => ({ position: [positions[k], 5], away: [0, 1] }));
+  return ringsOf(impacts, places, onsets.at(-1)).map(({ number, numbers, radius }) => [number, numbersText(numbers), radius]);
+};
+
+export const crossedRings = () => {
+  const rings = [...document.querySelectorAll(".ring")].map((ring) => [ring.cx, ring.cy, ring.r].map((number) => number.baseVal.value));
+  return rings.flatMap(([x, y, r], k) => rings.slice(k + 1).filter((other) => Math.hypot(other[0] - x, other[1] - y) < r + other[2]));
 };
 
 export const ringsAndNumbers = () => {

@@ -8,7 +8,7 @@ import { STOPS } from "../scene/geometry.js";
 import { ArrowScale } from "./arrow_scale.js";
 import { Camera } from "./camera.js";
 import { isCrossed, LabelSpace, positionsAround } from "./label_positions.js";
-import { impulsesOf, isOwnPlace, recentImpacts, ringsOf } from "./rings.js";
+import { impulsesOf, isOwnPlace, numbersText, recentImpacts, ringsOf } from "./rings.js";
 import { drawStrip, STRIP } from "./scale_strip.js";
 import { drawRail } from "./slider_rail.js";
 import { traceFinder, traceOf } from "./trace.js";
@@ -304,11 +304,11 @@ export class ChainDrawing {
     return rings;
   }
 
-  /** Write the number of an impact beside each ring with `isNumbered`; a number without a free place beside its ring is left out. */
+  /** Write the numbers of impacts beside their rings; numbers without a free place beside their ring are left out. */
   #numberRings(rings) {
-    rings.filter(({ isNumbered }) => isNumbered).forEach((ring) => {
-      const { number, position, away, radius } = ring;
-      const text = `#${number}`;
+    rings.filter(({ numbers }) => numbers.length).forEach((ring) => {
+      const { numbers, position, away, radius } = ring;
+      const text = numbersText(numbers);
       const candidates = positionsAround(position, [-away[1], away[0]], radius + NUMBER_GAP / 2, [1, 1 + NUMBER_GAP / 2 / radius]);
       const label = this.labelSpace.findPosition(text, NUMBER_TEXT, candidates, isOwnPlace(ring, rings));
       if (!label) return;
