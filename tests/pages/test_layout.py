@@ -264,11 +264,16 @@ def test_a_title_of_three_lines_covers_no_legend(show):
     assert page.locator("#impacts tbody tr").nth(2).is_visible()
 
 
-@pytest.mark.parametrize("model", ["four_link_box", "cart_pole", "hopper"])
+@pytest.mark.parametrize("model", ["four_link_box", "cart_pole", "hopper", "stick_slip_belt"])
 def test_the_sentence_on_an_impact_stays_within_its_card(show, model):
+    whole = "one => one.scrollWidth <= one.clientWidth && one.scrollHeight <= one.clientHeight + 1"
+    page = show(model, viewport=DESK)
+    go_to(page, 0.5)
+    assert page.locator("#contact-name").evaluate(whole)
     page = show(model, viewport=PHONE, has_touch=True)
-    name = page.locator("#contact-name")
-    assert name.evaluate("one => one.scrollWidth <= one.clientWidth"), "no word of the contact is cut"
+    go_to(page, 0.5)
+    for sentence in ("#contact-name", "#caption"):
+        assert page.locator(sentence).evaluate(whole), f"no word of {sentence} is cut"
     stage, caption = (page.locator(name).bounding_box() for name in ("#stage", "#caption"))
     assert caption["x"] + caption["width"] <= stage["x"] + stage["width"] - 10.0
 

@@ -31,6 +31,15 @@ READ = re.compile(
 )
 
 
+@pytest.mark.parametrize(
+    ("model", "second"), [("stick_slip_belt", "initial.angle[1]"), ("bouncing_ball", "initial.y")]
+)
+def test_a_map_varies_the_height_of_a_free_ball_only(show, model, second):
+    page = show(model)
+    page.get_by_role("button", name="Map…").click()
+    assert page.locator("#map-y-name").input_value() == second
+
+
 def test_a_map_is_drawn_read_and_opens_a_run(show):
     page = show("rod_drop", MAP)
     page.get_by_role("button", name="Map…").click()

@@ -37,6 +37,14 @@ def test_the_row_of_a_refused_value_is_marked_in_the_list(show):
     assert row.evaluate(look) == usual
 
 
+def test_the_fields_of_the_list_have_room_for_their_numbers(show):
+    page = show("triple_pendulum")
+    fields = page.locator(".parameter input")
+    fields.first.wait_for()
+    assert {"1.0004e-4", "-9.80834"} <= {field.input_value() for field in fields.all()}
+    assert fields.evaluate_all("all => all.filter((one) => one.scrollWidth > one.clientWidth).length") == 0
+
+
 def test_the_list_has_every_parameter_and_is_searched(show):
     page = show()
     page.locator("summary", has_text="All parameters").click()
@@ -46,7 +54,7 @@ def test_the_list_has_every_parameter_and_is_searched(show):
     row = rows.filter(has_text="link[2].\u200bmass").first
     row.locator("input").fill("heavy")
     row.locator("input").press("Enter")
-    told = "Not taken: Mass of link 2 = heavy must be a finite number >\xa00 [kg]."
+    told = "Not taken: Mass of link 2 = heavy must be a finite number >\xa00 [kg]. The motion has 1\u202fkg."
     assert row.locator(".refusal").inner_text() == told
     page.get_by_role("slider", name="Restitution").press("ArrowLeft")
     assert row.locator("input").input_value() == "1", "another change shows the value that holds"

@@ -77,7 +77,7 @@ def assert_numbers_at_their_rings(page, onsets):
             seen |= {text}
         assert len(nearest) == len(set(nearest))
         last = [int(re.findall(r"\d+", text)[-1]) for text, _ in numbers]
-        assert [last[k] for k in np.argsort(nearest)] == sorted(last), "rings stand in the order of their impacts"
+        assert [last[k] for k in np.argsort(nearest)] == sorted(last), "in the order of impacts"
     assert len(seen) > 1
 
 
@@ -99,7 +99,8 @@ def test_no_ring_is_on_another_ring(show_recording, model):
         assert page.evaluate(CROSSED_RINGS) == []
         seen += page.locator(".ring").count()
         joined += sum("," in text or "–" in text for text in page.locator(".ring-number").all_text_contents())
-    assert seen > 1 and joined > 0
+    assert seen > 1
+    assert joined > 0
 
 
 def test_a_label_avoids_the_trace_if_another_place_is_near(script):

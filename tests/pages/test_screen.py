@@ -112,6 +112,20 @@ def test_a_wall_beyond_the_view_has_its_grip_at_the_edge(show):
     assert 1.0 < drag(page, "wall y_max", (0, 10))["box.y_max"] < 10.0
 
 
+def test_grips_of_walls_keep_off_the_line_that_tells_what_can_be_dragged(show):
+    """The floor is at the foot of the drawing or, in an enlarged drawing, beyond it."""
+    page = show("hopper")
+    page.get_by_role("button", name="Map…").click()
+    for _ in range(2):
+        line = page.locator(".by-hand-line").bounding_box()
+        grip = page.locator('[data-grip="wall y_min"]').bounding_box()
+        is_beside = grip["x"] > line["x"] + line["width"]
+        assert is_beside or grip["y"] + grip["height"] <= line["y"] + 1.0
+        page.keyboard.press("+")
+        page.keyboard.press("+")
+        page.locator(".wall-beyond").wait_for()
+
+
 def test_joints_at_rest_are_given_velocities(show):
     page = show("four_link_box", AT_REST)
     for joint in range(5):
@@ -340,6 +354,12 @@ def test_a_dragged_handle_tells_its_angle_until_it_is_dropped(show):
     text.wait_for()
     page.wait_for_timeout(500)  # the drawing follows the pointer in the next frames
     told = float(text.text_content().replace("\u2212", "-").removesuffix("°"))
+    box = text.bounding_box()
+    for number in page.locator(".point-number").all():
+        other = number.bounding_box()
+        sides = (("x", "width"), ("y", "height"))
+        x, y = (abs(box[at] + box[size] / 2 - other[at] - other[size] / 2) for at, size in sides)
+        assert x >= (box["width"] + other["width"]) / 2 or y >= box["height"] / 2
     page.mouse.up()
     text.wait_for(state="detached")
     page.wait_for_timeout(500)  # the address follows the drawing later

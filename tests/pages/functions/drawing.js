@@ -47,8 +47,8 @@ export const rings = ([onsets, positions]) => {
 };
 
 export const crossedRings = () => {
-  const rings = [...document.querySelectorAll(".ring")].map((ring) => [ring.cx, ring.cy, ring.r].map((number) => number.baseVal.value));
-  return rings.flatMap(([x, y, r], k) => rings.slice(k + 1).filter((other) => Math.hypot(other[0] - x, other[1] - y) < r + other[2]));
+  const circles = [...document.querySelectorAll(".ring")].map((ring) => [ring.cx, ring.cy, ring.r].map((number) => number.baseVal.value));
+  return circles.flatMap(([x, y, r], k) => circles.slice(k + 1).filter((other) => Math.hypot(other[0] - x, other[1] - y) < r + other[2]));
 };
 
 export const ringsAndNumbers = () => {

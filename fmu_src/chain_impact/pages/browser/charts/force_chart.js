@@ -1,6 +1,6 @@
 // The chart of the force of one contact, over time or over penetration.
 
-import { make } from "../base/dom.js";
+import { byId, make } from "../base/dom.js";
 import { durationText, fixed, forceText, forceTicks, impulseText, unitsOf, withMinus } from "../base/format.js";
 import { LabelSpace, positionsAround } from "../drawing/label_positions.js";
 import { partnerOf } from "../recording/partners.js";
@@ -327,8 +327,8 @@ export class ForceChart extends Chart {
     const whyOf = ({ points, why = "" }) => (this.impulses ? "" : (points && noteAbove(points[1], high, this.unit.peak_force)) || why);
     const lettersWith = (why) => lines.filter((line) => whyOf(line) === why).map(({ letter }) => letter).join(", ");
     const notes = [...new Set(lines.map(whyOf))].filter(Boolean).map((why) => `; ${lettersWith(why)}: ${why}`).join("");
-    const legend = (rubs && !this.loop ? "; dotted: friction" : "") + notes;
-    const text = `${contactTitle(contact)}, ${own}${legend}`;
+    byId("contact-legend").hidden = !rubs || this.loop !== null;
+    const text = `${contactTitle(contact)}, ${own}${notes}`;
     Object.assign(this.title, { textContent: text, title: text }); // the title may be cut, so its whole text is also the tooltip
   }
 

@@ -46,6 +46,7 @@ const showByHand = () => {
   byId("by-hand").setAttribute("aria-pressed", handles.areShown);
   dragLine.hidden = !handles.areShown;
   if (dragLine.hidden || !player.recording) return;
+  handles.footWidth = dragLine.offsetWidth;
   // a bar for a speed of 1, 2 or 5 times a power of ten, at most SPEED_BAR long
   const power = 10 ** Math.floor(Math.log10(SPEED_BAR / handles.arrowScale));
   const speed = [5, 2, 1].map((factor) => factor * power).find((one) => one * handles.arrowScale <= SPEED_BAR) ?? power;
@@ -53,7 +54,8 @@ const showByHand = () => {
   speedWords.textContent = `${numberText(Number(speed.toPrecision(1)))}\u202fm/s`;
 };
 const refusedStart = new RefusedStart(player.drawing);
-player.layers.push(comparedMotions, handles, refusedStart, { draw: showByHand }); // the handles clear what the refused start adds to them
+// the line comes before the handles, which keep off it, and the refused start after them, because they clear what it adds to them
+player.layers.push(comparedMotions, { draw: showByHand }, handles, refusedStart);
 
 /**
  * Return the parts of the next motion with two views. `ownView` contains this motion alone, `view` also the compared motions of scenes with
@@ -154,10 +156,10 @@ byId("by-hand").addEventListener("click", ({ detail }) => {
 /** Tell by the button what the reader can drag at the start: walls only if the scene has any. */
 const tellByHand = () => {
   const hasWalls = Object.keys(changes.scene.walls).length > 0;
-  const dragged = hasWalls ? "joints, arrows of velocity, and walls" : "joints and arrows of velocity";
+  const dragged = hasWalls ? "joints, velocities, and walls" : "joints and velocities";
   byId("by-hand").title = byId("by-hand-text").textContent = `At the start, drag ${dragged}. Playing ends this.`;
   const otherwise = make("span", { className: "wide", textContent: "; or use Tab, Page Down, arrow keys" });
-  dragLine.replaceChildren(`Drag ${dragged.replace("velocity", "velocity (green)")}`, otherwise, speedBar, speedWords);
+  dragLine.replaceChildren(`Drag ${dragged.replace("velocities", "velocities (green dots)")}`, otherwise, speedBar, speedWords);
 };
 changes.onOpen(tellByHand);
 tellByHand();

@@ -1,6 +1,7 @@
 // The words of handles for screen readers, and the values that a dragged handle sets, as text beside it.
 
 import { numberText, withMinus } from "../base/format.js";
+import { positionsAround } from "../drawing/label_positions.js";
 import { capitalized } from "../scene/words.js";
 import { presentUnit } from "./parameters/parameter_fields.js";
 
@@ -10,7 +11,7 @@ const SPOKEN = {
   velocity: (index) => `Velocity of point ${index}: arrow keys change it`,
   wall: (name, words) => `${capitalized(words || `wall ${name}`)}: arrow keys move it`,
 };
-const TEXT_DISTANCE = 24; // [pixels] distance of the text from the middle of the handle
+const [TEXT_DISTANCE, TEXT_SIZE] = [24, 13]; // [pixels] distance of the text from the middle of the handle, and size of its letters
 const DEGREES = 180 / Math.PI;
 
 /** Return the attributes that make an element a grip for pointers and keys; `label`: words for its name, or "". */
@@ -27,10 +28,9 @@ export function valueTextOf(changes, values) {
   return `${numbers.map((value) => withMinus(numberText(value))).join(", ")}\u202f${unit}`;
 }
 
-/** Write the text above the dragged handle of a drawing, or below it near the upper edge, within the drawing's `width`. */
-export function writeAt(group, text, [x, y], width) {
-  const half = 4 * text.length;
-  const left = Math.min(Math.max(x, half), width - half);
-  const top = y > 2 * TEXT_DISTANCE ? y - TEXT_DISTANCE : y + TEXT_DISTANCE + 10;
-  group.plain(text).attr({ x: left, y: top }).addClass("handle-text");
+/** Write the text near the dragged handle of a drawing: above it or, if other labels or lines are there, in another direction. */
+export function writeAt({ above, labelSpace }, text, at) {
+  const places = positionsAround(at, [0, -1], TEXT_DISTANCE);
+  const { at: [x, y], anchor } = labelSpace.findPosition(text, TEXT_SIZE, places) ?? places[0];
+  above.plain(text).attr({ x, y: y + 4, "text-anchor": anchor }).addClass("handle-text");
 }

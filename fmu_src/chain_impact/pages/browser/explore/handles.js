@@ -16,6 +16,7 @@ const GRIP = 26; // [pixels] diameter of a grip, large enough for a finger
 // [pixels] distance from a point to the start of its arrow, so that the grip of a velocity of 0 lies beside the point
 const STEM = 32;
 const WALL = 18; // [pixels] size of the grip of a wall
+const FOOT = 32; // [pixels] height of the line at the foot of the drawing that tells what can be dragged
 const PLACES = 9; // number of places on each side of the middle of a wall that are tried for its grip
 const BESIDE_GRIP = 2; // [pixels] least distance between the grip of a wall and any other grip
 const MOST_DECIMALS = 15;
@@ -31,9 +32,7 @@ function byHand(value, pixel) {
 
 export class Handles {
   constructor(player, changes, element) {
-    this.player = player;
-    this.changes = changes;
-    this.element = element;
+    Object.assign(this, { player, changes, element, footWidth: 0 }); // footWidth: width [pixels] of the line at the foot of the drawing
     // the handle that moves, or null: {kind, index, apart: distance [m] of a wall's handle from the wall, time: `#arrowTime`}, also with
     // `pointer`, the number of its pointer, or `by`, the step [x, y] of a key [pixels]; `#move` adds the position `at` and its `values`
     this.dragged = null;
@@ -119,12 +118,14 @@ export class Handles {
     });
   }
 
-  /** Return `points` and `lines` on the screen from which the grips of walls keep a distance: points with a grip, links and arrows. */
+  /** Return `points` and `lines` on the screen from which grips of walls keep a distance: other grips, the foot's line, links, arrows. */
   #marks() {
     const screen = (point) => this.player.drawing.camera.toScreen(...point);
     const { positions } = this.#start;
     const [chain, arrows] = [positions.map(screen), this.#arrows()];
     const points = [...chain, ...this.#sites(positions).map(({ at }) => screen(at)), ...arrows.map(({ to }) => to)];
+    const [, height] = this.player.drawing.size;
+    for (let x = 0; x < this.footWidth + GRIP; x += GRIP) points.push([x, height - FOOT / 2]);
     return { points, lines: [...chain.slice(1).map((to, k) => [chain[k], to]), ...arrows.map(({ from, to }) => [from, to])] };
   }
 
@@ -152,8 +153,8 @@ export class Handles {
    * there is no such line.
    */
   #edgeBefore(wall) {
-    const { rectangle: [low, [right, top]] } = this.player.drawing.camera;
-    const high = [right, top - STRIP * this.#pixel];
+    const { rectangle: [[left, bottom], [right, top]] } = this.player.drawing.camera;
+    const [low, high] = [[left, bottom + FOOT * this.#pixel], [right, top - STRIP * this.#pixel]];
     const middle = edgeBefore(wall, [low, high], WALL * this.#pixel);
     if (!middle) return undefined;
     const half = Math.min(high[0] - low[0], high[1] - low[1]) / 2;
@@ -192,7 +193,7 @@ export class Handles {
       group.circle(GRIP).center(...screen(point)).addClass("grip").attr(gripFor("joint", k));
     });
     const { at, values } = this.dragged ?? {};
-    if (at) writeAt(group, valueTextOf(this.changes, values), at, drawing.size[0]);
+    if (at) writeAt(drawing, valueTextOf(this.changes, values), at);
     this.stops.show();
     if (focused) this.element.querySelector(`[data-grip="${focused}"]`)?.focus({ preventScroll: true });
   }

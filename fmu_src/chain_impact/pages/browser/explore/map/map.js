@@ -136,8 +136,8 @@ export class GridMap {
     const reals = this.changes.scene.parameters.filter(({ type, word }) => type === "real" && word >= 0);
     this.wordsOf = wordsFor(this.changes);
     const restitutions = mainParametersOf(this.changes).map(({ name }) => name).filter((name) => name.endsWith("restitution"));
-    const { scene: { links, contactPoints }, parameters } = this.changes;
-    const isBall = links === 1 && contactPoints.length === 1; // its angle hardly matters
+    const { scene: { links, contactPoints, file: { chain } }, parameters } = this.changes;
+    const isBall = links === 1 && contactPoints.length === 1 && chain.base === "free"; // its angle hardly matters
     const preferred = [...restitutions.slice(0, 1), ...(isBall ? ["initial.y"] : []), "initial.angle[1]", "gravity.y"]
       .filter((name) => parameters.has(name));
     this.inputs.forEach(([name], k) => {

@@ -78,7 +78,8 @@ export function markRuns(scales, map, place, { present, chosen }) {
   const [[left, top], [right, bottom]] = cellAt([x, y], [width, height], place);
   ["map-present-edge", "map-present map-chosen"].forEach((kind) =>
     scales.rect(right - left, bottom - top).move(left, top).addClass(kind));
-  if (Number.isFinite(results[chosen])) writeLabel(scales, map, place, { value: results[chosen], x, y, height, written, wide });
+  if (!Number.isFinite(results[chosen]) || written.some((at) => at[0] === x && at[1] === y)) return; // its number is there
+  writeLabel(scales, map, place, { value: results[chosen], x, y, height, written, wide });
 }
 
 /**

@@ -188,9 +188,9 @@ export class Ranking {
 
   /** Begin the list with a legend of the bars and, if `count` is not 0, with a button that shows all effects, `count` in number. */
   #addHead(count) {
-    const keys = [["", "the output grows"], ["less", "the output becomes smaller"]].map(([kind, words]) =>
+    const keys = [["", "the output grows"], ["less", "falls"]].map(([kind, words]) =>
       make("span", {}, make("i", { className: `effect-key ${kind}` }), words));
-    const head = make("p", { className: "note effect-head" }, ...keys, "each group has a scale of its own");
+    const head = make("p", { className: "note effect-head" }, ...keys, "each group has its scale");
     const more = make("button", { type: "button", textContent: `Show all ${count}` });
     more.addEventListener("click", () => {
       this.isWhole = true;

@@ -20,7 +20,7 @@ export function turnsText(changes, name) {
 /** Remove the marks of a refused and of a failing value from a field. */
 function release(field) {
   field.setCustomValidity("");
-  delete field.dataset.fails;
+  ["fails", "kept"].forEach((mark) => delete field.dataset[mark]);
 }
 
 /**
@@ -37,6 +37,7 @@ export function attempt(changes, field, change) {
     const advice = parameter && field.type === "text" ? notUnderstood(field.value, typedUnit(changes, parameter)) : "";
     const told = inShownUnit(withControls(error.message, changes));
     field.setCustomValidity(advice ? told.replace(" must be ", `: ${advice}. It must be `) : told);
+    if (parameter) field.dataset.kept = ` The motion has ${writtenValue(changes, parameter, changes.valueOf(parameter))}.`;
   }
   const row = field.closest(".main-parameter, .parameter");
   explain(row);
@@ -63,7 +64,7 @@ export function markFailing(name, reason) {
 export function explain(row) {
   const refused = [...row.querySelectorAll("input, select")].find((field) => !field.checkValidity());
   const reason = refused?.validationMessage ?? "";
-  const told = reason && readable(`${refused.dataset.fails ? "Cannot start" : "Not taken"}: ${reason}.`);
+  const told = reason && readable(`${refused.dataset.fails ? "Cannot start" : "Not taken"}: ${reason}.${refused.dataset.kept ?? ""}`);
   // in the sentence, a stiffness has the unit that is shown beside the field, with the present exponent
   row.querySelector(".refusal").textContent = told.replace(/(?<=\[)[^\]]*\^exponent(?=\])/, row.querySelector("small")?.textContent);
 }
