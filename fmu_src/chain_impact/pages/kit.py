@@ -35,7 +35,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import determined_quantities, exclusive_inputs
 from chain_impact.scene.texts.names import OWNER_AT, DataPath
 from chain_impact.variables.indices import layout_of, word_index
-from chain_impact.variables.kind import GIVEN_CHANNEL, LETTERS, Block, VariableKind, owner_path
+from chain_impact.variables.kind import GIVEN_CHANNEL, GIVEN_ONLY, LETTERS, Block, VariableKind, owner_path
 from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import COUNT_RULES, OWNER_KINDS, RECORD_NUMBERS, Owner
@@ -257,7 +257,7 @@ def _setting_row(choices: Mapping[str, Sequence[Item]], kind: VariableKind) -> d
         },
         "valueIfNotInFile": kind.value_if_not_in_file,
         # JSON in a text, because JSON itself has no infinite numbers
-        "numberForNone": json.dumps(kind.number_for_none),
+        "numberForNone": None if kind.owner_kind in GIVEN_ONLY else json.dumps(kind.number_for_none),
         "word": word_terms(kind.record_path) if kind.record_path else None,
         "givenWord": kind.given_path and word_terms(kind.given_path),
         "givenWordWhen": kind.stores_given_if or TRUE_FACT,

@@ -27,7 +27,7 @@ from chain_impact.scene.rules.rule_language import members_in, number_in, number
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.texts.names import ENTRY_AT, OWNER_AT, DataPath
 from chain_impact.variables.indices import layout_of, word_index
-from chain_impact.variables.kind import SIGNAL_OWNERS, VariableKind, owner_path
+from chain_impact.variables.kind import GIVEN_ONLY, VariableKind, owner_path
 from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.owners import OWNER_KINDS, RECORD_NUMBERS, values_of
 from chain_impact.variables.parameters import METHODS, PARAMETERS
@@ -104,7 +104,7 @@ def _tables() -> dict[str, list[tuple[VariableKind, Callable[[Scene], list[Any]]
     readers: dict[str, list[tuple[VariableKind, Callable[[Scene], list[Any]]]]] = {}
     for owner_kind, kinds in PARAMETERS:
         for kind in kinds:
-            if kind.scene_path and owner_kind not in ("material", *SIGNAL_OWNERS):
+            if kind.scene_path and owner_kind not in GIVEN_ONLY:
                 readers.setdefault(str(kind.scene_path[0]), []).append((kind, _reader(kind)))
     return readers
 

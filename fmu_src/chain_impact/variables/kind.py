@@ -176,6 +176,8 @@ class VariableKind:
 
 SIGNAL_OWNERS = ("signal", "step")
 """The kinds of owners that belong to signals."""
+GIVEN_ONLY = ("material", *SIGNAL_OWNERS)
+"""The kinds of owners whose parameters are written to the record only if the scene gives them."""
 LETTERS = {"point": "k", "contact": "k", "site": "j", "step": "k"}
 """Kind of owner → the letter for an owner's number in names and texts for all owners; i for other kinds."""
 

@@ -46,7 +46,7 @@ export function recordOf(kit, structure, driven, rows, values, byName) {
   }
   putSignals(driven, kit.tables, (input) => actingOf(byName.get(input)), put);
   for (const { name, ownerKind, word, givenWord, givenWordWhen, type, owner, numberForNone } of rows) {
-    const value = values.get(name) ?? (ownerKind === "link" || ownerKind === "slider" ? { number: Number(numberForNone) } : null);
+    const value = values.get(name) ?? (numberForNone === null ? null : { number: Number(numberForNone) });
     if (!value || (ownerKind === "sloped wall" && !mayTouch)) continue;
     if (ownerKind === "sloped wall" && owner.at >= sceneNumbers.candidate_count) {
       throw new RangeError(`walls: the record has room for ${sceneNumbers.candidate_count}`);
