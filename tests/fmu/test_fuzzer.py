@@ -17,7 +17,7 @@ from chain_impact.compilation.library import kernel_library
 from chain_impact.system import X86
 from chain_impact.variables.prepared import PreparedScene
 from tests.fmu.interface import description, unpacked
-from tests.fmu.zig import zig
+from tests.helpers.tools.zig import zig
 
 pytestmark = pytest.mark.full("takes long")
 

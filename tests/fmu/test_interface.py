@@ -41,7 +41,7 @@ from tests.fmu.interface import (
     each_call,
 )
 from tests.fmu.standard import HEADERS
-from tests.fmu.zig import WARNINGS, zig
+from tests.helpers.tools.zig import WARNINGS, zig
 
 # --- 2.1.1 to 2.1.4: header files ------------------------------------------------------------------------
 

@@ -18,9 +18,9 @@ from chain_impact.fmu.build import build_fmu
 from chain_impact.system import HOST, PLATFORMS
 from tests.fmu.interface import description, unpacked
 from tests.fmu.standard import co_simulation_functions
-from tests.fmu.zig import zig
 from tests.helpers.tools.binaries import binary, oldest_macos, signed_without_identity
 from tests.helpers.tools.processors import ON_ARM, QEMU
+from tests.helpers.tools.zig import zig
 
 pytestmark = pytest.mark.full("takes long")
 

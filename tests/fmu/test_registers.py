@@ -13,8 +13,8 @@ import pytest
 from chain_impact.compilation.compilers import INCLUDES
 from tests.fmu.importer import Instance
 from tests.fmu.interface import Binary
-from tests.fmu.zig import WARNINGS, zig
 from tests.helpers.tools.registers import TRAPS, WITHOUT_TRAPS, make_library
+from tests.helpers.tools.zig import WARNINGS, zig
 from tests.tiers import needs_compilers
 
 pytestmark = pytest.mark.skipif(

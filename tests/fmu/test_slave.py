@@ -21,8 +21,8 @@ from chain_impact.fmu.references import REFERENCE_FILE
 from chain_impact.fmu.scene_data import SCENE_DATA_FILE
 from tests.fmu.clean import importing
 from tests.fmu.importer import MESSAGES, Instance, refused
-from tests.fmu.zig import zig
 from tests.helpers.tools.planted_faults import spoiled
+from tests.helpers.tools.zig import zig
 
 in_python = {"kinds": "pythonfmu"}
 HERE = Path(__file__).parent

@@ -18,7 +18,6 @@ from chain_impact.fmu.validate import validate_and_run, validate_fmu
 from chain_impact.scene.errors import SceneError
 from chain_impact.system import HOST
 from tests.fmu.standard import co_simulation_functions
-from tests.fmu.zig import zig
 from tests.helpers.tools.planted_faults import (
     BINARIES,
     BINARY,
@@ -33,6 +32,7 @@ from tests.helpers.tools.planted_faults import (
     finding_texts,
     spoiled,
 )
+from tests.helpers.tools.zig import zig
 from tests.tiers import needs_compilers
 
 # --- sound FMUs ------------------------------------------------------------------------------------------

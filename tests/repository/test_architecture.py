@@ -206,11 +206,13 @@ def test_folders_of_pages_have_no_cycle_and_scripts_a_heading():
 
 
 def test_docs_import_nothing_of_the_tests_and_benchmarks_only_helpers():
-    """Tests of the docs import both; so the arrows go one way."""
+    """Tests of the docs import both; so the arrows go one way. Helpers import no room of the tests."""
     assert {name for name in imports_of("docs/tools") if name.startswith("tests.")} == set()
     needed = {name for name in imports_of("benchmarks") if name.startswith("tests.")}
     assert {name for name in needed if not name.startswith("tests.helpers.")} == set()
-    assert {name for name in imports_of("tests/helpers") if name.startswith("benchmarks")} == set()
+    assert {
+        name for name in imports_of("tests/helpers") if re.match(r"benchmarks|tests\.(?!helpers\b)", name)
+    } == set()
 
 
 def imports_of(folder):
@@ -399,11 +401,12 @@ def test_only_one_helper_uses_private_parts_of_chains_and_instances():
     assert [file.name for file in found] == ["kernel_calls.py"]
 
 
-HELPERS = ROOT / "tests" / "helpers"
+HELPERS, SCENARIOS = ROOT / "tests" / "helpers", ROOT / "tests" / "scenarios"
+LISTED = [SCENARIOS, HELPERS, *(file.parent for file in HELPERS.glob("*/__init__.py"))]
 
 
-@pytest.mark.parametrize("folder", [HELPERS, *(file.parent for file in HELPERS.glob("*/__init__.py"))])
-def test_the_head_of_each_folder_of_helpers_names_everything_in_it_once(folder):
+@pytest.mark.parametrize("folder", LISTED, ids=lambda folder: folder.name)
+def test_the_head_of_a_folder_of_helpers_or_scenarios_names_all_in_it_once(folder):
     page = ast.get_docstring(ast.parse((folder / "__init__.py").read_text("utf-8")))
     modules, folders = folder.glob("*.py"), folder.glob("*/__init__.py")
     inside = {file.stem for file in modules} | {file.parent.name for file in folders}

@@ -11,7 +11,7 @@ import numpy as np
 from chain_impact.compilation import compilers
 from chain_impact.kernel.mathematics import angles, exponentials, logarithms, powers
 from chain_impact.system import PLATFORMS
-from tests.fmu.zig import zig
+from tests.helpers.tools.zig import zig
 
 FUNCTIONS: dict[str, Callable[..., float]] = {
     "exp": lambda x, _: exponentials.exp(x),

@@ -11,5 +11,6 @@
 - ``planted_faults``: faults of FMUs, and FMUs that contain them
 - ``fakes``: fakes of the package's functions, which take what the functions take
 - ``differences``: derivatives by central differences
+- ``zig``: the project's C compiler for test programs
 - ``cpu_profile``: a plug-in for pytest that prints CPU seconds of each test
 """

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from tests.fmu.zig import zig
+from tests.helpers.tools.zig import zig
 
 USUAL, FLUSH, ROUNDING = 0x1F80, 0x8040, 0x2000
 ROUNDINGS = [USUAL + way * ROUNDING for way in range(4)]
