@@ -110,7 +110,7 @@ def headline(equal: list[dict[str, Any]]) -> tuple[str, str]:
 
 
 def _between(factors: list[float]) -> str:
-    """Return the least and the largest of sorted numbers as words."""
+    """Return the least and the largest of sorted numbers as words: "0.5 to 3", or one if they are equal."""
     low, high = number_text(factors[0], 2), number_text(factors[-1], 2)
     return low if low == high else f"{low} to {high}"
 

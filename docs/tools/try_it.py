@@ -88,7 +88,14 @@ def scene_file(model: str) -> str:
 
 
 def finish(site: Path) -> None:
-    """Copy the simulating pages into the site, and add links and scene files to the pages of the models."""
+    """Write the simulating pages into the built site, and change its pages.
+
+    A simulation replaces the film of the start page, the pictures of the gallery get links to the simulating
+    pages, and each model's page gets such a link and its scene file.
+
+    Raises:
+        RuntimeError: when a page of the site has no place for one of these.
+    """
     start = site / "index.html"
     start.write_text(begin_with_page(start.read_text(encoding="utf-8")), encoding="utf-8")
     gallery = site / "models" / "index.html"

@@ -82,7 +82,11 @@ def readable_unit(largest_value: float, unit: str) -> tuple[float, str]:
 
 
 def aligned_lines(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    """Yield the lines of a table with columns as narrow as possible; a head may have several lines."""
+    """Yield the lines of a table with columns as narrow as possible.
+
+    ``head`` has the head of each column; the lines of a head are separated by line breaks, and its last line
+    is next to the rows. Each of the ``rows`` must have as many cells.
+    """
     heads = list(zip_longest(*(name.split("\n")[::-1] for name in head), fillvalue=""))[::-1]
     widths = [max(map(len, column)) for column in zip(*heads, *rows, strict=True)]
     for row in (*heads, *rows):

@@ -33,7 +33,10 @@ class Carriage(Fmi2Slave):
             self.register_variable(variable)
 
     def do_step(self, current_time, step_size):  # noqa: ARG002
-        """Advance by the equation of motion, m a = −F − k x − c v, with two evaluations (Heun's method)."""
+        """Advance by the equation of motion, m a = −F − k x − c v, with Heun's method.
+
+        F is the mean force of the joint on the arm during the previous step.
+        """
         impulse = self.values[IMPULSE]
         force, self.known = (impulse - self.known) / step_size, impulse
         x, v, _ = (self.values[name] for name in OUTPUTS)

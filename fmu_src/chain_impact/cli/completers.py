@@ -80,7 +80,7 @@ def parameters(source: str) -> Offer:
 
 
 def differentiable_names(source: str) -> Offer:
-    """Return the names of the parameters and inputs that ``--sensitivity`` and ``--free`` take."""
+    """Return the names that ``--sensitivity``, ``--free`` and ``--free-each`` take; no patterns."""
     return Offer([*_model(source).differentiable])
 
 

@@ -114,6 +114,6 @@ def round_numbers(data: Any) -> Any:
 
 
 def _without_round_off(axis: np.ndarray) -> np.ndarray:
-    """Return a unit vector in which each component near 0 or ±1, up to round-off, is exactly 0 or ±1."""
+    """Return the unit vector ``axis``, with 0 or ±1 for each component that is near it, up to round-off."""
     whole_numbers = np.rint(axis)
     return np.where(np.abs(axis - whole_numbers) < NUMBER_ROUND_OFF, whole_numbers, axis) + 0.0

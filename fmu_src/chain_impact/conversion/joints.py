@@ -70,13 +70,13 @@ class ChosenJoints(NamedTuple):
 
 
 def chosen_joints(robot: Robot, wanted_names: Sequence[str], source: str) -> ChosenJoints:
-    """Return the joints that form the chain.
+    """Return the joints that form the chain, with the poses of the bodies and the names of held joints.
 
     ``wanted_names`` are the names of the joints that move, while all others are held at their start; without
     names all joints move. ``source`` is the file's name for messages.
 
     Raises:
-        NoChainError: when the moving joints form no planar chain.
+        NoChainError: when the moving joints form no planar chain of hinges and slides, or a limit refuses it.
         UnknownNameError: when the robot has no joint with a wanted name.
     """
     held_names = _held_joints(robot, wanted_names, source)

@@ -149,13 +149,13 @@ def folded_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]])
 
 
 def terminals_and_icons(variables: Iterable[Variable]) -> bytes:
-    """Return the file with the terminals, and the icon.
+    """Return ``terminalsAndIcons.xml``, with the terminals and the frame of the icon.
 
     Each joint, each point, the base, the slider, the tip and each wall has a terminal with the inputs and
     outputs that it owns; an owner without these has no terminal. The terminals of walls are inside a terminal
     ``wall``, so that the path of a terminal is the first part of its variables' names. All members are
     signals. The matching rule of each terminal is "bus": an importer that connects two terminals connects the
-    members with equal names.
+    members with equal names. Without any terminal, the list of terminals is missing.
     """
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     looks = SubElement(root, "GraphicalRepresentation")

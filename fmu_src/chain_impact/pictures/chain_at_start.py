@@ -45,7 +45,10 @@ SIGNS = (
 
 @contextmanager
 def draw_repeatably() -> Iterator[None]:
-    """Let a ``with`` block draw equal pictures of equal scenes, whatever matplotlib's settings are."""
+    """Let a ``with`` block draw equal pictures of equal scenes, whatever matplotlib's settings are.
+
+    Files are equal if the block leaves the date and the version of matplotlib out of their metadata.
+    """
     style = STYLE | COLOURS | {"svg.hashsalt": "chain-impact"}
     with matplotlib.style.context("default"), matplotlib.rc_context(style):
         yield

@@ -22,7 +22,7 @@ WALL_DISTANCE = 0.2
 # [1] if walls enclose a room that ends within this distance from the motion, an animation shows the whole
 # room; relative to the size of the motion
 ROOM_DISTANCE = 1.0
-FILM_MARGIN = 0.06  # [1] margin around the view of a film, relative to the longer side of the view
+FILM_MARGIN = 0.06  # [1] margin around the view of a film, relative to its longer side or LEAST_VIEW
 LEAST_VIEW = 1e-6  # [m] least longer side of a view for which the margin of a film is computed
 # a wall bounds the view along an axis if the component of its unit normal along this axis is larger than this
 # in absolute value; the component's sign tells on which side

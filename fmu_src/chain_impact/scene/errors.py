@@ -66,7 +66,8 @@ class SceneError(RefusalError):
 
     Attributes:
         path: the path of the key in the scene file; () if it is not known.
-        line: the number of the line in the file, with which the message ends; None if it is not known.
+        line: the number of the line in the file, which the message tells after the requirement; None if it is
+            not known. As ``others`` and ``meant``, it is set after the error is made.
         others: errors on other keys of the same file, with which the message ends.
         meant: the name of the key in the same table for which the unknown last key of the path probably
             stands; "" for none.

@@ -368,7 +368,8 @@ def falls(scene: Scene, outputs: Any) -> Iterator[Row]:
     """
     mass, size = sum(link.mass for link in scene.chain.links), max(link.length for link in scene.chain.links)
     for c, (point, wall) in enumerate(candidates_of(scene)):
-        if not scene.wall_names[wall].startswith("joint_"):  # impulses of a joint's two stops have signs
+        # one output is the sum for both stops of a joint, negative at joint_max, and so may fall
+        if not scene.wall_names[wall].startswith("joint_"):
             impulse = outputs["impulse"][:, c]
             least = 10.0 * scene.solver.tolerance * float(np.abs(impulse).max()) + ROUND_OFF * mass * size
             fall = float((np.maximum.accumulate(impulse) - impulse).max())

@@ -1,8 +1,8 @@
 """Problems from the literature with Coulomb friction, as scenes, with the figures of their sources.
 
-Each builder returns the table of a scene, published figures, and a second solution that shares no code with
-the kernel. Units are SI. The books and papers were not read: their numbers come from the sources that each
-docstring names, or are chosen so that a published figure follows from them.
+Each builder returns the table of a scene, a second solution that shares no code with the kernel, and the
+published figures, if the source has numbers. Units are SI. The books and papers were not read: their numbers
+come from the sources that each docstring names, or are chosen so that a published figure follows from them.
 """
 
 from __future__ import annotations

@@ -42,7 +42,7 @@ LOAD = "#b3006e"  # the colour of the forces in joints, also in films and pages;
 # too pale for lines on white. The last two are dark, so that colour-blind readers can distinguish them from
 # the first four.
 PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, UMBER, PLUM)
-GREY = "0.72"  # the colour of curves in the background
+GREY = "0.72"  # the colour of curves, marks and thin lines in the background
 PALE_GREY = "0.9"  # the colour of a grid's lines
 INK = "0.25"  # the colour of text and outlines
 OUTSIDE_COLOUR = "0.93"  # the colour of the ground beyond walls

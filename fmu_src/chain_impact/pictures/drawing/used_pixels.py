@@ -148,9 +148,10 @@ class UsedPixels:
 
 
 def _line_between(position: np.ndarray, end: np.ndarray, own_length: float) -> tuple[tuple[Any, ...], ...]:
-    """Return the pixels of a line as (rows, columns), and the same without the first ``own_length`` pixels.
+    """Return the pixels of a line as (rows, columns), and the same without the first ``own_length`` of them.
 
-    The line goes from ``position`` to ``end``, each with x and y in pixels.
+    The line goes from ``position`` to ``end``, each with x and y in pixels. It has about as many pixels as
+    the longer side of the rectangle between both; a pixel may be listed twice.
     """
     count = 2 + int(np.abs(end - position).max())
     line = tuple(np.linspace(position, end, count).astype(int).T[::-1])

@@ -49,9 +49,9 @@ def draw_rings(axes: Axes, recording: Recording) -> None:
 def plot_rings(
     axes: Axes, recording: Recording, spots: Mapping[int, tuple[float, float]], size: float
 ) -> None:
-    """Draw a ring at each position in ``spots``; the ring of an impact in ``marked_peaks`` has PEAK_COLOUR.
+    """Draw a ring at each position in ``spots``, and over it one in PEAK_COLOUR for a marked peak.
 
-    Each ring in PEAK_COLOUR has its own entry in the legend.
+    Each ring in PEAK_COLOUR has its own entry in the legend; all others share an entry.
 
     ``spots``: row of an impact → position in the axes; ``size``: the diameter of a ring [points].
     """

@@ -40,7 +40,8 @@ MOST_OWN_MARKS = 5
 # smallest distance of successive impacts differ by at most EQUAL_DISTANCES times the mean distance.
 REGULAR, EQUAL_DISTANCES = 5, 0.2
 MOST_NUMBER_LABELS = 60  # the largest number of labels with numbers of impacts
-# the upper end of the axis, relative to the largest value; the excess is room for numbers
+# the upper end of the axis, relative to the largest value, or to 1 if all values are 0; the excess is room
+# for numbers
 HEADROOM = 1.3
 MOST_WHOLE_NAMES = 3  # the largest number of points in a narrow figure whose names all have the word "point"
 # [points] the size of the mark of an impact, and the distance by which a copy of this mark is shifted to the
@@ -174,10 +175,10 @@ def late_mark_text(recording: Recording) -> str:
 
 
 def draw_contacts(axes: Axes, spans: np.ndarray, lane: int, name: str, colour: str) -> None:
-    """Draw contacts of one point or joint as lines in a row below the axes.
+    """Draw the contacts of a group, such as a point, a joint or "others", as lines in a row below the axes.
 
     ``spans`` has start and end of each contact [s], shape (2, C). ``lane`` is the number of the row; row 0 is
-    next to the axes. ``name`` is the name of the point or joint, of which ``number_of`` stands at the left.
+    next to the axes. ``name`` is the name of the group, of which ``number_of`` stands at the left.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None

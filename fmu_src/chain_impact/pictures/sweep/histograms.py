@@ -98,9 +98,10 @@ def draw_samples(
 ) -> None:
     """Draw each quantity in successive panels: dots over each of ``drawn_parameters``, then a histogram.
 
-    If a sum of effects describes the quantity well (TRENDING), the dots over all parameters but the first
-    show the quantity without the effects of other parameters, which would hide that of this parameter; and
-    the heading of each panel has the effect. All panels with dots of a quantity have the same vertical axis.
+    If a sum of effects describes the quantity well (TRENDING), the heading of each panel with dots tells the
+    effect of its parameter; and in all of these panels but the first, the dots show the quantity without the
+    effects of all other parameters, which would hide this effect. All panels with dots of a quantity have the
+    same vertical axis. Marks of the panels are explained in a legend at the foot of the figure.
     """
     panels_per_quantity, drawn_variations = len(panels) // len(quantities), drawn_parameters(runs, variations)
     draw_histograms(panels[panels_per_quantity - 1 :: panels_per_quantity], runs, quantities)

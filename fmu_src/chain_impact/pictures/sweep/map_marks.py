@@ -27,8 +27,8 @@ HATCHED_STYLE: dict[str, Any] = {"facecolor": "white", "edgecolor": "0.6", "hatc
 """The look of the cells of runs in which nothing touches that the map's quantity could measure."""
 NARROW_MAP = 25.0 / 25.4  # [inch] in narrower maps, the value of a contour stands in one map only
 SCENE_NAME = "scene"  # the name of the mark
-# the places of the name from which ``place_names`` chooses, the first free one: its distance from the mark
-# [points] to the right and up, and how it is aligned
+# the places of the name in the order in which ``place_names`` tries them: its distance from the mark [points]
+# to the right and up, and how it is aligned
 NAME_POSITIONS = [
     ((0.0, 4.5), "center", "bottom"),
     ((0.0, -4.5), "center", "top"),

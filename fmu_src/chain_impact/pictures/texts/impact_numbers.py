@@ -15,8 +15,8 @@ NUMBER_SIGN = "#"  # the sign before the number of an impact, as in pages and in
 LEAST_RUN = 3  # the least number of successive numbers that are written as a range
 MOST_IN_LABEL = 4  # the largest number of items in a label; an item is an impact, or a range such as "1–81"
 MOST_MISSES = 0.35  # the largest part of a list of labels that may be left out because it has no room
-# if fewer impacts have room for their numbers, so many of the largest impacts have one; the first count with
-# room for most of them is taken
+# The numbers of largest impacts to try, in this order, if not most of all impacts have room for a number. The
+# last impact is always added (``label_subsets``). The first one with room for most labels is taken, else 1.
 NUMBERED_COUNTS = (20, 16, 12, 10, 8, 6, 5, 4, 3, 2, 1)
 
 

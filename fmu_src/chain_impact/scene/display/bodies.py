@@ -157,7 +157,7 @@ class Rail:
 
     @property
     def direction(self) -> np.ndarray:
-        """The unit vector along the line, in the direction in which positions grow, shape (2,)."""
+        """The unit vector along the rail, in the direction in which the slider's position grows."""
         return np.array([math.cos(self.angle), math.sin(self.angle)])
 
     @property

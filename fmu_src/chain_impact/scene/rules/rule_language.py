@@ -141,7 +141,8 @@ def is_rule_true(rule: str, value_of: ValueOf) -> bool:
 def number_in(rule: str, value_of: ValueOf) -> Any:
     """Return the value of a rule, a number or a text; None if the value is missing.
 
-    A condition gives the number 0 or 1, a list the number of its entries.
+    A condition gives the number 0 or 1, a list the number of its entries. The rule must not name tables by
+    name, such as ``contact.wall``.
     """
     value = _length_or_value(_function(rule)(value_of))
     return int(value) if value is True or value is False else value

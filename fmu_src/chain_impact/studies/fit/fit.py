@@ -224,7 +224,10 @@ def _runs(
 
 
 def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float] | np.ndarray]) -> list[Scene]:
-    """Return ``count`` scenes, one for each data set, with the values for this data set in ``set_each``."""
+    """Return ``count`` scenes, one for each data set, with the values for this data set in ``set_each``.
+
+    Refuse a list in ``set_each`` that has not ``count`` values.
+    """
     for name, values in set_each.items():
         if len(values) != count:
             raise SceneError(

@@ -102,7 +102,7 @@ class Column:
         data_set: index of the data set.
         rows: indices of these values among the values of all data sets, shape (K,).
         positions: position of each value on the horizontal axis, shape (K,): for an output the time [s]; for
-            a quantity of an impact the number of the model's impact, NaN if the model lacks the impact.
+            a quantity of an impact the number of the model's impact, from 1; NaN if the model lacks it.
     """
 
     data_set: int
