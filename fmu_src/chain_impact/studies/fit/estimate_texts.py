@@ -19,7 +19,7 @@ ERROR_DECIMALS = 7  # the largest number of decimals with which a standard error
 
 
 def estimate_texts(fit: Estimates, omitted_label: str = "") -> list[str]:
-    """Return a text for each of the first MOST_ESTIMATES parameters, except for the one ``omitted_label``.
+    """Return a text for each of the first MOST_ESTIMATES parameters other than ``omitted_label``.
 
     If there are more parameters, the last text has the number of these.
     """
