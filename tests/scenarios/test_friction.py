@@ -326,6 +326,34 @@ def test_dissipated_energy_does_not_fall_while_a_point_sticks(length, contact, s
         assert fall < tolerance * (energy[-1] + result["energy.kinetic"].max()), output
 
 
+def test_dissipated_energy_does_not_fall_where_inputs_jump():
+    """At a jump the step is cut, and the point that sticks there is moved back to its place."""
+    table = {
+        "name": "Thrown",
+        "gravity": [0.0, -9.81],
+        "chain": {"base": "free", "links": [{"length": 0.36, "mass": 1.28}, {"length": 0.4, "mass": 1.26}]},
+        "walls": [{"name": "floor", "point": [0.0, 0.0], "angle": 0.0}],
+        "contact": {"model": "hertz", "stiffness": 1.2e5, "friction": 0.8},
+        "inputs": {"joint_torques": True},
+        "simulation": {"stop_time": 1.0},
+    }
+    times = np.arange(0.0, 1.0, 3e-3)
+    for seed in (12, 15, 23, 32, 33):
+        random = np.random.default_rng(seed)
+        table["initial"] = {
+            "position": [0.0, 0.9],
+            "velocity": random.uniform(-1.0, 1.0, 2).tolist(),
+            "angles": random.uniform(-3.0, 3.0, 2).tolist(),
+            "angular_velocities": random.uniform(-3.0, 3.0, 2).tolist(),
+        }
+        torque = {"joint[2].torque": (times, random.uniform(-2.0, 2.0, len(times)))}
+        scene = scene_from_dict(table, "thrown")
+        result = simulate(scene, tolerance=1e-10, output_step=2e-4, inputs=torque)
+        energy = result["energy.dissipated"]
+        scale = max(energy[-1], result["energy.kinetic"].max())
+        assert (np.maximum.accumulate(energy) - energy).max() < 1e-10 * scale, seed
+
+
 # contact, start, and the start and end [s] of the phase
 SHORT_PHASES = {
     "in the middle of a step": (

@@ -54,10 +54,10 @@ from chain_impact.kernel.ode.balance import (
 )
 from chain_impact.kernel.ode.dense_output import (
     commit_quadratures,
-    correct_falling_impulses,
     reset_quadratures,
     set_quadrature_stage_at_end,
 )
+from chain_impact.kernel.ode.falls import correct_falls
 from chain_impact.kernel.ode.last_step import (
     choose_variable,
     ensure_rate,
@@ -308,10 +308,9 @@ def try_to_event(d, h):
         roll_back(d)
         drop_events(d)
         return
-    store_energy(d, balance, available)
     if theta >= 0.0:
         truncate_step(d, theta)
-    correct_falling_impulses(d)
+    store_energy(d, balance + correct_falls(d), available)
 
 
 def must_repeat_to_event(d, theta):

@@ -1,5 +1,7 @@
 """The energy balance: a step that changes the total energy is rejected, and a run that drifts ends."""
 
+# Tests: kernel/ode/energy_scales.py
+
 import math
 
 import numpy as np

@@ -57,6 +57,16 @@ def test_the_dissipated_energy_lies_between_those_of_both_ends(d, monkeypatch, e
     assert [dense_output.dissipated_energy(d, y) for y in states] == polynomial
 
 
+def test_a_dissipated_energy_falls_by_a_tenth_of_the_tolerance_at_most(d, monkeypatch):
+    """A user's law may supply energy, so there the energy may fall."""
+    slack = 0.1 * d.solver.tolerance * (d.chain.energy_scale + 2.0)
+    assert slack > 0.0
+    for end, right in [(2.0 - 0.9 * slack, 2.0 - 0.9 * slack), (2.0 - 1.1 * slack, 2.0), (2.5, 2.5)]:
+        assert dense_output.without_fall(d, 2.0, end) == right
+    monkeypatch.setattr(user_law, "has_user_law", lambda: True)
+    assert dense_output.without_fall(d, 2.0, 1.0) == 1.0
+
+
 def test_the_bounds_of_the_basis_are_sharp():
     assert len(POWERS) == DENSE_COEFFICIENTS
     slopes = np.gradient(basis(TIMES), TIMES, axis=1)

@@ -188,8 +188,15 @@ def test_an_integral_that_falls_is_kept_or_its_sum_at_a_rigid_wall(d, rigid, wal
     make_rigid(d, rigid)
     d.candidate.wall[TOUCHED], d.candidate.stop[TOUCHED] = wall
     d.quadrature.state[:2], d.quadrature.state_end[:2] = course
-    dense_output.correct_falling_impulses(d)
+    dense_output.correct_falling_quadratures(d)
     assert values(d, "state_end") == [right]
+
+
+def test_the_energy_of_dry_friction_does_not_fall(d):
+    d.quadrature.index[1] = d.candidate_count + d.friction_element_count
+    d.quadrature.state[:2], d.quadrature.state_end[:2] = (5.0, 1.0), (6.0, 0.5)
+    dense_output.correct_falling_quadratures(d)
+    assert values(d, "state_end") == [[6.0, 1.0]]
 
 
 @pytest.mark.parametrize("kept", [1.0, 0.7])

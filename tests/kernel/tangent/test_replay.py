@@ -141,7 +141,9 @@ def calls(monkeypatch):
     names = (
         "copy_modes apply_pending_events copy_values choose_variable set_first_stage check_turns count_break"
     )
-    names += " truncate_step correct_falling_impulses make_last_step ensure_rate ensure_dense ensure_points"
+    names += (
+        " truncate_step correct_falling_quadratures make_last_step ensure_rate ensure_dense ensure_points"
+    )
     names += " check_onsets"
     for name in names.split():
         for module in (replay, step_ends):
@@ -175,7 +177,7 @@ def test_a_step_is_made_once_more(monkeypatch, calls, last, size, more):
     replay.replay(d, t)
     begin = [("copy_modes",), ("apply_pending_events",), ("copy_values",), ("choose_variable", True)]
     made = [("set_first_stage",), ("make", last.get("method", EXPLICIT), size), ("check_turns",)]
-    end = [("correct_falling_impulses",), ("move_end", *last["events"])]
+    end = [("correct_falling_quadratures",), ("move_end", *last["events"])]
     cut, jump = more
     assert calls == [*begin, *made, *cut, ("copy_end_values",), *jump, *end]
     assert t.friction_element.event == [NO_EVENT, SLIDING_ENDS, NO_EVENT]

@@ -14,6 +14,7 @@ from chain_impact.kernel.events.crossing import prescribed_bounds
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.mathematics.root_search import MOST_GUESSES
 from chain_impact.kernel.ode.dense_output import fraction_at_time
+from chain_impact.kernel.ode.falls import correct_falls
 from chain_impact.kernel.ode.last_step import ensure_dense, truncate_step
 from chain_impact.kernel.record.constants import SOLVER_READER
 from chain_impact.kernel.status import BASE_BEYOND_WALL, BASE_PART, OK, refuse_part
@@ -32,6 +33,7 @@ def end_where_wall_meets_base(d):
         drop_events(d)
         ensure_dense(d, SOLVER_READER)
         truncate_step(d, fraction_at_time(d, reached))
+        correct_falls(d)
     locate_points(d, d.step.state_end)
 
 

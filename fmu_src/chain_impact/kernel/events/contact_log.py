@@ -27,6 +27,7 @@ from chain_impact.kernel.ode.dense_output import (
     fraction_at_time,
     interpolate_state,
 )
+from chain_impact.kernel.ode.falls import correct_falls
 from chain_impact.kernel.ode.folds import correct_near_fold
 from chain_impact.kernel.ode.last_step import (
     ensure_dense,
@@ -161,6 +162,7 @@ def end_at_communication_point(d):
     """
     ends_here = d.step.end == d.step.communication_point
     truncate_to_communication_point(d)
+    correct_falls(d)
     for c in range(d.candidate_count):
         if not (ends_here and d.contacts.event[c] == ONSET):
             mark_contact_event(d, c, NO_EVENT)

@@ -36,8 +36,8 @@ from chain_impact.kernel.forces.friction import (
     set_friction_used,
     sliding_sign,
 )
-from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.function_marks import has_dual_rule
+from chain_impact.kernel.ode.falls import project_end
 from chain_impact.kernel.ode.last_step import reset_step
 from chain_impact.kernel.record.constants import NO_FRICTION, SLIDING_ENDS, STICKING_ENDS, STICKS
 
@@ -82,7 +82,7 @@ def choose_friction_modes(d, speeds_may_jump):
     for i in range(friction.active_count):
         set_slack(d, d.friction_element.index[i])
     if has_sticking(d):
-        project_state(d, d.step.state_end)
+        project_end(d)
     for i in range(friction.active_count):
         widen_slack(d, d.friction_element.index[i])
 

@@ -62,7 +62,6 @@ from chain_impact.kernel.forces.friction import list_sticking, set_element_ancho
 from chain_impact.kernel.forces.holding import (
     LEAST_RISE,
     add_change,
-    project_state,
     set_unforced_to_accelerations,
     set_unforced_to_positions,
     set_unforced_to_speeds,
@@ -70,6 +69,7 @@ from chain_impact.kernel.forces.holding import (
     work_of_impulses,
 )
 from chain_impact.kernel.ode.dense_output import add_impulses_of_impact
+from chain_impact.kernel.ode.falls import project_end
 from chain_impact.kernel.ode.last_step import count_dissipated, count_supplied
 from chain_impact.kernel.record.constants import NEIGHBOUR, ONSET, RELEASE
 from chain_impact.kernel.record.state import velocity_at
@@ -103,7 +103,7 @@ def handle_rigid_impacts(d):
     """
     contacts, onset = d.contacts, -1
     # the state may be interpolated, so that it violates the constraints a little, and is projected first
-    project_state(d, d.step.state_end)
+    project_end(d)
     has_hit = False
     for c in range(d.candidate_count):
         if contacts.event[c] == ONSET and d.law.rigid[c]:
@@ -298,7 +298,7 @@ def stop_held_points(d, impact_is_gentle):
     if not impact_is_gentle:
         suspend_sticking(d)
     locate_points(d, d.step.state_end)
-    project_state(d, d.step.state_end)
+    project_end(d)
 
 
 def end_changed_contacts(d):
@@ -321,7 +321,7 @@ def update_active_set(d):
     contacts, state = d.contacts, d.step.state_end
     if any_point_held(d):
         locate_points(d, state)
-        project_state(d, state)
+        project_end(d)
         end_unstopped_contacts(d)
         rate = d.scratch.rate
         free_rate_from_inputs(d, state, rate)

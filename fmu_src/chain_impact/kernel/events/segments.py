@@ -13,6 +13,7 @@ from chain_impact.kernel.events.handlers import restart_contacts_and_modes
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.function_marks import has_dual_rule
 from chain_impact.kernel.ode.dense_output import commit_quadratures, fraction_at_time
+from chain_impact.kernel.ode.falls import correct_falls
 from chain_impact.kernel.ode.last_step import (
     count_supplied,
     ensure_dense,
@@ -59,6 +60,7 @@ def end_at_segment(d):
         drop_events(d)
         ensure_dense(d, SOLVER_READER)
         truncate_step(d, fraction_at_time(d, end))
+        correct_falls(d)
         locate_points(d, d.step.state_end)
 
 

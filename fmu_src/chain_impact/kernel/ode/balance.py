@@ -2,18 +2,7 @@
 
 The exact motion conserves the energy balance (equations.py), so any change of the balance in a step is an
 error. If the errors of the state in a step are within the tolerance, the balance changes by at most about the
-tolerance times a scale S [J]. S follows from the scales that step_control.py has for the errors of the
-components of the state. To first order S is
-
-    S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ k |φ| r + Σ (K δⁿ s_δ + ½ m v₀²)
-        + dissipated and supplied energy,
-
-T is the kinetic energy, g gravity, M the mass of chain and carriage, L_i the length of link i and s the
-longest of these lengths. E₁ is twice the kinetic energy of the stretched chain when it moves by s per second
-and rotates by 1 rad per second, with that of the carriage. E₂ is M s², plus the inertias of armatures, per
-second squared. The sum with k is over the springs: k |φ| is the moment or force of a spring, with r = 1 rad
-at a joint and r = s at a slider. The sum with K is over the active contacts: K δⁿ is the elastic force, 0 at
-a rigid wall, s_δ the scale of the penetration, m the effective mass and v₀ the latched speed.
+tolerance times a scale S [J] (energy_scales.py).
 
 A step that changes the balance by more than 3 × tolerance × S is rejected (STEP_CHANGE): its error estimate
 misses something, such as a motion that decays within the first stage. The sum of the changes in one second of
@@ -29,7 +18,9 @@ The energy that steps lose is limited as well. Errors of speeds as large as the 
 E by the tolerance times √(2E) (√(2E) + √E₁). With the available energy for E, all steps within the time t
 since the start may together lose
 
-    B = 3 tolerance (√(2E) (√(2E) + √E₁) + M g (s + Σ L_i) + E₂) (1 + t / 10 s).
+    B = 3 tolerance (√(2E) (√(2E) + √E₁) + M g (s + Σ L_i) + E₂) (1 + t / 10 s),
+
+with the symbols of energy_scales.py.
 
 The allowed loss of a step is the largest of three energies: the part of B that earlier steps have left, the
 growth of B in this step, and round-off. A step that loses more than this, and more than round-off can cause,
@@ -41,17 +32,12 @@ import math
 
 from chain_impact.kernel.chain.drives import (
     armature_of_drive,
-    coordinate_sum_of_drive,
-    drive_count,
-    moment_per_force,
-    spring_tension,
 )
 from chain_impact.kernel.chain.inputs import apply_inputs
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.constraints.geometry import clearance_and_rate, coordinate_sum
 from chain_impact.kernel.equations import energy_balance, mechanical_energy, other_energy
-from chain_impact.kernel.forces.force_formula import elastic_force
 from chain_impact.kernel.ode.dense_output import interpolate_state
+from chain_impact.kernel.ode.energy_scales import energy_scales
 from chain_impact.kernel.ode.last_step import (
     count_supplied,
     ensure_dense,
@@ -63,7 +49,6 @@ from chain_impact.kernel.ode.methods import STABLE_STEP, find_joint_stiffness
 from chain_impact.kernel.ode.step_control import (
     impact_energy,
     is_accepted,
-    penetration_scale,
     reject_step,
     set_outcome,
 )
@@ -73,7 +58,7 @@ from chain_impact.kernel.record.state import dissipated_at, supplied_at
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
 # A step is rejected if it changes the energy balance, up or down, by more than STEP_CHANGE × tolerance × S
-# plus round-off; S [J] is the scale above. In 1500 random scenes, the largest change of a run, relative to
+# plus round-off. In 1500 random scenes, the largest change of a run, relative to
 # tolerance × S, had a median of 0.0015, and exceeded 1 in 1 % of the scenes.
 STEP_CHANGE = 3.0
 # A run ends with a fault if the energy balance changes in a window of time, up or down, by more than
@@ -185,9 +170,14 @@ def restart_balance(d):
     balance.available_energy = balance.available_energy_start
     if d.contacts.active_count > 0:
         evaluate_balance_at_end(d)
-        balance.window_value += balance.value_end - value_before
-        balance.run_value += balance.value_end - value_before
+        shift_balance(d, balance.value_end - value_before)
         balance.value_start = balance.value_end
+
+
+def shift_balance(d, change):
+    """Let the checks of window and run ignore a ``change`` [J] of the energy balance."""
+    d.balance.window_value += change
+    d.balance.run_value += change
 
 
 def check_energy(d, theta):
@@ -347,33 +337,6 @@ def allowed_round_off(d, y):
     """Return the part of ``allowed_change`` [J] that is round-off; the points must be located for y."""
     _, summed = energy_scales(d, y)
     return ENERGY_ROUND_OFF * summed
-
-
-def energy_scales(d, y):
-    """Return the scale S [J] of the energy balance, and a sum [J] to which its round-off is relative.
-
-    The sum contains the sizes of all terms that enter the balance. Both results belong to state y, for which
-    the points must be located.
-    """
-    kinetic, potential = mechanical_energy(d, y)
-    # the potential energy may be a small difference of large energies, whose round-off counts
-    summed = d.balance.weight * (abs(d.scratch.position.x[0]) + abs(d.scratch.position.y[0])) + abs(potential)
-    summed += kinetic + abs(y[dissipated_at(d.link_count)]) + abs(y[supplied_at(d.link_count)])
-    speed = math.sqrt(2.0 * kinetic) + d.balance.root_reference_energy
-    scale = speed * speed + d.balance.reference_energy + impact_energy(d)
-    scale += abs(y[dissipated_at(d.link_count)]) + abs(y[supplied_at(d.link_count)])
-    if d.chain.has_springs:
-        for i in range(drive_count(d)):
-            force = abs(spring_tension(d, y, i))
-            scale += force * moment_per_force(d, i)
-            summed += force * (coordinate_sum_of_drive(d, y, i) + abs(d.inputs.target[i]))
-    for k in range(d.contacts.force_law_count):
-        c = d.contacts.active_index[k]
-        clearance, _ = clearance_and_rate(d, c)
-        force = elastic_force(d, c, max(0.0, -clearance))
-        scale += force * penetration_scale(d, c)
-        summed += force * coordinate_sum(d, c, y)
-    return scale, summed
 
 
 def check_balance(d):

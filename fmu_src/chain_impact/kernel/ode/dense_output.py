@@ -70,12 +70,26 @@ def limit_energy(d, energy, start, end):
 
     An energy that is dissipated may not fall, but errors of the dense output could make it fall, for example
     where an element sticks and nothing is dissipated. Up to ENERGY_SLACK outside the range, the energy is not
-    moved, because such errors balance those of the kinetic energy. For the same reason only outputs are
-    limited, not the state at which a step is cut. In a tangent instance the result is ``energy``: a limit has
-    the derivatives of the energy at another time.
+    moved, because such errors balance those of the kinetic energy. In a tangent instance the result is
+    ``energy``: a limit has the derivatives of the energy at another time.
     """
-    slack = ENERGY_SLACK * d.solver.tolerance * (d.chain.energy_scale + abs(end))
+    slack = energy_slack(d, end)
     return max(min(start, end) - slack, min(max(start, end) + slack, energy))
+
+
+@has_dual_rule
+def without_fall(d, start, end):
+    """Return ``end``, a dissipated energy [J], or an earlier value ``start`` if ``end`` is too far below it.
+
+    A fall of at most ``energy_slack`` is allowed, for the reason that ``limit_energy`` gives. With a user's
+    law, which may supply energy, the result is ``end``, and so in a tangent instance.
+    """
+    return start if end < start - energy_slack(d, end) and not user_law.has_user_law() else end
+
+
+def energy_slack(d, energy):
+    """Return by how much [J] an output of dissipated energy may fall; see ENERGY_SLACK."""
+    return ENERGY_SLACK * d.solver.tolerance * (d.chain.energy_scale + abs(energy))
 
 
 @has_dual_rule
@@ -256,20 +270,24 @@ def set_quadrature_stage_at_end(d, i):
         quadrature.stage[i, k] = quadrature.rate_end[k] * d.scratch.stage[i, time_at(d.link_count)]
 
 
-def correct_falling_impulses(d):
-    """Correct the impulses of walls and stops that decrease in the last step: a wall or stop never pulls.
+def correct_falling_quadratures(d):
+    """Correct impulses of walls and stops, and the energy of dry friction, that fall in the last step.
 
-    The state at the end of the step must be final: a truncation after this call would undo the correction.
+    A wall or stop never pulls, and friction takes energy. The state at the end of the step must be final: a
+    truncation after this call would undo the correction.
 
-    The step sums forces with weights of both signs, so where a force is close to 0, its impulse may decrease
-    by an error. Such an impulse is set to its value at the start of the step. At a rigid wall, the added
-    amount is taken from the largest impulse that the wall gives another held point in the step, as far as
-    that impulse is large enough: of points that nearly coincide, only the sum of the forces is accurate.
+    The step sums rates with weights of both signs, so where a rate is close to 0, its integral may decrease
+    by an error. Such an impulse is set to its value at the start of the step, the energy by ``without_fall``.
+    At a rigid wall, the added amount is taken from the largest impulse that the wall gives another held point
+    in the step, as far as that impulse is large enough: of points that nearly coincide, only the sum of the
+    forces is accurate.
     """
     quadrature = d.quadrature
-    for k in range(min(quadrature.count, d.contacts.active_count)):
+    for k in range(quadrature.count):
         c, fall = quadrature.index[k], quadrature.state[k] - quadrature.state_end[k]
-        if fall > 0.0:
+        if c == d.candidate_count + d.friction_element_count:
+            quadrature.state_end[k] = without_fall(d, quadrature.state[k], quadrature.state_end[k])
+        elif k < d.contacts.active_count and fall > 0.0:
             quadrature.state_end[k] = quadrature.state[k]
             # stops are left out: stops of different joints have the same wall number, though each is a wall
             # of its own

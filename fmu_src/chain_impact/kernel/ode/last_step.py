@@ -24,7 +24,6 @@ from chain_impact.kernel.ode import collocation, explicit
 from chain_impact.kernel.ode.dense_output import (
     accept_quadratures,
     change_up_to,
-    correct_falling_impulses,
     fraction_at_time,
     interpolate_state,
     reset_quadratures,
@@ -214,7 +213,6 @@ def truncate_to_communication_point(d):
     """Cut the last step at the communication point: the state at the end becomes that of the dense output."""
     ensure_dense(d, OUTPUT_READER)
     end_at_fraction(d, fraction_at_time(d, d.step.communication_point))
-    correct_falling_impulses(d)
     d.step.end = d.step.communication_point
 
 

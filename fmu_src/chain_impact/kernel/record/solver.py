@@ -153,22 +153,22 @@ def balance_dtype() -> np.dtype:
         ("break_count", INTEGER),
         # s, start of the window of time in which the sum of the changes of the balance has a limit
         ("window_start", REAL),
-        # J, energy balance at the start of the window, plus the later changes that new parameters cause
+        # J, energy balance at the start of the window, plus later changes that are no errors of steps
         ("window_value", REAL),
         ("allowed_change", REAL),  # J, the largest change allowed to any step in the window so far
         # J, the part of a step's allowed change of the balance that does not depend on the state
         ("least_allowed_change", REAL),
         ("run_start", REAL),  # s, time at which the run started
-        # J, energy balance at the start of the run, plus the later changes that new parameters cause
+        # J, energy balance at the start of the run, plus later changes that are no errors of steps
         ("run_value", REAL),
         # J, value of ``available_energy`` before the last step
         ("available_energy_start", REAL),
         # J, the largest energy that motion, springs, walls and heat together can have had at any time up to
         # the end of the last step
         ("available_energy", REAL),
-        # √J, √E₁ in the formula of the energy's scale S (ode/balance.py): the root of an energy of motion
+        # √J, √E₁ of ode/energy_scales.py: the root of an energy of motion
         ("root_reference_energy", REAL),
-        # J, the sum M g (s + Σ L_i) + E₂ in the formula of the energy's scale S (ode/balance.py)
+        # J, M g (s + Σ L_i) + E₂ of ode/energy_scales.py
         ("reference_energy", REAL),
         ("weight", REAL),  # N, weight of chain and carriage
     )

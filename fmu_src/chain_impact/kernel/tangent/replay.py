@@ -48,7 +48,7 @@ from chain_impact.kernel.ode.collocation import (
     set_step_end,
     solve_systems,
 )
-from chain_impact.kernel.ode.dense_output import correct_falling_impulses
+from chain_impact.kernel.ode.dense_output import correct_falling_quadratures
 from chain_impact.kernel.ode.extended_state import (
     clearance_count,
     extend_start,
@@ -335,7 +335,7 @@ def replay(d, t):
         if d.step.end_fraction != 1.0:
             truncate_step(t, d.step.end_fraction)
         copy_end_values(d, t)
-    correct_falling_impulses(t)
+    correct_falling_quadratures(t)
     copy_marks(d, t)
     move_end(t)
     if d.signal_count > 0:

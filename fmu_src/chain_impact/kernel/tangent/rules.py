@@ -139,6 +139,11 @@ def limit_energy(_t, energy, _start, _end):
     return energy
 
 
+def without_fall(_t, _start, end):
+    """Return ``end``, because ``start`` has the derivatives of the energy at another time."""
+    return end
+
+
 def fraction_at_time(t, time):
     """Return the fraction of the last step at a ``time`` [s], with derivatives.
 
@@ -267,6 +272,7 @@ DUAL_RULES = {
     dense_output.fraction_at_time: fraction_at_time,
     dense_output.event_fraction: event_fraction,
     dense_output.limit_energy: limit_energy,
+    dense_output.without_fall: without_fall,
     transmitted_forces.time_of_peak: time_of_peak,
     segments.shift_start: shift_start,
     angles.unit_vector: unit_vector,
