@@ -19,10 +19,10 @@ from chain_impact.kernel.forces.lossless_contact import lossless_penetration
 from chain_impact.pictures.drawing.law_looks import law_look
 from chain_impact.pictures.drawing.legends import legend_at_foot
 from chain_impact.pictures.drawing.style import DPI, GREY, STYLE, write_headline
-from chain_impact.recording.compared_impact import EXACT_LAW
 from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.scene import load_scene, scene_from_dict
 from chain_impact.simulation.simulate import simulate
+from chain_impact.study_data.compared_impact import EXACT_LAW
 from docs.tools import DOCS
 
 PICTURE = DOCS / "images" / "restitution.png"

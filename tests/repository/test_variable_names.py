@@ -176,7 +176,7 @@ MEMORY = ("simulation/", "variables/", "fmu/model_bin.py", "studies/animate.py")
 ROOMS_OF_WORDS = {
     "driven": r"scene/scene\.py",
     "fill": r"variables/\S+|pictures/(bars|drawing/dark_ground|motion/bodies)\.py",
-    "varied": r"(cli|studies|recording|pictures)/sweep\S*",
+    "varied": r"(cli|studies|study_data|pictures)/sweep\S*",
 }
 """A word → the files whose names may contain it: records and areas of a picture are filled, a sweep varies
 parameters, and ``Scene.is_driven`` is public; else signals give inputs, and drives are those of joints."""

@@ -1,6 +1,6 @@
 """A changed law for a scene with stops and several wall materials, and comparisons of laws there."""
 
-# Tests: recording/compared_impact.py, recording/law_runs.py
+# Tests: study_data/compared_impact.py, study_data/law_runs.py
 
 import functools
 
@@ -10,11 +10,11 @@ from chain_impact import compare, simulate
 from chain_impact.pictures.compare.headline import headline
 from chain_impact.pictures.compare.looks import looks_of
 from chain_impact.pictures.compare.plot import conditions
-from chain_impact.recording.compared_impact import contact_at
 from chain_impact.scene.errors import SceneError
 from chain_impact.studies.changed_law import contact_with_law, keeps_exponents, law_values
 from chain_impact.studies.compare.compare import OVERLAPS
 from chain_impact.studies.compare.text import advice, heading, law_table, legend
+from chain_impact.study_data.compared_impact import contact_at
 from tests.helpers.scenes.stops import UP, knee_scene
 
 K = "stiffness"

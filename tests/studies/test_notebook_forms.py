@@ -1,6 +1,6 @@
 """The notebook display of scenes, results and studies, and their pandas tables."""
 
-# Tests: scene/display/drawing.py, studies/fit/result.py, recording/sweep/runs.py
+# Tests: scene/display/drawing.py, studies/fit/result.py, study_data/sweep/runs.py
 
 from xml.etree import ElementTree
 

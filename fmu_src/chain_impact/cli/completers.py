@@ -73,8 +73,8 @@ def settings(source: str) -> Offer:
 
 def parameters(source: str) -> Offer:
     """Return the names of the parameters that ``--vary`` takes, and the choices of each enumeration."""
-    from chain_impact.recording.sweep.variation import sweepable_variables
     from chain_impact.scene.scene import load_scene
+    from chain_impact.study_data.sweep.variation import sweepable_variables
 
     return Offer(sweepable_variables(load_scene(source)), _choices(source))
 

@@ -85,11 +85,11 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Simulate the runs, write the files that the options name, and print the result; return 0."""
-    from chain_impact.recording.sweep.variation import variations_of
     from chain_impact.studies.sweep.interrupted import is_complete, partial_path
     from chain_impact.studies.sweep.job import job_of
     from chain_impact.studies.sweep.sweep import sweep
     from chain_impact.studies.sweep.table import is_folder
+    from chain_impact.study_data.sweep.variation import variations_of
     from chain_impact.variables.prepared import PreparedScene
 
     table = Path(options.table)

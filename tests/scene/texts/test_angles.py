@@ -15,12 +15,12 @@ from chain_impact import (
     parse_scene,
     record_fmu,
 )
-from chain_impact.recording.sweep.variation import variations_of
 from chain_impact.scene.errors import value_text
 from chain_impact.scene.scene import scene_from_dict, scene_to_dict
 from chain_impact.scene.texts.angles import radians_hint, radians_of
 from chain_impact.studies.fit.parameters import parameters_of
 from chain_impact.studies.fit.scene_file import text_with_values
+from chain_impact.study_data.sweep.variation import variations_of
 from tests.helpers.tools.refusal import refusal
 
 SCENE = """

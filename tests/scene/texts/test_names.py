@@ -7,7 +7,6 @@ import re
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.recording.sweep.variation import variations_of
 from chain_impact.scene.texts.names import (
     grouped_by_owner,
     input_key,
@@ -17,6 +16,7 @@ from chain_impact.scene.texts.names import (
     path_text,
 )
 from chain_impact.scene.texts.similar_names import longer_name, name_with_one_typo, nearest_name
+from chain_impact.study_data.sweep.variation import variations_of
 from tests.helpers.tools.refusal import refusal
 
 

@@ -13,8 +13,6 @@ import pytest
 
 from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.status import OK
-from chain_impact.recording.sweep.design import grid_design
-from chain_impact.recording.sweep.variation import variations_of
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.simulation import kernels
@@ -29,6 +27,8 @@ from chain_impact.studies.sweep.batches import (
 from chain_impact.studies.sweep.computation import Computation
 from chain_impact.studies.sweep.job import Runner, job_of
 from chain_impact.studies.sweep.sweep import sweep
+from chain_impact.study_data.sweep.design import grid_design
+from chain_impact.study_data.sweep.variation import variations_of
 
 
 @pytest.mark.parametrize(

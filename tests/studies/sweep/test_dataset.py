@@ -12,15 +12,15 @@ import pytest
 from filelock import FileLock
 
 from chain_impact.extras import MissingExtraError
-from chain_impact.recording.sweep.design import grid_design, sampled_design
-from chain_impact.recording.sweep.runs import CHUNK
-from chain_impact.recording.sweep.variation import variations_of
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep import computation, sweep as module
 from chain_impact.studies.sweep.computation import file_name
 from chain_impact.studies.sweep.dataset import MANIFEST
 from chain_impact.studies.sweep.sweep import sweep
+from chain_impact.study_data.sweep.design import grid_design, sampled_design
+from chain_impact.study_data.sweep.runs import CHUNK
+from chain_impact.study_data.sweep.variation import variations_of
 from tests.tiers import needs_interop
 
 SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})

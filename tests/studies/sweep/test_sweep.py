@@ -1,6 +1,6 @@
 """A run of a sweep is bit-equal to `simulate()`."""
 
-# Tests: recording/sweep/runs.py
+# Tests: study_data/sweep/runs.py
 
 import numpy as np
 import pytest

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from chain_impact.extras import MissingExtraError
-from chain_impact.recording.sweep.runs import CHUNK
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.studies.sweep.sweep import sweep
+from chain_impact.study_data.sweep.runs import CHUNK
 from tests.tiers import needs_interop
 
 SCENE = with_values(

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from chain_impact.pictures.drawing.distinct_curves import draw_band
 from chain_impact.pictures.drawing.style import GREY
-from chain_impact.recording.law_runs import grows_again
+from chain_impact.study_data.law_runs import grows_again
 
 # number of penetrations at which the lower and upper edge of the grey band of loops are computed
 BAND_POINTS = 400

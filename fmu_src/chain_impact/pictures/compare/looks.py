@@ -16,8 +16,8 @@ import numpy as np
 from chain_impact.pictures.drawing.distinct_curves import SAME_CURVE, coincide
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS, law_look
 from chain_impact.pictures.drawing.style import GREY
-from chain_impact.recording.compared_impact import LOSSLESS_LAW
-from chain_impact.recording.law_runs import LawRecording, LawRuns, has_jump
+from chain_impact.study_data.compared_impact import LOSSLESS_LAW
+from chain_impact.study_data.law_runs import LawRecording, LawRuns, has_jump
 
 # matplotlib's zorder for the line of the reference law; lines with a larger zorder are drawn over it
 REFERENCE_LAYER = 3

@@ -37,9 +37,9 @@ from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.over_time.energies import offset_text, shown_energies
 from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.pictures.over_time.time_axis import name_time
-from chain_impact.recording.compared_impact import LOSSLESS_LAW, compared_impact
-from chain_impact.recording.law_runs import LawRecording, LawRuns, with_jump
 from chain_impact.scene.texts.unit_text import stiffness_unit
+from chain_impact.study_data.compared_impact import LOSSLESS_LAW, compared_impact
+from chain_impact.study_data.law_runs import LawRecording, LawRuns, with_jump
 from chain_impact.text import count_text, number_text, prefixed_unit
 from chain_impact.variables.impact_units import unit_at
 

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 
 from chain_impact.pictures.drawing.row_names import POINTS_IN_INCH
 from chain_impact.pictures.sweep.quantities import COUNT, LOADS, Quantity
-from chain_impact.recording.sweep.runs import SweepRuns
+from chain_impact.study_data.sweep.runs import SweepRuns
 from chain_impact.variables.peaks import PEAKS
 
 MARK_SIZE, MARK_EDGE = 3.0, 0.9  # [points] the size of a mark, and the width of the edge of a ring

@@ -35,8 +35,8 @@ from chain_impact.pictures.sweep.maps import (
     own_value,
 )
 from chain_impact.pictures.sweep.quantities import EQUAL_RESULTS, Quantity, shown_quantities_of
-from chain_impact.recording.sweep.runs import SweepRuns
-from chain_impact.recording.sweep.variation import Variation
+from chain_impact.study_data.sweep.runs import SweepRuns
+from chain_impact.study_data.sweep.variation import Variation
 from chain_impact.text import number_text
 
 LINE_COLOURS = (*PALETTE, BLACK, "#0000cc", "#a64dff", "0.5")

@@ -15,9 +15,9 @@ from numpy.polynomial.legendre import legvander
 
 from chain_impact.pictures.sweep.maps import is_logarithmic
 from chain_impact.pictures.sweep.quantities import LEADING_HYPHEN, Quantity
-from chain_impact.recording.sweep.runs import SweepRuns
-from chain_impact.recording.sweep.variation import Variation
 from chain_impact.scene.texts.unit_text import with_unit
+from chain_impact.study_data.sweep.runs import SweepRuns
+from chain_impact.study_data.sweep.variation import Variation
 from chain_impact.text import signed_text
 
 DEGREES = {3: "cubic", 2: "quadratic", 1: "linear"}

@@ -28,9 +28,9 @@ from chain_impact.pictures.sweep.maps import (
     own_value,
 )
 from chain_impact.pictures.sweep.quantities import LOADS, Quantity
-from chain_impact.recording.sweep.runs import SweepRuns
-from chain_impact.recording.sweep.variation import Variation
 from chain_impact.scene.texts.unit_text import with_unit
+from chain_impact.study_data.sweep.runs import SweepRuns
+from chain_impact.study_data.sweep.variation import Variation
 from chain_impact.text import count_text
 
 QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}

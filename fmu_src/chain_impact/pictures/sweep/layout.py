@@ -19,8 +19,8 @@ from chain_impact.pictures.drawing.style import TWO_COLUMN_WIDTH
 from chain_impact.pictures.sweep.colour_bars import NUMBERS_WIDTH
 from chain_impact.pictures.sweep.curves import LINE_COLOURS
 from chain_impact.pictures.sweep.histograms import MOST_SCATTERS
-from chain_impact.recording.sweep.design import Design
-from chain_impact.recording.sweep.variation import Variation
+from chain_impact.study_data.sweep.design import Design
+from chain_impact.study_data.sweep.variation import Variation
 
 # [inch] CHOICES_WIDTH: the width for the names of a parameter's choices, left of panels with dots;
 # DOTS_WIDTH: the least width of a panel with dots

@@ -28,9 +28,9 @@ from chain_impact.pictures.sweep.colour_bars import (
 from chain_impact.pictures.sweep.contours import Scale, draw_contours, has_jumps
 from chain_impact.pictures.sweep.map_marks import HATCHED_STYLE, SCENE_MARK, hatch, mark_scene
 from chain_impact.pictures.sweep.quantities import Quantity, printed_number
-from chain_impact.recording.sweep.runs import SweepRuns
-from chain_impact.recording.sweep.variation import Variation
 from chain_impact.scene.texts.unit_text import bracketed_unit, scene_unit
+from chain_impact.study_data.sweep.runs import SweepRuns
+from chain_impact.study_data.sweep.variation import Variation
 from chain_impact.text import number_text
 
 # The axis of a parameter is logarithmic if the smallest value is > 0, and the largest value is at least

@@ -19,10 +19,10 @@ from chain_impact.pictures.sweep.layout import (
 )
 from chain_impact.pictures.sweep.maps import NO_IMPACT, unit_of
 from chain_impact.pictures.sweep.quantities import Quantity, ShownQuantities, printed_number
-from chain_impact.recording.sweep.runs import STATUS_WORD, SweepRuns
-from chain_impact.recording.sweep.variation import Variation
 from chain_impact.scene.texts.plain_names import plain_name
 from chain_impact.scene.texts.unit_text import unit_text, with_unit
+from chain_impact.study_data.sweep.runs import STATUS_WORD, SweepRuns
+from chain_impact.study_data.sweep.variation import Variation
 from chain_impact.text import names_text, number_text
 
 MOST_REASONS = 2  # the largest number of reasons of failed runs that the headline lists

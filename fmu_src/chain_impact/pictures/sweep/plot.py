@@ -62,10 +62,10 @@ from chain_impact.pictures.sweep.quantities import (
     printed_number,
     shown_quantities_of,
 )
-from chain_impact.recording.sweep.runs import SweepRuns
-from chain_impact.recording.sweep.variation import Variation
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.texts.unit_text import unit_text
+from chain_impact.study_data.sweep.runs import SweepRuns
+from chain_impact.study_data.sweep.variation import Variation
 from chain_impact.text import count_text
 
 MOST_MAPS = 9  # the largest number of maps if three parameters vary

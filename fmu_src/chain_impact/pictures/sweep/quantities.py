@@ -9,10 +9,10 @@ from functools import partial
 
 import numpy as np
 
-from chain_impact.recording.sweep.runs import END_COLUMN, SweepRuns
 from chain_impact.scene.errors import SceneError, names_matching
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.texts.unit_text import bracketed_unit, unit_text, with_unit
+from chain_impact.study_data.sweep.runs import END_COLUMN, SweepRuns
 from chain_impact.text import names_text, number_text, prefixed_unit, span_text
 from chain_impact.variables.impact_units import unit_at
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS

@@ -16,10 +16,8 @@ from chain_impact.extras import require
 from chain_impact.files import written_atomically
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.progress import Progress, no_progress
-from chain_impact.recording.compared_impact import EXACT_LAW, LOSSLESS_LAW, contact_at, first_number
 from chain_impact.recording.impact_course import course_of
 from chain_impact.recording.impacts import common_count
-from chain_impact.recording.law_runs import LawRuns, ReachedRestitutions, first_of
 from chain_impact.results.result import Result
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.errors import SceneError, UnknownNameError
@@ -35,6 +33,8 @@ from chain_impact.studies.changed_law import (
 )
 from chain_impact.studies.compare.runs import LawRun
 from chain_impact.studies.compare.text import report
+from chain_impact.study_data.compared_impact import EXACT_LAW, LOSSLESS_LAW, contact_at, first_number
+from chain_impact.study_data.law_runs import LawRuns, ReachedRestitutions, first_of
 from chain_impact.text import PrintedResult, TextTable
 
 if TYPE_CHECKING:

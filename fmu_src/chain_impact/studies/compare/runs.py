@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from chain_impact.recording.law_runs import LawRecording
 from chain_impact.results.result import Result
+from chain_impact.study_data.law_runs import LawRecording
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.recording.compared_impact import EXACT_LAW, compared_impact
-from chain_impact.recording.law_runs import LawRuns
 from chain_impact.studies.compare.runs import LawRun
+from chain_impact.study_data.compared_impact import EXACT_LAW, compared_impact
+from chain_impact.study_data.law_runs import LawRuns
 from chain_impact.text import TextTable, prefixed_unit
 from chain_impact.variables.impact_units import unit_at
 

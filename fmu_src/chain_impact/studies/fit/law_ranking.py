@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from chain_impact.progress import Progress
-from chain_impact.recording.compared_impact import first_number
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.studies.changed_law import law_values, needed_exponent
 from chain_impact.studies.fit.result import Fit, LawFit
+from chain_impact.study_data.compared_impact import first_number
 
 # the number of decimals to which Akaike's criterion is rounded before laws are sorted by it; of laws with
 # equal rounded criteria the scene's own law is first, and the others are in the order of the registry

@@ -13,9 +13,9 @@ from uuid import uuid4
 import numpy as np
 
 from chain_impact.extras import require
-from chain_impact.recording.sweep.design import Design
-from chain_impact.recording.sweep.runs import CHUNK, Columns, columns_of
 from chain_impact.studies.sweep.job import Job, Runner
+from chain_impact.study_data.sweep.design import Design
+from chain_impact.study_data.sweep.runs import CHUNK, Columns, columns_of
 
 Span = tuple[int, int]
 """A span of runs as a pair (first, end): the runs first … end − 1."""

@@ -24,13 +24,13 @@ from chain_impact.compilation.sources import fingerprint
 from chain_impact.extras import require
 from chain_impact.files import remove_lock, written_atomically
 from chain_impact.progress import log
-from chain_impact.recording.sweep.design import Design
-from chain_impact.recording.sweep.runs import CHUNK, Columns, columns_of
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import Scene, scene_to_dict
 from chain_impact.studies.sweep.batches import missing_spans
 from chain_impact.studies.sweep.computation import PARQUET, Span, file_name
 from chain_impact.studies.sweep.job import Job
+from chain_impact.study_data.sweep.design import Design
+from chain_impact.study_data.sweep.runs import CHUNK, Columns, columns_of
 
 # readers of Parquet folders ignore files whose names begin with _ or with a dot
 MANIFEST = "_manifest.json"

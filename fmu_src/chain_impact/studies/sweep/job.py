@@ -15,13 +15,13 @@ import numpy as np
 from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.status import OK
 from chain_impact.progress import log
-from chain_impact.recording.sweep.runs import END_COLUMN, STATUS
-from chain_impact.recording.sweep.variation import Variation
 from chain_impact.scene.candidates import candidates_of, stop_pairs
 from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.texts.names import SENSITIVITY, DataPath
 from chain_impact.simulation.kernels import counts_and_flags, kernel_for
+from chain_impact.study_data.sweep.runs import END_COLUMN, STATUS
+from chain_impact.study_data.sweep.variation import Variation
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS

@@ -11,16 +11,6 @@ import numpy as np
 
 from chain_impact.compilation.prebuilt import missing_compilers
 from chain_impact.progress import Progress, log, no_progress
-from chain_impact.recording.sweep.design import (
-    Design,
-    Sampling,
-    check_table_size,
-    checked_integer,
-    grid_design,
-    sampled_design,
-)
-from chain_impact.recording.sweep.runs import columns_of
-from chain_impact.recording.sweep.variation import Values, variations_of
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.studies.sweep.batches import missing_spans, run_in_threads
 from chain_impact.studies.sweep.cluster import run_on_cluster
@@ -34,6 +24,16 @@ from chain_impact.studies.sweep.interrupted import (
 )
 from chain_impact.studies.sweep.job import has_own_kernel, job_of
 from chain_impact.studies.sweep.table import Sweep, is_folder, table_path, write_table
+from chain_impact.study_data.sweep.design import (
+    Design,
+    Sampling,
+    check_table_size,
+    checked_integer,
+    grid_design,
+    sampled_design,
+)
+from chain_impact.study_data.sweep.runs import columns_of
+from chain_impact.study_data.sweep.variation import Values, variations_of
 from chain_impact.system import cores
 from chain_impact.variables.prepared import PreparedScene
 

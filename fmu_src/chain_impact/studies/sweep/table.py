@@ -17,9 +17,9 @@ import numpy as np
 from chain_impact.extras import require
 from chain_impact.files import written_atomically
 from chain_impact.kernel.status import STATUS_NAME
-from chain_impact.recording.sweep.runs import STATUS, Columns, SweepRuns
 from chain_impact.scene.errors import SceneError
 from chain_impact.studies.sweep.computation import PARQUET, write_parquet
+from chain_impact.study_data.sweep.runs import STATUS, Columns, SweepRuns
 from chain_impact.text import TextTable, as_html, count_text
 
 if TYPE_CHECKING:

@@ -10,12 +10,12 @@ import numpy as np
 
 from chain_impact.deprecated import OlderName
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.recording.compared_impact import contact_at, first_number
 from chain_impact.recording.equality import have_equal_fields
 from chain_impact.recording.joint_stops import is_scene_joint_stop
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.scene import Scene
+from chain_impact.study_data.compared_impact import contact_at, first_number
 
 # An impact is free if its restitution without losses differs from 1, and its restitution with the exact law
 # from e, by at most FREE_TOLERANCE. If a realised restitution exceeds 1 by more than this, other forces drive

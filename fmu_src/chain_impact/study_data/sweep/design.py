@@ -15,8 +15,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from chain_impact.recording.sweep.variation import Variation
 from chain_impact.scene.errors import SceneError
+from chain_impact.study_data.sweep.variation import Variation
 
 Sampling = Literal["lhs", "sobol"]
 SAMPLINGS = ("lhs", "sobol")

@@ -10,8 +10,8 @@ from typing import Protocol
 import numpy as np
 
 from chain_impact.kernel.status import OK, STATUS_NAME
-from chain_impact.recording.sweep.design import Design
 from chain_impact.scene.scene import Scene
+from chain_impact.study_data.sweep.design import Design
 
 Columns = dict[str, np.ndarray]
 END_COLUMN = "time"  # the column with the time [s] at which the run ended

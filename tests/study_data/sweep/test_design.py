@@ -6,7 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.recording.sweep.design import (
+from chain_impact.scene.errors import SceneError
+from chain_impact.scene.scene import load_scene
+from chain_impact.study_data.sweep.design import (
     CUBE,
     MOST_CELLS,
     MOST_SOBOL,
@@ -14,9 +16,7 @@ from chain_impact.recording.sweep.design import (
     grid_design,
     sampled_design,
 )
-from chain_impact.recording.sweep.variation import variations_of
-from chain_impact.scene.errors import SceneError
-from chain_impact.scene.scene import load_scene
+from chain_impact.study_data.sweep.variation import variations_of
 
 SCENE = load_scene("four_link_box")
 INTERVALS = {"contact.restitution": "0.2:0.8", "contact.stiffness": "1e6:1e9:log"}

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.recording.sweep.variation import sweepable_variables, variations_of
 from chain_impact.scene.errors import SceneError, SceneWarning
 from chain_impact.scene.scene import load_scene
+from chain_impact.study_data.sweep.variation import sweepable_variables, variations_of
 
 SCENE = load_scene("four_link_box")
 
