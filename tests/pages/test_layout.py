@@ -271,7 +271,10 @@ def test_the_sentence_on_an_impact_stays_within_its_card(show, model):
     go_to(page, 0.5)
     assert page.locator("#contact-name").evaluate(whole)
     page = show(model, viewport=PHONE, has_touch=True)
-    go_to(page, 0.5)
+    heights = {
+        page.locator("#clock").bounding_box()["height"] for time in (0.0, 0.5) if go_to(page, time) == time
+    }
+    assert len(heights) == 1, "the drawing does not move"
     for sentence in ("#contact-name", "#caption"):
         assert page.locator(sentence).evaluate(whole), f"no word of {sentence} is cut"
     stage, caption = (page.locator(name).bounding_box() for name in ("#stage", "#caption"))

@@ -232,3 +232,9 @@ export function impactText({ impacts }, contact, time) {
   const since = time > impactEnd && time <= end ? `, in contact since ${fixed(onset, 3)}\u202fs` : "";
   return `${isNext ? "Next is impact" : "Impact"} ${number} of ${impacts.length}${since}: ${parts.join("")}`;
 }
+
+/** Return the longest text that `impactText` has for an impact of a recording; "" without impacts. */
+export function longestImpactText(recording) {
+  const texts = recording.impacts.map((impact) => impactText(recording, impact, Math.min(impact.end, recording.end)));
+  return texts.reduce((longest, text) => (text.length > longest.length ? text : longest), "");
+}

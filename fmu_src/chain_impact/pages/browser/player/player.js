@@ -10,7 +10,7 @@ import { Clock } from "./clock.js";
 import { connect } from "./controls.js";
 import { enlargeable } from "./enlarged_cards.js";
 import { connectFades, connectFolding } from "./folding.js";
-import { ImpactList, impactText } from "./impact_list.js";
+import { ImpactList, impactText, longestImpactText } from "./impact_list.js";
 import { Zoom } from "./zoom.js";
 
 // [s] Longest time on the screen by which one frame of the browser advances the motion. After a longer pause of the browser, the motion
@@ -68,6 +68,7 @@ export class Player {
     this.clock.show(recording);
     this.showControls();
     byId("subtitle").textContent = subtitle(recording);
+    byId("caption-room").dataset.longest = longestImpactText(recording);
     if (first) this.#begin();
     else this.drawSoon();
   }

@@ -10,7 +10,7 @@ import { POINTS, valuesAt } from "./map_rows.js";
 import { quantityOf, scaledTo } from "./map_scales.js";
 
 const BY_FINGER = "Tap a run to read it, and once more to open it.";
-const BY_MOUSE = "Point at a run to read it, and click to open it; or use the arrow keys and Enter.";
+const BY_MOUSE = "Point at a run to read it, click to open it; or arrow keys, Enter.";
 
 /**
  * Return sentences on a map: how many runs it has, what its marks mean, and how the reader opens a run. `limitField`: the field of the
@@ -26,7 +26,7 @@ export function doneText(shown, limitField, { hasRing, hasSteps, isOfPresent }) 
   const summary = points === POINTS
     ? `${points * points} runs in ${seconds.toPrecision(2)} s${grey}.`
     : `A preview of ${points}\u00a0×\u00a0${points} runs. Press Simulate for ${POINTS}\u00a0×\u00a0${POINTS}: a preview can miss jumps.`;
-  const jumps = areJumping(shown) ? " Neighbouring runs jump, so a single run is not representative." : "";
+  const jumps = areJumping(shown) ? " Neighbouring runs jump: a single run is not representative." : "";
   const ring = hasRing ? " The ring is the present run." : "";
   const inputs = hasSteps ? " Inputs keep their start values." : "";
   const others = hasSteps || isOfPresent ? ring : " Other parameters have changed since then.";
