@@ -57,7 +57,7 @@ SHARED_PROCESS = {
 def pytest_collection():
     """Collect without the collector of garbage, which later runs rarely, and ignores the objects made here.
 
-    If a test needs matplotlib, it is imported now, and keeps the layouts of texts.
+    If a test needs matplotlib, it is imported now, and keeps the layouts of texts and the ticks of axes.
     """
     gc.disable()
     try:
@@ -68,8 +68,10 @@ def pytest_collection():
         gc.enable()
         if "matplotlib.text" in sys.modules:
             from tests.helpers.tools.text_layouts import keep_layouts
+            from tests.helpers.tools.tick_layouts import keep_ticks
 
             keep_layouts()
+            keep_ticks()
 
 
 @pytest.hookimpl(wrapper=True)

@@ -5,7 +5,7 @@
 - ``shared``: files that all workers of a session share; ``sources``: whether the sources are installed
 - ``binaries``: symbols and libraries of a shared library; ``registers``: floating-point registers;
   ``processors``: marks of tests that need a processor
-- ``text_layouts``: layouts of the texts of pictures, which are computed once
+- ``text_layouts``, ``tick_layouts``: layouts of texts, and ticks of axes, which are computed once
 - ``page_data``: the data inside a page; ``refusal``: the message of an error; ``reprs``: the size of a repr
 - ``measurements``: results with noise, as measurements for fits
 - ``planted_faults``: faults of FMUs, and FMUs that contain them

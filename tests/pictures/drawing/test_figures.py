@@ -1,5 +1,7 @@
 """The height that a figure needs."""
 
+# Tests: pictures/drawing/axis_labels.py
+
 import pytest
 
 from chain_impact.pictures.drawing.figures import fitting_figure, least_figure
@@ -17,6 +19,31 @@ def test_the_least_height_is_found_by_bisection(lines):
     assert least == min(height for height in heights if height >= least)
     assert max(height for height in heights if height < least) == least - 0.25
     assert len(heights) <= 6  # 39 heights, halved
+
+
+def test_a_height_at_which_only_texts_overlap_is_exceeded_in_small_steps():
+    heights = []
+
+    def fill(figure):
+        heights.append(float(figure.get_figheight()))
+        for row, place in ((0.01, "bottom"), (0.99, "top")):
+            figure.text(0.5, row, "\n".join("x" * 6), fontsize=12, va=place)
+
+    assert least_figure(fill, 4.0, 0.5, lacking=1.2).get_figheight() == 2.5
+    assert heights == [1.75, 2.0, 2.5, 2.25]
+
+
+def test_a_figure_as_high_as_a_page_is_drawn_once_for_usual_and_low_axes():
+    heights = []
+
+    def fill(figure):
+        heights.append(float(figure.get_figheight()))
+        for axes in figure.subplots(6, 1):
+            axes.set(ylabel="y")
+
+    figure = fitting_figure(fill, 4.0, (4.0, 9.0))
+    assert heights == [figure.get_figheight()]
+    assert 0.7 < sum(axes.bbox.height / figure.dpi for axes in figure.axes) / 6 < 1.0
 
 
 @pytest.mark.parametrize("panels", [4, 7])

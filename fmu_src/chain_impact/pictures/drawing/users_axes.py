@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
+from chain_impact.pictures.drawing.axis_labels import break_labels
 from chain_impact.pictures.drawing.dark_ground import Ground, is_dark
-from chain_impact.pictures.drawing.figures import break_labels
 from chain_impact.pictures.drawing.legends import fit_legends
 from chain_impact.pictures.drawing.style import COLOURS, drawing_style
 
