@@ -1,5 +1,6 @@
 """The benchmarks fit the present package, as far as a test without running them can show."""
 
+import functools
 import importlib
 import json
 import math
@@ -60,10 +61,16 @@ def message(module, record):
     return page.get_suptitle() or page.texts[0].get_text(), page
 
 
+@pytest.fixture(scope="module")
+def drawn(charts):
+    """Return a function that returns ``message`` of the stored figures of a benchmark, which is drawn once."""
+    return functools.cache(lambda name: message(charts(name), stored(name)))
+
+
 @pytest.mark.full("needs compilers")
 @pytest.mark.parametrize("name", ["work_precision", "stability", "fidelity", "friction", "rest"])
-def test_a_chart_is_drawn_with_its_quantities_above_and_figures_below(charts, name):
-    title, page = message(charts(name), stored(name))
+def test_a_chart_is_drawn_with_its_quantities_above_and_figures_below(drawn, name):
+    title, page = drawn(name)
     assert len(title) < 100
     assert title.startswith("chain-impact")
     assert page.get_figwidth() == pytest.approx(190.0 / 25.4), "a printed page is so wide"
@@ -97,8 +104,8 @@ def test_an_error_is_compared_with_that_of_the_loosest_run(charts):
     assert race.seconds_at(5e-2, rows) == pytest.approx(race.seconds_at(1e-3, rows))
 
 
-def test_both_panels_of_the_errors_of_models_have_the_same_limits(charts):
-    _, page = message(charts("fidelity"), stored("fidelity"))
+def test_both_panels_of_the_errors_of_models_have_the_same_limits(drawn):
+    _, page = drawn("fidelity")
     (first, strip, second, _), time = page.axes, "CPU time [ms]"
     assert len({axes.get_ylim() for axes in page.axes}) == 1
     assert [axes.get_xlabel() for axes in (first, second)] == [time] * 2
@@ -110,8 +117,8 @@ def test_both_panels_of_the_errors_of_models_have_the_same_limits(charts):
     assert "right" not in " ".join(text.get_text() for text in page.texts)
 
 
-def test_methods_that_complete_more_runs_come_first(charts):
-    _, page = message(charts("stability"), stored("stability"))
+def test_methods_that_complete_more_runs_come_first(drawn):
+    _, page = drawn("stability")
     titles = [axes.get_title() for axes in page.axes if ": " in axes.get_title()]
     done = [int(title.rpartition(" ")[2]) for title in titles if not title.startswith("chain-impact")]
     assert done == sorted(done, reverse=True)
@@ -133,9 +140,9 @@ def test_a_peer_without_a_time_is_a_gap(charts):
     assert module.headline([]) == ("", "")
 
 
-def test_the_title_of_the_speeds_has_one_contender_at_one_tolerance(charts):
+def test_the_title_of_the_speeds_has_one_contender_at_one_tolerance(charts, drawn):
     module, record = charts("work_precision"), stored("work_precision")
-    title, page = message(module, record)
+    title, page = drawn("work_precision")
     low, high = map(float, re.search(r"is ([\d.]+) to ([\d.]+) times as fast as CVODE", title).groups())
     times = [
         row["times as long"]
@@ -151,16 +158,16 @@ def test_the_title_of_the_speeds_has_one_contender_at_one_tolerance(charts):
     assert all(f"{name} {min(factors[name]):.2g}" in told for name in others if "FMU" not in name)
 
 
-def test_the_title_of_a_chain_at_rest_does_not_mix_methods(charts):
+def test_the_title_of_a_chain_at_rest_does_not_mix_methods(charts, drawn):
     module, record = charts("rest"), stored("rest")
-    title, _ = message(module, record)
+    title, _ = drawn("rest")
     ratios = [row[module.CAREFUL]["time / ours"]["median"] for row in record["results"]]
     ends = " to ".join(f"{charts('common').rounded(end(ratios), 2):g}" for end in (min, max))
     assert f"is {ends} times as fast as CVODE BDF" in title
 
 
-def test_the_title_of_the_map_names_the_methods_that_complete_all_runs(charts):
-    title, page = message(charts("stability"), stored("stability"))
+def test_the_title_of_the_map_names_the_methods_that_complete_all_runs(drawn):
+    title, page = drawn("stability")
     assert "as do CVODE BDF and SciPy LSODA; others complete 12 to 70" in title.replace("\n", " ")
     assert "over budget (2 s)" in [text.get_text() for text in page.legends[0].get_texts()]
 
@@ -187,8 +194,8 @@ def test_a_curve_without_a_free_place_has_a_key_below_the_panels(charts):
 
 
 @pytest.mark.parametrize("name", ["work_precision", "friction", "rest"])
-def test_each_curve_has_its_name_once_beside_it(charts, name):
-    _, page = message(charts(name), stored(name))
+def test_each_curve_has_its_name_once_beside_it(charts, drawn, name):
+    _, page = drawn(name)
     panels = [axes for axes in page.axes if axes.lines]
     curves = {line.get_label(): line for axes in panels for line in axes.lines}
     names = [text for axes in panels for text in axes.texts if text.get_text() in curves]

@@ -61,13 +61,12 @@ def impacts(frequency, count):
 
         def motion(s, time=time, a=a, b=b):
             at, turn = omega * (time + s), own * s
-            place = steady * math.cos(at) + a * math.cos(turn) + b * math.sin(turn)
-            rate = -steady * omega * math.sin(at) + own * (b * math.cos(turn) - a * math.sin(turn))
+            place = steady * np.cos(at) + a * np.cos(turn) + b * np.sin(turn)
+            rate = -steady * omega * np.sin(at) + own * (b * np.cos(turn) - a * np.sin(turn))
             return place, rate
 
-        s = 1e-4
-        while motion(s)[0] > 0.0:
-            s += 1e-4
+        steps = 1e-4 * np.arange(1, 10_000)  # s
+        s = steps[np.argmax(motion(steps)[0] <= 0.0)]
         for _ in range(8):
             place, rate = motion(s)
             s -= place / rate

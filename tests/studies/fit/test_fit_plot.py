@@ -29,8 +29,20 @@ def found():
     return fit(scene(), [[columns, impacts(result, ["onset"])]], FREE, sigma=SIGMA)
 
 
-def test_data_model_residuals_and_impacts(found):
-    axes = found.plot().axes
+@pytest.fixture(scope="module")
+def usual(found):
+    """Return the picture of the usual size."""
+    return found.plot()
+
+
+@pytest.fixture(scope="module")
+def narrow(found):
+    """Return the picture in a column of a journal."""
+    return found.plot(size=(84 / 25.4, None))
+
+
+def test_data_model_residuals_and_impacts(found, usual):
+    axes = usual.axes
     assert [panel.get_ylabel().split(" ")[0] for panel in axes[::2]] == [*TIP, "onset"]
     values, rest = axes[:2]
     curve, points = values.get_lines()
@@ -72,23 +84,21 @@ def test_panels_have_rooms_of_their_own(count):
     assert count == len(TIP) or places[-1].width < 0.8 * places[0].width  # the panel of impacts
 
 
-def test_the_headline_has_what_was_found(found):
-    page = found.plot()
-    title = page.get_suptitle().replace("\n", " ")
+def test_the_headline_has_what_was_found(found, usual, narrow):
+    title = usual.get_suptitle().replace("\n", " ")
     name = max(FREE, key=lambda label: found.standard_errors[label] / abs(found.values[label]))
     value, error = re.search(rf"{re.escape(name)} (\S+).*? ± (\S+)", title).groups()
     assert float(value) == pytest.approx(found.values[name], abs=found.standard_errors[name])
     assert float(error) > 0.0
     assert title.endswith(f"least certain of {len(FREE)}")
-    narrow_title = found.plot(size=(84 / 25.4, None)).get_suptitle().replace("\n", " ")
-    assert narrow_title == title
-    told = "\n".join(text.get_text() for text in page.texts).replace("\n", " ")
+    assert narrow.get_suptitle().replace("\n", " ") == title
+    told = "\n".join(text.get_text() for text in usual.texts).replace("\n", " ")
     assert all(name in title + told for name in FREE)
     rms, most = re.search(r"rms residual (\S+) σ\s.*?correlation (\S+) of", told).groups()
     assert float(rms) == pytest.approx(np.sqrt(np.mean((found.residuals / found.sigma) ** 2)), rel=1e-2)
     pairs = found.correlation[~np.eye(len(FREE), dtype=bool)]
     assert abs(float(most.replace("−", "-"))) == pytest.approx(np.abs(pairs).max(), abs=0.01)
-    legends = [axes.get_legend() for axes in page.axes[::2] if axes.get_legend()]
+    legends = [axes.get_legend() for axes in usual.axes[::2] if axes.get_legend()]
     keys = [text.get_text() for legend in legends for text in legend.get_texts()]
     assert keys.count("mean of Δ") == told.count("grey lines: impacts") == 1
 
@@ -101,8 +111,8 @@ def test_a_picture_with_an_estimated_sigma_does_not_tell_its_size():
     assert "χ²" not in told
 
 
-def test_a_value_and_its_error_have_the_same_decimals(found):
-    told = " ".join(text.get_text() for text in found.plot().texts).replace("\n", " ")
+def test_a_value_and_its_error_have_the_same_decimals(found, usual):
+    told = " ".join(text.get_text() for text in usual.texts).replace("\n", " ")
     value, error = re.search(r"contact\.restitution ([\d.]+) ± ([\d.]+)", told).groups()
     assert len(value.partition(".")[2]) == len(error.partition(".")[2])
     assert float(error) == pytest.approx(found.standard_errors["contact.restitution"], rel=0.05)
@@ -159,12 +169,11 @@ def test_a_narrow_page_has_one_column(found):
         found.plot(size=(1.0, 1.0))
 
 
-def test_a_narrow_picture_has_all_estimates_below_its_headline(found):
-    page = found.plot(size=(84 / 25.4, None))
-    told = [text.get_text() for text in page.texts[1 : len(FREE)]]
+def test_a_narrow_picture_has_all_estimates_below_its_headline(found, usual, narrow):
+    told = [text.get_text() for text in narrow.texts[1 : len(FREE)]]
     assert [text.split()[0] for text in told] == [n for n in found.values if n != least_certain_of(found)]
     # each axis of time with numbers has a name; only an axis above one of the same width can lack both
-    for each in (page, found.plot()):
+    for each in (narrow, usual):
         for axes in each.axes[1::2]:
             assert bool(axes.get_xlabel()) == axes.xaxis.get_tick_params()["labelbottom"]
             same = [
@@ -191,8 +200,8 @@ def test_the_first_panel_of_a_narrow_page_explains_the_curve_and_the_dots(found,
     assert means.get_color() not in (points.get_color(), curve.get_color())
 
 
-def test_three_panels_and_parameters_have_room_in_a_column_of_a_journal(found):
-    assert found.plot(size=(84 / 25.4, None)).get_figheight() * 25.4 <= 185.0
+def test_three_panels_and_parameters_have_room_in_a_column_of_a_journal(narrow):
+    assert narrow.get_figheight() * 25.4 <= 185.0
 
 
 def test_the_picture_of_a_fit_is_written_to_a_file(found, tmp_path):
@@ -253,9 +262,9 @@ def test_means_of_several_data_sets_have_a_key_or_a_note(count, told):
         assert legend.legend_handles[-1].get_color() == INK
 
 
-def test_correlated_residuals_are_told_in_the_picture(found):
+def test_correlated_residuals_are_told_in_the_picture(found, usual):
     told = "neighbouring residuals of"
-    assert not any(told in text.get_text() for text in found.plot().texts)
+    assert not any(told in text.get_text() for text in usual.texts)
     waves = found.residuals + 3.0 * NOISE * np.sin(0.1 * np.arange(len(found.residuals)))
     page = replace(found, residuals=waves).plot()
     said = "\n".join(text.get_text() for text in page.texts).replace("\n", " ")
