@@ -37,7 +37,7 @@ def pytest_configure(config):
     # an importer unpacks an FMU into a temporary folder, and does not always delete the folder
     os.environ["TMPDIR"] = tempfile.tempdir = folder
     if sys.dont_write_bytecode:
-        # Keep bytecode although the environment turns this off, because the tests start Python often. It stays
+        # Keep bytecode although the environment turns this off, because tests start Python often. It stays
         # for the next session, as half of the time of collecting tests is that of their bytecode.
         os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
         bytecode = config.rootpath / ".pytest_cache" / "bytecode"

@@ -63,7 +63,7 @@ def message(module, record):
 
 @pytest.fixture(scope="module")
 def drawn(charts):
-    """Return a function that returns ``message`` of the stored figures of a benchmark, which is drawn once."""
+    """Return a function that returns ``message`` of the stored figures of a benchmark, drawn once."""
     return functools.cache(lambda name: message(charts(name), stored(name)))
 
 

@@ -170,11 +170,11 @@ def figure_at_least(
         NoRoomError: when no tried height is enough.
     """
     figure = StyledFigure(figsize=(width, height), dpi=DPI, free_height=True)
-    *others, lacking = lacking_heights(draw_contents, figure, means)
-    if min(*others, lacking, math.inf) <= 0.0:
+    lacks = lacking_heights(draw_contents, figure, means)
+    if min(lacks) <= 0.0:
         return figure
     return least_figure(
-        draw_contents, width, height, means[-1], lacking, most_height=most_height, free_height=True
+        draw_contents, width, height, means[-1], lacks[-1], most_height=most_height, free_height=True
     )
 
 
