@@ -13,4 +13,4 @@ def compiling(monkeypatch):
         return cached(*arguments)
 
     monkeypatch.setattr(kernels, "kernel_library", kernel_library)
-    monkeypatch.setattr(kernels, "_kernels", {})
+    monkeypatch.setattr(kernels, "loaded_kernels", {})

@@ -87,7 +87,7 @@ def test_a_kernel_that_does_not_compile(run, here, monkeypatch):
         raise BuildError("could not compile the kernel: zig cc said:\nld: out of memory")
 
     monkeypatch.setattr(kernels, "kernel_library", kernel_library)
-    monkeypatch.setattr(kernels, "_kernels", {})
+    monkeypatch.setattr(kernels, "loaded_kernels", {})
     monkeypatch.setattr("chain_impact.fmu.build.kernel_library", kernel_library)
     for verb in ("build", "simulate"):
         code, _, said = run(verb)

@@ -286,7 +286,7 @@ def test_a_scene_says_when_it_has_to_compile(monkeypatch, caplog):
 
     caplog.set_level("INFO", "chain_impact")
     monkeypatch.setattr(kernels, "kernel_library", kernel_library)
-    monkeypatch.setattr(kernels, "_kernels", {})
+    monkeypatch.setattr(kernels, "loaded_kernels", {})
     with pytest.raises(BuildError, match="out of luck"):
         simulate(load_scene("rod_drop"))
     assert caplog.messages == ["compiling (about 17 s, then kept)"]

@@ -15,7 +15,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.variables.indices import HEAD_WORDS
 from chain_impact.variables.prepared import kernel_scope
 
-_kernels: dict[tuple[KernelScope, bool, str | None], ctypes.CDLL] = {}
+loaded_kernels: dict[tuple[KernelScope, bool, str | None], ctypes.CDLL] = {}
 """Loaded kernels without a user's law: (scope, with derivatives, ``CHAIN_IMPACT_CACHE`` or None) → kernel."""
 
 
@@ -34,11 +34,11 @@ def kernel_for(scene: Scene, *, derivatives: bool, scope: KernelScope | None = N
     scope, law = kernel_scope(scene) if scope is None else scope, scene.contact.law_file
     # a change of the cache folder makes another key, so that the kernel is loaded from that folder
     key = (scope, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
-    if not law and key in _kernels:
-        return _kernels[key]
+    if not law and key in loaded_kernels:
+        return loaded_kernels[key]
     kernel = load_kernel(kernel_library(scope, law_file=law, derivatives=derivatives))
     if not law:
-        _kernels[key] = kernel
+        loaded_kernels[key] = kernel
     return kernel
 
 
