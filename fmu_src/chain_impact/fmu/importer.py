@@ -147,8 +147,8 @@ def load_fmu(description: Any, folder: str) -> Any:
     }
     is_stepped = modes is description.coSimulation
     if not is_fmi_2(description.fmiVersion):
-        return _keep_working_folder(fmi3.FMU3Slave if is_stepped else fmi3.FMU3Model)(**instance_names)
-    return _keep_working_folder(fmi2.FMU2Slave if is_stepped else fmi2.FMU2Model)(**instance_names)
+        return keep_working_folder(fmi3.FMU3Slave if is_stepped else fmi3.FMU3Model)(**instance_names)
+    return keep_working_folder(fmi2.FMU2Slave if is_stepped else fmi2.FMU2Model)(**instance_names)
 
 
 def instantiate(fmu: Any) -> None:
@@ -191,15 +191,17 @@ def _callbacks() -> Any:
 
 
 @cache
-def _keep_working_folder(kind: type) -> type:
+def keep_working_folder(kind: type) -> type:
     """Return a subclass of ``kind``, a class of fmpy's instances, that does not change the working folder.
 
     fmpy's constructor changes the working folder of the whole process to load the library, and does not
     restore it after an error. The returned class runs the same code with an ``os`` whose ``chdir`` does
-    nothing.
+    nothing. If the constructor does not change the folder, the class is returned as it is.
     """
     base = kind.__mro__[-2]  # the class from which all of fmpy's classes of instances inherit
     fmpys: Any = base.__init__  # type: ignore[misc]
+    if "chdir" not in fmpys.__code__.co_names:
+        return kind
     still_os = SimpleNamespace(**{**vars(os), "chdir": lambda _folder: None})
     load = FunctionType(fmpys.__code__, {**fmpys.__globals__, "os": still_os}, "__init__", fmpys.__defaults__)
     return type(kind.__name__, (kind, type("InPlace", (base,), {"__init__": load})), {})
