@@ -26,7 +26,7 @@ def film_of(scene):
 
 
 @pytest.mark.parametrize(
-    "model", ["stick_slip_belt", pytest.param("shaken_pendulum", marks=pytest.mark.full)]
+    "model", ["stick_slip_belt", pytest.param("shaken_pendulum", marks=pytest.mark.full("more cases"))]
 )
 def test_labels_of_charts_are_right_of_the_chain_and_within_the_film(model):
     figure, film = film_of(model)
