@@ -45,6 +45,7 @@ from chain_impact.recording.pacing import SLOW_RATE, TAIL, rate_text
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import film_view, pin_lines, positions_of, radius_of
 from chain_impact.scene.display.bodies import placed_corners
+from chain_impact.scene.half_planes import HalfPlane
 
 MUTED = "#566076"
 SHOWN_TIMES = 24  # the number of colours of time in a gif
@@ -114,7 +115,7 @@ class Film:
         self.rate = figure.text(*layout.rate, "", fontsize=10, **artist_style)
         listed_times = times if self.tells_energies else times[:0]
         self.caption = Caption(figure, layout.caption, recording, listed_times)
-        self._draw_ground(*framing)
+        self.side = self._draw_ground(*framing)
         self.cursors, self.peak_names = (
             draw_charts(figure, recording, times, self.caption.lowest, layout.wider)
             if self.tells_energies
@@ -170,9 +171,9 @@ class Film:
         """Return vectors at the times of the frames, shape (F, 2), interpolated between rows, (T, 2)."""
         return np.stack([np.interp(self.times, self.recording.time, part) for part in vectors.T], axis=-1)
 
-    def _draw_ground(self, view: np.ndarray, anchor: np.ndarray) -> None:
+    def _draw_ground(self, view: np.ndarray, anchor: np.ndarray) -> float:
+        """Draw walls, rail, pin and ruler in a view; return the length [m] of the view's shorter side."""
         pinned = self.recording.pinned
-        self.side = float(min(np.ptp(view, axis=0)))
         # the axes have equal scales along x and y, so they also show room beside, above or below the view
         room, size = self.scene.get_window_extent().size, np.ptp(view, axis=0)
         seen_size = room * (size / room).max()
@@ -190,6 +191,7 @@ class Film:
         for artist in self.room if self.room_moves else ():
             artist.set_animated(True)
         draw_scale_bar(self.scene, SCALE, MUTED)
+        return float(min(np.ptp(view, axis=0)))
 
     def _draw_room(self, frame: int) -> list[Artist]:
         walls = list(self.recording.walls_at(float(self.times[frame])).values())
@@ -218,8 +220,8 @@ class Film:
         time, positions = self.times[frame], self.points[frame]
         points = positions[: self.recording.link_count + 1]
         passed_rows = np.searchsorted(self.trace_times, time, side="right")
-        self.traced = np.append(self.path[:passed_rows], points[-1:], axis=0)
-        self.trace.set_segments(list(np.stack([self.traced[:-1], self.traced[1:]], axis=1)))
+        tip_path = np.append(self.path[:passed_rows], points[-1:], axis=0)
+        self.trace.set_segments(list(np.stack([tip_path[:-1], tip_path[1:]], axis=1)))
         self.trace.set_color(self.trace_colours[:passed_rows])
         self._show_tail(time)
         self._colour_chain(time)
@@ -241,7 +243,7 @@ class Film:
         yield from self._moved_room(frame)
         yield from (self.trace, self.tail, *self.rings.show(time), *self.patches, self.ranges)
         yield from (self.chain, self.sites, self.joints, self.tip)
-        yield from self._forces(frame)
+        yield from self._forces(frame, tip_path)
         yield from (self.clock, self.rate, self.caption.text)
         for veil, cursor in zip(self.veils, self.cursors, strict=True):
             cursor.set_xdata([time, time])
@@ -275,8 +277,8 @@ class Film:
         self.tail.set_alpha(list(np.linspace(0.0, 1.0, TAIL_PARTS)))
         self.tail.set_linewidth(list(np.linspace(0.5, 2.2, TAIL_PARTS)))
 
-    def _forces(self, frame: int) -> Iterator[Artist]:
-        """Draw and yield the forces in a frame.
+    def _forces(self, frame: int, tip_path: np.ndarray) -> Iterator[Artist]:
+        """Draw and yield the forces in a frame; numbers keep off the path of the tip, shape (P, 2) [m].
 
         A force has an arrow, and a contact that sticks a bar along the wall. A moment at a stop of a joint
         has a mark, and so has a joint or slider that sticks. If there is room, numbers tell the forces at
@@ -287,16 +289,15 @@ class Film:
         self.moving_artists.clear()
         self.numbers.clear()
         self.arrows.clear()
-        self.plane = self.recording.sides_at(float(self.times[frame]))
+        planes = self.recording.sides_at(float(self.times[frame]))
         for interaction in self.interactions:
             force = 0.0 if interaction.force is None else self._value_at(interaction.force, frame)
             is_stuck = interaction.sticking is not None and interaction.sticking[self.rows[frame]] > 0.0
-            if interaction.wall in self.plane and force > 0.0:
+            if interaction.wall in planes and force > 0.0:
                 course = interaction.friction
                 friction = 0.0 if course is None else self._value_at(course, frame)
-                self._add_contact(
-                    self.points[frame, interaction.point], interaction.wall, (force, friction), is_stuck
-                )
+                point, plane = self.points[frame, interaction.point], planes[interaction.wall]
+                self._add_contact(point, plane, (force, friction), is_stuck)
             elif interaction.kind == FRICTION and is_stuck:
                 joint = self.points[frame, max(interaction.point - 1, 0)]
                 self._add_line(joint, "o", markeredgecolor=INK, markersize=7)
@@ -307,7 +308,7 @@ class Film:
                 self.numbers.append(Number(force, force_text(force, "N·m"), mark, tangent, FORCE))
         self._add_loads(frame)
         numbers = without_equals(self.numbers)
-        self.moving_artists += write_numbers(self.scene, numbers, self._outlines(frame), self.traced)
+        self.moving_artists += write_numbers(self.scene, numbers, self._outlines(frame), tip_path)
         if self.ground:
             self.ground.suit(self.moving_artists)
         yield from self.moving_artists
@@ -332,16 +333,17 @@ class Film:
     def _value_at(self, column: np.ndarray, frame: int) -> float:
         return float(np.interp(self.times[frame], self.recording.time, column))
 
-    def _add_contact(self, point: np.ndarray, wall: str, force: tuple[float, float], is_stuck: bool) -> None:
+    def _add_contact(
+        self, point: np.ndarray, plane: HalfPlane, force: tuple[float, float], is_stuck: bool
+    ) -> None:
         """Add the arrow of the contact force on a point; if the contact sticks, also a bar along the wall.
 
         Args:
             point: position of the point [m].
-            wall: name of the wall.
+            plane: the free side of the wall.
             force: the normal and the tangential part of the force [N], along the wall's normal and tangent.
             is_stuck: whether the contact sticks.
         """
-        plane = self.plane[wall]
         normal = np.array(plane.normal)
         tangent = np.array([normal[1], -normal[0]])
         foot, force_size = point - plane.clearance(*point) * normal, float(np.hypot(*force))
