@@ -53,6 +53,13 @@ def test_a_recording_plays_on_its_own_and_pauses(show_recording):
     assert time_after(page, 100) > stopped
 
 
+def test_a_page_that_is_paused_asks_for_no_frames(show_recording):
+    page, frames_in = show_recording(), function_of("playback", "framesIn")
+    assert page.evaluate(frames_in, 300) == 0
+    page.get_by_role("button", name="Play").click()
+    assert page.evaluate(frames_in, 1000) > 2
+
+
 def test_a_page_starts_paused_and_its_clock_keeps_its_rate(show_recording):
     """In 1/3 s the clock passes less than 3 ms at an impact; without slow motion 1/3 s, or twice as long."""
     page = show_recording(stopped=True)

@@ -8,3 +8,17 @@ export const longList = (count) => {
   new ImpactList(element, () => {}).show({ impacts, frameAt: () => 0, pointAt: () => [0, 0] });
   return [element.querySelectorAll("tbody tr").length, element.lastChild.textContent];
 };
+
+/** Return how many frames a page asks for in a time [ms]. */
+export const framesIn = (time) => new Promise((done) => {
+  const ask = window.requestAnimationFrame;
+  let count = 0;
+  window.requestAnimationFrame = (draw) => {
+    count += 1;
+    return ask(draw);
+  };
+  setTimeout(() => {
+    window.requestAnimationFrame = ask;
+    done(count);
+  }, time);
+});

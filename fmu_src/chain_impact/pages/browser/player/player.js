@@ -77,14 +77,6 @@ export class Player {
     this.fit();
     performance.mark("first-frame");
     this.clock.set({ playing: !matchMedia("(prefers-reduced-motion: reduce)").matches });
-    requestAnimationFrame((now) => this.#tick(now));
-  }
-
-  #tick(now) {
-    const seconds = (now - (this.#lastTick ?? now)) / 1000;
-    if (this.clock.playing) this.clock.advance(Math.min(seconds, LONGEST_FRAME));
-    this.#lastTick = now;
-    requestAnimationFrame((next) => this.#tick(next));
   }
 
   /** Fit the drawing to its place on the page, and draw at once, so that no frame of the browser shows it with its old size. */
@@ -95,13 +87,16 @@ export class Player {
     this.draw();
   }
 
-  /** Draw once before the browser next paints the page. */
+  /** Draw once before the browser next paints the page. A motion that plays then goes ahead, which asks for the next drawing. */
   drawSoon() {
     if (this.#isDrawingDue) return;
     this.#isDrawingDue = true;
-    requestAnimationFrame(() => {
+    requestAnimationFrame((now) => {
       this.#isDrawingDue = false;
       this.draw();
+      const { playing } = this.clock;
+      if (playing) this.clock.advance(Math.min((now - (this.#lastTick ?? now)) / 1000, LONGEST_FRAME));
+      this.#lastTick = playing ? now : undefined;
     });
   }
 
