@@ -9,15 +9,15 @@ const COORDINATES = 2_000_000; // largest number of coordinates of points in all
 const FEWEST_FRAMES = 200; // number of frames that a recording may have in any case
 
 /**
- * Return the impacts in the form of a `Recording`. An unknown `end` becomes `stop`, the end of the recording [s]. The peak force
+ * Return the impacts in the form of a `Recording`. An unknown `end` becomes `endTime`, the end of the recording [s]. The peak force
  * becomes null if it is 0, or if the largest penetration is 0, as at a rigid wall: the force of this wall only holds the point after the
  * impulse. `impactEnd` [s] is the time at which the slow motion of an impact ends: `end` or, in a long contact, an earlier time, which
  * follows from the largest penetration and the impact speed.
  */
-export function impactsUntil(impacts, stop) {
+export function impactsUntil(impacts, endTime) {
   return impacts.map((impact) => {
     const { onset, impact_speed, peak_force, max_penetration } = impact;
-    const end = impact.end ?? stop;
+    const end = impact.end ?? endTime;
     const lasting = (PACING.LONGEST_IMPACT * max_penetration) / Math.max(impact_speed, PACING.LEAST_SPEED);
     const hasForce = peak_force > 0 && max_penetration !== 0;
     return { ...impact, end, impactEnd: Math.min(end, onset + lasting), peak_force: hasForce ? peak_force : null };
@@ -25,13 +25,13 @@ export function impactsUntil(impacts, stop) {
 }
 
 /**
- * Return the simulated times [s] of the frames from `start` to `stop` [s], and the number of frames per second on the screen. `impactTime`:
+ * Return the simulated times [s] of the frames from `start` to `end` [s], and the number of frames per second on the screen. `impactTime`:
  * the time [s] that an impact in slow motion takes on the screen; `rate`: wanted frames per second, which are less if there would be too
  * many frames.
  */
-export function timesOf(impacts, start, stop, pointCount, impactTime, rate) {
+export function timesOf(impacts, start, end, pointCount, impactTime, rate) {
   const most = Math.min(PACING.MOST_FRAMES, Math.max(FEWEST_FRAMES, Math.floor(COORDINATES / (2 * pointCount))));
-  return frameTimes(start, stop, slowSpans(impacts), impactTime, most, rate);
+  return frameTimes(start, end, slowSpans(impacts), impactTime, most, rate);
 }
 
 /**

@@ -29,21 +29,21 @@ function interpolated(allX, nodes, values) {
 }
 
 /**
- * Return the simulated times [s] of the frames from `start` to `stop`, which have equal distances in time on the screen, and the number of
- * frames per second on the screen: about `rate`, or less if there would be more than `most` frames. `spans`: the slow impacts, from
+ * Return the simulated times [s] of the frames from `start` to `endTime`, which have equal distances in time on the screen, and the number
+ * of frames per second on the screen: about `rate`, or less if there would be more than `most` frames. `spans`: the slow impacts, from
  * `slowSpans`. On the screen, the first LONGEST_SLOW [s] of an impact in slow motion take about `impactTime` [s], or the impact's duration
  * if this is longer; an impact without duration takes less. With `impactTime` 0 nothing is slow.
  */
-export function frameTimes(start, stop, spans, impactTime, most, rate = PACING.FRAME_RATE) {
+export function frameTimes(start, endTime, spans, impactTime, most, rate = PACING.FRAME_RATE) {
   // an impact without a duration takes a small share, INSTANT, of `impactTime`
   const shown = impactTime > 0 ? spans.map(([a, b]) =>
     [a, Math.max(a + PACING.LEAST_DURATION, Math.min(b, a + PACING.LONGEST_SLOW)), b > a ? 1 : PACING.INSTANT]) : [];
-  const moments = between(start, stop, 2 + Math.min(Math.floor((stop - start) / PACING.FLIGHT_STEP), 2 * most));
+  const moments = between(start, endTime, 2 + Math.min(Math.floor((endTime - start) / PACING.FLIGHT_STEP), 2 * most));
   for (const [onset, end] of shown) {
     for (const near of PACING.RAMP_DISTANCES) moments.push(onset - PACING.SPEED_RAMP * near, end + PACING.SPEED_RAMP * near);
     for (const share of PACING.CONTACT_SHARES) moments.push(onset + (end - onset) * share);
   }
-  const clipped = Float64Array.from(moments, (time) => Math.min(Math.max(time, start), stop)).sort();
+  const clipped = Float64Array.from(moments, (time) => Math.min(Math.max(time, start), endTime)).sort();
   const grid = clipped.filter((time, k) => k === 0 || time > clipped[k - 1]);
   const slowness = grid.map((time) => 1 / shown.reduce((slowest, [onset, end, share]) => {
     const distance = Math.max(0, onset - time, time - end);
@@ -57,6 +57,6 @@ export function frameTimes(start, stop, spans, impactTime, most, rate = PACING.F
   const whole = screen[screen.length - 1];
   const count = Math.min(most, 2 + Math.floor(whole * rate));
   const times = interpolated(between(0, whole, count), screen, grid);
-  [times[0], times[count - 1]] = [start, stop];
+  [times[0], times[count - 1]] = [start, endTime];
   return { times: Float64Array.from(times), frameRate: (count - 1) / whole };
 }

@@ -12,10 +12,10 @@ function aligned(address) {
 }
 
 /** Return the times [s] of the rows of a result: multiples of the step from 0 on, below the stop time, and the stop time. */
-export function rowTimes(stop, step) {
-  const count = Math.ceil((stop / step) * (1 - SHARED.file.STEP_ROUND_OFF)) + 1;
+export function rowTimes(stopTime, step) {
+  const count = Math.ceil((stopTime / step) * (1 - SHARED.file.STEP_ROUND_OFF)) + 1;
   const times = Float64Array.from({ length: count }, (_, row) => row * step);
-  times[count - 1] = stop;
+  times[count - 1] = stopTime;
   return times;
 }
 

@@ -131,23 +131,23 @@ export function* motion(kernel, values, { curves = [], inputSteps = {} } = {}) {
     const parameter = kernel.parameters.get(name);
     return parameter && (values[name] ?? parameter.start);
   };
-  const stop = valueOf("simulation.stop_time");
+  const stopTime = valueOf("simulation.stop_time");
   const began = performance.now();
   const steps = stepsForKernel(kernel, inputSteps);
   const chosen = scene.columns.filter(({ name }) => curves.includes(name));
   const run = (number, times, outputs, timesPerCall) =>
     withProgress(kernel.run(values, times, outputs, { timesPerCall, inputSteps: steps }), number, 2);
 
-  const firstTimes = scene.driven.length || steps.length ? unevenTimes(stop, ROWS_OF_INPUTS) : rowTimes(stop, stop / PARTS);
+  const firstTimes = scene.driven.length || steps.length ? unevenTimes(stopTime, ROWS_OF_INPUTS) : rowTimes(stopTime, stopTime / PARTS);
   const first = yield* run(0, firstTimes, scene.driven, Math.ceil(firstTimes.length / PARTS));
   const spent = performance.now() - began;
   const { status, part, reached, statistics, impacts } = first;
-  const end = status === 0 ? stop : Math.min(reached, stop);
+  const end = status === 0 ? stopTime : Math.min(reached, stopTime);
   const ending = { status, part, reached, statistics, impacts, spent };
   if (first.time.length === 0 || !(end > 0)) return { ...ending, parts: null };
 
   const shown = impactsUntil(impactsOf(impacts.filter(({ onset }) => onset <= end), scene, valueOf), end);
-  const { times, frameRate } = timesOf(shown, 0, end, scene.drawn.points.length, PACING.IMPACT_TIME, frameRateOf(scene, valueOf, stop));
+  const { times, frameRate } = timesOf(shown, 0, end, scene.drawn.points.length, PACING.IMPACT_TIME, frameRateOf(scene, valueOf, stopTime));
   const words = drawnWords(scene);
   const { time, columns } = yield* run(1, withFurther(times, shown), [...words.map((word) => ({ word })), ...chosen]);
   if (time.length < 2) return { ...ending, parts: null };
@@ -171,25 +171,25 @@ export function stepsForKernel(kernel, inputSteps) {
 
 /** Return, in order, the `times` of frames [s] and, for curves, times at equal distances and times within the first impacts. */
 function withFurther(times, impacts) {
-  const [start, stop] = [times[0], times.at(-1)];
-  const even = Array.from({ length: EVEN_ROWS }, (_, k) => start + ((stop - start) * k) / EVEN_ROWS);
+  const [start, endTime] = [times[0], times.at(-1)];
+  const even = Array.from({ length: EVEN_ROWS }, (_, k) => start + ((endTime - start) * k) / EVEN_ROWS);
   const inside = impacts.slice(0, MOST_REFINED_IMPACTS).flatMap(({ onset, impactEnd, end }) =>
     [[onset, impactEnd], [impactEnd, end]].filter(([from, to]) => to > from).flatMap(([from, to]) =>
       Array.from({ length: TIMES_WITHIN_IMPACT }, (_, k) => from + ((to - from) * k) / (TIMES_WITHIN_IMPACT - 1))));
-  const long = impacts.slice(0, MOST_REFINED_IMPACTS).filter(({ onset, end }) => end - onset > LONG_CONTACT * (stop - start));
+  const long = impacts.slice(0, MOST_REFINED_IMPACTS).filter(({ onset, end }) => end - onset > LONG_CONTACT * (endTime - start));
   const early = long.flatMap(({ onset, end }) =>
     Array.from({ length: EARLY_TIMES }, (_, k) => onset + (end - onset) * EARLIEST_SHARE ** (1 - k / EARLY_TIMES)));
-  const all = Float64Array.from([...times, ...even, ...[...inside, ...early].filter((time) => time < stop)]).sort();
+  const all = Float64Array.from([...times, ...even, ...[...inside, ...early].filter((time) => time < endTime)]).sort();
   return all.filter((time, k) => k === 0 || time > all[k - 1]);
 }
 
 /**
- * Return the wanted frames per second on the screen: FRAME_RATE or, if the fastest sine that drives an input before the time `stop` needs
- * more, as many as this sine needs.
+ * Return the wanted frames per second on the screen: FRAME_RATE or, if the fastest sine that drives an input before `stopTime` needs more,
+ * as many as this sine needs.
  */
-function frameRateOf({ parameters }, valueOf, stop) {
+function frameRateOf({ parameters }, valueOf, stopTime) {
   const sines = parameters.filter(({ filePath }) => filePath?.[0] === "signals" && filePath[2] === "frequency").flatMap(({ name }) => {
-    const lasting = stop - (valueOf(name.replace(/frequency$/, "start")) ?? 0);
+    const lasting = stopTime - (valueOf(name.replace(/frequency$/, "start")) ?? 0);
     if (lasting <= 0 || valueOf(name.replace(/frequency$/, "amplitude")) === 0) return [];
     return [valueOf(name), valueOf(name) + lasting * valueOf(`${name}_rate`)].map(Math.abs);
   });
@@ -197,12 +197,12 @@ function frameRateOf({ parameters }, valueOf, stop) {
 }
 
 /**
- * Return `count` + 1 increasing times [s]: one at an uneven place in each of `count` equal intervals from 0 to `stop`, and `stop`. With
- * times at equal distances, a fast oscillation could look like a slow one, or like none.
+ * Return `count` + 1 increasing times [s]: one at an uneven place in each of `count` equal intervals from 0 to `stopTime`, and `stopTime`.
+ * With times at equal distances, a fast oscillation could look like a slow one, or like none.
  */
-function unevenTimes(stop, count) {
-  const times = Float64Array.from({ length: count + 1 }, (_, k) => ((k + ((k * GOLDEN) % 1)) * stop) / count);
-  times[count] = stop;
+function unevenTimes(stopTime, count) {
+  const times = Float64Array.from({ length: count + 1 }, (_, k) => ((k + ((k * GOLDEN) % 1)) * stopTime) / count);
+  times[count] = stopTime;
   return times;
 }
 

@@ -21,11 +21,11 @@ function pause() {
 function* rows(kernel, values, { names, inputSteps = {} }) {
   const outputs = kernel.scene.columns.filter(({ name }) => !names || names.includes(name));
   const time = (name) => values[name] ?? kernel.parameters.get(name).start;
-  const [stop, step] = [time("simulation.stop_time"), time("simulation.step_size")];
-  if (!(8 * (stop / step + 1) * (1 + outputs.length) <= MOST_BYTES)) {
+  const [stopTime, step] = [time("simulation.stop_time"), time("simulation.step_size")];
+  if (!(8 * (stopTime / step + 1) * (1 + outputs.length) <= MOST_BYTES)) {
     throw new RangeError("the table would be too large: choose longer steps, an earlier end or fewer outputs");
   }
-  const times = rowTimes(stop, step);
+  const times = rowTimes(stopTime, step);
   const result = yield* kernel.run(values, times, outputs, { inputSteps: stepsForKernel(kernel, inputSteps) });
   return { ...result, columns: Object.fromEntries(outputs.map(({ name }, k) => [name, result.columns[k]])) };
 }
