@@ -204,7 +204,7 @@ def test_the_page_shows_what_an_animation_shows(motions, scene):
     radius = radius_of(known)
     centre = ball_of(known)  # of a ball without a radius, the page shows the centre alone
     shown = known.points if centre is None or radius else known.points[:, [centre]]
-    view, anchor = film_view(shown, known.walls, radius, pinned=known.pinned)
+    view, anchor = film_view(shown, known.walls, radius, is_pinned=known.pinned)
     size = np.ptp(view, axis=0).max()
     np.testing.assert_allclose(found["view"], view, atol=0.01 * size)
     assert found["anchor"] == anchor.tolist()

@@ -169,7 +169,7 @@ def test_the_view_of_a_motion(script, seed):
     corners = chance.normal(0.0, 0.2, (4, 2)) if chance.random() < 0.3 and not pinned else np.zeros((0, 2))
     places = np.concatenate([points, points[:, :1] + corners], axis=1)
     found = script.evaluate(VIEW, [points.tolist(), free_sides(walls), radius, pinned, corners.tolist()])
-    view, anchor = film_view(places, walls, radius, pinned=pinned)
+    view, anchor = film_view(places, walls, radius, is_pinned=pinned)
     close(found["view"], view, size=10.0)
     assert found["anchor"] == anchor.tolist()
     lines = pin_lines(points) if pinned else []
@@ -242,7 +242,7 @@ def test_the_page_of_a_recording_shows_the_frames_and_the_view_of_a_film(script,
     points = np.stack([found["x"], found["y"]], axis=-1).reshape(len(times), -1, 2)
     known = [[np.interp(times, result.time, column) for column in rows] for rows in result.all_points.T]
     np.testing.assert_allclose(points, np.array(known).transpose(2, 1, 0), atol=1e-3)
-    view, anchor = film_view(positions_of(result), result.walls, radius_of(result), pinned=result.pinned)
+    view, anchor = film_view(positions_of(result), result.walls, radius_of(result), is_pinned=result.pinned)
     np.testing.assert_allclose(found["view"], view, atol=1e-3 * np.ptp(view))
     assert found["anchor"] == anchor.tolist()
 

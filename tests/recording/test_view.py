@@ -52,7 +52,7 @@ def test_a_pinned_base_has_a_ground_mark_away_from_the_chain_and_in_view(side):
     heights = -side * (lines[:, 1] - 2.0)
     assert heights.min() == 0.0
     assert heights.max() == pytest.approx(PIN_HEIGHT * 1.0)
-    view, _ = view_corners(points, {}, pinned=True)
+    view, _ = view_corners(points, {}, is_pinned=True)
     assert (lines >= view[0]).all()
     assert (lines <= view[1]).all()
 
@@ -60,7 +60,7 @@ def test_a_pinned_base_has_a_ground_mark_away_from_the_chain_and_in_view(side):
 def test_the_ground_mark_of_a_base_that_moves_is_in_view_all_the_time():
     way = np.array([[[0.0, 0.0]], [[3.0, 1.0]], [[1.0, 4.0]]])
     points = hanging([-0.5, 0.0, 0.5]) + way
-    view, _ = view_corners(points, {}, pinned=True)
+    view, _ = view_corners(points, {}, is_pinned=True)
     lines = np.concatenate([np.concatenate(pin_lines(points)) + place for place in way[:, 0]])
     assert (lines >= view[0]).all()
     assert (lines <= view[1]).all()

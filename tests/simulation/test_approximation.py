@@ -34,7 +34,7 @@ def approximator(function, accuracy):
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_a_function_is_followed_with_few_pieces(name, accuracy):
     function, most, breaks = FUNCTIONS[name]
-    held = joined_points(np.array([0.0, 1.0]), np.zeros((2, 1)), lines=False)
+    held = joined_points(np.array([0.0, 1.0]), np.zeros((2, 1)), is_linear=False)
     pieces = approximator(function, accuracy).with_held(held, np.array([0]))
     assert len(pieces.start) <= most
     assert (pieces.start[0], pieces.end[-1]) == (0.0, 1.0)
@@ -55,14 +55,14 @@ def test_an_interval_that_is_halved_untried_may_still_become_one_piece():
 
 def test_a_jump_is_found_where_it_is():
     function, _, _ = FUNCTIONS["jump"]
-    held = joined_points(np.array([0.0, 1.0]), np.zeros((2, 1)), lines=False)
+    held = joined_points(np.array([0.0, 1.0]), np.zeros((2, 1)), is_linear=False)
     pieces = approximator(function, 1e-11).with_held(held, np.array([0]))
     assert pieces.start[pieces.jumps][1:] == pytest.approx([0.3], abs=1e-12)
 
 
 def test_pieces_of_a_smooth_function_meet_without_a_jump():
     function, _, _ = FUNCTIONS["sine"]
-    held = joined_points(np.array([0.0, 1.0]), np.zeros((2, 1)), lines=False)
+    held = joined_points(np.array([0.0, 1.0]), np.zeros((2, 1)), is_linear=False)
     pieces = approximator(function, 1e-11).with_held(held, np.array([0]))
     assert pieces.jumps.tolist() == [True] + [False] * (len(pieces.start) - 1)
 
@@ -91,7 +91,7 @@ def test_noise_has_no_pieces():
 def test_long_smooth_functions_and_many_pieces_are_allowed():
     long = Approximator(lambda times: np.sin(10.0 * times)[:, np.newaxis], 1000.0, 1e-11)
     assert len(long.pieces(0.0, 1000.0)) > 1000
-    held = joined_points(np.linspace(0.0, 1.0, 5001), np.arange(10002.0).reshape(5001, 2), lines=False)
+    held = joined_points(np.linspace(0.0, 1.0, 5001), np.arange(10002.0).reshape(5001, 2), is_linear=False)
     beside = approximator(lambda t: math.sin(9.0 * t), 1e-11).with_held(held, np.array([0]))
     assert len(beside.start) == 5000
 

@@ -10,7 +10,7 @@ from chain_impact.simulation.pieces import joined_points
 
 def test_points_that_are_held_or_joined_make_as_few_pieces_as_may_be():
     times, values = np.arange(6.0), np.array([[1.0], [1.0], [3.0], [3.0], [3.0], [0.0]])
-    held, joined = (joined_points(times, values, lines=lines) for lines in (False, True))
+    held, joined = (joined_points(times, values, is_linear=lines) for lines in (False, True))
     assert held.start.tolist() == [0.0, 2.0]
     assert held.powers[:, 0, 0].tolist() == [1.0, 3.0]
     assert joined.start.tolist() == [0.0, 1.0, 2.0, 4.0]
@@ -20,7 +20,7 @@ def test_points_that_are_held_or_joined_make_as_few_pieces_as_may_be():
 
 @pytest.mark.parametrize("lines", [False, True])
 def test_a_single_point_is_one_piece_that_stays(lines):
-    pieces = joined_points(np.array([0.0]), np.array([[1.5, -2.0]]), lines=lines)
+    pieces = joined_points(np.array([0.0]), np.array([[1.5, -2.0]]), is_linear=lines)
     assert (pieces.start.tolist(), pieces.end.tolist()) == ([0.0], [math.inf])
     assert pieces.powers[0, 0].tolist() == [1.5, -2.0]
     assert not pieces.powers[0, 1:].any()

@@ -88,7 +88,7 @@ def draw_impact(figure: Figure, recording: Recording, number: int, course: Impac
             1.0, 1.02, f"{duration_text(impact, course)} →", transform=time_panels[0].transAxes, **text_style
         )
     time_panels[-1].set_xlabel(f"time after the onset at {impact['onset']:.6f} s [{time_unit}]")
-    draw_loop(loop, impact, course, at_stop=is_at_stop)
+    draw_loop(loop, impact, course, is_at_stop=is_at_stop)
     give_ticks(*time_panels, loop)
     figure.align_ylabels(time_panels)
     legend = loop.get_legend()
@@ -109,15 +109,15 @@ def duration_text(impact: np.void, course: ImpactCourse) -> str:
     return f"lasts to the end, for {text}" if lasts(impact) else f"lasts {text}"
 
 
-def draw_loop(axes: Axes, impact: np.void, course: ImpactCourse, *, at_stop: bool) -> None:
+def draw_loop(axes: Axes, impact: np.void, course: ImpactCourse, *, is_at_stop: bool) -> None:
     """Draw the normal force over penetration; the area in the loop is the energy that the force dissipates.
 
     Energy that dry friction dissipates is not in this area. If the contact lasts to the end of the run, the
     loop is open, with a dot at the last point of the curve. An impulse has no loop.
 
-    ``at_stop``: whether the impact is at a stop of a joint: moment and angle then replace force and length.
+    ``is_at_stop``: whether the impact is at a stop of a joint; moment and angle then replace force and depth.
     """
-    (_, force, force_unit, _), (_, depth, depth_unit, _), _ = quantities(course, at_stop)
+    (_, force, force_unit, _), (_, depth, depth_unit, _), _ = quantities(course, is_at_stop)
     force_factor, prefixed_force_unit = load_unit(force.max(initial=0.0), force_unit)
     depth_factor, prefixed_depth_unit = prefixed_unit(depth.max(initial=0.0), depth_unit)
     label = f"{restitution_text(impact)}\n{course.energy_lost:.3g} J lost by the chain"
@@ -127,17 +127,17 @@ def draw_loop(axes: Axes, impact: np.void, course: ImpactCourse, *, at_stop: boo
         axes.fill(x, y, color=VERMILLION, alpha=0.15, linewidth=0.0)
     elif len(x):
         axes.plot(x[-1], y[-1], "o", color=VERMILLION, markersize=LASTING_DOT, label="at the end")
-    name = "moment" if at_stop else "force"
+    name = "moment" if is_at_stop else "force"
     axes.set(xlabel=f"penetration [{prefixed_depth_unit}]", ylabel=f"{name} [{prefixed_force_unit}]")
     legend_above(axes)
     if not len(x):
         write_impulse_note(axes)
 
 
-def draw_loop_panel(axes: Axes, impact: np.void, course: ImpactCourse, *, at_stop: bool) -> None:
+def draw_loop_panel(axes: Axes, impact: np.void, course: ImpactCourse, *, is_at_stop: bool) -> None:
     """Draw force over penetration into axes that a user gives; arguments as for ``draw_loop``."""
     with draw_into([axes]):
-        draw_loop(axes, impact, course, at_stop=at_stop)
+        draw_loop(axes, impact, course, is_at_stop=is_at_stop)
         fit_into_figure([axes])
 
 
@@ -147,21 +147,21 @@ def write_impulse_note(axes: Axes) -> None:
     axes.set(xticks=[], yticks=[])
 
 
-def quantities(course: ImpactCourse, at_stop: bool) -> tuple[tuple[str, np.ndarray, str, str], ...]:
+def quantities(course: ImpactCourse, is_at_stop: bool) -> tuple[tuple[str, np.ndarray, str, str], ...]:
     """Return name, values, unit and colour of each curve over time: force, penetration and speed.
 
-    ``at_stop``: whether the impact is at a stop of a joint. The curves are then moment [N·m], penetration
+    ``is_at_stop``: whether the impact is at a stop of a joint. The curves are then moment [N·m], penetration
     [rad] and angular speed [rad/s].
     """
-    force = ("moment", course.force, "N·m") if at_stop else ("force", course.force, "N")
+    force = ("moment", course.force, "N·m") if is_at_stop else ("force", course.force, "N")
     return (
         (*force, VERMILLION),
-        ("penetration", course.penetration, "rad" if at_stop else "m", BLUE),
-        ("speed", course.speed, speed_unit(at_stop), GREEN),
+        ("penetration", course.penetration, "rad" if is_at_stop else "m", BLUE),
+        ("speed", course.speed, speed_unit(is_at_stop), GREEN),
     )
 
 
-def conditions(impact: np.void, course: ImpactCourse, at_stop: bool) -> str:
+def conditions(impact: np.void, course: ImpactCourse, is_at_stop: bool) -> str:
     """Return the text below the title.
 
     The text tells the peak force (at a stop of a joint the peak moment), the realised restitution, the
@@ -174,12 +174,12 @@ def conditions(impact: np.void, course: ImpactCourse, at_stop: bool) -> str:
         f"{course.energy_lost:.3g} J lost by the chain",
     ]
     parts = parts[1:] if lasts(impact) else parts
-    parts.append(f"{impact['impact_speed']:.4g} {speed_unit(at_stop)} at the onset")
+    parts.append(f"{impact['impact_speed']:.4g} {speed_unit(is_at_stop)} at the onset")
     if impact["peak_force"] > 0.0:
-        load_word, unit = ("moment", "N·m") if at_stop else ("force", "N")
+        load_word, unit = ("moment", "N·m") if is_at_stop else ("force", "N")
         parts.insert(0, f"peak {load_word} {force_text(impact['peak_force'], unit)}")
     if impact["impulse"] > 0.0:
-        parts.append(f"impulse {impact['impulse']:.4g} {'N·m·s' if at_stop else 'N·s'}")
+        parts.append(f"impulse {impact['impulse']:.4g} {'N·m·s' if is_at_stop else 'N·s'}")
     return SEPARATOR.join(parts)
 
 

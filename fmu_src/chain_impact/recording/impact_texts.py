@@ -21,6 +21,6 @@ def touching_part_name(number: int, stop: str, names: Mapping[int, str]) -> str:
     return f"joint {number}" if stop else point_label(number, names)
 
 
-def speed_unit(at_stop: bool) -> str:
+def speed_unit(is_at_stop: bool) -> str:
     """Return the unit of an impact's speed: m/s, or rad/s if the impact is at a stop of a joint."""
-    return unit_at("impact_speed", stop=at_stop)
+    return unit_at("impact_speed", is_stop=is_at_stop)

@@ -31,9 +31,9 @@ NAMED_STICKING = 3
 VALUE_COLUMNS = ("speed", "duration", "peak force", "impulse")
 COLUMN_UNITS, STOP_COLUMN_UNITS = (
     (
-        unit_at("impact_speed", stop=stop),
+        unit_at("impact_speed", is_stop=stop),
         "ms",
-        *(unit_at(name, stop=stop) for name in ("peak_force", "impulse")),
+        *(unit_at(name, is_stop=stop) for name in ("peak_force", "impulse")),
     )
     for stop in (False, True)
 )

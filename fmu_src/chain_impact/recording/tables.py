@@ -39,10 +39,10 @@ def dataframe(prepared_scene: PreparedScene, time: np.ndarray, columns: Mapping[
     return table
 
 
-def impact_table(impacts: np.ndarray, walls: Sequence[str], *, stops: bool) -> Any:
+def impact_table(impacts: np.ndarray, walls: Sequence[str], *, has_stops: bool) -> Any:
     """Return impacts as a table of pandas; the column ``wall`` has the names of the walls.
 
-    ``attrs["units"]`` has the units of the columns. If ``stops``, because joints have stops,
+    ``attrs["units"]`` has the units of the columns. If ``has_stops``, because joints have stops,
     ``attrs["units_at_stops"]`` has the units of impacts at these stops, which have moments and angles.
     """
     pandas = require("pandas", "pandas")
@@ -50,7 +50,7 @@ def impact_table(impacts: np.ndarray, walls: Sequence[str], *, stops: bool) -> A
     columns["wall"] = np.array(walls, dtype=object)[columns["wall"]]
     table = pandas.DataFrame(columns, index=pandas.RangeIndex(1, len(impacts) + 1, name="impact"))
     table.attrs["units"] = dict(IMPACT_UNITS)
-    if stops:
+    if has_stops:
         table.attrs["units_at_stops"] = dict(STOP_UNITS)
     return table
 

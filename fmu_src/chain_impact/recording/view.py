@@ -71,7 +71,7 @@ def view_corners(
     *,
     near_distance: float = WALL_DISTANCE,
     room: float = 0.0,
-    pinned: bool = False,
+    is_pinned: bool = False,
 ) -> tuple[np.ndarray, dict[Key, HalfPlane]]:
     """Return the rectangle that a picture of a motion shows, and the walls near the motion.
 
@@ -88,7 +88,7 @@ def view_corners(
         room: a distance, relative to the size of the motion. If the walls enclose a room that ends within
             this distance of the motion, the rectangle contains the whole room, and all walls are near. If
             ``room`` is 0, no room is looked for.
-        pinned: whether the base has a ground mark, which moves with the base.
+        is_pinned: whether the base has a ground mark, which moves with the base.
 
     Returns:
         The rectangle, and the near walls.
@@ -96,7 +96,7 @@ def view_corners(
     reach = np.array([points.min(axis=(0, 1)) - radius, points.max(axis=(0, 1)) + radius])
     width = np.ptp(reach, axis=0).max()
     shown_points = np.concatenate(reach[:, None])
-    if pinned:
+    if is_pinned:
         ways = points[:, 0] - points[0, 0]
         lines = [line + way for line in pin_lines(points) for way in (ways.min(axis=0), ways.max(axis=0))]
         shown_points = np.concatenate([shown_points, *lines])
@@ -118,14 +118,14 @@ def view_corners(
 
 
 def film_view(
-    points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float, *, pinned: bool
+    points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float, *, is_pinned: bool
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the view of a film: the rectangle of ``view_corners`` with ROOM_DISTANCE, and a margin.
 
     Returns:
         The view with its margin, and ``anchor_of`` the near walls.
     """
-    view, near_walls = view_corners(points, walls, radius, room=ROOM_DISTANCE, pinned=pinned)
+    view, near_walls = view_corners(points, walls, radius, room=ROOM_DISTANCE, is_pinned=is_pinned)
     margin = FILM_MARGIN * max(np.ptp(view, axis=0).max(), LEAST_VIEW)
     return view + margin * np.array([[-1.0], [1.0]]), anchor_of(near_walls.values())
 

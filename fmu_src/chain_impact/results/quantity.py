@@ -126,7 +126,7 @@ def _impact_quantity(
         )
     impact = impacts[number - 1]
     value, slope = impact[field], slopes_of_impacts(sensitivities, field)
-    units = impact_units(stop=recording.is_joint_stop(impact["wall"]))
+    units = impact_units(is_stop=recording.is_joint_stop(impact["wall"]))
     wall = recording.wall_names[impact["wall"]]
     location_text = (
         f"impact {number}, {recording.touching_part(impact)} at {wall}, t = {impact['onset']:.6g} s"

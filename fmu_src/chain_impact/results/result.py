@@ -326,7 +326,7 @@ class Result(PrintedResult, SceneRecording):
         Raises:
             MissingExtraError: when pandas (the extra ``pandas``) is not installed.
         """
-        return tables.impact_table(self.impacts, self.wall_names, stops=bool(self.stops))
+        return tables.impact_table(self.impacts, self.wall_names, has_stops=bool(self.stops))
 
     def stick_slip_table(self) -> pandas.DataFrame:
         """Return the phases of dry friction as a table of pandas, with words for wall and mode.

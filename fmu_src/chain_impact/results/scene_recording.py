@@ -193,7 +193,7 @@ class SceneRecording(Recording):
         if ax is None:
             return pictures.impact_picture(self, number, course).plot(path, size=size)
         pictures.check_alone(path, size)
-        pictures.draw_loop_panel(ax, impact, course, at_stop=self.is_joint_stop(impact["wall"]))
+        pictures.draw_loop_panel(ax, impact, course, is_at_stop=self.is_joint_stop(impact["wall"]))
         return ax
 
     def course_of_impact(self, number: int) -> ImpactCourse:

@@ -52,7 +52,7 @@ TOLERANCE_SHARE = 1e-3
 # differ by at most this, relative to the end of the run
 SAMPLE_ROUND_OFF = 1e-12
 LISTED_NAMES = 8  # largest number of names of inputs in an error
-NO_PIECES = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
+NO_PIECES = joined_points(np.zeros(1), np.zeros((1, 0)), is_linear=False)
 """The pieces of a run without inputs."""
 FIRST_ROW, NO_FLAG = np.zeros(1, int), np.zeros(1, bool)
 PIECE = "piece"
@@ -277,7 +277,7 @@ def _pieces_of(
     values += [np.zeros(len(grid)) for _ in motions]
     starts, rights, is_linear = _on_grid(grid, breaks), np.stack(values, axis=1), interpolation == "linear"
     lefts = values_before_jumps(grid, rights, [*given_inputs.values()]) if is_linear else rights
-    pieces = joined_points(grid, rights, lines=is_linear, breaks=starts, left_limits=lefts)
+    pieces = joined_points(grid, rights, is_linear=is_linear, breaks=starts, left_limits=lefts)
     motion_columns = len(given_inputs) + np.arange(len(motions))
     function_columns = [k for k, name in enumerate(given_inputs) if name in names]
     columns = np.append(function_columns, motion_columns).astype(int)

@@ -178,7 +178,7 @@ def _integrate(
     """
     inner_breaks = np.unique(breaks[(breaks > 0.0) & (breaks < stop_time)])
     grid = np.concatenate([[0.0], inner_breaks, [stop_time]])
-    placeholder = joined_points(grid, np.arange(len(grid))[:, np.newaxis] * 1.0, lines=False)
+    placeholder = joined_points(grid, np.arange(len(grid))[:, np.newaxis] * 1.0, is_linear=False)
     approximator = Approximator(
         lambda times: value(times)[:, np.newaxis], stop_time, ACCURACY, FINELY_RESOLVED
     )

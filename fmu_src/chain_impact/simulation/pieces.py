@@ -142,7 +142,7 @@ def joined_points(
     times: np.ndarray,
     values: np.ndarray,
     *,
-    lines: bool,
+    is_linear: bool,
     breaks: np.ndarray | None = None,
     left_limits: np.ndarray | None = None,
 ) -> Pieces:
@@ -158,10 +158,10 @@ def joined_points(
         times, values, left_limits = np.append(times, math.inf), values.repeat(2, axis=0), None
     left_values, right = (
         values[:-1],
-        (values if left_limits is None else left_limits)[1:] if lines else values[:-1],
+        (values if left_limits is None else left_limits)[1:] if is_linear else values[:-1],
     )
     powers = np.stack([left_values, np.zeros_like(left_values)], axis=1)
-    if lines:
+    if is_linear:
         powers = np.stack(
             [
                 np.where(left_values == right, left_values, 0.5 * (left_values + right)),
@@ -181,6 +181,6 @@ def joined_points(
         end=end,
         middle=0.5 * (start + end),
         scale=2.0 / (end - start),
-        powers=powers[is_begin] if lines else powers[is_begin, :1],
+        powers=powers[is_begin] if is_linear else powers[is_begin, :1],
         same=FUNCTION_ROUND_OFF * np.abs(values).max(axis=0, initial=0.0),
     )

@@ -30,14 +30,14 @@ STOP_UNITS = IMPACT_UNITS | {
 }
 
 
-def impact_units(*, stop: bool) -> Mapping[str, str]:
+def impact_units(*, is_stop: bool) -> Mapping[str, str]:
     """Return quantity of an impact → its unit, as an FMU writes it.
 
-    ``stop`` is true for an impact at a stop of a joint, false for one at a wall or at a stop of a slider.
+    ``is_stop`` is true for an impact at a stop of a joint, false for one at a wall or at a stop of a slider.
     """
-    return STOP_UNITS if stop else IMPACT_UNITS
+    return STOP_UNITS if is_stop else IMPACT_UNITS
 
 
-def unit_at(quantity: str, *, stop: bool) -> str:
-    """Return the unit of a quantity of an impact as readers see it, N·m; ``stop`` as in ``impact_units``."""
-    return unit_text(impact_units(stop=stop)[quantity])
+def unit_at(quantity: str, *, is_stop: bool) -> str:
+    """Return the unit of a quantity of an impact (``impact_units``) as readers see it, such as N·m."""
+    return unit_text(impact_units(is_stop=is_stop)[quantity])

@@ -30,12 +30,12 @@ class PeakOfRun(NamedTuple):
     @property
     def fmi_unit(self) -> str:
         """The unit of the largest value, as an FMU writes it."""
-        return impact_units(stop=self.at_stops)[self.field]
+        return impact_units(is_stop=self.at_stops)[self.field]
 
     @property
     def unit(self) -> str:
         """The unit of the largest value, as a text for readers."""
-        return unit_at(self.field, stop=self.at_stops)
+        return unit_at(self.field, is_stop=self.at_stops)
 
     @property
     def is_load(self) -> bool:

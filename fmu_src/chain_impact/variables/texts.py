@@ -13,10 +13,10 @@ from chain_impact.variables.structure import Structure
 
 STOP_TEXTS = {
     "its_joint": "; at a stop its joint",
-    "in_rad_s": f"; at a stop in {unit_at('impact_speed', stop=True)}",
-    "in_n_m": f"; at a stop the moment in {unit_at('peak_force', stop=True)}",
-    "in_rad": f"; at a stop the angle in {unit_at('max_penetration', stop=True)}",
-    "in_n_m_s": f"; at a stop in {unit_at('impulse', stop=True)}",
+    "in_rad_s": f"; at a stop in {unit_at('impact_speed', is_stop=True)}",
+    "in_n_m": f"; at a stop the moment in {unit_at('peak_force', is_stop=True)}",
+    "in_rad": f"; at a stop the angle in {unit_at('max_penetration', is_stop=True)}",
+    "in_n_m_s": f"; at a stop in {unit_at('impulse', is_stop=True)}",
 }
 """Word in braces → text on a quantity of an impact at a stop of a joint, for a scene in which a joint has a
 stop."""

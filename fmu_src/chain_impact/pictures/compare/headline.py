@@ -79,7 +79,7 @@ def law_count_text(law_runs: Sequence[LawRecording], count: int) -> str:
 def peaks(comparison: LawRuns[LawRecording], runs: Sequence[LawRecording]) -> str:
     """Return words for the range of the peak forces or moments of ``runs`` that are above 0, or ""."""
     peak_forces = [run.peak_force for run in runs if run.peak_force > 0.0]
-    unit = unit_at("peak_force", stop=comparison.is_at_stop)
+    unit = unit_at("peak_force", is_stop=comparison.is_at_stop)
     if not peak_forces:
         return ""
     factor, unit = load_unit(max(peak_forces), unit)

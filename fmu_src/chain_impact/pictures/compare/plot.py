@@ -119,7 +119,7 @@ def conditions(comparison: LawRuns[LawRecording], looks: Looks, *, is_small: boo
     """
     contact, impact = comparison.contact, comparison.first_impact
     names = ("effective_mass", "impact_speed", "peak_force", "max_penetration")
-    mass, speed, force, depth = (unit_at(name, stop=comparison.is_at_stop) for name in names)
+    mass, speed, force, depth = (unit_at(name, is_stop=comparison.is_at_stop) for name in names)
     unit_text = f"{force}/{depth}"
     motion_text = f"{impact['effective_mass']:.3g} {mass} at {impact['impact_speed']:.3g} {speed}"
     hit_text = f"{compared_impact(comparison.scene)} of {motion_text}"
@@ -163,7 +163,9 @@ def draw_loops(axes: Axes, comparison: LawRuns[LawRecording], looks: Looks) -> N
     band = laws_in_band(comparison, looks)
     loops = {law: loop for law in looks if (loop := comparison[law].loop) is not None}
     name = "moment" if comparison.is_at_stop else "force"
-    units = [unit_at(quantity, stop=comparison.is_at_stop) for quantity in ("max_penetration", "peak_force")]
+    units = [
+        unit_at(quantity, is_stop=comparison.is_at_stop) for quantity in ("max_penetration", "peak_force")
+    ]
     largest_values = np.max([loop.max(axis=1) for loop in loops.values() if loop.size], axis=0, initial=0.0)
     factors, (depth_unit, force_unit) = zip(*map(prefixed_unit, largest_values, units), strict=True)
     loops = {law: loop * np.reshape(factors, (2, 1)) if loop.size else loop for law, loop in loops.items()}

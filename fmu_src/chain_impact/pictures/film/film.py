@@ -104,7 +104,7 @@ class Film:
         is_wide = bool((figure.get_size_inches() > 0.99 * np.array(SIZE_WITH_CHARTS)).all())
         self.tells_energies = is_wide and bool(recording.energies)
         radius = radius_of(recording)
-        framing = film_view(positions_of(recording), recording.walls, radius, pinned=recording.pinned)
+        framing = film_view(positions_of(recording), recording.walls, radius, is_pinned=recording.pinned)
         layout = layout_for(figure, framing[0], is_wide=is_wide, has_charts=self.tells_energies)
         self.scene, sizes = figure.add_axes(layout.scene), (13, 15) if is_wide else (10, 10)
         title = figure.text(

@@ -91,12 +91,12 @@ def view_of(
         if end == 0 or name in recording.moved_walls
     }
     everywhere, visible_positions = dict(walls_at_ends), drawn_positions(recording)
-    view, near_walls = view_corners(visible_positions, walls_at_ends, pinned=recording.pinned)
+    view, near_walls = view_corners(visible_positions, walls_at_ends, is_pinned=recording.pinned)
     if recording.moved_walls:
         names = {name for name, _ in near_walls}
         walls_at_ends = {wall_key: wall for wall_key, wall in walls_at_ends.items() if wall_key[0] in names}
         view, near_walls = view_corners(
-            visible_positions, walls_at_ends, near_distance=FARTHEST_WALL, pinned=recording.pinned
+            visible_positions, walls_at_ends, near_distance=FARTHEST_WALL, is_pinned=recording.pinned
         )
     width = np.ptp(view, axis=0).max()
     margin = np.full((2, 2), VIEW_MARGIN * width)

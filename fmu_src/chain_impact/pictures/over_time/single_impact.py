@@ -126,7 +126,7 @@ def curve_of(
     impact = recording.impacts[row]
     factor, _ = prefixed_unit(shown_contact(impact, time, force), "s")
     scale, unit = load_unit(
-        float(force.max()), unit_at("peak_force", stop=recording.is_joint_stop(impact["wall"]))
+        float(force.max()), unit_at("peak_force", is_stop=recording.is_joint_stop(impact["wall"]))
     )
     return factor * (time - impact["onset"]), scale * force, unit
 
@@ -137,7 +137,7 @@ def number_one_impact(axes: Axes, recording: Recording, used_pixels: UsedPixels)
         times, forces, _ = curve_of(recording, hardest_course)
         top, peak = int(forces.argmax()), recording.impacts["peak_force"][hardest_course[0]]
         unit = unit_at(
-            "peak_force", stop=recording.is_joint_stop(recording.impacts["wall"][hardest_course[0]])
+            "peak_force", is_stop=recording.is_joint_stop(recording.impacts["wall"][hardest_course[0]])
         )
         position = float(times[top]), float(forces[top])
         label = Label(force_text(float(peak), unit), position, look={"color": PEAK_COLOUR})

@@ -138,7 +138,7 @@ def printed_number(value: float) -> str:
 COUNT = "impact.count"
 MAIN_QUANTITIES = (
     *(Quantity(name, peak.name, peak.unit, in_headline=peak.is_load) for name, peak in PEAKS.items()),
-    Quantity(JOINT_FORCE, "largest force in a joint", unit_at(JOINT_FORCE, stop=False)),
+    Quantity(JOINT_FORCE, "largest force in a joint", unit_at(JOINT_FORCE, is_stop=False)),
     Quantity(COUNT, "impacts"),
     Quantity("energy.dissipated", "energy dissipated", "J"),
 )

@@ -240,8 +240,8 @@ def impact_values(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.
         name, values = (
             (IMPULSE, totals) if totals.any() else (HIT_IMPULSE, impulses_of_hits(recording) * is_own)
         )
-        return name, unit_at("impulse", stop=is_stop), values
-    return f"peak {'moment' if is_stop else 'force'}", unit_at("peak_force", stop=is_stop), forces
+        return name, unit_at("impulse", is_stop=is_stop), values
+    return f"peak {'moment' if is_stop else 'force'}", unit_at("peak_force", is_stop=is_stop), forces
 
 
 def impulses_of_hits(recording: Recording) -> np.ndarray:
@@ -264,16 +264,16 @@ def impulses_of_hits(recording: Recording) -> np.ndarray:
     return np.asarray(impulses)
 
 
-def peak_impact_text(recording: Recording, peak: Peak, valued: bool) -> str:
+def peak_impact_text(recording: Recording, peak: Peak, has_values: bool) -> str:
     """Return words for the impact of a peak.
 
     For example "peak force in impact 1: point 4 hits y_min at 0.5 s with 2 m/s". If several impacts have the
-    value of the peak, the words tell the first of these impacts. ``valued``: whether the value is told, too.
+    value of the peak, the words tell the first of these impacts. ``has_values``: whether to tell the value.
     """
     if peak.equal_count > 1:
-        beginning = f"{peak.text}, the first in " if valued else "the first in "
+        beginning = f"{peak.text}, the first in " if has_values else "the first in "
         return f"{beginning}{impact_text(recording, peak.row)}"
-    return f"{peak.name}{f' {peak.value}' if valued else ''} in {impact_text(recording, peak.row)}"
+    return f"{peak.name}{f' {peak.value}' if has_values else ''} in {impact_text(recording, peak.row)}"
 
 
 def impact_text(recording: Recording, row: int) -> str:

@@ -34,7 +34,9 @@ def heading(comparison: LawRuns[LawRun]) -> str:
     """Return the first line of the text: the scene, the values of its contact, and the first impact."""
     scene, impact = comparison.scene, comparison.first_impact
     contact = comparison.contact
-    mass, speed = (unit_at(name, stop=comparison.is_at_stop) for name in ("effective_mass", "impact_speed"))
+    mass, speed = (
+        unit_at(name, is_stop=comparison.is_at_stop) for name in ("effective_mass", "impact_speed")
+    )
     return (
         f"{scene.name}  e = {contact.restitution:g}, n = {contact.exponent:g}, "
         f"K = {contact.stiffness:.4g}; {compared_impact(scene)} at {impact['onset']:.6g} s with "
@@ -47,7 +49,9 @@ def law_table(comparison: LawRuns[LawRun]) -> TextTable:
 
     A unit in the head has a prefix that suits the largest value of the column.
     """
-    force, depth = (unit_at(name, stop=comparison.is_at_stop) for name in ("peak_force", "max_penetration"))
+    force, depth = (
+        unit_at(name, is_stop=comparison.is_at_stop) for name in ("peak_force", "max_penetration")
+    )
     quantities = {
         # an impulse has the peak force 0, which is shown as a dash
         f"peak, {force}": [run.peak_force or math.nan for run in comparison.runs],

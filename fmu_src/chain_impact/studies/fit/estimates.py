@@ -111,7 +111,7 @@ class Estimates:
     @cached_property
     def _units(self) -> dict[str, str]:
         contacts = SceneFacts(self.scene)["has_contacts"]
-        impacts = impact_units(stop=bool(self.scene.chain.stops) and not contacts)
+        impacts = impact_units(is_stop=bool(self.scene.chain.stops) and not contacts)
         return {**PreparedScene(self.scene).units, **impacts}
 
     @cached_property
