@@ -176,9 +176,9 @@ def _output_text(output: str) -> str:
 def most_important(sensitivities: Sensitivities, relative_changes: np.ndarray, is_known: np.ndarray) -> int:
     """Return the index of the parameter that the headline names.
 
-    It is the parameter whose changes end first or, if the changes of all hold to the end, the one with the
-    largest change relative to an output's range. A parameter with the value 0 is returned only if no other
-    parameter has an effect, because its step cannot be compared with a change by 1 %.
+    It is the parameter whose changes end first; of several, as when the changes of all hold to the end, the
+    one with the largest change relative to an output's range. A parameter with the value 0 is returned only
+    if no other parameter has an effect, because its step cannot be compared with a change by 1 %.
 
     ``relative_changes``: the largest of the ``shares`` of all outputs, shape (T, P). ``is_known`` is the
     result of ``known_changes``.
