@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene
+from chain_impact.studies.animate import record_slowly
 from tests.pages.in_pages import (
     go_to,
     packed_module,
@@ -66,3 +67,12 @@ def test_a_contact_that_lasts_is_the_present_one(show):
     assert dot["x"] + dot["width"] / 2 == pytest.approx(now["x"] + now["width"] / 2, abs=0.6)
     go_to(page, 1.867)
     assert name.text_content().startswith("impact 10: ")
+
+
+def test_the_number_of_an_impulse_is_at_its_line_or_in_the_title_alone(show_recording):
+    for model, time, is_seen in (("golf_ball", 1.2, True), ("clattering_rod", 1.2, False)):
+        page = show_recording(record_slowly(model))
+        go_to(page, time)
+        number = page.locator("#force .peak")
+        assert number.is_visible() is is_seen, model
+        assert number.text_content() in page.inner_text("#contact-name")

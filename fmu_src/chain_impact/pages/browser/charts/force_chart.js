@@ -155,8 +155,12 @@ export class ForceChart extends Chart {
     this.letters.forEach((at) => space.reserveAround(at, LETTER_DOT + 1));
     const line = this.line.hidden || this.at === undefined ? NaN : this.plot.valToPos(this.at, "x");
     if (!this.line.hidden) space.reserveLine([[line, 0], [line, height]]);
-    const candidates = positionsAround(this.peakAt, [0, -1], PEAK_AWAY, PEAK_MULTIPLES);
-    const { at: [x, y], anchor } = space.findPosition(this.peakText.textContent, PEAK_TEXT, candidates) ?? candidates[0];
+    // far from its line, an impulse would seem to belong to another one; the title has the impulse, too
+    const multiples = this.impulses ? PEAK_MULTIPLES.slice(0, 2) : PEAK_MULTIPLES;
+    const candidates = positionsAround(this.peakAt, [0, -1], PEAK_AWAY, multiples);
+    const place = space.findPosition(this.peakText.textContent, PEAK_TEXT, candidates);
+    this.peakText.style.visibility = this.impulses && !place ? "hidden" : "inherit";
+    const { at: [x, y], anchor } = place ?? candidates[0];
     const across = { start: 0, middle: -50, end: -100 }[anchor];
     Object.assign(this.peakText.style, { left: `${x}px`, top: `${y}px`, translate: `${across}% -50%` });
     this.isNearLine = Math.abs(line - this.peakAt[0]) < NEAR_LINE;
