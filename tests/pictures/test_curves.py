@@ -346,3 +346,25 @@ def test_lines_at_impacts_that_would_make_a_grey_bar_are_short():
     places = axes.transData.transform(np.stack([whole, np.zeros(len(whole))], axis=-1))[:, 0]
     assert 3 < len(whole) < len(feet)
     assert np.diff(places).min() * 72.0 / axes.figure.dpi > 2.0  # points
+
+
+def test_a_force_that_stays_at_its_peak_has_its_number_above_its_line():
+    page = recorded("stick_slip_belt").plot(
+        curves=["contact[1].y_min.force", "point[*].y"], size=(84 / 25.4, None)
+    )
+    axes = page.axes[0]
+    (label,) = axes.texts
+    page.draw_without_rendering()
+    assert label.get_text() == "10.0 N"
+    curve = axes.lines[0]
+    assert label.get_window_extent().y0 > curve.get_transform().transform(curve.get_xydata())[:, 1].max()
+
+
+def test_title_and_legends_of_a_narrow_page_are_low(result):
+    names = [FORCES, "point[*].y", "link[*].angular_velocity"]
+    page = result.plot(curves=names, around=2, size=(84 / 25.4, None))
+    page.draw_without_rendering()
+    legends = [legend for axes in page.axes if (legend := axes.get_legend())]
+    heads = [item.get_window_extent().height for item in (page._suptitle, *legends)]
+    assert sum(heads) <= 0.22 * page.bbox.height
+    assert [text.get_text() for text in legends[-1].get_texts()] == [f"link[{k}]" for k in range(1, 5)]

@@ -68,6 +68,7 @@ ZERO_ENDS = (-0.1, 1.0)  # the ends of an axis whose curves are all 0; the axis 
 END_LINE = 0.5
 # the largest number of names in the note at the foot of the picture on outputs that are always 0
 MOST_NAMED = 4
+LABEL_HEIGHT = 19.0  # [points] the height of a label at a curve, with the space around it
 TOLD_HEIGHT = 0.25  # [inch] the height of the text on the largest amounts of forces
 LEGEND_HEIGHT = 0.2  # [inch] the height of a row of the legend above a panel
 # the lower end of an axis whose values are all >= 0, relative to the upper end: a line at 0 is visible
@@ -168,7 +169,25 @@ def draw_curve_figure(figure: Figure, recording: Recording, curves: Curves, titl
     figure.set_layout_engine("none")  # the axes must not move after labels are placed in them
     used_pixels = UsedPixels(figure)
     for axes, labels in zip(grid, panel_labels, strict=True):
-        place_labels(axes, labels, used_pixels, lines=True, fontsize="small")
+        missed = place_labels(axes, labels, used_pixels, lines=True, fontsize="small")
+        if missed and give_room(axes, labels):
+            for text in [*axes.texts]:
+                text.remove()
+            used_pixels = UsedPixels(figure)
+            place_labels(axes, labels, used_pixels, lines=True, fontsize="small")
+
+
+def give_room(axes: Axes, labels: Sequence[Label]) -> bool:
+    """Extend an axis y so that labels have room above and below the curves; return whether it has changed."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    heights, (low, high) = [label.position[1] for label in labels], axes.get_ylim()
+    share = LABEL_HEIGHT * figure.dpi / 72.0 / axes.get_window_extent().height
+    top, bottom = max(0.0, *heights), min(0.0, *heights)
+    highest = high if top <= 0.0 else low + (top - low) / (1.0 - share)
+    lowest = low if bottom >= 0.0 else high - (high - bottom) / (1.0 - share)
+    axes.set_ylim(min(low, lowest), max(high, highest))
+    return axes.get_ylim() != (low, high)
 
 
 def lacks_impulses(recording: Recording, curves: Curves) -> bool:

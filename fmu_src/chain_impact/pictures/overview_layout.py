@@ -31,7 +31,7 @@ BROADEST_BESIDE = 1.6
 BROADEST_HIGH = 2.3
 # BROADEST_WITH_LEGEND: a motion in a wide figure with at most this ratio has its legend at its right;
 # LEAST_SLIM: the least ratio that the panel of such a motion has, without the legend
-BROADEST_WITH_LEGEND, LEAST_SLIM = 0.8, 0.45
+BROADEST_WITH_LEGEND, LEAST_SLIM = 1.0, 0.45
 BROADEST_FLAT = 3.5  # a larger ratio counts as this ratio when panels are arranged
 # ``motion_share`` of a motion that is as high as wide, in a wide and in a narrow figure; it sets the width of
 # the panel only

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from chain_impact.pictures.drawing.dark_ground import Ground
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import LOAD, PALETTE, fitted_lines, write_headline
+from chain_impact.pictures.drawing.style import LOAD, PALETTE, fitted_lines, force_text, write_headline
 from chain_impact.pictures.over_time.energies import ENERGIES
 from chain_impact.text import number_text
 from tests.pictures.pictures import contrast, lab_colour
@@ -137,6 +137,16 @@ def test_a_text_that_fits_stays_in_one_line():
     page = Figure(figsize=(10.0, 5.0))
     write_headline(page, "Box: 14 impacts", SEPARATOR.join(LONG[:3]))
     assert [text.get_text() for text in page.texts] == ["Box: 14 impacts", SEPARATOR.join(LONG[:3])]
+
+
+@pytest.mark.parametrize(("value", "text"), [(9.9996, "10.0 N"), (999.96, "1.00 kN"), (12.34, "12.3 N")])
+def test_a_force_has_three_digits_after_rounding(value, text):
+    assert force_text(value, "N") == text
+
+
+def test_no_line_begins_with_a_number_inside_a_part():
+    page, text = Figure(figsize=(1.8, 3.0)), "impact 1: point 2 hits y_min at 0.497 s, with 2.92 m/s"
+    assert not any(line[0].isdigit() for line in fitted_lines(page, text).split("\n"))
 
 
 def test_no_line_ends_between_a_name_and_its_number():

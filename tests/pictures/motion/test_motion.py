@@ -176,7 +176,7 @@ def test_the_legend_tells_that_the_last_swing_covers_earlier_ones():
 
 def test_a_motion_that_marks_hide_is_told_and_has_no_path():
     labels = motion_of(recorded("sphere_on_wall")).get_legend_handles_labels()[1]
-    assert labels == ["start", "end,\nmoves within\n2.05 mm", "peak force"]
+    assert labels == ["start", "end", "moves within\n2.05 mm", "peak force"]
 
 
 def test_walls_that_are_not_reached_are_told_if_none_is_drawn():

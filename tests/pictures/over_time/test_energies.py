@@ -4,6 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
+from matplotlib.collections import LineCollection
 
 from chain_impact.pictures.over_time.energies import (
     ENERGIES,
@@ -13,7 +14,7 @@ from chain_impact.pictures.over_time.energies import (
     without_gap,
 )
 from chain_impact.scene.files.models import model_names
-from tests.pictures.pictures import page_of, recorded, swing
+from tests.pictures.pictures import page_of, page_of_width, panel_of, recorded, swing
 
 
 @pytest.mark.full("takes long")
@@ -78,3 +79,12 @@ def test_a_supplied_energy_that_is_the_dissipated_one_has_no_curve():
     labels = [look["label"] for _, look in energy_curves(recording)]
     assert "dissipated = supplied" in labels
     assert "supplied" not in labels
+
+
+@pytest.mark.parametrize("width", [84, 190])
+def test_marks_at_impacts_have_an_entry_in_the_legend(width):
+    """Without room for the entry, the panel of impacts below tells the times."""
+    energy = panel_of(page_of_width("four_link_box", width), "energy")
+    has_entry = "impacts" in [text.get_text() for text in energy.get_legend().get_texts()]
+    has_marks = any(isinstance(item, LineCollection) for item in energy.collections)
+    assert has_entry == has_marks == (width == 190)

@@ -224,3 +224,11 @@ def test_a_contact_that_lasts_has_a_band_to_its_end():
     assert sorted(text.get_text() for text in names) == ["point 0", "point 1"]
     assert all(text.get_window_extent().x1 < speeds.bbox.x0 for text in names)
     assert max(rows) < speeds.transData.transform((0.0, recording.impacts["impact_speed"].max()))[1]
+
+
+@pytest.mark.parametrize("width", [84, 190])
+def test_the_impacts_with_numbers_are_the_largest_ones(width):
+    axes = panel_of(page_of_width("bouncing_ball", width), "impacts")
+    numbers = [int(re.match(r"#(\d+)", text)[1]) for text in texts(axes) if text.startswith(NUMBER_SIGN)]
+    assert len(numbers) >= 2
+    assert sorted(numbers) == [*range(1, len(numbers) + 1)], "the impulses fall, and no number is left out"

@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact import load_scene, record_slowly
 from chain_impact.pictures.over_time.single_impact import course_of_hardest, is_alone
-from tests.pictures.pictures import crowd, impact_row, recorded, swing
+from tests.pictures.pictures import crowd, impact_row, page_of_width, panel_of, recorded, swing
 
 
 def test_a_single_impact_has_its_force_over_its_time():
@@ -22,6 +22,16 @@ def test_a_single_impact_has_its_force_over_its_time():
     assert panels["impact"].get_xlabel() == "time after the onset [ms]"
     assert [text.get_text() for text in panels["impact"].texts] == ["1.02 kN"]
     assert panels["energy"].get_xlim() == panels["time"].get_xlim() != panels["impact"].get_xlim()
+
+
+def test_the_peak_of_a_low_panel_is_told_above_the_area_below_the_curve():
+    page = page_of_width("stick_slip_belt", 84)
+    axes = panel_of(page, "impact")
+    (label,), curve = axes.texts, axes.lines[0]
+    page.draw_without_rendering()
+    top = curve.get_transform().transform(curve.get_xydata())[:, 1].max()
+    assert top < label.get_window_extent().y0
+    assert label.get_window_extent().y1 <= axes.get_window_extent().y1
 
 
 def test_the_panels_that_are_asked_for_are_drawn():

@@ -26,6 +26,8 @@ COARSE_STEPS = (1, 2, 4, 5, 10)
 
 # the label of an axis x is broken into lines if it is longer than LABEL_RATIO × the axis (``break_labels``)
 LABEL_RATIO = 1.1
+# a label of an axis y is broken if it is longer than HIGH_LABEL × the axis: beside legend and numbers is room
+HIGH_LABEL = 1.3
 
 
 def numbers_in_view(axis: Axis) -> list[Text]:
@@ -49,9 +51,9 @@ def look_like_one(first_box: Bbox, second_box: Bbox) -> bool:
 def break_labels(figure: Figure, wanted_axes: Sequence[Axes] | None = None) -> bool:
     """Break labels that are longer than their axes, and thin out overlapping numbers along x.
 
-    Along x, a label may be LABEL_RATIO, but is also broken if it would reach beyond the figure's edges.
-    ``wanted_axes``: the axes, by default all axes of the figure. Returns whether the text of a label has
-    changed.
+    Along y, a label may be HIGH_LABEL times as long as the axis, and along x LABEL_RATIO times, but it is
+    also broken if it would reach beyond the figure's edges. ``wanted_axes``: the axes, by default all axes
+    of the figure. Returns whether the text of a label has changed.
     """
     earlier_labels = labels_of(figure)
     for axes in figure.axes if wanted_axes is None else wanted_axes:
@@ -62,9 +64,9 @@ def break_labels(figure: Figure, wanted_axes: Sequence[Axes] | None = None) -> b
         label = axes.yaxis.label
         for separator, broken in ((" [", "\n["), (".", ".\n")):
             text = label.get_text()
-            if label.get_window_extent().height > panel_box.height and broken not in text:
+            if label.get_window_extent().height > HIGH_LABEL * panel_box.height and broken not in text:
                 label.set_text(text.replace(separator, broken, 1))
-        if label.get_window_extent().height > panel_box.height:
+        if label.get_window_extent().height > HIGH_LABEL * panel_box.height:
             label.set_fontsize("small")
         thin_ticks(axes)
         label, middle = axes.xaxis.label, 0.5 * (panel_box.x0 + panel_box.x1)

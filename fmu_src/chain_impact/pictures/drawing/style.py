@@ -377,6 +377,7 @@ def load_unit(largest_load: float, unit: str) -> tuple[float, str]:
 
 def force_text(value: float, unit: str) -> str:
     """Return a value > 0 as text in the unit of ``load_unit``, with three significant digits: "12.3 kN"."""
+    value = float(f"{value:.3g}")  # 9.999 is 10.0, not 10.00
     if value < 1.0 and load_unit(value, unit)[1] == unit:
         return f"{value:.3g} {unit}"
     return EngFormatter(unit, places=2 - int(np.floor(np.log10(value))) % 3)(value)

@@ -88,14 +88,14 @@ def draw_motion(
     draw_moving(axes, recording, view, shade, strong_times)
     draw_rail(axes, recording)
     label = "at impacts" if len(rows) > 1 else f"at impact {sum(rows) + 1}"
-    if reach := small_reach(recording, view.corners):
-        label = "_"  # start and end cover the chain at the impact
+    # if the motion is small, start and end cover the chain at the impact
+    label = "_" if (reach := small_reach(recording, view.corners)) else label
     for time in strong_times:
         look = {"color": shade(time), "linewidth": 1.6 * thickness, "markersize": 3.5} | marks
         draw_bodies(axes, recording, recording.row_at(time), shade(time), linewidth=0.8)
         draw_chain(axes, recording.pose_at(time), label="_" if time > strong_times[0] else label, **look)
     rest_text = f", {rest_word(recording)}" if ends_at_rest(recording) else ""
-    for row, name in ((0, "start"), (-1, f"end{rest_text}{reach}")):
+    for row, name in ((0, "start"), (-1, f"end{rest_text}")):
         colour = shade(recording.time[row])
         style = {"color": colour, "linewidth": 3.0 * thickness, "markersize": 5.5, "label": name} | marks
         # a wider copy of the chain at the start is visible as a rim around the chain at the end
@@ -104,6 +104,8 @@ def draw_motion(
             draw_chain(axes, recording.points[row], **style | rim)
         draw_bodies(axes, recording, row, colour, linewidth=1.2)
         draw_chain(axes, recording.points[row], **style)
+    if reach:
+        axes.plot([], [], linestyle="", label=reach)  # the entry has only a text
     if recording.stops:
         hit = next(
             (row for row in rows_by_speed(recording).tolist() if recording.is_at_joint_stop[row]), None
@@ -212,13 +214,13 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
 def small_reach(recording: Recording, corners: np.ndarray) -> str:
     """Return words for the reach of a motion that the marks of the chain hide, else "".
 
-    For example ", moves within 2 mm". The motion is hidden if no point moves farther than HIDDEN_REACH,
-    relative to the larger side of the view with the ``corners`` [m].
+    For example "moves within 2 mm", in two lines. The motion is hidden if no point moves farther than
+    HIDDEN_REACH, relative to the larger side of the view with the ``corners`` [m].
     """
     reach = float(np.ptp(recording.points, axis=0).max())
     if is_flat(recording) or not 0.0 < reach < HIDDEN_REACH * np.ptp(corners, axis=0).max():
         return ""
-    return f",\nmoves within\n{force_text(reach, 'm')}"
+    return f"moves within\n{force_text(reach, 'm')}"
 
 
 def last_time_seen(path: np.ndarray, time: np.ndarray, size: float) -> float:

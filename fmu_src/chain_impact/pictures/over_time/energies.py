@@ -16,7 +16,7 @@ from chain_impact.pictures.drawing.dark_ground import OCHRE
 from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, SAME_CURVE, draw_band, plot_curves
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import BLACK, BLUE, BROWN, GREEN, PURPLE, VIOLET
-from chain_impact.pictures.over_time.time_axis import show_all_time, tick_impacts
+from chain_impact.pictures.over_time.time_axis import has_impact_key, show_all_time, tick_impacts
 from chain_impact.recording.recording import Recording
 
 # the zero of the potential energy is moved if the move makes the range of all energies (``range_of``) smaller
@@ -53,7 +53,10 @@ TINY_ENERGY = 0.05
 
 
 def draw_energy(axes: Axes, recording: Recording) -> None:
-    """Draw the energies over time, with marks at impacts; small energies (``tiny_curves``) as a band."""
+    """Draw the energies over time; small energies (``tiny_curves``) as a band.
+
+    Marks at impacts are drawn if the legend has an entry for them (``add_impact_key``).
+    """
     time, curves = recording.detailed_energies[0], energy_curves(recording)
     tiny_indices = tiny_curves(curves)
     plot_curves(axes, time, [curve for k, curve in enumerate(curves) if k not in tiny_indices])
@@ -62,7 +65,8 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
         names_text = ", ".join(curves[k][1]["label"] for k in tiny_indices)
         draw_band(axes, time, values, f"{names_text}: ≤ {np.abs(values).max():.2g} J")
     axes.set_ylabel("energy [J]")
-    tick_impacts(axes, recording)
+    if has_impact_key(axes):
+        tick_impacts(axes, recording)
     show_all_time(axes, recording)
     legend_above(axes)
 

@@ -17,7 +17,15 @@ from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.pictures.drawing.labels import Label
 from chain_impact.pictures.drawing.legends import legend_above
-from chain_impact.pictures.drawing.style import GREY, INK, PEAK_COLOUR, is_narrow, load_unit, scale_numbers
+from chain_impact.pictures.drawing.style import (
+    COLUMN,
+    GREY,
+    INK,
+    PEAK_COLOUR,
+    is_narrow,
+    load_unit,
+    scale_numbers,
+)
 from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, rubbing_locations
 from chain_impact.pictures.over_time.time_axis import show_all_time
@@ -41,8 +49,8 @@ MOST_OWN_MARKS = 5
 REGULAR, EQUAL_DISTANCES = 5, 0.2
 MOST_NUMBER_LABELS = 60  # the largest number of labels with numbers of impacts
 # the upper end of the axis, relative to the largest value, or to 1 if all values are 0; the excess is room
-# for numbers
-HEADROOM = 1.3
+# for numbers. COLUMN_HEADROOM: in a figure with a width of COLUMN or less, whose panels are low
+HEADROOM, COLUMN_HEADROOM = 1.3, 1.5
 MOST_WHOLE_NAMES = 3  # the largest number of points in a narrow figure whose names all have the word "point"
 # [points] the size of the mark of an impact, and the distance by which a copy of this mark is shifted to the
 # left for each group with marks that cover it
@@ -119,7 +127,8 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
     # the names of the rows of contacts are below the axis, at its left
     name = scaled_name(axes.yaxis, *shown_values(recording, is_stop=not has_walls))
     axes.set_ylabel(name, loc="bottom" if lanes else "center")
-    axes.set_ylim(0.0, HEADROOM * (tops.max(initial=0.0) or 1.0))
+    headroom = COLUMN_HEADROOM if figure.get_figwidth() <= COLUMN else HEADROOM
+    axes.set_ylim(0.0, headroom * (tops.max(initial=0.0) or 1.0))
     if has_stops and has_walls:
         functions: Any = (lambda v: v / scale, lambda v: v * scale)
         right = axes.secondary_yaxis("right", functions=functions)
@@ -308,10 +317,11 @@ def number_impacts(axes: Axes, recording: Recording, used_pixels: UsedPixels) ->
     """Write numbers of impacts at their marks, where pixels are free.
 
     If ``numbered_step`` is a number k > 1, every k-th impact gets a number. Otherwise all impacts get one or,
-    without room for that, those with the highest marks and the last impact (``label_subsets``); impacts whose
-    marks coincide share a label (``numbers_of``). A number that would be nearer to the mark of another impact
-    is left out, except for every k-th. If an impact in ``marked_peaks`` has a label of its own, this label
-    also has the force, moment or impulse, if there is room.
+    without room for that, the impacts with the highest marks, as many as have room, and the last impact if it
+    has room (``label_subsets``); impacts whose marks coincide share a label (``numbers_of``). A number that
+    would be nearer to the mark of another impact has no room, except for every k-th. If an impact in
+    ``marked_peaks`` has a label of its own, this label also has the force, moment or impulse, if there is
+    room.
     """
     times, heights = marks_of(recording)
     if not len(times):
@@ -338,7 +348,8 @@ def number_impacts(axes: Axes, recording: Recording, used_pixels: UsedPixels) ->
         groups = {tuple(sorted(common_rows[row], key=lambda row: -heights[row])) for row in rows}
         if len(groups) <= MOST_NUMBER_LABELS:
             tries.append([label(group) for group in sorted(groups, key=lambda group: -heights[group[0]])])
-    write_first_fitting(axes, tries, used_pixels, fontsize="small")
+    last = max(common_rows[len(times) - 1], key=lambda row: heights[row])
+    write_first_fitting(axes, tries, used_pixels, spare=positions[last], fontsize="small")
 
 
 def numbered_step(axes: Axes, recording: Recording) -> int:

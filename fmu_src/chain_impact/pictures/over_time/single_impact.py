@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from chain_impact.pictures.drawing.labels import Label, place_labels
 from chain_impact.pictures.drawing.legends import legend_above
-from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR, force_text, give_ticks, load_unit
+from chain_impact.pictures.drawing.style import COLUMN, INK, PEAK_COLOUR, force_text, give_ticks, load_unit
 from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.over_time.impacts import HEADROOM
 from chain_impact.pictures.texts.headline import peaks
@@ -33,6 +33,7 @@ LEAST_CONTACT_ROWS = 20
 # the corners of a stroke.
 BREAK, SLASH = (0.97, 0.985), [(-0.4, -1.0), (0.4, 1.0)]
 BREAK_LOOK: dict[str, Any] = {"linestyle": "", "color": "black", "markersize": 8.0, "clip_on": False}
+LOW_HEADROOM = 1.75  # HEADROOM in a figure with a width of COLUMN or less, whose panels are low
 OPACITY = 0.15  # the opacity of the area below the curve, from 0 to 1
 
 
@@ -105,8 +106,11 @@ def draw_one_impact(axes: Axes, recording: Recording) -> None:
     name = f"impact {row + 1}, {duration_text}"
     axes.fill_between(times, forces, color=PEAK_COLOUR, alpha=OPACITY, linewidth=0.0, label=name)
     axes.plot(times, forces, color=PEAK_COLOUR, linewidth=1.4)
-    shown_ends = factor * shown_contact(impact, time, force)
-    axes.set(xlim=(-0.03 * shown_ends, 1.03 * shown_ends), ylim=(0.0, HEADROOM * float(forces.max())))
+    shown_ends, figure = factor * shown_contact(impact, time, force), axes.get_figure(root=True)
+    # the number of the peak must not stand on the area below the curve, also in a low panel
+    is_low = figure is not None and figure.get_figwidth() <= COLUMN
+    headroom = LOW_HEADROOM if is_low else HEADROOM
+    axes.set(xlim=(-0.03 * shown_ends, 1.03 * shown_ends), ylim=(0.0, headroom * float(forces.max())))
     if shown_ends < times[-1]:
         axes.plot(BREAK, [0.0, 0.0], marker=SLASH, **BREAK_LOOK, transform=axes.transAxes)
     axes.set_xlabel(f"time after the onset [{unit}]")

@@ -25,6 +25,7 @@ from chain_impact.recording.recording import Recording
 
 # [points] the width of the line at an impact, and the least distance of two of these lines
 IMPACT_WIDTH, LEAST_GAP = 0.5, 2.8
+IMPACT_KEY = "impacts"  # the entry of a legend for the marks of impacts
 CLOCK_HEIGHT = 0.045  # [inch] the height of the bar with the colours of time
 # the part of the text's colour (``faint_colour``) in the mark of an impact at the upper edge of axes, and the
 # lower end of this mark, relative to the height of the axes, whose curves end below it
@@ -68,7 +69,12 @@ def add_impact_key(axes: Axes, recording: Recording) -> None:
     time_span = shown_time(recording)
     if impact_lines(recording, time_span.start, time_span.end):
         look: dict[str, Any] = {"color": faint_colour(axes, TICK), "marker": "|", "markersize": 5.0}
-        axes.plot([], [], linestyle="", label="impacts", gid=KEY, **look)
+        axes.plot([], [], linestyle="", label=IMPACT_KEY, gid=KEY, **look)
+
+
+def has_impact_key(axes: Axes) -> bool:
+    """Return whether ``add_impact_key`` has added an entry to the legend of axes."""
+    return any(line.get_label() == IMPACT_KEY for line in axes.lines)
 
 
 def add_rest_key(axes: Axes, recording: Recording) -> None:

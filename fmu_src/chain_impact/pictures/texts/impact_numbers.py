@@ -14,9 +14,8 @@ from chain_impact.pictures.drawing.used_pixels import UsedPixels
 NUMBER_SIGN = "#"  # the sign before the number of an impact, as in pages and in lists of impacts
 LEAST_RUN = 3  # the least number of successive numbers that are written as a range
 MOST_IN_LABEL = 4  # the largest number of items in a label; an item is an impact, or a range such as "1–81"
-MOST_MISSES = 0.35  # the largest part of a list of labels that may be left out because it has no room
-# The numbers of largest impacts to try, in this order, if not most of all impacts have room for a number. The
-# last impact is always added (``label_subsets``). The first one with room for most labels is taken, else 1.
+# The numbers of largest impacts to try, in this order, if not all impacts have room for a number. The last
+# impact is always added (``label_subsets``). The first one with room for all labels is taken, else 1.
 NUMBERED_COUNTS = (20, 16, 12, 10, 8, 6, 5, 4, 3, 2, 1)
 
 
@@ -32,19 +31,30 @@ def label_subsets(order: Sequence[int]) -> Iterator[list[int]]:
 
 
 def write_first_fitting(
-    axes: Axes, tries: Iterable[Sequence[Label]], used_pixels: UsedPixels, **options: Any
+    axes: Axes,
+    tries: Iterable[Sequence[Label]],
+    used_pixels: UsedPixels,
+    spare: tuple[float, float],
+    **options: Any,
 ) -> None:
-    """Write those labels that have room, of the first list of which most have room; else of the last list.
+    """Write the labels of the first list of which all have room; else those of the last list that have room.
 
-    Most labels are all but the part MOST_MISSES. ``options`` are keywords of ``place_labels``.
+    A label at the position ``spare`` may lack room in any list. After a list of which some labels lack room,
+    longer lists than the number of those that had room, plus 1, are not tried, except the last one.
+    ``options`` are keywords of ``place_labels``.
     """
-    earlier_texts, free_pixels = {*axes.texts}, used_pixels.pixels()
-    for labels in tries:
+    earlier_texts, free_pixels, lists = {*axes.texts}, used_pixels.pixels(), [*tries]
+    most_labels = max(map(len, lists), default=0)
+    for k, labels in enumerate(lists):
+        if len(labels) > most_labels and k < len(lists) - 1:
+            continue
         for text in {*axes.texts} - earlier_texts:
             text.remove()
         used_pixels.restore(free_pixels)
-        if len(place_labels(axes, labels, used_pixels, **options)) <= MOST_MISSES * len(labels):
+        missed = place_labels(axes, labels, used_pixels, **options)
+        if all(label.position == spare for label in missed):
             return
+        most_labels = len(labels) - len(missed) + 1
 
 
 def numbers_of(rows: Sequence[int]) -> tuple[str, str]:
