@@ -1,6 +1,6 @@
 """The rows of the table of variables: their references exist, and their statements hold for all variables."""
 
-# Tests: variables/nominal_values.py, variables/parameters.py, variables/texts.py
+# Tests: variables/key_kinds.py, variables/nominal_values.py, variables/parameters.py, variables/texts.py
 
 import pytest
 

@@ -8,9 +8,7 @@ references follow the order of the kinds.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
 from chain_impact.kernel.record.constants import WALLS
@@ -19,8 +17,16 @@ from chain_impact.scene.facts import TRUE_FACT
 from chain_impact.scene.keys.chain_tables import Link, Site, Slider
 from chain_impact.scene.keys.signal_tables import NUMBERS, Signal
 from chain_impact.scene.keys.tables import Box, Contact, Initial, Material, Simulation, Solver, Stops, Wall
-from chain_impact.scene.rules.key_rules import Derived, key_fields
-from chain_impact.scene.texts.names import AXES, ENTRY_AT, LINK_AT, OWNER_AT, DataPath, name_of
+from chain_impact.scene.texts.names import ENTRY_AT, LINK_AT, OWNER_AT
+from chain_impact.variables.key_kinds import (
+    AXIS,
+    INDEX,
+    KEY,
+    metadata_of,
+    parameter_kind,
+    table_kinds,
+    vector_kinds,
+)
 from chain_impact.variables.kind import (
     GIVEN_CHANNEL,
     LINK,
@@ -29,7 +35,6 @@ from chain_impact.variables.kind import (
     SLIDER,
     SLOPED_WALL,
     WALL,
-    VariableKind,
     block,
 )
 
@@ -41,92 +46,6 @@ TARGET_HINT = (
     "with inputs.joint_targets it is the start value of the target angle: vary or fit the value of a "
     "constant signal of the target instead"
 )
-KEY = "{key}"  # placeholder for the key of a parameter in a path
-INDEX = "{index}"  # placeholder for the index of an axis in a path: 0, 1
-AXIS = "{axis}"  # placeholder for the name of an axis in a path: x, y
-
-
-@cache
-def _metadata(table: type) -> dict[str, Mapping[str, Any]]:
-    """Return key → metadata for a table of the scene, without keys that only files have (``file_only``)."""
-    return {entry.name: entry.metadata for entry in key_fields(table) if not entry.metadata.get("file_only")}
-
-
-def _parameter(
-    metadata: Mapping[str, Any],
-    *,
-    scene_path: DataPath,
-    record_path: DataPath,
-    text: str = "{}",
-    **other_fields: Any,
-) -> VariableKind:
-    """Return the kind of parameters for the values at ``scene_path`` in the scene, a template.
-
-    Unit and range are those in ``metadata`` of the key. In ``text``, ``{}`` stands for the
-    description in ``metadata``. ``other_fields`` are further attributes of ``VariableKind``.
-    """
-    default = metadata["default"]
-    limits = {limit: metadata[limit] for limit in ("minimum", "above", "maximum")}
-    return VariableKind(
-        name=name_of(scene_path),
-        unit=metadata["unit"],
-        text=text.replace("{}", metadata["description"]),
-        causality="parameter",
-        record_path=record_path,
-        scene_path=scene_path,
-        derived=default if isinstance(default, Derived) and "given_path" in other_fields else None,
-        **limits,
-        **other_fields,
-    )
-
-
-def _table_kinds(
-    table: type,
-    *,
-    scene_path: DataPath,
-    record_path: DataPath,
-    names: Sequence[str] = (),
-    text: str = "{}",
-    **special: Mapping[str, Any],
-) -> list[VariableKind]:
-    """Return the kinds of parameters for the keys ``names`` of a table, by default for all keys.
-
-    In ``scene_path`` and ``record_path``, KEY stands for the key. ``special`` is key → further attributes of
-    the kind, which replace the common ones.
-    """
-    kinds = []
-    for key in names or _metadata(table):
-        in_scene, in_record = (
-            tuple(key if step == KEY else step for step in steps) for steps in (scene_path, record_path)
-        )
-        extra_fields = {"record_path": in_record, **special.get(key, {})}
-        kinds.append(_parameter(_metadata(table)[key], scene_path=in_scene, text=text, **extra_fields))
-    return kinds
-
-
-def _vector(
-    table: type, *, scene_path: DataPath, record_path: DataPath, text: str, **other_fields: Any
-) -> list[VariableKind]:
-    """Return the kinds of parameters for the components x and y of a vector.
-
-    ``scene_path`` ends with the key. In ``record_path``, INDEX and AXIS stand for the component.
-    """
-    kinds, metadata = [], _metadata(table)[str(scene_path[-1])]
-    for j, axis in enumerate(AXES):
-        steps: dict[str | int, str | int] = {INDEX: j, AXIS: axis}
-        in_record = tuple(steps.get(step, step) for step in record_path)
-        kinds.append(
-            _parameter(
-                metadata,
-                scene_path=(*scene_path, j),
-                record_path=in_record,
-                text=text,
-                axis=axis,
-                **other_fields,
-            )
-        )
-    return kinds
-
 
 _COEFFICIENT: dict[str, Any] = {
     "tunable": TRUE_FACT,
@@ -139,7 +58,7 @@ _COEFFICIENT: dict[str, Any] = {
 PARAMETERS = (
     block(
         "one",
-        *_vector(
+        *vector_kinds(
             SceneContents,
             scene_path=("gravity",),
             record_path=("chain", "gravity", INDEX),
@@ -148,11 +67,11 @@ PARAMETERS = (
     ),
     block(
         "link",
-        *_table_kinds(
+        *table_kinds(
             Link,
             scene_path=("chain", "links", OWNER_AT, KEY),
             record_path=("chain", KEY, OWNER_AT),
-            names=[key for key in _metadata(Link) if key not in ("points", "shape")],
+            names=[key for key in metadata_of(Link) if key not in ("points", "shape")],
             height={"number_for_none": 0.0, "hint": GIVEN_HINT},
             center_of_mass_offset={"only_if_in_file": True, "hint": GIVEN_HINT},
             center_of_mass={"given_path": ("chain", "given_center_of_mass", OWNER_AT)},
@@ -182,7 +101,7 @@ PARAMETERS = (
     ),
     block(
         "site",
-        *_table_kinds(
+        *table_kinds(
             Site,
             scene_path=("chain", "links", LINK_AT, "points", ENTRY_AT, KEY),
             record_path=("site", KEY, OWNER_AT),
@@ -194,7 +113,7 @@ PARAMETERS = (
     ),
     block(
         "slider",
-        *_table_kinds(
+        *table_kinds(
             Slider,
             scene_path=("chain", "slider", KEY),
             record_path=("drive", KEY, OWNER_AT),
@@ -220,8 +139,8 @@ PARAMETERS = (
                 "hint": GIVEN_HINT,
             },
         ),
-        _parameter(
-            _metadata(Initial)["slider_velocity"],
+        parameter_kind(
+            metadata_of(Initial)["slider_velocity"],
             scene_path=("initial", "slider_velocity"),
             record_path=("initial", "slider_velocity"),
             text="initial {}",
@@ -233,7 +152,7 @@ PARAMETERS = (
         *(
             kind
             for w, wall in enumerate(WALLS)
-            for kind in _table_kinds(
+            for kind in table_kinds(
                 Box,
                 scene_path=("box", KEY),
                 record_path=("chain", "box_wall", w),
@@ -244,13 +163,13 @@ PARAMETERS = (
     ),
     block(
         "sloped wall",
-        *_vector(
+        *vector_kinds(
             Wall,
             scene_path=("walls", OWNER_AT, "point"),
             record_path=("walls", AXIS, OWNER_AT),
             text="{axis} of {}",
         ),
-        *_table_kinds(
+        *table_kinds(
             Wall,
             scene_path=("walls", OWNER_AT, KEY),
             record_path=("walls", KEY, OWNER_AT),
@@ -261,7 +180,7 @@ PARAMETERS = (
     ),
     block(
         "one",
-        *_table_kinds(
+        *table_kinds(
             Contact,
             scene_path=("contact", KEY),
             record_path=("given", "law"),
@@ -271,7 +190,7 @@ PARAMETERS = (
     ),
     block(
         "one",
-        *_table_kinds(
+        *table_kinds(
             Contact,
             scene_path=("contact", KEY),
             record_path=("contact_settings", KEY),
@@ -280,7 +199,7 @@ PARAMETERS = (
             restitution={"record_path": ("given", "restitution"), "tunable": TRUE_FACT},
             minimum_impact_speed={"smooth": False},
         ),
-        *_table_kinds(
+        *table_kinds(
             Contact,
             scene_path=("contact", KEY),
             record_path=("given", KEY),
@@ -292,7 +211,7 @@ PARAMETERS = (
     ),
     block(
         "material",
-        *_table_kinds(
+        *table_kinds(
             Material,
             scene_path=("contact", "wall", "{name}", KEY),
             record_path=("walls", KEY, OWNER_AT),
@@ -308,7 +227,7 @@ PARAMETERS = (
     ),
     block(
         "one",
-        *_table_kinds(
+        *table_kinds(
             Stops,
             scene_path=("stops", KEY),
             record_path=("stops", KEY),
@@ -327,7 +246,7 @@ PARAMETERS = (
         *(
             replace(kind, given_path=(GIVEN_CHANNEL, "position", j), stores_given_if="inputs.base_motion")
             for j, kind in enumerate(
-                _vector(
+                vector_kinds(
                     Initial,
                     scene_path=("initial", "position"),
                     record_path=("initial", "position", INDEX),
@@ -336,7 +255,7 @@ PARAMETERS = (
             )
         ),
         # only for a free base: inputs may move a pinned base, and a slider has initial.slider_velocity
-        *_vector(
+        *vector_kinds(
             Initial,
             scene_path=("initial", "velocity"),
             record_path=("initial", "velocity", INDEX),
@@ -347,18 +266,18 @@ PARAMETERS = (
     *(
         block(
             "link",
-            _parameter(
-                _metadata(Initial)[key],
+            parameter_kind(
+                metadata_of(Initial)[key],
                 scene_path=("initial", key, OWNER_AT),
                 record_path=("initial", name, OWNER_AT),
-                text="initial " + _metadata(Initial)[key]["description"].replace("each link", "link {n}"),
+                text="initial " + metadata_of(Initial)[key]["description"].replace("each link", "link {n}"),
             ),
         )
         for key, name in (("angles", "angle"), ("angular_velocities", "angular_velocity"))
     ),
     block(
         "signal",
-        *_table_kinds(
+        *table_kinds(
             Signal,
             scene_path=("signals", "{name}", KEY),
             record_path=("signal", KEY, OWNER_AT),
@@ -368,13 +287,13 @@ PARAMETERS = (
     ),
     block(
         "step",
-        _parameter(
-            _metadata(Signal)["times"],
+        parameter_kind(
+            metadata_of(Signal)["times"],
             scene_path=("signals", "{name}", "times", ENTRY_AT),
             record_path=("knot", "given_time", OWNER_AT),
         ),
-        _parameter(
-            _metadata(Signal)["values"],
+        parameter_kind(
+            metadata_of(Signal)["values"],
             scene_path=("signals", "{name}", "values", ENTRY_AT),
             record_path=("knot", "given_value", OWNER_AT),
         ),
@@ -382,7 +301,7 @@ PARAMETERS = (
     ),
     block(
         "one",
-        *_table_kinds(
+        *table_kinds(
             Solver, scene_path=("solver", KEY), record_path=("solver", KEY), method={"choices": METHODS}
         ),
         smooth=False,
@@ -394,5 +313,5 @@ DERIVED_DURING_RUN = tuple(
 )
 """The fields of the record with values in use that follow from other values during a run, as long as the user
 does not give them: part of the record and field."""
-SIMULATION_KINDS = _table_kinds(Simulation, scene_path=("simulation", KEY), record_path=())
+SIMULATION_KINDS = table_kinds(Simulation, scene_path=("simulation", KEY), record_path=())
 """The kinds for the keys of [simulation], which are no parameters: the record does not have their values."""
