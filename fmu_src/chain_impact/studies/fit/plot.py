@@ -45,7 +45,6 @@ from chain_impact.pictures.drawing.style import (
 from chain_impact.pictures.over_time.time_axis import name_time
 from chain_impact.results.result import Result
 from chain_impact.scene.texts.unit_text import bracketed_unit
-from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.estimate_texts import (
     estimate_ranges,
     estimate_text,
@@ -54,6 +53,7 @@ from chain_impact.studies.fit.estimate_texts import (
 )
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.measurements import MEASURED_OF_IMPACT, Measurements
+from chain_impact.studies.fit.model_run import model_run
 from chain_impact.studies.fit.remarks import alike_neighbours
 from chain_impact.studies.fit.report import (
     count_of_best,
@@ -67,7 +67,6 @@ from chain_impact.studies.fit.report import (
 from chain_impact.text import count_text, number_text
 
 MOST_FIT_PANELS = 8  # the largest number of panels; further measured columns are not drawn
-CURVE_POINTS = 1500  # number of equal intervals of time between the points of the model's curve
 FIT_PANEL_WIDTH, FIT_PANEL_HEIGHT = 5.2, 2.9  # [inch] size of a panel
 # free space before the first and after the last number on an axis of impact numbers; successive numbers have
 # the distance 1
@@ -130,7 +129,7 @@ def draw_fit(figure: Figure, fit: Estimates) -> None:
     # one grid for all panels: then their axes stand exactly below each other
     shape = {"width_ratios": widths, "height_ratios": [*PANEL_PARTS] * rows}
     grid = figure.add_gridspec(len(PANEL_PARTS) * rows, columns, **shape)
-    results, has_lines = [_model(fit, k) for k in range(len(fit.data))], False
+    results, has_lines = [model_run(fit, k) for k in range(len(fit.data))], False
     for k, name in enumerate(names):
         row, column = divmod(k, columns)
         # the last panel is as wide as its row, but not a panel of impacts, which has few values
@@ -234,23 +233,6 @@ def draw_law_ranking(figure: Figure, fit: Estimates) -> None:
         axes.set_xscale("symlog", linthresh=SUPPORT_LIMIT)
         axes.set_xlim(0.0, 2.0 * largest_excess)
     settle(figure)
-
-
-def _model(fit: Estimates, k: int) -> Result:
-    """Return the run of data set ``k`` with the fitted values, in CURVE_POINTS + 1 rows of equal distance."""
-    data, scene = fit.data[k], fit.scenes[k]
-    stop_time = max(1e-9, data.end(scene.simulation.stop_time))
-    inputs = dict(data.inputs) | {
-        parameter.name: fit.values[parameter.label]
-        for parameter in fit.parameters
-        if parameter.name not in scene.values and parameter.data_set in (None, k)
-    }
-    rows: dict[str, Any] = {
-        "stop_time": stop_time,
-        "output_step": stop_time / CURVE_POINTS,
-        "output": data.outputs,
-    }
-    return simulate(scene, inputs=inputs, interpolation=fit.interpolation, **rows)
 
 
 def _panel(values: Axes, residuals: Axes, fit: Estimates, name: str, results: list[Result]) -> bool:

@@ -1,0 +1,40 @@
+"""The run of a data set with the fitted values, in the rows that a picture needs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from chain_impact.progress import no_progress
+from chain_impact.results.result import Result
+from chain_impact.simulation.inputs import input_schedule
+from chain_impact.simulation.run import Run
+from chain_impact.studies.fit.estimates import Estimates
+from chain_impact.variables.prepared import PreparedScene
+
+CURVE_POINTS = 1500  # number of equal intervals of time between the rows of a run
+
+
+def model_run(fit: Estimates, k: int) -> Result:
+    """Return the run of data set ``k`` with the fitted values, in CURVE_POINTS + 1 rows of equal distance.
+
+    Inputs act as in the fit, between the times of the data set.
+    """
+    data, scene = fit.data[k], fit.scenes[k]
+    stop_time = max(1e-9, data.end(scene.simulation.stop_time))
+    inputs = dict(data.inputs) | {
+        parameter.name: fit.values[parameter.label]
+        for parameter in fit.parameters
+        if parameter.name not in scene.values and parameter.data_set in (None, k)
+    }
+    prepared_scene = PreparedScene(scene.with_values({"simulation.stop_time": stop_time}))
+    points = np.union1d(data.times[data.times < stop_time], [0.0, stop_time])
+    schedule = input_schedule(prepared_scene, inputs, fit.interpolation, points)
+    run = Run(prepared_scene, (), schedule, prepared_scene.output_indices)
+    run.execute(no_progress)
+    result = run.result((), None)
+    assert result.rerun is not None  # only a stored result lacks it
+    times = np.linspace(0.0, stop_time, CURVE_POINTS + 1)
+    outputs = result.rerun(times)
+    return replace(result, time=times[: len(outputs)], outputs=outputs, stepwise={})
