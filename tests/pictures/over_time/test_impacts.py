@@ -226,6 +226,14 @@ def test_a_contact_that_lasts_has_a_band_to_its_end():
     assert max(rows) < speeds.transData.transform((0.0, recording.impacts["impact_speed"].max()))[1]
 
 
+def test_few_impacts_keep_their_numbers_if_one_has_no_room():
+    """The largest impacts alone would leave a far impact with much room without its number."""
+    times, speeds = [0.2, 1.0, 1.5, 1.505, 1.51], [1.0, 2.0, 3.0, 1.5, 1.2]
+    hits = [impact_row(t, 1, "y_min", v) for t, v in zip(times, speeds, strict=True)]
+    numbers = texts(impacts_of(swing(hits, {"y_min": 0.0})))
+    assert {"#1", "#2"} <= {*numbers}
+
+
 @pytest.mark.parametrize("width", [84, 190])
 def test_the_impacts_with_numbers_are_the_largest_ones(width):
     axes = panel_of(page_of_width("bouncing_ball", width), "impacts")

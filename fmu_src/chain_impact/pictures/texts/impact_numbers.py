@@ -14,6 +14,8 @@ from chain_impact.pictures.drawing.used_pixels import UsedPixels
 NUMBER_SIGN = "#"  # the sign before the number of an impact, as in pages and in lists of impacts
 LEAST_RUN = 3  # the least number of successive numbers that are written as a range
 MOST_IN_LABEL = 4  # the largest number of items in a label; an item is an impact, or a range such as "1–81"
+# the largest part of a first list with at most FEW_LABELS labels that may be left out because it has no room
+FEW_LABELS, MOST_MISSES = 20, 0.35
 # The numbers of largest impacts to try, in this order, if not all impacts have room for a number. The last
 # impact is always added (``label_subsets``). The first one with room for all labels is taken, else 1.
 NUMBERED_COUNTS = (20, 16, 12, 10, 8, 6, 5, 4, 3, 2, 1)
@@ -39,9 +41,10 @@ def write_first_fitting(
 ) -> None:
     """Write the labels of the first list of which all have room; else those of the last list that have room.
 
-    A label at the position ``spare`` may lack room in any list. After a list of which some labels lack room,
-    longer lists than the number of those that had room, plus 1, are not tried, except the last one.
-    ``options`` are keywords of ``place_labels``.
+    Of the first list, if it has at most FEW_LABELS labels, the part MOST_MISSES may lack room. A label at the
+    position ``spare`` may lack room in any list. After a list of which some labels lack room, longer lists
+    than the number of those that had room, plus 1, are not tried, except the last one. ``options`` are
+    keywords of ``place_labels``.
     """
     earlier_texts, free_pixels, lists = {*axes.texts}, used_pixels.pixels(), [*tries]
     most_labels = max(map(len, lists), default=0)
@@ -52,7 +55,8 @@ def write_first_fitting(
             text.remove()
         used_pixels.restore(free_pixels)
         missed = place_labels(axes, labels, used_pixels, **options)
-        if all(label.position == spare for label in missed):
+        most_misses = MOST_MISSES * len(labels) if k == 0 and len(labels) <= FEW_LABELS else 0.0
+        if sum(label.position != spare for label in missed) <= most_misses:
             return
         most_labels = len(labels) - len(missed) + 1
 
